@@ -1,0 +1,37 @@
+#pragma once
+// A board whose measurements come from a recorded trace.
+
+#include <cmath>
+
+#include "hal/board.hpp"
+#include "hal/replay/trace.hpp"
+
+namespace smaservo {
+
+class ReplayBoard {
+ public:
+  /// A trace without load takes this one. Throws TraceError when the trace has no time (and no
+  /// period), current or voltage.
+  ReplayBoard(TraceReader trace, double load_N, double area_m2);
+
+  ReadStatus read(Frame& frame);
+  void drive(const DriveCommand& command) { last_command_ = command; }
+  void safe_off() { last_command_ = {}; }
+
+  /// The row behind the last frame, with what only a trace knows: references and texts.
+  const TraceRow& row() const { return row_; }
+  const TraceReader& trace() const { return trace_; }
+  const DriveCommand& last_command() const { return last_command_; }
+
+ private:
+  TraceReader trace_;
+  double load_N_;
+  double area_m2_;
+  TraceRow row_{};
+  std::uint32_t sequence_ = 0;
+  DriveCommand last_command_{};
+};
+
+static_assert(Board<ReplayBoard>);
+
+}  // namespace smaservo

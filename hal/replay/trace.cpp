@@ -1,0 +1,392 @@
+#include "hal/replay/trace.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "model/units.hpp"
+
+namespace smaservo {
+namespace {
+
+struct Known {
+  std::string_view base;
+  Kind kind;
+  double low, high;  ///< SI; outside is a broken row, not a measurement
+};
+
+constexpr std::array<Known, column_count> known_columns{{
+    {"time", kind::time, -1e9, 1e12},
+    {"current", kind::current, -1e3, 1e3},
+    {"voltage", kind::voltage, -1e4, 1e4},
+    {"load", kind::force, -1e3, 1e5},
+    {"stress", kind::stress, -1e9, 1e10},
+    {"temperature", kind::temperature, 50, 2000},
+    {"ambient", kind::temperature, 150, 500},
+    {"strain_ref", kind::number, -1, 1},
+    {"displacement", kind::length, -10, 10},
+}};
+
+constexpr std::size_t buffer_size = std::size_t{1} << 20;
+constexpr std::size_t most_complaints = 10;
+constexpr double not_there = std::numeric_limits<double>::quiet_NaN();
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
+    text.remove_prefix(1);
+  }
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) {
+    text.remove_suffix(1);
+  }
+  return text;
+}
+
+/// What the header says of one column.
+struct Target {
+  std::size_t value = column_count;  ///< index into TraceRow::values; column_count: keep as text
+  Unit unit{"", 1};
+  double scale = 1;  ///< of a rename
+};
+
+struct BadRow {
+  std::size_t column;
+  std::string reason;
+};
+
+}  // namespace
+
+struct TraceReader::Impl {
+  std::string path;
+  TraceOptions options;
+  int file = -1;
+  std::uint64_t size = 0;
+  std::vector<char> buffer = std::vector<char>(buffer_size);
+  std::size_t begin = 0, end = 0;  ///< unread bytes in the buffer
+  bool at_end = false;
+  std::uint64_t line = 0, rows = 0, skipped = 0, bytes = 0;
+  std::vector<std::string> names;
+  std::vector<Target> targets;
+  std::vector<std::size_t> unknown;
+  std::array<bool, column_count> has{};
+  double last_time_s = -std::numeric_limits<double>::infinity();
+  std::vector<std::string> complaints;
+
+  ~Impl() {
+    if (file > STDIN_FILENO) {
+      close(file);
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw TraceError(fmt::format("{}: {}", path, reason));
+  }
+
+  void open_file() {
+    if (path == "-") {
+      path = "standard input";
+      file = STDIN_FILENO;
+      return;
+    }
+    file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) {
+      fail(std::strerror(errno));
+    }
+    struct stat status{};
+    if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
+      size = static_cast<std::uint64_t>(status.st_size);
+    }
+    if (S_ISDIR(status.st_mode)) {
+      fail("is a folder, not a trace");
+    }
+  }
+
+  void fill() {
+    if (begin > 0) {
+      std::memmove(buffer.data(), buffer.data() + begin, end - begin);
+      end -= begin;
+      begin = 0;
+    }
+    if (end == buffer.size()) {
+      fail(fmt::format("line {}: longer than {} bytes; is this a CSV file?", line + 1,
+                       buffer.size()));
+    }
+    ssize_t got = 0;
+    do {
+      got = read(file, buffer.data() + end, buffer.size() - end);
+    } while (got < 0 && errno == EINTR);
+    if (got < 0) {
+      fail(fmt::format("line {}: {}", line + 1, std::strerror(errno)));
+    }
+    at_end = got == 0;
+    end += static_cast<std::size_t>(got);
+    bytes += static_cast<std::uint64_t>(got);
+  }
+
+  /// The next line without its end; `complete` says whether it had one.
+  bool next_line(std::string_view& text, bool& complete) {
+    std::size_t searched = begin;
+    for (;;) {
+      const char* from = buffer.data() + searched;
+      const void* found = std::memchr(from, '\n', end - searched);
+      if (found != nullptr || (at_end && begin < end)) {
+        complete = found != nullptr;
+        const char* start = buffer.data() + begin;
+        const char* stop = complete ? static_cast<const char*>(found) : buffer.data() + end;
+        text = std::string_view(start, static_cast<std::size_t>(stop - start));
+        begin = static_cast<std::size_t>(stop - buffer.data()) + (complete ? 1 : 0);
+        if (!text.empty() && text.back() == '\r') {
+          text.remove_suffix(1);
+        }
+        ++line;
+        return true;
+      }
+      if (at_end) {
+        return false;
+      }
+      const std::size_t pending = end - begin;
+      fill();
+      searched = begin + pending;
+    }
+  }
+
+  void read_header() {
+    std::string_view text;
+    bool complete = false;
+    if (!next_line(text, complete)) {
+      fail("is empty; a trace starts with a row of column names");
+    }
+    if (text.starts_with("\xEF\xBB\xBF")) {
+      text.remove_prefix(3);
+    }
+    for (std::size_t from = 0; from <= text.size();) {
+      const std::size_t comma = std::min(text.find(',', from), text.size());
+      names.emplace_back(trimmed(text.substr(from, comma - from)));
+      from = comma + 1;
+    }
+    targets.resize(names.size());
+    for (const std::string& rename : options.renames) {
+      apply_rename(rename);
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (targets[i].value == column_count) {
+        explain(i, names[i]);
+      }
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (targets[i].value == column_count) {
+        unknown.push_back(i);
+      }
+    }
+  }
+
+  void apply_rename(const std::string& rename) {
+    const std::size_t equals = rename.find('=');
+    const std::size_t star = rename.find('*', equals == std::string::npos ? 0 : equals);
+    if (equals == std::string::npos || equals == 0) {
+      fail(fmt::format("--column {}: must be NAME=COLUMN or NAME=COLUMN*FACTOR", rename));
+    }
+    const std::string name = rename.substr(0, equals);
+    const std::string column = rename.substr(equals + 1, star == std::string::npos
+                                                             ? std::string::npos
+                                                             : star - equals - 1);
+    double factor = 1;
+    if (star != std::string::npos) {
+      const char* stop = rename.data() + rename.size();
+      const auto [at, error] = std::from_chars(rename.data() + star + 1, stop, factor);
+      if (error != std::errc{} || at != stop || !std::isfinite(factor) || factor == 0) {
+        fail(fmt::format("--column {}: the factor must be a finite number, not 0", rename));
+      }
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == column) {
+        explain(i, name);
+        if (targets[i].value == column_count) {
+          fail(fmt::format("--column {}: {} is no known column; known are: {}", rename, name,
+                           known_names()));
+        }
+        targets[i].scale = factor;
+        return;
+      }
+    }
+    fail(fmt::format("--column {}: there is no column {}; there are: {}", rename, column,
+                     fmt::join(names, ", ")));
+  }
+
+  static std::string known_names() {
+    std::vector<std::string> all;
+    for (const Known& known : known_columns) {
+      for (const Unit& unit : known.kind) {
+        all.push_back(unit.suffix.empty() ? std::string(known.base)
+                                          : fmt::format("{}_{}", known.base, unit.suffix));
+      }
+    }
+    return fmt::format("{}", fmt::join(all, ", "));
+  }
+
+  void explain(std::size_t i, const std::string& name) {
+    for (std::size_t k = 0; k < column_count; ++k) {
+      const Known& known = known_columns[k];
+      if (const auto unit = unit_of(name, known.base, known.kind)) {
+        if (has[k]) {
+          fail(fmt::format("line 1, column {} ({}): there is another column for {}", i + 1, name,
+                           known.base));
+        }
+        has[k] = true;
+        targets[i].value = k;
+        targets[i].unit = *unit;
+        return;
+      }
+      // A known quantity in a foreign unit must not pass as an unknown column.
+      if (name == known.base || (name.starts_with(known.base) && name[known.base.size()] == '_' &&
+                                 looks_like_unit(name.substr(known.base.size() + 1)))) {
+        fail(fmt::format("line 1, column {} ({}): {} needs a unit that is known: {}", i + 1, name,
+                         known.base, known_names()));
+      }
+    }
+  }
+
+  /// Whether what follows a known name would be a unit to a person's eye.
+  static bool looks_like_unit(std::string_view suffix) {
+    return !suffix.empty() && suffix.find('_') == std::string_view::npos && suffix.size() <= 4;
+  }
+
+  std::optional<BadRow> parse(std::string_view text, TraceRow& row) {
+    row.values.fill(not_there);
+    row.text = text;
+    const char* at = text.data();
+    const char* const stop = at + text.size();
+    const std::size_t columns = targets.size();
+    for (std::size_t i = 0; i < columns; ++i) {
+      const Target& target = targets[i];
+      const char* comma = nullptr;
+      if (target.value == column_count) {
+        comma = static_cast<const char*>(std::memchr(at, ',', static_cast<std::size_t>(stop - at)));
+        comma = comma == nullptr ? stop : comma;
+      } else {
+        double value = 0;
+        const auto [after, error] = std::from_chars(at, stop, value);
+        comma = after;
+        if (error != std::errc{} || !(after == stop || *after == ',') || !std::isfinite(value)) {
+          return bad_number(i, at, stop);
+        }
+        value = target.unit.to_si(value * target.scale);
+        const Known& known = known_columns[target.value];
+        if (!(value >= known.low && value <= known.high)) {
+          return BadRow{i, fmt::format("{} is out of range, {:.4g} to {:.4g} {}",
+                                       field(at, stop), target.unit.from_si(known.low),
+                                       target.unit.from_si(known.high), target.unit.suffix)};
+        }
+        row.values[target.value] = value;
+      }
+      const bool last = i + 1 == columns;
+      if (last != (comma == stop)) {
+        return BadRow{i, wrong_count(text)};
+      }
+      at = comma + 1;
+    }
+    return std::nullopt;
+  }
+
+  static std::string field(const char* at, const char* stop) {
+    const std::string_view rest(at, static_cast<std::size_t>(stop - at));
+    return fmt::format("'{}'", rest.substr(0, std::min<std::size_t>(rest.find(','), 40)));
+  }
+
+  std::optional<BadRow> bad_number(std::size_t i, const char* at, const char* stop) const {
+    if (at < stop && (*at == ' ' || *at == '+')) {
+      return BadRow{i, fmt::format("{} is not a plain number", field(at, stop))};
+    }
+    const std::string text = field(at, stop);
+    return BadRow{i, text == "''" ? "there is no number" : text + " is not a finite number"};
+  }
+
+  std::string wrong_count(std::string_view text) const {
+    const auto commas = std::count(text.begin(), text.end(), ',');
+    return fmt::format("the row has {} columns, the header {}", commas + 1, names.size());
+  }
+
+  std::optional<BadRow> check_time(TraceRow& row) {
+    constexpr auto time = static_cast<std::size_t>(Column::time);
+    if (!has[time]) {
+      if (options.period_s > 0) {
+        row.values[time] = static_cast<double>(rows) * options.period_s;
+      }
+      return std::nullopt;
+    }
+    if (!(row.values[time] > last_time_s)) {
+      std::size_t column = 0;
+      while (targets[column].value != time) {
+        ++column;
+      }
+      return BadRow{column, fmt::format("time {} s does not come after {} s", row.values[time],
+                                        last_time_s)};
+    }
+    last_time_s = row.values[time];
+    return std::nullopt;
+  }
+
+  bool next(TraceRow& row) {
+    std::string_view text;
+    bool complete = false;
+    while (next_line(text, complete)) {
+      if (text.empty() && complete) {
+        continue;
+      }
+      std::optional<BadRow> bad = parse(text, row);
+      if (!bad && !complete) {
+        bad = BadRow{names.size() - 1, "the last line has no end; the file seems to be cut off"};
+      }
+      if (!bad) {
+        bad = check_time(row);
+      }
+      if (!bad) {
+        ++rows;
+        return true;
+      }
+      const std::string complaint = fmt::format("line {}, column {} ({}): {}", line,
+                                                bad->column + 1, names[bad->column], bad->reason);
+      if (!options.lenient) {
+        fail(complaint);
+      }
+      ++skipped;
+      if (complaints.size() < most_complaints) {
+        complaints.push_back(complaint);
+      }
+    }
+    return false;
+  }
+};
+
+TraceReader::TraceReader(const std::string& path, TraceOptions options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->path = path;
+  impl_->options = std::move(options);
+  impl_->open_file();
+  impl_->read_header();
+}
+TraceReader::~TraceReader() = default;
+TraceReader::TraceReader(TraceReader&&) noexcept = default;
+TraceReader& TraceReader::operator=(TraceReader&&) noexcept = default;
+
+bool TraceReader::has(Column column) const {
+  return impl_->has[static_cast<std::size_t>(column)];
+}
+const std::vector<std::string>& TraceReader::names() const { return impl_->names; }
+const std::vector<std::size_t>& TraceReader::unknown() const { return impl_->unknown; }
+bool TraceReader::next(TraceRow& row) { return impl_->next(row); }
+std::uint64_t TraceReader::rows() const { return impl_->rows; }
+std::uint64_t TraceReader::skipped() const { return impl_->skipped; }
+std::uint64_t TraceReader::bytes() const { return impl_->bytes; }
+std::uint64_t TraceReader::file_size() const { return impl_->size; }
+const std::vector<std::string>& TraceReader::complaints() const { return impl_->complaints; }
+
+}  // namespace smaservo

@@ -1,0 +1,82 @@
+#pragma once
+// Recorded traces: CSV with one header row, read in one pass and constant memory.
+// hal/replay/README.md has the format.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace smaservo {
+
+/// What a trace may hold and the program understands. Other columns are kept as text.
+enum class Column : unsigned char {
+  time,
+  current,
+  voltage,
+  load,
+  stress,
+  temperature,
+  ambient,
+  strain_ref,
+  displacement,
+  count
+};
+inline constexpr std::size_t column_count = static_cast<std::size_t>(Column::count);
+
+/// What is wrong with a trace: names file, line and column.
+class TraceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct TraceOptions {
+  bool lenient = false;  ///< skip and count bad rows instead of refusing them
+  double period_s = 0;   ///< above 0: rows without a time column follow each other by this
+  /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5".
+  std::vector<std::string> renames;
+};
+
+/// One row, in SI; NaN where the trace has no such column.
+struct TraceRow {
+  std::array<double, column_count> values;
+  std::string_view text;  ///< the row as it stands, without the line end; valid until the next one
+
+  double operator[](Column column) const { return values[static_cast<std::size_t>(column)]; }
+};
+
+class TraceReader {
+ public:
+  /// `path` "-" is standard input. Reads and checks the header. Throws TraceError.
+  TraceReader(const std::string& path, TraceOptions options);
+  ~TraceReader();
+  TraceReader(TraceReader&&) noexcept;
+  TraceReader& operator=(TraceReader&&) noexcept;
+
+  bool has(Column column) const;
+  /// All columns' names, as they stand.
+  const std::vector<std::string>& names() const;
+  /// Positions of columns that nothing else explains, to be passed on.
+  const std::vector<std::size_t>& unknown() const;
+
+  /// False at the end. Throws TraceError for a bad row, unless lenient.
+  bool next(TraceRow& row);
+
+  std::uint64_t rows() const;      ///< good ones so far
+  std::uint64_t skipped() const;   ///< bad ones so far, when lenient
+  std::uint64_t bytes() const;     ///< read so far
+  std::uint64_t file_size() const; ///< 0 where it is not known
+  /// The first few reasons for skipping.
+  const std::vector<std::string>& complaints() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,39 @@
+#include "host-sim/error_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace smaservo {
+namespace {
+
+constexpr double bin_percent = 0.01;
+constexpr std::size_t most_bins = 100'000;  // 1000 %; beyond it only the maximum counts
+
+}  // namespace
+
+void ErrorStatistics::add(double percent) {
+  const double size = std::abs(percent);
+  const double place = std::min(std::floor(size / bin_percent), double{most_bins - 1});
+  const auto bin = static_cast<std::size_t>(place);
+  if (bin >= bins_.size()) {
+    bins_.resize(bin + 1);
+  }
+  ++bins_[bin];
+  ++count_;
+  sum_ += size;
+  maximum_ = std::max(maximum_, size);
+}
+
+double ErrorStatistics::quantile(double share) const {
+  const double wanted = share * static_cast<double>(count_);
+  std::uint64_t seen = 0;
+  for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+    seen += bins_[bin];
+    if (static_cast<double>(seen) >= wanted) {
+      return std::min(static_cast<double>(bin + 1) * bin_percent, maximum_);
+    }
+  }
+  return maximum_;
+}
+
+}  // namespace smaservo

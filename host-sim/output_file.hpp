@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace smaservo {
+
+/// A mistake of the user's or the machine's that a message explains; ends the program with 1.
+class UserError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A file that appears under its name only when it is complete: written beside, then renamed.
+/// "-" is standard output. Throws UserError when it cannot be written.
+class OutputFile {
+ public:
+  explicit OutputFile(std::string path);
+  ~OutputFile();  ///< removes what was not committed
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(std::string_view text);
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+
+  std::string path_;
+  std::string beside_;
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace smaservo

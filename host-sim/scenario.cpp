@@ -1,0 +1,250 @@
+#include "host-sim/scenario.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <set>
+#include <sstream>
+#include <toml++/toml.h>
+
+#include "host-sim/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+/// One table of the file: takes keys, and refuses what nobody took.
+class Table {
+ public:
+  Table(const toml::table& table, std::string path, const std::string& origin)
+      : table_(table), path_(std::move(path)), origin_(origin) {}
+
+  [[noreturn]] void fail(std::string_view key, const std::string& reason) const {
+    const toml::node* node = table_.get(key);
+    const auto line = (node != nullptr ? *node : static_cast<const toml::node&>(table_))
+                          .source()
+                          .begin.line;
+    std::string value;
+    if (node != nullptr) {
+      std::ostringstream text;
+      node->visit([&](const auto& item) { text << item; });
+      value = " = " + text.str();
+    }
+    throw UserError(fmt::format("{}:{}: {}{}{}: {}", origin_, line, path_, key, value, reason));
+  }
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+
+  double number(std::string_view key, double low, double high) {
+    taken_.emplace(key);
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) {
+      fail(key, "is missing");
+    }
+    return in_range(key, *node, low, high);
+  }
+  double number(std::string_view key, double low, double high, double otherwise) {
+    return has(key) ? number(key, low, high) : otherwise;
+  }
+
+  std::string text(std::string_view key) {
+    taken_.emplace(key);
+    const auto value = table_[key].value<std::string>();
+    if (!value) {
+      fail(key, "must be a text");
+    }
+    return *value;
+  }
+
+  std::vector<double> numbers(std::string_view key, double low, double high) {
+    taken_.emplace(key);
+    const toml::array* list = table_[key].as_array();
+    if (list == nullptr || list->empty()) {
+      fail(key, "must be a list of numbers");
+    }
+    std::vector<double> all;
+    for (const toml::node& node : *list) {
+      all.push_back(in_range(key, node, low, high));
+    }
+    return all;
+  }
+
+  Table table(std::string_view key) {
+    taken_.emplace(key);
+    const toml::table* inner = table_[key].as_table();
+    if (inner == nullptr) {
+      fail(key, "must be a table");
+    }
+    return Table(*inner, fmt::format("{}{}.", path_, key), origin_);
+  }
+
+  std::vector<Table> tables(std::string_view key) {
+    taken_.emplace(key);
+    const toml::array* list = table_[key].as_array();
+    if (list == nullptr || list->empty() || !list->is_homogeneous<toml::table>()) {
+      fail(key, fmt::format("must be one or more tables [[{}{}]]", path_, key));
+    }
+    std::vector<Table> all;
+    for (const toml::node& node : *list) {
+      all.emplace_back(*node.as_table(), fmt::format("{}{}.", path_, key), origin_);
+    }
+    return all;
+  }
+
+  void finish() const {
+    for (const auto& [key, node] : table_) {
+      if (!taken_.contains(key.str())) {
+        fail(key.str(), fmt::format("unknown key; here may stand: {}", fmt::join(taken_, ", ")));
+      }
+    }
+  }
+
+ private:
+  double in_range(std::string_view key, const toml::node& node, double low, double high) const {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value || !(*value >= low && *value <= high)) {
+      fail(key, fmt::format("must be a number between {} and {}", low, high));
+    }
+    return *value;
+  }
+
+  const toml::table& table_;
+  std::string path_;
+  const std::string& origin_;
+  std::set<std::string, std::less<>> taken_;
+};
+
+constexpr double longest_run_s = 1e5;
+
+Load read_load(Table table) {
+  const std::string type = table.text("type");
+  Load load;
+  if (type == "constant") {
+    load = ConstantLoad{1e6 * table.number("stress_MPa", 0, 1000)};
+  } else if (type == "spring") {
+    load = SpringLoad{1e6 * table.number("low_MPa", 0, 1000),
+                      1e6 * table.number("high_MPa", 0, 1000), table.number("stroke", 0.001, 0.2),
+                      table.number("lag_s", 0.01, 10)};
+  } else if (type == "varying") {
+    load = VaryingLoad{1e6 * table.number("stress_MPa", 0, 1000),
+                       1e6 * table.number("amplitude_MPa", 0, 1000),
+                       table.number("period_s", 0.1, 1000),
+                       1e6 * table.number("walk_MPa", 0, 1000, 0),
+                       1e6 * table.number("least_MPa", 0, 1000)};
+  } else {
+    table.fail("type", "must be one of: constant, spring, varying");
+  }
+  table.finish();
+  return load;
+}
+
+std::vector<DriveStep> read_drive(std::vector<Table> tables, std::mt19937_64& random) {
+  std::vector<DriveStep> drive;
+  for (Table& step : tables) {
+    if (step.has("level")) {
+      drive.push_back({step.number("level", 0, 2), step.number("for_s", 0.001, longest_run_s)});
+    } else if (step.has("shrinking")) {
+      const double center = step.number("center", 0, 2);
+      double amplitude = step.number("shrinking", 0, 1);
+      const double factor = step.number("factor", 0, 1);
+      const double each_s = step.number("each_s", 0.001, longest_run_s);
+      const double loops = step.number("loops", 1, 1e4);
+      for (double i = 0; i < loops; ++i) {
+        drive.push_back({center + amplitude, each_s});
+        drive.push_back({std::max(center - amplitude, 0.0), each_s});
+        amplitude *= factor;
+      }
+    } else if (step.has("random")) {
+      const std::vector<double> levels = step.numbers("random", 0, 2);
+      const std::vector<double> each = step.numbers("each_s", 0.001, longest_run_s);
+      if (levels.size() != 2 || each.size() != 2) {
+        step.fail("random", "random and each_s must have two numbers, low and high");
+      }
+      std::uniform_real_distribution<double> level(levels[0], levels[1]);
+      std::uniform_real_distribution<double> seconds(each[0], each[1]);
+      double left_s = step.number("for_s", 0.001, longest_run_s);
+      while (left_s > 0) {
+        const double part_s = std::min(seconds(random), left_s);
+        drive.push_back({level(random), part_s});
+        left_s -= part_s;
+      }
+    } else {
+      step.fail("level", "or shrinking, or random must be given");
+    }
+    step.finish();
+  }
+  return drive;
+}
+
+Sensors read_sensors(Table table) {
+  Sensors s{static_cast<int>(table.number("bits", 8, 32)),
+            1e-3 * table.number("current_full_scale_mA", 1, 1e5),
+            table.number("voltage_full_scale_V", 0.1, 1000),
+            table.number("load_full_scale_N", 0.01, 1e5),
+            1e-6 * table.number("current_noise_uA", 0, 1e6),
+            1e-3 * table.number("voltage_noise_mV", 0, 1e3),
+            1e-3 * table.number("load_noise_mN", 0, 1e6),
+            1 + 0.01 * table.number("load_gain_error_percent", -50, 50),
+            1 + 0.01 * table.number("resistance_drift_percent", -20, 20)};
+  table.finish();
+  return s;
+}
+
+}  // namespace
+
+Scenario load_scenario(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) {
+    throw UserError(fmt::format("{}: cannot be read", file.string()));
+  }
+  const std::string origin = file.string();
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text.str(), origin);
+  } catch (const toml::parse_error& error) {
+    throw UserError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
+                                error.source().begin.column, error.description()));
+  }
+  Table root(parsed, "", origin);
+  Scenario scenario{};
+  scenario.note = root.text("note");
+  const std::string wire = root.text("wire");
+  scenario.wire = load_wire(wire.ends_with(".toml") ? (file.parent_path() / wire).string() : wire);
+  scenario.seed = static_cast<std::uint64_t>(root.number("seed", 0, 1e9));
+  scenario.scatter_K = root.number("scatter_K", 0, 20);
+  std::mt19937_64 random(scenario.seed);
+  if (root.has("bath")) {
+    Table bath = root.table("bath");
+    BathScenario b{1e6 * bath.number("stress_MPa", 0, 1000), bath.number("step_K", 0.01, 10),
+                   bath.numbers("turning_degC", -50, 250),
+                   bath.number("temperature_noise_K", 0, 5)};
+    for (double& turning : b.turning_K) {
+      turning += 273.15;
+    }
+    bath.finish();
+    scenario.run = b;
+  } else {
+    Table joule = root.table("joule");
+    JouleScenario j{273.15 + joule.number("ambient_degC", -40, 80),
+                    joule.number("draught", 0.1, 10),
+                    joule.number("overheat_K", 0, 100),
+                    1e-3 * joule.number("least_current_mA", 0, 1e4),
+                    joule.number("rate_Hz", 1, 1000),
+                    joule.number("record_from_s", 0, longest_run_s, 0),
+                    read_drive(joule.tables("drive"), random),
+                    read_load(joule.table("load")),
+                    read_sensors(joule.table("sensors"))};
+    if (std::abs(1000 / j.rate_Hz - std::round(1000 / j.rate_Hz)) > 1e-9) {
+      joule.fail("rate_Hz", "must divide 1000: the plant runs at 1 kHz");
+    }
+    joule.finish();
+    scenario.run = j;
+  }
+  root.finish();
+  return scenario;
+}
+
+}  // namespace smaservo

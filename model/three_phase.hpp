@@ -1,0 +1,491 @@
+#pragma once
+// The three-phase model of paper 000: five transformation processes between martensite, R-phase
+// and austenite, each with its own ihyp surface, competing for the phase they start from.
+//
+//   heating or falling stress:  M2A, R2A        cooling or rising stress:  A2M, A2R, R2M
+//
+// A process acts while the fraction s that its outer curve has left falls; it then leaves the
+// ratio s(new)/s(old) of what it may convert (000, 'Switching the transformation direction' and
+// the two sections after it; the ratio is the same as the scaling there).
+//
+// Return-point memory (ours; 000 leaves inner loops to future work). Plain scaling lets a ripple
+// of the temperature walk the fractions away. With memory every reversal is kept as a turning
+// point, and a branch that heads back to one converts only what was converted since, so that
+// nothing of it is left on arrival: the ratio becomes (s(new) - s*)/(s(old) - s*), with s* the
+// value at the turning point. Passing a turning point wipes its loop out. An outer branch is the
+// same with its turning point at infinity, where s* = 0. model/README.md draws it.
+
+#include <cmath>
+
+#include "model/surface.hpp"
+#include "model/turning_points.hpp"
+
+namespace smaservo {
+
+/// How inner loops behave. `plain` is paper 000's scaling and the reference for what it says.
+enum class Memory : unsigned char { plain, return_point };
+
+template <class S>
+struct ThreePhase {
+  using Scalar = S;
+
+  struct Params {
+    Surface<S> m2a;
+    Surface<Pair<S>> a2m_a2r;   ///< A2M in the first lane, A2R in the second: needed together
+    Surface<S> r2a;             ///< used when separate_r2a
+    Surface<S> r2m;             ///< used when separate_r2m
+    bool separate_r2a = false;  ///< R2A has a surface of its own; 000 shares M2A's
+    bool separate_r2m = false;  ///< R2M has a surface of its own; 000 shares A2M's
+    Memory memory = Memory::return_point;
+    /// A reversal counts when it is larger than this; until then nothing transforms. What was
+    /// waited for is made up for, so larger motions do not depend on it.
+    S smallest_reversal_K = S(0);
+  };
+
+  /// What the outer curves of one direction's processes have left, s.
+  struct Reverse {
+    S m2a, r2a;
+  };
+  struct Forward {
+    Pair<S> a2m_a2r;
+    S r2m;
+  };
+
+  /// Reversals: out of heating, out of cooling.
+  struct HotTurn {
+    Reverse left;
+    S martensite, r_phase;
+  };
+  struct ColdTurn {
+    Forward left;
+    S austenite, r_phase, returning;
+  };
+  static constexpr int memory_depth = 4;
+
+  struct State {
+    Drive<S> drive;
+    Drive<S> reached;  ///< farthest point of the current heading; the fractions belong to it
+    S martensite, r_phase;
+    S returning;      ///< austenite that becomes R-phase, and stays, before the newest cold turn
+    Reverse reverse;  ///< at `reached`, when heating
+    Forward forward;  ///< at `reached`, when cooling
+    Heading heading;
+    TurningPoints<HotTurn, memory_depth> hot;
+    TurningPoints<ColdTurn, memory_depth> cold;
+  };
+
+  /// What one step makes of a small change of the fractions before it, as a matrix; m_r is
+  /// martensite after by R-phase before. History is carried along as in correct(). The derivative
+  /// by the temperature after the step is rates() after it, the one by the temperature before is
+  /// minus this matrix times rates() before: the steps form a group.
+  struct Transfer {
+    S m_m, m_r, r_m, r_r;
+  };
+
+  /// A step's derivatives: see Transfer; `rates` are those after the step, the slopes those of the
+  /// outer curves at the farthest point, of the current heading only.
+  struct Tangent {
+    Transfer transfer;
+    PhaseRates<S> rates;
+    Reverse reverse_1_K;
+    Forward forward_1_K;
+  };
+
+  static State rest(const Params& p, const Drive<S>& u) {
+    State s = with_phases(p, u, {S(0), S(0)});
+    const Forward now = s.forward;
+    // In one step from infinite temperature: exact when R2M shares A2M's surface, and with a
+    // surface of its own close enough for a state that nothing is known about.
+    s.forward = {Pair<S>(S(1)), S(1)};
+    cool<false>(p, s, now);
+    return s;
+  }
+
+  /// A state with given fractions (on the simplex), as if cooled to this drive.
+  static State with_phases(const Params& p, const Drive<S>& u, const Phases<S>& phases) {
+    State s{};
+    s.hot = TurningPoints<HotTurn, memory_depth>({{S(0), S(0)}, S(0), S(0)});
+    s.cold = TurningPoints<ColdTurn, memory_depth>({{Pair<S>(S(0)), S(0)}, S(0), S(0), S(0)});
+    s.drive = u;
+    s.reached = u;
+    s.martensite = phases.martensite;
+    s.r_phase = phases.r_phase;
+    s.returning = S(0);
+    s.heading = Heading::cooling;
+    s.forward = forward_left(p, u);
+    return s;
+  }
+
+  /// Exact for any step size when the processes share their surfaces as in 000; with a separate
+  /// R2M of second order in the step. Cost: one curve when heating, two when cooling, all three
+  /// at a reversal.
+  static void advance(const Params& p, State& s, const Drive<S>& u) {
+    move<false>(p, AtStress{p, u.stress_Pa}, s, u);
+  }
+  static Tangent advance_linearised(const Params& p, State& s, const Drive<S>& u) {
+    return move<true>(p, AtStress{p, u.stress_Pa}, s, u);
+  }
+
+  /// An observer's correction after a step: the wire was warmer by `warmer_K` all along this
+  /// branch and has these fractions (on the simplex). A pool that grows by 1 % has 1 % more of
+  /// each of its parts. A small shift moves along the step's tangents, a larger one evaluates.
+  static void correct(const Params& p, State& s, const Tangent& tangent, const S& warmer_K,
+                      const Phases<S>& to) {
+    const S m = scale(to.martensite, s.martensite);
+    const S r = scale(to.r_phase, s.r_phase);
+    const S a = scale(to.austenite(), phases(s).austenite());
+    for (HotTurn& turn : s.hot) {
+      turn.martensite = turn.martensite * m;
+      turn.r_phase = turn.r_phase * r;
+    }
+    for (ColdTurn& turn : s.cold) {
+      // R-phase that the turn has more than the state is austenite now.
+      const S more = turn.r_phase - s.r_phase;
+      turn.r_phase = to.r_phase + more * (more < S(0) ? r : a);
+      turn.austenite = turn.austenite * a;
+      turn.returning = turn.returning * a;
+    }
+    s.returning = s.returning * a;
+    s.martensite = to.martensite;
+    s.r_phase = to.r_phase;
+    s.drive.temperature_K = s.drive.temperature_K + warmer_K;
+    s.reached.temperature_K = s.reached.temperature_K + warmer_K;
+    const bool small = warmer_K < S(0.02) && S(-0.02) < warmer_K;
+    if (s.heading == Heading::heating) {
+      const S m2a = s.reverse.m2a + warmer_K * tangent.reverse_1_K.m2a;
+      s.reverse = small && !p.separate_r2a ? Reverse{m2a, m2a} : reverse_left(p, s.reached);
+    } else {
+      const Pair<S> both = s.forward.a2m_a2r + Pair<S>(warmer_K) * tangent.forward_1_K.a2m_a2r;
+      s.forward =
+          small && !p.separate_r2m ? Forward{both, both.first()} : forward_left(p, s.reached);
+    }
+  }
+
+  /// The surfaces cut at one stress, for many steps at that stress.
+  struct Cut {
+    S stress_Pa;
+    Isobar<S> m2a, r2a, r2m;
+    Isobar<Pair<S>> a2m_a2r;
+  };
+  static Cut cut(const Params& p, const S& stress_Pa) {
+    const AtStress at{p, stress_Pa};
+    return {stress_Pa, at.m2a(), at.r2a(), at.r2m(), at.a2m_a2r()};
+  }
+  /// The same step with the cut at hand; a quarter cheaper.
+  static void advance(const Params& p, const Cut& cut, State& s, const S& temperature_K) {
+    move<false>(p, AtCut{cut}, s, {temperature_K, cut.stress_Pa});
+  }
+
+  /// What plain scaling would have converted in a step without reversal.
+  static S plainly_converted(const State& before, const State& after) {
+    const auto lost = [](const S& now, const S& was) { return now < was ? (was - now) / was : S(0); };
+    if (after.heading == Heading::heating) {
+      return (before.martensite + before.r_phase) * lost(after.reverse.m2a, before.reverse.m2a);
+    }
+    const Pair<S> now = after.forward.a2m_a2r;
+    const Pair<S> was = before.forward.a2m_a2r;
+    return (S(1) - before.martensite) * lost(now.first(), was.first()) +
+           phases(before).austenite() * lost(now.second(), was.second());
+  }
+
+  static Drive<S> drive(const State& s) { return s.drive; }
+  static Phases<S> phases(const State& s) { return {s.martensite, s.r_phase}; }
+
+  /// Zero where the next small step transforms nothing: against the heading, or not yet back at
+  /// the farthest point.
+  static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
+    const bool there = !(s.drive.temperature_K < s.reached.temperature_K) &&
+                       !(s.reached.temperature_K < s.drive.temperature_K);
+    if (heading != s.heading || !there) {
+      return {S(0), S(0)};
+    }
+    const AtStress at{p, s.reached.stress_Pa};
+    return heading == Heading::heating ? rates(s, slopes(p, at, s.reverse))
+                                       : rates(s, slopes(p, at, s.forward));
+  }
+
+ private:
+  // Where the isobars come from: cut when they are needed, or cut before.
+  struct AtStress {
+    const Params& p;
+    S stress_Pa;
+    Isobar<S> m2a() const { return isobar(p.m2a, stress_Pa); }
+    Isobar<S> r2a() const { return isobar(p.separate_r2a ? p.r2a : p.m2a, stress_Pa); }
+    Isobar<S> r2m() const { return isobar(p.r2m, stress_Pa); }
+    Isobar<Pair<S>> a2m_a2r() const { return isobar(p.a2m_a2r, Pair<S>(stress_Pa)); }
+  };
+  struct AtCut {
+    const Cut& cut;
+    const Isobar<S>& m2a() const { return cut.m2a; }
+    const Isobar<S>& r2a() const { return cut.r2a; }
+    const Isobar<S>& r2m() const { return cut.r2m; }
+    const Isobar<Pair<S>>& a2m_a2r() const { return cut.a2m_a2r; }
+  };
+
+  template <class Isobars>
+  static Reverse reverse_left(const Params& p, const Isobars& at, const S& temperature_K) {
+    const S m2a = at.m2a().remaining(temperature_K);
+    return {m2a, p.separate_r2a ? at.r2a().remaining(temperature_K) : m2a};
+  }
+  static Reverse reverse_left(const Params& p, const Drive<S>& u) {
+    return reverse_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
+  }
+
+  template <class Isobars>
+  static Forward forward_left(const Params& p, const Isobars& at, const S& temperature_K) {
+    const Pair<S> both = at.a2m_a2r().remaining(Pair<S>(temperature_K));
+    return {both, p.separate_r2m ? at.r2m().remaining(temperature_K) : both.first()};
+  }
+  static Forward forward_left(const Params& p, const Drive<S>& u) {
+    return forward_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
+  }
+
+  template <bool linearise, class Isobars>
+  static Tangent move(const Params& p, const Isobars& at, State& s, const Drive<S>& u) {
+    s.drive = u;
+    Transfer transfer{S(1), S(0), S(0), S(1)};
+    bool moved = false;
+    if (s.heading == Heading::heating) {
+      const Reverse now = reverse_left(p, at, u.temperature_K);
+      moved = falls(p, now, s.reverse);
+      if (moved) {
+        transfer = heat<linearise>(p, s, now);
+      } else if (p.smallest_reversal_K < returned_K(p, s)) {
+        moved = turn_to_cooling(p, at, s);
+      }
+    } else {
+      const Forward now = forward_left(p, at, u.temperature_K);
+      moved = falls(p, now, s.forward);
+      if (moved) {
+        transfer = cool<linearise>(p, s, now);
+      } else if (p.smallest_reversal_K < returned_K(p, s)) {
+        moved = turn_to_heating(p, at, s);
+      }
+    }
+    if constexpr (!linearise) {
+      return {};
+    }
+    return s.heading == Heading::heating ? heating_tangent(p, at, s, transfer, moved)
+                                         : cooling_tangent(p, at, s, transfer, moved);
+  }
+
+  template <class Isobars>
+  static Tangent heating_tangent(const Params& p, const Isobars& at, const State& s,
+                                 const Transfer& transfer, bool moved) {
+    const Reverse slope = slopes(p, at, s.reverse);
+    return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, slope, Forward{}};
+  }
+
+  template <class Isobars>
+  static Tangent cooling_tangent(const Params& p, const Isobars& at, const State& s,
+                                 const Transfer& transfer, bool moved) {
+    const Forward slope = slopes(p, at, s.forward);
+    return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, Reverse{}, slope};
+  }
+
+  static bool falls(const Params& p, const Reverse& now, const Reverse& before) {
+    return now.m2a < before.m2a || (p.separate_r2a && now.r2a < before.r2a);
+  }
+  static bool falls(const Params& p, const Forward& now, const Forward& before) {
+    return any(now.a2m_a2r < before.a2m_a2r) || (p.separate_r2m && now.r2m < before.r2m);
+  }
+
+  static S least(const S& a, const S& b) { return a < b ? a : b; }
+  static S positive(const S& x) { return x < S(0) ? S(0) : x; }
+  static S scale(const S& to, const S& from) { return S(1e-6) < from ? to / from : S(0); }
+  static S share(const S& part, const S& whole) { return S(1e-6) < whole ? part / whole : S(1); }
+
+  /// How far the drive has come back from its farthest point, as a temperature.
+  static S returned_K(const Params& p, const State& s) {
+    const S cooler = s.reached.temperature_K - s.drive.temperature_K;
+    const S from = s.reached.stress_Pa;
+    const S to = s.drive.stress_Pa;
+    return s.heading == Heading::heating
+               ? cooler + p.m2a.start_shift_K(from, to)
+               : S(0) - cooler - p.a2m_a2r.start_shift_K(Pair<S>(from), Pair<S>(to)).first();
+  }
+
+  /// Share of a pool that a step leaves: 1 where the process does not act, 0 on arrival.
+  static S ratio(const S& now, const S& before, const S& target) {
+    if (!(now < before)) {
+      return S(1);
+    }
+    return target < now ? (now - target) / (before - target) : S(0);
+  }
+
+  static void forget_innermost_loop(State& s) {
+    s.hot.pop();
+    s.cold.pop();
+  }
+
+  template <class Isobars>
+  static bool turn_to_heating(const Params& p, const Isobars& at, State& s) {
+    if (p.memory == Memory::return_point) {
+      if (s.cold.full()) {
+        forget_innermost_loop(s);
+      }
+      s.cold.push({s.forward, phases(s).austenite(), s.r_phase, s.returning});
+    }
+    s.heading = Heading::heating;
+    s.reverse = reverse_left(p, s.reached);
+    const Reverse now = reverse_left(p, at, s.drive.temperature_K);
+    const bool moves = falls(p, now, s.reverse);
+    if (moves) {
+      heat<false>(p, s, now);
+    }
+    return moves;
+  }
+
+  template <class Isobars>
+  static bool turn_to_cooling(const Params& p, const Isobars& at, State& s) {
+    if (p.memory == Memory::return_point) {
+      if (s.hot.full()) {
+        forget_innermost_loop(s);
+      }
+      s.hot.push({s.reverse, s.martensite, s.r_phase});
+    }
+    s.heading = Heading::cooling;
+    s.returning = positive(s.cold.newest().r_phase - s.r_phase);
+    s.forward = forward_left(p, s.reached);
+    const Forward now = forward_left(p, at, s.drive.temperature_K);
+    const bool moves = falls(p, now, s.forward);
+    if (moves) {
+      cool<false>(p, s, now);
+    }
+    return moves;
+  }
+
+  // 000, 'Heating process for three phase fractions': M2A and R2A are independent.
+  template <bool linearise>
+  static Transfer heat(const Params& p, State& s, const Reverse& now) {
+    const Phases<S> before = phases(s);
+    while (!(s.hot.newest().left.m2a < now.m2a)) {
+      const HotTurn& passed = s.hot.newest();
+      s.martensite = least(s.martensite, passed.martensite);
+      s.r_phase = least(s.r_phase, passed.r_phase);
+      s.reverse = passed.left;
+      forget_innermost_loop(s);
+    }
+    // z_M *= r_M2A;  z_R *= r_R2A, above the target
+    const HotTurn& target = s.hot.newest();
+    const S r_m2a = ratio(now.m2a, s.reverse.m2a, target.left.m2a);
+    const S r_r2a =
+        p.separate_r2a ? ratio(now.r2a, s.reverse.r2a, target.left.r2a) : r_m2a;
+    s.martensite = target.martensite + (s.martensite - target.martensite) * r_m2a;
+    s.r_phase = target.r_phase + (s.r_phase - target.r_phase) * r_r2a;
+    s.reverse = {least(now.m2a, s.reverse.m2a), least(now.r2a, s.reverse.r2a)};
+    s.reached = s.drive;
+    if constexpr (linearise) {
+      return {share(s.martensite, before.martensite), S(0), S(0), share(s.r_phase, before.r_phase)};
+    }
+    return {};
+  }
+
+  // 000, 'Cooling process for three phase fractions': A2M and A2R compete for the austenite, R2M
+  // follows. Of the austenite above the target, `returning` becomes R-phase and stays; the rest is
+  // on its way to martensite, directly or through the R-phase.
+  template <bool linearise>
+  static Transfer cool(const Params& p, State& s, const Forward& now) {
+    const Phases<S> start = phases(s);
+    S lost_r = S(0);
+    while (!(s.cold.newest().left.a2m_a2r.first() < now.a2m_a2r.first())) {
+      const ColdTurn& passed = s.cold.newest();
+      return_r_phase(s, now);
+      lost_r = lost_r + positive(s.r_phase - passed.r_phase + s.returning);
+      s.martensite = s.martensite + positive(phases(s).austenite() - passed.austenite - s.returning) + positive(s.r_phase - passed.r_phase + s.returning);
+      s.r_phase = least(passed.r_phase - s.returning, S(1) - s.martensite);
+      s.forward = passed.left;
+      s.returning = passed.returning;
+      forget_innermost_loop(s);
+    }
+    return_r_phase(s, now);
+    const ColdTurn& target = s.cold.newest();
+    const S r = s.r_phase - target.r_phase + s.returning;  // R-phase that must leave
+    const S a = phases(s).austenite() - target.austenite - s.returning;  // and austenite
+    // r_A2M towards the target, r_A2R without one
+    const Pair<S> goal(target.left.a2m_a2r.first(), S(0));
+    const Pair<S> before = s.forward.a2m_a2r;
+    const auto acts = now.a2m_a2r < before;
+    const Pair<S> ratios =
+        select(acts, (now.a2m_a2r - goal) / (before - goal), Pair<S>(S(1)));
+    const S r_a2m = ratios.first();
+    const S r_a2r = ratios.second();
+    S stays_r = r_a2m;     // of r
+    S on_the_way = r_a2m;  // of a: austenite or R-phase; exact for any step
+    if (p.separate_r2m) {
+      // Strang's symmetric splitting: half of A2R before the others, half after.
+      using std::sqrt;
+      const S half = sqrt(r_a2r);
+      stays_r = ratio(now.r2m, s.forward.r2m, target.left.r2m);
+      on_the_way = (S(1) - half) * stays_r + half * r_a2m;
+    }
+    const S rest = r * stays_r + a * on_the_way;
+    // z_M += z_A (1 - r_A2M) + z_R (1 - r_R2M);  z_R += z_A (1 - r_A2R)
+    s.martensite = s.martensite + (a + r - rest);
+    s.r_phase = s.r_phase + (rest - r - a * r_a2r * r_a2m);
+    s.forward.a2m_a2r = select(acts, now.a2m_a2r, before);
+    s.forward.r2m = p.separate_r2m ? least(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
+    s.reached = s.drive;
+    if constexpr (linearise) {
+      // Of the austenite before: a stays, g is R-phase now; of the R-phase before, b stays.
+      lost_r = lost_r + r * (S(1) - stays_r);
+      const S a0 = start.austenite();
+      const S stays = share(phases(s).austenite(), a0);
+      const S b = share(start.r_phase - lost_r, start.r_phase);
+      const S g = least(share(s.r_phase - start.r_phase + lost_r, a0), S(1) - stays);
+      return {stays + g, stays + g - b, S(0) - g, b - g};
+    }
+    return {};
+  }
+
+  static void return_r_phase(State& s, const Forward& now) {
+    if (S(0) < s.returning) {
+      const S back = s.returning * (S(1) - ratio(now.a2m_a2r.second(), s.forward.a2m_a2r.second(),
+                                                 s.cold.newest().left.a2m_a2r.second()));
+      s.returning = s.returning - back;
+      s.r_phase = s.r_phase + back;
+    }
+  }
+
+  template <class Isobars>
+  static Reverse slopes(const Params& p, const Isobars& at, const Reverse& left) {
+    const S m2a = at.m2a().remaining_1_K(left.m2a);
+    return {m2a, p.separate_r2a ? at.r2a().remaining_1_K(left.r2a) : m2a};
+  }
+  template <class Isobars>
+  static Forward slopes(const Params& p, const Isobars& at, const Forward& left) {
+    const Pair<S> both = at.a2m_a2r().remaining_1_K(left.a2m_a2r);
+    return {both, p.separate_r2m ? at.r2m().remaining_1_K(left.r2m) : both.first()};
+  }
+
+  static PhaseRates<S> rates(const State& s, const Reverse& slope) {
+    const HotTurn& target = s.hot.newest();
+    return {flow(slope.m2a, s.reverse.m2a, target.left.m2a, s.martensite - target.martensite),
+            flow(slope.r2a, s.reverse.r2a, target.left.r2a, s.r_phase - target.r_phase)};
+  }
+  static PhaseRates<S> rates(const State& s, const Forward& slope) {
+    const ColdTurn& target = s.cold.newest();
+    const Pair<S> left = s.forward.a2m_a2r;
+    const Pair<S> goal = target.left.a2m_a2r;
+    const S r = positive(s.r_phase - target.r_phase + s.returning);
+    const S a = positive(phases(s).austenite() - target.austenite - s.returning);
+    const S a2m = flow(slope.a2m_a2r.first(), left.first(), goal.first(), a);
+    const S r2m = flow(slope.r2m, s.forward.r2m, target.left.r2m, r);
+    S a2r = flow(slope.a2m_a2r.second(), left.second(), S(0), a);
+    if (S(0) < s.returning) {
+      a2r = a2r + flow(slope.a2m_a2r.second(), left.second(), goal.second(), s.returning);
+    }
+    // Per kelvin of rising temperature: what cooling adds is negative.
+    return {S(0) - a2m - r2m, r2m - a2r};
+  }
+
+  /// What a pool loses per kelvin. An exact state has pool <= left - target; a state that an
+  /// observer has corrected may not, and its rate is bounded.
+  static S flow(const S& slope, const S& left, const S& target, const S& pool) {
+    const S room = left - target;
+    const S bounded = least(positive(pool), room + room);
+    return S(0) < room ? slope * bounded / room : S(0);
+  }
+};
+
+}  // namespace smaservo

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace smaservo {
+
+/// The turning points of one direction that are still open, newest last, above one that lies at
+/// infinity and is never removed. When it is full the owner drops the innermost pair, so a loop
+/// that is forgotten is a small one.
+template <class Turn, int depth>
+class TurningPoints {
+ public:
+  TurningPoints() = default;
+  explicit constexpr TurningPoints(const Turn& at_infinity) { turns_[0] = at_infinity; }
+
+  constexpr const Turn& newest() const { return turns_[top_]; }
+  constexpr bool full() const { return top_ == depth; }
+  constexpr int size() const { return top_; }
+
+  /// Precondition: not full.
+  constexpr void push(const Turn& turn) { turns_[++top_] = turn; }
+  constexpr void pop() { top_ = static_cast<std::uint8_t>(top_ - (top_ > 0 ? 1 : 0)); }
+
+  /// All but the one at infinity.
+  constexpr Turn* begin() { return turns_.data() + 1; }
+  constexpr Turn* end() { return turns_.data() + 1 + top_; }
+
+ private:
+  std::array<Turn, depth + 1> turns_{};
+  std::uint8_t top_ = 0;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace smaservo {
+
+/// One .toml file of this folder: an alloy with its sizes.
+struct Preset {
+  std::string_view family;
+  std::string_view text;
+};
+
+std::span<const Preset> presets();
+
+}  // namespace smaservo

@@ -1,0 +1,150 @@
+#pragma once
+// Several filters that start from different ideas of where the wire is, until the resistance has
+// told which one is right. A single filter that starts from the wrong phase stays there.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "observer/kalman.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct KalmanBank {
+  using Scalar = S;
+  using Filter = KalmanObserver<S>;
+  using Params = typename Filter::Params;
+
+  static constexpr int hypotheses = 4;
+
+  struct State {
+    std::array<typename Filter::State, hypotheses> filter;
+    std::array<S, hypotheses> log_likelihood;  ///< relative to the best one
+    std::uint8_t alive;                        ///< the first so many are in use
+    S start_ambient_K;
+    S doubt_s;  ///< for how long the last filter has contradicted the resistance
+  };
+
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
+
+  /// Cost: one filter step for each hypothesis that is still possible; one, soon.
+  static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
+
+  /// The mean of the hypotheses by their likelihood, with their scatter in the deviation.
+  static Estimate<S> estimate(const Params& p, const State& s);
+
+ private:
+  /// A hypothesis is given up when it is exp(20) times less likely than the best one.
+  static constexpr S least_log_likelihood = S(-20);
+
+  static S matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
+                          const S& temperature_K, bool martensite);
+};
+
+/// Share of martensite (or else R-phase) in austenite that explains the resistance.
+template <class S>
+S KalmanBank<S>::matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
+                                const S& temperature_K, bool martensite) {
+  const auto ohm = [&](const S& share) {
+    const Phases<S> z = martensite ? Phases<S>{share, S(0)} : Phases<S>{S(0), share};
+    return Filter::expected(
+               p, Filter::start(p, m, ambient_K, temperature_K, z, S(0.1), S(8)))
+        .ohm;
+  };
+  const S none = ohm(S(0));
+  const S all = ohm(S(1));
+  const S share = (m.resistance_ohm - none) / (all - none);
+  return share < S(0.02) ? S(0.02) : S(0.95) < share ? S(0.95) : share;
+}
+
+template <class S>
+auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K) -> State {
+  const typename Filter::Kinetics::Params& k = p.model.kinetics;
+  const S heats_at = isobar(k.m2a, m.stress_Pa).start_K;
+  const S cools_at = isobar(k.a2m_a2r, Pair<S>(m.stress_Pa)).start_K.first();
+  const S between = (heats_at + cools_at) / S(2);
+  State s{};
+  s.start_ambient_K = ambient_K;
+  const auto add = [&](const S& temperature_K, const Phases<S>& z) {
+    s.filter[s.alive++] =
+        Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
+  };
+  // Cold and at rest; in the middle of a loop, martensite or R-phase with austenite; hot.
+  s.filter[s.alive++] = Filter::start(p, m, ambient_K);
+  if (m.resistance_valid) {
+    const S martensite = matching_share(p, m, ambient_K, between, true);
+    const S r_phase = matching_share(p, m, ambient_K, between, false);
+    add(between, {martensite, S(0.01)});
+    add(between, {S(0.03), r_phase});
+    add(heats_at + S(25), {martensite < S(0.3) ? martensite : S(0.3), S(0.01)});
+  }
+  return s;
+}
+
+template <class S>
+void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+  using std::log;
+  for (int i = 0; i < s.alive; ++i) {
+    Filter::advance(p, s.filter[i], m, dt_s);
+  }
+  if (s.alive > 1 && m.resistance_valid) {
+    S best = S(0);
+    for (int i = 0; i < s.alive; ++i) {
+      const typename Filter::State& f = s.filter[i];
+      const S variance = f.innovation_variance;
+      s.log_likelihood[i] = s.log_likelihood[i] - S(0.5) * (f.innovation_ohm * f.innovation_ohm / variance + log(variance));
+      best = i == 0 || best < s.log_likelihood[i] ? s.log_likelihood[i] : best;
+    }
+    int kept = 0;
+    for (int i = 0; i < s.alive; ++i) {
+      const S relative = s.log_likelihood[i] - best;
+      if (least_log_likelihood < relative) {
+        if (kept != i) {
+          s.filter[kept] = s.filter[i];
+        }
+        s.log_likelihood[kept++] = relative;
+      }
+    }
+    s.alive = static_cast<std::uint8_t>(kept);
+  }
+  const bool doubtful = s.alive == 1 && Filter::estimate(p, s.filter[0]).health == Health::doubtful;
+  s.doubt_s = doubtful ? s.doubt_s + dt_s : S(0);
+  if (S(1) < s.doubt_s && m.resistance_valid) {
+    s = start(p, m, s.start_ambient_K);
+  }
+}
+
+template <class S>
+Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
+  using std::exp;
+  using std::sqrt;
+  if (s.alive == 1) {
+    return Filter::estimate(p, s.filter[0]);
+  }
+  Estimate<S> mean{};
+  S weights = S(0);
+  S square = S(0);
+  for (int i = 0; i < s.alive; ++i) {
+    const S w = exp(s.log_likelihood[i]);
+    const Estimate<S> e = Filter::estimate(p, s.filter[i]);
+    weights = weights + w;
+    mean.strain = mean.strain + w * e.strain;
+    square = square + w * (e.strain * e.strain + e.strain_sd * e.strain_sd);
+    mean.temperature_K = mean.temperature_K + w * e.temperature_K;
+    mean.martensite = mean.martensite + w * e.martensite;
+    mean.r_phase = mean.r_phase + w * e.r_phase;
+    mean.resistance_model_ohm = mean.resistance_model_ohm + w * e.resistance_model_ohm;
+  }
+  mean.strain = mean.strain / weights;
+  const S variance = square / weights - mean.strain * mean.strain;
+  mean.strain_sd = sqrt(variance < S(0) ? S(0) : variance);
+  mean.temperature_K = mean.temperature_K / weights;
+  mean.martensite = mean.martensite / weights;
+  mean.r_phase = mean.r_phase / weights;
+  mean.resistance_model_ohm = mean.resistance_model_ohm / weights;
+  mean.health = Health::searching;
+  return mean;
+}
+
+}  // namespace smaservo

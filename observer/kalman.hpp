@@ -1,0 +1,360 @@
+#pragma once
+// The three-phase model as a nonlinear observer: an extended Kalman filter that predicts with the
+// wire's heat balance and kinetics and corrects by the resistance. observer/README.md says what
+// was tried, and what the filter reaches.
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "model/plant.hpp"
+#include "observer/estimate.hpp"
+
+namespace smaservo {
+
+/// What the filter assumes. Standard deviations; walks are per square root of a second.
+template <class S>
+struct KalmanTuning {
+  S temperature_walk_K = S(8.8);  ///< heat that the balance does not know of
+  S fraction_noise = S(0.02);     ///< per square root of the fraction converted
+  S unseen_share = S(0.3);  ///< of what plain scaling would convert, counted the same way: an inner
+                            ///< loop that is remembered wrongly must not blind the filter
+  S ambient_walk_K = S(0.32);
+  S loss_walk = S(0.01);              ///< relative
+  S resistance_walk = S(4.3e-5);      ///< relative
+  S resistance_model_sd = S(0.0174);  ///< relative, of one sample at 1 kHz: the model's error is
+                                      ///< coloured, so it counts for far more than the sensor's
+  S stress_filter_s = S(0.0096);
+  S start_temperature_sd_K = S(2);
+  S start_fraction_sd = S(0.1);
+  S start_ambient_sd_K = S(5.7);
+  S start_loss_sd = S(0.1);
+  S start_resistance_sd = S(0.012);
+  // The slow states stay this close to where they start: a filter that has the phases wrong would
+  // rather bend the surroundings than believe it.
+  S ambient_range_K = S(20);
+  S loss_range = S(1.6);  ///< factor, up and down
+  S resistance_range = S(0.025);
+};
+
+template <class S>
+struct KalmanObserver {
+  using Scalar = S;
+  using Kinetics = ThreePhase<S>;
+  using Model = Plant<Kinetics>;
+
+  struct Params {
+    typename Model::Params model;
+    KalmanTuning<S> tuning;
+  };
+
+  /// The filter's states: temperature, martensite and R-phase of the wire's middle; slowly
+  /// varying: ambient temperature, a factor on the heat loss, a factor on the resistance.
+  enum Index { iT, iM, iR, iAmbient, iLoss, iResistance, size };
+  /// Rows are padded to whole vector registers; the padding stays zero.
+  static constexpr int width = sizeof(S) == sizeof(float) ? 8 : size;
+  using Vector = Eigen::Matrix<S, 1, width>;
+  using Matrix = Eigen::Matrix<S, size, width, Eigen::RowMajor>;
+
+  struct State {
+    alignas(16) S covariance[size][width];  ///< symmetric, both halves are kept
+    typename Kinetics::State kinetics;
+    PhaseRates<S> rates;  ///< after the last step
+    S heat_J;             ///< what the last step's linearisation could not place
+    S ambient_K;
+    S start_ambient_K;
+    S loss;
+    S resistance;
+    S stress_Pa;             ///< low-pass filtered
+    S model_ohm;             ///< expected at the last measurement, before its correction
+    S innovation_ohm;        ///< its difference to the measured one, 0 where that was not valid
+    S innovation_variance;   ///< its expected square, ohm²
+    S mismatch;              ///< relative magnitude of the innovation, averaged over 2 s
+  };
+
+  /// At rest at ambient temperature, cooled there.
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
+    const Drive<S> u{ambient_K, m.stress_Pa};
+    return start(p, m, ambient_K, ambient_K,
+                 Kinetics::phases(Kinetics::rest(p.model.kinetics, u)), p.tuning.start_fraction_sd,
+                 p.tuning.start_temperature_sd_K);
+  }
+  /// From a guess of temperature and phases.
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K,
+                     const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
+                     const S& temperature_sd_K);
+  static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
+  static Estimate<S> estimate(const Params& p, const State& s);
+
+  // The parts of a step, open to tests of their derivatives.
+
+  /// Derivatives of a prediction: the temperature's row by all states, and how it reaches the
+  /// phases. With z' the rates after the step,
+  /// d(phases after) = T (d(phases before) - z'_before d(temperature before)) + z' d(temperature after).
+  struct Linear {
+    Vector temperature;
+    typename Kinetics::Tangent tangent;  ///< T and z'
+    PhaseRates<S> moved;                 ///< T z'_before
+    S converted;                         ///< fraction converted, with its unseen share
+  };
+  static Linear predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s);
+
+  /// The resistance that the model expects, and its derivatives by the states.
+  struct Expected {
+    S ohm;
+    Vector slope;
+  };
+  static Expected expected(const Params& p, const State& s);
+
+ private:
+  using Covariance = Eigen::Map<Matrix, Eigen::Aligned16>;
+
+  static void predict_covariance(const Params& p, Covariance P, const Linear& f, const S& dt_s);
+  static void keep_on_simplex(const Covariance& P, const Phases<S>& z, Vector& change);
+  static void correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
+                      const Expected& expect, const S& dt_s);
+
+  static constexpr S clamp(const S& x, const S& low, const S& high) {
+    return x < low ? low : high < x ? high : x;
+  }
+  static constexpr S magnitude(const S& x) { return x < S(0) ? S(0) - x : x; }
+};
+
+template <class S>
+auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K,
+                              const S& temperature_K, const Phases<S>& phases,
+                              const S& fraction_sd, const S& temperature_sd_K) -> State {
+  const KalmanTuning<S>& t = p.tuning;
+  State s{};
+  s.kinetics =
+      Kinetics::with_phases(p.model.kinetics, {temperature_K, m.stress_Pa}, phases);
+  s.rates = Kinetics::rates(p.model.kinetics, s.kinetics, Heading::cooling);
+  s.ambient_K = ambient_K;
+  s.start_ambient_K = ambient_K;
+  s.loss = S(1);
+  s.resistance = S(1);
+  s.stress_Pa = m.stress_Pa;
+  const S sd[size] = {temperature_sd_K,     fraction_sd,     fraction_sd,
+                      t.start_ambient_sd_K, t.start_loss_sd, t.start_resistance_sd};
+  for (int i = 0; i < size; ++i) {
+    s.covariance[i][i] = sd[i] * sd[i];
+  }
+  s.model_ohm = expected(p, s).ohm;
+  return s;
+}
+
+template <class S>
+void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>& m,
+                                const S& dt_s) {
+  if (m.stress_valid) {
+    const S alpha = dt_s / (dt_s + p.tuning.stress_filter_s);
+    s.stress_Pa = s.stress_Pa + alpha * (m.stress_Pa - s.stress_Pa);
+  }
+  const Linear f = predict_mean(p, s, m.power_W, dt_s);
+  predict_covariance(p, Covariance(&s.covariance[0][0]), f, dt_s);
+  const Expected expect = expected(p, s);
+  s.model_ohm = expect.ohm;
+  s.innovation_ohm = S(0);
+  if (m.resistance_valid) {
+    correct(p, s, m, f, expect, dt_s);
+  }
+}
+
+template <class S>
+Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
+  using std::sqrt;
+  const Phases<S> z = p.model.ends.average(Kinetics::phases(s.kinetics));
+  const StrainSlopes<S> by = strain_slopes(p.model.material, s.stress_Pa);
+  const S by_m = (S(1) - p.model.ends.share) * by.martensite;
+  const S by_r = (S(1) - p.model.ends.share) * by.r_phase;
+  const auto& P = s.covariance;
+  const S variance =
+      by_m * by_m * P[iM][iM] + S(2) * by_m * by_r * P[iM][iR] + by_r * by_r * P[iR][iR];
+  return {strain(p.model.material, z, s.stress_Pa),
+          sqrt(variance < S(0) ? S(0) : variance),
+          Kinetics::drive(s.kinetics).temperature_K,
+          z.martensite,
+          z.r_phase,
+          s.model_ohm,
+          S(0.01) < s.mismatch ? Health::doubtful : Health::good};
+}
+
+/// One step of heat balance and kinetics, as Plant::advance() does it undivided.
+template <class S>
+auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s)
+    -> Linear {
+  const ThermalBody<S>& body = p.model.body;
+  typename Kinetics::State& k = s.kinetics;
+  const S above = k.drive.temperature_K - s.ambient_K;
+  const S unit_loss_J = body.loss_W(above) * dt_s;
+  const S heat_J = s.heat_J + power_W * dt_s - s.loss * unit_loss_J;
+  const S loss_J_K = s.loss * body.loss_slope_W_K(above) * dt_s;
+  const Heading heading = S(0) < heat_J ? Heading::heating : Heading::cooling;
+  const bool onward = heading == k.heading;
+  const auto before = k;
+  PhaseRates<S> rates_before = onward ? s.rates : PhaseRates<S>{S(0), S(0)};
+  const S dT = heat_J / (body.effective_capacity_J_K(rates_before) + loss_J_K);
+
+  typename Kinetics::Tangent tangent = Kinetics::advance_linearised(
+      p.model.kinetics, k, {k.drive.temperature_K + dT, s.stress_Pa});
+  s.rates = tangent.rates;
+  const S dM = k.martensite - before.martensite;
+  const S dR = k.r_phase - before.r_phase;
+  s.heat_J = heat_J - (body.capacity_J_K + loss_J_K) * dT + body.latent_m2a_J * dM +
+             body.latent_r2a_J * dR;
+
+  // A corner of the path has no derivative; that of the branch behind it is the better guess.
+  const bool straight = onward && k.heading == heading;
+  if (!straight) {
+    tangent.transfer = {S(1), S(0), S(0), S(1)};
+    if (k.heading != heading) {
+      tangent.rates = {S(0), S(0)};
+    }
+  }
+  const bool acts = rates_before.martensite_1_K < S(0) && tangent.rates.martensite_1_K < S(0);
+  if (!straight || !acts) {
+    rates_before = tangent.rates;
+  }
+  const typename Kinetics::Transfer& t = tangent.transfer;
+  const PhaseRates<S> moved{
+      t.m_m * rates_before.martensite_1_K + t.m_r * rates_before.r_phase_1_K,
+      t.r_m * rates_before.martensite_1_K + t.r_r * rates_before.r_phase_1_K};
+
+  // The heat that the step takes in, differentiated: with the carried heat, enthalpy is exact.
+  const S per = S(1) / (body.effective_capacity_J_K(tangent.rates) + loss_J_K);
+  Vector temperature = Vector::Zero();
+  temperature[iT] = body.effective_capacity_J_K(moved) * per;
+  temperature[iM] = (body.latent_m2a_J * (t.m_m - S(1)) + body.latent_r2a_J * t.r_m) * per;
+  temperature[iR] = (body.latent_m2a_J * t.m_r + body.latent_r2a_J * (t.r_r - S(1))) * per;
+  temperature[iAmbient] = loss_J_K * per;
+  temperature[iLoss] = S(0) - unit_loss_J * per;
+
+  const S plain =
+      straight ? Kinetics::plainly_converted(before, k) : S(0);
+  return {temperature, tangent, moved,
+          magnitude(dM) + magnitude(dR) + p.tuning.unseen_share * plain};
+}
+
+template <class S>
+void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const Linear& f,
+                                           const S& dt_s) {
+  // Three rows: tau of the temperature; m and r of the phases at a given temperature after.
+  const typename Kinetics::Transfer& t = f.tangent.transfer;
+  const Vector& a = f.temperature;
+  const Vector tau = a[iT] * P.row(iT) + a[iM] * P.row(iM) + a[iR] * P.row(iR) +
+                     a[iAmbient] * P.row(iAmbient) + a[iLoss] * P.row(iLoss);
+  const Vector m = t.m_m * P.row(iM) + t.m_r * P.row(iR) - f.moved.martensite_1_K * P.row(iT);
+  const Vector r = t.r_m * P.row(iM) + t.r_r * P.row(iR) - f.moved.r_phase_1_K * P.row(iT);
+  const auto along_m = [&](const Vector& v) {
+    return t.m_m * v[iM] + t.m_r * v[iR] - f.moved.martensite_1_K * v[iT];
+  };
+  const auto along_r = [&](const Vector& v) {
+    return t.r_m * v[iM] + t.r_r * v[iR] - f.moved.r_phase_1_K * v[iT];
+  };
+
+  // Heat that the balance does not know of moves temperature and phases together.
+  const KalmanTuning<S>& q = p.tuning;
+  const S z_m = f.tangent.rates.martensite_1_K;
+  const S z_r = f.tangent.rates.r_phase_1_K;
+  const S noise_z = q.fraction_noise * q.fraction_noise * f.converted;
+  const S TT = a.dot(tau) + q.temperature_walk_K * q.temperature_walk_K * dt_s;
+  const S Tm = along_m(tau);
+  const S Tr = along_r(tau);
+  const S TM = Tm + z_m * TT;
+  const S TR = Tr + z_r * TT;
+  const S MM = along_m(m) + z_m * (Tm + TM) + noise_z;
+  const S MR = along_r(m) + z_m * Tr + z_r * TM;
+  const S RR = along_r(r) + z_r * (Tr + TR) + noise_z;
+  P.row(iT) = tau;
+  P.row(iM) = m + z_m * tau;
+  P.row(iR) = r + z_r * tau;
+  P(iT, iT) = TT;
+  P(iT, iM) = P(iM, iT) = TM;
+  P(iT, iR) = P(iR, iT) = TR;
+  P(iM, iM) = MM;
+  P(iM, iR) = P(iR, iM) = MR;
+  P(iR, iR) = RR;
+  for (int j = iAmbient; j < size; ++j) {
+    P(j, iT) = P(iT, j);
+    P(j, iM) = P(iM, j);
+    P(j, iR) = P(iR, j);
+  }
+  P(iAmbient, iAmbient) += q.ambient_walk_K * q.ambient_walk_K * dt_s;
+  P(iLoss, iLoss) += q.loss_walk * q.loss_walk * dt_s;
+  P(iResistance, iResistance) += q.resistance_walk * q.resistance_walk * dt_s;
+}
+
+template <class S>
+auto KalmanObserver<S>::expected(const Params& p, const State& s) -> Expected {
+  const Material<S>& material = p.model.material;
+  const ColdEnds<S>& ends = p.model.ends;
+  const S middle = S(1) - ends.share;
+  const S T = Kinetics::drive(s.kinetics).temperature_K;
+  const Phases<S> z = ends.average(Kinetics::phases(s.kinetics));
+  const Resistivity<S> rho =
+      resistivity(material, z, {ends.average_K(T, s.ambient_K), s.stress_Pa});
+  const StrainSlopes<S> by = strain_slopes(material, s.stress_Pa);
+  // R = ρ L_0/A_0 (1 + 2 ε)
+  const S unit = p.model.length_per_area_1_m;
+  const S scale = s.resistance * unit;
+  const S stretch = S(1) + S(2) * (by.austenite + z.martensite * by.martensite + z.r_phase * by.r_phase);
+  Vector slope = Vector::Zero();
+  slope[iT] = scale * rho.per_K * stretch * middle;
+  slope[iM] = scale * middle * (rho.per_martensite * stretch + S(2) * rho.value * by.martensite);
+  slope[iR] = scale * middle * (rho.per_r_phase * stretch + S(2) * rho.value * by.r_phase);
+  slope[iAmbient] = scale * rho.per_K * stretch * ends.share;
+  slope[iResistance] = unit * rho.value * stretch;
+  return {scale * rho.value * stretch, slope};
+}
+
+/// The most likely change that leaves no fraction negative: where the plain one does, the bound is
+/// taken for an exact measurement. Clipping alone turns a correction that takes from one phase and
+/// gives to another into one that only gives, and the filter runs away.
+template <class S>
+void KalmanObserver<S>::keep_on_simplex(const Covariance& P, const Phases<S>& z,
+                                        Vector& change) {
+  const S martensite = z.martensite + change[iM];
+  const S r_phase = z.r_phase + change[iR];
+  if (r_phase < S(0)) {
+    change -= (r_phase / P(iR, iR)) * P.row(iR);
+  } else if (martensite < S(0)) {
+    change -= (martensite / P(iM, iM)) * P.row(iM);
+  } else if (S(1) < martensite + r_phase) {
+    const Vector sum = P.row(iM) + P.row(iR);
+    change -= ((martensite + r_phase - S(1)) / (sum[iM] + sum[iR])) * sum;
+  }
+}
+
+template <class S>
+void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>& m,
+                                const Linear& f, const Expected& expect, const S& dt_s) {
+  const KalmanTuning<S>& q = p.tuning;
+  Covariance P(&s.covariance[0][0]);
+  const Vector& H = expect.slope;
+  const Vector PH = H[iT] * P.row(iT) + H[iM] * P.row(iM) + H[iR] * P.row(iR) +
+                    H[iAmbient] * P.row(iAmbient) + H[iResistance] * P.row(iResistance);
+  const S model_sd = q.resistance_model_sd * expect.ohm;
+  const S variance = H.dot(PH) + model_sd * model_sd * (S(1e-3) / dt_s) +
+                     m.resistance_sd_ohm * m.resistance_sd_ohm;
+  const S innovation = m.resistance_ohm - expect.ohm;
+  const Vector K = (S(1) / variance) * PH;
+  for (int i = 0; i < size; ++i) {
+    P.row(i) -= K[i] * PH;
+  }
+  Vector change = innovation * K;
+  const Phases<S> z = Kinetics::phases(s.kinetics);
+  keep_on_simplex(P, z, change);
+  const S martensite = clamp(z.martensite + change[iM], S(0), S(1));
+  const S r_phase = clamp(z.r_phase + change[iR], S(0), S(1) - martensite);
+  Kinetics::correct(p.model.kinetics, s.kinetics, f.tangent, change[iT], {martensite, r_phase});
+  s.ambient_K = clamp(s.ambient_K + change[iAmbient], s.start_ambient_K - q.ambient_range_K,
+                      s.start_ambient_K + q.ambient_range_K);
+  s.loss = clamp(s.loss + change[iLoss], S(1) / q.loss_range, q.loss_range);
+  s.resistance = clamp(s.resistance + change[iResistance], S(1) - q.resistance_range,
+                       S(1) + q.resistance_range);
+  s.innovation_ohm = innovation;
+  s.innovation_variance = variance;
+  s.mismatch = s.mismatch + dt_s / (dt_s + S(2)) *
+                                (magnitude(innovation) / expect.ohm - s.mismatch);
+}
+
+}  // namespace smaservo

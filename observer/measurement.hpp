@@ -1,0 +1,71 @@
+#pragma once
+// Four-wire resistance of the wire from one sample of voltage and current.
+// Source: ../shared notes restated in observer/README.md; 002 eq. 4 for the two-wire variant.
+
+#include <cmath>
+
+#include "observer/estimate.hpp"
+
+namespace smaservo {
+
+/// One instant's readings, in SI. A reading that the front end could not take is NaN.
+template <class S>
+struct Sample {
+  S current_A;
+  S voltage_V;  ///< between the sense leads
+  S load_N;
+};
+
+template <class S>
+struct MeasurementParams {
+  S area_m2;             ///< of the wire, load to stress
+  S current_offset_A;    ///< read at zero current, subtracted
+  S voltage_offset_V;
+  S current_noise_A;     ///< standard deviations
+  S voltage_noise_V;
+  S lead_resistance_ohm;  ///< 0 with four wires; with two, that of the leads (002 eq. 4)
+  S least_current_A;      ///< below it there is no resistance, only noise
+  S least_resistance_ohm, greatest_resistance_ohm;  ///< outside: a broken wire or a short
+};
+
+/// The resistance of a wire in series with a reference resistor, from the voltage over both and
+/// that over the reference: 002 eq. 4. reference_V must not be zero.
+template <class S>
+constexpr S two_wire_resistance_ohm(const S& reference_ohm, const S& net_V, const S& reference_V,
+                                    const S& lead_ohm) {
+  return reference_ohm * (net_V / reference_V - S(1)) - lead_ohm;
+}
+
+/// Resistance, power and stress with their validity. Whatever is not a number or out of range
+/// makes the part that needs it invalid; the other parts stay. An invalid power is 0: nothing
+/// says that the wire is heated.
+template <class S>
+Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
+  using std::isfinite;
+  using std::sqrt;
+  Measurement<S> m{};
+  const S I = sample.current_A - p.current_offset_A;
+  const S V = sample.voltage_V - p.voltage_offset_V;
+  m.stress_Pa = sample.load_N / p.area_m2;
+  m.stress_valid = isfinite(m.stress_Pa);
+  m.power_valid = isfinite(I) && isfinite(V);
+  if (!m.power_valid) {
+    return m;
+  }
+  m.power_W = (V - I * p.lead_resistance_ohm) * I;
+  const S magnitude_A = I < S(0) ? S(0) - I : I;
+  if (magnitude_A < p.least_current_A) {
+    return m;
+  }
+  const S R = V / I - p.lead_resistance_ohm;
+  // σ_R² = (σ_V² + R² σ_I²)/I²
+  const S sense = V / I;
+  m.resistance_ohm = R;
+  m.resistance_sd_ohm = sqrt(p.voltage_noise_V * p.voltage_noise_V +
+                             sense * sense * p.current_noise_A * p.current_noise_A) /
+                        magnitude_A;
+  m.resistance_valid = p.least_resistance_ohm <= R && R <= p.greatest_resistance_ohm;
+  return m;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,48 @@
+#pragma once
+// The model alone, driven by the measured power and stress: what an observer without correction
+// would say. A reference, and the part of the Kalman filter that predicts.
+
+#include "model/plant.hpp"
+#include "observer/estimate.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct OpenLoopObserver {
+  using Scalar = S;
+  using Model = Plant<ThreePhase<S>>;
+
+  struct Params {
+    typename Model::Params model;
+  };
+
+  struct State {
+    typename Model::State plant;
+    S ambient_K;
+    S stress_Pa;
+  };
+
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
+    return {Model::rest(p.model, {ambient_K, m.stress_Pa}), ambient_K, m.stress_Pa};
+  }
+
+  static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+    if (m.stress_valid) {
+      s.stress_Pa = m.stress_Pa;
+    }
+    Model::advance(p.model, s.plant, {m.power_W, s.stress_Pa, s.ambient_K}, dt_s);
+  }
+
+  static Estimate<S> estimate(const Params& p, const State& s) {
+    const Phases<S> z = p.model.ends.average(Model::phases(s.plant));
+    return {Model::strain(p.model, s.plant),
+            S(0),
+            Model::temperature_K(s.plant),
+            z.martensite,
+            z.r_phase,
+            Model::resistance_ohm(p.model, s.plant, s.ambient_K),
+            Health::good};
+  }
+};
+
+}  // namespace smaservo

@@ -1,0 +1,19 @@
+# Compiler options of every target: link smaservo_options privately.
+
+add_library(smaservo_options INTERFACE)
+target_include_directories(smaservo_options INTERFACE "${PROJECT_SOURCE_DIR}")
+
+target_compile_options(smaservo_options INTERFACE
+  -Wall -Wextra -Wpedantic -Werror
+  -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Wnon-virtual-dtor
+  -Woverloaded-virtual -Wold-style-cast -Wcast-qual -Wformat=2 -Wimplicit-fallthrough -Wvla
+  # One rounding for each operation, on every machine: a replay gives the same bits.
+  -ffp-contract=off
+  # No errno from sqrt, no traps: neither changes a result, both cost instructions.
+  -fno-math-errno -fno-trapping-math)
+
+if(SMASERVO_SANITIZE)
+  target_compile_options(smaservo_options INTERFACE
+    -fsanitize=${SMASERVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(smaservo_options INTERFACE -fsanitize=${SMASERVO_SANITIZE})
+endif()
