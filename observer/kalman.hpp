@@ -24,8 +24,8 @@ struct KalmanTuning {
   S resistance_model_sd = S(0.0174);  ///< relative, of one sample at 1 kHz: the model's error is
                                       ///< coloured, so it counts for far more than the sensor's
   S stress_filter_s = S(0.0096);
-  S start_temperature_sd_K = S(2);
-  S start_fraction_sd = S(0.1);
+  S start_temperature_sd_K = S(4);
+  S start_fraction_sd = S(0.05);
   S start_ambient_sd_K = S(5.7);
   S start_loss_sd = S(0.1);
   S start_resistance_sd = S(0.012);

@@ -1,6 +1,6 @@
 #pragma once
 // Four-wire resistance of the wire from one sample of voltage and current.
-// Source: ../shared notes restated in observer/README.md; 002 eq. 4 for the two-wire variant.
+// Source: 002 eq. 4 for two wires; observer/README.md for the noise.
 
 #include <cmath>
 
