@@ -1,22 +1,20 @@
 #include "host-sim/observers.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <concepts>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host-sim/output_file.hpp"
 #include "observer/bank.hpp"
+#include "observer/divided.hpp"
 #include "observer/line.hpp"
 #include "observer/open_loop.hpp"
 
 namespace smaservo {
 namespace {
-
-constexpr double longest_step_s = 0.020;
 
 template <StrainObserver O>
 class Running final : public AnyObserver {
@@ -25,10 +23,7 @@ class Running final : public AnyObserver {
       : params_(params), state_(O::start(params, first, ambient_K)) {}
 
   void advance(const Measurement<double>& measurement, double dt_s) override {
-    const double parts = std::max(std::ceil(dt_s / longest_step_s), 1.0);
-    for (double i = 0; i < parts; ++i) {
-      O::advance(params_, state_, measurement, dt_s / parts);
-    }
+    O::advance(params_, state_, measurement, dt_s);
   }
   Estimate<double> estimate() const override { return O::estimate(params_, state_); }
 
@@ -39,7 +34,7 @@ class Running final : public AnyObserver {
 
 struct TuningField {
   const char* key;
-  double KalmanTuning<double>::*value;
+  double KalmanTuning<double>::* value;
 };
 
 using Tuning = KalmanTuning<double>;
@@ -88,8 +83,8 @@ Tuning tuning_from(const std::vector<Override>& settings) {
     tuning.*(field->value) = positive_number(setting);
   }
   if (tuning.loss_range < 1) {
-    throw UserError(fmt::format("--set kalman.loss_range = {}: must be at least 1",
-                                tuning.loss_range));
+    throw UserError(
+        fmt::format("--set kalman.loss_range = {}: must be at least 1", tuning.loss_range));
   }
   return tuning;
 }
@@ -122,11 +117,11 @@ std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<dou
   const auto model = plant_params(wire);
   const Tuning tuning = tuning_from(settings);
   if (name == "kalman") {
-    return std::make_unique<Running<KalmanBank<double>>>(
+    return std::make_unique<Running<Divided<KalmanBank<double>>>>(
         KalmanBank<double>::Params{model, tuning}, first, ambient_K);
   }
   if (name == "open-loop") {
-    return std::make_unique<Running<OpenLoopObserver<double>>>(
+    return std::make_unique<Running<Divided<OpenLoopObserver<double>>>>(
         OpenLoopObserver<double>::Params{model}, first, ambient_K);
   }
   if (name == "line") {

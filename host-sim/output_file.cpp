@@ -1,10 +1,9 @@
 #include "host-sim/output_file.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
+#include <fmt/format.h>
+#include <unistd.h>
 #include <utility>
 
 namespace smaservo {

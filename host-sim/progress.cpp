@@ -1,11 +1,10 @@
 #include "host-sim/progress.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <fmt/format.h>
+#include <unistd.h>
 #include <utility>
 
 namespace smaservo {
@@ -46,13 +45,12 @@ void Progress::print(std::uint64_t done) {
   const std::int64_t now = now_ns();
   const double seconds = static_cast<double>(now - start_ns_) * 1e-9;
   if (total_ > 0) {
-    const double share =
-        std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
+    const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
     fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", what_, 100 * share,
                share > 0 ? seconds / share - seconds : 0.0);
   } else {
-    fmt::print(stderr, "\r\033[K{}: {:.1f} MB, {:.0f} s", what_,
-               static_cast<double>(done) * 1e-6, seconds);
+    fmt::print(stderr, "\r\033[K{}: {:.1f} MB, {:.0f} s", what_, static_cast<double>(done) * 1e-6,
+               seconds);
   }
   std::fflush(stderr);
   printed_ = true;

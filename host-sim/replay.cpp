@@ -1,11 +1,10 @@
 #include "host-sim/replay.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <memory>
 
 #include "hal/replay/board.hpp"
@@ -23,6 +22,7 @@ using Measuring = MeasurementParams<double>;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double lost_percent = 20;
 constexpr double settling_s = 1;
+constexpr double longest_gap_s = 60;
 constexpr double room_K = 298.15;
 
 double cold_resistance_ohm(const Wire<double>& wire) {
@@ -35,10 +35,10 @@ double cold_resistance_ohm(const Wire<double>& wire) {
 Measuring measuring_params(const Wire<double>& wire, const std::vector<Override>& settings) {
   const double ohm = cold_resistance_ohm(wire);
   const double limit_A = wire.limits.current_A;
-  Measuring p{wire.geometry.area_m2(), 0,          0,        1e-4 * limit_A, 1e-4 * limit_A * ohm, 0,
+  Measuring p{wire.geometry.area_m2(), 0,         0,        1e-4 * limit_A, 1e-4 * limit_A * ohm, 0,
               0.03 * limit_A,          0.5 * ohm, 2.0 * ohm};
   for (const auto& [key, text] : settings) {
-    double Measuring::*field = nullptr;
+    double Measuring::* field = nullptr;
     if (key == "measurement.current_offset_A") field = &Measuring::current_offset_A;
     if (key == "measurement.voltage_offset_V") field = &Measuring::voltage_offset_V;
     if (key == "measurement.current_noise_A") field = &Measuring::current_noise_A;
@@ -100,16 +100,18 @@ class Sink {
  public:
   Sink(const ReplayOptions& options, const TraceReader& trace, ReplayResult& result)
       : result_(result),
+        name_(options.trace),
         reference_(trace, options.wire.wire.geometry.length_m),
         stroke_(options.wire.wire.nominal_stroke) {
     result_.has_reference = reference_.known();
+    result_.timed = trace.has(Column::time) || options.trace_options.period_s > 0;
     if (!options.out.empty()) {
       std::vector<std::string> passed;
       for (const std::size_t position : trace.unknown()) {
         passed.push_back(trace.names()[position]);
       }
-      file_ = std::make_unique<EstimateFile>(options.out, reference_.known(), passed,
-                                             trace.unknown());
+      file_ =
+          std::make_unique<EstimateFile>(options.out, reference_.known(), passed, trace.unknown());
     }
   }
 
@@ -132,7 +134,7 @@ class Sink {
     point.martensite = row.martensite;
     point.r_phase = row.r_phase;
     result_.series.add(point);
-    result_.invalid += row.valid ? 0 : 1;
+    result_.invalid += row.valid ? 0U : 1U;
     ++result_.rows;
     last_ref_ = row.strain_ref;
     last_s_ = row.time_s;
@@ -143,7 +145,13 @@ class Sink {
     add_error(observer, strain, last_ref_, last_s_);
   }
 
-  void finish() {
+  void finish(const TraceReader& trace) {
+    result_.skipped = trace.skipped();
+    result_.bytes = trace.bytes();
+    result_.complaints = trace.complaints();
+    if (result_.rows == 0) {
+      throw UserError(fmt::format("{}: has no usable row", name_));
+    }
     result_.duration_s = std::isnan(last_s_) ? 0 : last_s_ - first_s_;
     if (file_) {
       file_->commit();
@@ -163,6 +171,7 @@ class Sink {
   }
 
   ReplayResult& result_;
+  std::string name_;
   Reference reference_;
   double stroke_;
   std::unique_ptr<EstimateFile> file_;
@@ -185,15 +194,6 @@ double default_load_N(const ReplayOptions& options, const TraceReader& trace) {
   throw UserError(fmt::format(
       "{}: has neither load_N nor stress_MPa; give the load with --load-N or --stress-MPa",
       options.trace));
-}
-
-void copy_counts(const TraceReader& trace, ReplayResult& result) {
-  result.skipped = trace.skipped();
-  result.bytes = trace.bytes();
-  result.complaints = trace.complaints();
-  if (result.rows == 0) {
-    throw UserError("the trace has no usable row");
-  }
 }
 
 /// Temperature and stress are known: the kinetics alone, without heat balance or resistance.
@@ -226,13 +226,12 @@ void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& 
     PlotPoint point{};
     point.current_A = nan;
     point.stress_MPa = stress_Pa * 1e-6;
-    sink.add({row[Column::time], elongation, nan, drive.temperature_K, z.martensite, z.r_phase,
-              nan, ohm, true, nan},
+    sink.add({row[Column::time], elongation, nan, drive.temperature_K, z.martensite, z.r_phase, nan,
+              ohm, true, nan},
              row, point);
     progress.update(trace.bytes());
   }
-  sink.finish();
-  copy_counts(trace, result);
+  sink.finish(trace);
 }
 
 /// Settings for the observers and for measuring, told apart by their table.
@@ -248,32 +247,48 @@ Settings split(const std::vector<Override>& settings) {
   return split;
 }
 
+using Observers = std::vector<std::unique_ptr<AnyObserver>>;
+
+Observers start_observers(const ReplayOptions& options, const std::vector<Override>& settings,
+                          const ReplayResult& result, const ReplayBoard& board,
+                          const Measurement<double>& first) {
+  double ambient_K = room_K;
+  if (options.ambient_K) {
+    ambient_K = *options.ambient_K;
+  } else if (board.trace().has(Column::ambient)) {
+    ambient_K = board.row()[Column::ambient];
+  }
+  Observers observers;
+  for (const ObserverResult& wanted : result.observers) {
+    observers.push_back(make_observer(wanted.name, options.wire.wire, settings, first, ambient_K));
+  }
+  return observers;
+}
+
 void replay_electrical(const ReplayOptions& options, TraceReader reader, ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
   const Settings settings = split(options.settings);
   const Measuring measuring = measuring_params(wire, settings.measurement);
   const double load_N = default_load_N(options, reader);
-  for (const std::string& name : options.observers) {
-    result.observers.push_back({name, {}, false});
-  }
   Sink sink(options, reader, result);
+  for (const std::string& name : options.observers) {
+    if (result.observers.empty() || result.has_reference) {
+      result.observers.push_back({name, {}, false});
+    }
+  }
   Progress progress("replay", reader.file_size());
   ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
-  std::vector<std::unique_ptr<AnyObserver>> observers;
+  Observers observers;
   Frame frame{};
   std::int64_t last_ns = 0;
   while (board.read(frame) == ReadStatus::frame) {
     const Measurement<double> m =
         measure(measuring, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
-    if (observers.empty()) {
-      const double ambient_K = options.ambient_K                    ? *options.ambient_K
-                               : board.trace().has(Column::ambient) ? board.row()[Column::ambient]
-                                                                    : room_K;
-      for (const std::string& name : options.observers) {
-        observers.push_back(make_observer(name, wire, settings.observer, m, ambient_K));
-      }
+    const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
+    if (observers.empty() || dt_s > longest_gap_s) {
+      result.restarts += observers.empty() ? 0U : 1U;
+      observers = start_observers(options, settings.observer, result, board, m);
     } else {
-      const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
       for (const auto& observer : observers) {
         observer->advance(m, dt_s);
       }
@@ -292,8 +307,7 @@ void replay_electrical(const ReplayOptions& options, TraceReader reader, ReplayR
     }
     progress.update(board.trace().bytes());
   }
-  sink.finish();
-  copy_counts(board.trace(), result);
+  sink.finish(board.trace());
 }
 
 }  // namespace

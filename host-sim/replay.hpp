@@ -17,7 +17,8 @@ struct ReplayOptions {
   std::string trace;  ///< path, "-" for standard input
   TraceOptions trace_options;
   WireDescription wire;
-  std::vector<std::string> observers{"kalman"};  ///< the first one writes `out` and the plots
+  std::vector<std::string> observers{"kalman"};  ///< the first one writes `out` and the plots, the
+                                                 ///< others run where there is a reference
   std::vector<Override> settings;                ///< of observer and measurement
   std::optional<double> load_N;                  ///< where the trace has neither load nor stress
   std::optional<double> stress_Pa;
@@ -33,11 +34,13 @@ struct ObserverResult {
 
 struct ReplayResult {
   bool open_loop = false;  ///< the trace has temperature and stress instead of voltage and current
+  bool timed = false;      ///< rows have a time
   bool has_reference = false;
   std::vector<ObserverResult> observers;
   std::uint64_t rows = 0;
   std::uint64_t skipped = 0;
-  std::uint64_t invalid = 0;  ///< rows without a valid resistance
+  std::uint64_t invalid = 0;   ///< rows without a valid resistance
+  std::uint64_t restarts = 0;  ///< gaps of more than a minute: what happened in them is unknown
   std::uint64_t bytes = 0;
   std::vector<std::string> complaints;
   double duration_s = 0;

@@ -1,9 +1,8 @@
 #include "host-sim/scenario.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include <cmath>
 #include <fstream>
 #include <random>
 #include <set>
@@ -23,9 +22,8 @@ class Table {
 
   [[noreturn]] void fail(std::string_view key, const std::string& reason) const {
     const toml::node* node = table_.get(key);
-    const auto line = (node != nullptr ? *node : static_cast<const toml::node&>(table_))
-                          .source()
-                          .begin.line;
+    const auto line =
+        (node != nullptr ? *node : static_cast<const toml::node&>(table_)).source().begin.line;
     std::string value;
     if (node != nullptr) {
       std::ostringstream text;
@@ -124,15 +122,14 @@ Load read_load(Table table) {
   if (type == "constant") {
     load = ConstantLoad{1e6 * table.number("stress_MPa", 0, 1000)};
   } else if (type == "spring") {
-    load = SpringLoad{1e6 * table.number("low_MPa", 0, 1000),
-                      1e6 * table.number("high_MPa", 0, 1000), table.number("stroke", 0.001, 0.2),
-                      table.number("lag_s", 0.01, 10)};
+    load =
+        SpringLoad{1e6 * table.number("low_MPa", 0, 1000), 1e6 * table.number("high_MPa", 0, 1000),
+                   table.number("stroke", 0.001, 0.2), table.number("lag_s", 0.01, 10)};
   } else if (type == "varying") {
-    load = VaryingLoad{1e6 * table.number("stress_MPa", 0, 1000),
-                       1e6 * table.number("amplitude_MPa", 0, 1000),
-                       table.number("period_s", 0.1, 1000),
-                       1e6 * table.number("walk_MPa", 0, 1000, 0),
-                       1e6 * table.number("least_MPa", 0, 1000)};
+    load = VaryingLoad{
+        1e6 * table.number("stress_MPa", 0, 1000), 1e6 * table.number("amplitude_MPa", 0, 1000),
+        table.number("period_s", 0.1, 1000), 1e6 * table.number("walk_MPa", 0, 1000, 0),
+        1e6 * table.number("least_MPa", 0, 1000)};
   } else {
     table.fail("type", "must be one of: constant, spring, varying");
   }

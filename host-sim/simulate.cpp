@@ -1,9 +1,8 @@
 #include "host-sim/simulate.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <random>
 
 #include "model/distributed.hpp"
@@ -11,7 +10,8 @@
 namespace smaservo {
 namespace {
 
-using K = ThreePhase<double>;
+// Deep enough for the tiny loops that noise of the load makes inside the great ones.
+using K = ThreePhase<double, 24>;
 constexpr int segments = 24;
 using Distributed = DistributedPlant<K, segments>;
 constexpr double step_s = 1e-3;
@@ -72,8 +72,8 @@ class LoadModel {
       std::normal_distribution<double> normal;
       walk_Pa_ += varying->walk_Pa * std::sqrt(step_s) * normal(random) - walk_Pa_ * step_s / 3;
       const double wave = std::sin(2 * std::numbers::pi * time_s / varying->period_s);
-      stress_Pa_ = std::max(varying->least_Pa,
-                            varying->stress_Pa + varying->amplitude_Pa * wave + walk_Pa_);
+      stress_Pa_ =
+          std::max(varying->least_Pa, varying->stress_Pa + varying->amplitude_Pa * wave + walk_Pa_);
     }
   }
 
@@ -119,9 +119,9 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, OutputFile&
       const double V =
           quantised(current_A * ohm * s.resistance_gain + s.voltage_noise_V * normal(random),
                     s.voltage_full_scale_V, s.bits);
-      const double F = quantised(
-          load.stress_Pa() * wire.geometry.area_m2() * s.load_gain + s.load_noise_N * normal(random),
-          s.load_full_scale_N, s.bits);
+      const double F = quantised(load.stress_Pa() * wire.geometry.area_m2() * s.load_gain +
+                                     s.load_noise_N * normal(random),
+                                 s.load_full_scale_N, s.bits);
       if (tick % every == 0 && time_s >= joule.record_from_s) {
         trace.write(fmt::format("{:.3f},{:.6f},{:.5f},{:.4f},{:.6f}\n",
                                 time_s - joule.record_from_s, I, V, F, strain));

@@ -81,10 +81,11 @@ struct DistributedPlant {
       const Phases<S> after = K::phases(s.kinetics[i]);
       const S left = i == 0 ? dT[i] : dT[i] - dT[i - 1];
       const S right = i + 1 == segments ? dT[i] : dT[i] - dT[i + 1];
-      s.heat_J[i] = b.heat_J[i] - (b.capacity_J_K[i] + b.loss_J_K[i]) * dT[i] -
-                    b.link_J_K[i] * left - b.link_J_K[i + 1] * right +
-                    b.mass_kg[i] * (p.heat.latent_m2a_J_kg * (after.martensite - before.martensite) +
-                                    p.heat.latent_r2a_J_kg * (after.r_phase - before.r_phase));
+      s.heat_J[i] =
+          b.heat_J[i] - (b.capacity_J_K[i] + b.loss_J_K[i]) * dT[i] - b.link_J_K[i] * left -
+          b.link_J_K[i + 1] * right +
+          b.mass_kg[i] * (p.heat.latent_m2a_J_kg * (after.martensite - before.martensite) +
+                          p.heat.latent_r2a_J_kg * (after.r_phase - before.r_phase));
     }
   }
 
@@ -110,13 +111,11 @@ struct DistributedPlant {
       const S left_K = i == 0 ? around.ambient_K : temperature_K(s, i - 1);
       const S right_K = i + 1 == segments ? around.ambient_K : temperature_K(s, i + 1);
       const S surface = p.geometry.surface_m2() * p.length_m[i] / p.geometry.length_m;
-      const S h =
-          draught * natural_convection_W_m2K(p.geometry.diameter_m, T, around.ambient_K);
+      const S h = draught * natural_convection_W_m2K(p.geometry.diameter_m, T, around.ambient_K);
       b.mass_kg[i] = p.heat.density_kg_m3 * area * p.length_m[i];
       b.capacity_J_K[i] = b.mass_kg[i] * p.heat.specific_heat_J_kgK;
       b.loss_J_K[i] = h * surface * dt_s;
-      b.heat_J[i] = s.heat_J[i] +
-                    current_A * current_A * segment_resistance_ohm(p, s, i) * dt_s -
+      b.heat_J[i] = s.heat_J[i] + current_A * current_A * segment_resistance_ohm(p, s, i) * dt_s -
                     b.loss_J_K[i] * (T - around.ambient_K) - b.link_J_K[i] * (T - left_K) -
                     b.link_J_K[i + 1] * (T - right_K);
       const Heading heading = S(0) < b.heat_J[i] ? Heading::heating : Heading::cooling;
@@ -153,9 +152,8 @@ struct DistributedPlant {
   }
   static S segment_resistance_ohm(const Params& p, const State& s, std::size_t i) {
     const Drive<S> u = K::drive(s.kinetics[i]);
-    return smaservo::resistance_ohm(
-        resistivity(p.material, K::phases(s.kinetics[i]), u).value,
-        p.length_m[i] / p.geometry.area_m2(), segment_strain(p, s, i));
+    return smaservo::resistance_ohm(resistivity(p.material, K::phases(s.kinetics[i]), u).value,
+                                    p.length_m[i] / p.geometry.area_m2(), segment_strain(p, s, i));
   }
 };
 

@@ -51,11 +51,11 @@ inline StillAir still_air(double diameter_m) {
 /// A wire as one body: what its middle, away from the clamps, feels.
 template <class S>
 struct ThermalBody {
-  S capacity_J_K;   ///< m c
-  S latent_m2a_J;   ///< m ΔH of M2A
-  S latent_r2a_J;   ///< m ΔH of R2A and A2R; R2M takes the difference: a cycle is closed
-  S loss_W_K;       ///< convection and clamps at the ambient temperature
-  S loss_W_K2;      ///< and what they gain per kelvin above it
+  S capacity_J_K;  ///< m c
+  S latent_m2a_J;  ///< m ΔH of M2A
+  S latent_r2a_J;  ///< m ΔH of R2A and A2R; R2M takes the difference: a cycle is closed
+  S loss_W_K;      ///< convection and clamps at the ambient temperature
+  S loss_W_K2;     ///< and what they gain per kelvin above it
 
   constexpr S loss_W(S above_ambient_K) const {
     return (loss_W_K + loss_W_K2 * above_ambient_K) * above_ambient_K;

@@ -10,11 +10,11 @@ namespace smaservo {
 /// One phase by itself.
 template <class S>
 struct Phase {
-  S strain;               ///< ε_0, without stress; elongation, austenite is the zero
-  S modulus_Pa;           ///< E
-  S resistivity_ohm_m;    ///< ρ_0, at Material::reference_K and without stress
-  S resistivity_ohm_m_K;  ///< k, its slope over temperature
-  S resistivity_ohm_m_Pa; ///< q, its slope over stress
+  S strain;                ///< ε_0, without stress; elongation, austenite is the zero
+  S modulus_Pa;            ///< E
+  S resistivity_ohm_m;     ///< ρ_0, at Material::reference_K and without stress
+  S resistivity_ohm_m_K;   ///< k, its slope over temperature
+  S resistivity_ohm_m_Pa;  ///< q, its slope over stress
 };
 
 /// How the phases share the current. 000 puts them in series, 001 eq. 20 side by side.
@@ -36,7 +36,9 @@ struct StrainSlopes {
 
 template <class S>
 constexpr StrainSlopes<S> strain_slopes(const Material<S>& m, const S& stress_Pa) {
-  const auto of = [&](const Phase<S>& phase) { return phase.strain + stress_Pa / phase.modulus_Pa; };
+  const auto of = [&](const Phase<S>& phase) {
+    return phase.strain + stress_Pa / phase.modulus_Pa;
+  };
   const S a = of(m.austenite);
   return {a, of(m.martensite) - a, of(m.r_phase) - a};
 }
@@ -82,7 +84,8 @@ constexpr Resistivity<S> resistivity(const Material<S>& m, const Phases<S>& z, c
   const S g_a = S(1) / rho_a;
   const S rho = S(1) / (z.martensite * g_m + z.r_phase * g_r + a * g_a);
   return {rho,
-          rho * rho * (z.martensite * g_m * g_m * k_m + z.r_phase * g_r * g_r * k_r + a * g_a * g_a * k_a),
+          rho * rho *
+              (z.martensite * g_m * g_m * k_m + z.r_phase * g_r * g_r * k_r + a * g_a * g_a * k_a),
           rho * rho * (g_a - g_m), rho * rho * (g_a - g_r)};
 }
 

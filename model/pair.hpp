@@ -93,7 +93,8 @@ class Pair<S> {
   }
 
  private:
-  using Lanes = std::conditional_t<sizeof(S) == sizeof(float), detail::FloatLanes, detail::DoubleLanes>;
+  using Lanes =
+      std::conditional_t<sizeof(S) == sizeof(float), detail::FloatLanes, detail::DoubleLanes>;
   static constexpr Pair of(Lanes lanes) {
     Pair pair;
     pair.lanes_ = lanes;

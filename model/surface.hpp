@@ -15,10 +15,10 @@ namespace smaservo {
 /// turning 0.05..0.95.
 template <class S>
 struct Surface {
-  S start_K[3];     ///< T_s, a polynomial of second order
-  S finish_K[3];    ///< T_f; above T_s for heating processes, below it for cooling ones
-  S curvature[2];   ///< Γ, linear
-  S turning[2];     ///< z_T, linear
+  S start_K[3];    ///< T_s, a polynomial of second order
+  S finish_K[3];   ///< T_f; above T_s for heating processes, below it for cooling ones
+  S curvature[2];  ///< Γ, linear
+  S turning[2];    ///< z_T, linear
 
   /// What a change of the stress does to T_s.
   constexpr S start_shift_K(const S& from_Pa, const S& to_Pa) const {
@@ -85,10 +85,14 @@ struct Isobar {
 
 template <class S>
 constexpr Isobar<S> isobar(const Surface<S>& surface, S stress_Pa) {
-  const auto quadratic = [&](const S(&c)[3]) { return c[0] + stress_Pa * (c[1] + stress_Pa * c[2]); };
+  const auto quadratic = [&](const S(&c)[3]) {
+    return c[0] + stress_Pa * (c[1] + stress_Pa * c[2]);
+  };
   const auto line = [&](const S(&c)[2]) { return c[0] + stress_Pa * c[1]; };
   const S start = quadratic(surface.start_K);
-  return {start, S(1) / (quadratic(surface.finish_K) - start), {line(surface.curvature), line(surface.turning)}};
+  return {start,
+          S(1) / (quadratic(surface.finish_K) - start),
+          {line(surface.curvature), line(surface.turning)}};
 }
 
 }  // namespace smaservo

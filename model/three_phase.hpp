@@ -26,21 +26,24 @@ namespace smaservo {
 enum class Memory : unsigned char { plain, return_point };
 
 template <class S>
+struct ThreePhaseParams {
+  Surface<S> m2a;
+  Surface<Pair<S>> a2m_a2r;   ///< A2M in the first lane, A2R in the second: needed together
+  Surface<S> r2a;             ///< used when separate_r2a
+  Surface<S> r2m;             ///< used when separate_r2m
+  bool separate_r2a = false;  ///< R2A has a surface of its own; 000 shares M2A's
+  bool separate_r2m = false;  ///< R2M has a surface of its own; 000 shares A2M's
+  Memory memory = Memory::return_point;
+  /// A reversal counts when it is larger than this; until then nothing transforms. What was
+  /// waited for is made up for, so larger motions do not depend on it.
+  S smallest_reversal_K = S(0);
+};
+
+/// Remembers `memory_depth` open loops; of more, the outermost are forgotten.
+template <class S, std::size_t memory_depth = 8>
 struct ThreePhase {
   using Scalar = S;
-
-  struct Params {
-    Surface<S> m2a;
-    Surface<Pair<S>> a2m_a2r;   ///< A2M in the first lane, A2R in the second: needed together
-    Surface<S> r2a;             ///< used when separate_r2a
-    Surface<S> r2m;             ///< used when separate_r2m
-    bool separate_r2a = false;  ///< R2A has a surface of its own; 000 shares M2A's
-    bool separate_r2m = false;  ///< R2M has a surface of its own; 000 shares A2M's
-    Memory memory = Memory::return_point;
-    /// A reversal counts when it is larger than this; until then nothing transforms. What was
-    /// waited for is made up for, so larger motions do not depend on it.
-    S smallest_reversal_K = S(0);
-  };
+  using Params = ThreePhaseParams<S>;
 
   /// What the outer curves of one direction's processes have left, s.
   struct Reverse {
@@ -60,7 +63,6 @@ struct ThreePhase {
     Forward left;
     S austenite, r_phase, returning;
   };
-  static constexpr int memory_depth = 4;
 
   struct State {
     Drive<S> drive;
@@ -178,7 +180,9 @@ struct ThreePhase {
 
   /// What plain scaling would have converted in a step without reversal.
   static S plainly_converted(const State& before, const State& after) {
-    const auto lost = [](const S& now, const S& was) { return now < was ? (was - now) / was : S(0); };
+    const auto lost = [](const S& now, const S& was) {
+      return now < was ? (was - now) / was : S(0);
+    };
     if (after.heading == Heading::heating) {
       return (before.martensite + before.r_phase) * lost(after.reverse.m2a, before.reverse.m2a);
     }
@@ -313,16 +317,20 @@ struct ThreePhase {
     return target < now ? (now - target) / (before - target) : S(0);
   }
 
-  static void forget_innermost_loop(State& s) {
+  static void close_innermost_loop(State& s) {
     s.hot.pop();
     s.cold.pop();
+  }
+  static void forget_outermost_loop(State& s) {
+    s.hot.drop_oldest();
+    s.cold.drop_oldest();
   }
 
   template <class Isobars>
   static bool turn_to_heating(const Params& p, const Isobars& at, State& s) {
     if (p.memory == Memory::return_point) {
       if (s.cold.full()) {
-        forget_innermost_loop(s);
+        forget_outermost_loop(s);
       }
       s.cold.push({s.forward, phases(s).austenite(), s.r_phase, s.returning});
     }
@@ -340,7 +348,7 @@ struct ThreePhase {
   static bool turn_to_cooling(const Params& p, const Isobars& at, State& s) {
     if (p.memory == Memory::return_point) {
       if (s.hot.full()) {
-        forget_innermost_loop(s);
+        forget_outermost_loop(s);
       }
       s.hot.push({s.reverse, s.martensite, s.r_phase});
     }
@@ -364,13 +372,12 @@ struct ThreePhase {
       s.martensite = least(s.martensite, passed.martensite);
       s.r_phase = least(s.r_phase, passed.r_phase);
       s.reverse = passed.left;
-      forget_innermost_loop(s);
+      close_innermost_loop(s);
     }
     // z_M *= r_M2A;  z_R *= r_R2A, above the target
     const HotTurn& target = s.hot.newest();
     const S r_m2a = ratio(now.m2a, s.reverse.m2a, target.left.m2a);
-    const S r_r2a =
-        p.separate_r2a ? ratio(now.r2a, s.reverse.r2a, target.left.r2a) : r_m2a;
+    const S r_r2a = p.separate_r2a ? ratio(now.r2a, s.reverse.r2a, target.left.r2a) : r_m2a;
     s.martensite = target.martensite + (s.martensite - target.martensite) * r_m2a;
     s.r_phase = target.r_phase + (s.r_phase - target.r_phase) * r_r2a;
     s.reverse = {least(now.m2a, s.reverse.m2a), least(now.r2a, s.reverse.r2a)};
@@ -392,22 +399,23 @@ struct ThreePhase {
       const ColdTurn& passed = s.cold.newest();
       return_r_phase(s, now);
       lost_r = lost_r + positive(s.r_phase - passed.r_phase + s.returning);
-      s.martensite = s.martensite + positive(phases(s).austenite() - passed.austenite - s.returning) + positive(s.r_phase - passed.r_phase + s.returning);
+      s.martensite = s.martensite +
+                     positive(phases(s).austenite() - passed.austenite - s.returning) +
+                     positive(s.r_phase - passed.r_phase + s.returning);
       s.r_phase = least(passed.r_phase - s.returning, S(1) - s.martensite);
       s.forward = passed.left;
       s.returning = passed.returning;
-      forget_innermost_loop(s);
+      close_innermost_loop(s);
     }
     return_r_phase(s, now);
     const ColdTurn& target = s.cold.newest();
-    const S r = s.r_phase - target.r_phase + s.returning;  // R-phase that must leave
+    const S r = s.r_phase - target.r_phase + s.returning;                // R-phase that must leave
     const S a = phases(s).austenite() - target.austenite - s.returning;  // and austenite
     // r_A2M towards the target, r_A2R without one
     const Pair<S> goal(target.left.a2m_a2r.first(), S(0));
     const Pair<S> before = s.forward.a2m_a2r;
     const auto acts = now.a2m_a2r < before;
-    const Pair<S> ratios =
-        select(acts, (now.a2m_a2r - goal) / (before - goal), Pair<S>(S(1)));
+    const Pair<S> ratios = select(acts, (now.a2m_a2r - goal) / (before - goal), Pair<S>(S(1)));
     const S r_a2m = ratios.first();
     const S r_a2r = ratios.second();
     S stays_r = r_a2m;     // of r

@@ -1,14 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace smaservo {
 
 /// The turning points of one direction that are still open, newest last, above one that lies at
-/// infinity and is never removed. When it is full the owner drops the innermost pair, so a loop
-/// that is forgotten is a small one.
-template <class Turn, int depth>
+/// infinity and is never removed. When it is full the owner drops the oldest pair: a branch that
+/// leaves all the others behind heads for infinity a little early. To forget the newest ones
+/// instead would send every small loop along the branch of a great one.
+template <class Turn, std::size_t depth>
 class TurningPoints {
  public:
   TurningPoints() = default;
@@ -16,11 +18,18 @@ class TurningPoints {
 
   constexpr const Turn& newest() const { return turns_[top_]; }
   constexpr bool full() const { return top_ == depth; }
-  constexpr int size() const { return top_; }
+  constexpr std::size_t size() const { return top_; }
 
   /// Precondition: not full.
   constexpr void push(const Turn& turn) { turns_[++top_] = turn; }
   constexpr void pop() { top_ = static_cast<std::uint8_t>(top_ - (top_ > 0 ? 1 : 0)); }
+
+  constexpr void drop_oldest() {
+    for (std::size_t i = 1; i < top_; ++i) {
+      turns_[i] = turns_[i + 1];
+    }
+    pop();
+  }
 
   /// All but the one at infinity.
   constexpr Turn* begin() { return turns_.data() + 1; }

@@ -27,13 +27,11 @@ inline constexpr auto number = std::to_array<Unit>({{"", 1}, {"percent", 0.01}})
 inline constexpr auto time = std::to_array<Unit>({{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}});
 inline constexpr auto temperature = std::to_array<Unit>({{"K", 1}, {"degC", 1, 273.15}});
 inline constexpr auto temperature_difference = std::to_array<Unit>({{"K", 1}});
-inline constexpr auto length =
-    std::to_array<Unit>({{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}});
+inline constexpr auto length = std::to_array<Unit>({{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}});
 inline constexpr auto current = std::to_array<Unit>({{"A", 1}, {"mA", 1e-3}});
 inline constexpr auto voltage = std::to_array<Unit>({{"V", 1}, {"mV", 1e-3}});
 inline constexpr auto resistance = std::to_array<Unit>({{"ohm", 1}, {"mohm", 1e-3}});
-inline constexpr auto force =
-    std::to_array<Unit>({{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}});
+inline constexpr auto force = std::to_array<Unit>({{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}});
 inline constexpr auto stress =
     std::to_array<Unit>({{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}});
 inline constexpr auto resistivity =

@@ -15,9 +15,7 @@ struct Geometry {
   S length_m;
   S diameter_m;
 
-  constexpr S area_m2() const {
-    return S(std::numbers::pi / 4) * diameter_m * diameter_m;
-  }
+  constexpr S area_m2() const { return S(std::numbers::pi / 4) * diameter_m * diameter_m; }
   constexpr S surface_m2() const { return S(std::numbers::pi) * diameter_m * length_m; }
 };
 
@@ -45,7 +43,7 @@ struct Wire {
   Geometry<S> geometry;
   Limits<S> limits;
   S nominal_stroke;  ///< strain that errors are related to, 0.04 by convention
-  typename ThreePhase<S>::Params kinetics;
+  ThreePhaseParams<S> kinetics;
   Material<S> material;
   HeatParams<S> heat;
 
@@ -57,8 +55,7 @@ struct Wire {
 template <class S>
 S clamp_reach_m(const Geometry<S>& geometry, const HeatParams<S>& heat) {
   using std::sqrt;
-  return sqrt(heat.clamp_conductivity_W_mK * geometry.diameter_m /
-              (S(4) * heat.convection_W_m2K));
+  return sqrt(heat.clamp_conductivity_W_mK * geometry.diameter_m / (S(4) * heat.convection_W_m2K));
 }
 
 /// The ends that a clamp keeps cold. They neither contract nor lose resistance, so a wire of one
@@ -82,7 +79,7 @@ struct ColdEnds {
 /// strain of the distributed plant then deviates by at most 0.8 % of stroke (host-sim/README.md).
 template <class S>
 ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
-                      const typename ThreePhase<S>::Params& kinetics) {
+                      const ThreePhaseParams<S>& kinetics) {
   const Drive<S> room{S(298.15), S(150e6)};
   return {S(1.74) * clamp_reach_m(geometry, heat) / geometry.length_m,
           ThreePhase<S>::phases(ThreePhase<S>::rest(kinetics, room))};
@@ -100,8 +97,7 @@ ThermalBody<S> thermal_body(const Geometry<S>& geometry, const HeatParams<S>& he
     clamps = half < S(20) ? S(1) / (S(1) - S(1) / cosh(half)) : S(1);
   }
   return {mass_kg * heat.specific_heat_J_kgK, mass_kg * heat.latent_m2a_J_kg,
-          mass_kg * heat.latent_r2a_J_kg,
-          clamps * geometry.surface_m2() * heat.convection_W_m2K,
+          mass_kg * heat.latent_r2a_J_kg, clamps * geometry.surface_m2() * heat.convection_W_m2K,
           clamps * geometry.surface_m2() * heat.convection_W_m2K2};
 }
 

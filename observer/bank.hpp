@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "observer/kalman.hpp"
@@ -16,7 +17,7 @@ struct KalmanBank {
   using Filter = KalmanObserver<S>;
   using Params = typename Filter::Params;
 
-  static constexpr int hypotheses = 4;
+  static constexpr std::size_t hypotheses = 6;
 
   struct State {
     std::array<typename Filter::State, hypotheses> filter;
@@ -35,8 +36,11 @@ struct KalmanBank {
   static Estimate<S> estimate(const Params& p, const State& s);
 
  private:
-  /// A hypothesis is given up when it is exp(20) times less likely than the best one.
-  static constexpr S least_log_likelihood = S(-20);
+  /// A wire that was switched on is nearly always cold and at rest: exp(4) times as likely.
+  static constexpr S other_starts = S(-4);
+  /// A hypothesis is given up when it is exp(10) times less likely than the best one. To wait for
+  /// more is not safer: the model's own errors then decide.
+  static constexpr S least_log_likelihood = S(-10);
 
   static S matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
                           const S& temperature_K, bool martensite);
@@ -48,9 +52,7 @@ S KalmanBank<S>::matching_share(const Params& p, const Measurement<S>& m, const 
                                 const S& temperature_K, bool martensite) {
   const auto ohm = [&](const S& share) {
     const Phases<S> z = martensite ? Phases<S>{share, S(0)} : Phases<S>{S(0), share};
-    return Filter::expected(
-               p, Filter::start(p, m, ambient_K, temperature_K, z, S(0.1), S(8)))
-        .ohm;
+    return Filter::expected(p, Filter::start(p, m, ambient_K, temperature_K, z, S(0.1), S(8))).ohm;
   };
   const S none = ohm(S(0));
   const S all = ohm(S(1));
@@ -67,14 +69,17 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   State s{};
   s.start_ambient_K = ambient_K;
   const auto add = [&](const S& temperature_K, const Phases<S>& z) {
-    s.filter[s.alive++] =
-        Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
+    s.log_likelihood[s.alive] = other_starts;
+    s.filter[s.alive++] = Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
   };
-  // Cold and at rest; in the middle of a loop, martensite or R-phase with austenite; hot.
+  // Cold and at rest; about to contract; about to stretch; in the middle of a loop, martensite or
+  // R-phase with austenite; hot.
   s.filter[s.alive++] = Filter::start(p, m, ambient_K);
   if (m.resistance_valid) {
     const S martensite = matching_share(p, m, ambient_K, between, true);
     const S r_phase = matching_share(p, m, ambient_K, between, false);
+    add(heats_at - S(5), {martensite, S(0.01)});
+    add(cools_at + S(3), {martensite * S(0.6), r_phase * S(0.4)});
     add(between, {martensite, S(0.01)});
     add(between, {S(0.03), r_phase});
     add(heats_at + S(25), {martensite < S(0.3) ? martensite : S(0.3), S(0.01)});
@@ -84,20 +89,21 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
 
 template <class S>
 void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
-  using std::log;
-  for (int i = 0; i < s.alive; ++i) {
+  for (std::size_t i = 0; i < s.alive; ++i) {
     Filter::advance(p, s.filter[i], m, dt_s);
   }
   if (s.alive > 1 && m.resistance_valid) {
     S best = S(0);
-    for (int i = 0; i < s.alive; ++i) {
+    for (std::size_t i = 0; i < s.alive; ++i) {
       const typename Filter::State& f = s.filter[i];
-      const S variance = f.innovation_variance;
-      s.log_likelihood[i] = s.log_likelihood[i] - S(0.5) * (f.innovation_ohm * f.innovation_ohm / variance + log(variance));
+      // Without the logarithm of the variance: the filters count the resistance model's coloured
+      // error as white noise, and that term would then decide alone, for the most confident one.
+      s.log_likelihood[i] = s.log_likelihood[i] -
+                            S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
       best = i == 0 || best < s.log_likelihood[i] ? s.log_likelihood[i] : best;
     }
-    int kept = 0;
-    for (int i = 0; i < s.alive; ++i) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < s.alive; ++i) {
       const S relative = s.log_likelihood[i] - best;
       if (least_log_likelihood < relative) {
         if (kept != i) {
@@ -112,6 +118,7 @@ void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, 
   s.doubt_s = doubtful ? s.doubt_s + dt_s : S(0);
   if (S(1) < s.doubt_s && m.resistance_valid) {
     s = start(p, m, s.start_ambient_K);
+    s.log_likelihood = {};
   }
 }
 
@@ -125,7 +132,7 @@ Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
   Estimate<S> mean{};
   S weights = S(0);
   S square = S(0);
-  for (int i = 0; i < s.alive; ++i) {
+  for (std::size_t i = 0; i < s.alive; ++i) {
     const S w = exp(s.log_likelihood[i]);
     const Estimate<S> e = Filter::estimate(p, s.filter[i]);
     weights = weights + w;

@@ -30,8 +30,8 @@ struct Estimate {
   S strain;     ///< elongation, of the whole wire
   S strain_sd;  ///< standard deviation of its error as the observer sees it
   S temperature_K;
-  S martensite, r_phase;    ///< of the whole wire
-  S resistance_model_ohm;   ///< what the model expects; NaN where an observer has no such model
+  S martensite, r_phase;   ///< of the whole wire
+  S resistance_model_ohm;  ///< what the model expects; NaN where an observer has no such model
   Health health;
 };
 

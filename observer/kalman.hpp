@@ -14,15 +14,15 @@ namespace smaservo {
 /// What the filter assumes. Standard deviations; walks are per square root of a second.
 template <class S>
 struct KalmanTuning {
-  S temperature_walk_K = S(8.8);  ///< heat that the balance does not know of
-  S fraction_noise = S(0.02);     ///< per square root of the fraction converted
+  S temperature_walk_K = S(7);  ///< heat that the balance does not know of
+  S fraction_noise = S(0.03);   ///< per square root of the fraction converted
   S unseen_share = S(0.3);  ///< of what plain scaling would convert, counted the same way: an inner
                             ///< loop that is remembered wrongly must not blind the filter
   S ambient_walk_K = S(0.32);
-  S loss_walk = S(0.01);              ///< relative
-  S resistance_walk = S(4.3e-5);      ///< relative
-  S resistance_model_sd = S(0.0174);  ///< relative, of one sample at 1 kHz: the model's error is
-                                      ///< coloured, so it counts for far more than the sensor's
+  S loss_walk = S(0.01);             ///< relative
+  S resistance_walk = S(4.3e-5);     ///< relative
+  S resistance_model_sd = S(0.025);  ///< relative, of one sample at 1 kHz: the model's error is
+                                     ///< coloured, so it counts for far more than the sensor's
   S stress_filter_s = S(0.0096);
   S start_temperature_sd_K = S(4);
   S start_fraction_sd = S(0.05);
@@ -56,7 +56,8 @@ struct KalmanObserver {
   using Matrix = Eigen::Matrix<S, size, width, Eigen::RowMajor>;
 
   struct State {
-    alignas(16) S covariance[size][width];  ///< symmetric, both halves are kept
+    alignas(16) S
+        covariance[std::size_t{size}][std::size_t{width}];  ///< symmetric, both halves are kept
     typename Kinetics::State kinetics;
     PhaseRates<S> rates;  ///< after the last step
     S heat_J;             ///< what the last step's linearisation could not place
@@ -64,19 +65,18 @@ struct KalmanObserver {
     S start_ambient_K;
     S loss;
     S resistance;
-    S stress_Pa;             ///< low-pass filtered
-    S model_ohm;             ///< expected at the last measurement, before its correction
-    S innovation_ohm;        ///< its difference to the measured one, 0 where that was not valid
-    S innovation_variance;   ///< its expected square, ohm²
-    S mismatch;              ///< relative magnitude of the innovation, averaged over 2 s
+    S stress_Pa;            ///< low-pass filtered
+    S model_ohm;            ///< expected at the last measurement, before its correction
+    S innovation_ohm;       ///< its difference to the measured one, 0 where that was not valid
+    S innovation_variance;  ///< its expected square, ohm²
+    S mismatch;             ///< relative magnitude of the innovation, averaged over 2 s
   };
 
   /// At rest at ambient temperature, cooled there.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
     const Drive<S> u{ambient_K, m.stress_Pa};
-    return start(p, m, ambient_K, ambient_K,
-                 Kinetics::phases(Kinetics::rest(p.model.kinetics, u)), p.tuning.start_fraction_sd,
-                 p.tuning.start_temperature_sd_K);
+    return start(p, m, ambient_K, ambient_K, Kinetics::phases(Kinetics::rest(p.model.kinetics, u)),
+                 p.tuning.start_fraction_sd, p.tuning.start_temperature_sd_K);
   }
   /// From a guess of temperature and phases.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K,
@@ -89,7 +89,8 @@ struct KalmanObserver {
 
   /// Derivatives of a prediction: the temperature's row by all states, and how it reaches the
   /// phases. With z' the rates after the step,
-  /// d(phases after) = T (d(phases before) - z'_before d(temperature before)) + z' d(temperature after).
+  /// d(phases after) = T (d(phases before) - z'_before d(temperature before)) + z' d(temperature
+  /// after).
   struct Linear {
     Vector temperature;
     typename Kinetics::Tangent tangent;  ///< T and z'
@@ -121,12 +122,11 @@ struct KalmanObserver {
 
 template <class S>
 auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                              const S& temperature_K, const Phases<S>& phases,
-                              const S& fraction_sd, const S& temperature_sd_K) -> State {
+                              const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
+                              const S& temperature_sd_K) -> State {
   const KalmanTuning<S>& t = p.tuning;
   State s{};
-  s.kinetics =
-      Kinetics::with_phases(p.model.kinetics, {temperature_K, m.stress_Pa}, phases);
+  s.kinetics = Kinetics::with_phases(p.model.kinetics, {temperature_K, m.stress_Pa}, phases);
   s.rates = Kinetics::rates(p.model.kinetics, s.kinetics, Heading::cooling);
   s.ambient_K = ambient_K;
   s.start_ambient_K = ambient_K;
@@ -143,8 +143,7 @@ auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S&
 }
 
 template <class S>
-void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>& m,
-                                const S& dt_s) {
+void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
   if (m.stress_valid) {
     const S alpha = dt_s / (dt_s + p.tuning.stress_filter_s);
     s.stress_Pa = s.stress_Pa + alpha * (m.stress_Pa - s.stress_Pa);
@@ -194,8 +193,8 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   PhaseRates<S> rates_before = onward ? s.rates : PhaseRates<S>{S(0), S(0)};
   const S dT = heat_J / (body.effective_capacity_J_K(rates_before) + loss_J_K);
 
-  typename Kinetics::Tangent tangent = Kinetics::advance_linearised(
-      p.model.kinetics, k, {k.drive.temperature_K + dT, s.stress_Pa});
+  typename Kinetics::Tangent tangent =
+      Kinetics::advance_linearised(p.model.kinetics, k, {k.drive.temperature_K + dT, s.stress_Pa});
   s.rates = tangent.rates;
   const S dM = k.martensite - before.martensite;
   const S dR = k.r_phase - before.r_phase;
@@ -215,9 +214,8 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
     rates_before = tangent.rates;
   }
   const typename Kinetics::Transfer& t = tangent.transfer;
-  const PhaseRates<S> moved{
-      t.m_m * rates_before.martensite_1_K + t.m_r * rates_before.r_phase_1_K,
-      t.r_m * rates_before.martensite_1_K + t.r_r * rates_before.r_phase_1_K};
+  const PhaseRates<S> moved{t.m_m * rates_before.martensite_1_K + t.m_r * rates_before.r_phase_1_K,
+                            t.r_m * rates_before.martensite_1_K + t.r_r * rates_before.r_phase_1_K};
 
   // The heat that the step takes in, differentiated: with the carried heat, enthalpy is exact.
   const S per = S(1) / (body.effective_capacity_J_K(tangent.rates) + loss_J_K);
@@ -228,8 +226,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   temperature[iAmbient] = loss_J_K * per;
   temperature[iLoss] = S(0) - unit_loss_J * per;
 
-  const S plain =
-      straight ? Kinetics::plainly_converted(before, k) : S(0);
+  const S plain = straight ? Kinetics::plainly_converted(before, k) : S(0);
   return {temperature, tangent, moved,
           magnitude(dM) + magnitude(dR) + p.tuning.unseen_share * plain};
 }
@@ -296,7 +293,8 @@ auto KalmanObserver<S>::expected(const Params& p, const State& s) -> Expected {
   // R = ρ L_0/A_0 (1 + 2 ε)
   const S unit = p.model.length_per_area_1_m;
   const S scale = s.resistance * unit;
-  const S stretch = S(1) + S(2) * (by.austenite + z.martensite * by.martensite + z.r_phase * by.r_phase);
+  const S stretch =
+      S(1) + S(2) * (by.austenite + z.martensite * by.martensite + z.r_phase * by.r_phase);
   Vector slope = Vector::Zero();
   slope[iT] = scale * rho.per_K * stretch * middle;
   slope[iM] = scale * middle * (rho.per_martensite * stretch + S(2) * rho.value * by.martensite);
@@ -310,8 +308,7 @@ auto KalmanObserver<S>::expected(const Params& p, const State& s) -> Expected {
 /// taken for an exact measurement. Clipping alone turns a correction that takes from one phase and
 /// gives to another into one that only gives, and the filter runs away.
 template <class S>
-void KalmanObserver<S>::keep_on_simplex(const Covariance& P, const Phases<S>& z,
-                                        Vector& change) {
+void KalmanObserver<S>::keep_on_simplex(const Covariance& P, const Phases<S>& z, Vector& change) {
   const S martensite = z.martensite + change[iM];
   const S r_phase = z.r_phase + change[iR];
   if (r_phase < S(0)) {
@@ -325,8 +322,8 @@ void KalmanObserver<S>::keep_on_simplex(const Covariance& P, const Phases<S>& z,
 }
 
 template <class S>
-void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>& m,
-                                const Linear& f, const Expected& expect, const S& dt_s) {
+void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
+                                const Expected& expect, const S& dt_s) {
   const KalmanTuning<S>& q = p.tuning;
   Covariance P(&s.covariance[0][0]);
   const Vector& H = expect.slope;
@@ -353,8 +350,8 @@ void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>&
                        S(1) + q.resistance_range);
   s.innovation_ohm = innovation;
   s.innovation_variance = variance;
-  s.mismatch = s.mismatch + dt_s / (dt_s + S(2)) *
-                                (magnitude(innovation) / expect.ohm - s.mismatch);
+  s.mismatch =
+      s.mismatch + dt_s / (dt_s + S(2)) * (magnitude(innovation) / expect.ohm - s.mismatch);
 }
 
 }  // namespace smaservo

@@ -18,10 +18,10 @@ struct Sample {
 
 template <class S>
 struct MeasurementParams {
-  S area_m2;             ///< of the wire, load to stress
-  S current_offset_A;    ///< read at zero current, subtracted
+  S area_m2;           ///< of the wire, load to stress
+  S current_offset_A;  ///< read at zero current, subtracted
   S voltage_offset_V;
-  S current_noise_A;     ///< standard deviations
+  S current_noise_A;  ///< standard deviations
   S voltage_noise_V;
   S lead_resistance_ohm;  ///< 0 with four wires; with two, that of the leads (002 eq. 4)
   S least_current_A;      ///< below it there is no resistance, only noise

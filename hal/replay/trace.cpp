@@ -1,17 +1,16 @@
 #include "hal/replay/trace.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <optional>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "model/units.hpp"
 
@@ -25,7 +24,7 @@ struct Known {
 };
 
 constexpr std::array<Known, column_count> known_columns{{
-    {"time", kind::time, -1e9, 1e12},
+    {"time", kind::time, -9e9, 9e9},
     {"current", kind::current, -1e3, 1e3},
     {"voltage", kind::voltage, -1e4, 1e4},
     {"load", kind::force, -1e3, 1e5},
@@ -195,9 +194,8 @@ struct TraceReader::Impl {
       fail(fmt::format("--column {}: must be NAME=COLUMN or NAME=COLUMN*FACTOR", rename));
     }
     const std::string name = rename.substr(0, equals);
-    const std::string column = rename.substr(equals + 1, star == std::string::npos
-                                                             ? std::string::npos
-                                                             : star - equals - 1);
+    const std::string column = rename.substr(
+        equals + 1, star == std::string::npos ? std::string::npos : star - equals - 1);
     double factor = 1;
     if (star != std::string::npos) {
       const char* stop = rename.data() + rename.size();
@@ -281,8 +279,8 @@ struct TraceReader::Impl {
         value = target.unit.to_si(value * target.scale);
         const Known& known = known_columns[target.value];
         if (!(value >= known.low && value <= known.high)) {
-          return BadRow{i, fmt::format("{} is out of range, {:.4g} to {:.4g} {}",
-                                       field(at, stop), target.unit.from_si(known.low),
+          return BadRow{i, fmt::format("{} is out of range, {:.4g} to {:.4g} {}", field(at, stop),
+                                       target.unit.from_si(known.low),
                                        target.unit.from_si(known.high), target.unit.suffix)};
         }
         row.values[target.value] = value;
@@ -327,8 +325,8 @@ struct TraceReader::Impl {
       while (targets[column].value != time) {
         ++column;
       }
-      return BadRow{column, fmt::format("time {} s does not come after {} s", row.values[time],
-                                        last_time_s)};
+      return BadRow{
+          column, fmt::format("time {} s does not come after {} s", row.values[time], last_time_s)};
     }
     last_time_s = row.values[time];
     return std::nullopt;
@@ -380,13 +378,29 @@ TraceReader& TraceReader::operator=(TraceReader&&) noexcept = default;
 bool TraceReader::has(Column column) const {
   return impl_->has[static_cast<std::size_t>(column)];
 }
-const std::vector<std::string>& TraceReader::names() const { return impl_->names; }
-const std::vector<std::size_t>& TraceReader::unknown() const { return impl_->unknown; }
-bool TraceReader::next(TraceRow& row) { return impl_->next(row); }
-std::uint64_t TraceReader::rows() const { return impl_->rows; }
-std::uint64_t TraceReader::skipped() const { return impl_->skipped; }
-std::uint64_t TraceReader::bytes() const { return impl_->bytes; }
-std::uint64_t TraceReader::file_size() const { return impl_->size; }
-const std::vector<std::string>& TraceReader::complaints() const { return impl_->complaints; }
+const std::vector<std::string>& TraceReader::names() const {
+  return impl_->names;
+}
+const std::vector<std::size_t>& TraceReader::unknown() const {
+  return impl_->unknown;
+}
+bool TraceReader::next(TraceRow& row) {
+  return impl_->next(row);
+}
+std::uint64_t TraceReader::rows() const {
+  return impl_->rows;
+}
+std::uint64_t TraceReader::skipped() const {
+  return impl_->skipped;
+}
+std::uint64_t TraceReader::bytes() const {
+  return impl_->bytes;
+}
+std::uint64_t TraceReader::file_size() const {
+  return impl_->size;
+}
+const std::vector<std::string>& TraceReader::complaints() const {
+  return impl_->complaints;
+}
 
 }  // namespace smaservo

@@ -67,10 +67,10 @@ class TraceReader {
   /// False at the end. Throws TraceError for a bad row, unless lenient.
   bool next(TraceRow& row);
 
-  std::uint64_t rows() const;      ///< good ones so far
-  std::uint64_t skipped() const;   ///< bad ones so far, when lenient
-  std::uint64_t bytes() const;     ///< read so far
-  std::uint64_t file_size() const; ///< 0 where it is not known
+  std::uint64_t rows() const;       ///< good ones so far
+  std::uint64_t skipped() const;    ///< bad ones so far, when lenient
+  std::uint64_t bytes() const;      ///< read so far
+  std::uint64_t file_size() const;  ///< 0 where it is not known
   /// The first few reasons for skipping.
   const std::vector<std::string>& complaints() const;
 

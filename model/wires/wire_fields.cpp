@@ -1,8 +1,7 @@
 #include "model/wires/wire_fields.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <fmt/format.h>
 
 namespace smaservo {
 namespace {
@@ -15,15 +14,13 @@ WireField number(std::string path, Kind kind, double low, double high, bool requ
   return {std::move(path), FieldType::number, kind, low, high, 1, {}, required, std::move(meaning)};
 }
 
-WireField polynomial(std::string path, Kind kind, double low, double high,
-                     std::size_t coefficients, bool required, std::string meaning) {
-  return {std::move(path), FieldType::polynomial, kind,     low,
-          high,            coefficients,          {},       required,
-          std::move(meaning)};
+WireField polynomial(std::string path, Kind kind, double low, double high, std::size_t coefficients,
+                     bool required, std::string meaning) {
+  return {std::move(path), FieldType::polynomial, kind, low, high, coefficients, {},
+          required,        std::move(meaning)};
 }
 
-WireField choice(std::string path, std::span<const std::string_view> choices,
-                 std::string meaning) {
+WireField choice(std::string path, std::span<const std::string_view> choices, std::string meaning) {
   return {std::move(path), FieldType::choice, {}, 0, 0, 0, choices, false, std::move(meaning)};
 }
 
@@ -40,13 +37,13 @@ std::vector<WireField> make_fields() {
       number("limits.temperature", kind::temperature, 300, 700, true, "of the wire"),
       choice("kinetics.memory", memories, "how inner loops behave; return-point"),
       number("kinetics.smallest_reversal", kind::temperature_difference, 0, 5, false,
-             "a reversal below it does not count; 0.17 with return-point memory, 0 without")};
+             "a reversal below it does not count; 0.5 with return-point memory, 0 without")};
   const auto process = [&](const std::string& name, bool required, const std::string& meaning) {
     const std::string path = "kinetics." + name;
-    f.push_back(polynomial(path + ".start", kind::temperature, 150, 600, 3, required,
-                           meaning + ": T_s"));
-    f.push_back(polynomial(path + ".finish", kind::temperature, 150, 600, 3, required,
-                           meaning + ": T_f"));
+    f.push_back(
+        polynomial(path + ".start", kind::temperature, 150, 600, 3, required, meaning + ": T_s"));
+    f.push_back(
+        polynomial(path + ".finish", kind::temperature, 150, 600, 3, required, meaning + ": T_f"));
     f.push_back(polynomial(path + ".curvature", kind::number, 1e-3, 30, 2, required,
                            meaning + ": curvature"));
     f.push_back(polynomial(path + ".turning", kind::number, 0.05, 0.95, 2, required,
@@ -184,10 +181,10 @@ class Builder {
   void kinetics(Wire<double>& w) const {
     auto& k = w.kinetics;
     const double stress_Pa = w.limits.stress_Pa;
-    k.memory = word("kinetics.memory", "return-point") == "plain" ? Memory::plain
-                                                                   : Memory::return_point;
+    k.memory =
+        word("kinetics.memory", "return-point") == "plain" ? Memory::plain : Memory::return_point;
     k.smallest_reversal_K =
-        number("kinetics.smallest_reversal", k.memory == Memory::plain ? 0.0 : 0.17);
+        number("kinetics.smallest_reversal", k.memory == Memory::plain ? 0.0 : 0.5);
     k.m2a = surface("m2a", true, stress_Pa);
     k.a2m_a2r = pair_surfaces(surface("a2m", false, stress_Pa), surface("a2r", false, stress_Pa));
     k.separate_r2a = has_process("r2a");
@@ -214,10 +211,10 @@ class Builder {
       scale = number("wire.resistance") * w.geometry.area_m2() /
               number("material.martensite.resistivity");
     }
-    w.material = {phase("martensite", scale), phase("r_phase", scale), phase("austenite", scale),
-                  number("material.reference"),
-                  word("material.mixture", "series") == "parallel" ? Mixture::parallel
-                                                                   : Mixture::series};
+    w.material = {
+        phase("martensite", scale), phase("r_phase", scale), phase("austenite", scale),
+        number("material.reference"),
+        word("material.mixture", "series") == "parallel" ? Mixture::parallel : Mixture::series};
   }
 
   void heat(Wire<double>& w) const {

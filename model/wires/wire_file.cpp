@@ -1,10 +1,9 @@
 #include "model/wires/wire_file.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -123,8 +122,8 @@ class Reader {
       }
       entry.where = place(origin_, full, node);
       if (!parsed_.entries.emplace(field.path, entry).second) {
-        fail(full, node, fmt::format("is given twice: {} already says it",
-                                     parsed_.entries[field.path].where));
+        fail(full, node,
+             fmt::format("is given twice: {} already says it", parsed_.entries[field.path].where));
       }
       return;
     }
@@ -215,8 +214,8 @@ class Reader {
       scale /= unit.stress_Pa;
     }
     if (!(entry.numbers[0] >= field.low && entry.numbers[0] <= field.high)) {
-      fail(full, node, "at zero stress " + out_of_range(entry.numbers[0], field.low, field.high,
-                                                         unit.value));
+      fail(full, node,
+           "at zero stress " + out_of_range(entry.numbers[0], field.low, field.high, unit.value));
     }
   }
 
@@ -348,8 +347,7 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
 
 }  // namespace
 
-WireDescription load_wire(const std::string& name_or_path,
-                          const std::vector<Override>& overrides) {
+WireDescription load_wire(const std::string& name_or_path, const std::vector<Override>& overrides) {
   return finish(load(name_or_path, "", 0), overrides);
 }
 

@@ -12,6 +12,11 @@ target_compile_options(smaservo_options INTERFACE
   # No errno from sqrt, no traps: neither changes a result, both cost instructions.
   -fno-math-errno -fno-trapping-math)
 
+# g++ 12 sees overlapping copies in std::string's operator+ where there are none (GCC bug 105651).
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(smaservo_options INTERFACE -Wno-restrict)
+endif()
+
 if(SMASERVO_SANITIZE)
   target_compile_options(smaservo_options INTERFACE
     -fsanitize=${SMASERVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

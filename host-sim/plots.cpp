@@ -1,0 +1,287 @@
+#include "host-sim/plots.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <spawn.h>
+#include <sstream>
+#include <sys/wait.h>
+
+#include "host-sim/output_file.hpp"
+
+extern char** environ;
+
+namespace smaservo {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own that disappears with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "host-sim-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw UserError(fmt::format("{}: {}", name, std::strerror(errno)));
+    }
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  fs::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+std::string read_all(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// What gnuplot draws for a script.
+std::string gnuplot(const std::string& script) {
+  const TemporaryFolder folder;
+  const std::string script_file = (folder / "plot.gp").string();
+  const std::string svg_file = (folder / "plot.svg").string();
+  const std::string error_file = (folder / "plot.err").string();
+  std::ofstream(script_file, std::ios::binary) << script;
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  const int flags = O_WRONLY | O_CREAT | O_TRUNC;
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, svg_file.c_str(), flags, 0600);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error_file.c_str(), flags, 0600);
+  std::string program = "gnuplot";
+  std::string argument = script_file;
+  char* const arguments[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) {
+    throw UserError(
+        fmt::format("the report needs gnuplot (package gnuplot-nox): {}", std::strerror(failed)));
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  std::string svg = read_all(svg_file);
+  if (status != 0 || svg.find("</svg>") == std::string::npos) {
+    throw UserError(fmt::format("gnuplot failed: {}", read_all(error_file)));
+  }
+  return svg;
+}
+
+constexpr const char* data_columns =
+    "# time strain low high reference R R_model T T_reference M M+R I stress\n";
+
+std::string number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "NaN";
+}
+
+/// All points as a data block; time counts from the first one.
+std::string data_block(const std::vector<PlotPoint>& points) {
+  std::string text = fmt::format("$data << EOD\n{}", data_columns);
+  for (const PlotPoint& p : points) {
+    const double band = std::isnan(p.strain_sd_percent) ? 0 : 2 * p.strain_sd_percent;
+    const double columns[] = {p.time_s - points.front().time_s,
+                              p.strain_percent,
+                              p.strain_percent - band,
+                              p.strain_percent + band,
+                              p.strain_ref_percent,
+                              p.resistance_ohm,
+                              p.resistance_model_ohm,
+                              p.temperature_degC,
+                              p.temperature_ref_degC,
+                              p.martensite,
+                              p.martensite + p.r_phase,
+                              p.current_A,
+                              p.stress_MPa};
+    const char* between = "";
+    for (const double value : columns) {
+      text += between + number(value);
+      between = " ";
+    }
+    text += '\n';
+  }
+  return text + "EOD\n";
+}
+
+/// Which of the optional curves have anything to show.
+struct Shown {
+  bool time, reference, resistance, temperature_ref, current;
+};
+Shown shown(const ReplayResult& result, const std::vector<PlotPoint>& points) {
+  Shown s{result.timed, result.has_reference, false, false, false};
+  for (const PlotPoint& p : points) {
+    s.resistance = s.resistance || std::isfinite(p.resistance_ohm);
+    s.temperature_ref = s.temperature_ref || std::isfinite(p.temperature_ref_degC);
+    s.current = s.current || std::isfinite(p.current_A);
+  }
+  s.temperature_ref = s.temperature_ref && !result.open_loop;
+  return s;
+}
+
+// Colours that stay apart for colour-blind readers and in grey print.
+constexpr const char* style = R"(set encoding utf8
+set border 3 lc rgb '#666666'
+set tics nomirror textcolor rgb '#333333'
+set grid lc rgb '#dddddd' lw 0.5
+set key outside top center horizontal
+set style fill solid 1 noborder
+estimate = 0x0059b3
+reference = 0xd95f02
+band = 0xbfd7ee
+measured = 0x999999
+)";
+
+/// A wide picture over time, or a square one.
+struct Frame {
+  int width, height;
+  const char* x_label;
+  const char* y_label;
+};
+
+std::string script(const Frame& frame, const std::string& data, const std::string& more,
+                   const std::string& curves) {
+  return fmt::format(
+      "set terminal svg size {},{} dynamic mouse standalone font 'sans-serif,13' lw 1.2\n{}"
+      "set xlabel \"{}\"\nset ylabel \"{}\"\n{}{}plot {}\n",
+      frame.width, frame.height, style, frame.x_label, frame.y_label, more, data, curves);
+}
+
+std::string joined(const std::vector<std::string>& curves) {
+  std::string text;
+  for (const std::string& curve : curves) {
+    text += (text.empty() ? "" : ", ") + curve;
+  }
+  return text;
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const ReplayResult& result)
+      : points_(result.series.points()),
+        shown_(shown(result, points_)),
+        data_(data_block(points_)),
+        x_label_(shown_.time ? "time in s" : "row") {}
+
+  Plot strain() const {
+    std::vector<std::string> curves{
+        "$data using 1:3:4 with filledcurves lc rgb band title 'two standard deviations'"};
+    if (shown_.reference) {
+      curves.push_back("$data using 1:5 with lines lc rgb reference lw 2.5 title 'reference'");
+    }
+    curves.push_back("$data using 1:2 with lines lc rgb estimate title 'estimate'");
+    return wide("Strain", "Elongation of the whole wire: long is martensite, short is austenite.",
+                "strain in %", 320, "", curves);
+  }
+
+  Plot resistance() const {
+    std::vector<std::string> curves;
+    if (shown_.resistance) {
+      curves.push_back("$data using 1:6 with lines lc rgb measured title 'measured'");
+    }
+    curves.push_back("$data using 1:7 with lines lc rgb estimate title 'expected by the model'");
+    return wide("Resistance", "The measured one is what corrects the estimate.", "resistance in Ω",
+                260, "", curves);
+  }
+
+  Plot temperature() const {
+    std::vector<std::string> curves;
+    if (shown_.temperature_ref) {
+      curves.push_back("$data using 1:9 with lines lc rgb reference title 'reference'");
+    }
+    curves.push_back("$data using 1:8 with lines lc rgb estimate title 'wire'");
+    return wide("Temperature", "Of the wire away from its clamps.", "temperature in °C", 260, "",
+                curves);
+  }
+
+  Plot phases() const {
+    return wide("Phases", "Fractions of the whole wire, stacked.", "fraction", 260,
+                "set yrange [0:1]\n",
+                {"$data using 1:(0):10 with filledcurves lc rgb '#4477aa' title 'martensite'",
+                 "$data using 1:10:11 with filledcurves lc rgb '#ddaa33' title 'R-phase'",
+                 "$data using 1:11:(1) with filledcurves lc rgb '#dd99a0' title 'austenite'"});
+  }
+
+  Plot inputs() const {
+    std::vector<std::string> curves{
+        "$data using 1:13 axes x1y2 with lines lc rgb reference title 'stress'"};
+    std::string more =
+        "set y2label 'stress in MPa'\nset y2tics\nset y2range [0:*]\nset yrange [0:*]\nset border "
+        "11\n";
+    const char* label = "";
+    if (shown_.current) {
+      label = "current in A";
+      curves.push_back("$data using 1:12 with lines lc rgb estimate title 'current'");
+    } else {
+      more += "unset ytics\n";
+    }
+    return wide("Inputs", "What drives the wire.", label, 220, more, curves);
+  }
+
+  Plot strain_resistance() const {
+    const char* ohm = shown_.resistance ? "6" : "7";
+    return square("Strain over resistance",
+                  "One resistance, several strains: what a straight line misses.",
+                  "resistance in Ω", loop(ohm));
+  }
+
+  Plot strain_temperature() const {
+    return square("Strain over temperature", "The hysteresis between heating and cooling.",
+                  "temperature in °C", loop("8"));
+  }
+
+ private:
+  std::vector<std::string> loop(const char* x) const {
+    std::vector<std::string> curves;
+    if (shown_.reference) {
+      curves.push_back(
+          fmt::format("$data using {}:5 with lines lc rgb reference lw 2.5 title 'reference'", x));
+    }
+    curves.push_back(
+        fmt::format("$data using {}:2 with lines lc rgb estimate title 'estimate'", x));
+    return curves;
+  }
+
+  Plot wide(const char* title, const char* caption, const char* y_label, int height,
+            const std::string& more, const std::vector<std::string>& curves) const {
+    return {title, caption, false,
+            gnuplot(script({1000, height, x_label_, y_label}, data_,
+                           "set rmargin at screen 0.93\n" + more, joined(curves)))};
+  }
+  Plot square(const char* title, const char* caption, const char* x_label,
+              const std::vector<std::string>& curves) const {
+    return {title, caption, true,
+            gnuplot(script({500, 400, x_label, "strain in %"}, data_, "", joined(curves)))};
+  }
+
+  std::vector<PlotPoint> points_;
+  Shown shown_;
+  std::string data_;
+  const char* x_label_;
+};
+
+}  // namespace
+
+std::vector<Plot> draw_plots(const ReplayResult& result) {
+  const Drawing drawing(result);
+  return {
+      drawing.strain(), drawing.resistance(),        drawing.temperature(),       drawing.phases(),
+      drawing.inputs(), drawing.strain_resistance(), drawing.strain_temperature()};
+}
+
+}  // namespace smaservo

@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+#include <memory>
+
+#include "host-sim/commands.hpp"
+#include "model/plant.hpp"
+
+namespace smaservo {
+namespace {
+
+void list_presets() {
+  fmt::print("{:<18}{:>12}{:>10}{:>10}{:>12}\n", "preset", "diameter", "Ω/m", "limit", "load");
+  for (const std::string& name : preset_names()) {
+    const Wire<double> w = load_wire(name).wire;
+    const auto model = plant_params(w);
+    using Model = Plant<ThreePhase<double>>;
+    const double room_K = 298.15;
+    const double ohm = Model::resistance_ohm(model, Model::rest(model, {room_K, 0}), room_K);
+    fmt::print("{:<18}{:>9.0f} µm{:>9.4g}{:>8.0f} mA{:>10.3g} N\n", name,
+               1e6 * w.geometry.diameter_m, ohm / w.geometry.length_m, 1e3 * w.limits.current_A,
+               w.limits.stress_Pa * w.geometry.area_m2());
+  }
+}
+
+}  // namespace
+
+void add_wires_command(CLI::App& app) {
+  struct Arguments {
+    std::string name;
+    std::vector<std::string> settings;
+  };
+  CLI::App* command = app.add_subcommand(
+      "wires", "Lists the wires that are built in, or prints one with all its parameters.");
+  auto a = std::make_shared<Arguments>();
+  command->add_option("WIRE", a->name, "preset or file that ends in .toml");
+  command->add_option("--set", a->settings, "key=value; repeatable")->allow_extra_args(false);
+  command->callback([a] {
+    if (a->name.empty()) {
+      list_presets();
+    } else {
+      fmt::print("{}", to_toml(load_wire(a->name, parse_settings(a->settings))));
+    }
+  });
+}
+
+}  // namespace smaservo

@@ -1,0 +1,52 @@
+#pragma once
+// The model's parameters in another scalar.
+
+#include "model/plant.hpp"
+
+namespace smaservo::bench {
+
+template <class To>
+Material<To> convert(const Material<double>& from) {
+  const auto phase = [](const Phase<double>& p) {
+    return Phase<To>{static_cast<To>(p.strain), static_cast<To>(p.modulus_Pa),
+                     static_cast<To>(p.resistivity_ohm_m), static_cast<To>(p.resistivity_ohm_m_K),
+                     static_cast<To>(p.resistivity_ohm_m_Pa)};
+  };
+  return {phase(from.martensite), phase(from.r_phase), phase(from.austenite),
+          static_cast<To>(from.reference_K), from.mixture};
+}
+
+template <class To>
+typename ThreePhase<To>::Params convert(const ThreePhase<double>::Params& from) {
+  const auto surface = [](const auto& s) {
+    return convert_surface<To>(s, [](double c) { return static_cast<To>(c); });
+  };
+  return {surface(from.m2a),
+          convert_surface<Pair<To>>(from.a2m_a2r,
+                                    [](const Pair<double>& c) {
+                                      return Pair<To>(static_cast<To>(c.first()),
+                                                      static_cast<To>(c.second()));
+                                    }),
+          surface(from.r2a),
+          surface(from.r2m),
+          from.separate_r2a,
+          from.separate_r2m,
+          from.memory,
+          static_cast<To>(from.smallest_reversal_K)};
+}
+
+template <class To>
+typename Plant<ThreePhase<To>>::Params convert(const Plant<ThreePhase<double>>::Params& from) {
+  const ThermalBody<double>& body = from.body;
+  const ColdEnds<double>& ends = from.ends;
+  return {convert<To>(from.kinetics),
+          convert<To>(from.material),
+          {static_cast<To>(body.capacity_J_K), static_cast<To>(body.latent_m2a_J),
+           static_cast<To>(body.latent_r2a_J), static_cast<To>(body.loss_W_K),
+           static_cast<To>(body.loss_W_K2)},
+          {static_cast<To>(ends.share),
+           {static_cast<To>(ends.phases.martensite), static_cast<To>(ends.phases.r_phase)}},
+          static_cast<To>(from.length_per_area_1_m)};
+}
+
+}  // namespace smaservo::bench

@@ -1,0 +1,85 @@
+// Times the steps of model and observer.
+
+#include <benchmark/benchmark.h>
+#include <string>
+
+#include "tests/bench/steps.hpp"
+
+namespace smaservo::bench {
+namespace {
+
+/// The compiler must take the step's state for read and changed by others, as a caller's is.
+template <class Step>
+void run(Step& step) {
+  step();
+  benchmark::ClobberMemory();
+}
+
+template <class Make>
+void time_step(benchmark::State& state, Make make) {
+  auto step = make();
+  benchmark::DoNotOptimize(&step);
+  for (std::size_t i = 0; i < step.period(); ++i) {
+    run(step);
+  }
+  for ([[maybe_unused]] auto _ : state) {
+    run(step);
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+/// Paper 000 simulates 47.3 s at 0.1 ms in 17.2 s: 473 000 points of the kinetics alone.
+template <class S>
+void time_points(benchmark::State& state) {
+  constexpr int points = 473'000;
+  CutStep<S> step;
+  benchmark::DoNotOptimize(&step);
+  for ([[maybe_unused]] auto _ : state) {
+    for (int i = 0; i < points; ++i) {
+      run(step);
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * points);
+}
+
+template <class S>
+void add_all(const std::string& scalar) {
+  for_each_step<S>([&](const std::string& name, auto make) {
+    benchmark::RegisterBenchmark((name + "/" + scalar).c_str(),
+                                 [make](benchmark::State& state) { time_step(state, make); });
+  });
+  benchmark::RegisterBenchmark(("ModelPoints473000/" + scalar).c_str(), &time_points<S>)
+      ->Unit(benchmark::kMillisecond);
+}
+
+template <class S>
+void add_error(const std::string& name, Split<S> (*inverse)(const IhypShape<S>&, S)) {
+  benchmark::RegisterBenchmark(name.c_str(), [inverse](benchmark::State& state) {
+    for ([[maybe_unused]] auto _ : state) {
+      state.counters["worst_relative_error"] = worst_relative_error<S>(inverse);
+    }
+  })->Iterations(1);
+}
+
+template <class S>
+void add_errors(const std::string& scalar) {
+  add_error<S>("ihyp_inverse_error/" + scalar, &ihyp_fraction<S>);
+  add_error<S>("ihyp_inverse_cardano_error/" + scalar, &cardano_fraction<S>);
+  add_error<S>("ihyp_inverse_newton_error/" + scalar, &newton_fraction<S>);
+}
+
+}  // namespace
+}  // namespace smaservo::bench
+
+int main(int argc, char** argv) {
+  smaservo::bench::add_all<float>("float");
+  smaservo::bench::add_all<double>("double");
+  smaservo::bench::add_errors<float>("float");
+  smaservo::bench::add_errors<double>("double");
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return 1;
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

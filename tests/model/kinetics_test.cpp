@@ -1,0 +1,76 @@
+#include "model/kinetics.hpp"
+
+#include "model/cosine.hpp"
+#include "model/kinetics_suite.hpp"
+#include "model/test_wires.hpp"
+#include "model/three_phase.hpp"
+
+namespace smaservo::test {
+namespace {
+
+struct ThreePhaseDouble {
+  using Model = ThreePhase<double>;
+  static Model::Params params() { return paper_wire().kinetics; }
+  static constexpr InnerLoops loops = InnerLoops::close;
+  static constexpr int order = 0;
+  static constexpr double rounding = 1e-12;
+};
+
+struct ThreePhaseEveryReversal : ThreePhaseDouble {
+  static Model::Params params() {
+    Model::Params p = paper_wire().kinetics;
+    p.smallest_reversal_K = 0;
+    return p;
+  }
+};
+
+struct ThreePhaseFloat : ThreePhaseDouble {
+  using Model = ThreePhase<float>;
+  static Model::Params params() { return kinetics_for<float>(paper_wire().kinetics); }
+  static constexpr double rounding = 1e-5;
+};
+
+struct ThreePhasePlain : ThreePhaseDouble {
+  static Model::Params params() { return plain_kinetics(); }
+  static constexpr InnerLoops loops = InnerLoops::ratchet;
+};
+
+struct ThreePhaseSeparate : ThreePhaseDouble {
+  static Model::Params params() { return separate_kinetics(); }
+  static constexpr int order = 2;
+};
+
+struct CosineDouble {
+  using Model = Cosine<double>;
+  static Model::Params params() { return flexinol_cosine<double>(); }
+  static constexpr InnerLoops loops = InnerLoops::dead_band;
+  static constexpr int order = 0;
+  static constexpr double rounding = 1e-12;
+};
+
+struct CosineFloat : CosineDouble {
+  using Model = Cosine<float>;
+  static Model::Params params() { return flexinol_cosine<float>(); }
+  static constexpr double rounding = 1e-5;
+};
+
+struct SubjectName {
+  template <class Subject>
+  static std::string GetName(int) {
+    if constexpr (std::is_same_v<Subject, ThreePhaseDouble>) return "ThreePhaseDouble";
+    if constexpr (std::is_same_v<Subject, ThreePhaseEveryReversal>)
+      return "ThreePhaseEveryReversal";
+    if constexpr (std::is_same_v<Subject, ThreePhaseFloat>) return "ThreePhaseFloat";
+    if constexpr (std::is_same_v<Subject, ThreePhasePlain>) return "ThreePhasePlain";
+    if constexpr (std::is_same_v<Subject, ThreePhaseSeparate>) return "ThreePhaseSeparate";
+    if constexpr (std::is_same_v<Subject, CosineDouble>) return "CosineDouble";
+    if constexpr (std::is_same_v<Subject, CosineFloat>) return "CosineFloat";
+  }
+};
+
+using Subjects = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
+                                  ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat>;
+INSTANTIATE_TYPED_TEST_SUITE_P(All, KineticsSuite, Subjects, SubjectName);
+
+}  // namespace
+}  // namespace smaservo::test

@@ -1,0 +1,427 @@
+// The filter's derivatives against automatic differentiation of the model, and its covariance
+// against dense linear algebra.
+
+#include <Eigen/Dense>
+#include <ceres/jet.h>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "observer/kalman.hpp"
+#include "tests/observer/simulated_wire.hpp"
+
+namespace smaservo {
+
+// Derivatives by the filter's states before a step and by the temperature after it.
+constexpr int iAfter = KalmanObserver<double>::size;
+
+/// ceres::Jet, made from plain numbers without being asked: the model's Pair<S>(1) wants that.
+struct Jet : ceres::Jet<double, iAfter + 1> {
+  using Base = ceres::Jet<double, iAfter + 1>;
+  Jet() = default;
+  Jet(const Base& jet) : Base(jet) {}
+  Jet(double number) : Base(number) {}
+  Jet(double number, int by) : Base(number, by) {}
+  const Base& base() const { return *this; }
+  friend Jet operator+(const Jet& x, const Jet& y) { return x.base() + y.base(); }
+  friend Jet operator-(const Jet& x, const Jet& y) { return x.base() - y.base(); }
+  friend Jet operator*(const Jet& x, const Jet& y) { return x.base() * y.base(); }
+  friend Jet operator/(const Jet& x, const Jet& y) { return x.base() / y.base(); }
+  friend bool operator<(const Jet& x, const Jet& y) { return x.a < y.a; }
+};
+
+}  // namespace smaservo
+
+template <>
+struct std::numeric_limits<smaservo::Jet> : std::numeric_limits<double> {};
+
+namespace smaservo {
+namespace {
+
+using Filter = KalmanObserver<double>;
+using K = ThreePhase<double>;
+using Dense = Eigen::Matrix<double, Filter::size, Filter::size>;
+using DenseVector = Eigen::Matrix<double, Filter::size, 1>;
+
+using JK = ThreePhase<Jet>;
+
+Filter::Params tuned(Mixture mixture = Mixture::series) {
+  Wire<double> wire = bench_wire();
+  wire.material.mixture = mixture;
+  return {plant_params(wire), {}};
+}
+
+Surface<Jet> to_jet(const Surface<double>& s) {
+  return convert_surface<Jet>(s, [](double x) { return Jet(x); });
+}
+
+JK::Params to_jet(const K::Params& p) {
+  JK::Params to;
+  to.m2a = to_jet(p.m2a);
+  to.a2m_a2r = pair_surfaces(to_jet(first_surface(p.a2m_a2r)), to_jet(second_surface(p.a2m_a2r)));
+  to.r2a = to_jet(p.r2a);
+  to.r2m = to_jet(p.r2m);
+  to.separate_r2a = p.separate_r2a;
+  to.separate_r2m = p.separate_r2m;
+  to.memory = p.memory;
+  to.smallest_reversal_K = p.smallest_reversal_K;
+  return to;
+}
+
+Phase<Jet> to_jet(const Phase<double>& p) {
+  return {Jet(p.strain), Jet(p.modulus_Pa), Jet(p.resistivity_ohm_m), Jet(p.resistivity_ohm_m_K),
+          Jet(p.resistivity_ohm_m_Pa)};
+}
+
+Material<Jet> to_jet(const Material<double>& m) {
+  return {to_jet(m.martensite), to_jet(m.r_phase), to_jet(m.austenite), m.reference_K, m.mixture};
+}
+
+JK::HotTurn to_jet(const K::HotTurn& t) {
+  return {{Jet(t.left.m2a), Jet(t.left.r2a)}, Jet(t.martensite), Jet(t.r_phase)};
+}
+JK::ColdTurn to_jet(const K::ColdTurn& t) {
+  return {{Pair<Jet>(Jet(t.left.a2m_a2r.first()), Jet(t.left.a2m_a2r.second())), Jet(t.left.r2m)},
+          Jet(t.austenite),
+          Jet(t.r_phase),
+          Jet(t.returning)};
+}
+
+template <class To, class Points>
+To to_jet_points(Points points) {
+  To to(to_jet(Points().newest()));
+  for (const auto& turn : points) {
+    to.push(to_jet(turn));
+  }
+  return to;
+}
+
+JK::State to_jet(const K::State& s) {
+  JK::State to;
+  to.drive = {Jet(s.drive.temperature_K), Jet(s.drive.stress_Pa)};
+  to.reached = {Jet(s.reached.temperature_K), Jet(s.reached.stress_Pa)};
+  to.martensite = Jet(s.martensite);
+  to.r_phase = Jet(s.r_phase);
+  to.returning = Jet(s.returning);
+  to.reverse = {Jet(s.reverse.m2a), Jet(s.reverse.r2a)};
+  to.forward = {Pair<Jet>(Jet(s.forward.a2m_a2r.first()), Jet(s.forward.a2m_a2r.second())),
+                Jet(s.forward.r2m)};
+  to.heading = s.heading;
+  to.hot = to_jet_points<decltype(to.hot)>(s.hot);
+  to.cold = to_jet_points<decltype(to.cold)>(s.cold);
+  return to;
+}
+
+/// The state with a small change of temperature and phases, history carried along as by the
+/// filter's corrections. The outer curves' slopes, which a small shift follows, come from their
+/// isobars.
+JK::State perturbed(const JK::Params& p, const K::Params& plain, const K::State& s) {
+  JK::State to = to_jet(s);
+  const double stress_Pa = s.reached.stress_Pa;
+  const double m2a = isobar(plain.m2a, stress_Pa).remaining_1_K(s.reverse.m2a);
+  const auto cooling =
+      isobar(plain.a2m_a2r, Pair<double>(stress_Pa)).remaining_1_K(s.forward.a2m_a2r);
+  JK::Tangent tangent{};
+  tangent.reverse_1_K = {Jet(m2a), Jet(m2a)};
+  tangent.forward_1_K = {Pair<Jet>(Jet(cooling.first()), Jet(cooling.second())),
+                         Jet(cooling.first())};
+  JK::correct(p, to, tangent, Jet(0.0, Filter::iT),
+              {Jet(s.martensite, Filter::iM), Jet(s.r_phase, Filter::iR)});
+  return to;
+}
+
+/// A step on a smooth piece of a branch: no reversal, no turning point passed, and more
+/// motion of the temperature than of the stress.
+bool smooth(const K::State& before, const K::State& after, const Filter::Linear& f) {
+  const auto inside = [](double z) { return z > 1e-3; };
+  return before.heading == after.heading && before.hot.size() == after.hot.size() &&
+         before.cold.size() == after.cold.size() &&
+         before.drive.temperature_K == before.reached.temperature_K &&
+         after.drive.temperature_K == after.reached.temperature_K &&
+         std::abs(after.drive.temperature_K - before.drive.temperature_K) > 1e-3 &&
+         f.tangent.rates.martensite_1_K < 0 && f.moved.martensite_1_K < 0 &&
+         inside(before.martensite) && inside(before.r_phase) && inside(after.martensite) &&
+         inside(after.r_phase) && inside(1 - before.martensite - before.r_phase);
+}
+
+struct Counts {
+  int heating_outer = 0, heating_inner = 0, cooling_outer = 0, cooling_inner = 0;
+};
+
+/// The temperature after the step is where the heat balance closes:
+/// F = (C + k dt)(T1 - T0) - L_M (M1 - M0) - L_R (R1 - R0) - (P - Q(T0)) dt = const.
+Jet balance(const ThermalBody<double>& body, const Filter::State& s, const JK::State& before,
+            const JK::State& after, double dt_s) {
+  const Jet T0(s.kinetics.drive.temperature_K, Filter::iT);
+  const Jet ambient(s.ambient_K, Filter::iAmbient);
+  const Jet loss(s.loss, Filter::iLoss);
+  const Jet above = T0 - ambient;
+  const Jet lost_J = loss * (Jet(body.loss_W_K) + Jet(body.loss_W_K2) * above) * above * Jet(dt_s);
+  const Jet loss_J_K = loss * (Jet(body.loss_W_K) + Jet(2 * body.loss_W_K2) * above) * Jet(dt_s);
+  return (Jet(body.capacity_J_K) + loss_J_K) * (after.drive.temperature_K - T0) -
+         Jet(body.latent_m2a_J) * (after.martensite - before.martensite) -
+         Jet(body.latent_r2a_J) * (after.r_phase - before.r_phase) + lost_J;
+}
+
+struct Slack {
+  double by_phases, by_before;
+};
+
+/// The row of the temperature, by the implicit function theorem. Allowed is what the phases may
+/// be off, and the change of the loss' slope within the step, which the step leaves out.
+void check_temperature(const ThermalBody<double>& body, const Filter::State& s,
+                       const Filter::Linear& f, const Jet& F, double dT, double dt_s,
+                       const Slack& slack) {
+  const auto by = [&](int i) { return -F.v[i] / F.v[iAfter]; };
+  const double per = 1 / F.v[iAfter];
+  const double latent = (body.latent_m2a_J + body.latent_r2a_J) * per;
+  const double bent = 1e-9 + 2.1 * s.loss * body.loss_W_K2 * dt_s * std::abs(dT) * per;
+  const double above = std::abs(s.kinetics.drive.temperature_K - s.ambient_K) + std::abs(dT);
+  EXPECT_NEAR(f.temperature[Filter::iT], by(Filter::iT), bent + latent * slack.by_before);
+  EXPECT_NEAR(f.temperature[Filter::iM], by(Filter::iM), 1e-9 + latent * slack.by_phases);
+  EXPECT_NEAR(f.temperature[Filter::iR], by(Filter::iR), 1e-9 + latent * slack.by_phases);
+  EXPECT_NEAR(f.temperature[Filter::iAmbient], by(Filter::iAmbient), bent);
+  EXPECT_NEAR(f.temperature[Filter::iLoss], by(Filter::iLoss),
+              1e-9 + 1.1 * body.loss_slope_W_K(above) * dt_s * std::abs(dT) * per);
+  EXPECT_EQ(f.temperature[Filter::iResistance], 0);
+}
+
+/// How much of the way to its turning point a step on an inner branch takes.
+double loop_share(const K::State& before, const K::State& after) {
+  const auto share = [](double was, double is, double goal) {
+    return goal < was ? (was - is) / (was - goal) : 0.0;
+  };
+  if (before.heading == Heading::heating) {
+    return share(before.reverse.m2a, after.reverse.m2a, before.hot.newest().left.m2a);
+  }
+  const auto was = before.forward.a2m_a2r;
+  const auto is = after.forward.a2m_a2r;
+  const auto goal = before.cold.newest().left.a2m_a2r;
+  return std::max(share(was.first(), is.first(), goal.first()),
+                  share(was.second(), is.second(), goal.second()));
+}
+
+void check_step(const Filter::Params& p, const JK::Params& jp, const Filter::State& s,
+                double power_W, double dt_s, Counts& counts) {
+  Filter::State after = s;
+  const Filter::Linear f = Filter::predict_mean(p, after, power_W, dt_s);
+  if (!smooth(s.kinetics, after.kinetics, f)) {
+    return;
+  }
+  const bool heating = s.kinetics.heading == Heading::heating;
+  const bool inner = (heating ? s.kinetics.hot.size() : s.kinetics.cold.size()) > 0;
+  ++(heating ? (inner ? counts.heating_inner : counts.heating_outer)
+             : (inner ? counts.cooling_inner : counts.cooling_outer));
+
+  const JK::State before = perturbed(jp, p.model.kinetics, s.kinetics);
+  JK::State moved = before;
+  JK::advance(
+      jp, moved,
+      {Jet(after.kinetics.drive.temperature_K, iAfter), Jet(after.kinetics.drive.stress_Pa)});
+  ASSERT_NEAR(moved.martensite.a, after.kinetics.martensite, 1e-12);
+  ASSERT_NEAR(moved.r_phase.a, after.kinetics.r_phase, 1e-12);
+
+  const auto& t = f.tangent.transfer;
+  const double turned = inner ? loop_share(s.kinetics, after.kinetics) : 0;
+  // Outer branches and heating are exact. On an inner cooling branch the R-phase that must leave
+  // again comes from both pools, and T takes it from one.
+  const double exact = 1e-9;
+  const double bend = std::abs(t.m_m - 1) + std::abs(t.m_r) + std::abs(t.r_m) + std::abs(t.r_r - 1);
+  const double by_phases = exact + (inner && !heating ? 0.6 * bend : 0);
+  const auto& M = moved.martensite.v;
+  const auto& R = moved.r_phase.v;
+  EXPECT_NEAR(t.m_m, M[Filter::iM], by_phases);
+  EXPECT_NEAR(t.m_r, M[Filter::iR], by_phases);
+  EXPECT_NEAR(t.r_m, R[Filter::iM], by_phases);
+  EXPECT_NEAR(t.r_r, R[Filter::iR], by_phases);
+
+  // On an inner branch T stands for a change of the phases with what the turning points keep, a
+  // step back along the branch leaves that as it is.
+  const PhaseRates<double>& rates = f.tangent.rates;
+  const double rate = std::abs(rates.martensite_1_K) + std::abs(rates.r_phase_1_K);
+  const double by_before = exact + 2 * turned * (rate + std::abs(f.moved.martensite_1_K));
+  EXPECT_NEAR(rates.martensite_1_K, M[iAfter], exact);
+  EXPECT_NEAR(rates.r_phase_1_K, R[iAfter], exact);
+  EXPECT_NEAR(f.moved.martensite_1_K, -M[Filter::iT], by_before);
+  EXPECT_NEAR(f.moved.r_phase_1_K, -R[Filter::iT], by_before);
+
+  check_temperature(p.model.body, s, f, balance(p.model.body, s, before, moved, dt_s),
+                    after.kinetics.drive.temperature_K - s.kinetics.drive.temperature_K, dt_s,
+                    {by_phases, by_before});
+}
+
+TEST(KalmanDerivatives, PredictionAgainstAutomaticDifferentiation) {
+  const Filter::Params p = tuned();
+  const JK::Params jp = to_jet(p.model.kinetics);
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform;
+  Counts counts;
+  for (int run = 0; run < 40; ++run) {
+    double stress_Pa = 20e6 + 280e6 * uniform(random);
+    const Measurement<double> first{20, 0.01, 0, stress_Pa, true, true, true};
+    const double ambient_K = 290 + 20 * uniform(random);
+    // From cold, or from austenite: then the first cooling is on the outer branch.
+    Filter::State s =
+        run % 4 < 2 ? Filter::start(p, first, ambient_K)
+                    : Filter::start(p, first, ambient_K, hot_K(stress_Pa), {0.01, 0.01}, 0.05, 4);
+    s.loss = 0.8 + 0.4 * uniform(random);
+    const double full_W = holding_W(hot_K(stress_Pa));
+    double level = run % 4 < 2 ? 1.1 : 0.05;
+    int left = 3000;
+    for (int i = 0; i < 12000; ++i) {
+      if (--left < 0) {
+        level = uniform(random);
+        left = 200 + static_cast<int>(1500 * uniform(random));
+      }
+      stress_Pa += run % 2 == 0 ? 0 : 2e3 * (uniform(random) - 0.5);
+      s.stress_Pa = stress_Pa;
+      if (i % 7 == 0) {
+        check_step(p, jp, s, level * full_W, sample_s, counts);
+        if (HasFatalFailure() || HasNonfatalFailure()) {
+          FAIL() << "run " << run << ", step " << i << " at " << s.kinetics.drive.temperature_K
+                 << " K, " << stress_Pa << " Pa, M " << s.kinetics.martensite << ", R "
+                 << s.kinetics.r_phase << ", hot " << s.kinetics.hot.size() << ", cold "
+                 << s.kinetics.cold.size();
+        }
+      }
+      Filter::predict_mean(p, s, level * full_W, sample_s);
+    }
+  }
+  EXPECT_GE(counts.heating_outer, 500);
+  EXPECT_GE(counts.heating_inner, 500);
+  EXPECT_GE(counts.cooling_outer, 500);
+  EXPECT_GE(counts.cooling_inner, 500);
+}
+
+/// A state in range, with nothing in common with its neighbours.
+Filter::State anywhere(const Filter::Params& p, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform;
+  const double martensite = uniform(random);
+  const Phases<double> z{martensite, (1 - martensite) * uniform(random)};
+  const Measurement<double> m{20, 0.01, 0, 400e6 * uniform(random), true, true, true};
+  Filter::State s = Filter::start(p, m, 270 + 50 * uniform(random), 280 + 150 * uniform(random), z,
+                                  0.02 + 0.1 * uniform(random), 1 + 5 * uniform(random));
+  s.resistance = 0.98 + 0.04 * uniform(random);
+  s.loss = 0.7 + 0.6 * uniform(random);
+  return s;
+}
+
+/// The plant's formula for the resistance, by temperature, phases and ambient temperature.
+Jet resistance_of(const Filter::Params& p, const Material<Jet>& material, const Filter::State& s) {
+  const Jet ambient(s.ambient_K, Filter::iAmbient);
+  const Jet T(s.kinetics.drive.temperature_K, Filter::iT);
+  const auto& ends = p.model.ends;
+  const auto mixed = [&](const Jet& middle, const Jet& end) {
+    return Jet(1 - ends.share) * middle + Jet(ends.share) * end;
+  };
+  const Phases<Jet> z{mixed(Jet(s.kinetics.martensite, Filter::iM), ends.phases.martensite),
+                      mixed(Jet(s.kinetics.r_phase, Filter::iR), ends.phases.r_phase)};
+  const Drive<Jet> u{mixed(T, ambient), s.stress_Pa};
+  return resistance_ohm<Jet>(resistivity(material, z, u).value, p.model.length_per_area_1_m,
+                             strain(material, z, u.stress_Pa));
+}
+
+TEST(KalmanDerivatives, ExpectedResistanceAgainstAutomaticDifferentiation) {
+  for (const Mixture mixture : {Mixture::series, Mixture::parallel}) {
+    const Filter::Params p = tuned(mixture);
+    const Material<Jet> material = to_jet(p.model.material);
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 2000; ++i) {
+      const Filter::State s = anywhere(p, random);
+      const Filter::Expected e = Filter::expected(p, s);
+      const Jet resistance(s.resistance, Filter::iResistance);
+      const Jet ohm = resistance * resistance_of(p, material, s);
+      ASSERT_NEAR(ohm.a, e.ohm, 1e-12 * e.ohm);
+      for (int k = 0; k < Filter::size; ++k) {
+        ASSERT_NEAR(e.slope[k], ohm.v[k], 1e-12 * e.ohm) << "by state " << k;
+      }
+      // The estimate's resistance and strain are those of the plant's formulas.
+      const Estimate<double> estimate = Filter::estimate(p, s);
+      const Phases<double> z = p.model.ends.average(K::phases(s.kinetics));
+      ASSERT_NEAR(estimate.strain, strain(p.model.material, z, s.stress_Pa), 1e-15);
+    }
+  }
+}
+
+Dense matrix_of(const Filter::State& s) {
+  Dense P;
+  for (int i = 0; i < Filter::size; ++i) {
+    for (int j = 0; j < Filter::size; ++j) {
+      P(i, j) = s.covariance[i][j];
+    }
+  }
+  return P;
+}
+
+/// F of the whole state, from the parts that predict_mean() gives.
+Dense transition(const Filter::Linear& f) {
+  Dense F = Dense::Identity();
+  F.row(Filter::iT) = f.temperature.head<Filter::size>();
+  const auto& t = f.tangent.transfer;
+  F.row(Filter::iM) = f.tangent.rates.martensite_1_K * F.row(Filter::iT);
+  F.row(Filter::iR) = f.tangent.rates.r_phase_1_K * F.row(Filter::iT);
+  F(Filter::iM, Filter::iM) += t.m_m;
+  F(Filter::iM, Filter::iR) += t.m_r;
+  F(Filter::iM, Filter::iT) -= f.moved.martensite_1_K;
+  F(Filter::iR, Filter::iM) += t.r_m;
+  F(Filter::iR, Filter::iR) += t.r_r;
+  F(Filter::iR, Filter::iT) -= f.moved.r_phase_1_K;
+  return F;
+}
+
+Dense process_noise(const KalmanTuning<double>& q, const Filter::Linear& f, double dt_s) {
+  DenseVector heat = DenseVector::Zero();
+  heat << 1, f.tangent.rates.martensite_1_K, f.tangent.rates.r_phase_1_K, 0, 0, 0;
+  Dense Q = q.temperature_walk_K * q.temperature_walk_K * dt_s * heat * heat.transpose();
+  const double converted = q.fraction_noise * q.fraction_noise * f.converted;
+  DenseVector own;
+  own << 0, converted, converted, q.ambient_walk_K * q.ambient_walk_K * dt_s,
+      q.loss_walk * q.loss_walk * dt_s, q.resistance_walk * q.resistance_walk * dt_s;
+  Q.diagonal() += own;
+  return Q;
+}
+
+/// Greatest difference of two covariances in units of their deviations.
+double difference(const Dense& a, const Dense& b) {
+  double worst = 0;
+  for (int i = 0; i < Filter::size; ++i) {
+    for (int j = 0; j < Filter::size; ++j) {
+      worst = std::max(worst, std::abs(a(i, j) - b(i, j)) / std::sqrt(b(i, i) * b(j, j)));
+    }
+  }
+  return worst;
+}
+
+// P = F P F' + Q, and with a measurement P - K H P.
+TEST(KalmanDerivatives, CovarianceAgainstDenseAlgebra) {
+  const Filter::Params p = tuned();
+  std::mt19937_64 random(3);
+  LumpedWire wire(random_deviations(random), 150e6, 4);
+  Profile profile(150e6, 5);
+  Filter::State s = Filter::start(p, wire.step(0.01), told_ambient_K);
+  for (int i = 0; i < 20000; ++i) {
+    const double time_s = i * sample_s;
+    Measurement<double> m = wire.step(profile.power_W(time_s));
+    m.resistance_valid = i % 3 != 0;
+    const Dense before = matrix_of(s);
+    Filter::State predicted = s;
+    predicted.stress_Pa +=
+        sample_s / (sample_s + p.tuning.stress_filter_s) * (m.stress_Pa - s.stress_Pa);
+    const Filter::Linear f = Filter::predict_mean(p, predicted, m.power_W, sample_s);
+    const Dense F = transition(f);
+    Dense P = F * before * F.transpose() + process_noise(p.tuning, f, sample_s);
+    if (m.resistance_valid) {
+      const Filter::Expected e = Filter::expected(p, predicted);
+      const DenseVector H = e.slope.head<Filter::size>().transpose();
+      const double model_ohm = p.tuning.resistance_model_sd * e.ohm;
+      const double variance = H.dot(P * H) + model_ohm * model_ohm * (1e-3 / sample_s) +
+                              m.resistance_sd_ohm * m.resistance_sd_ohm;
+      P -= P * H * H.transpose() * P / variance;
+    }
+    Filter::advance(p, s, m, sample_s);
+    ASSERT_LT(difference(matrix_of(s), P), 1e-9) << "at " << time_s << " s";
+  }
+}
+
+}  // namespace
+}  // namespace smaservo

@@ -1,0 +1,282 @@
+#include "observer/kalman.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <gmock/gmock.h>
+#include <limits>
+#include <vector>
+
+#include "tests/observer/simulated_wire.hpp"
+
+namespace smaservo {
+namespace {
+
+using Filter = KalmanObserver<double>;
+using Dense = Eigen::Matrix<double, Filter::size, Filter::size>;
+
+static_assert(StrainObserver<KalmanObserver<double>>);
+static_assert(StrainObserver<KalmanObserver<float>>);
+
+Filter::Params tuned() {
+  return {plant_params(bench_wire()), {}};
+}
+
+template <class S>
+Dense matrix_of(const typename KalmanObserver<S>::State& s) {
+  Dense P;
+  for (int i = 0; i < Filter::size; ++i) {
+    for (int j = 0; j < Filter::size; ++j) {
+      P(i, j) = static_cast<double>(s.covariance[i][j]);
+    }
+  }
+  return P;
+}
+
+/// The covariance as a correlation: of numbers about 1, whatever the units.
+Dense correlation(const Dense& P) {
+  const auto sd = P.diagonal().array().sqrt().matrix().eval();
+  return (P.array() / (sd * sd.transpose()).array()).matrix();
+}
+
+Measurement<float> to_float(const Measurement<double>& m) {
+  return {static_cast<float>(m.resistance_ohm),
+          static_cast<float>(m.resistance_sd_ohm),
+          static_cast<float>(m.power_W),
+          static_cast<float>(m.stress_Pa),
+          m.resistance_valid,
+          m.power_valid,
+          m.stress_valid};
+}
+
+Surface<float> to_float(const Surface<double>& s) {
+  return convert_surface<float>(s, [](double x) { return static_cast<float>(x); });
+}
+Phase<float> to_float(const Phase<double>& p) {
+  return {static_cast<float>(p.strain), static_cast<float>(p.modulus_Pa),
+          static_cast<float>(p.resistivity_ohm_m), static_cast<float>(p.resistivity_ohm_m_K),
+          static_cast<float>(p.resistivity_ohm_m_Pa)};
+}
+
+KalmanObserver<float>::Params to_float(const Filter::Params& p) {
+  const auto f = [](double x) { return static_cast<float>(x); };
+  const auto& m = p.model;
+  const auto& k = m.kinetics;
+  KalmanObserver<float>::Params to{};
+  to.model.kinetics = {
+      to_float(k.m2a),
+      pair_surfaces(to_float(first_surface(k.a2m_a2r)), to_float(second_surface(k.a2m_a2r))),
+      to_float(k.r2a),
+      to_float(k.r2m),
+      k.separate_r2a,
+      k.separate_r2m,
+      k.memory,
+      f(k.smallest_reversal_K)};
+  to.model.material = {to_float(m.material.martensite), to_float(m.material.r_phase),
+                       to_float(m.material.austenite), f(m.material.reference_K),
+                       m.material.mixture};
+  to.model.body = {f(m.body.capacity_J_K), f(m.body.latent_m2a_J), f(m.body.latent_r2a_J),
+                   f(m.body.loss_W_K), f(m.body.loss_W_K2)};
+  to.model.ends = {f(m.ends.share), {f(m.ends.phases.martensite), f(m.ends.phases.r_phase)}};
+  to.model.length_per_area_1_m = f(m.length_per_area_1_m);
+  return to;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) {
+    sum += value;
+  }
+  return sum / static_cast<double>(values.size());
+}
+
+void expect_between(double value, double low, double high, const char* what) {
+  EXPECT_GE(value, low) << what;
+  EXPECT_LE(value, high) << what;
+}
+
+void expect_on_simplex(const Phases<double>& z, double slack) {
+  EXPECT_GE(z.martensite, -slack);
+  EXPECT_GE(z.r_phase, -slack);
+  EXPECT_GE(z.austenite(), -slack);
+}
+
+/// The greatest asymmetry and the least eigenvalue met in a run, both of the correlation.
+struct Soundness {
+  double asymmetry = 0;
+  double least_eigenvalue = 1;
+};
+
+template <class S>
+void add(Soundness& to, const typename KalmanObserver<S>::State& s) {
+  const Dense P = correlation(matrix_of<S>(s));
+  to.asymmetry = std::max(to.asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
+  const Dense symmetric = (P + P.transpose()) / 2;
+  to.least_eigenvalue = std::min(
+      to.least_eigenvalue, Eigen::SelfAdjointEigenSolver<Dense>(symmetric, Eigen::EigenvaluesOnly)
+                               .eigenvalues()
+                               .minCoeff());
+}
+
+TEST(Kalman, CovarianceStaysSoundAndFractionsOnTheSimplex) {
+  const Filter::Params p = tuned();
+  const KalmanObserver<float>::Params pf = to_float(p);
+  Soundness in_double, in_float;
+  for (const double stress_Pa : {30e6, 120e6, 250e6}) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(stress_Pa));
+    LumpedWire wire(random_deviations(random), stress_Pa, 1);
+    Profile profile(stress_Pa, 2);
+    const Measurement<double> first = wire.step(0.01);
+    Filter::State s = Filter::start(p, first, told_ambient_K);
+    auto sf = KalmanObserver<float>::start(pf, to_float(first), float(told_ambient_K));
+    for (int i = 0; i < 60000; ++i) {
+      const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
+      Filter::advance(p, s, m, sample_s);
+      KalmanObserver<float>::advance(pf, sf, to_float(m), float(sample_s));
+      if (i % 10 == 0) {
+        add<double>(in_double, s);
+        add<float>(in_float, sf);
+        expect_on_simplex(ThreePhase<double>::phases(s.kinetics), 1e-12);
+        expect_on_simplex({double(sf.kinetics.martensite), double(sf.kinetics.r_phase)}, 1e-5);
+      }
+      ASSERT_FALSE(HasFailure()) << "at " << i << " ms, " << stress_Pa << " Pa";
+    }
+  }
+  EXPECT_LT(in_double.asymmetry, 1e-9);
+  EXPECT_GT(in_double.least_eigenvalue, -1e-9);
+  EXPECT_LT(in_float.asymmetry, 1e-3);
+  EXPECT_GT(in_float.least_eigenvalue, -1e-3);
+}
+
+TEST(Kalman, WithoutResistanceItIsTheModelAndGetsNoSurer) {
+  const Filter::Params p = tuned();
+  LumpedWire wire({}, 150e6, 1);
+  Profile profile(150e6, 2);
+  Measurement<double> m = wire.step(0.01);
+  Filter::State s = Filter::start(p, m, told_ambient_K);
+  const double start_sd = Filter::estimate(p, s).strain_sd;
+  m.resistance_ohm = std::numeric_limits<double>::quiet_NaN();
+  m.resistance_sd_ohm = std::numeric_limits<double>::quiet_NaN();
+  m.resistance_valid = false;
+  for (int i = 0; i < 20000; ++i) {
+    const Filter::State before = s;
+    m.power_W = profile.power_W(i * sample_s);
+    Filter::advance(p, s, m, sample_s);
+    ASSERT_TRUE(matrix_of<double>(s).allFinite());
+    ASSERT_TRUE(std::isfinite(Filter::estimate(p, s).strain));
+    ASSERT_EQ(s.innovation_ohm, 0);
+    ASSERT_EQ(s.resistance, 1);
+    ASSERT_EQ(s.loss, 1);
+    ASSERT_EQ(s.ambient_K, told_ambient_K);
+    // What nothing is learnt about only becomes less certain.
+    for (const int slow : {Filter::iAmbient, Filter::iLoss, Filter::iResistance}) {
+      ASSERT_GT(s.covariance[slow][slow], before.covariance[slow][slow]);
+    }
+  }
+  // In the middle of the next transformation it knows less than at rest in the cold.
+  double widest = 0;
+  for (int i = 0; i < 3000; ++i) {
+    m.power_W = holding_W(hot_K(150e6));
+    Filter::advance(p, s, m, sample_s);
+    widest = std::max(widest, Filter::estimate(p, s).strain_sd);
+  }
+  EXPECT_GT(widest, 2 * start_sd);
+}
+
+TEST(Kalman, WithResistanceItGetsSurer) {
+  const Filter::Params p = tuned();
+  LumpedWire wire({}, 150e6, 1);
+  LumpedWire same({}, 150e6, 1);
+  Profile profile(150e6, 2);
+  Filter::State with = Filter::start(p, wire.step(0.01), told_ambient_K);
+  Filter::State without = with;
+  same.step(0.01);
+  int surer = 0;
+  for (int i = 0; i < 12000; ++i) {
+    Measurement<double> m = wire.step(profile.power_W(i * sample_s));
+    Filter::advance(p, with, m, sample_s);
+    m.resistance_valid = false;
+    Filter::advance(p, without, m, sample_s);
+    surer += Filter::estimate(p, with).strain_sd < Filter::estimate(p, without).strain_sd ? 1 : 0;
+  }
+  EXPECT_GE(surer, 11000);
+  EXPECT_LT(with.covariance[Filter::iResistance][Filter::iResistance],
+            0.25 * without.covariance[Filter::iResistance][Filter::iResistance]);
+}
+
+// The same inputs through both for a minute, as shares of the nominal stroke.
+// The worst is a reversal that one of them sees a millisecond later: measured 0.76 %, mean 0.007 %.
+TEST(Kalman, FloatFollowsDouble) {
+  const Filter::Params p = tuned();
+  const KalmanObserver<float>::Params pf = to_float(p);
+  double worst = 0;
+  double worst_mean = 0;
+  for (const double stress_Pa : {50e6, 150e6, 300e6}) {
+    std::mt19937_64 random(17);
+    LumpedWire wire(random_deviations(random), stress_Pa, 3);
+    Profile profile(stress_Pa, 4);
+    const Measurement<double> first = wire.step(0.01);
+    Filter::State s = Filter::start(p, first, told_ambient_K);
+    auto sf = KalmanObserver<float>::start(pf, to_float(first), float(told_ambient_K));
+    double sum = 0;
+    for (int i = 0; i < 60000; ++i) {
+      const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
+      Filter::advance(p, s, m, sample_s);
+      KalmanObserver<float>::advance(pf, sf, to_float(m), float(sample_s));
+      const double difference = std::abs(Filter::estimate(p, s).strain -
+                                         double(KalmanObserver<float>::estimate(pf, sf).strain)) /
+                                0.04;
+      worst = std::max(worst, difference);
+      sum += difference;
+    }
+    worst_mean = std::max(worst_mean, sum / 60000);
+  }
+  EXPECT_LT(worst, 0.02);
+  expect_between(worst_mean, 1e-7, 3e-4, "mean difference");
+}
+
+/// Errors of the strain after the first second, in % of the nominal stroke and by the filter's own
+/// deviation.
+struct Errors {
+  std::vector<double> percent, by_sd;
+};
+
+template <class Wire>
+void observe(double stress_Pa, std::uint64_t seed, double seconds, Errors& errors) {
+  const Filter::Params p = tuned();
+  std::mt19937_64 random(seed);
+  Wire wire(random_deviations(random), stress_Pa, seed);
+  Profile profile(stress_Pa, seed + 1);
+  Filter::State s = Filter::start(p, wire.step(0.01), told_ambient_K);
+  for (int i = 0; i < static_cast<int>(seconds / sample_s); ++i) {
+    Filter::advance(p, s, wire.step(profile.power_W(i * sample_s)), sample_s);
+    if (i > 1000 && i % 10 == 0) {
+      const Estimate<double> e = Filter::estimate(p, s);
+      const double error = std::abs(e.strain - wire.strain());
+      errors.percent.push_back(error / 0.04 * 100);
+      errors.by_sd.push_back(error / e.strain_sd);
+    }
+  }
+}
+
+TEST(Kalman, ErrorsAreAsLargeAsItSays) {
+  Errors lumped, distributed;
+  std::uint64_t seed = 100;
+  for (const double stress_Pa : {100e6, 150e6, 200e6, 300e6}) {
+    for (int i = 0; i < 6; ++i) {
+      observe<LumpedWire>(stress_Pa, ++seed, 30, lumped);
+    }
+    observe<DistributedWire>(stress_Pa, ++seed, 30, distributed);
+  }
+  // Measured 0.41 and 0.78 %. Much better than that would be a wire that is no test.
+  expect_between(mean(lumped.percent), 0.1, 0.8, "mean error, lumped");
+  expect_between(mean(distributed.percent), 0.2, 1.3, "mean error, distributed");
+  EXPECT_LT(quantile(lumped.percent, 1), 6);
+  EXPECT_LT(quantile(distributed.percent, 1), 6);
+  // An exact filter has 95 % of its errors within 1.96 deviations. This one is told that the
+  // model is wrong and says more than it errs: measured 0.73 and 1.01.
+  expect_between(quantile(lumped.by_sd, 0.95), 0.3, 1.5, "95 % by deviation, lumped");
+  expect_between(quantile(distributed.by_sd, 0.95), 0.5, 1.96, "95 % by deviation, distributed");
+}
+
+}  // namespace
+}  // namespace smaservo

@@ -1,0 +1,144 @@
+# shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
+# Measures the speed and prints it as Markdown. Sourced by toolchain/dev.
+
+# KIND|what the table calls it|most instructions that it may take
+bench_rows() {
+  cat <<'END'
+ihyp_inverse|ihyp inverse|
+ihyp_inverse_cardano|ihyp inverse by Cardano's formula|
+ihyp_inverse_newton|ihyp inverse by Newton's method|
+cosine_step|two-phase cosine step, 20..110 °C|
+cosine_step_converting|two-phase cosine step, only while it converts|
+model_step_cut|model step, constant stress|250
+model_step_cut:heating|- its heating half|
+model_step_cut:cooling|- its cooling half|
+model_step_constant_stress|model step, constant stress, surfaces not cut before|
+model_step_varying_stress|model step, varying stress|
+plant_step|plant step (model and heat balance)|
+observer_step|observer step|1500
+bank_step|observer step of the bank|
+END
+}
+
+# count DIRECTORY KIND/SCALAR PART: instructions of so many steps, as "KIND[:PART]/SCALAR steps
+# instructions" in a file of its own.
+count_steps() {
+  local bin=$1 kind=$2 part=$3 out=$4
+  local name=$kind
+  [[ $part == all ]] || name=${kind%/*}:$part/${kind#*/}
+  local log=$out/count-${name//\//-}
+  valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=counted_steps \
+    "$bin/count_steps" "$kind" "$part" >"$log.steps" 2>"$log.log"
+  awk -v name="$name" -v steps="$(<"$log.steps")" \
+    '/Collected/ { print name, steps, $NF }' "$log.log" >"$log.count"
+}
+
+count_all() {
+  local bin=$1 out=$2 kind part
+  local -a jobs=()
+  rm -f "$out"/count-*
+  while read -r kind; do
+    jobs+=("$kind" all)
+    if [[ $kind == model_step_cut/* || $kind == empty/* ]]; then
+      jobs+=("$kind" heating "$kind" cooling)
+    fi
+  done < <("$bin/count_steps")
+  export -f count_steps
+  # shellcheck disable=SC2016 # expanded by the inner shell
+  printf '%s\0' "${jobs[@]}" |
+    xargs -0 -n 2 -P "$(nproc)" bash -c 'count_steps "$1" "$3" "$4" "$2"' - "$bin" "$out"
+}
+
+# The numbers of a Google Benchmark JSON file as "NAME FIELD VALUE" lines.
+bench_fields() {
+  awk -F'": ' '
+    /^ *"name": / { name = $2; gsub(/[",]/, "", name); sub(/\/(iterations|real_time).*/, "", name) }
+    /^ *"(real_time|cpu_time|items_per_second|bytes_per_second|worst_relative_error)": / {
+      field = $1; gsub(/[ "]/, "", field); value = $2; sub(/,.*/, "", value)
+      print name, field, value
+    }' "$@"
+}
+
+steps_table() {
+  local out=$1
+  bench_rows | awk -F'|' -v fields="$out/fields" -v counts="$out/counts" '
+    BEGIN {
+      while ((getline line < fields) > 0) { split(line, f, " "); value[f[1], f[2]] = f[3] }
+      while ((getline line < counts) > 0) { split(line, f, " "); per[f[1]] = f[3] / f[2] }
+      print "| step | float | double | instructions, float | double | target |"
+      print "|---|--:|--:|--:|--:|--:|"
+    }
+    function time(kind) { return value[kind, "cpu_time"] }
+    function ns(kind) { return time(kind) == "" ? "" : sprintf("%.1f ns", time(kind)) }
+    function instructions(kind, scalar) {
+      return sprintf("%.0f", per[kind "/" scalar] - per["empty/" scalar])
+    }
+    {
+      printf "| %s | %s | %s | %s | %s | %s |\n", $2, ns($1 "/float"), ns($1 "/double"),
+        instructions($1, "float"), instructions($1, "double"), $3 == "" ? "" : "<= " $3 " instructions"
+    }
+    function twice(title, format, a, b, target) {
+      printf "| %s | " format " | " format " | | | %s |\n", title, a, b, target
+    }
+    END {
+      twice("473 000 model points", "%.1f ms", time("ModelPoints473000/float"),
+        time("ModelPoints473000/double"), "< 25 ms")
+      twice("model step by converting cosine step", "%.1f",
+        time("model_step_cut/float") / time("cosine_step_converting/float"),
+        time("model_step_cut/double") / time("cosine_step_converting/double"), "<= 3")
+    }'
+}
+
+error_table() {
+  awk '
+    $2 == "worst_relative_error" { error[$1] = $3 }
+    END {
+      print "| ihyp inverse, worst relative error of the smaller of x and 1 - x in 20 000 cases | float | double |"
+      print "|---|--:|--:|"
+      row("ours", "ihyp_inverse")
+      row("Cardano", "ihyp_inverse_cardano")
+      row("Newton", "ihyp_inverse_newton")
+    }
+    function row(title, name) {
+      printf "| %s | %.1e | %.1e |\n", title, error[name "_error/float"], error[name "_error/double"]
+    }' "$1/fields"
+}
+
+replay_table() {
+  awk '
+    { value[$1, $2] = $3 }
+    END {
+      print "| 1 000 000 rows | rows/s | MB/s | target |"
+      print "|---|--:|--:|--:|"
+      row("replay, Kalman filter, all columns written", "replay/kalman", ">= 1.5 M rows/s")
+      row("replay, straight line, all columns written", "replay/line", "")
+      row("bare read of the same file", "bare_read", "")
+    }
+    function row(title, name, target) {
+      printf "| %s | %.2f M | %.0f | %s |\n", title, value[name, "items_per_second"] / 1e6,
+        value[name, "bytes_per_second"] / 1e6, target
+    }' "$1/fields"
+}
+
+run_bench() {
+  run_setup
+  build release model_bench count_steps replay_bench
+  local bin=$root/build/release/tests/bench out=$root/build/bench
+  mkdir -p "$out"
+  local bench
+  for bench in model_bench replay_bench; do
+    say "running $bench"
+    step "$bench" "$bin/$bench" --benchmark_out="$out/$bench.json" --benchmark_out_format=json
+  done
+  say "counting instructions"
+  count_all "$bin" "$out"
+  cat "$out"/count-*.count >"$out/counts"
+  bench_fields "$out/model_bench.json" "$out/replay_bench.json" >"$out/fields"
+  printf 'Time, and instructions per step by callgrind. %s, %s:\n\n' \
+    "$(sed -nE 's/^model name\s*: //p' /proc/cpuinfo | head -n 1)" "$(g++ --version | head -n 1)"
+  steps_table "$out"
+  printf '\n'
+  error_table "$out"
+  printf '\n'
+  replay_table "$out"
+}

@@ -1,0 +1,146 @@
+# shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
+# Building, replaying and testing. Sourced by toolchain/dev.
+
+# The part of a log that tells why: from the first error on, and the last lines.
+show_end() {
+  local log=$1 first
+  first=$(grep -nEm 1 'error: |CMake Error|FAILED|\*\*\*' "$log" | cut -d: -f1)
+  {
+    printf -- '--- from %s\n' "$log"
+    if [[ -n $first ]] && (($(wc -l <"$log") - first > 50)); then
+      sed -n "$first,$((first + 30))p" "$log"
+      printf -- '[...]\n'
+      tail -n 15 "$log"
+    else
+      tail -n 50 "$log"
+    fi
+    printf -- '---\n'
+  } >&2
+}
+
+# step NAME COMMAND...: runs quietly, with its output in build/logs/NAME.log; shows the end of it
+# when the command fails.
+step() {
+  local name=$1
+  shift
+  mkdir -p "$logs"
+  if ! "$@" >"$logs/$name.log" 2>&1; then
+    say "failed: $name"
+    show_end "$logs/$name.log"
+    return 1
+  fi
+}
+
+# configure PRESET: only what has changed.
+configure() {
+  (cd "$root" && step "$1-configure" cmake --preset "$1")
+}
+
+# build PRESET [TARGET...]
+build() {
+  local preset=$1
+  shift
+  configure "$preset" || return
+  say "building $preset${*:+: $*}"
+  (cd "$root" &&
+    step "$preset-build" \
+      cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
+}
+
+near() { realpath --relative-to="$here" "$1"; }
+
+value_of() { sed -nE "s/^$1 *= *\"(.*)\" *\$/\1/p" "$2" | head -n 1; }
+
+# The command that replays a trace of the project, to be copied.
+replay_command_of() {
+  local scenario=$1 trace=${1%.toml}.csv
+  local wire
+  wire=$(value_of wire "$scenario")
+  [[ $wire != *.toml ]] || wire=$(near "$(dirname "$scenario")/$wire")
+  printf '%q replay --wire %q %q\n' "$(near "$root/toolchain/dev")" "$wire" "$(near "$trace")"
+}
+
+# list_traces FIRST: all but this one.
+list_traces() {
+  local scenario
+  printf '\nThe other traces:\n'
+  for scenario in "$root"/host-sim/traces/*.toml; do
+    [[ -r ${scenario%.toml}.csv && ${scenario%.toml}.csv != "$1" ]] || continue
+    printf '\n  %s\n    %s\n' "$(value_of note "$scenario")" "$(replay_command_of "$scenario")"
+  done
+  printf '\nAdd --report FILE.html for a report, --out FILE.csv for the estimate.\n'
+}
+
+run_replay() {
+  run_setup
+  build release host-sim
+  local host_sim=$root/build/release/host-sim/host-sim
+  if (($#)); then
+    "$host_sim" replay "$@"
+    return
+  fi
+  local out=$root/build/replay trace=$root/host-sim/traces/150MPa.csv
+  mkdir -p "$out"
+  "$host_sim" replay --wire "$root/host-sim/traces/units/a.toml" --out "$out/estimate.csv" \
+    --report "$out/report.html" "$trace"
+  local report
+  report=$(near "$out/report.html")
+  printf '\nReport:   %s\nEstimate: %s\n' "$report" "$(near "$out/estimate.csv")"
+  printf 'Open the report in any browser, for instance: xdg-open %q\n' "$report"
+  list_traces "$trace"
+}
+
+# One line of the summary: name, result, seconds.
+declare -a summary=()
+failures=0
+
+# timed NAME COMMAND...
+timed() {
+  local name=$1 start=$SECONDS result=passed
+  shift
+  if ! "$@"; then
+    result=FAILED
+    failures=$((failures + 1))
+  fi
+  summary+=("$(printf '%-10s %-7s %5d s  %s' "$name" "$result" $((SECONDS - start)) "$counted")")
+  counted=''
+}
+
+counted=''
+
+test_preset() {
+  local preset=$1
+  build "$preset" || return
+  say "testing $preset"
+  # Sanitizers find leaks and undefined behaviour only where they are told to stop there.
+  (cd "$root" &&
+    ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1 \
+      UBSAN_OPTIONS=print_stacktrace=1 \
+      step "$preset-test" ctest --preset "$preset" --parallel "$(nproc)") || return
+  counted=$(sed -nE 's/^100% tests passed, .* out of ([0-9]+)$/\1 tests/p' "$logs/$preset-test.log")
+  local skipped
+  skipped=$(grep -cE '\(Skipped\)$' "$logs/$preset-test.log" || true)
+  [[ $skipped == 0 ]] || counted+=", $skipped of them skipped (no measured data)"
+}
+
+run_test() {
+  local preset
+  case ${1:-all} in
+    all) set -- release clang asan ;;
+    dev | release | clang | asan) ;;
+    *) die "test: unknown preset: $1 (dev, release, clang, asan)" ;;
+  esac
+  timed setup run_setup
+  for preset in "$@"; do
+    timed "$preset" test_preset "$preset"
+  done
+  if (($# > 1)); then
+    timed check run_check
+  fi
+  printf '\n'
+  printf '%s\n' "${summary[@]}"
+  if ((failures)); then
+    printf '%d failed; logs are in %s\n' "$failures" "$(near "$logs")"
+    return 1
+  fi
+}

@@ -1,0 +1,120 @@
+# shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
+# Formatting, static analysis and house rules. Sourced by toolchain/dev.
+
+# Files of ours, tracked or new, that match the patterns; 0-terminated.
+our_files() {
+  (cd "$root" && git ls-files -z --cached --others --exclude-standard -- "$@" |
+    while IFS= read -r -d '' file; do
+      [[ ! -f $file ]] || printf '%s\0' "$file"
+    done)
+}
+
+run_format() {
+  run_setup
+  our_files '*.cpp' '*.hpp' | (cd "$root" && xargs -0 -r clang-format-19 -i)
+}
+
+check_format() {
+  our_files '*.cpp' '*.hpp' | (cd "$root" && xargs -0 -r clang-format-19 --dry-run -Werror)
+}
+
+check_shell() {
+  {
+    our_files '*.sh'
+    our_files toolchain .ci | (cd "$root" && xargs -0 -r grep -lZE '^#!.*\b(ba)?sh$')
+  } | sort -zu | (cd "$root" && xargs -0 -r shellcheck -x)
+}
+
+# Prints what breaks a rule, with file and line.
+check_rules() {
+  local broken=0
+  rule() {
+    local pattern=$1 reason=$2
+    shift 2
+    if our_files "$@" | (cd "$root" && xargs -0 -r grep -nHIE -- "$pattern"); then
+      say "^ $reason"
+      broken=1
+    fi
+  }
+  rule '[[:blank:]]+$' 'blanks at the end of a line' '*.cpp' '*.hpp' '*.cmake' '*CMakeLists.txt' \
+    '*.toml' '*.md' '*.sh' toolchain
+  rule $'\t' 'a tab' '*.cpp' '*.hpp' '*.cmake' '*CMakeLists.txt' '*.toml' '*.md'
+  rule '(^|[^[:alnum:]_./:])/(home|root|work|Users|mnt)/[[:alnum:]]' 'a path of one machine' \
+    '*.cpp' '*.hpp' '*.cmake' '*CMakeLists.txt' '*.toml' '*.md' '*.sh' '*.json' '*.in' toolchain .ci
+  rule '\b(TODO|FIXME|XXX)\b' 'an open end' '*.cpp' '*.hpp'
+  return "$broken"
+}
+
+# Sources of the compile database that are ours, or those that were asked for; 0-terminated.
+sources_to_tidy() {
+  if (($#)); then
+    (cd "$here" && realpath -z -- "$@")
+    return
+  fi
+  local database=$root/build/clang/compile_commands.json
+  our_files '*.cpp' | while IFS= read -r -d '' file; do
+    # Those that no target compiles have no flags.
+    if grep -qF "\"file\": \"$root/$file\"" "$database"; then
+      printf '%s\0' "$root/$file"
+    fi
+  done
+}
+
+# What clang-tidy's answer for a source depends on, as one number: its command, its text and that
+# of our headers in it, the configuration, the tool.
+tidy_key() {
+  local file=$1 database=$2 command rule
+  local -a parts
+  command=$(grep -F -B 1 "\"file\": \"$file\"" "$database" |
+    sed -nE '/"command": /{ s/^ *"command": "(.*)",$/\1/; s/\\(.)/\1/g; s/ -o [^ ]+ -c / -MM /p }')
+  # A rule of a Makefile: "object: source header header".
+  rule=$(eval "$command") || return
+  eval "parts=(${rule#*:})"
+  {
+    printf '%s\n' "$command"
+    clang-tidy-19 --version
+    cat "$root/.clang-tidy" "${parts[@]}"
+  } | sha256sum
+}
+
+# Looks at one source, unless it was clean before and nothing has changed.
+tidy_one() {
+  local file=$1 build=$root/build/clang key
+  local stamp=$root/build/tidy/${file//\//-}
+  key=$(tidy_key "$file" "$build/compile_commands.json" 2>/dev/null) || key=''
+  if [[ -n $key && -f $stamp && $(<"$stamp") == "$key" ]]; then
+    return
+  fi
+  clang-tidy-19 -p "$build" --quiet "$file" 2>&1 || return
+  [[ -z $key ]] || printf '%s\n' "$key" >"$stamp"
+}
+
+check_tidy() {
+  configure clang || return
+  local log=$logs/tidy.log
+  mkdir -p "$root/build/tidy"
+  export -f tidy_one tidy_key
+  # shellcheck disable=SC2016 # expanded by the inner shell
+  if ! sources_to_tidy "$@" |
+    xargs -0 -r -n 1 -P "$(nproc)" bash -c 'tidy_one "$1"' - >"$log"; then
+    grep -E '(warning|error): ' "$log" | sort -u | sed "s|^$root/||" >&2
+    say "clang-tidy's whole log is in $log"
+    return 1
+  fi
+}
+
+run_check() {
+  run_setup
+  mkdir -p "$logs"
+  local failed=''
+  say 'checking formatting, scripts, house rules'
+  check_format || failed+=' formatting'
+  check_shell || failed+=' shellcheck'
+  check_rules || failed+=' rules'
+  say 'checking with clang-tidy'
+  check_tidy "$@" || failed+=' clang-tidy'
+  if [[ -n $failed ]]; then
+    say "check failed:$failed"
+    return 1
+  fi
+}

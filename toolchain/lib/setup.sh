@@ -1,0 +1,158 @@
+# shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
+# Installs what toolchain/packages.txt lists. Sourced by toolchain/dev.
+
+say() { printf '%s\n' "$*" >&2; }
+
+die() {
+  say "toolchain/dev: $*"
+  exit 1
+}
+
+# Prints 12 or 13: the release of Debian that this is or is derived from; else nothing.
+debian_release() {
+  [[ -r /etc/os-release ]] || return 0
+  local id='' like='' codename='' debian=''
+  id=$(. /etc/os-release && printf '%s' "${ID:-}")
+  like=$(. /etc/os-release && printf '%s' "${ID_LIKE:-}")
+  codename=$(. /etc/os-release && printf '%s' "${DEBIAN_CODENAME:-${VERSION_CODENAME:-}}")
+  [[ " $id $like " == *' debian '* ]] || return 0
+  [[ -r /etc/debian_version ]] && debian=$(</etc/debian_version)
+  case $codename:$debian in
+    bookworm:* | *:12 | *:12.* | *:bookworm/*) printf '12\n' ;;
+    trixie:* | *:13 | *:13.* | *:trixie/*) printf '13\n' ;;
+  esac
+}
+
+# "package suite" of each package that is not installed; the suite is empty where it does not matter.
+missing_packages() {
+  local package suite
+  while read -r package suite _; do
+    [[ $suite == '#'* ]] && suite=''
+    [[ $(debian_release) == 12 ]] || suite=''
+    if ! is_installed "$package" "$suite"; then
+      printf '%s %s\n' "$package" "$suite"
+    fi
+  done < <(grep -Ev '^[[:space:]]*(#|$)' "$root/toolchain/packages.txt" | sed 's/#.*//')
+}
+
+# is_installed PACKAGE [SUITE]: an older version of a package from backports does not count.
+is_installed() {
+  local status
+  status=$(dpkg-query -W -f='${db:Status-Status} ${Version}' "$1" 2>/dev/null) || return
+  [[ $status == 'installed '* && (${2:-} != *-backports || $status == *~bpo*) ]]
+}
+
+apt_folder=/etc/apt
+
+# Every configured source as "URI SUITE", of one-line and of deb822 files.
+apt_sources() {
+  local etc=$apt_folder file
+  for file in "$etc/sources.list" "$etc"/sources.list.d/*.list; do
+    [[ -r $file ]] || continue
+    sed -nE 's/^[[:space:]]*deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]#]+)[[:space:]]+([^[:space:]#]+).*/\2 \3/p' \
+      "$file"
+  done
+  for file in "$etc"/sources.list.d/*.sources; do
+    [[ -r $file ]] || continue
+    awk -v RS='' '{
+      uris = suites = types = field = ""; on = 1
+      n = split($0, lines, "\n")
+      for (i = 1; i <= n; ++i) {
+        line = lines[i]
+        if (line ~ /^[[:space:]]*#/) continue
+        if (line ~ /^[A-Za-z-]+:/) {
+          field = tolower(line); sub(/:.*/, "", field); sub(/^[^:]*:/, "", line)
+        }
+        if (field == "uris") uris = uris " " line
+        if (field == "suites") suites = suites " " line
+        if (field == "types") types = types " " line
+        if (field == "enabled" && line ~ /no/) on = 0
+      }
+      if (!on || (" " types " ") !~ /[[:space:]]deb[[:space:]]/) next
+      nu = split(uris, u, " "); ns = split(suites, s, " ")
+      for (i = 1; i <= nu; ++i) for (j = 1; j <= ns; ++j) print u[i], s[j]
+    }' "$file"
+  done
+}
+
+# The mirror that the system takes Debian 12 itself from.
+debian_mirror() {
+  local uri
+  uri=$(apt_sources | awk '$2 == "bookworm" { print $1; exit }')
+  printf '%s\n' "${uri:-http://deb.debian.org/debian}"
+}
+
+as_root() {
+  if ((EUID == 0)); then
+    "$@"
+  else
+    sudo "$@"
+  fi
+}
+
+# apt-get, quiet and without questions; the end of its log on failure.
+apt_get() {
+  mkdir -p "$logs"
+  if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -y -q "$@" >"$logs/apt.log" 2>&1; then
+    show_end "$logs/apt.log"
+    say "apt-get $1 failed; the whole log is in $logs/apt.log"
+    return 1
+  fi
+}
+
+# Adds a suite to the sources unless it is there.
+add_suite() {
+  local suite=$1 uri
+  if apt_sources | awk -v suite="$suite" '$2 == suite { found = 1 } END { exit !found }'; then
+    return
+  fi
+  uri=$(debian_mirror)
+  local list=/etc/apt/sources.list.d/smaservo.list
+  local keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+  local options=''
+  [[ -r $keyring ]] && options="[signed-by=$keyring] "
+  say "adding $suite of $uri in $list"
+  printf '# Added by toolchain/dev setup of smaservo.\ndeb %s%s %s main\n' \
+    "$options" "$uri" "$suite" | as_root tee "$list" >/dev/null
+}
+
+run_setup() {
+  local release missing package suite
+  release=$(debian_release)
+  if ! command -v dpkg-query >/dev/null; then
+    die "this is not a Debian system (no dpkg); install by hand what toolchain/packages.txt lists"
+  fi
+  missing=$(missing_packages)
+  if [[ -z $missing ]]; then
+    return
+  fi
+  if [[ -z $release ]]; then
+    say "missing: $(cut -d' ' -f1 <<<"$missing" | xargs)"
+    die "this is not Debian 12 or 13 or derived from them; install these, or what is closest, by hand"
+  fi
+  if ((EUID != 0)) && ! command -v sudo >/dev/null; then
+    say "missing: $(cut -d' ' -f1 <<<"$missing" | xargs)"
+    die "installing needs root, and there is no sudo; run 'toolchain/dev setup' as root once"
+  fi
+  local -a plain=()
+  local -A from=()
+  while read -r package suite; do
+    if [[ -n $suite ]]; then
+      from[$suite]+=" $package"
+    else
+      plain+=("$package")
+    fi
+  done <<<"$missing"
+  for suite in "${!from[@]}"; do
+    add_suite "$suite"
+  done
+  say "installing: $(cut -d' ' -f1 <<<"$missing" | xargs)"
+  apt_get update || say 'going on with the package lists that are there'
+  if ((${#plain[@]})); then
+    apt_get install --no-install-recommends "${plain[@]}" || exit
+  fi
+  for suite in "${!from[@]}"; do
+    # shellcheck disable=SC2086 # several packages
+    apt_get install --no-install-recommends -t "$suite" ${from[$suite]} || exit
+  done
+}
