@@ -81,9 +81,7 @@ void EstimateFile::add(const EstimateRow& row, std::string_view trace_row) {
     *to++ = ',';
     to = append_fixed(to, value, decimals);
   };
-  if (!std::isnan(row.time_s)) {
-    to = std::to_chars(to, to + 32, row.time_s).ptr;
-  }
+  to = append_fixed(to, row.time_s, 6);
   field(row.strain, 7);
   field(row.strain_sd, 7);
   field(row.temperature_K - 273.15, 3);

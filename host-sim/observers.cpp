@@ -55,6 +55,7 @@ constexpr TuningField tuning_fields[] = {
     {"kalman.ambient_range_K", &Tuning::ambient_range_K},
     {"kalman.loss_range", &Tuning::loss_range},
     {"kalman.resistance_range", &Tuning::resistance_range},
+    {"kalman.hottest_K", &Tuning::hottest_K},
 };
 
 double positive_number(const Override& setting) {

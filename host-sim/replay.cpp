@@ -25,12 +25,6 @@ constexpr double settling_s = 1;
 constexpr double longest_gap_s = 60;
 constexpr double room_K = 298.15;
 
-double cold_resistance_ohm(const Wire<double>& wire) {
-  const auto model = plant_params(wire);
-  using Model = Plant<ThreePhase<double>>;
-  return Model::resistance_ohm(model, Model::rest(model, {room_K, 0}), room_K);
-}
-
 /// What a good front end for this wire would be, with the user's settings on top.
 Measuring measuring_params(const Wire<double>& wire, const std::vector<Override>& settings) {
   const double ohm = cold_resistance_ohm(wire);

@@ -11,13 +11,9 @@ void list_presets() {
   fmt::print("{:<18}{:>12}{:>10}{:>10}{:>12}\n", "preset", "diameter", "Ω/m", "limit", "load");
   for (const std::string& name : preset_names()) {
     const Wire<double> w = load_wire(name).wire;
-    const auto model = plant_params(w);
-    using Model = Plant<ThreePhase<double>>;
-    const double room_K = 298.15;
-    const double ohm = Model::resistance_ohm(model, Model::rest(model, {room_K, 0}), room_K);
     fmt::print("{:<18}{:>9.0f} µm{:>9.4g}{:>8.0f} mA{:>10.3g} N\n", name,
-               1e6 * w.geometry.diameter_m, ohm / w.geometry.length_m, 1e3 * w.limits.current_A,
-               w.limits.stress_Pa * w.geometry.area_m2());
+               1e6 * w.geometry.diameter_m, cold_resistance_ohm(w) / w.geometry.length_m,
+               1e3 * w.limits.current_A, w.limits.stress_Pa * w.geometry.area_m2());
   }
 }
 

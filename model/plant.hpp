@@ -98,4 +98,13 @@ typename Plant<ThreePhase<S>>::Params plant_params(const Wire<S>& wire) {
           cold_ends(wire.geometry, wire.heat, wire.kinetics), wire.length_per_area_1_m()};
 }
 
+/// Resistance of the wire as it lies on the table: at rest at 25 °C without load.
+template <class S>
+S cold_resistance_ohm(const Wire<S>& wire) {
+  using Model = Plant<ThreePhase<S>>;
+  const S room_K = S(298.15);
+  const auto params = plant_params(wire);
+  return Model::resistance_ohm(params, Model::rest(params, {room_K, S(0)}), room_K);
+}
+
 }  // namespace smaservo

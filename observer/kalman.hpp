@@ -34,6 +34,7 @@ struct KalmanTuning {
   S ambient_range_K = S(20);
   S loss_range = S(1.6);  ///< factor, up and down
   S resistance_range = S(0.025);
+  S hottest_K = S(550);  ///< and the wire, below this and not colder than the air can be
 };
 
 template <class S>
@@ -342,7 +343,9 @@ void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>&
   keep_on_simplex(P, z, change);
   const S martensite = clamp(z.martensite + change[iM], S(0), S(1));
   const S r_phase = clamp(z.r_phase + change[iR], S(0), S(1) - martensite);
-  Kinetics::correct(p.model.kinetics, s.kinetics, f.tangent, change[iT], {martensite, r_phase});
+  const S T = s.kinetics.drive.temperature_K;
+  const S warmer_K = clamp(T + change[iT], s.start_ambient_K - q.ambient_range_K, q.hottest_K) - T;
+  Kinetics::correct(p.model.kinetics, s.kinetics, f.tangent, warmer_K, {martensite, r_phase});
   s.ambient_K = clamp(s.ambient_K + change[iAmbient], s.start_ambient_K - q.ambient_range_K,
                       s.start_ambient_K + q.ambient_range_K);
   s.loss = clamp(s.loss + change[iLoss], S(1) / q.loss_range, q.loss_range);

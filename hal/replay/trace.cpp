@@ -49,6 +49,43 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// A number at `at`; moves behind it. Plain decimals of up to 15 digits are one exact division away
+/// from their value (Clinger 1990), the standard's own parsing does the others at four times the
+/// price. NaN where there is none.
+double parse_number(const char*& at, const char* stop) {
+  constexpr std::array<double, 16> powers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                          1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const char* p = at;
+  const bool negative = p < stop && *p == '-';
+  p += negative ? 1 : 0;
+  std::uint64_t digits = 0;
+  const auto read_digits = [&] {
+    const char* from = p;
+    for (; p < stop && *p >= '0' && *p <= '9'; ++p) {
+      digits = 10 * digits + static_cast<std::uint64_t>(*p - '0');
+    }
+    return p - from;
+  };
+  const auto whole = read_digits();
+  std::ptrdiff_t decimals = 0;
+  if (p < stop && *p == '.') {
+    ++p;
+    decimals = read_digits();
+  }
+  if (whole > 0 && whole + decimals <= 15 && (p == stop || *p == ',')) {
+    at = p;
+    const double value = static_cast<double>(digits) / powers[static_cast<std::size_t>(decimals)];
+    return negative ? -value : value;
+  }
+  double value = 0;
+  const auto [after, error] = std::from_chars(at, stop, value);
+  if (error != std::errc{} || !(after == stop || *after == ',')) {
+    return not_there;
+  }
+  at = after;
+  return value;
+}
+
 /// What the header says of one column.
 struct Target {
   std::size_t value = column_count;  ///< index into TraceRow::values; column_count: keep as text
@@ -270,10 +307,9 @@ struct TraceReader::Impl {
         comma = static_cast<const char*>(std::memchr(at, ',', static_cast<std::size_t>(stop - at)));
         comma = comma == nullptr ? stop : comma;
       } else {
-        double value = 0;
-        const auto [after, error] = std::from_chars(at, stop, value);
-        comma = after;
-        if (error != std::errc{} || !(after == stop || *after == ',') || !std::isfinite(value)) {
+        comma = at;
+        double value = parse_number(comma, stop);
+        if (!std::isfinite(value)) {
           return bad_number(i, at, stop);
         }
         value = target.unit.to_si(value * target.scale);

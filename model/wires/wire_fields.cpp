@@ -3,6 +3,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "model/plant.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -31,7 +33,8 @@ std::vector<WireField> make_fields() {
       number("wire.nominal_stroke", kind::number, 1e-3, 0.2, false,
              "strain that errors are related to; 0.04"),
       number("wire.resistance", kind::resistance_per_length, 1e-3, 1e5, false,
-             "of the cold wire; scales all resistivities to it"),
+             "of the cold wire without load, by its length between the clamps; scales all "
+             "resistivities to it"),
       number("limits.current", kind::current, 1e-4, 100, true, "the maker's, in still air"),
       number("limits.load", kind::force, 1e-4, 1e4, true, "the maker's"),
       number("limits.temperature", kind::temperature, 300, 700, true, "of the wire"),
@@ -105,6 +108,9 @@ class Builder {
     kinetics(w);
     material(w);
     heat(w);
+    if (find("wire.resistance") != nullptr) {
+      scale_resistance(w, number("wire.resistance") * w.geometry.length_m);
+    }
     return w;
   }
 
@@ -197,24 +203,28 @@ class Builder {
     }
   }
 
-  Phase<double> phase(const std::string& name, double scale) const {
+  Phase<double> phase(const std::string& name) const {
     const std::string path = "material." + name;
-    const double rho = scale * number(path + ".resistivity");
+    const double rho = number(path + ".resistivity");
     return {number(path + ".strain"), number(path + ".modulus"), rho,
             rho * number(path + ".resistivity_temperature"),
             rho * number(path + ".resistivity_stress", 0.0)};
   }
 
   void material(Wire<double>& w) const {
-    double scale = 1;
-    if (find("wire.resistance") != nullptr) {
-      scale = number("wire.resistance") * w.geometry.area_m2() /
-              number("material.martensite.resistivity");
-    }
     w.material = {
-        phase("martensite", scale), phase("r_phase", scale), phase("austenite", scale),
-        number("material.reference"),
+        phase("martensite"), phase("r_phase"), phase("austenite"), number("material.reference"),
         word("material.mixture", "series") == "parallel" ? Mixture::parallel : Mixture::series};
+  }
+
+  static void scale_resistance(Wire<double>& w, double ohm) {
+    const double scale = ohm / cold_resistance_ohm(w);
+    for (Phase<double>* phase :
+         {&w.material.martensite, &w.material.r_phase, &w.material.austenite}) {
+      phase->resistivity_ohm_m *= scale;
+      phase->resistivity_ohm_m_K *= scale;
+      phase->resistivity_ohm_m_Pa *= scale;
+    }
   }
 
   void heat(Wire<double>& w) const {

@@ -41,8 +41,9 @@ std::vector<IhypCase<S>> whole_ihyp_range(int count) {
 /// The smaller of x and 1 - x, by bisection over ln(x/(1 - x)).
 template <class S>
 long double smaller_fraction(const IhypCase<S>& c) {
-  const long double G = c.shape.curvature;
-  const long double z = c.shape.turning;
+  const auto G = static_cast<long double>(c.shape.curvature);
+  const auto z = static_cast<long double>(c.shape.turning);
+  const auto tau = static_cast<long double>(c.tau);
   long double low = -40;
   long double high = 40;
   for (int i = 0; i < 80; ++i) {
@@ -50,7 +51,7 @@ long double smaller_fraction(const IhypCase<S>& c) {
     const long double x = 1 / (1 + std::exp(-middle));
     const long double y = 1 / (1 + std::exp(middle));
     const long double u = x - z;
-    (x + G * u * u * u / (x * y) < c.tau ? low : high) = middle;
+    (x + G * u * u * u / (x * y) < tau ? low : high) = middle;
   }
   return 1 / (1 + std::exp(std::abs(low)));
 }
@@ -68,7 +69,7 @@ double worst_relative_error(Split<S> (*inverse)(const IhypShape<S>&, S)) {
   long double worst = 0;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Split<S> x = inverse(cases[i].shape, cases[i].tau);
-    const long double smaller = std::min(x.converted, x.remaining);
+    const auto smaller = static_cast<long double>(std::min(x.converted, x.remaining));
     const long double error = std::abs(smaller - truth[i]) / truth[i];
     worst = error <= worst ? worst : error;
   }

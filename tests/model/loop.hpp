@@ -42,11 +42,15 @@ inline Loop full_loop(const ThreePhase<double>::Params& kinetics, const Material
     branch.push_back({u.temperature_K, epsilon,
                       resistance_ohm(resistivity(material, z, u).value, 1.0, epsilon), z});
   };
-  for (int i = 0; i <= steps; ++i) {
-    visit(i, loop.heating);
-  }
-  for (int i = steps; i >= 0; --i) {
-    visit(i, loop.cooling);
+  // The first cycle brings the wire onto the loop.
+  for (int cycle = 0; cycle < 2; ++cycle) {
+    loop = {};
+    for (int i = 0; i <= steps; ++i) {
+      visit(i, loop.heating);
+    }
+    for (int i = steps; i >= 0; --i) {
+      visit(i, loop.cooling);
+    }
   }
   return loop;
 }
