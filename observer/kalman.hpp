@@ -14,7 +14,8 @@ namespace smaservo {
 /// What the filter assumes. Standard deviations; walks are per square root of a second.
 template <class S>
 struct KalmanTuning {
-  S temperature_walk_K = S(7);  ///< heat that the balance does not know of
+  S temperature_walk_K = S(5);  ///< heat that the balance does not know of, at 60 K above ambient;
+                                ///< it grows with that distance, from a tenth of it
   S fraction_noise = S(0.03);   ///< per square root of the fraction converted
   S unseen_share = S(0.3);  ///< of what plain scaling would convert, counted the same way: an inner
                             ///< loop that is remembered wrongly must not blind the filter
@@ -96,6 +97,7 @@ struct KalmanObserver {
     Vector temperature;
     typename Kinetics::Tangent tangent;  ///< T and z'
     PhaseRates<S> moved;                 ///< T z'_before
+    S walk_K;                            ///< of the temperature
     S converted;                         ///< fraction converted, with its unseen share
   };
   static Linear predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s);
@@ -229,6 +231,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
 
   const S plain = straight ? Kinetics::plainly_converted(before, k) : S(0);
   return {temperature, tangent, moved,
+          p.tuning.temperature_walk_K * (S(0.1) + magnitude(above) / S(60)),
           magnitude(dM) + magnitude(dR) + p.tuning.unseen_share * plain};
 }
 
@@ -254,7 +257,7 @@ void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const 
   const S z_m = f.tangent.rates.martensite_1_K;
   const S z_r = f.tangent.rates.r_phase_1_K;
   const S noise_z = q.fraction_noise * q.fraction_noise * f.converted;
-  const S TT = a.dot(tau) + q.temperature_walk_K * q.temperature_walk_K * dt_s;
+  const S TT = a.dot(tau) + f.walk_K * f.walk_K * dt_s;
   const S Tm = along_m(tau);
   const S Tr = along_r(tau);
   const S TM = Tm + z_m * TT;

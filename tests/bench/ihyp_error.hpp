@@ -61,6 +61,7 @@ double worst_relative_error(Split<S> (*inverse)(const IhypShape<S>&, S)) {
   static const std::vector<IhypCase<S>> cases = whole_ihyp_range<S>(20000);
   static const std::vector<long double> truth = [] {
     std::vector<long double> all;
+    all.reserve(cases.size());
     for (const IhypCase<S>& c : cases) {
       all.push_back(smaller_fraction(c));
     }

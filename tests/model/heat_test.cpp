@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <numbers>
 
 #include "model/test_wires.hpp"
@@ -19,7 +20,7 @@ TEST(NaturalConvection, IsChurchillAndChusForThe76umWire) {
 }
 
 TEST(NaturalConvection, GrowsWithTheTemperatureAndFallsWithTheDiameter) {
-  double before_d = INFINITY;
+  double before_d = std::numeric_limits<double>::infinity();
   for (const double d : {25e-6, 76e-6, 150e-6, 250e-6, 510e-6}) {
     double before = 0;
     for (double above = 0; above <= 120; above += 5) {

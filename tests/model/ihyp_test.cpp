@@ -20,7 +20,11 @@ long double original_tau(long double G, long double zT, long double x, long doub
 
 /// The root of original_tau(x) = tau by Newton's steps on logit(x), kept inside a bracket: both x
 /// and 1 - x keep their relative accuracy.
-Split<long double> oracle(long double G, long double zT, long double tau) {
+template <class S>
+Split<long double> oracle(const IhypShape<S>& shape, S at_tau) {
+  const auto G = static_cast<long double>(shape.curvature);
+  const auto zT = static_cast<long double>(shape.turning);
+  const auto tau = static_cast<long double>(at_tau);
   long double low = -60;
   long double high = 60;
   long double w = std::log(zT / (1 - zT));
@@ -100,9 +104,11 @@ TYPED_TEST(Ihyp, InverseKeepsBothFractionsToTheirOwnAccuracy) {
     const IhypShape<S> shape{static_cast<S>(c.curvature), static_cast<S>(c.turning)};
     const S tau = static_cast<S>(c.tau);
     const Split<S> got = ihyp_fraction(shape, tau);
-    const Split<long double> want = oracle(shape.curvature, shape.turning, tau);
-    const auto error_x = static_cast<double>(std::abs(got.converted - want.converted));
-    const auto error_y = static_cast<double>(std::abs(got.remaining - want.remaining));
+    const Split<long double> want = oracle(shape, tau);
+    const auto error_x =
+        static_cast<double>(std::abs(static_cast<long double>(got.converted) - want.converted));
+    const auto error_y =
+        static_cast<double>(std::abs(static_cast<long double>(got.remaining) - want.remaining));
     const double relative = want.converted < want.remaining
                                 ? error_x / static_cast<double>(want.converted)
                                 : error_y / static_cast<double>(want.remaining);
@@ -135,7 +141,8 @@ TYPED_TEST(Ihyp, TemperatureOfFractionOfTemperatureIsTheSame) {
     // One rounding of the smaller fraction shifts tau by its slope there.
     const S smaller = std::min(x.converted, x.remaining);
     const S scale = S(1) + ihyp_slope(shape, x) * smaller;
-    worst = std::max(worst, double{std::abs(ihyp_temperature(shape, x) - tau) / scale});
+    worst =
+        std::max(worst, static_cast<double>(std::abs(ihyp_temperature(shape, x) - tau) / scale));
   }
   EXPECT_LT(worst, is_float<S> ? 2e-6 : 1e-13);
 }
@@ -165,8 +172,8 @@ TYPED_TEST(Ihyp, FractionRisesWithTemperature) {
 
 TEST(IhypFormula, IsTheOneOfThePaper) {
   for (const Case& c : cases()) {
-    const Split<long double> x = oracle(c.curvature, c.turning, c.tau);
     const IhypShape<double> shape{c.curvature, c.turning};
+    const Split<long double> x = oracle(shape, c.tau);
     const Split<double> rounded{static_cast<double>(x.converted), static_cast<double>(x.remaining)};
     const double slope = ihyp_slope(shape, rounded);
     const double smaller = std::min(rounded.converted, rounded.remaining);
@@ -187,18 +194,20 @@ TEST(IhypFormula, StartsAndFinishesWhereTheTangentAtTheTurningPointDoes) {
 TEST(IhypFormula, SlopeIsTheDerivative) {
   using J = ceres::Jet<double, 1>;
   for (const Case& c : cases()) {
-    const Split<long double> x = oracle(c.curvature, c.turning, c.tau);
     const IhypShape<double> shape{c.curvature, c.turning};
+    const Split<long double> x = oracle(shape, c.tau);
     const auto converted = static_cast<double>(x.converted);
     const auto remaining = static_cast<double>(x.remaining);
     const double slope = ihyp_slope(shape, {converted, remaining});
     EXPECT_GE(slope, 1 - 1e-14);
 
     const long double h = 1e-6L * std::min(x.converted, x.remaining);
-    const long double difference =
-        (original_tau(c.curvature, c.turning, x.converted + h, x.remaining - h) -
-         original_tau(c.curvature, c.turning, x.converted - h, x.remaining + h)) /
-        (2 * h);
+    const auto tau_at = [&](long double shift) {
+      return original_tau(static_cast<long double>(c.curvature),
+                          static_cast<long double>(c.turning), x.converted + shift,
+                          x.remaining - shift);
+    };
+    const long double difference = (tau_at(h) - tau_at(-h)) / (2 * h);
     EXPECT_NEAR(slope, static_cast<double>(difference), 1e-10 * slope);
 
     const J fraction(converted, 0);

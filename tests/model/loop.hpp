@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "model/test_wires.hpp"
@@ -57,7 +58,7 @@ inline Loop full_loop(const ThreePhase<double>::Params& kinetics, const Material
 
 /// Strain differences of a point to the points of a branch with the same resistance: the least.
 inline double nearest_strain_gap(const LoopPoint& point, const std::vector<LoopPoint>& branch) {
-  double least = INFINITY;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < branch.size(); ++i) {
     const LoopPoint& a = branch[i - 1];
     const LoopPoint& b = branch[i];

@@ -1,10 +1,11 @@
 #include "model/three_phase.hpp"
 
-#include <ceres/jet.h>
 #include <algorithm>
+#include <ceres/jet.h>
 #include <cmath>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -77,7 +78,7 @@ TEST_P(Paper000, TransformationTemperaturesWithoutStress) {
 TEST_P(Paper000, RPhaseIsFeltUpToAlmost250MPa) {
   // Without an R-phase of its own resistivity: austenite's instead.
   const auto shift_percent = [&](double stress_MPa) {
-    double largest = 0, low = INFINITY, high = 0;
+    double largest = 0, low = std::numeric_limits<double>::infinity(), high = 0;
     const Material<double>& m = paper_wire().material;
     Material<double> blind = m;
     blind.r_phase.resistivity_ohm_m = m.austenite.resistivity_ohm_m;
@@ -146,10 +147,10 @@ class ThreePhaseTest : public ::testing::Test {
     return s;
   }
 
-  static void expect_simplex(const Phases<double>& z) {
-    EXPECT_GE(z.martensite, -1e-12);
-    EXPECT_GE(z.r_phase, -1e-12);
-    EXPECT_GE(z.austenite(), -1e-12);
+  static void expect_simplex(const Phases<double>& z, double rounding = 1e-12) {
+    EXPECT_GE(z.martensite, -rounding);
+    EXPECT_GE(z.r_phase, -rounding);
+    EXPECT_GE(z.austenite(), -rounding);
   }
 
   std::mt19937_64 random_{42};
@@ -272,7 +273,8 @@ TEST_F(ThreePhaseTest, CorrectionsKeepTheFractionsOnTheSimplex) {
         EXPECT_EQ(s.martensite, to.martensite);
         EXPECT_EQ(s.r_phase, to.r_phase);
         K::advance(p, s, {s.drive.temperature_K + uniform(-3, 3), s.drive.stress_Pa});
-        expect_simplex(K::phases(s));
+        // correct() takes pools below 1e-6 for empty.
+        expect_simplex(K::phases(s), 1e-6);
         if (HasFailure()) {
           FAIL() << "walk " << walk << ", step " << i;
         }

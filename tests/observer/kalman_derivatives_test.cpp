@@ -2,114 +2,25 @@
 // against dense linear algebra.
 
 #include <Eigen/Dense>
-#include <ceres/jet.h>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
 #include "observer/kalman.hpp"
+#include "tests/observer/model_jet.hpp"
 #include "tests/observer/simulated_wire.hpp"
-
-namespace smaservo {
-
-// Derivatives by the filter's states before a step and by the temperature after it.
-constexpr int iAfter = KalmanObserver<double>::size;
-
-/// ceres::Jet, made from plain numbers without being asked: the model's Pair<S>(1) wants that.
-struct Jet : ceres::Jet<double, iAfter + 1> {
-  using Base = ceres::Jet<double, iAfter + 1>;
-  Jet() = default;
-  Jet(const Base& jet) : Base(jet) {}
-  Jet(double number) : Base(number) {}
-  Jet(double number, int by) : Base(number, by) {}
-  const Base& base() const { return *this; }
-  friend Jet operator+(const Jet& x, const Jet& y) { return x.base() + y.base(); }
-  friend Jet operator-(const Jet& x, const Jet& y) { return x.base() - y.base(); }
-  friend Jet operator*(const Jet& x, const Jet& y) { return x.base() * y.base(); }
-  friend Jet operator/(const Jet& x, const Jet& y) { return x.base() / y.base(); }
-  friend bool operator<(const Jet& x, const Jet& y) { return x.a < y.a; }
-};
-
-}  // namespace smaservo
-
-template <>
-struct std::numeric_limits<smaservo::Jet> : std::numeric_limits<double> {};
 
 namespace smaservo {
 namespace {
 
 using Filter = KalmanObserver<double>;
-using K = ThreePhase<double>;
 using Dense = Eigen::Matrix<double, Filter::size, Filter::size>;
 using DenseVector = Eigen::Matrix<double, Filter::size, 1>;
-
-using JK = ThreePhase<Jet>;
 
 Filter::Params tuned(Mixture mixture = Mixture::series) {
   Wire<double> wire = bench_wire();
   wire.material.mixture = mixture;
   return {plant_params(wire), {}};
-}
-
-Surface<Jet> to_jet(const Surface<double>& s) {
-  return convert_surface<Jet>(s, [](double x) { return Jet(x); });
-}
-
-JK::Params to_jet(const K::Params& p) {
-  JK::Params to;
-  to.m2a = to_jet(p.m2a);
-  to.a2m_a2r = pair_surfaces(to_jet(first_surface(p.a2m_a2r)), to_jet(second_surface(p.a2m_a2r)));
-  to.r2a = to_jet(p.r2a);
-  to.r2m = to_jet(p.r2m);
-  to.separate_r2a = p.separate_r2a;
-  to.separate_r2m = p.separate_r2m;
-  to.memory = p.memory;
-  to.smallest_reversal_K = p.smallest_reversal_K;
-  return to;
-}
-
-Phase<Jet> to_jet(const Phase<double>& p) {
-  return {Jet(p.strain), Jet(p.modulus_Pa), Jet(p.resistivity_ohm_m), Jet(p.resistivity_ohm_m_K),
-          Jet(p.resistivity_ohm_m_Pa)};
-}
-
-Material<Jet> to_jet(const Material<double>& m) {
-  return {to_jet(m.martensite), to_jet(m.r_phase), to_jet(m.austenite), m.reference_K, m.mixture};
-}
-
-JK::HotTurn to_jet(const K::HotTurn& t) {
-  return {{Jet(t.left.m2a), Jet(t.left.r2a)}, Jet(t.martensite), Jet(t.r_phase)};
-}
-JK::ColdTurn to_jet(const K::ColdTurn& t) {
-  return {{Pair<Jet>(Jet(t.left.a2m_a2r.first()), Jet(t.left.a2m_a2r.second())), Jet(t.left.r2m)},
-          Jet(t.austenite),
-          Jet(t.r_phase),
-          Jet(t.returning)};
-}
-
-template <class To, class Points>
-To to_jet_points(Points points) {
-  To to(to_jet(Points().newest()));
-  for (const auto& turn : points) {
-    to.push(to_jet(turn));
-  }
-  return to;
-}
-
-JK::State to_jet(const K::State& s) {
-  JK::State to;
-  to.drive = {Jet(s.drive.temperature_K), Jet(s.drive.stress_Pa)};
-  to.reached = {Jet(s.reached.temperature_K), Jet(s.reached.stress_Pa)};
-  to.martensite = Jet(s.martensite);
-  to.r_phase = Jet(s.r_phase);
-  to.returning = Jet(s.returning);
-  to.reverse = {Jet(s.reverse.m2a), Jet(s.reverse.r2a)};
-  to.forward = {Pair<Jet>(Jet(s.forward.a2m_a2r.first()), Jet(s.forward.a2m_a2r.second())),
-                Jet(s.forward.r2m)};
-  to.heading = s.heading;
-  to.hot = to_jet_points<decltype(to.hot)>(s.hot);
-  to.cold = to_jet_points<decltype(to.cold)>(s.cold);
-  return to;
 }
 
 /// The state with a small change of temperature and phases, history carried along as by the
@@ -369,57 +280,66 @@ Dense transition(const Filter::Linear& f) {
   return F;
 }
 
-Dense process_noise(const KalmanTuning<double>& q, const Filter::Linear& f, double dt_s) {
-  DenseVector heat = DenseVector::Zero();
-  heat << 1, f.tangent.rates.martensite_1_K, f.tangent.rates.r_phase_1_K, 0, 0, 0;
-  Dense Q = q.temperature_walk_K * q.temperature_walk_K * dt_s * heat * heat.transpose();
-  const double converted = q.fraction_noise * q.fraction_noise * f.converted;
-  DenseVector own;
-  own << 0, converted, converted, q.ambient_walk_K * q.ambient_walk_K * dt_s,
-      q.loss_walk * q.loss_walk * dt_s, q.resistance_walk * q.resistance_walk * dt_s;
-  Q.diagonal() += own;
-  return Q;
+/// Products of the deviations: what the entries of a covariance are measured by.
+Dense scale_of(const Dense& P) {
+  const DenseVector sd = P.diagonal().cwiseSqrt();
+  return sd * sd.transpose();
 }
 
-/// Greatest difference of two covariances in units of their deviations.
-double difference(const Dense& a, const Dense& b) {
-  double worst = 0;
+double difference(const Dense& a, const Dense& b, const Dense& scale) {
+  return ((a - b).array() / scale_of(scale).array()).abs().maxCoeff();
+}
+
+Filter::State with_covariance(Filter::State s, const Dense& P) {
   for (int i = 0; i < Filter::size; ++i) {
     for (int j = 0; j < Filter::size; ++j) {
-      worst = std::max(worst, std::abs(a(i, j) - b(i, j)) / std::sqrt(b(i, i) * b(j, j)));
+      s.covariance[i][j] = P(i, j);
     }
   }
-  return worst;
+  return s;
 }
 
-// P = F P F' + Q, and with a measurement P - K H P.
+// Without a measurement P = F P F' + Q with a Q that does not depend on P and is a covariance; a
+// measurement takes (P H)(P H)'/variance from that.
 TEST(KalmanDerivatives, CovarianceAgainstDenseAlgebra) {
   const Filter::Params p = tuned();
   std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
   LumpedWire wire(random_deviations(random), 150e6, 4);
   Profile profile(150e6, 5);
   Filter::State s = Filter::start(p, wire.step(0.01), told_ambient_K);
   for (int i = 0; i < 20000; ++i) {
-    const double time_s = i * sample_s;
-    Measurement<double> m = wire.step(profile.power_W(time_s));
-    m.resistance_valid = i % 3 != 0;
-    const Dense before = matrix_of(s);
+    const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
+    Measurement<double> blind = m;
+    blind.resistance_valid = false;
+
     Filter::State predicted = s;
-    predicted.stress_Pa +=
-        sample_s / (sample_s + p.tuning.stress_filter_s) * (m.stress_Pa - s.stress_Pa);
-    const Filter::Linear f = Filter::predict_mean(p, predicted, m.power_W, sample_s);
-    const Dense F = transition(f);
-    Dense P = F * before * F.transpose() + process_noise(p.tuning, f, sample_s);
-    if (m.resistance_valid) {
-      const Filter::Expected e = Filter::expected(p, predicted);
-      const DenseVector H = e.slope.head<Filter::size>().transpose();
-      const double model_ohm = p.tuning.resistance_model_sd * e.ohm;
-      const double variance = H.dot(P * H) + model_ohm * model_ohm * (1e-3 / sample_s) +
-                              m.resistance_sd_ohm * m.resistance_sd_ohm;
-      P -= P * H * H.transpose() * P / variance;
-    }
+    Filter::advance(p, predicted, blind, sample_s);
+    Filter::State mean = s;
+    mean.stress_Pa = predicted.stress_Pa;
+    const Dense F = transition(Filter::predict_mean(p, mean, m.power_W, sample_s));
+    const Dense P = matrix_of(s);
+    const Dense Q = matrix_of(predicted) - F * P * F.transpose();
+    const Dense noise = Q.array() / scale_of(P).array();
+    ASSERT_GT(noise.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-9);
+
+    const Dense wider =
+        P + Dense::NullaryExpr([&] { return 0.2 * normal(random); }).cwiseProduct(scale_of(P));
+    const Dense symmetric = (wider + wider.transpose()) / 2;
+    Filter::State other = with_covariance(s, symmetric);
+    Filter::advance(p, other, blind, sample_s);
+    ASSERT_LT(difference(matrix_of(other), F * symmetric * F.transpose() + Q, P), 1e-9);
+
+    const Filter::Expected e = Filter::expected(p, mean);
+    const DenseVector H = e.slope.head<Filter::size>().transpose();
+    const DenseVector PH = matrix_of(predicted) * H;
     Filter::advance(p, s, m, sample_s);
-    ASSERT_LT(difference(matrix_of(s), P), 1e-9) << "at " << time_s << " s";
+    ASSERT_NEAR(s.innovation_ohm, m.resistance_ohm - e.ohm, 1e-12 * e.ohm);
+    ASSERT_GT(s.innovation_variance, H.dot(PH) + m.resistance_sd_ohm * m.resistance_sd_ohm);
+    ASSERT_LT(difference(matrix_of(s),
+                         matrix_of(predicted) - PH * PH.transpose() / s.innovation_variance, P),
+              1e-9)
+        << "at " << i << " ms";
   }
 }
 

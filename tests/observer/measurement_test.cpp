@@ -148,8 +148,8 @@ TYPED_TEST(Measure, ABadReadingInvalidatesWhatNeedsIt) {
 TYPED_TEST(Measure, ValidMeansFinite) {
   using S = TypeParam;
   const S huge = std::numeric_limits<S>::max();
-  const S values[] = {
-    S(0), S(1e-30), S(0.2), S(-0.2), S(4.4), S(1e30), MeasurementParams<S> p = bench<S>();
+  const S values[] = {S(0), S(1e-30), S(0.2), S(-0.2), S(4.4), S(1e30), huge, -huge};
+  MeasurementParams<S> p = bench<S>();
   for (const S least_A : {S(0), S(0.01)}) {
     p.least_current_A = least_A;
     for (const S I : values) {
