@@ -21,6 +21,10 @@ class Pair {
  public:
   Pair() = default;
   explicit constexpr Pair(const S& both) : first_(both), second_(both) {}
+  /// A constant, for scalars that do not convert from numbers by themselves.
+  template <class T>
+    requires std::is_arithmetic_v<T>
+  explicit constexpr Pair(T both) : first_(both), second_(both) {}
   constexpr Pair(const S& first, const S& second) : first_(first), second_(second) {}
 
   constexpr const S& first() const { return first_; }

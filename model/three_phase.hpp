@@ -137,17 +137,24 @@ struct ThreePhase {
     const S r = scale(to.r_phase, s.r_phase);
     const S a = scale(to.austenite(), phases(s).austenite());
     for (HotTurn& turn : s.hot) {
-      turn.martensite = turn.martensite * m;
-      turn.r_phase = turn.r_phase * r;
+      turn.martensite = least(turn.martensite * m, S(1));
+      turn.r_phase = least(turn.r_phase * r, S(1) - turn.martensite);
     }
     for (ColdTurn& turn : s.cold) {
       // R-phase that the turn has more than the state is austenite now.
       const S more = turn.r_phase - s.r_phase;
       turn.r_phase = to.r_phase + more * (more < S(0) ? r : a);
-      turn.austenite = turn.austenite * a;
+      turn.austenite = least(turn.austenite * a, S(1));
+      turn.r_phase = least(turn.r_phase, S(1) - turn.austenite);
       turn.returning = turn.returning * a;
     }
-    s.returning = s.returning * a;
+    // No more can return than the turning point had.
+    S outer = S(0);
+    for (ColdTurn& turn : s.cold) {
+      turn.returning = least(turn.returning, outer);
+      outer = turn.r_phase;
+    }
+    s.returning = least(s.returning * a, outer);
     s.martensite = to.martensite;
     s.r_phase = to.r_phase;
     s.drive.temperature_K = s.drive.temperature_K + warmer_K;
@@ -324,6 +331,9 @@ struct ThreePhase {
   static void forget_outermost_loop(State& s) {
     s.hot.drop_oldest();
     s.cold.drop_oldest();
+    if (s.cold.size() > 0) {
+      s.cold.begin()->returning = S(0);
+    }
   }
 
   template <class Isobars>
@@ -397,16 +407,16 @@ struct ThreePhase {
     S lost_r = S(0);
     while (!(s.cold.newest().left.a2m_a2r.first() < now.a2m_a2r.first())) {
       const ColdTurn& passed = s.cold.newest();
-      return_r_phase(s, now);
-      lost_r = lost_r + positive(s.r_phase - passed.r_phase + s.returning);
-      s.martensite = s.martensite +
-                     positive(phases(s).austenite() - passed.austenite - s.returning) +
-                     positive(s.r_phase - passed.r_phase + s.returning);
-      s.r_phase = least(passed.r_phase - s.returning, S(1) - s.martensite);
+      lost_r = lost_r + positive(s.r_phase - passed.r_phase);
+      s.r_phase = s.r_phase + s.returning;
+      s.martensite = s.martensite + positive(phases(s).austenite() - passed.austenite) +
+                     positive(s.r_phase - passed.r_phase);
+      s.r_phase = least(passed.r_phase, S(1) - s.martensite);
       s.forward = passed.left;
       s.returning = passed.returning;
       close_innermost_loop(s);
     }
+    [[maybe_unused]] const S excess_r = positive(s.r_phase - s.cold.newest().r_phase);
     return_r_phase(s, now);
     const ColdTurn& target = s.cold.newest();
     const S r = s.r_phase - target.r_phase + s.returning;                // R-phase that must leave
@@ -436,7 +446,7 @@ struct ThreePhase {
     s.reached = s.drive;
     if constexpr (linearise) {
       // Of the austenite before: a stays, g is R-phase now; of the R-phase before, b stays.
-      lost_r = lost_r + r * (S(1) - stays_r);
+      lost_r = lost_r + excess_r * (S(1) - stays_r);
       const S a0 = start.austenite();
       const S stays = share(phases(s).austenite(), a0);
       const S b = share(start.r_phase - lost_r, start.r_phase);
@@ -487,12 +497,13 @@ struct ThreePhase {
     return {S(0) - a2m - r2m, r2m - a2r};
   }
 
-  /// What a pool loses per kelvin. An exact state has pool <= left - target; a state that an
-  /// observer has corrected may not, and its rate is bounded.
+  /// What a pool loses per kelvin. Nearer than 0.05 K to its turning point the rate is that at
+  /// 0.05 K: an observer may have left a pool there that can not all go.
   static S flow(const S& slope, const S& left, const S& target, const S& pool) {
     const S room = left - target;
-    const S bounded = least(positive(pool), room + room);
-    return S(0) < room ? slope * bounded / room : S(0);
+    const S shortest = S(0.05) * (slope < S(0) ? S(0) - slope : slope);
+    const S longer = room < shortest ? shortest : room;
+    return S(0) < longer ? slope * positive(pool) / longer : S(0);
   }
 };
 

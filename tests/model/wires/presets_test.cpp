@@ -7,6 +7,7 @@
 #include <numbers>
 #include <toml++/toml.h>
 
+#include "model/plant.hpp"
 #include "model/wires/wire_fields.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -42,6 +43,14 @@ constexpr SmartFlexSize smartflex[] = {{25, .3},  {50, 1.2}, {76, 2.7}, {100, 4.
 
 double area_m2(double diameter_m) {
   return std::numbers::pi / 4 * diameter_m * diameter_m;
+}
+
+/// As it comes from the spool: at 25 °C and without load.
+double cold_ohm_per_m(const Wire<double>& wire) {
+  using Model = Plant<ThreePhase<double>>;
+  const Model::Params model = plant_params(wire);
+  return Model::resistance_ohm(model, Model::rest(model, {air_K, 0}), air_K) /
+         wire.geometry.length_m;
 }
 
 /// Every number of a table, by the path of its field.
@@ -131,8 +140,7 @@ TEST(Presets, FlexinolHasTheMakersResistanceForceAndCurrent) {
       SCOPED_TRACE(size.name);
       const double d_m = 1e-3 * size.diameter_mm;
       EXPECT_NEAR(w.geometry.diameter_m, d_m, 1e-12);
-      EXPECT_NEAR(w.material.martensite.resistivity_ohm_m / area_m2(d_m) / size.ohm_per_m, 1,
-                  1e-12);
+      EXPECT_NEAR(cold_ohm_per_m(w) / size.ohm_per_m, 1, 1e-9);
       EXPECT_NEAR(w.limits.current_A, 1e-3 * size.current_mA, 1e-12);
       EXPECT_NEAR(w.limits.stress_Pa, 9.80665e-3 * size.pull_g / area_m2(d_m), 1);
       EXPECT_THAT(w.limits.stress_Pa, AllOf(Ge(160e6), Le(200e6)));
@@ -167,7 +175,7 @@ TEST(Presets, SmartFlexHasTheMakersForceAtAbout600MPa) {
   }
 }
 
-// I² ρ/A = h π d (T - T_air), with Churchill and Chu's h.
+// I² ρ/A = h π d (T - T_air), with Churchill and Chu's h. Between the phases ρ differs by 15 %.
 TEST(Presets, SmartFlexCurrentHoldsSeventyDegrees) {
   for (const SmartFlexSize& size : smartflex) {
     const Wire<double> w = load_wire("smartflex-" + std::to_string(size.diameter_um) + "um").wire;
@@ -176,7 +184,7 @@ TEST(Presets, SmartFlexCurrentHoldsSeventyDegrees) {
         natural_convection_W_m2K(d_m, 343.15, air_K) * std::numbers::pi * d_m * 45;
     const double ohm_per_m = w.material.martensite.resistivity_ohm_m / area_m2(d_m);
     const double holding_A = std::sqrt(loss_W_m / ohm_per_m);
-    EXPECT_THAT(w.limits.current_A / holding_A, AllOf(Ge(0.95), Le(1.06))) << size.diameter_um;
+    EXPECT_THAT(w.limits.current_A / holding_A, AllOf(Ge(0.9), Le(1.12))) << size.diameter_um;
   }
 }
 

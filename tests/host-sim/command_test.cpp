@@ -1,0 +1,249 @@
+// host-sim as its user meets it: arguments, exit codes, messages, files.
+
+#include <chrono>
+#include <csignal>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host-sim/program.hpp"
+#include "host-sim/replays.hpp"
+
+namespace smaservo::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+using Texts = Program::Texts;
+
+const std::string unit_b = shipped("units/b.toml");
+
+std::string short_trace() {
+  return joined(first_lines("200MPa.csv", 400));
+}
+
+Texts replay_of(const std::string& trace, const Texts& more = {}) {
+  Texts arguments{"replay", "--observer", "kalman", "--wire", unit_b, trace};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(Command, HelpExplainsEverySubCommand) {
+  Program program;
+  const Finished help = program.run({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_EQ(help.err, "");
+  for (const char* command : {"replay", "simulate", "wires"}) {
+    EXPECT_THAT(help.out, HasSubstr(command));
+    const Finished own = program.run({command, "--help"});
+    EXPECT_EQ(own.status, 0);
+    EXPECT_GT(own.out.size(), 200U);
+  }
+  EXPECT_THAT(program.run({"--version"}).out, Not(IsEmpty()));
+}
+
+TEST(Command, WrongArgumentsEndWith2AndAMessage) {
+  const Texts wrong[] = {{},
+                         {"nonsense"},
+                         {"--nonsense"},
+                         {"replay"},
+                         {"replay", "--nonsense", "t.csv"},
+                         {"replay", "a.csv", "b.csv"},
+                         {"replay", "--observer", "clairvoyant", "t.csv"},
+                         {"replay", "--load-N", "heavy", "t.csv"},
+                         {"replay", "--load-N", "1", "--stress-MPa", "2", "t.csv"},
+                         {"replay", "--out"},
+                         {"simulate"}};
+  for (const Texts& arguments : wrong) {
+    Program program;
+    const Finished f = program.run(arguments);
+    EXPECT_EQ(f.status, 2) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(f.err, Not(IsEmpty()));
+    EXPECT_EQ(f.out, "");
+  }
+}
+
+TEST(Command, MistakesEndWith1AndNameWhatIsWrong) {
+  const std::pair<Texts, const char*> wrong[] = {
+      {{"replay", "missing.csv"}, "host-sim: missing.csv: No such file"},
+      {replay_of("t.csv", {"--load-N", "-1"}), "--load-N -1: must be between 0 and"},
+      {replay_of("t.csv", {"--stress-MPa", "nan"}), "--stress-MPa nan: must be between"},
+      {replay_of("t.csv", {"--ambient-degC", "300"}), "--ambient-degC 300: must be between"},
+      {replay_of("t.csv", {"--period-s", "0"}), "--period-s 0: must be between"},
+      {replay_of("t.csv", {"--set", "nonsense"}), "--set nonsense: must be key=value"},
+      {replay_of("t.csv", {"--set", "wire.length_mm=1e9"}), "wire.length_mm = 1e9"},
+      {replay_of("t.csv", {"--set", "wire.colour=red"}), "wire.colour"},
+      {replay_of("t.csv", {"--set", "kalman.colour=1"}), "kalman.colour"},
+      {replay_of("t.csv", {"--column", "time_s"}), "--column time_s: must be NAME=COLUMN"},
+      {{"replay", "--wire", "nothing", "t.csv"}, "nothing"},
+      {{"replay", "--wire", "nothing.toml", "t.csv"}, "nothing.toml"},
+      {{"simulate", "nothing.toml"}, "nothing.toml: cannot be read"},
+      {{"wires", "nothing"}, "nothing"},
+  };
+  Program program;
+  program.folder().write("t.csv", short_trace());
+  for (const auto& [arguments, said] : wrong) {
+    const Finished f = program.run(arguments);
+    EXPECT_EQ(f.status, 1) << said;
+    EXPECT_THAT(f.err, StartsWith("host-sim: "));
+    EXPECT_THAT(f.err, HasSubstr(said));
+    EXPECT_EQ(f.out, "");
+  }
+  EXPECT_THAT(program.folder().names(), ElementsAre("t.csv"));
+}
+
+TEST(Command, ABadRowIsNamedAndNothingIsWritten) {
+  Program program;
+  program.folder().write("t.csv", short_trace() + "4.1,0.1,2,much,0.04\n");
+  for (const char* estimate : {"e.csv", "-"}) {
+    const Finished f =
+        program.run(replay_of("t.csv", {"--out", estimate, "--report", "r.html", "--json"}));
+    EXPECT_EQ(f.status, 1);
+    EXPECT_EQ(f.err,
+              "host-sim: t.csv: line 402, column 4 (load_N): 'much' is not a finite number\n");
+    EXPECT_THAT(program.folder().names(), ElementsAre("t.csv"));
+    EXPECT_THAT(f.out, Not(HasSubstr("error"))) << "no summary of half a run";
+  }
+  const Finished f = program.run(replay_of("t.csv", {"--lenient"}));
+  EXPECT_EQ(f.status, 0);
+  EXPECT_THAT(f.out, HasSubstr("1 bad rows skipped"));
+  EXPECT_THAT(f.out, HasSubstr("line 402, column 4 (load_N)"));
+}
+
+TEST(Command, JsonIsValidAndHasTheNumbers) {
+  Program program;
+  const std::string path = program.folder().write("t.csv", short_trace());
+  Texts arguments{"replay", "--wire", unit_b, "t.csv", "--json"};
+  const Finished f = program.run(arguments);
+  ASSERT_EQ(f.status, 0);
+  EXPECT_EQ(f.err, "");
+  const auto json = nlohmann::json::parse(f.out);
+  ReplayOptions options = replay_options(path, "b");
+  options.observers = {"kalman", "open-loop", "line"};
+  const ReplayResult result = replay(options);
+  EXPECT_EQ(json.at("rows"), 400);
+  EXPECT_EQ(json.at("bytes"), short_trace().size());
+  EXPECT_NEAR(json.at("duration_s").get<double>(), 3.99, 1e-9);
+  EXPECT_EQ(json.at("error").size(), 3U);
+  for (const ObserverResult& observer : result.observers) {
+    const auto& error = json.at("error").at(observer.name);
+    EXPECT_DOUBLE_EQ(error.at("mean_percent").get<double>(), observer.error.mean());
+    EXPECT_DOUBLE_EQ(error.at("p95_percent").get<double>(), observer.error.quantile(0.95));
+    EXPECT_DOUBLE_EQ(error.at("max_percent").get<double>(), observer.error.maximum());
+    EXPECT_EQ(error.at("lost"), observer.lost);
+  }
+}
+
+TEST(Command, JsonSurvivesOddNames) {
+  Program program;
+  const std::string name = "a \"b\"\\\n\xFF.csv";
+  program.folder().write(name, short_trace());
+  const Finished f = program.run(replay_of(name, {"--json"}));
+  ASSERT_EQ(f.status, 0) << f.err;
+  EXPECT_TRUE(nlohmann::json::accept(f.out));
+}
+
+TEST(Command, EstimateOnStandardOutputKeepsTheSummaryApart) {
+  Program program;
+  program.folder().write("t.csv", short_trace());
+  const Finished to_file = program.run(replay_of("t.csv", {"--out", "e.csv"}));
+  const Finished piped = program.run(replay_of("-", {"--out", "-"}), short_trace());
+  ASSERT_EQ(piped.status, 0);
+  EXPECT_TRUE(piped.out == file_text(program.folder() / "e.csv"));
+  EXPECT_THAT(piped.err, HasSubstr("kalman"));
+  EXPECT_THAT(piped.err, StartsWith("standard input: 400 rows"));
+  EXPECT_THAT(to_file.out, HasSubstr("kalman"));
+  EXPECT_EQ(to_file.err, "") << "no progress where there is no terminal";
+}
+
+TEST(Command, ATraceIsNeverOverwrittenByItsEstimate) {
+  Program program;
+  program.folder().write("t.csv", short_trace());
+  for (const Texts& same :
+       {Texts{"--out", "t.csv"}, Texts{"--out", "./t.csv"}, Texts{"--report", "t.csv"}}) {
+    EXPECT_EQ(program.run(replay_of("t.csv", same)).status, 1) << same[1];
+    EXPECT_TRUE(file_text(program.folder() / "t.csv") == short_trace());
+    program.folder().write("t.csv", short_trace());
+  }
+}
+
+TEST(Command, AKilledReplayLeavesNoHalfEstimate) {
+  Program program;
+  program.folder().write("e.csv", "old");
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  const pid_t child =
+      program.start(replay_of("-", {"--out", "e.csv"}), ends[0], program.folder() / "said");
+  // Fed, and left waiting for more: it is in the middle for certain.
+  const std::string rows = short_trace();
+  ASSERT_EQ(write(ends[1], rows.data(), rows.size()), std::ssize(rows));
+  const auto half_written = [&] { return program.folder().names().size() == 3; };
+  while (!half_written()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_EQ(kill(child, 0), 0);
+  }
+  kill(child, SIGKILL);
+  EXPECT_EQ(program.wait(child).status, 128 + SIGKILL);
+  close(ends[1]);
+  EXPECT_EQ(file_text(program.folder() / "e.csv"), "old");
+}
+
+TEST(Command, AFullDiskIsAnError) {
+  if (access("/dev/full", W_OK) != 0) {
+    GTEST_SKIP() << "needs /dev/full";
+  }
+  Program program;
+  const std::string trace = program.folder().write("t.csv", short_trace());
+  const Texts commands[] = {replay_of("t.csv", {"--out", "-"}),
+                            replay_of("t.csv", {"--json"}),
+                            replay_of("t.csv"),
+                            {"simulate", shipped("bath.toml")},
+                            {"wires"},
+                            {"wires", "smartflex-76um"}};
+  for (const Texts& command : commands) {
+    const Finished f = program.run_between(command, trace, "/dev/full");
+    EXPECT_EQ(f.status, 1) << ::testing::PrintToString(command);
+    EXPECT_THAT(f.err, HasSubstr("No space left on device"));
+  }
+}
+
+TEST(Command, WithoutGnuplotTheEstimateIsKept) {
+  Program program;
+  program.folder().write("t.csv", short_trace());
+  program.environment = {"PATH=/nonexistent"};
+  const Finished f = program.run(replay_of("t.csv", {"--out", "e.csv", "--report", "r.html"}));
+  EXPECT_EQ(f.status, 1);
+  EXPECT_THAT(f.err, HasSubstr("needs gnuplot"));
+  EXPECT_THAT(program.folder().names(), ::testing::UnorderedElementsAre("t.csv", "e.csv"));
+  EXPECT_EQ(lines_of(file_text(program.folder() / "e.csv")).size(), 401U);
+}
+
+TEST(Command, SimulatesToAFile) {
+  Program program;
+  const Finished f = program.run({"simulate", shipped("bath.toml"), "--out", "bath.csv"});
+  EXPECT_EQ(f.status, 0);
+  EXPECT_EQ(f.out, "");
+  EXPECT_EQ(lines_of(file_text(program.folder() / "bath.csv")).front(),
+            "temperature_degC,stress_MPa,strain_ref");
+}
+
+TEST(Command, WiresAreListedAndPrintedSoThatTheyLoadAgain) {
+  Program program;
+  const Finished list = program.run({"wires"});
+  EXPECT_EQ(list.status, 0);
+  for (const std::string& name : preset_names()) {
+    EXPECT_THAT(list.out, HasSubstr(name));
+  }
+  const Finished printed = program.run({"wires", unit_b, "--set", "wire.length_mm=123"});
+  ASSERT_EQ(printed.status, 0);
+  program.folder().write("w.toml", printed.out);
+  EXPECT_EQ(program.run({"wires", "w.toml"}).out, printed.out);
+  EXPECT_DOUBLE_EQ(load_wire(program.folder() / "w.toml").wire.geometry.length_m, 0.123);
+}
+
+}  // namespace
+}  // namespace smaservo::test

@@ -1,0 +1,87 @@
+#pragma once
+// The real program, run as a process.
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdexcept>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+#include "hal/replay/temporary_folder.hpp"
+
+namespace smaservo::test {
+
+struct Finished {
+  int status = -1;  ///< what it returned; 128 and the signal's number where one ended it
+  std::string out, err;
+};
+
+/// A run of host-sim in a folder of its own.
+class Program {
+ public:
+  using Texts = std::vector<std::string>;
+
+  const TemporaryFolder& folder() const { return folder_; }
+
+  Finished run(const Texts& arguments, const std::string& input = "") {
+    const std::string in = streams_.write("in", input);
+    return run_between(arguments, in, streams_ / "out");
+  }
+
+  Finished run_between(const Texts& arguments, const std::string& in, const std::string& out) {
+    return wait(start(arguments, open(in.c_str(), O_RDONLY | O_CLOEXEC), out));
+  }
+
+  /// Takes the descriptor that becomes standard input.
+  pid_t start(const Texts& arguments, int input, const std::string& out) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    out_ = out;
+    constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC;
+    const std::string err = streams_ / "err";
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), flags, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
+    posix_spawn_file_actions_addchdir_np(&actions, folder_.path().c_str());
+    Texts texts = arguments;
+    texts.insert(texts.begin(), "host-sim");
+    std::vector<char*> argv = pointers(texts);
+    std::vector<char*> envp = pointers(environment);
+    pid_t child = 0;
+    const int failed =
+        posix_spawn(&child, SMASERVO_HOST_SIM, &actions, nullptr, argv.data(), envp.data());
+    posix_spawn_file_actions_destroy(&actions);
+    close(input);
+    if (failed != 0) {
+      throw std::runtime_error("cannot run " SMASERVO_HOST_SIM);
+    }
+    return child;
+  }
+
+  Finished wait(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            out_.starts_with("/dev/") ? "" : file_text(out_), file_text(streams_ / "err")};
+  }
+
+  Texts environment{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8"};
+
+ private:
+  static std::vector<char*> pointers(Texts& texts) {
+    std::vector<char*> all;
+    for (std::string& text : texts) {
+      all.push_back(text.data());
+    }
+    all.push_back(nullptr);
+    return all;
+  }
+
+  TemporaryFolder folder_;   ///< where it works
+  TemporaryFolder streams_;  ///< what it says
+  std::string out_;
+};
+
+}  // namespace smaservo::test
