@@ -377,7 +377,7 @@ struct ThreePhase {
   template <bool linearise>
   static Transfer heat(const Params& p, State& s, const Reverse& now) {
     const Phases<S> before = phases(s);
-    while (!(s.hot.newest().left.m2a < now.m2a)) {
+    while (s.hot.size() > 0 && !(s.hot.newest().left.m2a < now.m2a)) {
       const HotTurn& passed = s.hot.newest();
       s.martensite = least(s.martensite, passed.martensite);
       s.r_phase = least(s.r_phase, passed.r_phase);
@@ -405,7 +405,7 @@ struct ThreePhase {
   static Transfer cool(const Params& p, State& s, const Forward& now) {
     const Phases<S> start = phases(s);
     S lost_r = S(0);
-    while (!(s.cold.newest().left.a2m_a2r.first() < now.a2m_a2r.first())) {
+    while (s.cold.size() > 0 && !(s.cold.newest().left.a2m_a2r.first() < now.a2m_a2r.first())) {
       const ColdTurn& passed = s.cold.newest();
       lost_r = lost_r + positive(s.r_phase - passed.r_phase);
       s.r_phase = s.r_phase + s.returning;

@@ -24,7 +24,8 @@ struct KalmanBank {
     std::array<S, hypotheses> log_likelihood;  ///< relative to the best one
     std::uint8_t alive;                        ///< the first so many are in use
     S start_ambient_K;
-    S doubt_s;  ///< for how long the last filter has contradicted the resistance
+    bool compared;  ///< there has been a valid resistance
+    S doubt_s;      ///< for how long the last filter has contradicted the resistance
   };
 
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
@@ -42,6 +43,9 @@ struct KalmanBank {
   /// more is not safer: the model's own errors then decide.
   static constexpr S least_log_likelihood = S(-10);
 
+  static void restart(const Params& p, State& s, const Measurement<S>& m);
+  static void weigh(State& s);
+  static bool agree(const typename Filter::State& a, const typename Filter::State& b);
   static S matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
                           const S& temperature_K, bool martensite);
 };
@@ -68,6 +72,7 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   const S between = (heats_at + cools_at) / S(2);
   State s{};
   s.start_ambient_K = ambient_K;
+  s.compared = m.resistance_valid;
   const auto add = [&](const S& temperature_K, const Phases<S>& z) {
     s.log_likelihood[s.alive] = other_starts;
     s.filter[s.alive++] = Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
@@ -89,37 +94,73 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
 
 template <class S>
 void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+  if (!s.compared && m.resistance_valid) {
+    restart(p, s, m);
+  }
   for (std::size_t i = 0; i < s.alive; ++i) {
     Filter::advance(p, s.filter[i], m, dt_s);
   }
   if (s.alive > 1 && m.resistance_valid) {
-    S best = S(0);
-    for (std::size_t i = 0; i < s.alive; ++i) {
-      const typename Filter::State& f = s.filter[i];
-      // Without the logarithm of the variance: the filters count the resistance model's coloured
-      // error as white noise, and that term would then decide alone, for the most confident one.
-      s.log_likelihood[i] = s.log_likelihood[i] -
-                            S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
-      best = i == 0 || best < s.log_likelihood[i] ? s.log_likelihood[i] : best;
-    }
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < s.alive; ++i) {
-      const S relative = s.log_likelihood[i] - best;
-      if (least_log_likelihood < relative) {
-        if (kept != i) {
-          s.filter[kept] = s.filter[i];
-        }
-        s.log_likelihood[kept++] = relative;
-      }
-    }
-    s.alive = static_cast<std::uint8_t>(kept);
+    weigh(s);
   }
   const bool doubtful = s.alive == 1 && Filter::estimate(p, s.filter[0]).health == Health::doubtful;
   s.doubt_s = doubtful ? s.doubt_s + dt_s : S(0);
   if (S(1) < s.doubt_s && m.resistance_valid) {
-    s = start(p, m, s.start_ambient_K);
+    restart(p, s, m);
     s.log_likelihood = {};
   }
+}
+
+/// The search begins with the stress that the filter knows; the measurement's may be invalid.
+template <class S>
+void KalmanBank<S>::restart(const Params& p, State& s, const Measurement<S>& m) {
+  Measurement<S> now = m;
+  now.stress_Pa = s.filter[0].stress_Pa;
+  s = start(p, now, s.start_ambient_K);
+}
+
+/// Counts the last innovations; drops what has become unlikely, and of two that agree the less
+/// likely one.
+template <class S>
+void KalmanBank<S>::weigh(State& s) {
+  S best = S(0);
+  for (std::size_t i = 0; i < s.alive; ++i) {
+    const typename Filter::State& f = s.filter[i];
+    // Without the logarithm of the variance: the filters count the resistance model's coloured
+    // error as white noise, and that term would then decide alone, for the most confident one.
+    s.log_likelihood[i] =
+        s.log_likelihood[i] - S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
+    best = i == 0 || best < s.log_likelihood[i] ? s.log_likelihood[i] : best;
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < s.alive; ++i) {
+    const S relative = s.log_likelihood[i] - best;
+    if (!(least_log_likelihood < relative)) {
+      continue;
+    }
+    std::size_t place = 0;
+    while (place < kept && !agree(s.filter[place], s.filter[i])) {
+      ++place;
+    }
+    if (place == kept || s.log_likelihood[place] < relative) {
+      if (place != i) {
+        s.filter[place] = s.filter[i];
+      }
+      s.log_likelihood[place] = relative;
+    }
+    kept = place == kept ? kept + 1 : kept;
+  }
+  s.alive = static_cast<std::uint8_t>(kept);
+}
+
+template <class S>
+bool KalmanBank<S>::agree(const typename Filter::State& a, const typename Filter::State& b) {
+  const auto near = [](const S& x, const S& y, const S& limit) {
+    return x - y < limit && y - x < limit;
+  };
+  return near(a.kinetics.martensite, b.kinetics.martensite, S(0.03)) &&
+         near(a.kinetics.r_phase, b.kinetics.r_phase, S(0.03)) &&
+         near(a.kinetics.drive.temperature_K, b.kinetics.drive.temperature_K, S(2));
 }
 
 template <class S>

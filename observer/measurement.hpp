@@ -48,11 +48,12 @@ Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
   const S V = sample.voltage_V - p.voltage_offset_V;
   m.stress_Pa = sample.load_N / p.area_m2;
   m.stress_valid = isfinite(m.stress_Pa);
-  m.power_valid = isfinite(I) && isfinite(V);
+  const S power_W = (V - I * p.lead_resistance_ohm) * I;
+  m.power_valid = isfinite(power_W);
   if (!m.power_valid) {
     return m;
   }
-  m.power_W = (V - I * p.lead_resistance_ohm) * I;
+  m.power_W = power_W;
   const S magnitude_A = I < S(0) ? S(0) - I : I;
   if (magnitude_A < p.least_current_A) {
     return m;

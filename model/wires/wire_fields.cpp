@@ -75,7 +75,7 @@ std::vector<WireField> make_fields() {
   phase("r_phase");
   phase("austenite");
   for (WireField& field : std::vector<WireField>{
-           number("heat.density", kind::density, 1e3, 2e4, true, ""),
+           number("heat.density", kind::density, 1e3, 2e4, true, "of the alloy"),
            number("heat.specific_heat", kind::specific_heat, 50, 5000, true,
                   "without transformation"),
            number("heat.latent_m2a", kind::specific_energy, 0, 1e5, true,
@@ -106,11 +106,8 @@ class Builder {
     w.limits = {number("limits.current"), w.stress_Pa(number("limits.load")),
                 number("limits.temperature")};
     kinetics(w);
-    material(w);
     heat(w);
-    if (find("wire.resistance") != nullptr) {
-      scale_resistance(w, number("wire.resistance") * w.geometry.length_m);
-    }
+    material(w);
     return w;
   }
 
@@ -166,8 +163,16 @@ class Builder {
     for (int i = 0; i <= 20; ++i) {
       const double stress_Pa = highest_stress_Pa * i / 20;
       const Isobar<double> at = isobar(s, stress_Pa);
+      const double finish_K = at.start_K + 1 / at.per_K;
       const double span_K = 1 / at.per_K;
       const std::string where = fmt::format(" at {:.4g} MPa", stress_Pa / 1e6);
+      for (const double T : {at.start_K, finish_K}) {
+        if (!(T >= 150 && T <= 600)) {
+          fail_(path,
+                fmt::format("start and finish must lie between 150 and 600 K, one is {:.4g} K{}", T,
+                            where));
+        }
+      }
       if (!(heating ? span_K >= 1 : span_K <= -1)) {
         fail_(path, fmt::format("finish must lie at least 1 K {} start, is {:.4g} K{}",
                                 heating ? "above" : "below", heating ? span_K : -span_K, where));
@@ -203,28 +208,28 @@ class Builder {
     }
   }
 
-  Phase<double> phase(const std::string& name) const {
+  Phase<double> phase(const std::string& name, double scale) const {
     const std::string path = "material." + name;
-    const double rho = number(path + ".resistivity");
+    const double rho = scale * number(path + ".resistivity");
     return {number(path + ".strain"), number(path + ".modulus"), rho,
             rho * number(path + ".resistivity_temperature"),
             rho * number(path + ".resistivity_stress", 0.0)};
   }
 
+  /// A given resistance per length scales all resistivities; their ratios stay.
   void material(Wire<double>& w) const {
-    w.material = {
-        phase("martensite"), phase("r_phase"), phase("austenite"), number("material.reference"),
-        word("material.mixture", "series") == "parallel" ? Mixture::parallel : Mixture::series};
+    mix(w, 1);
+    if (find("wire.resistance") != nullptr) {
+      const double ohm = number("wire.resistance") * w.geometry.length_m;
+      mix(w, ohm / cold_resistance_ohm(w));
+    }
   }
 
-  static void scale_resistance(Wire<double>& w, double ohm) {
-    const double scale = ohm / cold_resistance_ohm(w);
-    for (Phase<double>* phase :
-         {&w.material.martensite, &w.material.r_phase, &w.material.austenite}) {
-      phase->resistivity_ohm_m *= scale;
-      phase->resistivity_ohm_m_K *= scale;
-      phase->resistivity_ohm_m_Pa *= scale;
-    }
+  void mix(Wire<double>& w, double scale) const {
+    w.material = {
+        phase("martensite", scale), phase("r_phase", scale), phase("austenite", scale),
+        number("material.reference"),
+        word("material.mixture", "series") == "parallel" ? Mixture::parallel : Mixture::series};
   }
 
   void heat(Wire<double>& w) const {

@@ -85,11 +85,11 @@ class Reader {
     for (const auto& [key, node] : table) {
       const std::string name(key.str());
       const std::string full = path.empty() ? name : path + "." + name;
-      if (full == "name" || full == "based_on" || full == "sizes") {
+      if (full == "name" || full == "based_on") {
         continue;
       }
       if (full == "sources") {
-        read_sources(*node.as_table());
+        read_sources(node);
       } else if (const toml::table* inner = node.as_table()) {
         read_table(*inner, full);
       } else {
@@ -98,8 +98,12 @@ class Reader {
     }
   }
 
-  void read_sources(const toml::table& table) {
-    for (const auto& [key, node] : table) {
+  void read_sources(const toml::node& sources) {
+    const toml::table* table = sources.as_table();
+    if (table == nullptr) {
+      fail("sources", sources, "must be a table of texts");
+    }
+    for (const auto& [key, node] : *table) {
       const auto text = node.value<std::string>();
       if (!text) {
         fail("sources." + std::string(key.str()), node, "must be a text");
@@ -253,6 +257,7 @@ void overlay(Parsed& below, Parsed above) {
 
 struct Loaded {
   std::string name;
+  std::string origin;  ///< what error messages call it
   Parsed parsed;
 };
 
@@ -263,7 +268,11 @@ Loaded load(const std::string& name_or_path, const std::filesystem::path& folder
 /// A table with what it is based on beneath it.
 Loaded resolve(const toml::table& table, const std::string& origin,
                const std::filesystem::path& folder, int depth) {
-  Loaded loaded{origin, {}};
+  Loaded loaded{origin, origin, {}};
+  if (const toml::node* sizes = table.get("sizes")) {
+    throw WireError(place(origin, "sizes", *sizes) +
+                    ": only presets have sizes; a file describes one wire");
+  }
   if (const toml::node* base = table.get("based_on")) {
     const auto name = base->value<std::string>();
     if (!name) {
@@ -273,7 +282,7 @@ Loaded resolve(const toml::table& table, const std::string& origin,
       throw WireError(place(origin, "based_on", *base) +
                       ": too many files are based on each other; is there a circle?");
     }
-    loaded = load(*name, folder, depth + 1);
+    loaded.parsed = load(*name, folder, depth + 1).parsed;
   }
   if (const toml::node* name = table.get("name")) {
     const auto text = name->value<std::string>();
@@ -292,13 +301,15 @@ std::optional<Loaded> load_preset(const std::string& name) {
       continue;
     }
     const std::string origin = fmt::format("preset {}", preset.family);
-    const toml::table table = parse_toml(preset.text, origin);
-    const toml::table* sizes = table["sizes"].as_table();
-    for (const auto& [key, node] : *sizes) {
+    toml::table table = parse_toml(preset.text, origin);
+    const toml::table sizes = *table["sizes"].as_table();
+    table.erase("sizes");
+    for (const auto& [key, node] : sizes) {
       if (name == fmt::format("{}-{}", preset.family, key.str())) {
         Loaded loaded = resolve(table, origin, ".", 0);
         overlay(loaded.parsed, Reader(origin).read(*node.as_table()));
         loaded.name = name;
+        loaded.origin = name;
         return loaded;
       }
     }
@@ -328,6 +339,11 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
     } catch (const toml::parse_error&) {
       table = parse_toml(key + " = \"" + value + "\"", "--set");
     }
+    for (const char* text_key : {"name", "based_on", "sizes", "sources"}) {
+      if (table.contains(text_key)) {
+        throw WireError(fmt::format("--set {} = {}: cannot be set", key, value));
+      }
+    }
     Parsed above = Reader("--set").read(table);
     for (const auto& [path, entry] : above.entries) {
       above.sources[path] = "given with --set";
@@ -337,7 +353,7 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
   const auto fail = [&](std::string_view path, const std::string& reason) {
     const auto it = loaded.parsed.entries.find(path);
     throw WireError(it == loaded.parsed.entries.end()
-                        ? fmt::format("{}: {}: {}", loaded.name, path, reason)
+                        ? fmt::format("{}: {}: {}", loaded.origin, path, reason)
                         : fmt::format("{}: {}", it->second.where, reason));
   };
   WireDescription description{loaded.name, build_wire(loaded.parsed.entries, fail), {}};
@@ -372,7 +388,7 @@ std::vector<std::string> preset_names() {
 std::string to_toml(const WireDescription& description) {
   // Ordered as the fields are; TOML wants the tables one after the other.
   const WireEntries entries = describe_wire(description.wire);
-  std::string out = fmt::format("name = \"{}\"\n", description.name);
+  std::string out = fmt::format("name = {}\n", quoted(description.name));
   std::string open_table;
   for (const WireField& field : wire_fields()) {
     const auto it = entries.find(field.path);
@@ -400,7 +416,7 @@ std::string to_toml(const WireDescription& description) {
   }
   out += "\n[sources]\n";
   for (const auto& [key, text] : description.sources) {
-    out += fmt::format("\"{}\" = {}\n", key, quoted(text));
+    out += fmt::format("{} = {}\n", quoted(key), quoted(text));
   }
   return out;
 }

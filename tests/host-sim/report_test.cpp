@@ -103,7 +103,6 @@ std::vector<std::string> addresses(const std::string& text) {
 
 TEST(Report, NeedsNoNetwork) {
   std::string without_pictures = report().html;
-  const std::regex data("base64,[^\"]*");
   std::size_t at = 0;
   while ((at = without_pictures.find("base64,", at)) != std::string::npos) {
     at += 7;

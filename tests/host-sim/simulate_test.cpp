@@ -76,16 +76,17 @@ TEST_P(Simulated, GivesTheShippedTraceByteForByte) {
 #endif
 
 // Elsewhere the last bits differ, and a turning point that one compiler sees a step sooner than
-// another is a jump in the loops that follow. The first seconds hold for all.
-TEST_P(Simulated, BeginsAsTheShippedTraceOnAnyCompiler) {
-  const NumberTable now = parse_numbers(simulated(shortened(scenario(), 3)));
+// another moves the loops that follow. clang++ against g++ on the same machine: up to 0.7 % of a
+// column's range where the load is noisy, at most 0.06 % elsewhere, nothing in many rows.
+TEST_P(Simulated, GivesTheShippedTraceOnAnyCompiler) {
+  const NumberTable now = parse_numbers(simulated(whole ? scenario() : shortened(scenario(), 3)));
   const NumberTable before = parse_numbers(trace());
   ASSERT_EQ(now.names, before.names);
   ASSERT_LE(now.rows(), before.rows());
-  ASSERT_GE(now.rows(), 300U);
+  ASSERT_GE(now.rows(), whole ? before.rows() : 300U);
   for (std::size_t i = 0; i < now.columns.size(); ++i) {
     EXPECT_LE(greatest_difference(now.columns[i], before.columns[i]),
-              1e-3 * range(before.columns[i]) + 1e-12)
+              0.02 * range(before.columns[i]) + 1e-12)
         << now.names[i];
   }
 }

@@ -41,6 +41,21 @@ JK::State perturbed(const JK::Params& p, const K::Params& plain, const K::State&
   return to;
 }
 
+/// Nearer than 0.05 K to the turning point that the branch heads for, the rates are bounded.
+bool near_turning_point(const K::State& after, const K::Tangent& tangent) {
+  const auto near = [](double left, double goal, double slope) {
+    return left - goal < 0.05 * std::abs(slope);
+  };
+  if (after.heading == Heading::heating) {
+    return near(after.reverse.m2a, after.hot.newest().left.m2a, tangent.reverse_1_K.m2a);
+  }
+  const auto left = after.forward.a2m_a2r;
+  const auto goal = after.cold.newest().left.a2m_a2r;
+  const auto slope = tangent.forward_1_K.a2m_a2r;
+  return near(left.first(), goal.first(), slope.first()) ||
+         near(left.second(), goal.second(), slope.second());
+}
+
 /// A step on a smooth piece of a branch: no reversal, no turning point passed, and more
 /// motion of the temperature than of the stress.
 bool smooth(const K::State& before, const K::State& after, const Filter::Linear& f) {
@@ -50,9 +65,10 @@ bool smooth(const K::State& before, const K::State& after, const Filter::Linear&
          before.drive.temperature_K == before.reached.temperature_K &&
          after.drive.temperature_K == after.reached.temperature_K &&
          std::abs(after.drive.temperature_K - before.drive.temperature_K) > 1e-3 &&
-         f.tangent.rates.martensite_1_K < 0 && f.moved.martensite_1_K < 0 &&
-         inside(before.martensite) && inside(before.r_phase) && inside(after.martensite) &&
-         inside(after.r_phase) && inside(1 - before.martensite - before.r_phase);
+         !near_turning_point(after, f.tangent) && f.tangent.rates.martensite_1_K < 0 &&
+         f.moved.martensite_1_K < 0 && inside(before.martensite) && inside(before.r_phase) &&
+         inside(after.martensite) && inside(after.r_phase) &&
+         inside(1 - before.martensite - before.r_phase);
 }
 
 struct Counts {

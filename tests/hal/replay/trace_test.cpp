@@ -183,7 +183,7 @@ TEST(TraceRows, BadOnesAreRefusedWithLineColumnAndName) {
 
 TEST(TraceRows, RangesAreGivenInTheColumnsUnit) {
   EXPECT_EQ(refusal("temperature_degC\n-300\n"),
-            "line 2, column 1 (temperature_degC): '-300' is out of range, -223.2 to 1727 degC");
+            "line 2, column 1 (temperature_degC): '-300' is out of range, -223.1 to 1727 degC");
 }
 
 TEST(TraceRows, EmptyLinesAreNotRows) {
