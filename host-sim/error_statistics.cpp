@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace smaservo {
 namespace {
@@ -12,7 +13,9 @@ constexpr std::size_t most_bins = 100'000;  // 1000 %; beyond it only the maximu
 }  // namespace
 
 void ErrorStatistics::add(double percent) {
-  const double size = std::abs(percent);
+  // An estimate that is no number is infinitely wrong.
+  const double size =
+      std::isnan(percent) ? std::numeric_limits<double>::infinity() : std::abs(percent);
   const double place = std::min(std::floor(size / bin_percent), double{most_bins - 1});
   const auto bin = static_cast<std::size_t>(place);
   if (bin >= bins_.size()) {

@@ -30,7 +30,8 @@ char* append_fixed(char* to, double value, int decimals) {
   if (!(scaled < exact)) {
     return std::to_chars(to, to + 32, value).ptr;
   }
-  auto digits = static_cast<std::uint64_t>(scaled + 0.5);
+  auto digits = static_cast<std::uint64_t>(scaled);
+  digits += scaled - static_cast<double>(digits) >= 0.5 ? 1 : 0;
   if (value < 0 && digits != 0) {
     *to++ = '-';
   }

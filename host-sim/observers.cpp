@@ -112,6 +112,10 @@ const std::vector<ObserverSetting>& observer_settings() {
   return settings;
 }
 
+void check_observer_settings(const std::vector<Override>& settings) {
+  tuning_from(settings);
+}
+
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
                                            const std::vector<Override>& settings,
                                            const Measurement<double>& first, double ambient_K) {

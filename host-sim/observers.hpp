@@ -32,6 +32,9 @@ struct ObserverSetting {
 };
 const std::vector<ObserverSetting>& observer_settings();
 
+/// Throws UserError for a setting that does not exist or a value that is not allowed.
+void check_observer_settings(const std::vector<Override>& settings);
+
 /// Throws UserError for a name or a setting that does not exist, or a value that is not allowed.
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
                                            const std::vector<Override>& settings,

@@ -2,18 +2,32 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <utility>
 
 namespace smaservo {
 
+namespace fs = std::filesystem;
+
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (path_ == "-") {
     file_ = stdout;
     return;
   }
-  beside_ = fmt::format("{}.{}.part", path_, getpid());
+  std::error_code missing;
+  if (fs::exists(path_, missing) && !fs::is_regular_file(path_, missing)) {
+    // A device or a pipe has nothing to be replaced.
+    file_ = std::fopen(path_.c_str(), "wb");
+    if (file_ == nullptr) {
+      fail("cannot be written");
+    }
+    return;
+  }
+  // What a link points to is replaced, not the link.
+  target_ = fs::is_symlink(path_, missing) ? fs::weakly_canonical(path_).string() : path_;
+  beside_ = fmt::format("{}.{}.part", target_, getpid());
   file_ = std::fopen(beside_.c_str(), "wbx");
   if (file_ == nullptr) {
     fail("cannot be written");
@@ -21,10 +35,10 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
 }
 
 OutputFile::~OutputFile() {
+  if (file_ != nullptr && file_ != stdout) {
+    std::fclose(file_);
+  }
   if (!beside_.empty()) {
-    if (file_ != nullptr) {
-      std::fclose(file_);
-    }
     std::remove(beside_.c_str());
   }
 }
@@ -43,7 +57,7 @@ void OutputFile::commit() {
     return;
   }
   const int closed = std::fclose(std::exchange(file_, nullptr));
-  if (closed != 0 || std::rename(beside_.c_str(), path_.c_str()) != 0) {
+  if (closed != 0 || std::rename(beside_.c_str(), target_.c_str()) != 0) {
     fail("cannot be written");
   }
   beside_.clear();

@@ -14,7 +14,8 @@ class UserError : public std::runtime_error {
 };
 
 /// A file that appears under its name only when it is complete: written beside, then renamed.
-/// "-" is standard output. Throws UserError when it cannot be written.
+/// "-" is standard output; devices and pipes are written as they are. Throws UserError when it
+/// cannot be written.
 class OutputFile {
  public:
   explicit OutputFile(std::string path);
@@ -29,7 +30,8 @@ class OutputFile {
   [[noreturn]] void fail(const char* what) const;
 
   std::string path_;
-  std::string beside_;
+  std::string target_;  ///< what will be replaced
+  std::string beside_;  ///< what is being written; empty when it is written in place
   std::FILE* file_ = nullptr;
 };
 

@@ -98,7 +98,7 @@ class Sink {
         reference_(trace, options.wire.wire.geometry.length_m),
         stroke_(options.wire.wire.nominal_stroke) {
     result_.has_reference = reference_.known();
-    result_.timed = trace.has(Column::time) || options.trace_options.period_s > 0;
+    result_.timed = trace.timed();
     if (!options.out.empty()) {
       std::vector<std::string> passed;
       for (const std::size_t position : trace.unknown()) {
@@ -259,10 +259,10 @@ Observers start_observers(const ReplayOptions& options, const std::vector<Overri
   return observers;
 }
 
-void replay_electrical(const ReplayOptions& options, TraceReader reader, ReplayResult& result) {
+void replay_electrical(const ReplayOptions& options, const Measuring& measuring, TraceReader reader,
+                       ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
-  const Settings settings = split(options.settings);
-  const Measuring measuring = measuring_params(wire, settings.measurement);
+  const std::vector<Override> observer_settings = split(options.settings).observer;
   const double load_N = default_load_N(options, reader);
   Sink sink(options, reader, result);
   for (const std::string& name : options.observers) {
@@ -281,7 +281,7 @@ void replay_electrical(const ReplayOptions& options, TraceReader reader, ReplayR
     const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
     if (observers.empty() || dt_s > longest_gap_s) {
       result.restarts += observers.empty() ? 0U : 1U;
-      observers = start_observers(options, settings.observer, result, board, m);
+      observers = start_observers(options, observer_settings, result, board, m);
     } else {
       for (const auto& observer : observers) {
         observer->advance(m, dt_s);
@@ -322,9 +322,11 @@ ReplayResult replay(const ReplayOptions& options) {
   TraceReader trace(options.trace, options.trace_options);
   ReplayResult result;
   const bool electrical = trace.has(Column::current) && trace.has(Column::voltage);
-  const bool timed = trace.has(Column::time) || options.trace_options.period_s > 0;
-  if (electrical && timed) {
-    replay_electrical(options, std::move(trace), result);
+  const Settings settings = split(options.settings);
+  check_observer_settings(settings.observer);
+  const Measuring measuring = measuring_params(options.wire.wire, settings.measurement);
+  if (electrical && trace.timed()) {
+    replay_electrical(options, measuring, std::move(trace), result);
   } else if (trace.has(Column::temperature) && !electrical) {
     replay_bath(options, std::move(trace), result);
   } else {

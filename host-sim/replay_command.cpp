@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 
@@ -26,6 +27,19 @@ void require(const char* option, const std::optional<double>& value, double low,
   }
 }
 
+/// Two names of one file, one of them to be written.
+void refuse_to_overwrite(const std::string& file, const std::string& output) {
+  std::error_code missing;
+  const bool plain = !file.empty() && !output.empty() && file != "-" && output != "-";
+  if (plain && std::filesystem::exists(output, missing) &&
+      !std::filesystem::is_regular_file(output, missing)) {
+    return;
+  }
+  if (plain && (file == output || std::filesystem::equivalent(file, output, missing))) {
+    throw UserError(fmt::format("{}: is the same file as {}", output, file));
+  }
+}
+
 void run(Arguments& a) {
   require("--load-N", a.options.load_N, 0, 1e5);
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
@@ -45,6 +59,9 @@ void run(Arguments& a) {
     (running ? a.options.settings : wire).push_back(std::move(setting));
   }
   a.options.wire = load_wire(a.wire, wire);
+  refuse_to_overwrite(a.options.trace, a.options.out);
+  refuse_to_overwrite(a.options.trace, a.report);
+  refuse_to_overwrite(a.options.out, a.report);
   const ReplayResult result = replay(a.options);
   if (!a.report.empty()) {
     write_report(a.report, a.options, result);

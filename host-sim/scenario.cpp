@@ -159,6 +159,11 @@ std::vector<DriveStep> read_drive(std::vector<Table> tables, std::mt19937_64& ra
       if (levels.size() != 2 || each.size() != 2) {
         step.fail("random", "random and each_s must have two numbers, low and high");
       }
+      for (const auto& [key, range] : {std::pair{"random", levels}, std::pair{"each_s", each}}) {
+        if (range[0] > range[1]) {
+          step.fail(key, "the first number must not be above the second");
+        }
+      }
       std::uniform_real_distribution<double> level(levels[0], levels[1]);
       std::uniform_real_distribution<double> seconds(each[0], each[1]);
       double left_s = step.number("for_s", 0.001, longest_run_s);

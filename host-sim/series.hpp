@@ -20,7 +20,7 @@ struct PlotPoint {
 /// the greatest strain. When it is full, stretches become twice as long.
 class Series {
  public:
-  explicit Series(std::size_t most_points = 4096) : most_(most_points) {}
+  explicit Series(std::size_t most_points = 4096) : most_(most_points / 4 * 4) {}
 
   void add(const PlotPoint& point);
   /// All points in order, with the stretch that is not finished yet.

@@ -28,7 +28,6 @@ class ReplayBoard {
   double load_N_;
   double area_m2_;
   TraceRow row_{};
-  std::uint32_t sequence_ = 0;
   DriveCommand last_command_{};
 };
 

@@ -243,6 +243,9 @@ struct TraceReader::Impl {
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] == column) {
+        if (targets[i].value != column_count) {
+          fail(fmt::format("--column {}: the column has another name already", rename));
+        }
         explain(i, name);
         if (targets[i].value == column_count) {
           fail(fmt::format("--column {}: {} is no known column; known are: {}", rename, name,
@@ -352,7 +355,7 @@ struct TraceReader::Impl {
     constexpr auto time = static_cast<std::size_t>(Column::time);
     if (!has[time]) {
       if (options.period_s > 0) {
-        row.values[time] = static_cast<double>(rows) * options.period_s;
+        row.values[time] = static_cast<double>(rows + skipped) * options.period_s;
       }
       return std::nullopt;
     }
@@ -411,6 +414,9 @@ TraceReader::~TraceReader() = default;
 TraceReader::TraceReader(TraceReader&&) noexcept = default;
 TraceReader& TraceReader::operator=(TraceReader&&) noexcept = default;
 
+bool TraceReader::timed() const {
+  return has(Column::time) || impl_->options.period_s > 0;
+}
 bool TraceReader::has(Column column) const {
   return impl_->has[static_cast<std::size_t>(column)];
 }

@@ -59,6 +59,8 @@ class TraceReader {
   TraceReader& operator=(TraceReader&&) noexcept;
 
   bool has(Column column) const;
+  /// Whether rows have a time: a column, or the options' period.
+  bool timed() const;
   /// All columns' names, as they stand.
   const std::vector<std::string>& names() const;
   /// Positions of columns that nothing else explains, to be passed on.
