@@ -39,7 +39,7 @@ void expect_about(const ErrorStatistics& error, double mean, double p95, double 
 void expect_physical(const Estimated& e) {
   const auto [coldest, hottest] = std::ranges::minmax(e.column("temperature_degC"));
   EXPECT_GT(coldest, 0) << "nothing cools the wire below the room";
-  EXPECT_LT(hottest, 250);
+  EXPECT_LT(hottest, 277) << "where the observer stops believing";
   for (const char* phase : {"martensite", "r_phase", "austenite"}) {
     const auto [least, most] = std::ranges::minmax(e.column(phase));
     EXPECT_GE(least, -1e-5) << phase;
@@ -105,7 +105,7 @@ TEST_F(MeasuredData, StaircaseOfAPlausibleWire) {
   ASSERT_TRUE(e.result.has_reference);
   expect_physical(e);
   const auto& observers = e.result.observers;
-  expect_about(observers[0].error, 10.44, 27.32, 29.64);
+  expect_about(observers[0].error, 8.21, 13.70, 29.51);
   expect_about(observers[1].error, 9.38, 21.40, 49.27);
   expect_about(observers[2].error, 8.30, 28.01, 39.90);
 }

@@ -250,7 +250,7 @@ TEST(TraceStream, DamagedTracesNeverCrash) {
   lenient.lenient = true;
   int refused = 0;
   int skipped = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 1500; ++i) {
     const std::string text = mutated(good, random);
     SCOPED_TRACE(text);
     const std::string path = folder.write("t.csv", text);
@@ -272,7 +272,7 @@ TEST(TraceStream, DamagedTracesNeverCrash) {
     refused += strict.error.empty() ? 0 : 1;
     skipped += forgiving.contents.skipped > 0 ? 1 : 0;
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(refused, 400);
   EXPECT_EQ(refused, skipped);
 }
 
