@@ -7,7 +7,11 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/output_file.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+constexpr int wrong_command_line = 2;
+
+int run(int argc, char** argv) {
   CLI::App app{"Replays, simulates and describes shape-memory-alloy wires on a PC.", "host-sim"};
   app.set_version_flag("--version", SMASERVO_VERSION);
   app.require_subcommand(1);
@@ -16,14 +20,30 @@ int main(int argc, char** argv) {
   smaservo::add_wires_command(app);
   try {
     app.parse(argc, argv);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      throw smaservo::UserError(fmt::format("standard output: {}", std::strerror(errno)));
+  } catch (const CLI::RequiredError& error) {
+    if (argc > 1 && app.get_subcommands().empty()) {
+      throw smaservo::UserError(
+          fmt::format("{}: no such command; host-sim --help lists them", argv[1]));
     }
+    return app.exit(error) == 0 ? 0 : wrong_command_line;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "host-sim: {}\n", error.what());
-    return 1;
+    return app.exit(error) == 0 ? 0 : wrong_command_line;
+  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw smaservo::UserError(fmt::format("standard output: {}", std::strerror(errno)));
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fputs("host-sim: ", stderr);
+    std::fputs(error.what(), stderr);
+    std::fputs("\n", stderr);
+  }
+  return 1;
 }

@@ -41,7 +41,6 @@ using Tuning = KalmanTuning<double>;
 constexpr TuningField tuning_fields[] = {
     {"kalman.temperature_walk_K", &Tuning::temperature_walk_K},
     {"kalman.fraction_noise", &Tuning::fraction_noise},
-    {"kalman.unseen_share", &Tuning::unseen_share},
     {"kalman.ambient_walk_K", &Tuning::ambient_walk_K},
     {"kalman.loss_walk", &Tuning::loss_walk},
     {"kalman.resistance_walk", &Tuning::resistance_walk},

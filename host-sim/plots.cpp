@@ -11,10 +11,9 @@
 #include <spawn.h>
 #include <sstream>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "host-sim/output_file.hpp"
-
-extern char** environ;
 
 namespace smaservo {
 namespace {
@@ -45,7 +44,7 @@ class TemporaryFolder {
 };
 
 std::string read_all(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -182,9 +181,9 @@ class Drawing {
     std::vector<std::string> curves{
         "$data using 1:3:4 with filledcurves lc rgb band title 'two standard deviations'"};
     if (shown_.reference) {
-      curves.push_back("$data using 1:5 with lines lc rgb reference lw 2.5 title 'reference'");
+      curves.emplace_back("$data using 1:5 with lines lc rgb reference lw 2.5 title 'reference'");
     }
-    curves.push_back("$data using 1:2 with lines lc rgb estimate title 'estimate'");
+    curves.emplace_back("$data using 1:2 with lines lc rgb estimate title 'estimate'");
     return wide("Strain", "Elongation of the whole wire: long is martensite, short is austenite.",
                 "strain in %", 320, "", curves);
   }
@@ -192,9 +191,9 @@ class Drawing {
   Plot resistance() const {
     std::vector<std::string> curves;
     if (shown_.resistance) {
-      curves.push_back("$data using 1:6 with lines lc rgb measured title 'measured'");
+      curves.emplace_back("$data using 1:6 with lines lc rgb measured title 'measured'");
     }
-    curves.push_back("$data using 1:7 with lines lc rgb estimate title 'expected by the model'");
+    curves.emplace_back("$data using 1:7 with lines lc rgb estimate title 'expected by the model'");
     return wide("Resistance", "The measured one is what corrects the estimate.", "resistance in Ω",
                 260, "", curves);
   }
@@ -202,9 +201,9 @@ class Drawing {
   Plot temperature() const {
     std::vector<std::string> curves;
     if (shown_.temperature_ref) {
-      curves.push_back("$data using 1:9 with lines lc rgb reference title 'reference'");
+      curves.emplace_back("$data using 1:9 with lines lc rgb reference title 'reference'");
     }
-    curves.push_back("$data using 1:8 with lines lc rgb estimate title 'wire'");
+    curves.emplace_back("$data using 1:8 with lines lc rgb estimate title 'wire'");
     return wide("Temperature", "Of the wire away from its clamps.", "temperature in °C", 260, "",
                 curves);
   }
@@ -226,7 +225,7 @@ class Drawing {
     const char* label = "";
     if (shown_.current) {
       label = "current in A";
-      curves.push_back("$data using 1:12 with lines lc rgb estimate title 'current'");
+      curves.emplace_back("$data using 1:12 with lines lc rgb estimate title 'current'");
     } else {
       more += "unset ytics\n";
     }

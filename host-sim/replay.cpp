@@ -161,7 +161,7 @@ class Sink {
     ObserverResult& result = result_.observers[observer];
     result.error.add(percent);
     const bool settled = std::isnan(time_s) || time_s - first_s_ > settling_s;
-    result.lost = result.lost || (settled && std::abs(percent) > lost_percent);
+    result.lost = result.lost || (settled && !(std::abs(percent) <= lost_percent));
   }
 
   ReplayResult& result_;

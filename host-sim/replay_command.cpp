@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
@@ -59,6 +60,12 @@ void run(Arguments& a) {
     (running ? a.options.settings : wire).push_back(std::move(setting));
   }
   a.options.wire = load_wire(a.wire, wire);
+  const auto& names = a.options.observers;
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (std::find(names.begin(), name, *name) != name) {
+      throw UserError(fmt::format("--observer {}: is given twice", *name));
+    }
+  }
   refuse_to_overwrite(a.options.trace, a.options.out);
   refuse_to_overwrite(a.options.trace, a.report);
   refuse_to_overwrite(a.options.out, a.report);

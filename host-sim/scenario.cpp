@@ -75,7 +75,7 @@ class Table {
     if (inner == nullptr) {
       fail(key, "must be a table");
     }
-    return Table(*inner, fmt::format("{}{}.", path_, key), origin_);
+    return {*inner, fmt::format("{}{}.", path_, key), origin_};
   }
 
   std::vector<Table> tables(std::string_view key) {
@@ -197,7 +197,7 @@ Sensors read_sensors(Table table) {
 }  // namespace
 
 Scenario load_scenario(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
     throw UserError(fmt::format("{}: cannot be read", file.string()));

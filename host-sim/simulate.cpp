@@ -103,7 +103,7 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, OutputFile&
     return m2a.start_K + 1 / m2a.per_K + joule.overheat_K;
   }();
   trace.write("time_s,current_A,voltage_V,load_N,strain_ref\n");
-  const auto every = static_cast<long>(std::lround(1 / (joule.rate_Hz * step_s)));
+  const long every = std::lround(1 / (joule.rate_Hz * step_s));
   long tick = 0;
   for (const DriveStep& step : joule.drive) {
     const double power_W = step.level * body.loss_W(hottest_K - 298.15);

@@ -63,8 +63,8 @@ class Pair {
 };
 
 namespace detail {
-typedef float FloatLanes __attribute__((vector_size(2 * sizeof(float))));
-typedef double DoubleLanes __attribute__((vector_size(2 * sizeof(double))));
+using FloatLanes [[gnu::vector_size(2 * sizeof(float))]] = float;
+using DoubleLanes [[gnu::vector_size(2 * sizeof(double))]] = double;
 }  // namespace detail
 
 /// Whether a comparison of two pairs holds in one lane at least.

@@ -137,21 +137,16 @@ struct ThreePhase {
     const S r = scale(to.r_phase, s.r_phase);
     const S a = scale(to.austenite(), phases(s).austenite());
     for (HotTurn& turn : s.hot) {
-      turn.martensite = least(turn.martensite * m, S(1));
+      turn.martensite = turn.martensite * m;
       turn.r_phase = least(turn.r_phase * r, S(1) - turn.martensite);
     }
+    S outer = S(0);  // no more can return than the turning point before had
     for (ColdTurn& turn : s.cold) {
       // R-phase that the turn has more than the state is austenite now.
       const S more = turn.r_phase - s.r_phase;
-      turn.r_phase = to.r_phase + more * (more < S(0) ? r : a);
-      turn.austenite = least(turn.austenite * a, S(1));
-      turn.r_phase = least(turn.r_phase, S(1) - turn.austenite);
-      turn.returning = turn.returning * a;
-    }
-    // No more can return than the turning point had.
-    S outer = S(0);
-    for (ColdTurn& turn : s.cold) {
-      turn.returning = least(turn.returning, outer);
+      turn.austenite = turn.austenite * a;
+      turn.r_phase = least(to.r_phase + more * (more < S(0) ? r : a), S(1) - turn.austenite);
+      turn.returning = least(turn.returning * a, outer);
       outer = turn.r_phase;
     }
     s.returning = least(s.returning * a, outer);
@@ -183,20 +178,6 @@ struct ThreePhase {
   /// The same step with the cut at hand; a quarter cheaper.
   static void advance(const Params& p, const Cut& cut, State& s, const S& temperature_K) {
     move<false>(p, AtCut{cut}, s, {temperature_K, cut.stress_Pa});
-  }
-
-  /// What plain scaling would have converted in a step without reversal.
-  static S plainly_converted(const State& before, const State& after) {
-    const auto lost = [](const S& now, const S& was) {
-      return now < was ? (was - now) / was : S(0);
-    };
-    if (after.heading == Heading::heating) {
-      return (before.martensite + before.r_phase) * lost(after.reverse.m2a, before.reverse.m2a);
-    }
-    const Pair<S> now = after.forward.a2m_a2r;
-    const Pair<S> was = before.forward.a2m_a2r;
-    return (S(1) - before.martensite) * lost(now.first(), was.first()) +
-           phases(before).austenite() * lost(now.second(), was.second());
   }
 
   static Drive<S> drive(const State& s) { return s.drive; }

@@ -16,9 +16,7 @@ template <class S>
 struct KalmanTuning {
   S temperature_walk_K = S(5);  ///< heat that the balance does not know of, at 60 K above ambient;
                                 ///< it grows with that distance, from a tenth of it
-  S fraction_noise = S(0.03);   ///< per square root of the fraction converted
-  S unseen_share = S(0.3);  ///< of what plain scaling would convert, counted the same way: an inner
-                            ///< loop that is remembered wrongly must not blind the filter
+  S fraction_noise = S(0.035);  ///< per square root of the fraction converted
   S ambient_walk_K = S(0.32);
   S loss_walk = S(0.01);             ///< relative
   S resistance_walk = S(4.3e-5);     ///< relative
@@ -98,7 +96,7 @@ struct KalmanObserver {
     typename Kinetics::Tangent tangent;  ///< T and z'
     PhaseRates<S> moved;                 ///< T z'_before
     S walk_K;                            ///< of the temperature
-    S converted;                         ///< fraction converted, with its unseen share
+    S converted;                         ///< fraction converted
   };
   static Linear predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s);
 
@@ -192,7 +190,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   const S loss_J_K = s.loss * body.loss_slope_W_K(above) * dt_s;
   const Heading heading = S(0) < heat_J ? Heading::heating : Heading::cooling;
   const bool onward = heading == k.heading;
-  const auto before = k;
+  const Phases<S> before = Kinetics::phases(k);
   PhaseRates<S> rates_before = onward ? s.rates : PhaseRates<S>{S(0), S(0)};
   const S dT = heat_J / (body.effective_capacity_J_K(rates_before) + loss_J_K);
 
@@ -229,10 +227,9 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   temperature[iAmbient] = loss_J_K * per;
   temperature[iLoss] = S(0) - unit_loss_J * per;
 
-  const S plain = straight ? Kinetics::plainly_converted(before, k) : S(0);
   return {temperature, tangent, moved,
           p.tuning.temperature_walk_K * (S(0.1) + magnitude(above) / S(60)),
-          magnitude(dM) + magnitude(dR) + p.tuning.unseen_share * plain};
+          magnitude(dM) + magnitude(dR)};
 }
 
 template <class S>

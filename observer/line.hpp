@@ -27,7 +27,7 @@ struct LineObserver {
     return s;
   }
 
-  static void advance(const Params& p, State& s, const Measurement<S>& m, const S&) {
+  static void advance(const Params& p, State& s, const Measurement<S>& m, const S& /*dt_s*/) {
     if (m.stress_valid) {
       s.stress_Pa = m.stress_Pa;
     }

@@ -101,6 +101,10 @@ struct BadRow {
 }  // namespace
 
 struct TraceReader::Impl {
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
   std::string path;
   TraceOptions options;
   int file = -1;
@@ -338,7 +342,7 @@ struct TraceReader::Impl {
     return fmt::format("'{}'", rest.substr(0, std::min<std::size_t>(rest.find(','), 40)));
   }
 
-  std::optional<BadRow> bad_number(std::size_t i, const char* at, const char* stop) const {
+  static std::optional<BadRow> bad_number(std::size_t i, const char* at, const char* stop) {
     if (at < stop && (*at == ' ' || *at == '+')) {
       return BadRow{i, fmt::format("{} is not a plain number", field(at, stop))};
     }

@@ -55,6 +55,8 @@ class TraceReader {
   /// `path` "-" is standard input. Reads and checks the header. Throws TraceError.
   TraceReader(const std::string& path, TraceOptions options);
   ~TraceReader();
+  TraceReader(const TraceReader&) = delete;
+  TraceReader& operator=(const TraceReader&) = delete;
   TraceReader(TraceReader&&) noexcept;
   TraceReader& operator=(TraceReader&&) noexcept;
 

@@ -237,7 +237,7 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
 }
 
 std::string read_text(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
     throw WireError(fmt::format("{}: cannot be read", file.string()));

@@ -71,10 +71,30 @@ list_traces() {
   printf '\nAdd --report FILE.html for a report, --out FILE.csv for the estimate.\n'
 }
 
+# Every trace of the project: its report, and one row of a table.
+replay_all() {
+  local host_sim=$1 out=$2 scenario name wire
+  printf '| trace | mean | 95 %% | maximum |\n|---|--:|--:|--:|\n'
+  for scenario in "$root"/host-sim/traces/*.toml; do
+    name=$(basename "$scenario" .toml)
+    wire=$(value_of wire "$scenario")
+    "$host_sim" replay --wire "$(dirname "$scenario")/$wire" --report "$out/$name.html" \
+      "${scenario%.toml}.csv" |
+      awk -v name="$name" '/^(kalman|model) / {
+        printf "| %s | %s | %s | %s |%s\n", name, $2, $3, $4, $5 == "" ? "" : " " $5 }'
+  done
+  printf '\nError in %% of the nominal stroke. The reports are in %s.\n' "$(near "$out")"
+}
+
 run_replay() {
   run_setup
   build release host-sim
   local host_sim=$root/build/release/host-sim/host-sim
+  if [[ $* == --all ]]; then
+    mkdir -p "$root/build/replay"
+    replay_all "$host_sim" "$root/build/replay"
+    return
+  fi
   if (($#)); then
     "$host_sim" replay "$@"
     return
