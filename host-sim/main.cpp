@@ -20,13 +20,10 @@ int run(int argc, char** argv) {
   smaservo::add_wires_command(app);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::RequiredError& error) {
-    if (argc > 1 && app.get_subcommands().empty()) {
-      throw smaservo::UserError(
-          fmt::format("{}: no such command; host-sim --help lists them", argv[1]));
-    }
-    return app.exit(error) == 0 ? 0 : wrong_command_line;
   } catch (const CLI::ParseError& error) {
+    if (argc > 1 && *argv[1] != '-' && app.get_subcommands().empty()) {
+      fmt::print(stderr, "host-sim: {}: no such command\n", argv[1]);
+    }
     return app.exit(error) == 0 ? 0 : wrong_command_line;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

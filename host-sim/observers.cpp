@@ -39,7 +39,7 @@ struct TuningField {
 
 using Tuning = KalmanTuning<double>;
 constexpr TuningField tuning_fields[] = {
-    {"kalman.temperature_walk_K", &Tuning::temperature_walk_K},
+    {"kalman.heat_error", &Tuning::heat_error},
     {"kalman.fraction_noise", &Tuning::fraction_noise},
     {"kalman.ambient_walk_K", &Tuning::ambient_walk_K},
     {"kalman.loss_walk", &Tuning::loss_walk},

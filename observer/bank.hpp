@@ -158,9 +158,9 @@ bool KalmanBank<S>::agree(const typename Filter::State& a, const typename Filter
   const auto near = [](const S& x, const S& y, const S& limit) {
     return x - y < limit && y - x < limit;
   };
-  return near(a.kinetics.martensite, b.kinetics.martensite, S(0.03)) &&
-         near(a.kinetics.r_phase, b.kinetics.r_phase, S(0.03)) &&
-         near(a.kinetics.drive.temperature_K, b.kinetics.drive.temperature_K, S(2));
+  return near(a.kinetics.martensite, b.kinetics.martensite, S(0.08)) &&
+         near(a.kinetics.r_phase, b.kinetics.r_phase, S(0.08)) &&
+         near(a.kinetics.drive.temperature_K, b.kinetics.drive.temperature_K, S(4));
 }
 
 template <class S>

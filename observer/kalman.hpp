@@ -14,9 +14,9 @@ namespace smaservo {
 /// What the filter assumes. Standard deviations; walks are per square root of a second.
 template <class S>
 struct KalmanTuning {
-  S temperature_walk_K = S(5);  ///< heat that the balance does not know of, at 60 K above ambient;
-                                ///< it grows with that distance, from a tenth of it
-  S fraction_noise = S(0.035);  ///< per square root of the fraction converted
+  S heat_error = S(0.025);     ///< of the temperature above ambient, in steady state: heat that the
+                               ///< balance does not know of
+  S fraction_noise = S(0.07);  ///< per square root of the fraction converted
   S ambient_walk_K = S(0.32);
   S loss_walk = S(0.01);             ///< relative
   S resistance_walk = S(4.3e-5);     ///< relative
@@ -95,8 +95,8 @@ struct KalmanObserver {
     Vector temperature;
     typename Kinetics::Tangent tangent;  ///< T and z'
     PhaseRates<S> moved;                 ///< T z'_before
-    S walk_K;                            ///< of the temperature
-    S converted;                         ///< fraction converted
+    S noise_K2;                          ///< of the temperature
+    S converted_m, converted_r;          ///< what each phase has gained or lost
   };
   static Linear predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s);
 
@@ -227,9 +227,10 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   temperature[iAmbient] = loss_J_K * per;
   temperature[iLoss] = S(0) - unit_loss_J * per;
 
-  return {temperature, tangent, moved,
-          p.tuning.temperature_walk_K * (S(0.1) + magnitude(above) / S(60)),
-          magnitude(dM) + magnitude(dR)};
+  // A walk that the loss holds at this deviation; the ambient air is not exact, either: 6 K.
+  const S sd_K = p.tuning.heat_error * (magnitude(above) + S(6));
+  const S noise_K2 = S(2) * sd_K * sd_K * body.loss_W_K * dt_s / body.capacity_J_K;
+  return {temperature, tangent, moved, noise_K2, magnitude(dM), magnitude(dR)};
 }
 
 template <class S>
@@ -253,15 +254,17 @@ void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const 
   const KalmanTuning<S>& q = p.tuning;
   const S z_m = f.tangent.rates.martensite_1_K;
   const S z_r = f.tangent.rates.r_phase_1_K;
-  const S noise_z = q.fraction_noise * q.fraction_noise * f.converted;
-  const S TT = a.dot(tau) + f.walk_K * f.walk_K * dt_s;
+  const S per_fraction = q.fraction_noise * q.fraction_noise;
+  const S noise_m = per_fraction * f.converted_m;
+  const S noise_r = per_fraction * f.converted_r;
+  const S TT = a.dot(tau) + f.noise_K2;
   const S Tm = along_m(tau);
   const S Tr = along_r(tau);
   const S TM = Tm + z_m * TT;
   const S TR = Tr + z_r * TT;
-  const S MM = along_m(m) + z_m * (Tm + TM) + noise_z;
+  const S MM = along_m(m) + z_m * (Tm + TM) + noise_m;
   const S MR = along_r(m) + z_m * Tr + z_r * TM;
-  const S RR = along_r(r) + z_r * (Tr + TR) + noise_z;
+  const S RR = along_r(r) + z_r * (Tr + TR) + noise_r;
   P.row(iT) = tau;
   P.row(iM) = m + z_m * tau;
   P.row(iR) = r + z_r * tau;

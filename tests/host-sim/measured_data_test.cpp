@@ -105,7 +105,7 @@ TEST_F(MeasuredData, StaircaseOfAPlausibleWire) {
   ASSERT_TRUE(e.result.has_reference);
   expect_physical(e);
   const auto& observers = e.result.observers;
-  expect_about(observers[0].error, 8.21, 13.70, 29.51);
+  expect_about(observers[0].error, 7.59, 18.63, 26.95);
   expect_about(observers[1].error, 9.38, 21.40, 49.27);
   expect_about(observers[2].error, 8.30, 28.01, 39.90);
 }

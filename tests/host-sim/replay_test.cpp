@@ -27,15 +27,15 @@ void PrintTo(const Accuracy& accuracy, std::ostream* out) {
 }
 
 constexpr Accuracy loaded[] = {
-    {"100MPa", "b", 1.16, 1.88},    {"150MPa", "a", 0.26, 0.36},
-    {"200MPa", "b", 0.13, 0.35},    {"400MPa", "a", 0.96, 1.78},
-    {"spring", "a", 0.22, 0.42},    {"varying", "b", 0.14, 0.33},
-    {"disturbed", "a", 0.57, 2.34}, {"unknown-start", "b", 1.57, 2.62},
+    {"100MPa", "b", 1.02, 1.64},    {"150MPa", "a", 0.23, 0.33},
+    {"200MPa", "b", 0.16, 0.32},    {"400MPa", "a", 0.39, 0.64},
+    {"spring", "a", 0.09, 0.20},    {"varying", "b", 0.13, 0.31},
+    {"disturbed", "a", 0.94, 1.92}, {"unknown-start", "b", 1.52, 2.03},
 };
 constexpr Accuracy light[] = {
-    {"10MPa", "a", 1.27, 2.08},
-    {"25MPa", "b", 1.33, 2.45},
-    {"50MPa", "a", 1.41, 2.14},
+    {"10MPa", "a", 0.87, 1.66},
+    {"25MPa", "b", 1.00, 1.92},
+    {"50MPa", "a", 1.11, 1.81},
 };
 constexpr Accuracy bath[] = {{"bath", "b", 0.14, 1.05}};
 
