@@ -19,14 +19,16 @@ using ::testing::Not;
 using ::testing::StartsWith;
 using Texts = Program::Texts;
 
-const std::string unit_b = shipped("units/b.toml");
+std::string unit_b() {
+  return shipped("units/b.toml");
+}
 
 std::string short_trace() {
   return joined(first_lines("200MPa.csv", 400));
 }
 
 Texts replay_of(const std::string& trace, const Texts& more = {}) {
-  Texts arguments{"replay", "--observer", "kalman", "--wire", unit_b, trace};
+  Texts arguments{"replay", "--observer", "kalman", "--wire", unit_b(), trace};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -116,7 +118,7 @@ TEST(Command, ABadRowIsNamedAndNothingIsWritten) {
 TEST(Command, JsonIsValidAndHasTheNumbers) {
   Program program;
   const std::string path = program.folder().write("t.csv", short_trace());
-  Texts arguments{"replay", "--wire", unit_b, "t.csv", "--json"};
+  const Texts arguments{"replay", "--wire", unit_b(), "t.csv", "--json"};
   const Finished f = program.run(arguments);
   ASSERT_EQ(f.status, 0);
   EXPECT_EQ(f.err, "");
@@ -237,7 +239,7 @@ TEST(Command, WiresAreListedAndPrintedSoThatTheyLoadAgain) {
   for (const std::string& name : preset_names()) {
     EXPECT_THAT(list.out, HasSubstr(name));
   }
-  const Finished printed = program.run({"wires", unit_b, "--set", "wire.length_mm=123"});
+  const Finished printed = program.run({"wires", unit_b(), "--set", "wire.length_mm=123"});
   ASSERT_EQ(printed.status, 0);
   program.folder().write("w.toml", printed.out);
   EXPECT_EQ(program.run({"wires", "w.toml"}).out, printed.out);

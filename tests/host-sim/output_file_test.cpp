@@ -43,12 +43,12 @@ TEST(OutputFile, AppearsWhenItIsComplete) {
 
 TEST(OutputFile, LeavesNothingBehindWhenItIsAbandoned) {
   const TemporaryFolder folder;
-  try {
+  const auto abandon = [&] {
     OutputFile file(folder / "out.csv");
     file.write("half");
     throw std::runtime_error("something else");
-  } catch (const std::runtime_error&) {
-  }
+  };
+  EXPECT_THROW(abandon(), std::runtime_error);
   EXPECT_THAT(folder.names(), IsEmpty());
 }
 

@@ -49,7 +49,7 @@ class ReplayOf : public ::testing::Test {
   Estimated of(const std::string& text) const { return estimated(options(text)); }
 
   /// What is said about a replay that is refused; nothing may be written then.
-  std::string refusal(ReplayOptions options) const {
+  static std::string refusal(ReplayOptions options) {
     const TemporaryFolder out;
     options.out = out / "estimate.csv";
     std::string said;

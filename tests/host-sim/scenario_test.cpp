@@ -14,7 +14,9 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const fs::path traces = fs::path(SMASERVO_SOURCE_DIR) / "host-sim/traces";
+fs::path traces() {
+  return fs::path(SMASERVO_SOURCE_DIR) / "host-sim/traces";
+}
 
 constexpr std::string_view good = R"(note = "a test"
 wire = "smartflex-76um"
@@ -88,7 +90,7 @@ std::string refusal(std::string_view text) {
 
 TEST(Scenario, EveryShippedOneLoadsAndHasItsTrace) {
   int found = 0;
-  for (const auto& entry : fs::directory_iterator(traces)) {
+  for (const auto& entry : fs::directory_iterator(traces())) {
     if (entry.path().extension() == ".toml") {
       ++found;
       const Scenario scenario = load_scenario(entry.path());
@@ -190,7 +192,7 @@ TEST(Scenario, MistakesAreNamedWithLineKeyValueAndRange) {
 TEST(Scenario, AWireThatIsNotThereIsNamed) {
   EXPECT_THAT(refusal(with("smartflex-76um", "smartflex-77um")), HasSubstr("smartflex-77um"));
   EXPECT_THAT(refusal(with("smartflex-76um", "units/c.toml")), HasSubstr("c.toml"));
-  EXPECT_THROW(load_scenario(traces / "missing.toml"), UserError);
+  EXPECT_THROW(load_scenario(traces() / "missing.toml"), UserError);
 }
 
 TEST(Scenario, AWireIsLookedForBesideTheScenario) {

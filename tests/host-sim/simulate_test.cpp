@@ -32,8 +32,8 @@ std::vector<std::string> scenarios() {
 
 class Simulated : public ::testing::TestWithParam<std::string> {
  protected:
-  Scenario scenario() const { return load_scenario(shipped(GetParam() + ".toml")); }
-  std::string trace() const { return file_text(shipped(GetParam() + ".csv")); }
+  static Scenario scenario() { return load_scenario(shipped(GetParam() + ".toml")); }
+  static std::string trace() { return file_text(shipped(GetParam() + ".csv")); }
 };
 
 /// The drive cut off after this time; a bath has no time and stays whole.

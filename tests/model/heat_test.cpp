@@ -80,7 +80,7 @@ TEST(ThermalBody, ClampsReach1Point4mmIntoThe76umWire) {
 TEST(ThermalBody, ShortWireLosesMoreThroughItsClamps) {
   const HeatParams<double>& heat = paper_wire().heat;
   const double d = 76e-6;
-  const double reach_m = clamp_reach_m<double>({1, d}, heat);
+  const auto reach_m = clamp_reach_m<double>({1, d}, heat);
   const auto loss_W_m = [&](double length_m) {
     return thermal_body<double>({length_m, d}, heat).loss_W_K / length_m;
   };

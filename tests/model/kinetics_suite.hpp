@@ -59,7 +59,7 @@ class KineticsSuite : public ::testing::Test {
   /// The next drive of a random walk over 250..450 K and 0..400 MPa: ripple, runs and jumps.
   Drive<Real> wander(const Drive<Real>& u, bool varying_stress = true) {
     const double kind = uniform(0, 1);
-    double T = static_cast<double>(u.temperature_K);
+    auto T = static_cast<double>(u.temperature_K);
     double stress_MPa = static_cast<double>(u.stress_Pa) / 1e6;
     if (kind < 0.6) {
       T += uniform(-1, 1);
@@ -301,7 +301,7 @@ TYPED_TEST_P(KineticsSuite, ClosedInnerLoopsReturnToTheSamePhases) {
     const bool heats = this->uniform(-1, 1) < 0;
     typename K::State s = K::rest(this->params, this->at(heats ? 270 : 450, stress_MPa));
     // Reversals, each within the one before it: up to three loops in each other.
-    double from_K = static_cast<double>(K::drive(s).temperature_K);
+    auto from_K = static_cast<double>(K::drive(s).temperature_K);
     double to_K = this->uniform(290, 420);
     std::vector<typename K::State> turns;
     for (int turn = 0; turn < 6; ++turn) {

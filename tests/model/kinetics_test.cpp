@@ -56,7 +56,7 @@ struct CosineFloat : CosineDouble {
 
 struct SubjectName {
   template <class Subject>
-  static std::string GetName(int) {
+  static std::string GetName(int /*index*/) {
     if constexpr (std::is_same_v<Subject, ThreePhaseDouble>) return "ThreePhaseDouble";
     if constexpr (std::is_same_v<Subject, ThreePhaseEveryReversal>)
       return "ThreePhaseEveryReversal";

@@ -133,7 +133,7 @@ TEST(Plant, CoolsWithTheTimeConstantOfTheWireWhereNothingTransforms) {
 }
 
 TEST(Plant, ColdEndsKeepTheirShareOfStrainAndResistance) {
-  Wire76::Params p = plant_params(paper_wire());
+  const Wire76::Params p = plant_params(paper_wire());
   Wire76::Params without = p;
   without.ends.share = 0;
   const Wire76::State hot = Wire76::rest(p, {430, 150e6});

@@ -20,7 +20,7 @@ using K = ThreePhase<double>;
 /// Each statement of paper 000 holds with the paper's own scaling and with return-point memory.
 class Paper000 : public ::testing::TestWithParam<Memory> {
  protected:
-  Loop loop(double stress_MPa) const {
+  static Loop loop(double stress_MPa) {
     const K::Params kinetics =
         GetParam() == Memory::plain ? plain_kinetics() : paper_wire().kinetics;
     return full_loop(kinetics, paper_wire().material, stress_MPa * MPa);
@@ -138,6 +138,9 @@ class ThreePhaseTest : public ::testing::Test {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
 
+  Phases<double> pulled(const Phases<double>& z);
+  void correct_at_random(const K::Params& p, K::State& s);
+
   /// After some runs and reversals at one stress, moving in a heading.
   K::State on_a_branch(const K::Params& p, double stress_Pa) {
     K::State s = K::rest(p, {uniform(270, 450), stress_Pa});
@@ -254,30 +257,35 @@ TEST_F(ThreePhaseTest, TransferIsWhatTheStepMakesOfASmallChangeOfTheFractions) {
   EXPECT_GT(largest, 0.05);
 }
 
+/// Anywhere on the simplex: some of the way to a random corner.
+Phases<double> ThreePhaseTest::pulled(const Phases<double>& z) {
+  const double pull = uniform(0, 1) < 0.05 ? 1.0 : uniform(0, 0.05);
+  const double corner = uniform(0, 3);
+  return {z.martensite + pull * ((corner < 1 ? 1.0 : 0.0) - z.martensite),
+          z.r_phase + pull * ((corner > 2 ? 1.0 : 0.0) - z.r_phase)};
+}
+
+void ThreePhaseTest::correct_at_random(const K::Params& p, K::State& s) {
+  const bool jump = uniform(0, 1) < 0.1;
+  const Drive<double> u{jump ? uniform(290, 420) : s.drive.temperature_K + uniform(-2, 2),
+                        jump ? uniform(0, 400e6) : s.drive.stress_Pa};
+  const K::Tangent tangent = K::advance_linearised(p, s, u);
+  const Phases<double> to = pulled(K::phases(s));
+  K::correct(p, s, tangent, uniform(-0.1, 0.1), to);
+  EXPECT_EQ(s.martensite, to.martensite);
+  EXPECT_EQ(s.r_phase, to.r_phase);
+  K::advance(p, s, {s.drive.temperature_K + uniform(-3, 3), s.drive.stress_Pa});
+  // correct() takes pools below 1e-6 for empty.
+  expect_simplex(K::phases(s), 1e-6);
+}
+
 TEST_F(ThreePhaseTest, CorrectionsKeepTheFractionsOnTheSimplex) {
   for (const K::Params& p : {paper_wire().kinetics, plain_kinetics(), separate_kinetics()}) {
     for (int walk = 0; walk < 200; ++walk) {
       K::State s = K::rest(p, {uniform(270, 450), uniform(0, 400e6)});
       for (int i = 0; i < 200; ++i) {
-        const bool jump = uniform(0, 1) < 0.1;
-        const Drive<double> u{jump ? uniform(290, 420) : s.drive.temperature_K + uniform(-2, 2),
-                              jump ? uniform(0, 400e6) : s.drive.stress_Pa};
-        const K::Tangent tangent = K::advance_linearised(p, s, u);
-        // Anywhere on the simplex: the share `pull` of the way to a random corner.
-        const double pull = uniform(0, 1) < 0.05 ? 1.0 : uniform(0, 0.05);
-        const double corner = uniform(0, 3);
-        const Phases<double> z = K::phases(s);
-        const Phases<double> to{z.martensite + pull * ((corner < 1 ? 1.0 : 0.0) - z.martensite),
-                                z.r_phase + pull * ((corner > 2 ? 1.0 : 0.0) - z.r_phase)};
-        K::correct(p, s, tangent, uniform(-0.1, 0.1), to);
-        EXPECT_EQ(s.martensite, to.martensite);
-        EXPECT_EQ(s.r_phase, to.r_phase);
-        K::advance(p, s, {s.drive.temperature_K + uniform(-3, 3), s.drive.stress_Pa});
-        // correct() takes pools below 1e-6 for empty.
-        expect_simplex(K::phases(s), 1e-6);
-        if (HasFailure()) {
-          FAIL() << "walk " << walk << ", step " << i;
-        }
+        correct_at_random(p, s);
+        ASSERT_FALSE(HasFailure()) << "walk " << walk << ", step " << i;
       }
     }
   }

@@ -53,7 +53,7 @@ TEST(OpenLoop, ErrsWithItsSurroundings) {
 
 TEST(OpenLoop, KeepsTheLastStress) {
   const OpenLoop::Params p = tuned();
-  Measurement<double> m{20, 0.01, 0.05, 150e6, true, true, true};
+  const Measurement<double> m{20, 0.01, 0.05, 150e6, true, true, true};
   OpenLoop::State s = OpenLoop::start(p, m, told_ambient_K);
   OpenLoop::State blind = s;
   for (int i = 0; i < 1000; ++i) {

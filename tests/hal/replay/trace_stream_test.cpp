@@ -1,6 +1,7 @@
 // Traces as streams: pipes, chunks of any size, long lines, damaged files.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
@@ -146,10 +147,10 @@ TEST(TraceStream, MemoryDoesNotGrowWithTheTrace) {
   TraceReader reader("-", {});
   TraceRow row{};
   ASSERT_TRUE(reader.next(row));
-  auto low = reinterpret_cast<std::uintptr_t>(row.text.data());
+  auto low = std::bit_cast<std::uintptr_t>(row.text.data());
   auto high = low + row.text.size();
   while (reader.next(row)) {
-    const auto at = reinterpret_cast<std::uintptr_t>(row.text.data());
+    const auto at = std::bit_cast<std::uintptr_t>(row.text.data());
     low = std::min(low, at);
     high = std::max(high, at + row.text.size());
   }

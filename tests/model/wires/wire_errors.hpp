@@ -26,6 +26,7 @@ inline std::string own_wire(const std::string& lines) {
 /// Matches a text that contains all the parts.
 inline auto names(const std::vector<std::string>& parts) {
   std::vector<testing::Matcher<std::string>> all;
+  all.reserve(parts.size());
   for (const std::string& part : parts) {
     all.emplace_back(testing::HasSubstr(part));
   }

@@ -54,7 +54,7 @@ std::string key_table() {
 }
 
 std::string text_of_readme() {
-  std::ifstream in(SMASERVO_SOURCE_DIR "/model/wires/README.md");
+  const std::ifstream in(SMASERVO_SOURCE_DIR "/model/wires/README.md");
   std::ostringstream content;
   content << in.rdbuf();
   return content.str();

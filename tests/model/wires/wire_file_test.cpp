@@ -129,7 +129,7 @@ TEST(WireFile, WritesSeparateProcessesAndChoices) {
 
 TEST(WireFile, WritesAnyNameAndSource) {
   WireDescription first = load_wire(std::string(default_wire));
-  first.name = "a \"quoted\\ name\"";
+  first.name = R"(a "quoted\ name")";
   first.sources = {{"wire.length", "a \"ruler\"\nand a \\ backslash"}, {"heat", "µ-calorimeter"}};
   const WireDescription again = parse_wire(to_toml(first), "again.toml");
   EXPECT_EQ(again.name, first.name);
