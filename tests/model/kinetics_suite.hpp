@@ -122,7 +122,28 @@ class KineticsSuite : public ::testing::Test {
   std::mt19937_64 random{20260102};
 };
 
+// For every model.
 TYPED_TEST_SUITE_P(KineticsSuite);
+
+/// For models whose steps are exact, whatever their size.
+template <class Subject>
+class ExactSteps : public KineticsSuite<Subject> {};
+TYPED_TEST_SUITE_P(ExactSteps);
+
+/// For those whose steps are not.
+template <class Subject>
+class StepOrder : public KineticsSuite<Subject> {};
+TYPED_TEST_SUITE_P(StepOrder);
+
+/// In double; rounding hides differences of floats.
+template <class Subject>
+class BranchRates : public KineticsSuite<Subject> {};
+TYPED_TEST_SUITE_P(BranchRates);
+
+/// For models with return-point memory.
+template <class Subject>
+class ReturnPoints : public KineticsSuite<Subject> {};
+TYPED_TEST_SUITE_P(ReturnPoints);
 
 TYPED_TEST_P(KineticsSuite, FractionsStayOnTheSimplex) {
   using K = typename TypeParam::Model;
@@ -157,11 +178,8 @@ TYPED_TEST_P(KineticsSuite, StandingStillChangesNothingToTheBit) {
   }
 }
 
-TYPED_TEST_P(KineticsSuite, OneBigStepEqualsManySmallOnes) {
+TYPED_TEST_P(ExactSteps, OneBigStepEqualsManySmallOnes) {
   using K = typename TypeParam::Model;
-  if (TypeParam::order != 0) {
-    GTEST_SKIP() << "not exact; the next test measures the order";
-  }
   double worst = 0;
   for (int i = 0; i < 3000; ++i) {
     typename K::State small = this->wandered(30);
@@ -183,11 +201,8 @@ TYPED_TEST_P(KineticsSuite, OneBigStepEqualsManySmallOnes) {
   EXPECT_LT(worst, TypeParam::rounding);
 }
 
-TYPED_TEST_P(KineticsSuite, ErrorFallsWithTheStepByTheStatedOrder) {
+TYPED_TEST_P(StepOrder, ErrorFallsWithTheStepByTheStatedOrder) {
   using K = typename TypeParam::Model;
-  if (TypeParam::order == 0) {
-    GTEST_SKIP() << "exact; the test before proves it";
-  }
   for (const double stress_MPa : {10.0, 60.0, 150.0}) {
     const auto cooled = [&](int steps) {
       typename K::State s = K::rest(this->params, this->at(420, stress_MPa));
@@ -249,12 +264,9 @@ TYPED_TEST_P(KineticsSuite, StressTransformsAtConstantTemperature) {
   EXPECT_LT(martensite(), 0.1);
 }
 
-TYPED_TEST_P(KineticsSuite, RatesAreTheSlopesOfTheBranch) {
+TYPED_TEST_P(BranchRates, RatesAreTheSlopesOfTheBranch) {
   using K = typename TypeParam::Model;
   using S = typename K::Scalar;
-  if (this->is_float) {
-    GTEST_SKIP() << "rounding hides differences; the double model proves it";
-  }
   double largest = 0;
   int wrong = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -289,11 +301,8 @@ TYPED_TEST_P(KineticsSuite, RatesAreTheSlopesOfTheBranch) {
   EXPECT_GT(largest, 0.05);  // some of the branches were steep
 }
 
-TYPED_TEST_P(KineticsSuite, ClosedInnerLoopsReturnToTheSamePhases) {
+TYPED_TEST_P(ReturnPoints, ClosedInnerLoopsReturnToTheSamePhases) {
   using K = typename TypeParam::Model;
-  if (TypeParam::loops != InnerLoops::close) {
-    GTEST_SKIP() << "has no return-point memory";
-  }
   double worst = 0;
   double widest = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -323,11 +332,8 @@ TYPED_TEST_P(KineticsSuite, ClosedInnerLoopsReturnToTheSamePhases) {
   EXPECT_GT(widest, 0.3);
 }
 
-TYPED_TEST_P(KineticsSuite, ClosedStressLoopsReturnToTheSamePhases) {
+TYPED_TEST_P(ReturnPoints, ClosedStressLoopsReturnToTheSamePhases) {
   using K = typename TypeParam::Model;
-  if (TypeParam::loops != InnerLoops::close) {
-    GTEST_SKIP() << "has no return-point memory";
-  }
   double worst = 0;
   for (int i = 0; i < 1000; ++i) {
     const double T = this->uniform(310, 390);
@@ -354,11 +360,13 @@ TYPED_TEST_P(KineticsSuite, RippleMovesTheFractionsOnlyWithoutMemory) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(KineticsSuite, FractionsStayOnTheSimplex,
-                            StandingStillChangesNothingToTheBit, OneBigStepEqualsManySmallOnes,
-                            ErrorFallsWithTheStepByTheStatedOrder, FullCycleErasesHistory,
-                            StressTransformsAtConstantTemperature, RatesAreTheSlopesOfTheBranch,
-                            ClosedInnerLoopsReturnToTheSamePhases,
-                            ClosedStressLoopsReturnToTheSamePhases,
+                            StandingStillChangesNothingToTheBit, FullCycleErasesHistory,
+                            StressTransformsAtConstantTemperature,
                             RippleMovesTheFractionsOnlyWithoutMemory);
+REGISTER_TYPED_TEST_SUITE_P(ExactSteps, OneBigStepEqualsManySmallOnes);
+REGISTER_TYPED_TEST_SUITE_P(StepOrder, ErrorFallsWithTheStepByTheStatedOrder);
+REGISTER_TYPED_TEST_SUITE_P(BranchRates, RatesAreTheSlopesOfTheBranch);
+REGISTER_TYPED_TEST_SUITE_P(ReturnPoints, ClosedInnerLoopsReturnToTheSamePhases,
+                            ClosedStressLoopsReturnToTheSamePhases);
 
 }  // namespace smaservo::test

@@ -68,9 +68,20 @@ struct SubjectName {
   }
 };
 
-using Subjects = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                                  ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat>;
-INSTANTIATE_TYPED_TEST_SUITE_P(All, KineticsSuite, Subjects, SubjectName);
+using All = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
+                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat>;
+using Exact = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
+                               ThreePhasePlain, CosineDouble, CosineFloat>;
+using Inexact = ::testing::Types<ThreePhaseSeparate>;
+using InDouble = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain,
+                                  ThreePhaseSeparate, CosineDouble>;
+using WithMemory = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
+                                    ThreePhaseSeparate>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, KineticsSuite, All, SubjectName);
+INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, ExactSteps, Exact, SubjectName);
+INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, StepOrder, Inexact, SubjectName);
+INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, BranchRates, InDouble, SubjectName);
+INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, ReturnPoints, WithMemory, SubjectName);
 
 }  // namespace
 }  // namespace smaservo::test
