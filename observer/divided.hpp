@@ -20,7 +20,7 @@ struct Divided {
     Measurement<S> last;
   };
 
-  static constexpr S longest_step_s = S(1e-3);
+  static constexpr S longest_step_s = S(5e-3);
   /// Longer intervals are divided into this many parts.
   static constexpr int most_parts = 65536;
 
@@ -28,10 +28,10 @@ struct Divided {
     return {O::start(p, m, ambient_K), m};
   }
 
-  /// dt_s up to a minute. Cost: one step of the observer for each millisecond.
+  /// dt_s up to a minute. Cost: one step of the observer for each 5 ms.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
     using std::ceil;
-    // A clock that jitters around the longest step must not double the work.
+    // A clock that jitters around the longest step does not double the work.
     const S wanted = ceil(dt_s / longest_step_s - S(0.5));
     const int parts = wanted < S(1)            ? 1
                       : wanted < S(most_parts) ? static_cast<int>(wanted)

@@ -27,15 +27,15 @@ void PrintTo(const Accuracy& accuracy, std::ostream* out) {
 }
 
 constexpr Accuracy loaded[] = {
-    {"100MPa", "b", 1.02, 1.64},    {"150MPa", "a", 0.23, 0.33},
-    {"200MPa", "b", 0.16, 0.32},    {"400MPa", "a", 0.39, 0.64},
-    {"spring", "a", 0.09, 0.20},    {"varying", "b", 0.13, 0.31},
-    {"disturbed", "a", 0.94, 1.92}, {"unknown-start", "b", 1.52, 2.03},
+    {"100MPa", "b", 0.98, 1.62},    {"150MPa", "a", 0.23, 0.33},
+    {"200MPa", "b", 0.17, 0.33},    {"400MPa", "a", 0.37, 0.62},
+    {"spring", "a", 0.19, 0.38},    {"varying", "b", 0.18, 0.40},
+    {"disturbed", "a", 0.96, 1.94}, {"unknown-start", "b", 1.96, 2.96},
 };
 constexpr Accuracy light[] = {
-    {"10MPa", "a", 0.87, 1.66},
-    {"25MPa", "b", 1.00, 1.92},
-    {"50MPa", "a", 1.11, 1.81},
+    {"10MPa", "a", 0.96, 1.81},
+    {"25MPa", "b", 1.22, 2.31},
+    {"50MPa", "a", 1.05, 1.79},
 };
 constexpr Accuracy bath[] = {{"bath", "b", 0.14, 1.05}};
 

@@ -12,7 +12,6 @@ struct ThreePhaseDouble {
   using Model = ThreePhase<double>;
   static Model::Params params() { return paper_wire().kinetics; }
   static constexpr InnerLoops loops = InnerLoops::close;
-  static constexpr int order = 0;
   static constexpr double rounding = 1e-12;
 };
 
@@ -44,7 +43,6 @@ struct CosineDouble {
   using Model = Cosine<double>;
   static Model::Params params() { return flexinol_cosine<double>(); }
   static constexpr InnerLoops loops = InnerLoops::dead_band;
-  static constexpr int order = 0;
   static constexpr double rounding = 1e-12;
 };
 
