@@ -5,7 +5,7 @@
 //   using Model;                         the Kinetics
 //   static Model::Params params();
 //   static constexpr InnerLoops loops;
-//   static constexpr int order;          of the step size on a straight path; 0: exact
+//   static constexpr int order;          of the step size on a straight path; for StepOrder
 //   static constexpr double rounding;    of a fraction, after some thousand steps
 
 #include <algorithm>
