@@ -78,8 +78,9 @@ struct ThreePhase {
 
   /// What one step makes of a small change of the fractions before it, as a matrix; m_r is
   /// martensite after by R-phase before. History is carried along as in correct(). The derivative
-  /// by the temperature after the step is rates() after it, the one by the temperature before is
-  /// minus this matrix times rates() before: the steps form a group.
+  /// by the temperature after the step is rates() after it. The one by the temperature before is
+  /// minus this matrix times rates() before: exactly on outer branches, on inner ones as long as
+  /// the step is small against the loop.
   struct Transfer {
     S m_m, m_r, r_m, r_r;
   };

@@ -75,8 +75,8 @@ struct ColdEnds {
 };
 
 /// The temperature rises over the reach λ as 1 - exp(-x/λ); where the front of the transformation
-/// stands in it depends on how hot the middle is. 0.87 λ at each end is the best constant: the
-/// strain of the distributed plant then deviates by at most 0.8 % of stroke (host-sim/README.md).
+/// stands in it depends on how hot the middle is. 0.87 λ at each end is the best constant against
+/// the distributed plant.
 template <class S>
 ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
                       const ThreePhaseParams<S>& kinetics) {
