@@ -1,5 +1,6 @@
 #include "host-sim/commands.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 
 #include "host-sim/output_file.hpp"
@@ -16,6 +17,24 @@ std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
     settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return settings;
+}
+
+void require(const char* option, const std::optional<double>& value, double low, double high) {
+  if (value && !(*value >= low && *value <= high)) {
+    throw UserError(fmt::format("{} {}: must be between {} and {}", option, *value, low, high));
+  }
+}
+
+void refuse_to_overwrite(const std::string& file, const std::string& output) {
+  std::error_code missing;
+  const bool plain = !file.empty() && !output.empty() && file != "-" && output != "-";
+  if (plain && std::filesystem::exists(output, missing) &&
+      !std::filesystem::is_regular_file(output, missing)) {
+    return;
+  }
+  if (plain && (file == output || std::filesystem::equivalent(file, output, missing))) {
+    throw UserError(fmt::format("{}: is the same file as {}", output, file));
+  }
 }
 
 }  // namespace smaservo

@@ -2,6 +2,7 @@
 // The sub-commands of host-sim; each adds itself to the program and runs when it is parsed.
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,20 @@
 
 namespace smaservo {
 
+void add_calibrate_plan_command(CLI::App& app);
+void add_evaluate_command(CLI::App& app);
+void add_identify_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_wires_command(CLI::App& app);
 
 /// The meaning of --set in all of them: "key=value" split. Throws UserError.
 std::vector<Override> parse_settings(const std::vector<std::string>& texts);
+
+/// A number that an option may give, by its range. Throws UserError.
+void require(const char* option, const std::optional<double>& value, double low, double high);
+
+/// Throws UserError when both are names of one file. Devices, "-" and no name at all are none.
+void refuse_to_overwrite(const std::string& file, const std::string& output);
 
 }  // namespace smaservo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace smaservo {
@@ -25,6 +26,14 @@ void ErrorStatistics::add(double percent) {
   ++count_;
   sum_ += size;
   maximum_ = std::max(maximum_, size);
+}
+
+void ErrorStatistics::add(const ErrorStatistics& others) {
+  bins_.resize(std::max(bins_.size(), others.bins_.size()));
+  std::ranges::transform(others.bins_, bins_, bins_.begin(), std::plus{});
+  count_ += others.count_;
+  sum_ += others.sum_;
+  maximum_ = std::max(maximum_, others.maximum_);
 }
 
 double ErrorStatistics::quantile(double share) const {

@@ -10,6 +10,7 @@ namespace smaservo {
 class ErrorStatistics {
  public:
   void add(double percent);
+  void add(const ErrorStatistics& others);
 
   std::uint64_t count() const { return count_; }
   double mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }

@@ -15,6 +15,9 @@ int run(int argc, char** argv) {
   CLI::App app{"Replays, simulates and describes shape-memory-alloy wires on a PC.", "host-sim"};
   app.set_version_flag("--version", SMASERVO_VERSION);
   app.require_subcommand(1);
+  smaservo::add_calibrate_plan_command(app);
+  smaservo::add_evaluate_command(app);
+  smaservo::add_identify_command(app);
   smaservo::add_replay_command(app);
   smaservo::add_simulate_command(app);
   smaservo::add_wires_command(app);

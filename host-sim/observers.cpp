@@ -55,6 +55,8 @@ constexpr TuningField tuning_fields[] = {
     {"kalman.loss_range", &Tuning::loss_range},
     {"kalman.resistance_range", &Tuning::resistance_range},
     {"kalman.hottest_K", &Tuning::hottest_K},
+    {"kalman.reported", &Tuning::reported},
+    {"kalman.strain_model_sd", &Tuning::strain_model_sd},
 };
 
 double positive_number(const Override& setting) {
@@ -68,8 +70,8 @@ double positive_number(const Override& setting) {
   return value;
 }
 
-Tuning tuning_from(const std::vector<Override>& settings) {
-  Tuning tuning;
+Tuning tuning_from(const Wire<double>& wire, const std::vector<Override>& settings) {
+  Tuning tuning = kalman_tuning(wire.accuracy);
   for (const Override& setting : settings) {
     const auto* field = std::ranges::find(tuning_fields, setting.first, &TuningField::key);
     if (field == std::end(tuning_fields)) {
@@ -99,27 +101,24 @@ const std::vector<ObserverKind>& observer_kinds() {
   return kinds;
 }
 
-const std::vector<ObserverSetting>& observer_settings() {
-  static const std::vector<ObserverSetting> settings = [] {
-    std::vector<ObserverSetting> all;
-    const Tuning defaults;
-    for (const TuningField& field : tuning_fields) {
-      all.push_back({field.key, defaults.*(field.value)});
-    }
-    return all;
-  }();
-  return settings;
+std::vector<ObserverSetting> observer_settings(const Wire<double>& wire) {
+  std::vector<ObserverSetting> all;
+  const Tuning defaults = kalman_tuning(wire.accuracy);
+  for (const TuningField& field : tuning_fields) {
+    all.push_back({field.key, defaults.*(field.value)});
+  }
+  return all;
 }
 
-void check_observer_settings(const std::vector<Override>& settings) {
-  tuning_from(settings);
+void check_observer_settings(const Wire<double>& wire, const std::vector<Override>& settings) {
+  tuning_from(wire, settings);
 }
 
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
                                            const std::vector<Override>& settings,
                                            const Measurement<double>& first, double ambient_K) {
   const auto model = plant_params(wire);
-  const Tuning tuning = tuning_from(settings);
+  const Tuning tuning = tuning_from(wire, settings);
   if (name == "kalman") {
     return std::make_unique<Running<Divided<KalmanBank<double>>>>(
         KalmanBank<double>::Params{model, tuning}, first, ambient_K);

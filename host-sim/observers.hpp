@@ -30,10 +30,11 @@ struct ObserverSetting {
   std::string key;  ///< "kalman.ambient_walk_K"
   double value;
 };
-const std::vector<ObserverSetting>& observer_settings();
+/// What they are for this wire when nothing is set.
+std::vector<ObserverSetting> observer_settings(const Wire<double>& wire);
 
 /// Throws UserError for a setting that does not exist or a value that is not allowed.
-void check_observer_settings(const std::vector<Override>& settings);
+void check_observer_settings(const Wire<double>& wire, const std::vector<Override>& settings);
 
 /// Throws UserError for a name or a setting that does not exist, or a value that is not allowed.
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,

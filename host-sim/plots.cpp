@@ -1,94 +1,13 @@
 #include "host-sim/plots.hpp"
 
-#include <cerrno>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <fcntl.h>
-#include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
-#include <spawn.h>
-#include <sstream>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "host-sim/output_file.hpp"
 
 namespace smaservo {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A folder of its own that disappears with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "host-sim-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw UserError(fmt::format("{}: {}", name, std::strerror(errno)));
-    }
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
-std::string read_all(const fs::path& file) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-/// What gnuplot draws for a script.
-std::string gnuplot(const std::string& script) {
-  const TemporaryFolder folder;
-  const std::string script_file = (folder / "plot.gp").string();
-  const std::string svg_file = (folder / "plot.svg").string();
-  const std::string error_file = (folder / "plot.err").string();
-  std::ofstream(script_file, std::ios::binary) << script;
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  const int flags = O_WRONLY | O_CREAT | O_TRUNC;
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, svg_file.c_str(), flags, 0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error_file.c_str(), flags, 0600);
-  std::string program = "gnuplot";
-  std::string argument = script_file;
-  char* const arguments[] = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
-    throw UserError(
-        fmt::format("the report needs gnuplot (package gnuplot-nox): {}", std::strerror(failed)));
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  std::string svg = read_all(svg_file);
-  if (status != 0 || svg.find("</svg>") == std::string::npos) {
-    throw UserError(fmt::format("gnuplot failed: {}", read_all(error_file)));
-  }
-  return svg;
-}
-
 constexpr const char* data_columns =
     "# time strain low high reference R R_model T T_reference M M+R I stress\n";
-
-std::string number(double value) {
-  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "NaN";
-}
 
 /// All points as a data block; time counts from the first one.
 std::string data_block(const std::vector<PlotPoint>& points) {
@@ -110,7 +29,7 @@ std::string data_block(const std::vector<PlotPoint>& points) {
                               p.stress_MPa};
     const char* between = "";
     for (const double value : columns) {
-      text += between + number(value);
+      text += between + plotted(value);
       between = " ";
     }
     text += '\n';
@@ -131,42 +50,6 @@ Shown shown(const ReplayResult& result, const std::vector<PlotPoint>& points) {
   }
   s.temperature_ref = s.temperature_ref && !result.open_loop;
   return s;
-}
-
-// Colours that stay apart for colour-blind readers and in grey print.
-constexpr const char* style = R"(set encoding utf8
-set border 3 lc rgb '#666666'
-set tics nomirror textcolor rgb '#333333'
-set grid lc rgb '#dddddd' lw 0.5
-set key outside top center horizontal
-set style fill solid 1 noborder
-estimate = 0x0059b3
-reference = 0xd95f02
-band = 0xbfd7ee
-measured = 0x999999
-)";
-
-/// A wide picture over time, or a square one.
-struct Frame {
-  int width, height;
-  const char* x_label;
-  const char* y_label;
-};
-
-std::string script(const Frame& frame, const std::string& data, const std::string& more,
-                   const std::string& curves) {
-  return fmt::format(
-      "set terminal svg size {},{} dynamic mouse standalone font 'sans-serif,13' lw 1.2\n{}"
-      "set xlabel \"{}\"\nset ylabel \"{}\"\n{}{}plot {}\n",
-      frame.width, frame.height, style, frame.x_label, frame.y_label, more, data, curves);
-}
-
-std::string joined(const std::vector<std::string>& curves) {
-  std::string text;
-  for (const std::string& curve : curves) {
-    text += (text.empty() ? "" : ", ") + curve;
-  }
-  return text;
 }
 
 class Drawing {
@@ -259,13 +142,12 @@ class Drawing {
   Plot wide(const char* title, const char* caption, const char* y_label, int height,
             const std::string& more, const std::vector<std::string>& curves) const {
     return {title, caption, false,
-            gnuplot(script({1000, height, x_label_, y_label}, data_,
-                           "set rmargin at screen 0.93\n" + more, joined(curves)))};
+            draw({1000, height, x_label_, y_label}, data_, "set rmargin at screen 0.93\n" + more,
+                 curves)};
   }
   Plot square(const char* title, const char* caption, const char* x_label,
               const std::vector<std::string>& curves) const {
-    return {title, caption, true,
-            gnuplot(script({500, 400, x_label, "strain in %"}, data_, "", joined(curves)))};
+    return {title, caption, true, draw({500, 400, x_label, "strain in %"}, data_, "", curves)};
   }
 
   std::vector<PlotPoint> points_;

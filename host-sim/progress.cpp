@@ -33,10 +33,13 @@ Progress::~Progress() {
 }
 
 void Progress::update(std::uint64_t done) {
-  if (!terminal_ || (++calls_ & 0xfffU) != 0) {
-    return;
+  if ((++calls_ & 0xfffU) == 0) {
+    step(done);
   }
-  if (now_ns() >= next_ns_) {
+}
+
+void Progress::step(std::uint64_t done) {
+  if (terminal_ && now_ns() >= next_ns_) {
     print(done);
   }
 }

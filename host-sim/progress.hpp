@@ -16,6 +16,8 @@ class Progress {
 
   /// Cheap: looks at the clock at every 4096th call only.
   void update(std::uint64_t done);
+  /// Looks at the clock every time: for few, long parts.
+  void step(std::uint64_t done);
 
  private:
   void print(std::uint64_t done);

@@ -1,6 +1,5 @@
 #include "host-sim/replay.hpp"
 
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -12,7 +11,6 @@
 #include "host-sim/observers.hpp"
 #include "host-sim/progress.hpp"
 #include "model/plant.hpp"
-#include "observer/measurement.hpp"
 
 namespace smaservo {
 namespace {
@@ -24,39 +22,6 @@ constexpr double lost_percent = 20;
 constexpr double settling_s = 1;
 constexpr double longest_gap_s = 60;
 constexpr double room_K = 298.15;
-
-/// What a good front end for this wire would be, with the user's settings on top.
-Measuring measuring_params(const Wire<double>& wire, const std::vector<Override>& settings) {
-  const double ohm = cold_resistance_ohm(wire);
-  const double limit_A = wire.limits.current_A;
-  Measuring p{wire.geometry.area_m2(), 0,         0,        1e-4 * limit_A, 1e-4 * limit_A * ohm, 0,
-              0.03 * limit_A,          0.5 * ohm, 2.0 * ohm};
-  for (const auto& [key, text] : settings) {
-    double Measuring::* field = nullptr;
-    if (key == "measurement.current_offset_A") field = &Measuring::current_offset_A;
-    if (key == "measurement.voltage_offset_V") field = &Measuring::voltage_offset_V;
-    if (key == "measurement.current_noise_A") field = &Measuring::current_noise_A;
-    if (key == "measurement.voltage_noise_V") field = &Measuring::voltage_noise_V;
-    if (key == "measurement.lead_resistance_ohm") field = &Measuring::lead_resistance_ohm;
-    if (key == "measurement.least_current_A") field = &Measuring::least_current_A;
-    double value = 0;
-    const char* stop = text.data() + text.size();
-    const auto [at, error] = std::from_chars(text.data(), stop, value);
-    if (field == nullptr) {
-      std::vector<std::string> keys;
-      for (const MeasurementSetting& setting : measurement_settings()) {
-        keys.emplace_back(setting.key);
-      }
-      throw UserError(
-          fmt::format("--set {}: unknown key; measuring has: {}", key, fmt::join(keys, ", ")));
-    }
-    if (error != std::errc{} || at != stop || !(std::abs(value) < 1e6)) {
-      throw UserError(fmt::format("--set {} = {}: must be a number below 1e6", key, text));
-    }
-    p.*field = value;
-  }
-  return p;
-}
 
 /// The strain that the trace knows to be true, or NaN.
 class Reference {
@@ -228,19 +193,6 @@ void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& 
   sink.finish(trace);
 }
 
-/// Settings for the observers and for measuring, told apart by their table.
-struct Settings {
-  std::vector<Override> observer, measurement;
-};
-Settings split(const std::vector<Override>& settings) {
-  Settings split;
-  for (const Override& setting : settings) {
-    const bool measuring = setting.first.starts_with("measurement.");
-    (measuring ? split.measurement : split.observer).push_back(setting);
-  }
-  return split;
-}
-
 using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 
 Observers start_observers(const ReplayOptions& options, const std::vector<Override>& settings,
@@ -262,7 +214,7 @@ Observers start_observers(const ReplayOptions& options, const std::vector<Overri
 void replay_electrical(const ReplayOptions& options, const Measuring& measuring, TraceReader reader,
                        ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
-  const std::vector<Override> observer_settings = split(options.settings).observer;
+  const std::vector<Override> observer_settings = split_settings(options.settings).observer;
   const double load_N = default_load_N(options, reader);
   Sink sink(options, reader, result);
   for (const std::string& name : options.observers) {
@@ -306,24 +258,13 @@ void replay_electrical(const ReplayOptions& options, const Measuring& measuring,
 
 }  // namespace
 
-const std::vector<MeasurementSetting>& measurement_settings() {
-  static const std::vector<MeasurementSetting> settings{
-      {"measurement.current_offset_A", "read at zero current"},
-      {"measurement.voltage_offset_V", "read at zero current"},
-      {"measurement.current_noise_A", "standard deviation"},
-      {"measurement.voltage_noise_V", "standard deviation"},
-      {"measurement.lead_resistance_ohm", "of two-wire traces"},
-      {"measurement.least_current_A", "below it there is no resistance"}};
-  return settings;
-}
-
 ReplayResult replay(const ReplayOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   TraceReader trace(options.trace, options.trace_options);
   ReplayResult result;
   const bool electrical = trace.has(Column::current) && trace.has(Column::voltage);
-  const Settings settings = split(options.settings);
-  check_observer_settings(settings.observer);
+  const SplitSettings settings = split_settings(options.settings);
+  check_observer_settings(options.wire.wire, settings.observer);
   const Measuring measuring = measuring_params(options.wire.wire, settings.measurement);
   if (electrical && trace.timed()) {
     replay_electrical(options, measuring, std::move(trace), result);

@@ -8,6 +8,7 @@
 
 #include "hal/replay/trace.hpp"
 #include "host-sim/error_statistics.hpp"
+#include "host-sim/measuring.hpp"
 #include "host-sim/series.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -50,12 +51,5 @@ struct ReplayResult {
 
 /// Throws UserError, TraceError.
 ReplayResult replay(const ReplayOptions& options);
-
-/// Keys of --set that are about measuring, with their meaning.
-struct MeasurementSetting {
-  const char* key;
-  const char* meaning;
-};
-const std::vector<MeasurementSetting>& measurement_settings();
 
 }  // namespace smaservo

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 
@@ -21,25 +20,6 @@ struct Arguments {
   std::optional<double> stress_MPa, ambient_degC;
   std::optional<double> period_s;
 };
-
-void require(const char* option, const std::optional<double>& value, double low, double high) {
-  if (value && !(*value >= low && *value <= high)) {
-    throw UserError(fmt::format("{} {}: must be between {} and {}", option, *value, low, high));
-  }
-}
-
-/// Two names of one file, one of them to be written.
-void refuse_to_overwrite(const std::string& file, const std::string& output) {
-  std::error_code missing;
-  const bool plain = !file.empty() && !output.empty() && file != "-" && output != "-";
-  if (plain && std::filesystem::exists(output, missing) &&
-      !std::filesystem::is_regular_file(output, missing)) {
-    return;
-  }
-  if (plain && (file == output || std::filesystem::equivalent(file, output, missing))) {
-    throw UserError(fmt::format("{}: is the same file as {}", output, file));
-  }
-}
 
 void run(Arguments& a) {
   require("--load-N", a.options.load_N, 0, 1e5);

@@ -137,11 +137,35 @@ Load read_load(Table table) {
   return load;
 }
 
+Family read_family(Table& table) {
+  if (!table.has("family")) {
+    return Family::ihyp;
+  }
+  const std::string name = table.text("family");
+  std::vector<std::string_view> names;
+  for (const Family family : families) {
+    if (name == family_name(family)) {
+      return family;
+    }
+    names.push_back(family_name(family));
+  }
+  table.fail("family", fmt::format("must be one of: {}", fmt::join(names, ", ")));
+}
+
+DriveStep read_level(Table& table) {
+  DriveStep step{table.number("level", 0, 2), table.number("for_s", 0.001, longest_run_s)};
+  if (table.has("ripple")) {
+    step.ripple = table.number("ripple", 0, 1);
+    step.ripple_Hz = table.number("ripple_Hz", 0.01, 100);
+  }
+  return step;
+}
+
 std::vector<DriveStep> read_drive(std::vector<Table> tables, std::mt19937_64& random) {
   std::vector<DriveStep> drive;
   for (Table& step : tables) {
     if (step.has("level")) {
-      drive.push_back({step.number("level", 0, 2), step.number("for_s", 0.001, longest_run_s)});
+      drive.push_back(read_level(step));
     } else if (step.has("shrinking")) {
       const double center = step.number("center", 0, 2);
       double amplitude = step.number("shrinking", 0, 1);
@@ -217,6 +241,7 @@ Scenario load_scenario(const std::filesystem::path& file) {
   scenario.wire = load_wire(wire.ends_with(".toml") ? (file.parent_path() / wire).string() : wire);
   scenario.seed = static_cast<std::uint64_t>(root.number("seed", 0, 1e9));
   scenario.scatter_K = root.number("scatter_K", 0, 20);
+  scenario.family = read_family(root);
   std::mt19937_64 random(scenario.seed);
   if (root.has("bath")) {
     Table bath = root.table("bath");

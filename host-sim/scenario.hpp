@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "host-sim/simulated_wire.hpp"
 #include "model/wires/wire_file.hpp"
 
 namespace smaservo {
@@ -32,6 +33,8 @@ using Load = std::variant<ConstantLoad, SpringLoad, VaryingLoad>;
 struct DriveStep {
   double level;
   double seconds;
+  double ripple = 0;  ///< sinus on the power, as a share of it, 0..1
+  double ripple_Hz = 0;
 };
 
 struct Sensors {
@@ -68,6 +71,8 @@ struct Scenario {
   WireDescription wire;
   std::uint64_t seed;
   double scatter_K;  ///< standard deviation of the transition temperatures along the wire
+  Family family = Family::ihyp;
+  SublayerStructure sublayers;  ///< of that family only
   std::variant<JouleScenario, BathScenario> run;
 };
 

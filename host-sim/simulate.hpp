@@ -1,13 +1,24 @@
 #pragma once
-// Runs a scenario on a plant that no observer knows: distributed temperature, cold clamps, scatter
-// along the wire, convection after Churchill and Chu, noisy and quantised sensors.
+// Runs a scenario on a simulated wire, measured by noisy and quantised sensors.
+
+#include <functional>
 
 #include "host-sim/output_file.hpp"
 #include "host-sim/scenario.hpp"
 
 namespace smaservo {
 
+/// What is measured, and the strain as it is.
+struct SimulatedRow {
+  double time_s, current_A, voltage_V, load_N, strain;
+};
+using RowSink = std::function<void(const SimulatedRow&)>;
+
 /// Writes the trace; the same scenario gives the same trace.
 void simulate(const Scenario& scenario, OutputFile& trace);
+
+/// The same rows in memory, before they are rounded to the digits of a file. The scenario's run
+/// must be a JouleScenario; throws std::bad_variant_access for a bath.
+void simulate_rows(const Scenario& scenario, const RowSink& sink);
 
 }  // namespace smaservo

@@ -25,7 +25,10 @@ struct DistributedPlant {
     Material<S> material;
     HeatParams<S> heat;
     Geometry<S> geometry;
-    PerSegment<S> length_m;  ///< sums up to geometry.length_m
+    PerSegment<S> length_m;      ///< sums up to geometry.length_m
+    S specific_heat_1_K = S(0);  ///< what the specific heat gains per kelvin above 25 °C, relative
+    S parallel_share = S(0);     ///< 0: the material's mixture of resistivities; else its way from
+                                 ///< series to parallel, up to 1
   };
 
   struct State {
@@ -81,8 +84,11 @@ struct DistributedPlant {
       const Phases<S> after = K::phases(s.kinetics[i]);
       const S left = i == 0 ? dT[i] : dT[i] - dT[i - 1];
       const S right = i + 1 == segments ? dT[i] : dT[i] - dT[i + 1];
+      // The specific heat is a line: its mean over the step is that of the step's middle.
+      const S capacity_J_K =
+          b.mass_kg[i] * specific_heat_J_kgK(p, temperature_K(s, i) - S(0.5) * dT[i]);
       s.heat_J[i] =
-          b.heat_J[i] - (b.capacity_J_K[i] + b.loss_J_K[i]) * dT[i] - b.link_J_K[i] * left -
+          b.heat_J[i] - (capacity_J_K + b.loss_J_K[i]) * dT[i] - b.link_J_K[i] * left -
           b.link_J_K[i + 1] * right +
           b.mass_kg[i] * (p.heat.latent_m2a_J_kg * (after.martensite - before.martensite) +
                           p.heat.latent_r2a_J_kg * (after.r_phase - before.r_phase));
@@ -92,7 +98,7 @@ struct DistributedPlant {
  private:
   /// One step's heat, linear in the changes of the temperatures.
   struct Balance {
-    PerSegment<S> mass_kg, heat_J, capacity_J_K, effective_J_K, loss_J_K;
+    PerSegment<S> mass_kg, heat_J, effective_J_K, loss_J_K;
     std::array<S, segments + 1> link_J_K;  ///< to the left neighbour or clamp; last: right clamp
   };
 
@@ -113,14 +119,14 @@ struct DistributedPlant {
       const S surface = p.geometry.surface_m2() * p.length_m[i] / p.geometry.length_m;
       const S h = draught * natural_convection_W_m2K(p.geometry.diameter_m, T, around.ambient_K);
       b.mass_kg[i] = p.heat.density_kg_m3 * area * p.length_m[i];
-      b.capacity_J_K[i] = b.mass_kg[i] * p.heat.specific_heat_J_kgK;
+      const S capacity_J_K = b.mass_kg[i] * specific_heat_J_kgK(p, T);
       b.loss_J_K[i] = h * surface * dt_s;
       b.heat_J[i] = s.heat_J[i] + current_A * current_A * segment_resistance_ohm(p, s, i) * dt_s -
                     b.loss_J_K[i] * (T - around.ambient_K) - b.link_J_K[i] * (T - left_K) -
                     b.link_J_K[i + 1] * (T - right_K);
       const Heading heading = S(0) < b.heat_J[i] ? Heading::heating : Heading::cooling;
       const PhaseRates<S> rates = K::rates(p.kinetics[i], s.kinetics[i], heading);
-      const ThermalBody<S> body{b.capacity_J_K[i], b.mass_kg[i] * p.heat.latent_m2a_J_kg,
+      const ThermalBody<S> body{capacity_J_K, b.mass_kg[i] * p.heat.latent_m2a_J_kg,
                                 b.mass_kg[i] * p.heat.latent_r2a_J_kg, S(0), S(0)};
       b.effective_J_K[i] = body.effective_capacity_J_K(rates);
     }
@@ -150,9 +156,22 @@ struct DistributedPlant {
     return smaservo::strain(p.material, K::phases(s.kinetics[i]),
                             K::drive(s.kinetics[i]).stress_Pa);
   }
+  static S specific_heat_J_kgK(const Params& p, const S& T) {
+    return p.heat.specific_heat_J_kgK * (S(1) + p.specific_heat_1_K * (T - S(298.15)));
+  }
+  static S mixed_resistivity(const Params& p, const Phases<S>& z, const Drive<S>& u) {
+    if (!(S(0) < p.parallel_share)) {
+      return resistivity(p.material, z, u).value;
+    }
+    Material<S> m = p.material;
+    m.mixture = Mixture::series;
+    const S series = resistivity(m, z, u).value;
+    m.mixture = Mixture::parallel;
+    return series + p.parallel_share * (resistivity(m, z, u).value - series);
+  }
   static S segment_resistance_ohm(const Params& p, const State& s, std::size_t i) {
     const Drive<S> u = K::drive(s.kinetics[i]);
-    return smaservo::resistance_ohm(resistivity(p.material, K::phases(s.kinetics[i]), u).value,
+    return smaservo::resistance_ohm(mixed_resistivity(p, K::phases(s.kinetics[i]), u),
                                     p.length_m[i] / p.geometry.area_m2(), segment_strain(p, s, i));
   }
 };

@@ -33,14 +33,15 @@ struct PhaseRates {
   S r_phase_1_K;
 };
 
-/// A hysteresis model. State is a small trivially copyable value; a step changes it in place,
-/// because most of its bytes stay as they are. Properties, tested once for all models in
-/// tests/model/kinetics_suite.hpp: the fractions stay on the simplex; an unchanged drive changes
+/// A hysteresis model. State is a small value, trivially copyable if its scalar is; a step changes
+/// it in place, because most of its bytes stay as they are. Properties, tested once for all models
+/// in tests/model/kinetics_suite.hpp: the fractions stay on the simplex; an unchanged drive changes
 /// nothing, to the bit; one big step equals many small ones within a bound that each model
 /// states; a full cycle erases history.
 template <class K>
 concept Kinetics =
-    std::is_trivially_copyable_v<typename K::State> &&
+    (std::is_trivially_copyable_v<typename K::State> ||
+     !std::is_trivially_copyable_v<typename K::Scalar>) &&
     requires(const typename K::Params& params, const typename K::State& state,
              typename K::State& moving, const Drive<typename K::Scalar>& drive, Heading heading) {
       /// The state of a wire that was cooled to this temperature at this stress from far above.

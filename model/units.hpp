@@ -42,6 +42,8 @@ inline constexpr auto per_stress = std::to_array<Unit>({{"1_Pa", 1}, {"1_GPa", 1
 inline constexpr auto density = std::to_array<Unit>({{"kg_m3", 1}});
 inline constexpr auto specific_heat = std::to_array<Unit>({{"J_kgK", 1}});
 inline constexpr auto specific_energy = std::to_array<Unit>({{"J_kg", 1}, {"kJ_kg", 1e3}});
+inline constexpr auto specific_power =
+    std::to_array<Unit>({{"W_per_kg", 1}, {"W_per_g", 1e3}, {"mW_per_mg", 1e3}});
 inline constexpr auto heat_transfer = std::to_array<Unit>({{"W_m2K", 1}});
 inline constexpr auto heat_transfer_slope = std::to_array<Unit>({{"W_m2K2", 1}});
 inline constexpr auto conductivity = std::to_array<Unit>({{"W_mK", 1}});

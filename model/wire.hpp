@@ -38,6 +38,14 @@ struct Limits {
   S temperature_K;
 };
 
+/// How far the model is from the wire: what a calibration could not explain, root mean square. The
+/// observers trust their model accordingly.
+template <class S>
+struct Accuracy {
+  S strain;      ///< of the model by itself, from power and load
+  S resistance;  ///< relative, of the resistance that it gives to a strain
+};
+
 template <class S>
 struct Wire {
   Geometry<S> geometry;
@@ -46,6 +54,7 @@ struct Wire {
   ThreePhaseParams<S> kinetics;
   Material<S> material;
   HeatParams<S> heat;
+  Accuracy<S> accuracy;
 
   constexpr S length_per_area_1_m() const { return geometry.length_m / geometry.area_m2(); }
   constexpr S stress_Pa(S load_N) const { return load_N / geometry.area_m2(); }

@@ -22,6 +22,7 @@ struct KalmanBank {
   struct State {
     std::array<typename Filter::State, hypotheses> filter;
     std::array<S, hypotheses> log_likelihood;  ///< relative to the best one
+    std::array<bool, hypotheses> at_rest;      ///< it started cold and at rest
     std::uint8_t alive;                        ///< the first so many are in use
     S start_ambient_K;
     bool compared;  ///< there has been a valid resistance
@@ -43,6 +44,11 @@ struct KalmanBank {
   /// more is not safer: the model's own errors then decide.
   static constexpr S least_log_likelihood = S(-10);
 
+  /// Who has not seen the wire at rest does not know what its resistance was there: 2 % of 4 %
+  /// stroke, for long.
+  static constexpr S unseen_rest_sd = S(8e-4);
+
+  static Estimate<S> estimate_one(const Params& p, const State& s, std::size_t i);
   static void restart(const Params& p, State& s, const Measurement<S>& m);
   static void weigh(State& s);
   static bool agree(const typename Filter::State& a, const typename Filter::State& b);
@@ -79,6 +85,7 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   };
   // Cold and at rest; about to contract; about to stretch; in the middle of a loop, martensite or
   // R-phase with austenite; hot.
+  s.at_rest[0] = true;
   s.filter[s.alive++] = Filter::start(p, m, ambient_K);
   if (m.resistance_valid) {
     const S martensite = matching_share(p, m, ambient_K, between, true);
@@ -145,6 +152,7 @@ void KalmanBank<S>::weigh(State& s) {
     if (place == kept || s.log_likelihood[place] < relative) {
       if (place != i) {
         s.filter[place] = s.filter[i];
+        s.at_rest[place] = s.at_rest[i];
       }
       s.log_likelihood[place] = relative;
     }
@@ -164,18 +172,28 @@ bool KalmanBank<S>::agree(const typename Filter::State& a, const typename Filter
 }
 
 template <class S>
+Estimate<S> KalmanBank<S>::estimate_one(const Params& p, const State& s, std::size_t i) {
+  using std::sqrt;
+  Estimate<S> e = Filter::estimate(p, s.filter[i]);
+  if (!s.at_rest[i]) {
+    e.strain_sd = sqrt(e.strain_sd * e.strain_sd + unseen_rest_sd * unseen_rest_sd);
+  }
+  return e;
+}
+
+template <class S>
 Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
   using std::exp;
   using std::sqrt;
   if (s.alive == 1) {
-    return Filter::estimate(p, s.filter[0]);
+    return estimate_one(p, s, 0);
   }
   Estimate<S> mean{};
   S weights = S(0);
   S square = S(0);
   for (std::size_t i = 0; i < s.alive; ++i) {
     const S w = exp(s.log_likelihood[i]);
-    const Estimate<S> e = Filter::estimate(p, s.filter[i]);
+    const Estimate<S> e = estimate_one(p, s, i);
     weights = weights + w;
     mean.strain = mean.strain + w * e.strain;
     square = square + w * (e.strain * e.strain + e.strain_sd * e.strain_sd);

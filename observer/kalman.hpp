@@ -12,21 +12,22 @@
 namespace smaservo {
 
 /// What the filter assumes. Standard deviations; walks are per square root of a second.
+/// kalman_tuning() makes it for a wire.
 template <class S>
 struct KalmanTuning {
-  S heat_error = S(0.025);     ///< of the temperature above ambient, in steady state: heat that the
-                               ///< balance does not know of
-  S fraction_noise = S(0.07);  ///< per square root of the fraction converted
-  S ambient_walk_K = S(0.32);
-  S loss_walk = S(0.01);             ///< relative
+  S heat_error = S(0.025);    ///< of the temperature above ambient, in steady state: heat that the
+                              ///< balance does not know of
+  S fraction_noise = S(0.2);  ///< per square root of the fraction converted
+  S ambient_walk_K = S(0.05);
+  S loss_walk = S(0.0015);           ///< relative
   S resistance_walk = S(4.3e-5);     ///< relative
-  S resistance_model_sd = S(0.025);  ///< relative, of one sample at 1 kHz: the model's error is
+  S resistance_model_sd = S(0.045);  ///< relative, of one sample at 1 kHz: the model's error is
                                      ///< coloured, so it counts for far more than the sensor's
   S stress_filter_s = S(0.0096);
   S start_temperature_sd_K = S(4);
   S start_fraction_sd = S(0.05);
-  S start_ambient_sd_K = S(5.7);
-  S start_loss_sd = S(0.1);
+  S start_ambient_sd_K = S(20);
+  S start_loss_sd = S(0.4);
   S start_resistance_sd = S(0.012);
   // The slow states stay this close to where they start: a filter that has the phases wrong would
   // rather bend the surroundings than believe it.
@@ -34,7 +35,21 @@ struct KalmanTuning {
   S loss_range = S(1.6);  ///< factor, up and down
   S resistance_range = S(0.025);
   S hottest_K = S(550);  ///< and the wire, below this and not colder than the air can be
+  // The deviation in the estimate: the filter has to be more careful than it is right, and knows
+  // nothing of what its model can not say.
+  S reported = S(0.4);
+  S strain_model_sd = S(0.0003);
 };
+
+/// As far as it depends on how good the wire's parameters are.
+template <class S>
+constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
+  KalmanTuning<S> tuning;
+  tuning.fraction_noise = S(440) * accuracy.strain;
+  tuning.start_fraction_sd = S(25) * accuracy.strain;
+  tuning.strain_model_sd = S(0.5) * accuracy.strain;
+  return tuning;
+}
 
 template <class S>
 struct KalmanObserver {
@@ -170,7 +185,8 @@ Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
   const S variance =
       by_m * by_m * P[iM][iM] + S(2) * by_m * by_r * P[iM][iR] + by_r * by_r * P[iR][iR];
   return {strain(p.model.material, z, s.stress_Pa),
-          sqrt(variance < S(0) ? S(0) : variance),
+          sqrt(p.tuning.reported * p.tuning.reported * (variance < S(0) ? S(0) : variance) +
+               p.tuning.strain_model_sd * p.tuning.strain_model_sd),
           Kinetics::drive(s.kinetics).temperature_K,
           z.martensite,
           z.r_phase,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
+#include <span>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -33,7 +34,11 @@ constexpr std::array<Known, column_count> known_columns{{
     {"ambient", kind::temperature, 150, 500},
     {"strain_ref", kind::number, -1, 1},
     {"displacement", kind::length, -10, 10},
+    {"resistance", kind::resistance, 0, 1e6},
+    {"power", kind::specific_power, -1e7, 1e7},
 }};
+/// How many of them every trace may have.
+constexpr auto common_columns = static_cast<std::size_t>(Column::resistance);
 
 constexpr std::size_t buffer_size = std::size_t{1} << 20;
 constexpr std::size_t most_complaints = 10;
@@ -263,35 +268,44 @@ struct TraceReader::Impl {
                      fmt::join(names, ", ")));
   }
 
-  static std::string known_names() {
+  /// What this reader understands.
+  std::span<const Known> known() const {
+    return std::span(known_columns)
+        .first(options.resistance_and_power ? column_count : common_columns);
+  }
+
+  std::string known_names() const {
     std::vector<std::string> all;
-    for (const Known& known : known_columns) {
-      for (const Unit& unit : known.kind) {
-        all.push_back(unit.suffix.empty() ? std::string(known.base)
-                                          : fmt::format("{}_{}", known.base, unit.suffix));
+    for (const Known& column : known()) {
+      for (const Unit& unit : column.kind) {
+        all.push_back(unit.suffix.empty() ? std::string(column.base)
+                                          : fmt::format("{}_{}", column.base, unit.suffix));
       }
     }
     return fmt::format("{}", fmt::join(all, ", "));
   }
 
   void explain(std::size_t i, const std::string& name) {
-    for (std::size_t k = 0; k < column_count; ++k) {
-      const Known& known = known_columns[k];
-      if (const auto unit = unit_of(name, known.base, known.kind)) {
+    for (std::size_t k = 0; k < known().size(); ++k) {
+      const Known& column = known_columns[k];
+      if (const auto unit = unit_of(name, column.base, column.kind)) {
         if (has[k]) {
           fail(fmt::format("line 1, column {} ({}): there is another column for {}", i + 1, name,
-                           known.base));
+                           column.base));
         }
         has[k] = true;
         targets[i].value = k;
         targets[i].unit = *unit;
         return;
       }
-      // A known quantity in a foreign unit must not pass as an unknown column.
-      if (name == known.base || (name.starts_with(known.base) && name[known.base.size()] == '_' &&
-                                 looks_like_unit(name.substr(known.base.size() + 1)))) {
+      // A known quantity in a foreign unit must not pass as an unknown column. Power in watts is no
+      // foreign unit of specific power, but another quantity.
+      if (k != static_cast<std::size_t>(Column::power) &&
+          (name == column.base ||
+           (name.starts_with(column.base) && name[column.base.size()] == '_' &&
+            looks_like_unit(name.substr(column.base.size() + 1))))) {
         fail(fmt::format("line 1, column {} ({}): {} needs a unit that is known: {}", i + 1, name,
-                         known.base, known_names()));
+                         column.base, known_names()));
       }
     }
   }
@@ -320,11 +334,14 @@ struct TraceReader::Impl {
           return bad_number(i, at, stop);
         }
         value = target.unit.to_si(value * target.scale);
-        const Known& known = known_columns[target.value];
-        if (!(value >= known.low && value <= known.high)) {
-          return BadRow{i, fmt::format("{} is out of range, {:.4g} to {:.4g} {}", field(at, stop),
-                                       target.unit.from_si(known.low),
-                                       target.unit.from_si(known.high), target.unit.suffix)};
+        const Known& column = known_columns[target.value];
+        if (!(value >= column.low && value <= column.high)) {
+          return BadRow{
+              i, fmt::format("{} is out of range, {:.4g} to {:.4g}{}", field(at, stop),
+                             target.unit.from_si(column.low), target.unit.from_si(column.high),
+                             target.unit.suffix.empty()
+                                 ? fmt::format("; per cent are {}_percent", column.base)
+                                 : fmt::format(" {}", target.unit.suffix))};
         }
         row.values[target.value] = value;
       }

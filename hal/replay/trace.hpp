@@ -25,6 +25,8 @@ enum class Column : unsigned char {
   ambient,
   strain_ref,
   displacement,
+  resistance,  ///< this and power only where TraceOptions ask for them
+  power,
   count
 };
 inline constexpr std::size_t column_count = static_cast<std::size_t>(Column::count);
@@ -40,6 +42,9 @@ struct TraceOptions {
   double period_s = 0;   ///< above 0: rows without a time column follow each other by this
   /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5".
   std::vector<std::string> renames;
+  /// Read `resistance` and `power` as well; otherwise they are columns like any other, kept as
+  /// text.
+  bool resistance_and_power = false;
 };
 
 /// One row, in SI; NaN where the trace has no such column.

@@ -87,7 +87,11 @@ std::vector<WireField> make_fields() {
            number("heat.convection_slope", kind::heat_transfer_slope, 0, 1e3, false,
                   "what h gains per kelvin above it; still air"),
            number("heat.clamp_conductivity", kind::conductivity, 0, 500, true,
-                  "of the wire, towards its cold clamps; 0 without")}) {
+                  "of the wire, towards its cold clamps; 0 without"),
+           number("accuracy.strain", kind::number, 1e-5, 0.1, false,
+                  "root mean square of what the model, from power and load alone, is off; 0.002"),
+           number("accuracy.resistance", kind::number, 1e-5, 0.1, false,
+                  "and of the resistance at a given strain, relative; 0.004")}) {
     f.push_back(std::move(field));
   }
   return f;
@@ -108,6 +112,8 @@ class Builder {
     kinetics(w);
     heat(w);
     material(w);
+    // The defaults are those of a wire that nobody has calibrated.
+    w.accuracy = {number("accuracy.strain", 0.002), number("accuracy.resistance", 0.004)};
     return w;
   }
 
@@ -320,6 +326,8 @@ WireEntries describe_wire(const Wire<double>& w) {
   number("heat.convection", w.heat.convection_W_m2K);
   number("heat.convection_slope", w.heat.convection_W_m2K2);
   number("heat.clamp_conductivity", w.heat.clamp_conductivity_W_mK);
+  number("accuracy.strain", w.accuracy.strain);
+  number("accuracy.resistance", w.accuracy.resistance);
   return e;
 }
 

@@ -27,15 +27,15 @@ void PrintTo(const Accuracy& accuracy, std::ostream* out) {
 }
 
 constexpr Accuracy loaded[] = {
-    {"100MPa", "b", 0.98, 1.62},    {"150MPa", "a", 0.23, 0.33},
-    {"200MPa", "b", 0.17, 0.33},    {"400MPa", "a", 0.37, 0.62},
-    {"spring", "a", 0.19, 0.38},    {"varying", "b", 0.18, 0.40},
-    {"disturbed", "a", 0.96, 1.94}, {"unknown-start", "b", 1.96, 2.96},
+    {"100MPa", "b", 0.60, 1.11},    {"150MPa", "a", 0.11, 0.20},
+    {"200MPa", "b", 0.16, 0.30},    {"400MPa", "a", 0.31, 0.49},
+    {"spring", "a", 0.26, 0.45},    {"varying", "b", 0.11, 0.29},
+    {"disturbed", "a", 0.23, 0.61}, {"unknown-start", "b", 2.31, 2.90},
 };
 constexpr Accuracy light[] = {
-    {"10MPa", "a", 0.96, 1.81},
-    {"25MPa", "b", 1.22, 2.31},
-    {"50MPa", "a", 1.05, 1.79},
+    {"10MPa", "a", 0.68, 1.39},
+    {"25MPa", "b", 0.83, 1.76},
+    {"50MPa", "a", 0.64, 1.25},
 };
 constexpr Accuracy bath[] = {{"bath", "b", 0.14, 1.05}};
 

@@ -147,6 +147,22 @@ TEST(Scenario, SeedDecidesTheDrive) {
   EXPECT_NE(levels(load(good)), levels(load(with("seed = 1", "seed = 2"))));
 }
 
+TEST(Scenario, FamilyIsIhypUnlessTheFileSaysOtherwise) {
+  EXPECT_EQ(load(good).family, Family::ihyp);
+  for (const Family family : families) {
+    const std::string key = "seed = 1\nfamily = \"" + std::string(family_name(family)) + "\"";
+    EXPECT_EQ(load(with("seed = 1", key)).family, family);
+  }
+}
+
+TEST(Scenario, ALevelMayRipple) {
+  const Scenario scenario = load(with("for_s = 2", "for_s = 2\nripple = 0.5\nripple_Hz = 4"));
+  const auto& drive = std::get<JouleScenario>(scenario.run).drive;
+  EXPECT_EQ(drive.front().ripple, 0.5);
+  EXPECT_EQ(drive.front().ripple_Hz, 4);
+  EXPECT_EQ(drive.back().ripple, 0);
+}
+
 struct Mistake {
   const char* line;
   const char* other;
@@ -180,6 +196,9 @@ TEST(Scenario, MistakesAreNamedWithLineKeyValueAndRange) {
       {"factor = 0.5", "factor = 2", "s.toml:40: joule.drive.factor = 2: must be a number "},
       {"note = \"a test\"\n", "", "note: must be a text"},
       {"[joule.load]", "[joule.weight]", "joule.load: must be a table"},
+      {"seed = 1", "seed = 1\nfamily = \"cosine\"",
+       "s.toml:4: family = 'cosine': must be one of: ihyp, sublayers"},
+      {"for_s = 2\n", "for_s = 2\nripple = 0.5\n", "joule.drive.ripple_Hz: is missing"},
       {"seed = 1", "seed = = 1", "s.toml:3:8: "},
   };
   for (const Mistake& mistake : mistakes) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "model/plant.hpp"
+#include "model/sublayers.hpp"
 #include "model/test_wires.hpp"
 
 namespace smaservo::test {
@@ -17,8 +18,7 @@ using Lumped = Plant<ThreePhase<double>>;
 using Divided = DistributedPlant<ThreePhase<double>, segments>;
 
 template <class Distributed>
-typename Distributed::Params divided(const typename ThreePhase<double>::Params& kinetics,
-                                     std::size_t count) {
+typename Distributed::Params divided(const auto& kinetics, std::size_t count) {
   const Wire<double>& wire = paper_wire();
   typename Distributed::Params p{};
   p.kinetics.fill(kinetics);
@@ -63,19 +63,23 @@ TEST(DistributedPlant, WithoutConductionIsTheLumpedPlantInEverySegment) {
   EXPECT_GT(hottest_K, 365);
 }
 
-TEST(DistributedPlant, HeatInMinusLossesIsWhatIsStored) {
-  const Divided::Params p = divided<Divided>(paper_wire().kinetics, segments);
+/// Heat in minus losses is what is stored, over two cycles.
+template <class K>
+void expect_closed_balance(const typename DistributedPlant<K, segments>::Params& p) {
+  using Plant = DistributedPlant<K, segments>;
   const double area_m2 = p.geometry.area_m2();
   const double dt_s = 1e-3;
-  Divided::State s = Divided::rest(p, {ambient_K, 100e6});
+  typename Plant::State s = Plant::rest(p, {ambient_K, 100e6});
   const auto stored_J = [&] {
     double sum = 0;
     for (std::size_t i = 0; i < segments; ++i) {
       const double mass_kg = p.heat.density_kg_m3 * area_m2 * p.length_m[i];
-      const Phases<double> z = ThreePhase<double>::phases(s.kinetics[i]);
+      const double above_K = Plant::temperature_K(s, i) - 298.15;
+      const Phases<double> z = K::phases(s.kinetics[i]);
       sum += s.heat_J[i] +
-             mass_kg * (p.heat.specific_heat_J_kgK * Divided::temperature_K(s, i) -
-                        p.heat.latent_m2a_J_kg * z.martensite - p.heat.latent_r2a_J_kg * z.r_phase);
+             mass_kg *
+                 (p.heat.specific_heat_J_kgK * above_K * (1 + 0.5 * p.specific_heat_1_K * above_K) -
+                  p.heat.latent_m2a_J_kg * z.martensite - p.heat.latent_r2a_J_kg * z.r_phase);
     }
     return sum;
   };
@@ -85,24 +89,58 @@ TEST(DistributedPlant, HeatInMinusLossesIsWhatIsStored) {
   double through_clamps_J = 0;
   for (int k = 0; k < 8000; ++k) {
     const double current = current_A(k * dt_s);
-    in_J += current * current * Divided::resistance_ohm(p, s) * dt_s;
+    in_J += current * current * Plant::resistance_ohm(p, s) * dt_s;
     std::array<double, segments> loss_J_K{};
     for (std::size_t i = 0; i < segments; ++i) {
       loss_J_K[i] =
           dt_s * p.geometry.surface_m2() * p.length_m[i] / p.geometry.length_m *
-          natural_convection_W_m2K(p.geometry.diameter_m, Divided::temperature_K(s, i), ambient_K);
+          natural_convection_W_m2K(p.geometry.diameter_m, Plant::temperature_K(s, i), ambient_K);
     }
-    Divided::advance(p, s, current, {100e6, ambient_K}, 1.0, dt_s);
+    Plant::advance(p, s, current, {100e6, ambient_K}, 1.0, dt_s);
     for (std::size_t i = 0; i < segments; ++i) {
-      out_J += loss_J_K[i] * (Divided::temperature_K(s, i) - ambient_K);
+      out_J += loss_J_K[i] * (Plant::temperature_K(s, i) - ambient_K);
     }
     for (const std::size_t end : {std::size_t{0}, segments - 1}) {
       through_clamps_J += dt_s * p.heat.clamp_conductivity_W_mK * area_m2 /
-                          (0.5 * p.length_m[end]) * (Divided::temperature_K(s, end) - ambient_K);
+                          (0.5 * p.length_m[end]) * (Plant::temperature_K(s, end) - ambient_K);
     }
   }
+  EXPECT_GT(in_J, 0.5);
   EXPECT_GT(through_clamps_J, 0.005 * in_J);
   EXPECT_NEAR(stored_J() - before_J, in_J - out_J - through_clamps_J, 1e-10 * in_J);
+}
+
+TEST(DistributedPlant, HeatInMinusLossesIsWhatIsStored) {
+  expect_closed_balance<ThreePhase<double>>(divided<Divided>(paper_wire().kinetics, segments));
+}
+
+TEST(DistributedPlant, HeatInMinusLossesIsWhatIsStoredWhenTheHeatCapacityRises) {
+  using K = Sublayers<double>;
+  auto p = divided<DistributedPlant<K, segments>>(K::params({{347, 6, 3, 1.3e-7, 0},
+                                                             {313, 8, 3, 1.4e-7, 0},
+                                                             {344, 6, 3, 1.3e-7, 0},
+                                                             {333, 8, 3, 0, 0},
+                                                             0.6,
+                                                             -0.6,
+                                                             1.5,
+                                                             1}),
+                                                  segments);
+  p.specific_heat_1_K = 1e-3;
+  p.parallel_share = 0.5;
+  expect_closed_balance<K>(p);
+}
+
+TEST(DistributedPlant, ParallelShareGoesFromSeriesToParallel) {
+  Divided::Params p = divided<Divided>(paper_wire().kinetics, segments);
+  const Divided::State s = Divided::rest(p, {325, 50e6});
+  const double series = Divided::resistance_ohm(p, s);
+  p.material.mixture = Mixture::parallel;
+  const double parallel = Divided::resistance_ohm(p, s);
+  EXPECT_LT(parallel, 0.9995 * series);
+  p.parallel_share = 1;
+  EXPECT_NEAR(Divided::resistance_ohm(p, s), parallel, 1e-12 * series);
+  p.parallel_share = 0.25;
+  EXPECT_NEAR(Divided::resistance_ohm(p, s), series + 0.25 * (parallel - series), 1e-12 * series);
 }
 
 TEST(DistributedPlant, SteadyTemperatureBetweenClampsIsTheFinProfile) {

@@ -120,20 +120,38 @@ replay_table() {
     }' "$1/fields"
 }
 
+fit_table() {
+  awk '
+    { value[$1, $2] = $3 }
+    END {
+      print "| identification of a wire, runs of 60 s at 1 kHz | 1 | 2 | 4 | 8 | target |"
+      print "|---|--:|--:|--:|--:|--:|"
+      row(1, "")
+      row(2, "8 runs < 60 s")
+    }
+    function row(threads, target, runs) {
+      printf "| %d thread%s |", threads, threads > 1 ? "s" : ""
+      for (runs = 1; runs <= 8; runs *= 2)
+        printf " %.1f s |", value["identify/runs:" runs "/threads:" threads, "real_time"] / 1e3
+      printf " %s |\n", target
+    }' "$1/fields"
+}
+
 run_bench() {
   run_setup
-  build release model_bench count_steps replay_bench
+  build release model_bench count_steps replay_bench identify_bench
   local bin=$root/build/release/tests/bench out=$root/build/bench
   mkdir -p "$out"
   local bench
-  for bench in model_bench replay_bench; do
+  for bench in model_bench replay_bench identify_bench; do
     say "running $bench"
     step "$bench" "$bin/$bench" --benchmark_out="$out/$bench.json" --benchmark_out_format=json
   done
   say "counting instructions"
   count_all "$bin" "$out"
   cat "$out"/count-*.count >"$out/counts"
-  bench_fields "$out/model_bench.json" "$out/replay_bench.json" >"$out/fields"
+  bench_fields "$out/model_bench.json" "$out/replay_bench.json" "$out/identify_bench.json" \
+    >"$out/fields"
   printf 'Time, and instructions per step by callgrind. %s, %s:\n\n' \
     "$(sed -nE 's/^model name\s*: //p' /proc/cpuinfo | head -n 1)" "$(g++ --version | head -n 1)"
   steps_table "$out"
@@ -141,4 +159,6 @@ run_bench() {
   error_table "$out"
   printf '\n'
   replay_table "$out"
+  printf '\n'
+  fit_table "$out"
 }

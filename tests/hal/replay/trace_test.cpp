@@ -83,6 +83,24 @@ TEST(TraceHeader, UnknownColumnsAreKeptAsText) {
   EXPECT_THAT(read_all(reader).texts, ElementsAre(",1,nan,", "nan,2,<&,text"));
 }
 
+TEST(TraceHeader, ResistanceAndPowerAreTextUnlessAskedFor) {
+  const std::string text = "time_s,resistance_mohm,power_mW_per_mg,power_W\n0,20500,,\n";
+  const TraceContents kept = read_trace(text);
+  EXPECT_THAT(kept.texts, ElementsAre("0,20500,,"));
+  EXPECT_TRUE(std::isnan(kept.at(0, Column::resistance)));
+  EXPECT_EQ(read_trace("resistance_kohm,power\nx,y\n").rows.size(), 1U);
+
+  TraceOptions options;
+  options.resistance_and_power = true;
+  EXPECT_THAT(refusal(text, options), StartsWith("line 2, column 3 (power_mW_per_mg): "));
+  const TraceContents read =
+      read_trace("resistance_mohm,power_mW_per_mg,power_W\n20500,-0.2,x\n", options);
+  EXPECT_DOUBLE_EQ(read.at(0, Column::resistance), 20.5);
+  EXPECT_DOUBLE_EQ(read.at(0, Column::power), -200);
+  EXPECT_THAT(refusal("resistance_kohm\n", options), HasSubstr("power_W_per_g"));
+  EXPECT_EQ(refusal("power_W\n1\n", options), "") << "not specific: another quantity";
+}
+
 TEST(TraceHeader, DuplicatesAreRefused) {
   EXPECT_THAT(refusal("time_s,current_A,current_mA\n"),
               AllOf(StartsWith("line 1, column 3 (current_mA): "), HasSubstr("current")));
@@ -184,6 +202,12 @@ TEST(TraceRows, BadOnesAreRefusedWithLineColumnAndName) {
 TEST(TraceRows, RangesAreGivenInTheColumnsUnit) {
   EXPECT_EQ(refusal("temperature_degC\n-300\n"),
             "line 2, column 1 (temperature_degC): '-300' is out of range, -223.1 to 1727 degC");
+}
+
+TEST(TraceRows, PerCentInAColumnOfPlainNumbersAreRecognised) {
+  EXPECT_EQ(refusal("strain_ref\n4.4\n"),
+            "line 2, column 1 (strain_ref): '4.4' is out of range, -1 to 1; per cent are "
+            "strain_ref_percent");
 }
 
 TEST(TraceRows, EmptyLinesAreNotRows) {

@@ -1,0 +1,22 @@
+#pragma once
+// A unit's wire as `host-sim identify` would find it from its calibration runs.
+
+#include <string>
+
+#include "host-sim/evaluate/units.hpp"
+#include "host-sim/identify/run.hpp"
+
+namespace smaservo {
+
+/// One of the unit's calibration runs, as a bench would record it. The stress is that of the wire's
+/// nominal diameter.
+Run calibration_measurement(const Unit& unit, std::size_t index);
+
+/// Fits the wire to all calibration_runs, from the unit's type file on; one thread. Takes about a
+/// minute.
+WireDescription calibrate(const Unit& unit);
+
+/// "ihyp-1000.toml": the file of a unit's calibrated wire.
+std::string calibrated_name(Family family, std::uint64_t seed);
+
+}  // namespace smaservo

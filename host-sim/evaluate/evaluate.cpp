@@ -1,0 +1,285 @@
+#include "host-sim/evaluate/evaluate.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iterator>
+#include <memory>
+#include <unistd.h>
+#include <utility>
+
+#include "host-sim/evaluate/calibrate.hpp"
+#include "host-sim/evaluate/parallel.hpp"
+#include "host-sim/measuring.hpp"
+#include "host-sim/observers.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/simulate.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double room_K = 298.15;
+constexpr std::string_view model_alone = "open-loop";
+
+/// Runs of all rows have the same seeds, so that rows differ by their conditions only; far from the
+/// units' own seeds.
+std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
+  return 100'000 * options.seed + run;
+}
+
+struct CalibratedUnit {
+  Unit unit;
+  Wire<double> type_file, calibrated;
+};
+
+/// One run of the work list.
+struct Job {
+  std::size_t row;
+  std::size_t unit;
+  EvaluatedRun run;
+};
+
+std::vector<std::size_t> chosen_rows(const EvaluateOptions& options) {
+  const std::vector<EvaluationRow>& all = evaluation_rows();
+  std::vector<std::string_view> names;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    names.push_back(all[i].name);
+    if (options.rows.empty() || std::ranges::count(options.rows, all[i].name) > 0) {
+      chosen.push_back(i);
+    }
+  }
+  for (const std::string& name : options.rows) {
+    if (std::ranges::count(names, name) == 0) {
+      throw UserError(
+          fmt::format("--row {}: no such row; there are: {}", name, fmt::join(names, ", ")));
+    }
+  }
+  return chosen;
+}
+
+void require(const char* option, std::int64_t value, std::int64_t least, std::int64_t most) {
+  if (value < least || value > most) {
+    throw UserError(fmt::format("{} {}: must be between {} and {}", option, value, least, most));
+  }
+}
+
+void check(const EvaluateOptions& options) {
+  require("--units", options.units, 1, 1000);
+  require("--runs", options.runs, 0, 100'000);
+  require("--threads", options.threads, 1, 1000);
+  if (options.seed > 1'000'000'000) {
+    throw UserError(fmt::format("--seed {}: must be at most 1000000000", options.seed));
+  }
+  const SplitSettings settings = split_settings(options.settings);
+  const Wire<double> preset = load_wire(std::string(default_wire)).wire;
+  check_observer_settings(preset, settings.observer);
+  measuring_params(preset, settings.measurement);
+  for (auto name = options.observers.begin(); name != options.observers.end(); ++name) {
+    make_observer(*name, preset, settings.observer, {}, room_K);
+    if (std::find(options.observers.begin(), name, *name) != name) {
+      throw UserError(fmt::format("--observer {}: is given twice", *name));
+    }
+  }
+}
+
+void prepare_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0) {
+    throw UserError(
+        fmt::format("--wires {}: {}", folder, error ? error.message() : std::strerror(errno)));
+  }
+}
+
+std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::string_view stage,
+                                           std::size_t total) {
+  return [&options, stage, total](std::size_t done) {
+    if (options.progress) {
+      options.progress(stage, done, total);
+    }
+  };
+}
+
+/// From the folder, or by identification.
+Wire<double> calibrated_wire(const Unit& unit, const std::string& folder) {
+  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
+  if (!folder.empty() && std::filesystem::exists(file)) {
+    return load_wire(file.string()).wire;
+  }
+  const WireDescription found = calibrate(unit);
+  if (!folder.empty()) {
+    OutputFile output(file.string());
+    output.write(to_toml(found));
+    output.commit();
+  }
+  return found.wire;
+}
+
+std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
+  std::vector<CalibratedUnit> units;
+  for (int i = 0; i < options.units; ++i) {
+    for (const Family family : families) {
+      const Unit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
+      units.push_back({unit, unit.type_file(), {}});
+    }
+  }
+  if (calibrated) {
+    if (!options.wires.empty()) {
+      prepare_folder(options.wires);
+    }
+    parallel(
+        units.size(), options.threads,
+        [&](std::size_t i) { units[i].calibrated = calibrated_wire(units[i].unit, options.wires); },
+        reporting(options, "calibration", units.size()));
+  }
+  return units;
+}
+
+/// Units in turn; conditions in turn when all units have had one; then disturbed and not.
+std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std::size_t>& rows,
+                           const std::vector<CalibratedUnit>& units) {
+  std::vector<Job> jobs;
+  for (const std::size_t index : rows) {
+    const EvaluationRow& row = evaluation_rows()[index];
+    const auto runs = static_cast<std::size_t>(options.runs > 0 ? options.runs : row.runs);
+    for (std::size_t i = 0; i < runs; ++i) {
+      const std::size_t at = i % units.size();
+      const std::size_t round = i / units.size();
+      const bool disturbed =
+          row.disturbed == Disturbed::always ||
+          (row.disturbed == Disturbed::every_other && round / row.conditions.size() % 2 == 1);
+      const Unit& unit = units[at].unit;
+      jobs.push_back({index,
+                      at,
+                      {unit.family, unit.seed, row.conditions[round % row.conditions.size()],
+                       disturbed, run_seed(options, i)}});
+    }
+  }
+  return jobs;
+}
+
+/// The observers of a row. The drift in a hold is that of the model as well.
+std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_t row) {
+  std::vector<std::string> observers = options.observers;
+  const bool hold = evaluation_rows()[row].conditions.front() == Condition::hold_ripple;
+  if (hold && std::ranges::count(observers, model_alone) == 0) {
+    observers.emplace_back(model_alone);
+  }
+  return observers;
+}
+
+/// As a user of these converters would set it: below 160 steps of the current's converter the
+/// resistance may be off by 0.3 %, always to the same side.
+double least_current_A(const Sensors& sensors) {
+  return 160 * sensors.current_full_scale_A / std::ldexp(1.0, sensors.bits - 1);
+}
+
+std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& wire,
+                               const SplitSettings& settings, const Sensors& sensors,
+                               const std::vector<SimulatedRow>& rows) {
+  MeasurementParams<double> measuring = measuring_params(wire, settings.measurement);
+  measuring.least_current_A = std::max(measuring.least_current_A, least_current_A(sensors));
+  std::unique_ptr<AnyObserver> running;
+  std::vector<JudgedRow> judged;
+  judged.reserve(rows.size());
+  for (const SimulatedRow& row : rows) {
+    const Measurement<double> m =
+        measure(measuring, Sample<double>{row.current_A, row.voltage_V, row.load_N});
+    if (running) {
+      running->advance(m, row.time_s - judged.back().time_s);
+    } else {
+      running = make_observer(observer, wire, settings.observer, m, room_K);
+    }
+    const Estimate<double> e = running->estimate();
+    judged.push_back({row.time_s, row.strain, e.strain, e.strain_sd, e.health});
+  }
+  return judged;
+}
+
+JudgedRun judge(const EvaluatedRun& run, const JouleScenario& joule,
+                const std::vector<JudgedRow>& rows, double stroke) {
+  JudgedRun judged{.run = run, .figures = judge_errors(rows, stroke), .start = {}};
+  if (run.condition == Condition::hold_ripple) {
+    double begin_s = -joule.record_from_s;
+    const auto ripple =
+        std::ranges::find_if(joule.drive, [](const DriveStep& step) { return step.ripple > 0; });
+    for (auto step = joule.drive.begin(); step != ripple; ++step) {
+      begin_s += step->seconds;
+    }
+    judged.drift_percent = hold_drift_percent(rows, stroke, begin_s, begin_s + ripple->seconds);
+  }
+  if (run.condition == Condition::unknown_start) {
+    judged.start = judge_start(rows, stroke);
+  }
+  return judged;
+}
+
+/// Simulates a run once and shows it to all observers of its row.
+std::vector<JudgedRun> judge(const EvaluateOptions& options, const Job& job,
+                             const CalibratedUnit& unit, double stroke) {
+  const Scenario scenario = test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
+  std::vector<SimulatedRow> rows;
+  simulate_rows(scenario, [&](const SimulatedRow& row) { rows.push_back(row); });
+  const bool known = evaluation_rows()[job.row].calibrated;
+  std::vector<JudgedRun> judged;
+  for (const std::string& observer : observers_of(options, job.row)) {
+    const std::vector<JudgedRow> observed = observe(
+        observer, known ? unit.calibrated : unit.type_file, split_settings(options.settings),
+        std::get<JouleScenario>(scenario.run).sensors, rows);
+    judged.push_back(judge(job.run, std::get<JouleScenario>(scenario.run), observed, stroke));
+  }
+  return judged;
+}
+
+RowResult row_result(std::size_t row, std::vector<JudgedRun> runs) {
+  RowResult result{row, {}, together(runs), {}};
+  for (const Family family : families) {
+    std::vector<JudgedRun> own;
+    std::ranges::copy_if(runs, std::back_inserter(own),
+                         [&](const JudgedRun& run) { return run.run.family == family; });
+    result.by_family[static_cast<std::size_t>(family)] = together(own);
+  }
+  result.runs = std::move(runs);
+  return result;
+}
+
+}  // namespace
+
+Evaluation evaluate(const EvaluateOptions& options) {
+  check(options);
+  const std::vector<std::size_t> rows = chosen_rows(options);
+  const bool calibrated =
+      std::ranges::any_of(rows, [](std::size_t row) { return evaluation_rows()[row].calibrated; });
+  const std::vector<CalibratedUnit> units = make_units(options, calibrated);
+  const std::vector<Job> jobs = work_list(options, rows, units);
+  const double stroke = units.front().type_file.nominal_stroke;
+  std::vector<std::vector<JudgedRun>> judged(jobs.size());
+  parallel(
+      jobs.size(), options.threads,
+      [&](std::size_t i) { judged[i] = judge(options, jobs[i], units[jobs[i].unit], stroke); },
+      reporting(options, "runs", jobs.size()));
+
+  Evaluation evaluation{stroke, options.units, options.seed, {}};
+  for (const std::size_t row : rows) {
+    const std::vector<std::string> observers = observers_of(options, row);
+    for (std::size_t i = 0; i < observers.size(); ++i) {
+      std::vector<JudgedRun> runs;
+      for (std::size_t job = 0; job < jobs.size(); ++job) {
+        if (jobs[job].row == row) {
+          runs.push_back(std::move(judged[job][i]));
+        }
+      }
+      if (i == evaluation.observers.size()) {
+        evaluation.observers.push_back({observers[i], {}});
+      }
+      evaluation.observers[i].rows.push_back(row_result(row, std::move(runs)));
+    }
+  }
+  return evaluation;
+}
+
+}  // namespace smaservo

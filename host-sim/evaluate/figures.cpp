@@ -1,0 +1,69 @@
+#include "host-sim/evaluate/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace smaservo {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double coarse_allowance_percent = 0.2;
+
+/// NaN where there is no target.
+double most_mean(const ObserverEvaluation& observer, const RowResult& result) {
+  if (std::ranges::count(row_of(result).conditions, Condition::coarse) == 0) {
+    return row_of(result).mean;
+  }
+  const auto standard = std::ranges::find_if(
+      observer.rows, [](const RowResult& other) { return row_of(other).name == "standard"; });
+  return standard == observer.rows.end() ? none
+                                         : standard->all.error.mean() + coarse_allowance_percent;
+}
+
+}  // namespace
+
+const EvaluationRow& row_of(const RowResult& result) {
+  return evaluation_rows().at(result.row);
+}
+
+std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& f, double most_mean) {
+  const bool limited = !std::isnan(row.maximum);
+  std::vector<Figure> all{{"mean_percent", f.error.mean(), none, most_mean},
+                          {"p95_percent", f.error.quantile(0.95), none, row.p95},
+                          {"max_percent", f.error.maximum(), none, row.maximum},
+                          {"lost", static_cast<double>(f.lost), none, limited ? 0 : none},
+                          {"within_2_sd_percent", 100 * f.within_2_sd, 90, 98}};
+  if (std::isnan(f.within_2_sd)) {
+    all.back().least = all.back().most = none;
+  }
+  const auto has = [&](Condition condition) {
+    return std::ranges::count(row.conditions, condition) > 0;
+  };
+  if (has(Condition::hold_ripple)) {
+    all.push_back({"drift_mean_percent", f.drift_mean, none, none});
+    all.push_back({"drift_p95_percent", f.drift_p95, none, 0.5});
+    all.push_back({"drift_max_percent", f.drift_maximum, none, none});
+  }
+  if (has(Condition::unknown_start)) {
+    all.push_back({"found_median_s", f.found_median_s, none, 1});
+    all.push_back({"found_p90_s", f.found_p90_s, none, 3});
+    all.push_back({"locked", static_cast<double>(f.locked), none, 0});
+    all.push_back({"unsure", static_cast<double>(f.unsure), none, 0});
+  }
+  return all;
+}
+
+bool Figure::has_target() const {
+  return !std::isnan(most);
+}
+
+bool Figure::missed() const {
+  return has_target() && !(value <= most && (std::isnan(least) || value >= least));
+}
+
+std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row) {
+  return row_figures(row_of(row), row.all, most_mean(observer, row));
+}
+
+}  // namespace smaservo

@@ -1,0 +1,33 @@
+#pragma once
+// The numbers of the table with their targets.
+
+#include <string_view>
+#include <vector>
+
+#include "host-sim/evaluate/evaluate.hpp"
+
+namespace smaservo {
+
+/// A number of a row and what it should be.
+struct Figure {
+  std::string_view name;
+  double value;
+  double least, most;  ///< the target; NaN where there is none
+
+  bool has_target() const;
+  bool missed() const;  ///< a value that is no number misses every target
+};
+
+/// All that is known of a row, with its targets: "mean_percent", "p95_percent", "max_percent",
+/// "lost", "within_2_sd_percent", and where they belong "drift_mean_percent", "drift_p95_percent",
+/// "drift_max_percent", "found_median_s", "found_p90_s", "locked", "unsure".
+/// The target of "coarse" is 0.2 above the mean of "standard", if that was evaluated.
+std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row);
+
+/// The same of any runs of a row; most_mean is the target of their mean, NaN: none.
+std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& figures,
+                                double most_mean);
+
+const EvaluationRow& row_of(const RowResult& result);
+
+}  // namespace smaservo

@@ -1,0 +1,54 @@
+#pragma once
+// What one run says about an observer.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host-sim/error_statistics.hpp"
+#include "observer/estimate.hpp"
+
+namespace smaservo {
+
+/// The truth and the estimate at one instant.
+struct JudgedRow {
+  double time_s;
+  double strain;
+  double estimate, estimate_sd;  ///< the deviation is NaN where an observer has none
+  Health health;
+};
+
+inline constexpr double settling_s = 1;     ///< after it errors count
+inline constexpr double lost_percent = 20;  ///< an error above it then loses the run
+inline constexpr double near_percent = 6;   ///< what an observer must find from an unknown start
+
+/// Errors are in per cent of the nominal stroke.
+struct RunFigures {
+  ErrorStatistics error;          ///< after the first second
+  std::uint64_t with_sd = 0;      ///< of these errors, those with a standard deviation
+  std::uint64_t within_2_sd = 0;  ///< and those inside of two of it
+  bool lost = false;
+};
+RunFigures judge_errors(std::span<const JudgedRow> run, double stroke);
+
+/// How the error moved while the wire was held: its mean over the last second of the ripple less
+/// that over the second second, in % of the stroke with its sign. In the first second the wire
+/// comes to the loop that it then goes round.
+double hold_drift_percent(std::span<const JudgedRow> run, double stroke, double ripple_begin_s,
+                          double ripple_end_s);
+
+/// What became of a start in the middle of a motion.
+struct StartFigures {
+  /// Time of motion before the first half second in which the error is within 6 % throughout;
+  /// infinite when there is none. The wire moves when its strain changes by more than 2 % of the
+  /// stroke per second: a wire that rests says nothing.
+  double found_after_s;
+  /// It was never found, or the error is above 6 % throughout the last two seconds.
+  bool locked;
+  /// The health is good one second after the first heating, which has ended when the wire has
+  /// contracted by 20 % of the stroke or more and is within 10 % of its shortest.
+  bool sure;
+};
+StartFigures judge_start(std::span<const JudgedRow> run, double stroke);
+
+}  // namespace smaservo

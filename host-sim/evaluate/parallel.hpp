@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace smaservo {
+
+/// Calls part(i) for all i below count, in order but by several threads at once. `done` is called
+/// after each part with how many there have been, never from two threads at once. Throws what the
+/// first of the parts that failed has thrown; later ones may not have begun then.
+template <class Part>
+void parallel(std::size_t count, int threads, const Part& part,
+              const std::function<void(std::size_t)>& done) {
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::size_t finished = 0;
+  std::size_t failed = std::numeric_limits<std::size_t>::max();
+  std::exception_ptr error;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        part(i);
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        error = i < failed ? std::current_exception() : error;
+        failed = std::min(failed, i);
+        next = count;
+      }
+      const std::scoped_lock lock(mutex);
+      done(++finished);
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (int i = 1; i < threads; ++i) {
+      others.emplace_back(work);
+    }
+    work();
+  }
+  if (error) {
+    std::rethrow_exception(error);
+  }
+}
+
+}  // namespace smaservo

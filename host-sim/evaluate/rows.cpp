@@ -1,0 +1,97 @@
+#include "host-sim/evaluate/rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace smaservo {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// The least value that a share of the values does not exceed.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) {
+    return nan;
+  }
+  std::ranges::sort(values);
+  const double place = std::ceil(share * static_cast<double>(values.size()));
+  return values[static_cast<std::size_t>(std::max(place, 1.0)) - 1];
+}
+
+}  // namespace
+
+const std::vector<EvaluationRow>& evaluation_rows() {
+  using enum Condition;
+  static const std::vector<EvaluationRow> rows{
+      {.name = "standard",
+       .meaning = "100 to 400 MPa, bias spring, varying load",
+       .conditions = {constant, spring, varying},
+       .mean = 0.4,
+       .p95 = 1.2,
+       .maximum = 4},
+      {.name = "disturbed",
+       .meaning = "the same; air ±10 K, convection ±20 %, resistance ±1 %",
+       .conditions = {constant, spring, varying},
+       .disturbed = Disturbed::always,
+       .runs = 504,
+       .mean = 0.5,
+       .p95 = 1.3,
+       .maximum = 6},
+      {.name = "light",
+       .meaning = "10 to 50 MPa, half of the runs disturbed",
+       .conditions = {light},
+       .disturbed = Disturbed::every_other,
+       .mean = 1.0,
+       .p95 = 2.8,
+       .maximum = 9},
+      {.name = "uncalibrated",
+       .meaning = "as standard, with the type's parameters and one measured resistance",
+       .conditions = {constant, spring, varying},
+       .calibrated = false,
+       .mean = 2.2,
+       .p95 = 7,
+       .maximum = 14},
+      {.name = "unknown-start",
+       .meaning = "begins in the middle of a motion, 50 to 400 MPa",
+       .conditions = {unknown_start}},
+      {.name = "hold",
+       .meaning = "held for 20 s, the power ripples by 50 % at 2 Hz",
+       .conditions = {hold_ripple}},
+      {.name = "coarse", .meaning = "constant load, 12 bits, 100 Hz", .conditions = {coarse}}};
+  return rows;
+}
+
+RowFigures together(const std::vector<JudgedRun>& runs) {
+  RowFigures row{};
+  std::uint64_t with_sd = 0, within_2_sd = 0;
+  std::vector<double> drifts, found_s;
+  for (const JudgedRun& run : runs) {
+    const RunFigures& f = run.figures;
+    ++row.runs;
+    row.error.add(f.error);
+    row.lost += f.lost ? 1 : 0;
+    with_sd += f.with_sd;
+    within_2_sd += f.within_2_sd;
+    if (run.run.condition == Condition::hold_ripple) {
+      drifts.push_back(std::abs(run.drift_percent));
+    }
+    if (run.start) {
+      found_s.push_back(run.start->found_after_s);
+      row.locked += run.start->locked ? 1 : 0;
+      row.unsure += run.start->sure ? 0 : 1;
+    }
+  }
+  row.within_2_sd =
+      with_sd == 0 ? nan : static_cast<double>(within_2_sd) / static_cast<double>(with_sd);
+  row.drift_mean = drifts.empty() ? nan
+                                  : std::accumulate(drifts.begin(), drifts.end(), 0.0) /
+                                        static_cast<double>(drifts.size());
+  row.drift_p95 = quantile(drifts, 0.95);
+  row.drift_maximum = quantile(drifts, 1);
+  row.found_median_s = quantile(found_s, 0.5);
+  row.found_p90_s = quantile(found_s, 0.9);
+  return row;
+}
+
+}  // namespace smaservo

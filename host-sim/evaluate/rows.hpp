@@ -1,0 +1,66 @@
+#pragma once
+// The rows of the table: which runs they are of, and what they say together.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "host-sim/evaluate/judge.hpp"
+#include "host-sim/evaluate/runs.hpp"
+
+namespace smaservo {
+
+enum class Disturbed : unsigned char { never, always, every_other };
+
+/// Targets are in % of the stroke; NaN where there is none.
+struct EvaluationRow {
+  std::string_view name;
+  std::string_view meaning;
+  std::vector<Condition> conditions;  ///< in turn
+  Disturbed disturbed = Disturbed::never;
+  bool calibrated =
+      true;        ///< by identification; otherwise the type file and a one-point resistance
+  int runs = 108;  ///< of all units together, unless the options say otherwise
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  double p95 = std::numeric_limits<double>::quiet_NaN();
+  double maximum = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// "standard", "disturbed", "light", "uncalibrated", "unknown-start", "hold", "coarse".
+const std::vector<EvaluationRow>& evaluation_rows();
+
+/// One run, so that it can be made again: test_run(random_unit(family, unit), ...).
+struct EvaluatedRun {
+  Family family;
+  std::uint64_t unit;
+  Condition condition;
+  bool disturbed;
+  std::uint64_t seed;
+};
+
+/// What an observer made of it.
+struct JudgedRun {
+  EvaluatedRun run;
+  RunFigures figures;
+  double drift_percent = std::numeric_limits<double>::quiet_NaN();  ///< of hold_ripple
+  std::optional<StartFigures> start;                                ///< of unknown_start
+};
+
+/// Runs that are counted together.
+struct RowFigures {
+  int runs = 0;
+  ErrorStatistics
+      error;  ///< of all instants after the first second of each run, in % of the stroke
+  int lost = 0;
+  double within_2_sd;  ///< share of these instants; NaN where an observer has no deviation
+  // Sizes of the drifts; NaN where there are none.
+  double drift_mean, drift_p95, drift_maximum;
+  // NaN where no start is unknown.
+  double found_median_s, found_p90_s;
+  int locked = 0, unsure = 0;
+};
+RowFigures together(const std::vector<JudgedRun>& runs);
+
+}  // namespace smaservo

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "host-sim/commands.hpp"
+#include "host-sim/evaluate/evaluate.hpp"
+#include "host-sim/evaluate/table.hpp"
+#include "host-sim/observers.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/progress.hpp"
+
+namespace smaservo {
+namespace {
+
+struct Arguments {
+  EvaluateOptions options;
+  std::vector<std::string> settings;
+  std::string out, report, markdown;
+  bool json = false;
+};
+
+/// A folder gets a file of the usual name.
+std::string json_file(const std::string& out) {
+  if (!out.empty() && std::filesystem::is_directory(out)) {
+    return (std::filesystem::path(out) / "evaluate.json").string();
+  }
+  if (!out.empty() && out != "-" && !out.ends_with(".json")) {
+    throw UserError(fmt::format("--out {}: must be a folder or end in .json", out));
+  }
+  return out;
+}
+
+/// A line of progress for each stage.
+class Stages {
+ public:
+  void update(std::string_view stage, std::size_t done, std::size_t total) {
+    if (!line_ || stage != stage_) {
+      stage_ = stage;
+      line_.emplace(stage_, total);
+    }
+    line_->step(done);
+  }
+
+ private:
+  std::string stage_;
+  std::optional<Progress> line_;
+};
+
+void run(Arguments& a) {
+  const std::string out = json_file(a.out);
+  refuse_to_overwrite(out, a.report);
+  refuse_to_overwrite(a.markdown, out);
+  refuse_to_overwrite(a.markdown, a.report);
+  a.options.settings = parse_settings(a.settings);
+  Evaluation evaluation;
+  {
+    Stages stages;
+    a.options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
+      stages.update(stage, done, total);
+    };
+    evaluation = evaluate(a.options);
+  }
+  if (!out.empty()) {
+    OutputFile file(out);
+    file.write(table_json(evaluation));
+    file.commit();
+  }
+  if (!a.report.empty()) {
+    write_table_report(a.report, evaluation);
+  }
+  if (!a.markdown.empty()) {
+    rewrite_table(a.markdown, evaluation);
+  }
+  fmt::print(out == "-" || a.report == "-" ? stderr : stdout, "{}",
+             a.json ? table_json(evaluation) : table_text(evaluation));
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Judges observers by many simulated runs of wires that no observer knows.");
+  auto a = std::make_shared<Arguments>();
+  EvaluateOptions& options = a->options;
+  options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::vector<std::string> observers;
+  for (const ObserverKind& kind : observer_kinds()) {
+    observers.emplace_back(kind.name);
+  }
+  std::vector<std::string> rows;
+  for (const EvaluationRow& row : evaluation_rows()) {
+    rows.emplace_back(row.name);
+  }
+  command->add_option("--units", options.units, "wires of each family")->capture_default_str();
+  command->add_option("--runs", options.runs, "of each row; 504 of disturbed, 108 of the others");
+  command->add_option("--seed", options.seed, "of the first unit; observers are tuned with 1 to 99")
+      ->capture_default_str();
+  command->add_option("--threads", options.threads)->capture_default_str();
+  command->add_option("--observer", options.observers, "repeatable")
+      ->check(CLI::IsMember(observers))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--set", a->settings, "key=value of observer or measuring; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--row", options.rows, "rows of the table, all of them unless given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(rows))
+      ->allow_extra_args(false);
+  command->add_option("--wires", options.wires,
+                      "folder that keeps the calibrated wires; those that are there are not "
+                      "calibrated again");
+  command->add_option("--out", a->out, "numbers as JSON: file, folder, or - for standard output");
+  command->add_option("--report", a->report, "table as one HTML file");
+  command->add_option("--markdown", a->markdown, "file whose table is written again");
+  command->add_flag("--json", a->json, "print the numbers as JSON");
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

@@ -1,0 +1,29 @@
+#pragma once
+// Pictures by gnuplot.
+
+#include <string>
+#include <vector>
+
+namespace smaservo {
+
+struct Plot {
+  std::string title;
+  std::string caption;
+  bool half_width;  ///< two of these stand side by side
+  std::string svg;  ///< a document that needs nothing else; the mouse shows coordinates
+};
+
+struct Frame {
+  int width, height;
+  std::string x_label, y_label;
+};
+
+/// The SVG of a plot command over a data block, `more` being settings before it. Colours by name:
+/// estimate, reference, band, measured. Throws UserError when gnuplot is missing or fails.
+std::string draw(const Frame& frame, const std::string& data, const std::string& more,
+                 const std::vector<std::string>& curves);
+
+/// As gnuplot reads it; what is not finite leaves a gap.
+std::string plotted(double value);
+
+}  // namespace smaservo

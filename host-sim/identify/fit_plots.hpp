@@ -1,0 +1,15 @@
+#pragma once
+// The pictures of a fit's report.
+
+#include <vector>
+
+#include "host-sim/gnuplot.hpp"
+#include "host-sim/identify/fit.hpp"
+
+namespace smaservo {
+
+/// Of each run: measured and fitted strain and resistance, and what is left between them. Throws
+/// UserError when gnuplot is missing or fails.
+std::vector<Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs);
+
+}  // namespace smaservo

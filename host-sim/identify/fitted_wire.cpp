@@ -1,0 +1,213 @@
+#include "host-sim/identify/fitted_wire.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <map>
+
+#include "host-sim/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double most_strain = 0.15;
+constexpr double most_resistance = 0.10;
+constexpr double most_power = 0.5;
+
+/// Above 1 the run is not explained.
+double unexplained(const FittedRun& run) {
+  const double share = run.kind == RunKind::calorimetry ? run.power.rms / most_power
+                       : run.strain.count > 0           ? run.strain.rms / most_strain
+                                                        : run.resistance.rms / most_resistance;
+  return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+}
+
+std::string deviation_text(const FittedRun& run) {
+  if (run.kind == RunKind::calorimetry) {
+    return fmt::format("heat flow by {:.0f} % of its greatest", 100 * run.power.rms);
+  }
+  return run.strain.count > 0
+             ? fmt::format("strain by {:.1f} % of the nominal stroke", 100 * run.strain.rms)
+             : fmt::format("resistance by {:.1f} %", 100 * run.resistance.rms);
+}
+
+void check_explained(const FitResult& fit) {
+  std::vector<FittedRun> runs = fit.runs;
+  std::ranges::sort(runs, {}, unexplained);
+  if (unexplained(runs[(runs.size() - 1) / 2]) > 1) {
+    throw UserError(
+        fmt::format("{}: the fitted model misses its {} (RMS){}; is it this wire, with the right "
+                    "units, length, load and columns?",
+                    runs.back().name, deviation_text(runs.back()),
+                    fit.interrupted ? "; the fit was interrupted too early" : ""));
+  }
+}
+
+void check_valid(const WireDescription& wire) {
+  try {
+    parse_wire(to_toml(wire), wire.name);
+  } catch (const WireError& error) {
+    throw UserError(fmt::format("the runs lead to a wire that can not be: {}", error.what()));
+  }
+}
+
+std::string file_names(const FitResult& fit) {
+  std::string text;
+  for (const FittedRun& run : fit.runs) {
+    text += (text.empty() ? "" : ", ") + file_name(run.name);
+  }
+  return text;
+}
+
+bool stands_above(std::string_view path, std::string_view key) {
+  return key == path || (key.starts_with(path) && key[path.size()] == '.');
+}
+
+/// The source that speaks for a key: its own, or that of the nearest table.
+std::string inherited(const WireDescription& from, std::string_view key) {
+  std::string text;
+  std::size_t longest = 0;
+  for (const auto& [path, source] : from.sources) {
+    if (stands_above(path, key) && path.size() >= longest) {
+      longest = path.size();
+      text = source;
+    }
+  }
+  return text;
+}
+
+using Groups = std::map<std::string, std::vector<const FittedParameter*>>;
+
+Groups grouped(const FitResult& fit) {
+  Groups groups;
+  for (const FittedParameter& fitted : fit.parameters) {
+    groups[group_of(fitted.parameter.key)].push_back(&fitted);
+  }
+  return groups;
+}
+
+std::string source_of(const std::string& group, const Groups::mapped_type& parameters,
+                      const WireDescription& from, const FitResult& fit) {
+  std::vector<std::string> found, kept;
+  for (const FittedParameter* fitted : parameters) {
+    const FitParameter& parameter = fitted->parameter;
+    const std::string name = parameter.key.substr(group.size() + 1);
+    if (!fitted->determined()) {
+      kept.push_back(name);
+      continue;
+    }
+    const Figure f = figure(*fitted);
+    found.push_back(fmt::format("{} {}{}{}", name, with_deviation(f.value, f.sd),
+                                parameter.unit.empty() ? "" : " ", parameter.unit));
+  }
+  const std::string runs =
+      file_names(fit) + (fit.interrupted ? " (interrupted before it was finished)" : "");
+  if (found.empty()) {
+    const std::string before = inherited(from, group);
+    return fmt::format("not determined by {}, kept from {}{}{}", runs, from.name,
+                       before.empty() ? "" : ": ", before);
+  }
+  std::string text = fmt::format("identified from {}; {}", runs, fmt::join(found, ", "));
+  if (!kept.empty()) {
+    text += fmt::format("; not determined by the data, kept from {}: {}", from.name,
+                        fmt::join(kept, ", "));
+  }
+  return text;
+}
+
+/// Whether the fit replaces what this source speaks of.
+bool replaced(const std::string& path, const Groups& groups) {
+  for (const auto& [group, parameters] : groups) {
+    if (stands_above(path, group) || (path.starts_with("kinetics.") && stands_above(group, path))) {
+      return true;
+    }
+    for (const FittedParameter* fitted : parameters) {
+      const std::string_view key = fitted->parameter.key;
+      const bool scales = key == "material.martensite.resistivity" && path == "wire.resistance";
+      if (fitted->determined() && (key.starts_with(path) || scales)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// What the structure of the model says, which the fit may have changed.
+std::string structure_source(bool changed, const std::string& before, const FitResult& fit) {
+  return changed ? fmt::format("chosen by the fit to {}", file_names(fit)) : before;
+}
+
+}  // namespace
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+std::string group_of(std::string_view key) {
+  return std::string(key.substr(0, key.rfind('.')));
+}
+
+Figure figure(const FittedParameter& fitted) {
+  const FitParameter& p = fitted.parameter;
+  const double zero = p.unit == "degC" ? 273.15 : 0;
+  const auto deviation = [&](double value, double sd) {
+    switch (p.form) {
+      case Form::sum:
+        return sd / p.scale;
+      case Form::factor:
+        return std::abs(value) * sd / p.scale;
+      case Form::share:
+        return value * (1 - value) * sd;
+    }
+    return 0.0;
+  };
+  return {(fitted.value - zero) / p.scale, deviation(fitted.value, fitted.sd),
+          (p.prior - zero) / p.scale, deviation(p.prior, p.sd)};
+}
+
+std::string with_deviation(double value, double sd) {
+  if (!(sd > 0)) {
+    return fmt::format("{:.4g}", value);
+  }
+  const int power = static_cast<int>(std::floor(std::log10(sd)));
+  const int decimals = std::clamp(1 - power, 0, 12);
+  const bool nothing = std::abs(value) < 0.5 * std::pow(10, -decimals);  // not "-0.0"
+  return fmt::format("{:.{}f} ± {:.{}f}", nothing ? 0.0 : value, decimals, sd, decimals);
+}
+
+WireDescription fitted_wire(const WireDescription& from, const FitResult& fit,
+                            const std::string& name) {
+  check_explained(fit);
+  const Groups groups = grouped(fit);
+  std::map<std::string, std::string> sources;
+  for (const auto& [path, text] : from.sources) {
+    if (!replaced(path, groups)) {
+      sources[path] = text;
+    }
+  }
+  for (const auto& [group, parameters] : groups) {
+    sources[group] = source_of(group, parameters, from, fit);
+  }
+  const Wire<double>& before = from.wire;
+  const Wire<double>& now = fit.wire;
+  const std::pair<const char*, bool> others[] = {
+      {"kinetics.memory", now.kinetics.memory != before.kinetics.memory},
+      {"kinetics.smallest_reversal", false},
+      {"material.mixture", now.material.mixture != before.material.mixture},
+      {"material.reference", false},
+      {"heat.density", false}};
+  for (const auto& [path, changed] : others) {
+    const std::string text = structure_source(changed, inherited(from, path), fit);
+    if (!text.empty()) {
+      sources[path] = text;
+    }
+  }
+  WireDescription wire{name, now, {sources.begin(), sources.end()}};
+  check_valid(wire);
+  return wire;
+}
+
+}  // namespace smaservo

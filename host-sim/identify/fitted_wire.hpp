@@ -1,0 +1,37 @@
+#pragma once
+// What a fit has found, as a wire description that says where each number comes from.
+
+#include <string>
+#include <string_view>
+
+#include "host-sim/identify/fit.hpp"
+#include "model/wires/wire_file.hpp"
+
+namespace smaservo {
+
+/// The last part of a path.
+std::string file_name(const std::string& path);
+
+/// A parameter in the unit that messages use; deviations are those of the value itself.
+struct Figure {
+  double value, sd;
+  double prior, prior_sd;
+};
+Figure figure(const FittedParameter& fitted);
+
+/// "74.80 ± 0.12": as many digits as the deviation is worth.
+std::string with_deviation(double value, double sd);
+
+/// "kinetics.m2a" of "kinetics.m2a.width"; "heat" of "heat.convection".
+std::string group_of(std::string_view key);
+
+/// The fitted wire with sources by group: from which runs, what they determine and how well, and
+/// what they leave as it was. What a fit does not touch keeps the sources of `from`.
+/// Throws UserError, which names the run that is worst, when the fit explains less than half of the
+/// runs: strain within 15 % of the nominal stroke (RMS), without strain the resistance within 10 %,
+/// in calorimetry the heat flow within 50 % of its greatest. The same when a wire file could not
+/// hold the wire.
+WireDescription fitted_wire(const WireDescription& from, const FitResult& fit,
+                            const std::string& name);
+
+}  // namespace smaservo

@@ -1,0 +1,23 @@
+#pragma once
+// The scalar of the fit's derivatives.
+
+#include <ceres/jet.h>
+
+namespace smaservo {
+
+/// Derivatives by so many parameters are computed at once.
+inline constexpr int jet_width = 16;
+using Jet = ceres::Jet<double, jet_width>;
+
+}  // namespace smaservo
+
+namespace ceres {
+
+/// Ceres multiplies by the reciprocal, which rounds twice. A path through the hysteresis turns
+/// where a comparison says so, and must be the same with and without derivatives, to the bit.
+inline smaservo::Jet operator/(const smaservo::Jet& f, const smaservo::Jet& g) {
+  const double quotient = f.a / g.a;
+  return smaservo::Jet(quotient, (f.v - quotient * g.v) / g.a);
+}
+
+}  // namespace ceres

@@ -1,0 +1,320 @@
+#include "host-sim/identify/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "host-sim/html.hpp"
+#include "host-sim/identify/fit_plots.hpp"
+#include "host-sim/identify/fitted_wire.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr std::size_t shown_correlations = 5;
+
+std::size_t rows_of(const FittedRun& run) {
+  return std::max({run.strain.count, run.resistance.count, run.power.count});
+}
+
+/// What was read and how the fit went, in one line.
+std::string heading(const Identification& all) {
+  return fmt::format("{} from {} and {} run{}, {} iterations, {:.1f} s{}", all.out, all.from,
+                     all.runs.size(), all.runs.size() == 1 ? "" : "s", all.fit.iterations,
+                     all.elapsed_s,
+                     all.fit.interrupted ? ", INTERRUPTED: the best so far, not the end" : "");
+}
+
+std::string structure(const FitVariant& v) {
+  return fmt::format("{}, {}, {}, resistivities {}",
+                     v.separate_r2a ? "R2A on a surface of its own" : "R2A as M2A",
+                     v.separate_r2m ? "R2M on a surface of its own" : "R2M as A2M",
+                     v.memory == Memory::return_point ? "inner loops close at their return points"
+                                                      : "inner loops without memory",
+                     v.mixture == Mixture::series ? "in series" : "in parallel");
+}
+
+std::string circuit(const FitResult& fit) {
+  if (!fit.circuit_fitted) {
+    return "";
+  }
+  return fmt::format(
+      "leads {:.4f} ohm, load cell reads {:.4f} times the load; replay with --set "
+      "measurement.lead_resistance_ohm={:.4f} and --column load_N=load_N*{:.4f}\n",
+      fit.circuit.lead_ohm, fit.circuit.load_gain, fit.circuit.lead_ohm, 1 / fit.circuit.load_gain);
+}
+
+/// "kinetics.m2a: bend, turning" for each group that has some.
+std::vector<std::string> undetermined(const FitResult& fit) {
+  std::vector<std::string> lines;
+  std::string open;
+  for (const FittedParameter& fitted : fit.parameters) {
+    if (fitted.determined()) {
+      continue;
+    }
+    const std::string& key = fitted.parameter.key;
+    const std::string group = group_of(key);
+    const std::string name = key.substr(group.size() + 1);
+    if (group != open) {
+      lines.push_back(group + ": " + name);
+      open = group;
+    } else {
+      lines.back() += ", " + name;
+    }
+  }
+  return lines;
+}
+
+/// Numbers of a run's row, empty where it has none.
+std::string cell(bool there, double share) {
+  return there ? fmt::format("{:.2f}", 100 * share) : "";
+}
+
+std::vector<std::string> cells(const Identification& all, std::size_t i) {
+  const FittedRun& run = all.fit.runs[i];
+  const FitQuality& strain = run.strain;
+  const FitQuality& ohm = run.resistance;
+  std::vector<std::string> row{file_name(run.name),
+                               std::string(name_of(run.kind)),
+                               std::to_string(rows_of(run)),
+                               cell(strain.count > 0, strain.rms),
+                               cell(strain.count > 0, strain.p95),
+                               cell(strain.count > 0, strain.maximum),
+                               cell(ohm.count > 0, ohm.rms),
+                               cell(ohm.count > 0, ohm.maximum)};
+  for (const ClassicFit& classic : all.classics[i]) {
+    row.push_back(cell(true, classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke)));
+  }
+  row.resize(11);
+  return row;
+}
+
+constexpr const char* titles[] = {"run", "kind", "rows",   "RMS",  "95 %",  "max",
+                                  "RMS", "max",  "cosine", "tanh", "arctan"};
+
+bool any_classics(const Identification& all) {
+  return std::ranges::any_of(all.classics, [](const auto& fits) { return !fits.empty(); });
+}
+
+std::string heat_flows(const FitResult& fit) {
+  std::string text;
+  for (const FittedRun& run : fit.runs) {
+    if (run.kind == RunKind::calorimetry) {
+      text += fmt::format("{}: heat flow RMS {:.2f}, 95 % {:.2f}, max {:.2f} % of its greatest\n",
+                          file_name(run.name), 100 * run.power.rms, 100 * run.power.p95,
+                          100 * run.power.maximum);
+    }
+  }
+  return text;
+}
+
+std::string joint_text(const FitResult& fit) {
+  const auto rms = joint_strain_rms(fit);
+  return rms ? fmt::format("strain of all runs: RMS {:.2f} % of the nominal stroke\n", 100 * *rms)
+             : "";
+}
+
+std::string correlations_text(const FitResult& fit) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shown_correlations, fit.correlations.size()); ++i) {
+    const Correlation& c = fit.correlations[i];
+    text += fmt::format("  {:+.3f}  {}, {}\n", c.value, c.first, c.second);
+  }
+  return text;
+}
+
+std::string row_html(const std::vector<std::string>& cells, const char* tag) {
+  std::string html = "<tr>";
+  for (const std::string& text : cells) {
+    html += fmt::format("<{0}>{1}</{0}>", tag, escaped(text));
+  }
+  return html + "</tr>\n";
+}
+
+std::string runs_html(const Identification& all) {
+  const std::size_t columns = any_classics(all) ? 11 : 8;
+  std::string html = fmt::format(
+      "<table><tr><th></th><th></th><th></th><th colspan=\"3\">strain, % of {:g} % stroke</th>"
+      "<th colspan=\"2\">resistance, %</th>{}</tr>\n",
+      100 * all.fit.wire.nominal_stroke,
+      columns > 8 ? "<th colspan=\"3\">strain RMS by classic functions</th>" : "");
+  html += row_html({titles, titles + columns}, "th");
+  for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
+    std::vector<std::string> row = cells(all, i);
+    row.resize(columns);
+    html += row_html(row, "td");
+  }
+  return html + "</table>\n";
+}
+
+std::string parameters_html(const FitResult& fit) {
+  std::string html = "<h2>Parameters</h2>\n<table>" +
+                     row_html({"parameter", "before", "fitted", "unit", ""}, "th");
+  for (const FittedParameter& fitted : fit.parameters) {
+    const Figure f = figure(fitted);
+    html += row_html(
+        {fitted.parameter.key, with_deviation(f.prior, f.prior_sd), with_deviation(f.value, f.sd),
+         fitted.parameter.unit, fitted.determined() ? "" : "not determined"},
+        "td");
+  }
+  return html +
+         "</table>\n<p class=\"caption\">± one standard deviation. Not determined: the runs narrow "
+         "it to no less than half of what was believed before.</p>\n";
+}
+
+using Json = nlohmann::ordered_json;
+
+Json quality_json(const FitQuality& quality) {
+  return {{"rms_percent", 100 * quality.rms},
+          {"p95_percent", 100 * quality.p95},
+          {"max_percent", 100 * quality.maximum},
+          {"rows", quality.count}};
+}
+
+Json run_json(const Identification& all, std::size_t i) {
+  const FittedRun& run = all.fit.runs[i];
+  Json json{{"file", run.name}, {"kind", name_of(run.kind)}, {"rows", rows_of(run)}};
+  const std::pair<const char*, const FitQuality*> qualities[] = {
+      {"strain", &run.strain}, {"resistance", &run.resistance}, {"heat_flow", &run.power}};
+  for (const auto& [name, quality] : qualities) {
+    if (quality->count > 0) {
+      json[name] = quality_json(*quality);
+    }
+  }
+  for (const ClassicFit& classic : all.classics[i]) {
+    json["classic_rms_percent"][std::string(classic.name)] =
+        100 * classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke);
+  }
+  const Circumstances<double>& c = run.circumstances;
+  if (run.kind == RunKind::joule || run.kind == RunKind::settled) {
+    json["ambient_degC"] = c.ambient_K - 273.15;
+    json["loss_factor"] = c.loss;
+  }
+  if (run.strain.count > 0) {
+    json["strain_zero"] = c.strain_zero;
+  }
+  if (run.resistance.count > 0) {
+    json["resistance_gain"] = c.resistance_gain;
+  }
+  return json;
+}
+
+Json parameter_json(const FittedParameter& fitted) {
+  const Figure f = figure(fitted);
+  return {{"key", fitted.parameter.key},
+          {"unit", fitted.parameter.unit},
+          {"value", f.value},
+          {"sd", f.sd},
+          {"prior", f.prior},
+          {"prior_sd", f.prior_sd},
+          {"uncertainty", fitted.uncertainty},
+          {"determined", fitted.determined()}};
+}
+
+}  // namespace
+
+std::optional<double> joint_strain_rms(const FitResult& fit) {
+  double sum = 0;
+  double rows = 0;
+  for (const FittedRun& run : fit.runs) {
+    const auto count = static_cast<double>(run.strain.count);
+    sum += count * run.strain.rms * run.strain.rms;
+    rows += count;
+  }
+  return rows > 0 ? std::optional(std::sqrt(sum / rows)) : std::nullopt;
+}
+
+double classic_rms(const ClassicFit& classic, const Run& run, double nominal_stroke) {
+  const auto [least, most] = std::ranges::minmax(run.strain);
+  return classic.rms * (most - least) / nominal_stroke;
+}
+
+std::string fit_summary(const Identification& all) {
+  std::size_t width = 8;
+  for (const FittedRun& run : all.fit.runs) {
+    width = std::max(width, file_name(run.name).size());
+  }
+  const std::size_t columns = any_classics(all) ? 11 : 8;
+  const auto line = [&](const auto& cells) {
+    std::string text = fmt::format("{:<{}}  {:<11}{:>6}", cells[0], width, cells[1], cells[2]);
+    for (std::size_t i = 3; i < columns; ++i) {
+      text += fmt::format("{:>{}}", cells[i], i == 6 || i == 8 ? 10 : 8);
+    }
+    return text + "\n";
+  };
+  std::string text = heading(all) + "\n";
+  text += fmt::format("{:{}}{:>24}{:>18}{}\n", "", width + 19,
+                      fmt::format("strain, % of {:g} % stroke", 100 * all.fit.wire.nominal_stroke),
+                      "resistance, %", columns > 8 ? "    classic functions, RMS" : "");
+  text += line(titles);
+  for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
+    text += line(cells(all, i));
+  }
+  text += heat_flows(all.fit) + joint_text(all.fit);
+  text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
+  const std::vector<std::string> kept = undetermined(all.fit);
+  if (!kept.empty()) {
+    text += fmt::format("not determined by these runs, kept from {}:\n  {}\n", all.from,
+                        fmt::join(kept, "\n  "));
+  }
+  const std::string correlations = correlations_text(all.fit);
+  if (!correlations.empty()) {
+    text += "known together rather than each by itself:\n" + correlations;
+  }
+  return text;
+}
+
+std::string fit_json(const Identification& all) {
+  const FitResult& fit = all.fit;
+  Json json{{"wire", all.out},
+            {"from", all.from},
+            {"interrupted", fit.interrupted},
+            {"iterations", fit.iterations},
+            {"elapsed_s", all.elapsed_s},
+            {"nominal_stroke", fit.wire.nominal_stroke}};
+  if (const auto rms = joint_strain_rms(fit)) {
+    json["strain_rms_percent"] = 100 * *rms;
+  }
+  json["structure"] = {
+      {"separate_r2a", fit.variant.separate_r2a},
+      {"separate_r2m", fit.variant.separate_r2m},
+      {"memory", fit.variant.memory == Memory::return_point ? "return-point" : "plain"},
+      {"mixture", fit.variant.mixture == Mixture::series ? "series" : "parallel"}};
+  if (fit.circuit_fitted) {
+    json["circuit"] = {{"lead_resistance_ohm", fit.circuit.lead_ohm},
+                       {"load_gain", fit.circuit.load_gain}};
+  }
+  json["runs"] = Json::array();
+  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+    json["runs"].push_back(run_json(all, i));
+  }
+  json["parameters"] = Json::array();
+  for (const FittedParameter& fitted : fit.parameters) {
+    json["parameters"].push_back(parameter_json(fitted));
+  }
+  json["correlations"] = Json::array();
+  for (const Correlation& c : fit.correlations) {
+    json["correlations"].push_back({{"first", c.first}, {"second", c.second}, {"value", c.value}});
+  }
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void write_fit_report(const std::string& path, const Identification& all) {
+  std::string html = fmt::format("<p>{}</p>\n", escaped(heading(all))) + runs_html(all);
+  for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit),
+                                  "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
+    html += text.empty() ? "" : fmt::format("<p>{}</p>\n", escaped(text));
+  }
+  html += plots_html(draw_fit(all.fit, all.runs));
+  html += parameters_html(all.fit);
+  const std::string correlations = correlations_text(all.fit);
+  if (!correlations.empty()) {
+    html += listing_html("Known together rather than each by itself", correlations);
+  }
+  html += listing_html("Wire", to_toml(all.wire));
+  write_html(path, all.wire.name, html);
+}
+
+}  // namespace smaservo

@@ -1,0 +1,72 @@
+#pragma once
+// The wires behind simulated traces, in two families that no observer knows. Both: temperature
+// distributed along the wire, clamps at ambient temperature, transition temperatures that scatter
+// along the wire, convection after Churchill and Chu. host-sim/README.md compares them.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string_view>
+
+#include "model/sublayers.hpp"
+#include "model/wire.hpp"
+
+namespace smaservo {
+
+enum class Family : unsigned char {
+  ihyp,      ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
+  sublayers  ///< model/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
+};
+inline constexpr std::array families{Family::ihyp, Family::sublayers};
+std::string_view family_name(Family family);
+
+/// What the sublayers have beyond the parameters of a wire.
+struct SublayerStructure {
+  double m_correlation = 0.6;   ///< SublayerSpread's
+  double r_correlation = -0.6;  ///< SublayerSpread's; who becomes martensite late, R-phase early
+  double a2m_tail = 1.3;        ///< factor on the spread of A2M below its median
+  double a2r_width = 2;         ///< factor on the spread of A2R, so that R-phase peaks at 70 %
+  double ramp_K = 1.5;          ///< SublayerSpread's
+  double r2a_lead_K = 3;    ///< R2A comes so far below M2A, where the wire has no R2A of its own
+  double bend_K = 1;        ///< A2M lies so far above its straight line at 200 MPa, 0 at 400 MPa
+  double a2r_K_MPa = 0.01;  ///< what stress adds to A2R
+  double parallel_share = 0.5;      ///< DistributedPlant's
+  double specific_heat_1_K = 1e-3;  ///< DistributedPlant's
+  std::uint64_t seed = 1;           ///< of the layers
+};
+
+/// Thresholds with the quantiles at 20, 50 and 80 % of the wire's surfaces without stress, and with
+/// their medians at 0, 200 and 400 MPa, but for what the structure adds. The tails are logistic,
+/// much shorter than those of the surfaces.
+SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure& structure);
+
+class SimulatedWire {
+ public:
+  struct Surroundings {
+    double stress_Pa;
+    double ambient_K;  ///< of the air and of the clamps
+    double draught;    ///< factor on still-air convection
+  };
+
+  virtual ~SimulatedWire() = default;
+  /// Cooled to this temperature from far above.
+  virtual void rest(double temperature_K, double stress_Pa) = 0;
+  /// Without heat balance: the whole wire has this temperature.
+  virtual void soak(double temperature_K, double stress_Pa) = 0;
+  /// dt_s up to 1 ms.
+  virtual void advance(double current_A, const Surroundings& around, double dt_s) = 0;
+
+  virtual double strain() const = 0;
+  virtual double resistance_ohm() const = 0;
+  virtual double hottest_K() const = 0;
+  virtual double average_K() const = 0;
+  virtual Phases<double> phases() const = 0;  ///< of the whole wire
+};
+
+/// At rest at 25 °C without load. The scatter is drawn from `random`.
+std::unique_ptr<SimulatedWire> make_simulated_wire(Family family, const Wire<double>& wire,
+                                                   const SublayerStructure& structure,
+                                                   double scatter_K, std::mt19937_64& random);
+
+}  // namespace smaservo

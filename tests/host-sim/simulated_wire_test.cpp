@@ -1,0 +1,120 @@
+// Both families are the wire that they are made from.
+
+#include "host-sim/simulated_wire.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <vector>
+
+#include "model/wires/wire_file.hpp"
+
+namespace smaservo::test {
+namespace {
+
+constexpr double celsius_K = 273.15;
+
+class SimulatedFamily : public ::testing::TestWithParam<Family> {
+ protected:
+  static std::unique_ptr<SimulatedWire> make(std::uint64_t seed = 1) {
+    std::mt19937_64 random(seed);
+    return make_simulated_wire(GetParam(), load_wire(std::string(default_wire)).wire, {}, 0.5,
+                               random);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Families, SimulatedFamily, ::testing::ValuesIn(families),
+                         [](const auto& tested) { return std::string(family_name(tested.param)); });
+
+/// A full cycle of the temperature at constant stress.
+struct Cycle {
+  double cooling_K, heating_K;  ///< half martensite, half austenite
+  double peak_r_phase;          ///< on cooling
+};
+Cycle cycle(SimulatedWire& wire, double stress_MPa) {
+  Cycle c{};
+  const double hot_K = 450;
+  const double cold_K = 270;
+  wire.rest(hot_K, 1e6 * stress_MPa);
+  for (double T = hot_K; T > cold_K; T -= 0.1) {
+    wire.soak(T, 1e6 * stress_MPa);
+    c.peak_r_phase = std::max(c.peak_r_phase, wire.phases().r_phase);
+    c.cooling_K = wire.phases().martensite < 0.5 ? T : c.cooling_K;
+  }
+  for (double T = cold_K; T < hot_K; T += 0.1) {
+    wire.soak(T, 1e6 * stress_MPa);
+    c.heating_K = wire.phases().austenite() < 0.5 ? T : c.heating_K;
+  }
+  return c;
+}
+
+TEST_P(SimulatedFamily, TransformsWhereTheRealWireDoes) {
+  const auto wire = make();
+  const Cycle none = cycle(*wire, 0);
+  EXPECT_TRUE(none.heating_K > 70 + celsius_K && none.heating_K < 80 + celsius_K);
+  EXPECT_TRUE(none.cooling_K > 36 + celsius_K && none.cooling_K < 44 + celsius_K);
+  const Cycle high = cycle(*wire, 300);
+  for (const double K_MPa :
+       {(high.heating_K - none.heating_K) / 300, (high.cooling_K - none.cooling_K) / 300}) {
+    EXPECT_TRUE(K_MPa > 0.12 && K_MPa < 0.16) << K_MPa;
+  }
+  // Paper 000: about 70 % of R-phase at 10 MPa, felt up to almost 250 MPa.
+  const double peak = cycle(*wire, 10).peak_r_phase;
+  EXPECT_TRUE(peak > 0.65 && peak < 0.8) << peak;
+  const double last = cycle(*wire, 250).peak_r_phase;
+  EXPECT_TRUE(last > 0.08 && last < 0.2) << last;
+}
+
+/// Strain, resistance and temperatures over a heating and a cooling.
+std::vector<double> journey(SimulatedWire& wire) {
+  std::vector<double> all;
+  wire.rest(298.15, 150e6);
+  for (int i = 0; i < 4000; ++i) {
+    wire.advance(i < 2000 ? 0.135 : 0.012, {150e6, 298.15, 1}, 1e-3);
+    if (i % 100 == 99) {
+      all.insert(all.end(),
+                 {wire.strain(), wire.resistance_ohm(), wire.hottest_K(), wire.average_K()});
+    }
+  }
+  return all;
+}
+
+TEST_P(SimulatedFamily, SameSeedGivesTheSameWire) {
+  const std::vector<double> one = journey(*make());
+  const auto again = make();
+  EXPECT_EQ(one, journey(*again));
+  EXPECT_EQ(one, journey(*again)) << "rest() forgets all";
+  EXPECT_NE(one, journey(*make(2)));
+}
+
+TEST_P(SimulatedFamily, EndsStayColdAndAirCools) {
+  const auto wire = make();
+  wire->rest(298.15, 150e6);
+  const double cold_ohm = wire->resistance_ohm();
+  for (int i = 0; i < 3000; ++i) {
+    wire->advance(0.135, {150e6, 298.15, 1}, 1e-3);
+  }
+  EXPECT_GT(wire->hottest_K(), 365);
+  EXPECT_LT(wire->average_K(), wire->hottest_K() - 1);
+  EXPECT_LT(wire->resistance_ohm(), 0.9 * cold_ohm);
+  const double still_K = wire->hottest_K();
+  for (int i = 0; i < 3000; ++i) {
+    wire->advance(0.135, {150e6, 298.15, 1.2}, 1e-3);
+  }
+  EXPECT_LT(wire->hottest_K(), still_K - 5);
+}
+
+TEST(SimulatedWires, FamiliesDifferInMoreThanNoise) {
+  // The same wire and the same currents; a calibrated observer has errors of 0.2 % of stroke.
+  const Wire<double> wire = load_wire(std::string(default_wire)).wire;
+  std::mt19937_64 random(1);
+  const auto a = journey(*make_simulated_wire(Family::ihyp, wire, {}, 0, random));
+  const auto b = journey(*make_simulated_wire(Family::sublayers, wire, {}, 0, random));
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); i += 4) {
+    worst = std::max(worst, std::abs(a[i] - b[i]) / 0.04);
+  }
+  EXPECT_TRUE(worst > 0.05 && worst < 0.5) << worst;
+}
+
+}  // namespace
+}  // namespace smaservo::test

@@ -1,0 +1,174 @@
+#include "model/sublayers.hpp"
+
+#include "model/kinetics_suite.hpp"
+
+namespace smaservo::test {
+namespace {
+
+/// About what the 76 um wire's surfaces give.
+constexpr SublayerSpread spread{{347.0, 5.8, 3.2, 0.1325e-6, 0},
+                                {313.5, 8.0, 3.0, 0.15e-6, -2.5e-17},
+                                {344.0, 5.8, 3.2, 0.1325e-6, 0},
+                                {333.5, 8.0, 3.0, 0.01e-6, 0},
+                                0.6,
+                                -0.6,
+                                1.5,
+                                1};
+
+struct SublayersDouble {
+  using Model = Sublayers<double>;
+  static Model::Params params() { return Model::params(spread); }
+  static constexpr InnerLoops loops = InnerLoops::close;
+  static constexpr double rounding = 1e-12;
+};
+
+struct SublayersFloat : SublayersDouble {
+  using Model = Sublayers<float>;
+  static Model::Params params() { return Model::params(spread); }
+  static constexpr double rounding = 1e-5;
+};
+
+using Both = ::testing::Types<SublayersDouble, SublayersFloat>;
+using InDouble = ::testing::Types<SublayersDouble>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, KineticsSuite, Both);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, ExactSteps, Both);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, BranchRates, InDouble);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, ReturnPoints, Both);
+
+using K = Sublayers<double>;
+
+class SublayersTest : public KineticsSuite<SublayersDouble> {
+ protected:
+  double turning_K() { return uniform(290, 420); }
+};
+
+TEST_F(SublayersTest, PassingATurningPointWipesOutItsLoopToTheBit) {
+  double widest = 0;
+  for (int i = 0; i < 1000; ++i) {
+    State straight = wandered(30);
+    const double stress_MPa = uniform(0, 400);
+    const double outer_K = turning_K();
+    const double turn_K = turning_K();
+    const double beyond_K = turn_K + (turn_K - outer_K) * uniform(0.01, 1);
+    move(straight, at(outer_K, stress_MPa));
+    State looped = straight;
+    move(looped, at(turn_K, stress_MPa));
+    const State turned = looped;
+    for (int loop = 0; loop < 3; ++loop) {
+      move(looped, at(outer_K + (turn_K - outer_K) * uniform(0, 1), stress_MPa));
+      widest = std::max(widest, difference(looped, turned));
+    }
+    move(looped, at(beyond_K, stress_MPa));
+    move(straight, at(beyond_K, stress_MPa));
+    ASSERT_EQ(looped.martensite, straight.martensite) << i;
+    ASSERT_EQ(looped.r_phase_part, straight.r_phase_part) << i;
+  }
+  EXPECT_GT(widest, 0.5);
+}
+
+TEST_F(SublayersTest, LoopsBetweenTheSameTemperaturesAreCongruent) {
+  // Of martensite, which is a sum of plays; R-phase is a share of what martensite leaves.
+  double widest = 0;
+  double apart = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double stress_MPa = uniform(0, 400);
+    const double low_K = uniform(300, 380);
+    const double high_K = low_K + uniform(5, 40);
+    const auto loop = [&] {
+      State s = wandered(30);
+      move(s, at(low_K, stress_MPa));
+      move(s, at(high_K, stress_MPa));
+      std::vector<double> way;
+      for (int step = 0; step <= 40; ++step) {
+        const double share = step <= 20 ? 1 - step / 20.0 : step / 20.0 - 1;
+        move(s, at(low_K + share * (high_K - low_K), stress_MPa));
+        way.push_back(K::phases(s).martensite);
+      }
+      return way;
+    };
+    const std::vector<double> a = loop();
+    const std::vector<double> b = loop();
+    apart = std::max(apart, std::abs(a[0] - b[0]));
+    for (std::size_t step = 0; step < a.size(); ++step) {
+      widest = std::max(widest, std::abs(a[step] - a[0]));
+      ASSERT_NEAR(a[step] - a[0], b[step] - b[0], 1e-12) << i;
+    }
+  }
+  EXPECT_GT(widest, 0.3);
+  EXPECT_GT(apart, 0.3);  // loops of different histories
+}
+
+TEST_F(SublayersTest, MartensiteNeverBecomesRPhase) {
+  double lost = 0;
+  double passed = 0;
+  for (int walk = 0; walk < 100; ++walk) {
+    State s = wandered(0);
+    for (int i = 0; i < 500; ++i) {
+      const Phases<double> before = K::phases(s);
+      const Drive<double> u = K::drive(s);
+      const Drive<double> next = wander(u, false);
+      move(s, next);
+      const double r_phase = K::phases(s).r_phase - before.r_phase;
+      const double martensite = K::phases(s).martensite - before.martensite;
+      if (u.temperature_K < next.temperature_K) {
+        ASSERT_LE(r_phase, 1e-12);
+        ASSERT_LE(martensite, 1e-12);
+        lost = std::max(lost, -martensite);
+      } else {
+        ASSERT_GE(martensite, -1e-12);
+        passed = std::max(passed, r_phase);
+      }
+    }
+  }
+  EXPECT_GT(lost, 0.5);
+  EXPECT_GT(passed, 0.5);
+}
+
+TEST_F(SublayersTest, ThresholdsAreTheQuantilesWhateverTheSeed) {
+  SublayerSpread other = spread;
+  other.seed = 99;
+  const K::Params p = K::params(spread);
+  const K::Params q = K::params(other);
+  EXPECT_NE(p.a2m.at_K, q.a2m.at_K);
+  EXPECT_EQ(p.m2a.at_K, q.m2a.at_K);
+  const auto sorted = [](K::PerLayer all) {
+    std::ranges::sort(all);
+    return all;
+  };
+  EXPECT_EQ(sorted(p.a2m.at_K), sorted(q.a2m.at_K));
+  // A logistic scale is where the odds are e: 27 % below the median, 73 % above.
+  const auto share_below = [](const K::PerLayer& all, double T) {
+    return static_cast<double>(std::ranges::count_if(all, [&](double at) { return at < T; })) / 40;
+  };
+  EXPECT_NEAR(share_below(p.a2m.at_K, 313.5 - 8), 0.269, 0.02);
+  EXPECT_NEAR(share_below(p.a2m.at_K, 313.5), 0.5, 0.02);
+  EXPECT_NEAR(share_below(p.a2m.at_K, 313.5 + 3), 0.731, 0.02);
+}
+
+TEST_F(SublayersTest, RanksOfColdThresholdsAreCorrelatedAsAsked) {
+  const auto correlation = [](const K::PerLayer& a, const K::PerLayer& b) {
+    double less = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        less += (a[i] < a[j]) == (b[i] < b[j]) ? 1 : -1;
+      }
+    }
+    return less / 780;  // of 780 pairs: Kendall's
+  };
+  double m = 0;
+  double r = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    SublayerSpread s = spread;
+    s.seed = seed;
+    s.a2r.median_K = 300;  // so low that no threshold gives way to another
+    const K::Params p = K::params(s);
+    m += correlation(p.m2a.at_K, p.a2m.at_K) / 50;
+    r += correlation(p.a2m.at_K, p.a2r.at_K) / 50;
+  }
+  // Kendall's is 2/π arcsin of the correlation for normal scores: 0.41 for 0.6.
+  EXPECT_NEAR(m, 0.41, 0.05);
+  EXPECT_NEAR(r, -0.41, 0.05);
+}
+
+}  // namespace
+}  // namespace smaservo::test
