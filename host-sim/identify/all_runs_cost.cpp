@@ -5,6 +5,15 @@
 
 namespace smaservo {
 
+std::vector<double> values(const std::vector<Active>& active) {
+  std::vector<double> x;
+  x.reserve(active.size());
+  for (const Active& one : active) {
+    x.push_back(*one.value);
+  }
+  return x;
+}
+
 AllRunsCost::AllRunsCost(std::vector<One> runs, const std::vector<Active>& active, int threads)
     : runs_(std::move(runs)),
       active_(active),
@@ -20,7 +29,7 @@ AllRunsCost::AllRunsCost(std::vector<One> runs, const std::vector<Active>& activ
 std::vector<AllRunsCost::Column> AllRunsCost::columns(std::size_t run) const {
   std::vector<Column> all;
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    if (!active_[i].run || *active_[i].run == run) {
+    if (active_[i].run.value_or(run) == run) {
       all.push_back({i, active_[i].index});
     }
   }

@@ -19,6 +19,9 @@ struct Active {
   std::optional<std::size_t> run;  ///< of one run only
 };
 
+/// Where they are now.
+std::vector<double> values(const std::vector<Active>& active);
+
 class AllRunsCost final : public ceres::CostFunction {
  public:
   struct One {

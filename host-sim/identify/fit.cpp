@@ -185,10 +185,7 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
   }
   const std::vector<Active> changing = active(which, chosen);
   AllRunsCost cost = all_runs_cost(which, changing);
-  std::vector<double> x;
-  for (const Active& one : changing) {
-    x.push_back(*one.value);
-  }
+  std::vector<double> x = values(changing);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
@@ -229,10 +226,7 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
 double Fit::cost(const Runs& which) {
   const std::vector<Active> changing = active(which, all);
   const AllRunsCost cost = all_runs_cost(which, changing);
-  std::vector<double> x;
-  for (const Active& one : changing) {
-    x.push_back(*one.value);
-  }
+  const std::vector<double> x = values(changing);
   std::vector<double> residuals(static_cast<std::size_t>(cost.num_residuals()));
   const double* const block = x.data();
   cost.Evaluate(&block, residuals.data(), nullptr);

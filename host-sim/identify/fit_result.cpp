@@ -163,10 +163,7 @@ void Fit::uncertainty(FitResult& result) {
   const std::vector<Active> changing = active(everything(), all);
   const AllRunsCost cost = all_runs_cost(everything(), changing);
   const auto width = static_cast<Eigen::Index>(changing.size());
-  std::vector<double> x;
-  for (const Active& one : changing) {
-    x.push_back(*one.value);
-  }
+  const std::vector<double> x = values(changing);
   std::vector<double> residuals(static_cast<std::size_t>(cost.num_residuals()));
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(
       cost.num_residuals(), width);

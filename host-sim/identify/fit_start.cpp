@@ -11,6 +11,18 @@
 #include "host-sim/identify/fit_state.hpp"
 
 namespace smaservo {
+namespace {
+
+/// The deviations that a single level of stress can determine. What heats and cools the wire is
+/// left to all levels together: one alone can not tell a warmer transition from a smaller loss.
+bool of_level(const std::string& key) {
+  return (key.starts_with("kinetics.") &&
+          (key.ends_with(".temperature") || key.ends_with(".width"))) ||
+         key == "material.martensite.strain" || key == "material.martensite.resistivity" ||
+         key.ends_with(".resistivity_ratio");
+}
+
+}  // namespace
 
 /// Runs at nearly constant stress, those of one level together.
 std::vector<Fit::Runs> Fit::levels() const {
@@ -25,6 +37,7 @@ std::vector<Fit::Runs> Fit::levels() const {
     }
   }
   std::vector<Runs> all;
+  all.reserve(found.size());
   for (auto& [stress, which] : found) {
     all.push_back(std::move(which));
   }
@@ -50,15 +63,6 @@ void Fit::calorimetry() {
                key.starts_with("heat.latent") || key == "heat.specific_heat";
       },
       options_.most_iterations);
-}
-
-/// The deviations that a single level of stress can determine. What heats and cools the wire is
-/// left to all levels together: one alone can not tell a warmer transition from a smaller loss.
-static bool of_level(const std::string& key) {
-  return (key.starts_with("kinetics.") &&
-          (key.ends_with(".temperature") || key.ends_with(".width"))) ||
-         key == "material.martensite.strain" || key == "material.martensite.resistivity" ||
-         key.ends_with(".resistivity_ratio");
 }
 
 /// Several starts: transitions that lie beside each other by more than their width have a local

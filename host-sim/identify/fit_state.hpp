@@ -43,7 +43,7 @@ class Fit {
 
   // fit.cpp
   void with(const FitVariant& variant);
-  bool circumstance_active(std::size_t run, int index) const;
+  bool circumstance_active(std::size_t i, int index) const;
   RunCost run_cost(std::size_t run) const {
     return {*problem_, runs_[run], circumstances_[run], weights_[run]};
   }
@@ -66,9 +66,9 @@ class Fit {
   void stress_levels();
 
   // fit_result.cpp
-  void apportion(std::size_t run);
+  void apportion(std::size_t i);
   void weigh();
-  FittedRun fitted(std::size_t run);
+  FittedRun fitted(std::size_t i);
   void accuracy(Accuracy<double>& of) const;
   void describe(FitResult& result);
   void uncertainty(FitResult& result);

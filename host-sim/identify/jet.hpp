@@ -17,7 +17,7 @@ namespace ceres {
 /// where a comparison says so, and must be the same with and without derivatives, to the bit.
 inline smaservo::Jet operator/(const smaservo::Jet& f, const smaservo::Jet& g) {
   const double quotient = f.a / g.a;
-  return smaservo::Jet(quotient, (f.v - quotient * g.v) / g.a);
+  return {quotient, (f.v - quotient * g.v) / g.a};
 }
 
 }  // namespace ceres

@@ -67,61 +67,66 @@ void take_rows(const Run& run, FitRun& fit) {
   }
 }
 
-/// Power between two rows on the straight line from one to the other.
-void take_time(const Run& run, FitRun& fit) {
-  const std::size_t rows = run.time_s.size();
+/// The steps between two rows: their energy and mean square of the current by the trapezoidal rule,
+/// the mean stress. A long gap is divided, with the power on the straight line across it. `ends` is
+/// the row behind every step, 0 within a gap.
+void take_steps(const Run& run, std::size_t from, std::size_t to, FitRun& fit,
+                std::vector<std::size_t>& ends) {
   const auto power_W = [&](std::size_t i) { return run.current_A[i] * run.voltage_V[i]; };
-  std::vector<std::size_t> ends;  // row behind every step
-  std::size_t from = 0;
-  while (from + 1 < rows) {
+  const auto square = [&](std::size_t i) { return run.current_A[i] * run.current_A[i]; };
+  double energy_J = 0;
+  double squares = 0;
+  double stress_Pa = 0;
+  for (std::size_t i = from; i < to; ++i) {
+    const double dt_s = run.time_s[i + 1] - run.time_s[i];
+    energy_J += 0.5 * (power_W(i) + power_W(i + 1)) * dt_s;
+    squares += 0.5 * (square(i) + square(i + 1)) * dt_s;
+    stress_Pa += run.stress_Pa[i + 1] / static_cast<double>(to - from);
+  }
+  const double span_s = run.time_s[to] - run.time_s[from];
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::ceil(span_s / (1.25 * step_s))));
+  for (std::size_t part = 0; part < parts; ++part) {
+    const double share = (static_cast<double>(part) + 0.5) / static_cast<double>(parts);
+    fit.dt_s.push_back(span_s / static_cast<double>(parts));
+    fit.power_W.push_back(to == from + 1 ? power_W(from) + share * (power_W(to) - power_W(from))
+                                         : energy_J / span_s);
+    fit.current2_A2.push_back(squares / span_s);
+    fit.stress_Pa.push_back(stress_Pa);
+    ends.push_back(part + 1 == parts ? to : 0);
+  }
+}
+
+/// Over the last half of a step.
+double mean_resistance(const Run& run, std::size_t row) {
+  double ohm = 0;
+  int count = 0;
+  for (std::size_t i = row - std::min<std::size_t>(row, 3); i <= row; ++i) {
+    if (run.time_s[row] - run.time_s[i] < 0.6 * step_s) {
+      ohm += resistance_at(run, i);
+      ++count;
+    }
+  }
+  return ohm / count;
+}
+
+void take_time(const Run& run, FitRun& fit) {
+  std::vector<std::size_t> ends;
+  for (std::size_t from = 0; from + 1 < run.time_s.size();) {
     std::size_t to = from + 1;
-    while (to + 1 < rows && run.time_s[to + 1] - run.time_s[from] < 1.25 * step_s) {
+    while (to + 1 < run.time_s.size() && run.time_s[to + 1] - run.time_s[from] < 1.25 * step_s) {
       ++to;
     }
-    double energy_J = 0;
-    double square = 0;
-    for (std::size_t i = from; i < to; ++i) {
-      const double dt_s = run.time_s[i + 1] - run.time_s[i];
-      energy_J += 0.5 * (power_W(i) + power_W(i + 1)) * dt_s;
-      square += 0.5 * dt_s *
-                (run.current_A[i] * run.current_A[i] + run.current_A[i + 1] * run.current_A[i + 1]);
-    }
-    const double span_s = run.time_s[to] - run.time_s[from];
-    const auto parts = static_cast<std::size_t>(std::max(1.0, std::ceil(span_s / (1.25 * step_s))));
-    for (std::size_t part = 0; part < parts; ++part) {
-      const double share = (static_cast<double>(part) + 0.5) / static_cast<double>(parts);
-      const double line = to == from + 1 ? power_W(from) + share * (power_W(to) - power_W(from))
-                                         : energy_J / span_s;
-      fit.dt_s.push_back(span_s / static_cast<double>(parts));
-      fit.power_W.push_back(line);
-      fit.current2_A2.push_back(square / span_s);
-      double stress = 0;
-      for (std::size_t i = from + 1; i <= to; ++i) {
-        stress += run.stress_Pa[i] / static_cast<double>(to - from);
-      }
-      fit.stress_Pa.push_back(stress);
-      ends.push_back(part + 1 == parts ? to : 0);
-    }
+    take_steps(run, from, to, fit, ends);
     from = to;
   }
-  const auto steps = ends.size();
-  const std::size_t every = (steps + most_comparisons - 1) / most_comparisons;
+  const std::size_t every = (ends.size() + most_comparisons - 1) / most_comparisons;
   std::size_t since = 0;
-  for (std::size_t i = 0; i < steps; ++i) {
+  for (std::size_t i = 0; i < ends.size(); ++i) {
     ++since;
-    if (ends[i] == 0 || since < every) {
-      continue;
+    if (ends[i] != 0 && since >= every) {
+      since = 0;
+      compare(fit, i, at(run.strain, ends[i]), mean_resistance(run, ends[i]), nothing);
     }
-    since = 0;
-    double ohm = 0;
-    int count = 0;
-    for (std::size_t row = ends[i] - std::min<std::size_t>(ends[i], 3); row <= ends[i]; ++row) {
-      if (run.time_s[ends[i]] - run.time_s[row] < 0.6 * step_s) {
-        ohm += resistance_at(run, row);
-        ++count;
-      }
-    }
-    compare(fit, i, at(run.strain, ends[i]), ohm / count, nothing);
   }
 }
 

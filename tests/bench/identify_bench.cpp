@@ -14,6 +14,7 @@ void identify(benchmark::State& state) {
   const Unit unit = random_unit(Family::ihyp, 1);
   const auto count = static_cast<std::size_t>(state.range(0));
   std::vector<Run> runs;
+  runs.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     // Spread over all stresses, however many there are.
     runs.push_back(calibration_measurement(unit, i * calibration_stresses_MPa.size() / count));
