@@ -48,6 +48,9 @@ struct KalmanBank {
   /// stroke, for long.
   static constexpr S unseen_rest_sd = S(8e-4);
 
+  /// Hypotheses whose strains scatter by less, 2.5 % of 4 % stroke, are no longer a question.
+  static constexpr S agreed_sd = S(1e-3);
+
   static Estimate<S> estimate_one(const Params& p, const State& s, std::size_t i);
   static void restart(const Params& p, State& s, const Measurement<S>& m);
   static void weigh(State& s);
@@ -191,12 +194,14 @@ Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
   Estimate<S> mean{};
   S weights = S(0);
   S square = S(0);
+  S scatter = S(0);
   for (std::size_t i = 0; i < s.alive; ++i) {
     const S w = exp(s.log_likelihood[i]);
     const Estimate<S> e = estimate_one(p, s, i);
     weights = weights + w;
     mean.strain = mean.strain + w * e.strain;
     square = square + w * (e.strain * e.strain + e.strain_sd * e.strain_sd);
+    scatter = scatter + w * e.strain * e.strain;
     mean.temperature_K = mean.temperature_K + w * e.temperature_K;
     mean.martensite = mean.martensite + w * e.martensite;
     mean.r_phase = mean.r_phase + w * e.r_phase;
@@ -209,7 +214,8 @@ Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
   mean.martensite = mean.martensite / weights;
   mean.r_phase = mean.r_phase / weights;
   mean.resistance_model_ohm = mean.resistance_model_ohm / weights;
-  mean.health = Health::searching;
+  scatter = scatter / weights - mean.strain * mean.strain;
+  mean.health = scatter < agreed_sd * agreed_sd ? Health::good : Health::searching;
   return mean;
 }
 
