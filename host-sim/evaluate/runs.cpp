@@ -3,26 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <random>
 #include <vector>
+
+#include "host-sim/evaluate/dice.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double MPa = 1e6;
-
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : random_(seed) {}
-  double uniform(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  bool coin() { return uniform(0, 1) < 0.5; }
-  std::uint64_t seed() { return random_(); }
-
- private:
-  std::mt19937_64 random_;
-};
 
 using Steps = std::vector<DriveStep>;
 

@@ -2,27 +2,12 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <random>
 #include <string>
+
+#include "host-sim/evaluate/dice.hpp"
 
 namespace smaservo {
 namespace {
-
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : random_(seed) {}
-
-  double uniform(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  double deviation(double sd) { return sd * std::clamp(normal_(random_), -2.5, 2.5); }
-  double factor(double sd) { return 1 + deviation(sd); }
-  std::uint64_t seed() { return random_(); }
-
- private:
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-};
 
 Surface<double> vary(Surface<double> surface, double shift_sd_K, Dice& dice) {
   const double shift_K = dice.deviation(shift_sd_K);

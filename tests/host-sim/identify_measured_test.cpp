@@ -10,31 +10,16 @@
 
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
+#include "host-sim/measured_data.hpp"
 #include "host-sim/replays.hpp"
 
 namespace smaservo::test {
 namespace {
 
-class Measured : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const char* given = std::getenv("SMASERVO_SHARED");
-    folder_ = std::filesystem::path(given != nullptr ? given : SMASERVO_SHARED_DEFAULT) / "data";
-    if (!std::filesystem::is_directory(folder_)) {
-      GTEST_SKIP() << folder_ << " is not there: third-party data that the project may not ship";
-    }
-  }
-
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
- private:
-  std::filesystem::path folder_;
-};
-
-class IdentifyFlexinol : public Measured {
+class IdentifyFlexinol : public MeasuredData {
  protected:
   std::string file(int stress_MPa) const {
-    return Measured::file("flexinol_" + std::to_string(stress_MPa) + "MPa.csv");
+    return MeasuredData::file("flexinol_" + std::to_string(stress_MPa) + "MPa.csv");
   }
 
   std::vector<smaservo::Run> runs(const std::vector<int>& stresses_MPa) const {
@@ -234,7 +219,7 @@ ModelErrors model_errors(const smaservo::Run& run, const Wire<double>& from, Hid
   return errors;
 }
 
-class IdentifyStaircase : public Measured {};
+class IdentifyStaircase : public MeasuredData {};
 
 TEST_F(IdentifyStaircase, PredictsStatesThatItHasNotSeen) {
   // 8.3 ohm/m and 4 % of the length are 3.46 ohm and 16.9 mm: 0.38 mm, 417 mm. The load is a guess.

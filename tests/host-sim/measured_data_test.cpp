@@ -1,30 +1,15 @@
 // Measured wires, replayed with parameters that were never fitted to them. The bounds say how far
 // off an uncalibrated model is, 30 % to both sides; they are no target.
 
+#include "host-sim/measured_data.hpp"
+
 #include <algorithm>
-#include <cstdlib>
 #include <gtest/gtest.h>
 
 #include "host-sim/replays.hpp"
 
 namespace smaservo::test {
 namespace {
-
-class MeasuredData : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const char* given = std::getenv("SMASERVO_SHARED");
-    folder_ = std::filesystem::path(given != nullptr ? given : SMASERVO_SHARED_DEFAULT) / "data";
-    if (!std::filesystem::is_directory(folder_)) {
-      GTEST_SKIP() << folder_ << " is not there: third-party data that the project may not ship";
-    }
-  }
-
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
- private:
-  std::filesystem::path folder_;
-};
 
 void expect_near(double value, double expected, const char* what) {
   EXPECT_GT(value, 0.7 * expected) << what;
