@@ -63,7 +63,9 @@ Unit random_unit(Family family, std::uint64_t seed) {
   const Surface<double> a2m = first_surface(k.a2m_a2r);
   const Surface<double> a2r = second_surface(k.a2m_a2r);
   k.m2a = vary(k.m2a, 1.5, dice);
-  k.a2m_a2r = pair_surfaces(vary(a2m, 1.5, dice), vary(a2r, 1.5, dice));
+  // One after the other: the order in which arguments are evaluated differs between compilers.
+  const Surface<double> varied_a2r = vary(a2r, 1.5, dice);
+  k.a2m_a2r = pair_surfaces(vary(a2m, 1.5, dice), varied_a2r);
   vary(w.material.martensite, dice);
   vary(w.material.r_phase, dice);
   vary(w.material.austenite, dice);
