@@ -133,7 +133,7 @@ bool same(const WireEntry& a, const WireEntry& b) {
 }
 
 TEST(Identify, WritesTheWireThatWasFitted) {
-  Program program;
+  Program program;  // NOLINT(misc-const-correctness): run() changes it
   program.folder().write("bath.csv", bath_csv());
   const Finished f = program.run(identify({"--threads", "1", "bath.csv"}));
   ASSERT_EQ(f.status, 0) << f.err;
