@@ -21,7 +21,7 @@ void identify(benchmark::State& state) {
   }
   FitOptions options;
   options.threads = static_cast<int>(state.range(1));
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(fit_wire(unit.type_file(), runs, options));
   }
 }
