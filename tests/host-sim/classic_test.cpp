@@ -1,11 +1,11 @@
 #include "host-sim/identify/classic.hpp"
 
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
+
+#include "host-sim/measured_data.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -124,20 +124,13 @@ struct Measured {
   double cosine, tanh, arctan;  ///< rms in per cent of the stroke
 };
 
-TEST(Classics, MeasuredFlexinol) {
-  const char* given = std::getenv("SMASERVO_SHARED");
-  const std::filesystem::path folder =
-      std::filesystem::path(given != nullptr ? given : SMASERVO_SHARED_DEFAULT) / "data";
-  if (!std::filesystem::is_directory(folder)) {
-    GTEST_SKIP() << folder << " is not there: third-party data that the project may not ship";
-  }
+TEST_F(MeasuredData, ClassicsOfFlexinol) {
   constexpr Measured wires[] = {{"flexinol_50MPa.csv", 3.71, 2.99, 1.56},
                                 {"flexinol_100MPa.csv", 3.88, 3.11, 1.78},
                                 {"flexinol_200MPa.csv", 4.14, 3.39, 2.21}};
   for (const Measured& wire : wires) {
     SCOPED_TRACE(wire.file);
-    const auto fits =
-        fit_classics(read_run((folder / wire.file).string(), {{0.1, 150e-6}, {}, {}, {}}));
+    const auto fits = fit_classics(read_run(file(wire.file), {{0.1, 150e-6}, {}, {}, {}}));
     ASSERT_EQ(fits.size(), 3U);
     // A least-squares fit has one answer: 1 % is the rounding of these figures.
     EXPECT_NEAR(100 * fits[0].rms, wire.cosine, 0.01 * wire.cosine);

@@ -1,10 +1,10 @@
-#include <cstdlib>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
 
 #include "host-sim/identify/run.hpp"
+#include "host-sim/measured_data.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/recordings.hpp"
 
@@ -285,14 +285,9 @@ TEST(Runs, AllCommittedTracesAreTaken) {
   EXPECT_GE(count, 10U);
 }
 
-TEST(Runs, TheMeasuredStaircaseIsSettledAndItsClippedThermometerDoesNotCount) {
-  const char* given = std::getenv("SMASERVO_SHARED");
-  const std::filesystem::path folder = given != nullptr ? given : SMASERVO_SHARED_DEFAULT;
-  const std::string file = (folder / "data" / "staircase_even.csv").string();
-  if (!std::filesystem::exists(file)) {
-    GTEST_SKIP() << file << " is not there: third-party data that the project may not ship";
-  }
-  const auto run = read_run(file, {{0.225, 300e-6}, 100e6, {}, {}});
+TEST_F(MeasuredData, StaircaseIsSettledAndItsClippedThermometerDoesNotCount) {
+  const std::string staircase = file("staircase_even.csv");
+  const auto run = read_run(staircase, {{0.225, 300e-6}, 100e6, {}, {}});
   EXPECT_EQ(run.kind, RunKind::settled);
   EXPECT_EQ(run.strain.size(), 41U);
   EXPECT_NEAR(*std::ranges::min_element(run.strain), -(16.920 + 0.008) / 225, 1e-12);
