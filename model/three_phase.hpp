@@ -255,6 +255,9 @@ struct ThreePhase {
         moved = turn_to_heating(p, at, s);
       }
     }
+    if (!moved) {
+      follow_stress(p, s);
+    }
     if constexpr (!linearise) {
       return {};
     }
@@ -298,12 +301,34 @@ struct ThreePhase {
                : S(0) - cooler - p.a2m_a2r.start_shift_K(Pair<S>(from), Pair<S>(to)).first();
   }
 
+  /// Where temperature and stress change together so that nothing transforms, the farthest point
+  /// goes with them: the other direction's processes are not to begin where the wire was long ago.
+  static void follow_stress(const Params& p, State& s) {
+    const S change_Pa = s.drive.stress_Pa - s.reached.stress_Pa;
+    const S by_Pa = change_Pa < S(0) ? S(0) - change_Pa : change_Pa;
+    const S returned = returned_K(p, s);
+    if (S(2e6) < by_Pa || returned < S(0)) {
+      const S back_K = positive(returned);
+      s.reached = {s.drive.temperature_K + (s.heading == Heading::heating ? back_K : S(0) - back_K),
+                   s.drive.stress_Pa};
+    }
+  }
+
   /// Share of a pool that a step leaves: 1 where the process does not act, 0 on arrival.
   static S ratio(const S& now, const S& before, const S& target) {
     if (!(now < before)) {
       return S(1);
     }
     return target < now ? (now - target) / (before - target) : S(0);
+  }
+
+  // At one stress all processes of a direction come to a turning point together. Where the stress
+  // has changed since, M2A and A2M decide when it has been passed; a process that is late then
+  // goes on towards the next one, and one whose turning point is not ahead goes as M2A or A2M
+  // does. So nothing jumps.
+  static bool ahead(const S& before, const S& target) { return target < before; }
+  static bool late(const S& now, const S& before, const S& target) {
+    return target < now && ahead(before, target);
   }
 
   static void close_innermost_loop(State& s) {
@@ -328,6 +353,10 @@ struct ThreePhase {
     }
     s.heading = Heading::heating;
     s.reverse = reverse_left(p, s.reached);
+    // What the stress has passed meanwhile is no longer a target.
+    while (s.hot.size() > 0 && !ahead(s.reverse.m2a, s.hot.newest().left.m2a)) {
+      close_innermost_loop(s);
+    }
     const Reverse now = reverse_left(p, at, s.drive.temperature_K);
     const bool moves = falls(p, now, s.reverse);
     if (moves) {
@@ -345,8 +374,16 @@ struct ThreePhase {
       s.hot.push({s.reverse, s.martensite, s.r_phase});
     }
     s.heading = Heading::cooling;
-    s.returning = positive(s.cold.newest().r_phase - s.r_phase);
     s.forward = forward_left(p, s.reached);
+    while (s.cold.size() > 0 &&
+           !ahead(s.forward.a2m_a2r.first(), s.cold.newest().left.a2m_a2r.first())) {
+      close_innermost_loop(s);
+    }
+    for (ColdTurn& turn : s.cold) {
+      const Pair<S> left = turn.left.a2m_a2r;
+      turn.left.a2m_a2r = Pair<S>(left.first(), least(left.second(), s.forward.a2m_a2r.second()));
+    }
+    s.returning = by_a2r(s, positive(s.cold.newest().r_phase - s.r_phase));
     const Forward now = forward_left(p, at, s.drive.temperature_K);
     const bool moves = falls(p, now, s.forward);
     if (moves) {
@@ -362,14 +399,19 @@ struct ThreePhase {
     while (s.hot.size() > 0 && !(s.hot.newest().left.m2a < now.m2a)) {
       const HotTurn& passed = s.hot.newest();
       s.martensite = least(s.martensite, passed.martensite);
-      s.r_phase = least(s.r_phase, passed.r_phase);
-      s.reverse = passed.left;
+      if (!late(now.r2a, s.reverse.r2a, passed.left.r2a)) {
+        s.r_phase = least(s.r_phase, passed.r_phase);
+        s.reverse.r2a = least(s.reverse.r2a, passed.left.r2a);
+      }
+      s.reverse.m2a = passed.left.m2a;
       close_innermost_loop(s);
     }
     // z_M *= r_M2A;  z_R *= r_R2A, above the target
     const HotTurn& target = s.hot.newest();
     const S r_m2a = ratio(now.m2a, s.reverse.m2a, target.left.m2a);
-    const S r_r2a = p.separate_r2a ? ratio(now.r2a, s.reverse.r2a, target.left.r2a) : r_m2a;
+    const S r_r2a = p.separate_r2a && ahead(s.reverse.r2a, target.left.r2a)
+                        ? ratio(now.r2a, s.reverse.r2a, target.left.r2a)
+                        : r_m2a;
     s.martensite = target.martensite + (s.martensite - target.martensite) * r_m2a;
     s.r_phase = target.r_phase + (s.r_phase - target.r_phase) * r_r2a;
     s.reverse = {least(now.m2a, s.reverse.m2a), least(now.r2a, s.reverse.r2a)};
@@ -388,21 +430,15 @@ struct ThreePhase {
     const Phases<S> start = phases(s);
     S lost_r = S(0);
     while (s.cold.size() > 0 && !(s.cold.newest().left.a2m_a2r.first() < now.a2m_a2r.first())) {
-      const ColdTurn& passed = s.cold.newest();
-      lost_r = lost_r + positive(s.r_phase - passed.r_phase);
-      s.r_phase = s.r_phase + s.returning;
-      s.martensite = s.martensite + positive(phases(s).austenite() - passed.austenite) +
-                     positive(s.r_phase - passed.r_phase);
-      s.r_phase = least(passed.r_phase, S(1) - s.martensite);
-      s.forward = passed.left;
-      s.returning = passed.returning;
-      close_innermost_loop(s);
+      lost_r = lost_r + pass_cold_turn(s, now);
     }
     [[maybe_unused]] const S excess_r = positive(s.r_phase - s.cold.newest().r_phase);
     return_r_phase(s, now);
+    pass_by_a2r(s, now);
     const ColdTurn& target = s.cold.newest();
-    const S r = s.r_phase - target.r_phase + s.returning;                // R-phase that must leave
-    const S a = phases(s).austenite() - target.austenite - s.returning;  // and austenite
+    // R-phase that must leave, and austenite; what R-phase lacks comes back as martensite comes.
+    const S r = s.r_phase - target.r_phase + s.returning;
+    const S a = phases(s).austenite() - target.austenite - s.returning;
     // r_A2M towards the target, r_A2R without one
     const Pair<S> goal(target.left.a2m_a2r.first(), S(0));
     const Pair<S> before = s.forward.a2m_a2r;
@@ -412,17 +448,18 @@ struct ThreePhase {
     const S r_a2r = ratios.second();
     S stays_r = r_a2m;     // of r
     S on_the_way = r_a2m;  // of a: austenite or R-phase; exact for any step
-    if (p.separate_r2m) {
+    if (p.separate_r2m && ahead(s.forward.r2m, target.left.r2m)) {
       // Strang's symmetric splitting: half of A2R before the others, half after.
       using std::sqrt;
       const S half = sqrt(r_a2r);
-      stays_r = ratio(now.r2m, s.forward.r2m, target.left.r2m);
-      on_the_way = (S(1) - half) * stays_r + half * r_a2m;
+      const S r_r2m = ratio(now.r2m, s.forward.r2m, target.left.r2m);
+      on_the_way = (S(1) - half) * r_r2m + half * r_a2m;
+      stays_r = r < S(0) ? r_a2m : r_r2m;
     }
-    const S rest = r * stays_r + a * on_the_way;
+    const S rest = least(r * stays_r + a * on_the_way, r + a);
     // z_M += z_A (1 - r_A2M) + z_R (1 - r_R2M);  z_R += z_A (1 - r_A2R)
     s.martensite = s.martensite + (a + r - rest);
-    s.r_phase = s.r_phase + (rest - r - a * r_a2r * r_a2m);
+    s.r_phase = least(positive(s.r_phase + (rest - r - a * r_a2r * r_a2m)), S(1) - s.martensite);
     s.forward.a2m_a2r = select(acts, now.a2m_a2r, before);
     s.forward.r2m = p.separate_r2m ? least(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
     s.reached = s.drive;
@@ -438,7 +475,58 @@ struct ThreePhase {
     return {};
   }
 
+  /// What of this R-phase returns as A2R goes on: all, or, where A2R has little way left to the
+  /// turning point, none; it then comes back as martensite comes.
+  static S by_a2r(const State& s, const S& r) {
+    const S way = s.forward.a2m_a2r.second() - s.cold.newest().left.a2m_a2r.second();
+    return r < S(2) * way ? r : S(0);
+  }
+
+  /// Returns the R-phase that this has taken.
+  static S pass_cold_turn(State& s, const Forward& now) {
+    const ColdTurn passed = s.cold.newest();
+    const S a2r = s.forward.a2m_a2r.second();
+    const S a2r_passed = passed.left.a2m_a2r.second();
+    const bool a2r_late = late(now.a2m_a2r.second(), a2r, a2r_passed);
+    const bool r2m_late = late(now.r2m, s.forward.r2m, passed.left.r2m);
+    const S staying = a2r_late ? s.returning : S(0);
+    const S excess_r = s.r_phase - (passed.r_phase - s.returning);
+    const S a = positive(phases(s).austenite() - passed.austenite - s.returning);
+    const S leaves_r = r2m_late ? S(0) : positive(excess_r);
+    const S comes_r = least(a, positive(S(0) - excess_r));
+    s.martensite = s.martensite + (a - comes_r) + leaves_r;
+    s.r_phase = s.r_phase + (s.returning - staying) + comes_r - leaves_r;
+    close_innermost_loop(s);
+    const S a2r_from = a2r_late ? a2r : least(a2r, a2r_passed);
+    s.forward = {Pair<S>(passed.left.a2m_a2r.first(), a2r_from),
+                 r2m_late ? s.forward.r2m : least(s.forward.r2m, passed.left.r2m)};
+    s.returning = by_a2r(s, least(passed.returning + staying, s.cold.newest().r_phase));
+    return leaves_r;
+  }
+
+  /// Where A2R passes a turning point before A2M does, the austenite that stays there becomes
+  /// R-phase like all other.
+  static void pass_by_a2r(State& s, const Forward& now) {
+    const S a2r = now.a2m_a2r.second();
+    S converted = S(0);
+    for (ColdTurn& turn : s.cold) {
+      const Pair<S> left = turn.left.a2m_a2r;
+      converted = S(0);
+      if (a2r < left.second()) {
+        const S share = S(1) - a2r / left.second();
+        converted = share * least(turn.austenite, phases(s).austenite());
+        turn.r_phase = turn.r_phase + share * turn.austenite;
+        turn.austenite = turn.austenite - share * turn.austenite;
+        turn.left.a2m_a2r = Pair<S>(left.first(), a2r);
+      }
+    }
+    s.r_phase = s.r_phase + converted;
+  }
+
   static void return_r_phase(State& s, const Forward& now) {
+    if (!ahead(s.forward.a2m_a2r.second(), s.cold.newest().left.a2m_a2r.second())) {
+      s.returning = S(0);
+    }
     if (S(0) < s.returning) {
       const S back = s.returning * (S(1) - ratio(now.a2m_a2r.second(), s.forward.a2m_a2r.second(),
                                                  s.cold.newest().left.a2m_a2r.second()));
@@ -460,17 +548,23 @@ struct ThreePhase {
 
   static PhaseRates<S> rates(const State& s, const Reverse& slope) {
     const HotTurn& target = s.hot.newest();
-    return {flow(slope.m2a, s.reverse.m2a, target.left.m2a, s.martensite - target.martensite),
-            flow(slope.r2a, s.reverse.r2a, target.left.r2a, s.r_phase - target.r_phase)};
+    const bool own = ahead(s.reverse.r2a, target.left.r2a);
+    const S m = positive(s.martensite - target.martensite);
+    const S r = positive(s.r_phase - target.r_phase);
+    return {flow(slope.m2a, s.reverse.m2a, target.left.m2a, m),
+            own ? flow(slope.r2a, s.reverse.r2a, target.left.r2a, r)
+                : flow(slope.m2a, s.reverse.m2a, target.left.m2a, r)};
   }
   static PhaseRates<S> rates(const State& s, const Forward& slope) {
     const ColdTurn& target = s.cold.newest();
     const Pair<S> left = s.forward.a2m_a2r;
     const Pair<S> goal = target.left.a2m_a2r;
-    const S r = positive(s.r_phase - target.r_phase + s.returning);
+    const S r = s.r_phase - target.r_phase + s.returning;
     const S a = positive(phases(s).austenite() - target.austenite - s.returning);
+    const bool own = !(r < S(0)) && ahead(s.forward.r2m, target.left.r2m);
     const S a2m = flow(slope.a2m_a2r.first(), left.first(), goal.first(), a);
-    const S r2m = flow(slope.r2m, s.forward.r2m, target.left.r2m, r);
+    const S r2m = own ? flow(slope.r2m, s.forward.r2m, target.left.r2m, r)
+                      : flow(slope.a2m_a2r.first(), left.first(), goal.first(), r);
     S a2r = flow(slope.a2m_a2r.second(), left.second(), S(0), a);
     if (S(0) < s.returning) {
       a2r = a2r + flow(slope.a2m_a2r.second(), left.second(), goal.second(), s.returning);
@@ -485,7 +579,7 @@ struct ThreePhase {
     const S room = left - target;
     const S shortest = S(0.05) * (slope < S(0) ? S(0) - slope : slope);
     const S longer = room < shortest ? shortest : room;
-    return S(0) < longer ? slope * positive(pool) / longer : S(0);
+    return S(0) < longer ? slope * pool / longer : S(0);
   }
 };
 

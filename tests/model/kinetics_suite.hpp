@@ -180,9 +180,11 @@ TYPED_TEST_P(KineticsSuite, StandingStillChangesNothingToTheBit) {
 
 TYPED_TEST_P(ExactSteps, OneBigStepEqualsManySmallOnes) {
   using K = typename TypeParam::Model;
+  // A step with another stress does not know which process passes its turning point first.
+  constexpr bool any_stress = TypeParam::loops != InnerLoops::close;
   double worst = 0;
   for (int i = 0; i < 3000; ++i) {
-    typename K::State small = this->wandered(30);
+    typename K::State small = this->wandered(30, any_stress);
     typename K::State big = small;
     const auto from = K::drive(small);
     // Temperature and stress push the same way: one straight run without reversal. The temperature
@@ -193,8 +195,11 @@ TYPED_TEST_P(ExactSteps, OneBigStepEqualsManySmallOnes) {
     const double T = static_cast<double>(from.temperature_K) + warmer_K;
     const double stress_MPa = std::clamp(
         static_cast<double>(from.stress_Pa) / 1e6 - warmer_K * this->uniform(0, 2), 0.0, 400.0);
-    this->move(big, this->at(T, stress_MPa));
-    this->ramp(small, this->at(T, stress_MPa), 50);
+    const auto to = any_stress
+                        ? this->at(T, stress_MPa)
+                        : Drive<typename K::Scalar>{this->at(T, 0).temperature_K, from.stress_Pa};
+    this->move(big, to);
+    this->ramp(small, to, 50);
     worst = std::max(worst, this->difference(big, small));
   }
   std::printf("worst difference between one step and fifty: %.2g\n", worst);

@@ -279,6 +279,39 @@ void ThreePhaseTest::correct_at_random(const K::Params& p, K::State& s) {
   expect_simplex(K::phases(s), 1e-6);
 }
 
+// Turning points that were made under one stress are passed under another.
+TEST_F(ThreePhaseTest, NothingJumpsUnderAVaryingStress) {
+  constexpr double step_K = 0.02;
+  constexpr double step_Pa = step_K * 7e6;
+  for (K::Params p : {paper_wire().kinetics, separate_kinetics()}) {
+    p.smallest_reversal_K = 0;
+    double greatest = 0;
+    for (int walk = 0; walk < 60; ++walk) {
+      Drive<double> u{uniform(300, 390), uniform(50e6, 350e6)};
+      K::State s = K::rest(p, u);
+      for (int leg = 0; leg < 30; ++leg) {
+        const Drive<double> from = u;
+        const Drive<double> to{uniform(300, 390), uniform(50e6, 350e6)};
+        const double steps =
+            std::ceil(std::max(std::abs(to.temperature_K - u.temperature_K) / step_K,
+                               std::abs(to.stress_Pa - u.stress_Pa) / step_Pa));
+        for (int i = 1; i <= static_cast<int>(steps); ++i) {
+          const double share = i / steps;
+          u = {from.temperature_K + share * (to.temperature_K - from.temperature_K),
+               from.stress_Pa + share * (to.stress_Pa - from.stress_Pa)};
+          const Phases<double> before = K::phases(s);
+          K::advance(p, s, u);
+          greatest = std::max({greatest, std::abs(K::phases(s).martensite - before.martensite),
+                               std::abs(K::phases(s).r_phase - before.r_phase)});
+        }
+      }
+    }
+    std::printf("greatest change of a fraction in a step: %.4f\n", greatest);
+    EXPECT_LT(greatest, 0.02);
+    EXPECT_GT(greatest, 0.002);
+  }
+}
+
 TEST_F(ThreePhaseTest, CorrectionsKeepTheFractionsOnTheSimplex) {
   for (const K::Params& p : {paper_wire().kinetics, plain_kinetics(), separate_kinetics()}) {
     for (int walk = 0; walk < 200; ++walk) {
