@@ -1,5 +1,6 @@
 #include "host-sim/identify/fit.hpp"
 
+#include <algorithm>
 #include <ceres/ceres.h>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,8 @@ namespace {
 
 /// No deviation gets farther from its prior, in standard deviations.
 constexpr double farthest = 8;
+/// Another structure of the model that still costs so many times more is given up.
+constexpr double hopeless = 1.3;
 /// A solution is good enough when a step gains less than this share of the cost.
 constexpr double tolerance = 3e-4;
 
@@ -250,7 +253,12 @@ void Fit::try_variants() {
     const Deviations old_u = u_;
     const double before = cost(everything());
     with(variant);
-    const double after = joint(name, options_.most_iterations / 5);
+    // The first steps show whether it leads anywhere.
+    const int first = std::max(1, options_.most_iterations / 13);
+    double after = joint(name, first);
+    if (after < hopeless * before) {
+      after = joint(name, options_.most_iterations / 5 - first);
+    }
     if (interrupted_ || before - after < additional) {
       with(old);
       u_ = old_u;
