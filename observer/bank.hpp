@@ -48,6 +48,11 @@ struct KalmanBank {
   /// stroke, for long.
   static constexpr S unseen_rest_sd = S(8e-4);
 
+  /// A wire that is seen in motion has one resistance to tell phases, drift and surroundings apart:
+  /// with much freedom for the last two, several starts would go on to explain everything.
+  static constexpr S moving_loss_sd = S(0.4);
+  static constexpr S moving_resistance_sd = S(0.01);
+
   /// Hypotheses whose strains scatter by less, 2.5 % of 4 % stroke, are no longer a question.
   static constexpr S agreed_sd = S(1e-3);
 
@@ -84,7 +89,11 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   s.compared = m.resistance_valid;
   const auto add = [&](const S& temperature_K, const Phases<S>& z) {
     s.log_likelihood[s.alive] = other_starts;
-    s.filter[s.alive++] = Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
+    typename Filter::State& f = s.filter[s.alive++];
+    f = Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
+    f.covariance[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
+    f.covariance[Filter::iResistance][Filter::iResistance] =
+        moving_resistance_sd * moving_resistance_sd;
   };
   // Cold and at rest; about to contract; about to stretch; in the middle of a loop, martensite or
   // R-phase with austenite; hot.

@@ -15,20 +15,20 @@ namespace smaservo {
 /// kalman_tuning() makes it for a wire.
 template <class S>
 struct KalmanTuning {
-  S heat_error = S(0.025);    ///< of the temperature above ambient, in steady state: heat that the
+  S heat_error = S(0.016);    ///< of the temperature above ambient, in steady state: heat that the
                               ///< balance does not know of
   S fraction_noise = S(0.2);  ///< per square root of the fraction converted
-  S ambient_walk_K = S(0.05);
-  S loss_walk = S(0.0015);           ///< relative
-  S resistance_walk = S(4.3e-5);     ///< relative
-  S resistance_model_sd = S(0.045);  ///< relative, of one sample at 1 kHz: the model's error is
-                                     ///< coloured, so it counts for far more than the sensor's
-  S stress_filter_s = S(0.0096);
-  S start_temperature_sd_K = S(4);
+  S ambient_walk_K = S(0.35);
+  S loss_walk = S(0.0013);          ///< relative
+  S resistance_walk = S(8e-6);      ///< relative
+  S resistance_model_sd = S(0.05);  ///< relative, of one sample at 1 kHz: the model's error is
+                                    ///< coloured, so it counts for far more than the sensor's
+  S stress_filter_s = S(0.023);
+  S start_temperature_sd_K = S(1);
   S start_fraction_sd = S(0.05);
-  S start_ambient_sd_K = S(20);
-  S start_loss_sd = S(0.4);
-  S start_resistance_sd = S(0.012);
+  S start_ambient_sd_K = S(18);
+  S start_loss_sd = S(1.5);  ///< nothing is known of it, but loss_range
+  S start_resistance_sd = S(0.03);
   // The slow states stay this close to where they start: a filter that has the phases wrong would
   // rather bend the surroundings than believe it.
   S ambient_range_K = S(20);
@@ -37,7 +37,7 @@ struct KalmanTuning {
   S hottest_K = S(550);  ///< and the wire, below this and not colder than the air can be
   // The deviation in the estimate: the filter has to be more careful than it is right, and knows
   // nothing of what its model can not say.
-  S reported = S(0.4);
+  S reported = S(0.33);
   S strain_model_sd = S(0.0003);
 };
 
@@ -45,9 +45,9 @@ struct KalmanTuning {
 template <class S>
 constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
   KalmanTuning<S> tuning;
-  tuning.fraction_noise = S(440) * accuracy.strain;
-  tuning.start_fraction_sd = S(25) * accuracy.strain;
-  tuning.strain_model_sd = S(0.5) * accuracy.strain;
+  tuning.fraction_noise = S(375) * accuracy.strain;
+  tuning.start_fraction_sd = S(27) * accuracy.strain;
+  tuning.strain_model_sd = S(0.4) * accuracy.strain;
   return tuning;
 }
 
@@ -88,11 +88,7 @@ struct KalmanObserver {
   };
 
   /// At rest at ambient temperature, cooled there.
-  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
-    const Drive<S> u{ambient_K, m.stress_Pa};
-    return start(p, m, ambient_K, ambient_K, Kinetics::phases(Kinetics::rest(p.model.kinetics, u)),
-                 p.tuning.start_fraction_sd, p.tuning.start_temperature_sd_K);
-  }
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
   /// From a guess of temperature and phases.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K,
                      const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
@@ -135,6 +131,31 @@ struct KalmanObserver {
   }
   static constexpr S magnitude(const S& x) { return x < S(0) ? S(0) - x : x; }
 };
+
+template <class S>
+auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K)
+    -> State {
+  const KalmanTuning<S>& t = p.tuning;
+  const auto rest = [&](const S& warmer_K) {
+    return Kinetics::phases(Kinetics::rest(p.model.kinetics, {ambient_K + warmer_K, m.stress_Pa}));
+  };
+  State s =
+      start(p, m, ambient_K, ambient_K, rest(S(0)), t.start_fraction_sd, t.start_temperature_sd_K);
+  // In a warmer room the wire would be warmer and rest with other phases.
+  const S away_K = S(5);
+  const Phases<S> warm = rest(away_K);
+  const Phases<S> cold = rest(S(0) - away_K);
+  const S along[] = {S(1), (warm.martensite - cold.martensite) / (S(2) * away_K),
+                     (warm.r_phase - cold.r_phase) / (S(2) * away_K), S(1)};
+  const S variance = t.start_ambient_sd_K * t.start_ambient_sd_K;
+  s.covariance[iAmbient][iAmbient] = S(0);
+  for (int i = 0; i <= iAmbient; ++i) {
+    for (int j = 0; j <= iAmbient; ++j) {
+      s.covariance[i][j] = s.covariance[i][j] + along[i] * along[j] * variance;
+    }
+  }
+  return s;
+}
 
 template <class S>
 auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K,

@@ -27,15 +27,15 @@ void PrintTo(const Accuracy& accuracy, std::ostream* out) {
 }
 
 constexpr Accuracy loaded[] = {
-    {"100MPa", "b", 0.60, 1.11},    {"150MPa", "a", 0.11, 0.20},
-    {"200MPa", "b", 0.16, 0.30},    {"400MPa", "a", 0.31, 0.49},
-    {"spring", "a", 0.26, 0.45},    {"varying", "b", 0.11, 0.29},
-    {"disturbed", "a", 0.23, 0.61}, {"unknown-start", "b", 2.31, 2.90},
+    {"100MPa", "b", 0.68, 1.15},    {"150MPa", "a", 0.08, 0.20},
+    {"200MPa", "b", 0.08, 0.20},    {"400MPa", "a", 0.33, 0.51},
+    {"spring", "a", 0.25, 0.45},    {"varying", "b", 0.14, 0.37},
+    {"disturbed", "a", 0.16, 0.35}, {"unknown-start", "b", 2.31, 3.12},
 };
 constexpr Accuracy light[] = {
-    {"10MPa", "a", 0.68, 1.39},
-    {"25MPa", "b", 0.83, 1.76},
-    {"50MPa", "a", 0.64, 1.25},
+    {"10MPa", "a", 0.74, 1.54},
+    {"25MPa", "b", 1.15, 2.23},
+    {"50MPa", "a", 0.74, 1.39},
 };
 constexpr Accuracy bath[] = {{"bath", "b", 0.14, 1.05}};
 

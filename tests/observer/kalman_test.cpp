@@ -117,6 +117,35 @@ void add(Soundness& to, const typename KalmanObserver<S>::State& s) {
                                .minCoeff());
 }
 
+// At the first sample a warm room and a drift of the resistance look alike; a heating tells them
+// apart.
+TEST(Kalman, TellsAWarmRoomFromADriftOfTheResistance) {
+  const Filter::Params p = tuned();
+  std::vector<double> drift_errors, strain_errors;
+  for (const double stress_Pa : {20e6, 40e6}) {
+    for (const double warmer_K : {-9.0, 9.0}) {
+      for (const double drift : {0.99, 1.01}) {
+        Deviations deviations;
+        deviations.ambient_K = warmer_K;
+        deviations.resistance = drift;
+        LumpedWire wire(deviations, stress_Pa, 5);
+        const double heating_W = holding_W(hot_K(stress_Pa));
+        Filter::State s = Filter::start(p, wire.step(0.01), told_ambient_K);
+        for (int i = 0; i < 12000; ++i) {
+          const bool heats = i > 1000 && i < 6000;
+          Filter::advance(p, s, wire.step(heats ? heating_W : 0.002), sample_s);
+        }
+        drift_errors.push_back(100 * std::abs(s.resistance - drift));
+        strain_errors.push_back(2500 * std::abs(Filter::estimate(p, s).strain - wire.strain()));
+      }
+    }
+  }
+  std::printf("off by %.3f %% of the resistance, %.2f %% of the stroke\n", mean(drift_errors),
+              mean(strain_errors));
+  expect_between(mean(drift_errors), 0.01, 0.2, "drift");
+  expect_between(mean(strain_errors), 0.1, 2.5, "strain");
+}
+
 TEST(Kalman, CovarianceStaysSoundAndFractionsOnTheSimplex) {
   const Filter::Params p = tuned();
   const KalmanObserver<float>::Params pf = to_float(p);

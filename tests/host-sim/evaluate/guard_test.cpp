@@ -17,9 +17,9 @@ struct Expected {
 };
 
 constexpr Expected expected[] = {
-    {"standard", 0.77, 2.42},
-    {"disturbed", 0.83, 2.19},
-    {"light", 1.47, 4.39},
+    {"standard", 0.56, 1.65},
+    {"disturbed", 0.54, 1.51},
+    {"light", 0.90, 3.26},
 };
 
 TEST(EvaluationGuard, CalibratedWiresAreEstimatedAsWellAsTheyWere) {
