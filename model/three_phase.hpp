@@ -500,27 +500,32 @@ struct ThreePhase {
     const S a2r_from = a2r_late ? a2r : least(a2r, a2r_passed);
     s.forward = {Pair<S>(passed.left.a2m_a2r.first(), a2r_from),
                  r2m_late ? s.forward.r2m : least(s.forward.r2m, passed.left.r2m)};
+    if (a2r_from < s.cold.newest().left.a2m_a2r.second()) {
+      move_by_a2r(s.cold.newest(), a2r_from);
+    }
     s.returning = by_a2r(s, least(passed.returning + staying, s.cold.newest().r_phase));
     return leaves_r;
   }
 
-  /// Where A2R passes a turning point before A2M does, the austenite that stays there becomes
-  /// R-phase like all other.
+  /// Where A2R passes a turning point before A2M does, the austenite that stays there becomes R-phase
+  /// like all other.
   static void pass_by_a2r(State& s, const Forward& now) {
+    ColdTurn& turn = s.cold.newest();
     const S a2r = now.a2m_a2r.second();
-    S converted = S(0);
-    for (ColdTurn& turn : s.cold) {
-      const Pair<S> left = turn.left.a2m_a2r;
-      converted = S(0);
-      if (a2r < left.second()) {
-        const S share = S(1) - a2r / left.second();
-        converted = share * least(turn.austenite, phases(s).austenite());
-        turn.r_phase = turn.r_phase + share * turn.austenite;
-        turn.austenite = turn.austenite - share * turn.austenite;
-        turn.left.a2m_a2r = Pair<S>(left.first(), a2r);
-      }
+    if (a2r < turn.left.a2m_a2r.second()) {
+      const S stays = least(turn.austenite, phases(s).austenite());
+      s.r_phase = s.r_phase + stays * move_by_a2r(turn, a2r);
     }
-    s.r_phase = s.r_phase + converted;
+  }
+  /// Returns the share of its austenite.
+  static S move_by_a2r(ColdTurn& turn, const S& a2r) {
+    const Pair<S> left = turn.left.a2m_a2r;
+    const S share = S(1) - a2r / left.second();
+    const S converted = share * turn.austenite;
+    turn.austenite = turn.austenite - converted;
+    turn.r_phase = turn.r_phase + converted;
+    turn.left.a2m_a2r = Pair<S>(left.first(), a2r);
+    return share;
   }
 
   static void return_r_phase(State& s, const Forward& now) {
@@ -561,7 +566,7 @@ struct ThreePhase {
     const Pair<S> goal = target.left.a2m_a2r;
     const S r = s.r_phase - target.r_phase + s.returning;
     const S a = positive(phases(s).austenite() - target.austenite - s.returning);
-    const bool own = !(r < S(0)) && ahead(s.forward.r2m, target.left.r2m);
+    const bool own = ahead(s.forward.r2m, target.left.r2m);
     const S a2m = flow(slope.a2m_a2r.first(), left.first(), goal.first(), a);
     const S r2m = own ? flow(slope.r2m, s.forward.r2m, target.left.r2m, r)
                       : flow(slope.a2m_a2r.first(), left.first(), goal.first(), r);

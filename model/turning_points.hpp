@@ -17,6 +17,7 @@ class TurningPoints {
   explicit constexpr TurningPoints(const Turn& at_infinity) { turns_[0] = at_infinity; }
 
   constexpr const Turn& newest() const { return turns_[top_]; }
+  constexpr Turn& newest() { return turns_[top_]; }
   constexpr bool full() const { return top_ == depth; }
   constexpr std::size_t size() const { return top_; }
 
