@@ -119,9 +119,10 @@ struct ThreePhase {
     return s;
   }
 
-  /// Exact for any step size when the processes share their surfaces as in 000; with a separate
-  /// R2M of second order in the step. Cost: one curve when heating, two when cooling, all three
-  /// at a reversal.
+  /// Exact for any step size at one stress when the processes share their surfaces as in 000; with
+  /// a separate R2M of second order in the step, and of first order where a step with another
+  /// stress passes a turning point. Cost: one curve when heating, two when cooling, all three at a
+  /// reversal.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     move<false>(p, AtStress{p, u.stress_Pa}, s, u);
   }
@@ -507,8 +508,8 @@ struct ThreePhase {
     return leaves_r;
   }
 
-  /// Where A2R passes a turning point before A2M does, the austenite that stays there becomes R-phase
-  /// like all other.
+  /// Where A2R passes a turning point before A2M does, the austenite that stays there becomes
+  /// R-phase like all other.
   static void pass_by_a2r(State& s, const Forward& now) {
     ColdTurn& turn = s.cold.newest();
     const S a2r = now.a2m_a2r.second();
