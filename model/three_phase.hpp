@@ -567,7 +567,7 @@ struct ThreePhase {
     const Pair<S> goal = target.left.a2m_a2r;
     const S r = s.r_phase - target.r_phase + s.returning;
     const S a = positive(phases(s).austenite() - target.austenite - s.returning);
-    const bool own = ahead(s.forward.r2m, target.left.r2m);
+    const bool own = !(r < S(0)) && ahead(s.forward.r2m, target.left.r2m);
     const S a2m = flow(slope.a2m_a2r.first(), left.first(), goal.first(), a);
     const S r2m = own ? flow(slope.r2m, s.forward.r2m, target.left.r2m, r)
                       : flow(slope.a2m_a2r.first(), left.first(), goal.first(), r);
