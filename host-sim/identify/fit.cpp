@@ -76,9 +76,9 @@ double greatest_power(const FitRun& run) {
 }
 
 Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options)
-    : from_(from), options_(options) {
+    : from_(from), runs_in_full_(runs), options_(options) {
   for (const Run& run : runs) {
-    runs_.push_back(thin_run(run));
+    runs_.push_back(thin_run(run, coarse_step_s));
     zero_known_.push_back(zero_known(run));
     circumstances_.push_back(circumstances_of(runs_.back(), run));
     Weights weights;
@@ -88,6 +88,13 @@ Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOption
   with(FitVariant{from.kinetics.separate_r2a, from.kinetics.separate_r2m, from.kinetics.memory,
                   from.material.mixture, options_.circuit});
   u_.runs.resize(runs_.size());
+}
+
+void Fit::refine() {
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    runs_[i] = thin_run(runs_in_full_[i], fine_step_s);
+  }
+  weigh();
 }
 
 /// Changes the model's structure; what both structures know keeps its deviation.
@@ -290,7 +297,7 @@ FitResult Fit::run() {
   if (options_.variants) {
     try_variants();
   }
-  weigh();
+  refine();
   joint("refinement", options_.most_iterations);
   FitResult result;
   describe(result);

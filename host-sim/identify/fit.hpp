@@ -80,7 +80,11 @@ struct FitResult {
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options);
 
-/// A run thinned for the fit: steps of about 4 ms, at most 1500 comparisons.
-FitRun thin_run(const Run& run);
+/// Steps of a thinned run in time: of the result, and as long as the way there is long.
+inline constexpr double fine_step_s = 8e-3;
+inline constexpr double coarse_step_s = 24e-3;
+
+/// A run thinned for the fit, to steps of about so long and at most 1500 comparisons.
+FitRun thin_run(const Run& run, double step_s = fine_step_s);
 
 }  // namespace smaservo

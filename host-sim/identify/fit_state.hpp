@@ -58,6 +58,8 @@ class Fit {
   }
   double cost(const Runs& which);
   void try_variants();
+  /// From coarse steps to fine ones.
+  void refine();
 
   // fit_start.cpp
   void calorimetry();
@@ -74,6 +76,7 @@ class Fit {
   void uncertainty(FitResult& result);
 
   const Wire<double>& from_;
+  const std::vector<Run>& runs_in_full_;
   FitOptions options_;
   std::vector<FitRun> runs_;
   std::vector<bool> zero_known_;

@@ -14,10 +14,12 @@ using Jet = ceres::Jet<double, jet_width>;
 namespace ceres {
 
 /// Ceres multiplies by the reciprocal, which rounds twice. A path through the hysteresis turns
-/// where a comparison says so, and must be the same with and without derivatives, to the bit.
+/// where a comparison says so, and must be the same with and without derivatives, to the bit. The
+/// derivatives themselves may round.
 inline smaservo::Jet operator/(const smaservo::Jet& f, const smaservo::Jet& g) {
   const double quotient = f.a / g.a;
-  return {quotient, (f.v - quotient * g.v) / g.a};
+  const double reciprocal = 1 / g.a;
+  return {quotient, (f.v - quotient * g.v) * reciprocal};
 }
 
 }  // namespace ceres

@@ -8,7 +8,6 @@
 namespace smaservo {
 namespace {
 
-constexpr double step_s = 8e-3;
 constexpr std::size_t most_comparisons = 1500;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
@@ -70,7 +69,7 @@ void take_rows(const Run& run, FitRun& fit) {
 /// The steps between two rows: their energy and mean square of the current by the trapezoidal rule,
 /// the mean stress. A long gap is divided, with the power on the straight line across it. `ends` is
 /// the row behind every step, 0 within a gap.
-void take_steps(const Run& run, std::size_t from, std::size_t to, FitRun& fit,
+void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s, FitRun& fit,
                 std::vector<std::size_t>& ends) {
   const auto power_W = [&](std::size_t i) { return run.current_A[i] * run.voltage_V[i]; };
   const auto square = [&](std::size_t i) { return run.current_A[i] * run.current_A[i]; };
@@ -97,26 +96,27 @@ void take_steps(const Run& run, std::size_t from, std::size_t to, FitRun& fit,
 }
 
 /// Over the last half of a step.
-double mean_resistance(const Run& run, std::size_t row) {
+double mean_resistance(const Run& run, std::size_t row, double step_s) {
   double ohm = 0;
   int count = 0;
-  for (std::size_t i = row - std::min<std::size_t>(row, 3); i <= row; ++i) {
-    if (run.time_s[row] - run.time_s[i] < 0.6 * step_s) {
-      ohm += resistance_at(run, i);
-      ++count;
+  for (std::size_t i = row; run.time_s[row] - run.time_s[i] < 0.6 * step_s; --i) {
+    ohm += resistance_at(run, i);
+    ++count;
+    if (i == 0) {
+      break;
     }
   }
   return ohm / count;
 }
 
-void take_time(const Run& run, FitRun& fit) {
+void take_time(const Run& run, double step_s, FitRun& fit) {
   std::vector<std::size_t> ends;
   for (std::size_t from = 0; from + 1 < run.time_s.size();) {
     std::size_t to = from + 1;
     while (to + 1 < run.time_s.size() && run.time_s[to + 1] - run.time_s[from] < 1.25 * step_s) {
       ++to;
     }
-    take_steps(run, from, to, fit, ends);
+    take_steps(run, from, to, step_s, fit, ends);
     from = to;
   }
   const std::size_t every = (ends.size() + most_comparisons - 1) / most_comparisons;
@@ -125,14 +125,14 @@ void take_time(const Run& run, FitRun& fit) {
     ++since;
     if (ends[i] != 0 && since >= every) {
       since = 0;
-      compare(fit, i, at(run.strain, ends[i]), mean_resistance(run, ends[i]), nothing);
+      compare(fit, i, at(run.strain, ends[i]), mean_resistance(run, ends[i], step_s), nothing);
     }
   }
 }
 
 }  // namespace
 
-FitRun thin_run(const Run& run) {
+FitRun thin_run(const Run& run, double step_s) {
   FitRun fit;
   fit.name = run.name;
   fit.kind = run.kind;
@@ -141,7 +141,7 @@ FitRun thin_run(const Run& run) {
                     static_cast<double>(run.ambient_K.size());
   }
   if (run.kind == RunKind::joule) {
-    take_time(run, fit);
+    take_time(run, step_s, fit);
   } else {
     take_rows(run, fit);
   }
