@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "host-sim/figures/figure.hpp"
+#include "host-sim/html.hpp"
+#include "host-sim/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+void prepare_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0) {
+    throw UserError(
+        fmt::format("--out {}: {}", folder, error ? error.message() : std::strerror(errno)));
+  }
+}
+
+void write_file(const std::filesystem::path& path, std::string_view text) {
+  OutputFile file(path.string());
+  file.write(text);
+  file.commit();
+}
+
+/// "001-04.svg", "001-04-b.svg"
+std::string file_name(const Paper& paper, const Figure& figure, std::size_t panel) {
+  const std::string letter =
+      figure.panels.size() > 1 ? fmt::format("-{}", static_cast<char>('a' + panel)) : "";
+  return fmt::format("{}-{:02}{}.svg", paper.number, figure.number, letter);
+}
+
+std::string figure_html(const Paper& paper, const Figure& figure) {
+  return fmt::format("<h3>{}, figure {}: {}</h3>\n<p class=\"caption\">{}</p>\n{}", paper.number,
+                     figure.number, escaped(figure.title), escaped(figure.caption),
+                     plots_html(figure.panels));
+}
+
+}  // namespace
+
+const std::vector<Paper>& papers() {
+  static const std::vector<Paper> all{};
+  return all;
+}
+
+void write_figures(const std::string& folder, const std::vector<std::string>& paper_numbers) {
+  std::vector<std::string_view> known;
+  for (const Paper& paper : papers()) {
+    known.emplace_back(paper.number);
+  }
+  for (const std::string& number : paper_numbers) {
+    if (std::ranges::count(known, number) == 0) {
+      throw UserError(
+          fmt::format("--paper {}: no such paper; there are: {}", number, fmt::join(known, ", ")));
+    }
+  }
+  prepare_folder(folder);
+  std::string html;
+  for (const Paper& paper : papers()) {
+    if (!paper_numbers.empty() && std::ranges::count(paper_numbers, paper.number) == 0) {
+      continue;
+    }
+    html += fmt::format("<h2>Paper {}: {}</h2>\n<p>{}</p>\n", paper.number, escaped(paper.title),
+                        escaped(paper.left_out));
+    for (const Figure& figure : paper.figures()) {
+      for (std::size_t panel = 0; panel < figure.panels.size(); ++panel) {
+        write_file(std::filesystem::path(folder) / file_name(paper, figure, panel),
+                   figure.panels[panel].svg);
+      }
+      html += figure_html(paper, figure);
+    }
+  }
+  write_html((std::filesystem::path(folder) / "index.html").string(), "The papers' figures", html);
+}
+
+}  // namespace smaservo
