@@ -59,9 +59,9 @@ struct KalmanBank {
 
   /// What a hypothesis has to believe of the air and of a drift to explain the resistance counts
   /// against it: the filters themselves leave both nearly free.
-  static constexpr S plausible_ambient_sd_K = S(12);
-  static constexpr S plausible_loss_sd = S(0.3);
-  static constexpr S plausible_resistance_sd = S(0.012);
+  static constexpr S plausible_ambient_sd_K = S(10);
+  static constexpr S plausible_loss_sd = S(0.25);
+  static constexpr S plausible_resistance_sd = S(0.01);
   static S log_prior(const typename Filter::State& f);
 
   /// The most R-phase that a wire has on cooling.
