@@ -14,30 +14,15 @@
 // nothing of it is left on arrival: the ratio becomes (s(new) - s*)/(s(old) - s*), with s* the
 // value at the turning point. Passing a turning point wipes its loop out. An outer branch is the
 // same with its turning point at infinity, where s* = 0. model/README.md draws it.
+//
+// One file, though long: step, memory and derivatives share their private parts.
 
 #include <cmath>
 
-#include "model/surface.hpp"
+#include "model/three_phase_curves.hpp"
 #include "model/turning_points.hpp"
 
 namespace smaservo {
-
-/// How inner loops behave. `plain` is paper 000's scaling and the reference for what it says.
-enum class Memory : unsigned char { plain, return_point };
-
-template <class S>
-struct ThreePhaseParams {
-  Surface<S> m2a;
-  Surface<Pair<S>> a2m_a2r;   ///< A2M in the first lane, A2R in the second: needed together
-  Surface<S> r2a;             ///< used when separate_r2a
-  Surface<S> r2m;             ///< used when separate_r2m
-  bool separate_r2a = false;  ///< R2A has a surface of its own; 000 shares M2A's
-  bool separate_r2m = false;  ///< R2M has a surface of its own; 000 shares A2M's
-  Memory memory = Memory::return_point;
-  /// A reversal counts when it is larger than this; until then nothing transforms. What was
-  /// waited for is made up for, so larger motions do not depend on it.
-  S smallest_reversal_K = S(0);
-};
 
 /// Remembers `memory_depth` open loops; of more, the outermost are forgotten.
 template <class S, std::size_t memory_depth = 8>
@@ -45,14 +30,10 @@ struct ThreePhase {
   using Scalar = S;
   using Params = ThreePhaseParams<S>;
 
-  /// What the outer curves of one direction's processes have left, s.
-  struct Reverse {
-    S m2a, r2a;
-  };
-  struct Forward {
-    Pair<S> a2m_a2r;
-    S r2m;
-  };
+  using Curves = ThreePhaseCurves<S>;
+  using Reverse = typename Curves::Reverse;
+  using Forward = typename Curves::Forward;
+  using Cut = typename Curves::Cut;
 
   /// Reversals: out of heating, out of cooling.
   struct HotTurn {
@@ -115,7 +96,7 @@ struct ThreePhase {
     s.r_phase = phases.r_phase;
     s.returning = S(0);
     s.heading = Heading::cooling;
-    s.forward = forward_left(p, u);
+    s.forward = Curves::forward_left(p, u);
     return s;
   }
 
@@ -159,24 +140,15 @@ struct ThreePhase {
     const bool small = warmer_K < S(0.02) && S(-0.02) < warmer_K;
     if (s.heading == Heading::heating) {
       const S m2a = s.reverse.m2a + warmer_K * tangent.reverse_1_K.m2a;
-      s.reverse = small && !p.separate_r2a ? Reverse{m2a, m2a} : reverse_left(p, s.reached);
+      s.reverse = small && !p.separate_r2a ? Reverse{m2a, m2a} : Curves::reverse_left(p, s.reached);
     } else {
       const Pair<S> both = s.forward.a2m_a2r + Pair<S>(warmer_K) * tangent.forward_1_K.a2m_a2r;
-      s.forward =
-          small && !p.separate_r2m ? Forward{both, both.first()} : forward_left(p, s.reached);
+      s.forward = small && !p.separate_r2m ? Forward{both, both.first()}
+                                           : Curves::forward_left(p, s.reached);
     }
   }
 
-  /// The surfaces cut at one stress, for many steps at that stress.
-  struct Cut {
-    S stress_Pa;
-    Isobar<S> m2a, r2a, r2m;
-    Isobar<Pair<S>> a2m_a2r;
-  };
-  static Cut cut(const Params& p, const S& stress_Pa) {
-    const AtStress at{p, stress_Pa};
-    return {stress_Pa, at.m2a(), at.r2a(), at.r2m(), at.a2m_a2r()};
-  }
+  static Cut cut(const Params& p, const S& stress_Pa) { return Curves::cut(p, stress_Pa); }
   /// The same step with the cut at hand; a quarter cheaper.
   static void advance(const Params& p, const Cut& cut, State& s, const S& temperature_K) {
     move<false>(p, AtCut{cut}, s, {temperature_K, cut.stress_Pa});
@@ -194,45 +166,13 @@ struct ThreePhase {
       return {S(0), S(0)};
     }
     const AtStress at{p, s.reached.stress_Pa};
-    return heading == Heading::heating ? rates(s, slopes(p, at, s.reverse))
-                                       : rates(s, slopes(p, at, s.forward));
+    return heading == Heading::heating ? rates(s, Curves::slopes(p, at, s.reverse))
+                                       : rates(s, Curves::slopes(p, at, s.forward));
   }
 
  private:
-  // Where the isobars come from: cut when they are needed, or cut before.
-  struct AtStress {
-    const Params& p;
-    S stress_Pa;
-    Isobar<S> m2a() const { return isobar(p.m2a, stress_Pa); }
-    Isobar<S> r2a() const { return isobar(p.separate_r2a ? p.r2a : p.m2a, stress_Pa); }
-    Isobar<S> r2m() const { return isobar(p.r2m, stress_Pa); }
-    Isobar<Pair<S>> a2m_a2r() const { return isobar(p.a2m_a2r, Pair<S>(stress_Pa)); }
-  };
-  struct AtCut {
-    const Cut& cut;
-    const Isobar<S>& m2a() const { return cut.m2a; }
-    const Isobar<S>& r2a() const { return cut.r2a; }
-    const Isobar<S>& r2m() const { return cut.r2m; }
-    const Isobar<Pair<S>>& a2m_a2r() const { return cut.a2m_a2r; }
-  };
-
-  template <class Isobars>
-  static Reverse reverse_left(const Params& p, const Isobars& at, const S& temperature_K) {
-    const S m2a = at.m2a().remaining(temperature_K);
-    return {m2a, p.separate_r2a ? at.r2a().remaining(temperature_K) : m2a};
-  }
-  static Reverse reverse_left(const Params& p, const Drive<S>& u) {
-    return reverse_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
-  }
-
-  template <class Isobars>
-  static Forward forward_left(const Params& p, const Isobars& at, const S& temperature_K) {
-    const Pair<S> both = at.a2m_a2r().remaining(Pair<S>(temperature_K));
-    return {both, p.separate_r2m ? at.r2m().remaining(temperature_K) : both.first()};
-  }
-  static Forward forward_left(const Params& p, const Drive<S>& u) {
-    return forward_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
-  }
+  using AtStress = typename Curves::AtStress;
+  using AtCut = typename Curves::AtCut;
 
   template <bool linearise, class Isobars>
   static Tangent move(const Params& p, const Isobars& at, State& s, const Drive<S>& u) {
@@ -240,16 +180,16 @@ struct ThreePhase {
     Transfer transfer{S(1), S(0), S(0), S(1)};
     bool moved = false;
     if (s.heading == Heading::heating) {
-      const Reverse now = reverse_left(p, at, u.temperature_K);
-      moved = falls(p, now, s.reverse);
+      const Reverse now = Curves::reverse_left(p, at, u.temperature_K);
+      moved = Curves::falls(p, now, s.reverse);
       if (moved) {
         transfer = heat<linearise>(p, s, now);
       } else if (p.smallest_reversal_K < returned_K(p, s)) {
         moved = turn_to_cooling(p, at, s);
       }
     } else {
-      const Forward now = forward_left(p, at, u.temperature_K);
-      moved = falls(p, now, s.forward);
+      const Forward now = Curves::forward_left(p, at, u.temperature_K);
+      moved = Curves::falls(p, now, s.forward);
       if (moved) {
         transfer = cool<linearise>(p, s, now);
       } else if (p.smallest_reversal_K < returned_K(p, s)) {
@@ -269,22 +209,15 @@ struct ThreePhase {
   template <class Isobars>
   static Tangent heating_tangent(const Params& p, const Isobars& at, const State& s,
                                  const Transfer& transfer, bool moved) {
-    const Reverse slope = slopes(p, at, s.reverse);
+    const Reverse slope = Curves::slopes(p, at, s.reverse);
     return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, slope, Forward{}};
   }
 
   template <class Isobars>
   static Tangent cooling_tangent(const Params& p, const Isobars& at, const State& s,
                                  const Transfer& transfer, bool moved) {
-    const Forward slope = slopes(p, at, s.forward);
+    const Forward slope = Curves::slopes(p, at, s.forward);
     return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, Reverse{}, slope};
-  }
-
-  static bool falls(const Params& p, const Reverse& now, const Reverse& before) {
-    return now.m2a < before.m2a || (p.separate_r2a && now.r2a < before.r2a);
-  }
-  static bool falls(const Params& p, const Forward& now, const Forward& before) {
-    return any(now.a2m_a2r < before.a2m_a2r) || (p.separate_r2m && now.r2m < before.r2m);
   }
 
   static S least(const S& a, const S& b) { return a < b ? a : b; }
@@ -308,6 +241,8 @@ struct ThreePhase {
     const S change_Pa = s.drive.stress_Pa - s.reached.stress_Pa;
     const S by_Pa = change_Pa < S(0) ? S(0) - change_Pa : change_Pa;
     const S returned = returned_K(p, s);
+    // 2 MPa: less is a load cell's noise, which would drag the farthest point along by steps
+    // that do not belong to it.
     if (S(2e6) < by_Pa || returned < S(0)) {
       const S back_K = positive(returned);
       s.reached = {s.drive.temperature_K + (s.heading == Heading::heating ? back_K : S(0) - back_K),
@@ -353,13 +288,13 @@ struct ThreePhase {
       s.cold.push({s.forward, phases(s).austenite(), s.r_phase, s.returning});
     }
     s.heading = Heading::heating;
-    s.reverse = reverse_left(p, s.reached);
+    s.reverse = Curves::reverse_left(p, s.reached);
     // What the stress has passed meanwhile is no longer a target.
     while (s.hot.size() > 0 && !ahead(s.reverse.m2a, s.hot.newest().left.m2a)) {
       close_innermost_loop(s);
     }
-    const Reverse now = reverse_left(p, at, s.drive.temperature_K);
-    const bool moves = falls(p, now, s.reverse);
+    const Reverse now = Curves::reverse_left(p, at, s.drive.temperature_K);
+    const bool moves = Curves::falls(p, now, s.reverse);
     if (moves) {
       heat<false>(p, s, now);
     }
@@ -375,7 +310,7 @@ struct ThreePhase {
       s.hot.push({s.reverse, s.martensite, s.r_phase});
     }
     s.heading = Heading::cooling;
-    s.forward = forward_left(p, s.reached);
+    s.forward = Curves::forward_left(p, s.reached);
     while (s.cold.size() > 0 &&
            !ahead(s.forward.a2m_a2r.first(), s.cold.newest().left.a2m_a2r.first())) {
       close_innermost_loop(s);
@@ -385,8 +320,8 @@ struct ThreePhase {
       turn.left.a2m_a2r = Pair<S>(left.first(), least(left.second(), s.forward.a2m_a2r.second()));
     }
     s.returning = by_a2r(s, positive(s.cold.newest().r_phase - s.r_phase));
-    const Forward now = forward_left(p, at, s.drive.temperature_K);
-    const bool moves = falls(p, now, s.forward);
+    const Forward now = Curves::forward_left(p, at, s.drive.temperature_K);
+    const bool moves = Curves::falls(p, now, s.forward);
     if (moves) {
       cool<false>(p, s, now);
     }
@@ -477,7 +412,8 @@ struct ThreePhase {
   }
 
   /// What of this R-phase returns as A2R goes on: all, or, where A2R has little way left to the
-  /// turning point, none; it then comes back as martensite comes.
+  /// turning point, none; it then comes back as martensite comes. Little: less than r/2 of its
+  /// curve, along which the return would be a jump.
   static S by_a2r(const State& s, const S& r) {
     const S way = s.forward.a2m_a2r.second() - s.cold.newest().left.a2m_a2r.second();
     return r < S(2) * way ? r : S(0);
@@ -539,17 +475,6 @@ struct ThreePhase {
       s.returning = s.returning - back;
       s.r_phase = s.r_phase + back;
     }
-  }
-
-  template <class Isobars>
-  static Reverse slopes(const Params& p, const Isobars& at, const Reverse& left) {
-    const S m2a = at.m2a().remaining_1_K(left.m2a);
-    return {m2a, p.separate_r2a ? at.r2a().remaining_1_K(left.r2a) : m2a};
-  }
-  template <class Isobars>
-  static Forward slopes(const Params& p, const Isobars& at, const Forward& left) {
-    const Pair<S> both = at.a2m_a2r().remaining_1_K(left.a2m_a2r);
-    return {both, p.separate_r2m ? at.r2m().remaining_1_K(left.r2m) : both.first()};
   }
 
   static PhaseRates<S> rates(const State& s, const Reverse& slope) {

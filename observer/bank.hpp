@@ -21,7 +21,8 @@ struct KalmanBank {
 
   struct State {
     std::array<typename Filter::State, hypotheses> filter;
-    std::array<S, hypotheses> log_likelihood;  ///< relative to the best one
+    std::array<S, hypotheses> log_likelihood;  ///< of the resistance; a common constant is left out
+    std::array<S, hypotheses> log_weight;      ///< with log_prior(), relative to the best one
     std::array<bool, hypotheses> at_rest;      ///< it started cold and at rest
     std::uint8_t alive;                        ///< the first so many are in use
     S start_ambient_K;
@@ -42,7 +43,7 @@ struct KalmanBank {
   static constexpr S other_starts = S(-4);
   /// A hypothesis is given up when it is exp(10) times less likely than the best one. To wait for
   /// more is not safer: the model's own errors then decide.
-  static constexpr S least_log_likelihood = S(-10);
+  static constexpr S least_log_weight = S(-10);
 
   /// Who has not seen the wire at rest does not know what its resistance was there: 2 % of 4 %
   /// stroke, for long.
@@ -55,6 +56,18 @@ struct KalmanBank {
 
   /// Hypotheses whose strains scatter by less, 2.5 % of 4 % stroke, are no longer a question.
   static constexpr S agreed_sd = S(1e-3);
+
+  /// What a hypothesis has to believe of the air and of a drift to explain the resistance counts
+  /// against it: the filters themselves leave both nearly free.
+  static constexpr S plausible_ambient_sd_K = S(10);
+  static constexpr S plausible_loss_sd = S(0.25);
+  static constexpr S plausible_resistance_sd = S(0.01);
+  static S log_prior(const typename Filter::State& f);
+
+  /// The most R-phase that a wire has on cooling.
+  static S greatest_r_phase(const Params& p, const S& stress_Pa, const S& from_K);
+
+  static S least(const S& a, const S& b) { return a < b ? a : b; }
 
   static Estimate<S> estimate_one(const Params& p, const State& s, std::size_t i);
   static void restart(const Params& p, State& s, const Measurement<S>& m);
@@ -79,6 +92,25 @@ S KalmanBank<S>::matching_share(const Params& p, const Measurement<S>& m, const 
 }
 
 template <class S>
+S KalmanBank<S>::log_prior(const typename Filter::State& f) {
+  const S ambient = (f.ambient_K - f.start_ambient_K) / plausible_ambient_sd_K;
+  const S loss = (f.loss - S(1)) / plausible_loss_sd;
+  const S resistance = (f.resistance - S(1)) / plausible_resistance_sd;
+  return S(-0.5) * (ambient * ambient + loss * loss + resistance * resistance);
+}
+
+template <class S>
+S KalmanBank<S>::greatest_r_phase(const Params& p, const S& stress_Pa, const S& from_K) {
+  S greatest = S(0);
+  for (int i = 0; i < 10; ++i) {
+    const S at_K = from_K - S(3) * S(i);
+    const S r = Filter::Kinetics::rest(p.model.kinetics, {at_K, stress_Pa}).r_phase;
+    greatest = greatest < r ? r : greatest;
+  }
+  return greatest;
+}
+
+template <class S>
 auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K) -> State {
   const typename Filter::Kinetics::Params& k = p.model.kinetics;
   const S heats_at = isobar(k.m2a, m.stress_Pa).start_K;
@@ -89,6 +121,7 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   s.compared = m.resistance_valid;
   const auto add = [&](const S& temperature_K, const Phases<S>& z) {
     s.log_likelihood[s.alive] = other_starts;
+    s.log_weight[s.alive] = other_starts;
     typename Filter::State& f = s.filter[s.alive++];
     f = Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
     f.covariance[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
@@ -102,10 +135,16 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   if (m.resistance_valid) {
     const S martensite = matching_share(p, m, ambient_K, between, true);
     const S r_phase = matching_share(p, m, ambient_K, between, false);
+    const S most_r = greatest_r_phase(p, m.stress_Pa, between);
+    // What the R-phase can not explain is martensite.
+    const auto mixture = [&](const S& share) {
+      const S r = least(share * r_phase, most_r);
+      return Phases<S>{S(0.03) + (S(1) - r / r_phase) * least(martensite, S(0.95)) * S(0.97), r};
+    };
     add(heats_at - S(5), {martensite, S(0.01)});
-    add(cools_at + S(3), {martensite * S(0.6), r_phase * S(0.4)});
+    add(cools_at + S(3), mixture(S(0.4)));
     add(between, {martensite, S(0.01)});
-    add(between, {S(0.03), r_phase});
+    add(between, mixture(S(1)));
     add(heats_at + S(25), {martensite < S(0.3) ? martensite : S(0.3), S(0.01)});
   }
   return s;
@@ -127,6 +166,7 @@ void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, 
   if (S(1) < s.doubt_s && m.resistance_valid) {
     restart(p, s, m);
     s.log_likelihood = {};
+    s.log_weight = {};
   }
 }
 
@@ -149,24 +189,26 @@ void KalmanBank<S>::weigh(State& s) {
     // error as white noise, and that term would then decide alone, for the most confident one.
     s.log_likelihood[i] =
         s.log_likelihood[i] - S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
-    best = i == 0 || best < s.log_likelihood[i] ? s.log_likelihood[i] : best;
+    s.log_weight[i] = s.log_likelihood[i] + log_prior(f);
+    best = i == 0 || best < s.log_weight[i] ? s.log_weight[i] : best;
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < s.alive; ++i) {
-    const S relative = s.log_likelihood[i] - best;
-    if (!(least_log_likelihood < relative)) {
+    const S relative = s.log_weight[i] - best;
+    if (!(least_log_weight < relative)) {
       continue;
     }
     std::size_t place = 0;
     while (place < kept && !agree(s.filter[place], s.filter[i])) {
       ++place;
     }
-    if (place == kept || s.log_likelihood[place] < relative) {
+    if (place == kept || s.log_weight[place] < relative) {
       if (place != i) {
         s.filter[place] = s.filter[i];
         s.at_rest[place] = s.at_rest[i];
       }
-      s.log_likelihood[place] = relative;
+      s.log_likelihood[place] = s.log_likelihood[i] - best;
+      s.log_weight[place] = relative;
     }
     kept = place == kept ? kept + 1 : kept;
   }
@@ -205,7 +247,7 @@ Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
   S square = S(0);
   S scatter = S(0);
   for (std::size_t i = 0; i < s.alive; ++i) {
-    const S w = exp(s.log_likelihood[i]);
+    const S w = exp(s.log_weight[i]);
     const Estimate<S> e = estimate_one(p, s, i);
     weights = weights + w;
     mean.strain = mean.strain + w * e.strain;
