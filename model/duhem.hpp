@@ -41,9 +41,7 @@ struct Duhem {
   };
 
   /// Whether there is a loop at this drive.
-  static bool ordered(const Params& p, const Drive<S>& u) {
-    return has_loop(heating_place(p, u));
-  }
+  static bool ordered(const Params& p, const Drive<S>& u) { return has_loop(heating_place(p, u)); }
 
   static State rest(const Params& p, const Drive<S>& u) { return {u, right(p.a2m.deviations(u))}; }
 
@@ -52,8 +50,8 @@ struct Duhem {
   /// while the curves are a deviation or more apart; where a stress pushes both processes at once,
   /// M2A goes first, an error of first order. As in the paper there is no memory: every rise and
   /// fall of a ripple converts a little, so minor loops do not close and the fraction walks to
-  /// where both directions balance. Cost: 2 complementary error functions for each process that acts, 8 more and 4
-  /// exponentials for each half deviation of the way.
+  /// where both directions balance. Cost: 2 complementary error functions for each process that
+  /// acts, 8 more and 4 exponentials for each half deviation of the way.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     const Place from = heating_place(p, s.drive);
     const Place to = heating_place(p, u);

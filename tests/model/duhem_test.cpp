@@ -20,7 +20,9 @@ constexpr Model::Params table_1{{celsius_K + 78.9, 11.2, 0}, {celsius_K + 34, 5.
 /// A loop so narrow and wide in its slopes that both processes act nearly everywhere.
 constexpr Model::Params overlapping{{celsius_K + 60, 7, 0}, {celsius_K + 48, 6, 0}};
 
-Drive<double> at(double celsius) { return {celsius + celsius_K, 0}; }
+Drive<double> at(double celsius) {
+  return {celsius + celsius_K, 0};
+}
 
 /// 001 eq. 6, by the error function itself.
 double h(const Model::Process& process, double celsius) {

@@ -83,9 +83,9 @@ struct SubjectName {
   }
 };
 
-using All = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat,
-                             DuhemDouble, DuhemFloat>;
+using All =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat, ThreePhasePlain,
+                     ThreePhaseSeparate, CosineDouble, CosineFloat, DuhemDouble, DuhemFloat>;
 using Exact = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
                                ThreePhasePlain, CosineDouble, CosineFloat, DuhemDouble, DuhemFloat>;
 using Inexact = ::testing::Types<ThreePhaseSeparate>;
