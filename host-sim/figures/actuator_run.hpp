@@ -31,4 +31,17 @@ struct ActuatorSample {
 std::vector<ActuatorSample> run_actuator(const DuhemActuator<double>::Params& params,
                                          const DecayingVoltage& voltage);
 
+/// Austenite of one loop: heated from cold to the turn, cooled from there.
+struct MinorLoop {
+  std::vector<double> temperature_K;
+  std::vector<double> heating, cooling;
+};
+
+/// The major loop, then those that turn at three quarters, half and a quarter of austenite: 001
+/// fig. 7. The heating of the minor ones goes up from where the cooling has come to.
+std::vector<MinorLoop> minor_loops(const Duhem<double>::Params& params);
+
+/// With the coefficients of martensite's resistivity to the two digits that Table I prints.
+DuhemActuator<double>::Params printed_resistivity(DuhemActuator<double>::Params params);
+
 }  // namespace smaservo
