@@ -131,8 +131,8 @@ std::vector<Figure> figures_001() {
   };
   return {
       over_time(4, "Input voltage and temperature",
-                "Above A_s the heat capacity grows sixfold and the temperature's slope falls; "
-                "cooling, it falls below M_s with the convection.",
+                "Above A_s (58 °C, where the heat capacity grows sixfold) the temperature's slope "
+                "falls; cooling, it falls below M_s (48 °C, with the convection).",
                 data, "voltage in V", 2, "voltage"),
       over_time(5, "Temperature and transformation strain",
                 "Strain falls only while the temperature rises and stands while it goes through "
@@ -153,7 +153,9 @@ std::vector<Figure> figures_001() {
             "As martensite (figure 9), bent by figure 11.", "temperature in °C",
             "transformation strain in %", 3, 5),
       loops(15, "Transformation strain over resistance",
-            "What resistance says of strain: nearly one line, with the minor loops to its sides.",
+            "Heating and cooling lie up to a third of the stroke apart at one resistance, and "
+            "where the "
+            "strain stands, resistance still follows the temperature.",
             "resistance in Ω", "transformation strain in %", 7, 5)};
 }
 
