@@ -36,6 +36,9 @@ inline constexpr auto stress =
     std::to_array<Unit>({{"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}});
 inline constexpr auto resistivity =
     std::to_array<Unit>({{"ohm_m", 1}, {"uohm_m", 1e-6}, {"uohm_cm", 1e-8}});
+inline constexpr auto resistivity_slope = std::to_array<Unit>({{"ohm_m_K", 1}});
+inline constexpr auto resistivity_polynomial = std::to_array<Unit>({{"ohm_m_by_K", 1}});
+inline constexpr auto spring_rate = std::to_array<Unit>({{"N_per_m", 1}});
 inline constexpr auto resistance_per_length = std::to_array<Unit>({{"ohm_per_m", 1}});
 inline constexpr auto per_kelvin = std::to_array<Unit>({{"1_K", 1}});
 inline constexpr auto per_stress = std::to_array<Unit>({{"1_Pa", 1}, {"1_GPa", 1e-9}});

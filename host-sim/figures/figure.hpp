@@ -23,6 +23,9 @@ struct Paper {
   std::vector<Figure> (*figures)();
 };
 
+/// Paper 001's. Throws UserError when gnuplot is missing or fails.
+std::vector<Figure> figures_001();
+
 /// All of them. Throws UserError when gnuplot is missing or fails.
 const std::vector<Paper>& papers();
 

@@ -1,6 +1,7 @@
 #include "model/kinetics.hpp"
 
 #include "model/cosine.hpp"
+#include "model/duhem.hpp"
 #include "model/kinetics_suite.hpp"
 #include "model/test_wires.hpp"
 #include "model/three_phase.hpp"
@@ -52,6 +53,20 @@ struct CosineFloat : CosineDouble {
   static constexpr double rounding = 1e-5;
 };
 
+/// No memory, and a Gaussian is never quite over: every ripple on a slope converts a little.
+struct DuhemDouble {
+  using Model = Duhem<double>;
+  static Model::Params params() { return flexinol_duhem<double>(); }
+  static constexpr InnerLoops loops = InnerLoops::ratchet;
+  static constexpr double rounding = 1e-12;
+};
+
+struct DuhemFloat : DuhemDouble {
+  using Model = Duhem<float>;
+  static Model::Params params() { return flexinol_duhem<float>(); }
+  static constexpr double rounding = 1e-5;
+};
+
 struct SubjectName {
   template <class Subject>
   static std::string GetName(int /*index*/) {
@@ -63,16 +78,19 @@ struct SubjectName {
     if constexpr (std::is_same_v<Subject, ThreePhaseSeparate>) return "ThreePhaseSeparate";
     if constexpr (std::is_same_v<Subject, CosineDouble>) return "CosineDouble";
     if constexpr (std::is_same_v<Subject, CosineFloat>) return "CosineFloat";
+    if constexpr (std::is_same_v<Subject, DuhemDouble>) return "DuhemDouble";
+    if constexpr (std::is_same_v<Subject, DuhemFloat>) return "DuhemFloat";
   }
 };
 
-using All = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat>;
+using All =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat, ThreePhasePlain,
+                     ThreePhaseSeparate, CosineDouble, CosineFloat, DuhemDouble, DuhemFloat>;
 using Exact = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                               ThreePhasePlain, CosineDouble, CosineFloat>;
+                               ThreePhasePlain, CosineDouble, CosineFloat, DuhemDouble, DuhemFloat>;
 using Inexact = ::testing::Types<ThreePhaseSeparate>;
 using InDouble = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain,
-                                  ThreePhaseSeparate, CosineDouble>;
+                                  ThreePhaseSeparate, CosineDouble, DuhemDouble>;
 using WithMemory = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
                                     ThreePhaseSeparate>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, KineticsSuite, All, SubjectName);

@@ -2,6 +2,7 @@
 // Wires and models that several tests share.
 
 #include "model/cosine.hpp"
+#include "model/duhem.hpp"
 #include "model/wire.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -57,6 +58,13 @@ template <class S>
 typename Cosine<S>::Params flexinol_cosine() {
   const auto K = [](double celsius) { return S(celsius + celsius_K); };
   return {{K(68), K(78), S(8e6)}, {K(52), K(42), S(7e6)}};
+}
+
+/// The same alloy as Gaussians: start and finish two deviations from the centre, roughly.
+template <class S>
+typename Duhem<S>::Params flexinol_duhem() {
+  const auto K = [](double celsius) { return S(celsius + celsius_K); };
+  return {{K(73), S(3), S(1 / 8e6)}, {K(47), S(2.5), S(1 / 7e6)}};
 }
 
 }  // namespace smaservo::test
