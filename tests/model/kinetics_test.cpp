@@ -2,6 +2,7 @@
 
 #include "model/cosine.hpp"
 #include "model/kinetics_suite.hpp"
+#include "model/liang_rogers.hpp"
 #include "model/test_wires.hpp"
 #include "model/three_phase.hpp"
 
@@ -52,6 +53,16 @@ struct CosineFloat : CosineDouble {
   static constexpr double rounding = 1e-5;
 };
 
+struct LiangRogersDouble : CosineDouble {
+  using Model = LiangRogers<double>;
+  static Model::Params params() { return flexinol_liang_rogers<double>(); }
+};
+
+struct LiangRogersFloat : CosineFloat {
+  using Model = LiangRogers<float>;
+  static Model::Params params() { return flexinol_liang_rogers<float>(); }
+};
+
 struct SubjectName {
   template <class Subject>
   static std::string GetName(int /*index*/) {
@@ -63,16 +74,20 @@ struct SubjectName {
     if constexpr (std::is_same_v<Subject, ThreePhaseSeparate>) return "ThreePhaseSeparate";
     if constexpr (std::is_same_v<Subject, CosineDouble>) return "CosineDouble";
     if constexpr (std::is_same_v<Subject, CosineFloat>) return "CosineFloat";
+    if constexpr (std::is_same_v<Subject, LiangRogersDouble>) return "LiangRogersDouble";
+    if constexpr (std::is_same_v<Subject, LiangRogersFloat>) return "LiangRogersFloat";
   }
 };
 
 using All = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat>;
-using Exact = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                               ThreePhasePlain, CosineDouble, CosineFloat>;
+                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat,
+                             LiangRogersDouble, LiangRogersFloat>;
+using Exact =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat, ThreePhasePlain,
+                     CosineDouble, CosineFloat, LiangRogersDouble, LiangRogersFloat>;
 using Inexact = ::testing::Types<ThreePhaseSeparate>;
 using InDouble = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain,
-                                  ThreePhaseSeparate, CosineDouble>;
+                                  ThreePhaseSeparate, CosineDouble, LiangRogersDouble>;
 using WithMemory = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
                                     ThreePhaseSeparate>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, KineticsSuite, All, SubjectName);

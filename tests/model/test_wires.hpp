@@ -2,6 +2,7 @@
 // Wires and models that several tests share.
 
 #include "model/cosine.hpp"
+#include "model/liang_rogers.hpp"
 #include "model/wire.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -57,6 +58,13 @@ template <class S>
 typename Cosine<S>::Params flexinol_cosine() {
   const auto K = [](double celsius) { return S(celsius + celsius_K); };
   return {{K(68), K(78), S(8e6)}, {K(52), K(42), S(7e6)}};
+}
+
+/// The same with an R-phase; its slope is that of the B2-R transformation in many NiTi alloys.
+template <class S>
+typename LiangRogers<S>::Params flexinol_liang_rogers() {
+  const typename Cosine<S>::Params two = flexinol_cosine<S>();
+  return {two.m2a, two.a2m, {S(64 + celsius_K), S(59 + celsius_K), S(15e6)}};
 }
 
 }  // namespace smaservo::test
