@@ -6,54 +6,13 @@
 #include <memory>
 #include <random>
 
+#include "host-sim/simulated_bench.hpp"
 #include "model/plant.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double step_s = 1e-3;
-
-/// The load's next stress, from the strain before.
-class LoadModel {
- public:
-  explicit LoadModel(const Load& load) : load_(load) {
-    if (const auto* constant = std::get_if<ConstantLoad>(&load_)) {
-      stress_Pa_ = constant->stress_Pa;
-    } else if (const auto* spring = std::get_if<SpringLoad>(&load_)) {
-      stress_Pa_ = spring->low_Pa;
-    } else {
-      stress_Pa_ = std::get<VaryingLoad>(load_).stress_Pa;
-    }
-  }
-
-  double stress_Pa() const { return stress_Pa_; }
-
-  void advance(double time_s, double strain, std::mt19937_64& random) {
-    if (const auto* spring = std::get_if<SpringLoad>(&load_)) {
-      longest_ = std::isnan(longest_) ? strain : longest_;
-      const double share = std::clamp((longest_ - strain) / spring->stroke, 0.0, 1.0);
-      const double goal = spring->low_Pa + share * (spring->high_Pa - spring->low_Pa);
-      stress_Pa_ += (goal - stress_Pa_) * step_s / spring->lag_s;
-    } else if (const auto* varying = std::get_if<VaryingLoad>(&load_)) {
-      std::normal_distribution<double> normal;
-      walk_Pa_ += varying->walk_Pa * std::sqrt(step_s) * normal(random) - walk_Pa_ * step_s / 3;
-      const double wave = std::sin(2 * std::numbers::pi * time_s / varying->period_s);
-      stress_Pa_ =
-          std::max(varying->least_Pa, varying->stress_Pa + varying->amplitude_Pa * wave + walk_Pa_);
-    }
-  }
-
- private:
-  Load load_;
-  double stress_Pa_ = 0;
-  double walk_Pa_ = 0;
-  double longest_ = std::numeric_limits<double>::quiet_NaN();
-};
-
-double quantised(double value, double full_scale, int bits) {
-  const double step = full_scale / std::ldexp(1.0, bits - 1);
-  return std::clamp(std::round(value / step) * step, -full_scale, full_scale);
-}
 
 std::unique_ptr<SimulatedWire> make_wire(const Scenario& scenario, std::mt19937_64& random) {
   return make_simulated_wire(scenario.family, scenario.wire.wire, scenario.sublayers,
@@ -83,20 +42,14 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSi
       const double strain = plant->strain();
       const double phase = static_cast<double>(tick - begin) * step_s * step.ripple_Hz;
       const double power_W = level_W * (1 + step.ripple * std::sin(2 * std::numbers::pi * phase));
-      load.advance(time_s, strain, random);
+      load.advance(time_s, step_s, strain, random);
       const double ohm = plant->resistance_ohm();
       const double current_A = std::max(std::sqrt(power_W / ohm), joule.least_current_A);
-      const Sensors& s = joule.sensors;
-      const double I =
-          quantised(current_A + s.current_noise_A * normal(random), s.current_full_scale_A, s.bits);
-      const double V =
-          quantised(current_A * ohm * s.resistance_gain + s.voltage_noise_V * normal(random),
-                    s.voltage_full_scale_V, s.bits);
-      const double F = quantised(load.stress_Pa() * wire.geometry.area_m2() * s.load_gain +
-                                     s.load_noise_N * normal(random),
-                                 s.load_full_scale_N, s.bits);
+      const Readings read =
+          read_sensors(joule.sensors, current_A, ohm, load.stress_Pa() * wire.geometry.area_m2(),
+                       normal, random);
       if (tick % every == 0 && time_s >= joule.record_from_s) {
-        sink({time_s - joule.record_from_s, I, V, F, strain});
+        sink({time_s - joule.record_from_s, read.current_A, read.voltage_V, read.load_N, strain});
       }
       plant->advance(current_A, {load.stress_Pa(), joule.ambient_K, joule.draught}, step_s);
     }

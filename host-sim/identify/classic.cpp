@@ -9,6 +9,8 @@
 #include <limits>
 #include <numbers>
 
+#include "host-sim/identify/steady_load.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -67,18 +69,6 @@ struct Cycle {
   std::size_t hottest;
   double shortest, stroke;
 };
-
-double quantile(std::vector<double> values, double share) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
-bool has_constant_stress(const Run& run) {
-  const double middle_Pa = quantile(run.stress_Pa, 0.5);
-  const double most_Pa = std::max(0.125 * std::abs(middle_Pa), 5e6);
-  return quantile(run.stress_Pa, 0.05) >= middle_Pa - most_Pa &&
-         quantile(run.stress_Pa, 0.95) <= middle_Pa + most_Pa;
-}
 
 /// Whether the wire is cold and long at both ends, and the temperature has one summit.
 bool is_one_cycle(const Cycle& cycle) {

@@ -90,8 +90,8 @@ template <class S>
 typename Cosine<S>::Params cosine_params() {
   const ThreePhase<double>::Params& p = default_plant().kinetics;
   const auto process = [](const Surface<double>& s) {
-    return typename Cosine<S>::Process{static_cast<S>(s.start_K[0]), static_cast<S>(s.finish_K[0]),
-                                       static_cast<S>(1 / s.start_K[1])};
+    return CosineProcess<S>{static_cast<S>(s.start_K[0]), static_cast<S>(s.finish_K[0]),
+                            static_cast<S>(1 / s.start_K[1])};
   };
   return {process(p.m2a), process(first_surface(p.a2m_a2r))};
 }
@@ -101,7 +101,7 @@ template <class S>
 std::vector<Drive<S>> converting_only() {
   const typename Cosine<S>::Params p = cosine_params<S>();
   std::vector<Drive<S>> drives;
-  for (const typename Cosine<S>::Process& process : {p.m2a, p.a2m}) {
+  for (const CosineProcess<S>& process : {p.m2a, p.a2m}) {
     constexpr int steps = 1800;
     const auto stress = static_cast<S>(stress_Pa);
     const S start_K = process.start_K + stress / process.stress_Pa_K;

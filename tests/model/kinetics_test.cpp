@@ -3,6 +3,7 @@
 #include "model/cosine.hpp"
 #include "model/duhem.hpp"
 #include "model/kinetics_suite.hpp"
+#include "model/liang_rogers.hpp"
 #include "model/test_wires.hpp"
 #include "model/three_phase.hpp"
 
@@ -65,6 +66,14 @@ struct DuhemFloat : DuhemDouble {
   using Model = Duhem<float>;
   static Model::Params params() { return flexinol_duhem<float>(); }
   static constexpr double rounding = 1e-5;
+struct LiangRogersDouble : CosineDouble {
+  using Model = LiangRogers<double>;
+  static Model::Params params() { return flexinol_liang_rogers<double>(); }
+};
+
+struct LiangRogersFloat : CosineFloat {
+  using Model = LiangRogers<float>;
+  static Model::Params params() { return flexinol_liang_rogers<float>(); }
 };
 
 struct SubjectName {
@@ -91,6 +100,20 @@ using Exact = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreeP
 using Inexact = ::testing::Types<ThreePhaseSeparate>;
 using InDouble = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain,
                                   ThreePhaseSeparate, CosineDouble, DuhemDouble>;
+    if constexpr (std::is_same_v<Subject, LiangRogersDouble>) return "LiangRogersDouble";
+    if constexpr (std::is_same_v<Subject, LiangRogersFloat>) return "LiangRogersFloat";
+  }
+};
+
+using All = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
+                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat,
+                             LiangRogersDouble, LiangRogersFloat>;
+using Exact =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat, ThreePhasePlain,
+                     CosineDouble, CosineFloat, LiangRogersDouble, LiangRogersFloat>;
+using Inexact = ::testing::Types<ThreePhaseSeparate>;
+using InDouble = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain,
+                                  ThreePhaseSeparate, CosineDouble, LiangRogersDouble>;
 using WithMemory = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
                                     ThreePhaseSeparate>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, KineticsSuite, All, SubjectName);

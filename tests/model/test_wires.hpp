@@ -3,6 +3,7 @@
 
 #include "model/cosine.hpp"
 #include "model/duhem.hpp"
+#include "model/liang_rogers.hpp"
 #include "model/wire.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -65,6 +66,11 @@ template <class S>
 typename Duhem<S>::Params flexinol_duhem() {
   const auto K = [](double celsius) { return S(celsius + celsius_K); };
   return {{K(73), S(3), S(1 / 8e6)}, {K(47), S(2.5), S(1 / 7e6)}};
+/// The same with an R-phase; its slope is that of the B2-R transformation in many NiTi alloys.
+template <class S>
+typename LiangRogers<S>::Params flexinol_liang_rogers() {
+  const typename Cosine<S>::Params two = flexinol_cosine<S>();
+  return {two.m2a, two.a2m, {S(64 + celsius_K), S(59 + celsius_K), S(15e6)}};
 }
 
 }  // namespace smaservo::test
