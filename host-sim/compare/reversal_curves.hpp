@@ -7,8 +7,9 @@
 namespace smaservo {
 
 /// The run to identify a wire from at one stress: for each of `curves` temperatures from cold to
-/// there and back, so chosen for the wire's M2A that the first hardly converts anything and the
-/// last nearly everything; a full cycle before and after. stress_Pa as the wire allows.
+/// there and back, so chosen for the wire's M2A that the first converts a little and the last
+/// nearly everything; a full cycle before and after. Cold is 25 °C or colder. stress_Pa as the wire
+/// allows.
 BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, int curves);
 
 /// What a bath of the scenario measures.
