@@ -44,7 +44,11 @@ std::string figure_html(const Paper& paper, const Figure& figure) {
 }  // namespace
 
 const std::vector<Paper>& papers() {
-  static const std::vector<Paper> all{};
+  static const std::vector<Paper> all{
+      {"003",
+       "System Identification of a NiTi-Based SMA Actuator (Toledo, Ge, Oxoby, Chen, "
+       "Pérez-Arancibia)",
+       "Figure 1, the experimental setup, is a drawing and a photograph.", figures_003}};
   return all;
 }
 

@@ -53,7 +53,7 @@ AdaptiveController::AdaptiveController(const LoopDesign& design, const AdaptiveS
   // As designed; the second pole and the offset are left to be found.
   const double a = std::exp(-design.sample_s * design.loss_W_K / design.capacity_J_K);
   const double b = (1 - a) * design.most_W / design.loss_W_K / 10;
-  const RecursiveLeastSquares start({a, 0, b, 0}, 1e-3, settings.forgetting, 1);
+  const RecursiveLeastSquares start({a, 0, b, 0}, 1e-3, settings.forgetting, 100);
   regions_.assign(settings.region_edges_K.size() + 1, start);
 }
 

@@ -14,10 +14,10 @@ using K = Preisach<double>;
 class Paper003 : public ::testing::TestWithParam<Family> {
  protected:
   static const PreisachFit& fit(StressShift shift) {
-    static const PreisachFit fits[2][2] = {{fit_003(Family::ihyp, StressShift::none),
-                                            fit_003(Family::ihyp, StressShift::fitted)},
-                                           {fit_003(Family::sublayers, StressShift::none),
-                                            fit_003(Family::sublayers, StressShift::fitted)}};
+    static const PreisachFit fits[2][2] = {
+        {fit_003(Family::ihyp, StressShift::none), fit_003(Family::ihyp, StressShift::fitted)},
+        {fit_003(Family::sublayers, StressShift::none),
+         fit_003(Family::sublayers, StressShift::fitted)}};
     return fits[GetParam() == Family::ihyp ? 0 : 1][shift == StressShift::none ? 0 : 1];
   }
   static Validation validation(StressShift shift, bool dynamic) {

@@ -109,7 +109,7 @@ TEST(AdaptiveController, PutsALinearWireOnItsReferenceInOneSample) {
   double T = 300;
   double worst_K = 0;
   for (int i = 0; i < 4000; ++i) {
-    const double next_K = 350 + 20 * std::sin(0.013 * i) + 5 * std::sin(0.11 * i);
+    const double next_K = 350 + 10 * std::sin(0.05 * i) + 3 * std::sin(0.3 * i);
     const double power_W = controller.power_W(T, next_K);
     T += 0.02 * (power_W - 4e-3 * (T - 300)) / 2e-3;
     worst_K = i > 3000 ? std::max(worst_K, std::abs(T - next_K)) : worst_K;
