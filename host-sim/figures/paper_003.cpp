@@ -128,8 +128,8 @@ Plot slice_plot(const PreisachWire& wire, double stress_Pa) {
   }
   data += "EOD\n";
   const std::string settings =
-      "set view 58,318,1.15\nset xyplane 0\nset zrange [0:4]\nset cbrange [0:4]\nset border 31\n"
-      "set zlabel 'F in %' rotate offset 2,0\nset palette defined (0 '#f2f6fa', 2 '#7fb2de', 4 "
+      "set view 58,318,1.1\nset xyplane 0\nset zrange [0:4]\nset cbrange [0:4]\nset border 31\n"
+      "set label 'F in %' at screen 0.02,0.82\nset palette defined (0 '#f2f6fa', 2 '#7fb2de', 4 "
       "'#0059b3')\n"
       "unset colorbox\nset xtics 50,25,125 offset 0,-0.3\nset ytics 50,25,125 offset 0,-0.3\n";
   return {fmt::format("{:.0f} MPa", stress_Pa * 1e-6), "", true,
@@ -144,8 +144,8 @@ Figure slices_figure() {
     panels.push_back(slice_plot(fit.wire, 1e6 * stress_MPa));
   }
   return {4, "Slices of the identified F at 100 to 200 MPa",
-          "Strain that comes back on cooling from α to β: a plateau over α on heating and β on "
-          "cooling that both move to higher temperatures with the stress.",
+          "Strain that comes back on cooling from α to β. Its flanks, where the wire converts on "
+          "heating to α and where on cooling to β, move to higher temperatures with the stress.",
           std::move(panels)};
 }
 
