@@ -23,6 +23,10 @@ struct Frame {
 std::string draw(const Frame& frame, const std::string& data, const std::string& more,
                  const std::vector<std::string>& curves);
 
+/// The same over two axes: by splot.
+std::string draw_surface(const Frame& frame, const std::string& data, const std::string& more,
+                         const std::vector<std::string>& surfaces);
+
 /// As gnuplot reads it; what is not finite leaves a gap.
 std::string plotted(double value);
 

@@ -56,18 +56,16 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSi
   }
 }
 
-void run_bath(const Scenario& scenario, const BathScenario& bath, OutputFile& trace) {
+void run_bath(const Scenario& scenario, const BathScenario& bath,
+              const std::function<void(const SimulatedBathRow&)>& sink) {
   std::mt19937_64 random(scenario.seed + 1);
   std::normal_distribution<double> normal;
   const auto plant = make_wire(scenario, random);
   double T = bath.turning_K.front();
   plant->rest(T, bath.stress_Pa);
-  trace.write("temperature_degC,stress_MPa,strain_ref\n");
   const auto record = [&] {
     plant->soak(T, bath.stress_Pa);
-    trace.write(fmt::format("{:.3f},{:.3f},{:.6f}\n",
-                            T - 273.15 + bath.temperature_noise_K * normal(random),
-                            bath.stress_Pa * 1e-6, plant->strain()));
+    sink({T + bath.temperature_noise_K * normal(random), bath.stress_Pa, plant->strain()});
   };
   record();
   for (const double goal_K : bath.turning_K) {
@@ -81,8 +79,12 @@ void run_bath(const Scenario& scenario, const BathScenario& bath, OutputFile& tr
 }  // namespace
 
 void simulate(const Scenario& scenario, OutputFile& trace) {
-  if (const auto* bath = std::get_if<BathScenario>(&scenario.run)) {
-    run_bath(scenario, *bath, trace);
+  if (std::holds_alternative<BathScenario>(scenario.run)) {
+    trace.write("temperature_degC,stress_MPa,strain_ref\n");
+    simulate_bath_rows(scenario, [&](const SimulatedBathRow& row) {
+      trace.write(fmt::format("{:.3f},{:.3f},{:.6f}\n", row.temperature_K - 273.15,
+                              row.stress_Pa * 1e-6, row.strain));
+    });
     return;
   }
   trace.write("time_s,current_A,voltage_V,load_N,strain_ref\n");
@@ -94,6 +96,11 @@ void simulate(const Scenario& scenario, OutputFile& trace) {
 
 void simulate_rows(const Scenario& scenario, const RowSink& sink) {
   run_joule(scenario, std::get<JouleScenario>(scenario.run), sink);
+}
+
+void simulate_bath_rows(const Scenario& scenario,
+                        const std::function<void(const SimulatedBathRow&)>& sink) {
+  run_bath(scenario, std::get<BathScenario>(scenario.run), sink);
 }
 
 }  // namespace smaservo

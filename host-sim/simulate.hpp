@@ -21,4 +21,12 @@ void simulate(const Scenario& scenario, OutputFile& trace);
 /// must be a JouleScenario; throws std::bad_variant_access for a bath.
 void simulate_rows(const Scenario& scenario, const RowSink& sink);
 
+/// What is known of a bath at each of its steps; the temperature is noisy.
+struct SimulatedBathRow {
+  double temperature_K, stress_Pa, strain;
+};
+/// The same for a BathScenario.
+void simulate_bath_rows(const Scenario& scenario,
+                        const std::function<void(const SimulatedBathRow&)>& sink);
+
 }  // namespace smaservo

@@ -25,6 +25,7 @@ struct Paper {
 
 /// Paper 001's. Throws UserError when gnuplot is missing or fails.
 std::vector<Figure> figures_001();
+std::vector<Figure> figures_003();
 
 /// All of them. Throws UserError when gnuplot is missing or fails.
 const std::vector<Paper>& papers();

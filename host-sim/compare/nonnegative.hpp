@@ -1,0 +1,13 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace smaservo {
+
+/// Minimises |A x - b|² with x[i] >= 0 for i >= free, from the normal equations: `normal` is AᵀA
+/// (positive definite), `right` Aᵀb. Block principal pivoting, after Júdice and Pires (1994): exact
+/// but for rounding, in some ten Cholesky decompositions.
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& normal,
+                                          const Eigen::VectorXd& right, Eigen::Index free);
+
+}  // namespace smaservo

@@ -1,0 +1,289 @@
+#pragma once
+// The modified Preisach operator: a wire as infinitely many relays over the temperature, whose
+// distribution depends on the stress.
+// Source: paper 003, eq. 2, figure 2 and section III; for the staircase, the wiping-out and the
+// congruency property Mayergoyz, 'Mathematical Models of Hysteresis' (1991).
+//
+// A relay becomes austenite at α on heating and martensite again at β <= α on cooling. What has
+// to be known of their distribution μ is F(α, β, σ), the weight of the relays that turn back
+// between a reversal at α and β: of the triangle α' <= α, β' >= β.
+//
+//   α |        . /      F stands on the grid nodes. Between them it is bilinear, so μ is constant
+//     |------.  /       on each cell; on the diagonal's cells F is linear in α - β, so what is
+//     |     |  /        there has no hysteresis. Between two stresses F is linear. μ itself is
+//     |_____|_/         never formed: F is what reversal curves measure (003, section III).
+//     |      /
+//     |     / β         The staircase between the relays that are austenite and those that are
+//                       martensite has its corners at the turning points that are still open.
+//
+// F is a share of martensite here; 003's is in strain: times the strain of full martensite less
+// that of austenite, Material's strain_slopes().
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "model/kinetics.hpp"
+
+namespace smaservo {
+
+/// The turning points of an input that are still open, outermost first, alternately hot and cold;
+/// the first is hot and is where the input came from. Each lies inside the two before it.
+template <class S, std::size_t depth>
+struct Staircase {
+  static_assert(4 <= depth && depth < 256);
+
+  std::array<S, depth> turns;
+  S input;
+  std::uint8_t count;
+
+  static constexpr Staircase cooled(const S& from, const S& to) {
+    Staircase s{};
+    s.turns[0] = from;
+    s.input = to;
+    s.count = 1;
+    return s;
+  }
+
+  constexpr bool heats() const { return count % 2 == 0; }
+  constexpr const S& newest() const { return turns[count - 1U]; }
+
+  /// Returns whether the turning points have changed. Where they are too many, those two
+  /// neighbours are forgotten that matter least: `weight(hot, hotter, cold, warmer)` tells it of
+  /// the relays that this turns over, hot <= α < hotter and cold <= β < warmer. To forget the
+  /// outermost ones would turn over most of the relays.
+  template <class Weight>
+  constexpr bool move(const S& to, Weight weight) {
+    const std::uint8_t before = count;
+    const bool turns_here = heats() ? to < input : input < to;
+    if (turns_here) {
+      if (count == depth) {
+        forget_least(weight);
+      }
+      turns[count++] = input;
+    }
+    input = to;
+    while (count >= 3 && passes(turns[count - 2U])) {
+      count = static_cast<std::uint8_t>(count - 2);
+    }
+    return turns_here || count != before;
+  }
+
+  /// Calls visit(sign, hot, cold) for the triangles whose sum is the martensite, but for the one
+  /// that ends at the input.
+  template <class Visit>
+  constexpr void each_settled(Visit visit) const {
+    for (std::size_t i = 1; i < count; ++i) {
+      if (i % 2 == 1) {
+        visit(S(1), turns[i - 1], turns[i]);
+      } else {
+        visit(S(-1), turns[i], turns[i - 1]);
+      }
+    }
+  }
+
+ private:
+  constexpr bool passes(const S& turn) const { return heats() ? !(input < turn) : !(turn < input); }
+
+  template <class Weight>
+  constexpr void forget_least(Weight weight) {
+    std::size_t least = 1;
+    S least_weight = S(0);
+    for (std::size_t i = 1; i + 1 < depth; ++i) {
+      const S& next = i + 2 < depth ? turns[i + 2] : input;
+      const S here = i % 2 == 1 ? weight(turns[i + 1], turns[i - 1], turns[i], next)
+                                : weight(next, turns[i], turns[i - 1], turns[i + 1]);
+      if (i == 1 || here < least_weight) {
+        least = i;
+        least_weight = here;
+      }
+    }
+    for (std::size_t i = least; i + 2 < depth; ++i) {
+      turns[i] = turns[i + 2];
+    }
+    count = static_cast<std::uint8_t>(count - 2);
+  }
+};
+
+/// Everything that was identified, a plain value: 24 nodes and 8 stresses take 9 kB in float.
+template <class S, std::size_t nodes = 24, std::size_t most_stresses = 8>
+struct PreisachParams {
+  /// F at two nodes, hot > cold, at hot (hot - 1)/2 + cold.
+  using Increments = std::array<S, nodes*(nodes - 1) / 2>;
+
+  std::array<S, nodes> node_K;  ///< rising; all relays have both thresholds between the outer two
+  /// The input is T - shift_K_Pa σ, and so are the nodes: stress raises all thresholds alike and
+  /// therefore switches relays. 003 has none of this: 0, where stress only weighs the relays anew.
+  S shift_K_Pa;
+  std::size_t stress_count;  ///< 1..most_stresses; with one F is the same under any stress
+  std::array<S, most_stresses> stress_Pa;  ///< rising, the first stress_count of them
+  /// 1 between the outermost nodes; no cell of the grid with a negative weight, so that the
+  /// fractions stay between 0 and 1.
+  std::array<Increments, most_stresses> increments;
+
+  static constexpr std::size_t index(std::size_t hot, std::size_t cold) {
+    return hot * (hot - 1) / 2 + cold;
+  }
+};
+
+/// Remembers `memory_depth` turning points. The martensite of this model is whatever elongates: a
+/// wire with an R-phase has some of it in there.
+template <class S, std::size_t nodes = 24, std::size_t most_stresses = 8,
+          std::size_t memory_depth = 16>
+struct Preisach {
+  using Scalar = S;
+  using Params = PreisachParams<S, nodes, most_stresses>;
+
+  struct State {
+    Drive<S> drive;
+    Staircase<S, memory_depth> memory;
+    S settled;     ///< martensite without the branch that the input is on
+    S martensite;  ///< of the memory at the drive's stress
+  };
+
+  /// Whether this was identified. Elsewhere the stress counts as the nearest that was, and the
+  /// relays are all austenite or all martensite.
+  static constexpr bool valid(const Params& p, const Drive<S>& u) {
+    const S x = input(p, u);
+    return !(u.stress_Pa < p.stress_Pa[0]) && !(p.stress_Pa[p.stress_count - 1] < u.stress_Pa) &&
+           !(x < p.node_K[0]) && !(p.node_K[nodes - 1] < x);
+  }
+
+  static State rest(const Params& p, const Drive<S>& u) {
+    State s{};
+    s.drive = u;
+    s.memory = Staircase<S, memory_depth>::cooled(p.node_K[nodes - 1], clamped_input(p, u));
+    s.settled = S(0);
+    s.martensite = s.settled + branch(p, stress_place(p, u.stress_Pa), s);
+    return s;
+  }
+
+  /// Exact for any step size on which T - shift σ does not turn. A turning point does not know at
+  /// which stress it was made: the same staircase is weighed by the stress of the step (003 eq. 2),
+  /// so with shift_K_Pa = 0 unloading takes the way of loading back. Cost: one F on a branch at
+  /// constant stress, with another stress or at a reversal one for each turning point.
+  static void advance(const Params& p, State& s, const Drive<S>& u) {
+    const Place at = stress_place(p, u.stress_Pa);
+    const bool turned = s.memory.move(
+        clamped_input(p, u), [&](const S& hot, const S& hotter, const S& cold, const S& warmer) {
+          return increment(p, at, hotter, cold) - increment(p, at, hot, cold) -
+                 increment(p, at, hotter, warmer) + increment(p, at, hot, warmer);
+        });
+    if (turned || u.stress_Pa < s.drive.stress_Pa || s.drive.stress_Pa < u.stress_Pa) {
+      s.settled = S(0);
+      s.memory.each_settled([&](const S& sign, const S& hot, const S& cold) {
+        s.settled = s.settled + sign * increment(p, at, hot, cold);
+      });
+    }
+    s.martensite = s.settled + branch(p, at, s);
+    s.drive = u;
+  }
+
+  static Drive<S> drive(const State& s) { return s.drive; }
+  static Phases<S> phases(const State& s) { return {s.martensite, S(0)}; }
+
+  /// Of the cell that the branch is in.
+  static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
+    const bool heating = heading == Heading::heating;
+    const S x = input(p, s.drive);
+    if (heating ? x < p.node_K[0] || !(x < p.node_K[nodes - 1])
+                : p.node_K[nodes - 1] < x || !(p.node_K[0] < x)) {
+      return {S(0), S(0)};
+    }
+    const S& turn = s.memory.heats() == heating ? s.memory.newest() : s.memory.input;
+    const Place at = stress_place(p, s.drive.stress_Pa);
+    const Place hot = node_place(p, heating ? x : turn);
+    const Place cold = node_place(p, heating ? turn : x);
+    const Corners c = corners(p, at, hot.index, cold.index);
+    if (heating) {
+      const S per_cell = c.hotter - c.low + cold.share * (c.high - c.warmer - c.hotter + c.low);
+      return {S(0) - per_cell / width_K(p, hot.index), S(0)};
+    }
+    const S per_cell = c.warmer - c.low + hot.share * (c.high - c.hotter - c.warmer + c.low);
+    return {per_cell / width_K(p, cold.index), S(0)};
+  }
+
+  /// F(α, β, σ) in the nodes' temperatures, hot >= cold, both between the outermost nodes; the
+  /// stress is clamped.
+  static S increment(const Params& p, const S& hot_K, const S& cold_K, const S& stress_Pa) {
+    return increment(p, stress_place(p, stress_Pa), hot_K, cold_K);
+  }
+
+ private:
+  /// Between a grid line and the next.
+  struct Place {
+    std::size_t index;
+    S share;  ///< 0..1
+  };
+  /// F at the corners of a cell: at its lower α and β, one α up, one β up, both up.
+  struct Corners {
+    S low, hotter, warmer, high;
+  };
+
+  static constexpr S input(const Params& p, const Drive<S>& u) {
+    return u.temperature_K -
+           p.shift_K_Pa * clamped(u.stress_Pa, p.stress_Pa[0], p.stress_Pa[p.stress_count - 1]);
+  }
+  static constexpr S clamped_input(const Params& p, const Drive<S>& u) {
+    return clamped(input(p, u), p.node_K[0], p.node_K[nodes - 1]);
+  }
+  static constexpr S clamped(const S& x, const S& low, const S& high) {
+    return x < low ? low : high < x ? high : x;
+  }
+  static S width_K(const Params& p, std::size_t cell) {
+    return p.node_K[cell + 1] - p.node_K[cell];
+  }
+
+  static Place stress_place(const Params& p, const S& stress_Pa) {
+    if (p.stress_count == 1 || !(p.stress_Pa[0] < stress_Pa)) {
+      return {0, S(0)};
+    }
+    std::size_t i = 0;
+    while (i + 2 < p.stress_count && !(stress_Pa < p.stress_Pa[i + 1])) {
+      ++i;
+    }
+    const S share = (stress_Pa - p.stress_Pa[i]) / (p.stress_Pa[i + 1] - p.stress_Pa[i]);
+    return {i, S(1) < share ? S(1) : share};
+  }
+  static Place node_place(const Params& p, const S& x) {
+    std::size_t low = 0;
+    for (std::size_t high = nodes - 1; low + 1 < high;) {
+      const std::size_t middle = (low + high) / 2;
+      (x < p.node_K[middle] ? high : low) = middle;
+    }
+    return {low, (x - p.node_K[low]) / width_K(p, low)};
+  }
+
+  static S at_nodes(const Params& p, const Place& at, std::size_t hot, std::size_t cold) {
+    const std::size_t i = Params::index(hot, cold);
+    const S low = p.increments[at.index][i];
+    return at.share > S(0) ? low + at.share * (p.increments[at.index + 1][i] - low) : low;
+  }
+  /// On the diagonal F is 0, and beyond it F(β, α) = -F(α, β): a diagonal's cell is bilinear, too.
+  static Corners corners(const Params& p, const Place& at, std::size_t hot, std::size_t cold) {
+    if (hot == cold) {
+      const S whole = at_nodes(p, at, hot + 1, cold);
+      return {S(0), whole, S(0) - whole, S(0)};
+    }
+    return {at_nodes(p, at, hot, cold), at_nodes(p, at, hot + 1, cold),
+            hot == cold + 1 ? S(0) : at_nodes(p, at, hot, cold + 1),
+            at_nodes(p, at, hot + 1, cold + 1)};
+  }
+
+  static S increment(const Params& p, const Place& at, const S& hot_K, const S& cold_K) {
+    const Place hot = node_place(p, hot_K);
+    const Place cold = node_place(p, cold_K);
+    const Corners c = corners(p, at, hot.index, cold.index);
+    const S low = c.low + hot.share * (c.hotter - c.low);
+    const S high = c.warmer + hot.share * (c.high - c.warmer);
+    return low + cold.share * (high - low);
+  }
+
+  /// What the branch from the newest turning point to the input has converted.
+  static S branch(const Params& p, const Place& at, const State& s) {
+    return s.memory.heats() ? S(0) - increment(p, at, s.memory.input, s.memory.newest())
+                            : increment(p, at, s.memory.newest(), s.memory.input);
+  }
+};
+
+}  // namespace smaservo
