@@ -23,11 +23,11 @@ struct Paper {
   std::vector<Figure> (*figures)();
 };
 
-/// Paper 001's. Throws UserError when gnuplot is missing or fails.
+// Throw UserError when gnuplot is missing or fails.
 std::vector<Figure> figures_001();
 std::vector<Figure> figures_003();
 
-/// All of them. Throws UserError when gnuplot is missing or fails.
+/// All of them.
 const std::vector<Paper>& papers();
 
 /// Writes every figure of these papers as SVG files, named after paper and figure (and panel, where

@@ -48,7 +48,7 @@ const std::vector<Paper>& papers() {
       {"001", "Differential Hysteresis Modeling of a Shape Memory Alloy Wire Actuator",
        "Left out: 1, 2, 3, 8 and 10, schematics; 6, the slopes that figure 7 integrates; measured "
        "curves of 5, 13, 14 and 15, which the paper does not print as numbers.",
-       figures_001}};
+       figures_001},
       {"003",
        "System Identification of a NiTi-Based SMA Actuator (Toledo, Ge, Oxoby, Chen, "
        "Pérez-Arancibia)",

@@ -66,6 +66,8 @@ template <class S>
 typename Duhem<S>::Params flexinol_duhem() {
   const auto K = [](double celsius) { return S(celsius + celsius_K); };
   return {{K(73), S(3), S(1 / 8e6)}, {K(47), S(2.5), S(1 / 7e6)}};
+}
+
 /// The same with an R-phase; its slope is that of the B2-R transformation in many NiTi alloys.
 template <class S>
 typename LiangRogers<S>::Params flexinol_liang_rogers() {

@@ -1,0 +1,45 @@
+#pragma once
+// Ways to know a wire's strain without a sensor for it, each identified on some runs and asked
+// about others.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host-sim/identify/run.hpp"
+
+namespace smaservo {
+
+/// One way, identified.
+struct System {
+  std::string name;
+  std::string meaning;
+  int parameters = 0;  ///< that its identification changes
+  std::string remark;  ///< what data it could not use, or why there is none
+  /// Strain of every row of a run. Empty where the runs could not identify it.
+  std::function<std::vector<double>(const Run&)> strain;
+};
+
+/// Of the resistance alone: one line; a polynomial of fourth order; two lines, one for heating and
+/// one for cooling. Least squares over all rows that have both, all runs counting alike. Each
+/// throws UserError where no run has strain and resistance.
+System one_line(const std::vector<Run>& runs);
+System polynomial(const std::vector<Run>& runs);
+/// The direction is that of the last change of the resistance by more than 1 %.
+System two_lines(const std::vector<Run>& runs);
+
+/// 002.
+System stress_strain_resistance(const std::vector<Run>& runs);
+
+/// Model and heat balance from power and stress, or in a bath from its temperature, without
+/// feedback: 001's kinetics, 002's section 6, 003's. `from` gives geometry, limits and priors.
+System duhem(const Wire<double>& from, const std::vector<Run>& runs);
+System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs);
+/// `identified` is the wire whose heat balance says what temperature the runs had.
+System preisach(const Wire<double>& identified, const std::vector<Run>& runs);
+
+/// The project's model, and its observer.
+System ihyp_alone(const Wire<double>& identified, int parameters);
+System ihyp_observer(const Wire<double>& identified, int parameters);
+
+}  // namespace smaservo
