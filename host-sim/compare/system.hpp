@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host-sim/identify/run.hpp"
+#include "model/wire.hpp"
 
 namespace smaservo {
 
@@ -31,14 +32,14 @@ System two_lines(const std::vector<Run>& runs);
 /// 002.
 System stress_strain_resistance(const std::vector<Run>& runs);
 
-/// Model and heat balance from power and stress, or in a bath from its temperature, without
-/// feedback: 001's kinetics, 002's section 6, 003's. `from` gives geometry, limits and priors.
-System duhem(const Wire<double>& from, const std::vector<Run>& runs);
-System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs);
-/// `identified` is the wire whose heat balance says what temperature the runs had.
+/// Kinetics and heat balance from power and stress, or in a bath from its temperature, without
+/// feedback. `from` gives geometry, limits and priors. Only the strain is fitted.
+System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads);
+System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int threads);
+/// 003. `identified` is the wire whose heat balance says what temperatures the runs had.
 System preisach(const Wire<double>& identified, const std::vector<Run>& runs);
 
-/// The project's model, and its observer.
+/// The project's model by itself, and its observer.
 System ihyp_alone(const Wire<double>& identified, int parameters);
 System ihyp_observer(const Wire<double>& identified, int parameters);
 
