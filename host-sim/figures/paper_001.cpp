@@ -153,7 +153,7 @@ std::vector<Figure> figures_001() {
             "As martensite (figure 9), bent by figure 11.", "temperature in °C",
             "transformation strain in %", 3, 5),
       loops(15, "Transformation strain over resistance",
-            "Heating and cooling lie up to a third of the stroke apart at one resistance, and "
+            "Heating and cooling lie a fifth of the stroke apart at one resistance, and "
             "where the "
             "strain stands, resistance still follows the temperature.",
             "resistance in Ω", "transformation strain in %", 7, 5)};
