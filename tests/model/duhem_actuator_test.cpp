@@ -279,10 +279,12 @@ TEST_F(DuhemActuatorTest, FloatsAreGoodEnough) {
     DuhemActuator<float>::advance(small, t, VoltageSource<float>{static_cast<float>(volt)}, 0.01F);
     const Model::Output exact = Model::output(p, s);
     const DuhemActuator<float>::Output rounded = DuhemActuator<float>::output(small, t);
-    worst_K = std::max(worst_K, std::abs(double{rounded.temperature_K} - exact.temperature_K));
-    worst_strain = std::max(worst_strain, std::abs(double{rounded.strain} - exact.strain));
-    worst_R =
-        std::max(worst_R, std::abs(double{rounded.resistance_ohm} / exact.resistance_ohm - 1));
+    worst_K = std::max(worst_K,
+                       std::abs(static_cast<double>(rounded.temperature_K) - exact.temperature_K));
+    worst_strain =
+        std::max(worst_strain, std::abs(static_cast<double>(rounded.strain) - exact.strain));
+    worst_R = std::max(
+        worst_R, std::abs(static_cast<double>(rounded.resistance_ohm) / exact.resistance_ohm - 1));
   }
   std::printf("%.2g K, strain %.2g, resistance %.2g\n", worst_K, worst_strain, worst_R);
   EXPECT_LT(worst_strain, 2e-5);
