@@ -113,7 +113,7 @@ Figure resistivities(const Params& p) {
                 "Both are near 1 µΩm. With the polynomial's coefficients as printed, two digits "
                 "each, martensite's would run away above 45 °C (dotted).",
                 {500, 400, "temperature in °C", "resistivity in µΩm"}, data + "EOD\n",
-                "set yrange [0.6:1.8]\n",
+                "set yrange [0.6:1.8]\nset key samplen 2\n",
                 {"$data using 1:2 with lines lc rgb heating title 'austenite'",
                  "$data using 1:3 with lines lc rgb cooling title 'martensite'",
                  "$data using 1:4 with lines dt 3 lc rgb measured title 'printed α'"});
