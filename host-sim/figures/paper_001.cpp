@@ -40,11 +40,11 @@ std::string data_block(const std::vector<ActuatorSample>& run) {
   return text + "EOD\n";
 }
 
-Figure single(int number, const char* title, const char* caption, Frame frame,
+Figure single(int number, const char* title, const char* caption, const Frame& frame,
               const std::string& data, const std::string& more,
               const std::vector<std::string>& curves) {
-  return {
-      number, title, caption, {{title, caption, false, draw(frame, data, colours + more, curves)}}};
+  const bool half = frame.width <= 500;
+  return {number, title, caption, {{title, "", half, draw(frame, data, colours + more, curves)}}};
 }
 
 /// Temperature over time with something else on an axis of its own.
@@ -76,8 +76,8 @@ Figure slopes_integrated(const Params& p) {
   return single(7, "Integrals of Gaussians yield hysteresis loops",
                 "The major loop and three minor ones, which turn at a quarter, half and three "
                 "quarters: each cools down a scaled copy of the major curve and stays within.",
-                {700, 480, "temperature in °C", "austenite fraction"}, data + "EOD\n",
-                "set yrange [0:1.02]\nset key inside left top vertical\n",
+                {500, 400, "temperature in °C", "austenite fraction"}, data + "EOD\n",
+                "set yrange [0:1.02]\n",
                 {"$data using 1:3 with lines lc rgb heating title 'increasing'",
                  "$data using 1:2 with lines lc rgb cooling title 'decreasing'"});
 }
@@ -93,7 +93,7 @@ Figure strain_over_martensite(const Params& p) {
   return single(11, "Strain over martensite fraction",
                 "The branches of eq. 17 and the polynomial of eq. 18 lie on each other within "
                 "0.035 % of strain; martensite yields near the right end.",
-                {700, 440, "martensite fraction", "strain in %"}, data + "EOD\n",
+                {500, 400, "martensite fraction", "strain in %"}, data + "EOD\n",
                 "set key inside left top vertical\n",
                 {"$data using 1:2 with lines lc rgb reference lw 3 title 'balance, eq. 17'",
                  "$data using 1:3 with lines dt 2 lc rgb estimate title 'polynomial, eq. 18'"});
@@ -112,11 +112,11 @@ Figure resistivities(const Params& p) {
   return single(12, "Electrical resistivity of both phases over temperature",
                 "Both are near 1 µΩm. With the polynomial's coefficients as printed, two digits "
                 "each, martensite's would run away above 45 °C (dotted).",
-                {700, 440, "temperature in °C", "resistivity in µΩm"}, data + "EOD\n",
-                "set yrange [0.6:1.8]\n",
+                {500, 400, "temperature in °C", "resistivity in µΩm"}, data + "EOD\n",
+                "set yrange [0.6:1.8]\nset key samplen 2\n",
                 {"$data using 1:2 with lines lc rgb heating title 'austenite'",
                  "$data using 1:3 with lines lc rgb cooling title 'martensite'",
-                 "$data using 1:4 with lines dt 3 lc rgb measured title 'martensite, printed α'"});
+                 "$data using 1:4 with lines dt 3 lc rgb measured title 'printed α'"});
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ std::vector<Figure> figures_001() {
   const std::string data = data_block(run_actuator(p, paper_001_voltage));
   const auto loops = [&](int number, const char* title, const char* caption, const char* x_label,
                          const char* y_label, int x, int y) {
-    return single(number, title, caption, {700, 480, x_label, y_label}, data, "",
+    return single(number, title, caption, {500, 400, x_label, y_label}, data, "",
                   by_direction(x, y));
   };
   return {
@@ -153,7 +153,7 @@ std::vector<Figure> figures_001() {
             "As martensite (figure 9), bent by figure 11.", "temperature in °C",
             "transformation strain in %", 3, 5),
       loops(15, "Transformation strain over resistance",
-            "Heating and cooling lie up to a third of the stroke apart at one resistance, and "
+            "Heating and cooling lie a fifth of the stroke apart at one resistance, and "
             "where the "
             "strain stands, resistance still follows the temperature.",
             "resistance in Ω", "transformation strain in %", 7, 5)};

@@ -225,6 +225,72 @@ TEST_F(DuhemActuatorTest, OutputsBelongToEachOther) {
   }
 }
 
+DuhemActuator<float>::Params single_precision(const Model::Params& p) {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  const auto process = [&](const Duhem<double>::Process& from) {
+    return Duhem<float>::Process{f(from.centre_K), f(from.deviation_K), f(from.stress_K_Pa)};
+  };
+  const auto& b = p.bias;
+  const auto& h = p.heat;
+  const auto& r = p.resistivity;
+  DuhemActuator<float>::Params to{
+      {process(p.kinetics.m2a), process(p.kinetics.a2m)},
+      {f(b.length_m),
+       f(b.diameter_m),
+       f(b.spring_N_m),
+       f(b.deformation_m),
+       f(b.austenite_Pa),
+       f(b.twinned_Pa),
+       f(b.part_twinned_Pa),
+       f(b.detwinned_Pa),
+       f(b.yield_strain),
+       f(b.detwinned_strain),
+       {f(b.smooth[0]), f(b.smooth[1]), f(b.smooth[2])}},
+      {f(h.heating_W_m2K), f(h.heating_W_m2K2), f(h.cooling_W_m2K), f(h.cooling_step_W_m2K),
+       f(h.cooling_centre_K), f(h.cooling_width_K), f(h.capacity_J_kgK), f(h.capacity_step_J_kgK),
+       f(h.capacity_centre_K), f(h.capacity_width_K)},
+      {f(r.austenite_ohm_m),
+       f(r.austenite_cold_ohm_m),
+       f(r.austenite_decay_1_K),
+       f(r.step_ohm_m),
+       f(r.step_ohm_m_K),
+       f(r.step_centre_K),
+       f(r.step_width_K),
+       {},
+       f(r.lowest_K),
+       f(r.highest_K)},
+      f(p.density_kg_m3),
+      f(p.ambient_K),
+      p.strain_law};
+  std::ranges::transform(r.martensite_ohm_m_K, to.resistivity.martensite_ohm_m_K, f);
+  return to;
+}
+
+TEST_F(DuhemActuatorTest, FloatsAreGoodEnough) {
+  const auto small = single_precision(p);
+  Model::State s = Model::rest(p);
+  DuhemActuator<float>::State t = DuhemActuator<float>::rest(small);
+  double worst_K = 0;
+  double worst_strain = 0;
+  double worst_R = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double volt = 1.5 - 1.1 * std::cos(2 * pi / 2000 * i);
+    Model::advance(p, s, VoltageSource<double>{volt}, 0.01);
+    DuhemActuator<float>::advance(small, t, VoltageSource<float>{static_cast<float>(volt)}, 0.01F);
+    const Model::Output exact = Model::output(p, s);
+    const DuhemActuator<float>::Output rounded = DuhemActuator<float>::output(small, t);
+    worst_K = std::max(worst_K,
+                       std::abs(static_cast<double>(rounded.temperature_K) - exact.temperature_K));
+    worst_strain =
+        std::max(worst_strain, std::abs(static_cast<double>(rounded.strain) - exact.strain));
+    worst_R = std::max(
+        worst_R, std::abs(static_cast<double>(rounded.resistance_ohm) / exact.resistance_ohm - 1));
+  }
+  std::printf("%.2g K, strain %.2g, resistance %.2g\n", worst_K, worst_strain, worst_R);
+  EXPECT_LT(worst_strain, 2e-5);
+  EXPECT_LT(worst_R, 2e-4);
+}
+
 TEST_F(DuhemActuatorTest, FlagsWhatThePaperDoesNotCover) {
   EXPECT_FALSE(Model::output(p, at(103, Heading::heating)).temperature_valid);
   p.bias.detwinned_strain = 0.101;

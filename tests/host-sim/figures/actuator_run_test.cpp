@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include "host-sim/figures/figure.hpp"
 #include "model/actuators/actuator_file.hpp"
@@ -82,7 +83,7 @@ TEST_F(ActuatorRunTest, FirstSwingIsALoopAndLaterOnesAreMinor) {
 TEST_F(ActuatorRunTest, MinorLoopsStayInsideTheMajorOne) {
   const auto& kinetics = params().kinetics;
   const auto right = [](const Duhem<double>::Process& process, double T) {
-    return 0.5 * std::erfc((T - process.centre_K) / (process.deviation_K * std::sqrt(2.0)));
+    return 0.5 * std::erfc((T - process.centre_K) / (process.deviation_K * std::numbers::sqrt2));
   };
   for (std::size_t i = 0; i < run().size(); ++i) {
     ASSERT_LE(martensite(i), right(kinetics.m2a, kelvin(i)) + 1e-6) << run()[i].time_s;
@@ -164,7 +165,7 @@ TEST_F(ActuatorRunTest, MinorLoopsOfFigure7AreScaledCopies) {
     for (std::size_t i = 0; i < loops[loop].cooling.size(); ++i) {
       const double T = loops[loop].temperature_K[i];
       const double h =
-          0.5 * std::erfc((cooling.centre_K - T) / (cooling.deviation_K * std::sqrt(2.0)));
+          0.5 * std::erfc((cooling.centre_K - T) / (cooling.deviation_K * std::numbers::sqrt2));
       if (T < 45 + celsius_K) {
         ASSERT_NEAR(loops[loop].cooling[i], n * h, 0.0015);
       }
