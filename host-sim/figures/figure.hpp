@@ -23,6 +23,8 @@ struct Paper {
   std::vector<Figure> (*figures)();
 };
 
+std::vector<Figure> figures_002();
+
 /// All of them. Throws UserError when gnuplot is missing or fails.
 const std::vector<Paper>& papers();
 
