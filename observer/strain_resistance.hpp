@@ -152,17 +152,16 @@ struct StrainResistance {
   }
 
   /// 002 eq. 11, 13 and 15, integrated: dz/dλ = (1 - a_0/a_line) (1 - exp(-τ z)), hence
-  /// exp(τ z) - 1 decays exponentially with λ. A strain beyond the line, where a change of the
-  /// stress may leave it, is put on it.
+  /// exp(τ z) - 1 decays exponentially with λ. Beyond the line, where a change of the stress may
+  /// leave a strain, z is below zero and the slope steeper than the line's, so it comes back, too.
   static S approached(const Params& p, const S& z, const S& decayed) {
     using std::exp;
     using std::log;
-    if (!(S(0) < z)) {
-      return S(0);
-    }
-    const S near = exp(S(0) - p.decay * z);
-    const S after = z + log(near + (S(1) - near) * decayed) / p.decay;
-    return S(0) < after ? after : S(0);
+    const S farthest = S(-80) / p.decay;  // exp() of more would not fit into a float
+    const S from = z < farthest ? farthest : z;
+    const S near = exp(S(0) - p.decay * from);
+    const S after = from + log(near * (S(1) - decayed) + decayed) / p.decay;
+    return S(0) < from && after < S(0) ? S(0) : after;
   }
 };
 

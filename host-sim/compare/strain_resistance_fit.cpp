@@ -256,7 +256,8 @@ StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
   }
   std::vector<Run> thin;
   for (const Run& run : runs) {
-    thin.push_back(averaged(run, Observer::smoothing_s));
+    // Transitions are slower than that, and every trial runs through all rows.
+    thin.push_back(averaged(run, 0.02));
   }
   p.smallest_reversal = smallest_reversal(runs, p.martensite_ohm);
   fit_transitions(p, thin);

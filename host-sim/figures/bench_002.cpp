@@ -17,8 +17,8 @@ using Steps = std::vector<DriveStep>;
 
 void full_cycles(Steps& drive, int count) {
   for (int i = 0; i < count; ++i) {
-    drive.push_back({1, 4});
-    drive.push_back({0, 5});
+    drive.push_back({1, 7});
+    drive.push_back({0, 9});
   }
 }
 
@@ -67,7 +67,7 @@ Run measured(std::string name, const Scenario& scenario) {
 }  // namespace
 
 WireDescription wire() {
-  return load_wire("flexinol-lt-0.10mm");
+  return load_wire("flexinol-lt-0.15mm");
 }
 
 double stress_Pa(double load_N) {
@@ -87,15 +87,15 @@ Run calibration_run(Family family, double stress_Pa) {
   Steps drive{{0, 1}};
   full_cycles(drive, 2);
   for (const double level : {0.62, 0.68, 0.74, 0.8}) {
-    drive.push_back({level, 3});
-    drive.push_back({0, 4});
+    drive.push_back({level, 5});
+    drive.push_back({0, 7});
   }
   for (const double level : {0.3, 0.36, 0.42, 0.48}) {
-    drive.push_back({1, 3});
-    drive.push_back({level, 3});
+    drive.push_back({1, 5});
+    drive.push_back({level, 5});
   }
-  drive.push_back({1, 3});
-  drive.push_back({0, 4});
+  drive.push_back({1, 5});
+  drive.push_back({0, 7});
   return measured(fmt::format("{:.0f} MPa", stress_Pa / MPa),
                   scenario(family, ConstantLoad{stress_Pa}, std::move(drive)));
 }
@@ -109,12 +109,12 @@ StrainResistanceFit calibrate(Family family) {
 }
 
 SpringLoad spring() {
-  return {20 * MPa, 170 * MPa, 0.04, 0.05};
+  return {20 * MPa, 170 * MPa, 0.03, 0.05};
 }
 
 Sensors sensors() {
   return {.bits = 16,
-          .current_full_scale_A = 0.5,
+          .current_full_scale_A = 1,
           .voltage_full_scale_V = 5,
           .load_full_scale_N = 5,
           .current_noise_A = 3e-6,
@@ -128,14 +128,14 @@ Run validation_run(Family family, const Load& load) {
   Steps drive{{0, 1}};
   full_cycles(drive, 2);
   for (const double level : {0.6, 0.65, 0.7, 0.75}) {
-    drive.push_back({level, 4});
-    drive.push_back({0, 4});
+    drive.push_back({level, 7});
+    drive.push_back({0, 7});
   }
   for (const double level : {0.33, 0.39, 0.45, 0.5}) {
-    drive.push_back({1, 3});
-    drive.push_back({level, 4});
+    drive.push_back({1, 5});
+    drive.push_back({level, 7});
   }
-  drive.push_back({0, 4});
+  drive.push_back({0, 7});
   return measured("validation", scenario(family, load, std::move(drive)));
 }
 
@@ -148,7 +148,7 @@ double mean_error_percent(const std::vector<double>& strain, const Run& run) {
 }
 
 Run with_constant_stress(Run run) {
-  std::ranges::fill(run.stress_Pa, run.stress_Pa.front());
+  std::ranges::fill(run.stress_Pa, *std::ranges::max_element(run.stress_Pa));
   return run;
 }
 

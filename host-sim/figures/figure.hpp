@@ -28,6 +28,9 @@ std::vector<Figure> figures_001();
 std::vector<Figure> figures_003();
 
 /// All of them.
+std::vector<Figure> figures_002();
+
+/// All of them. Throws UserError when gnuplot is missing or fails.
 const std::vector<Paper>& papers();
 
 /// Writes every figure of these papers as SVG files, named after paper and figure (and panel, where

@@ -53,6 +53,12 @@ const std::vector<Paper>& papers() {
        "System Identification of a NiTi-Based SMA Actuator (Toledo, Ge, Oxoby, Chen, "
        "Pérez-Arancibia)",
        "Figure 1, the experimental setup, is a drawing and a photograph.", figures_003}};
+      {"002",
+       "Characterization, Modeling, and Control of Ni-Ti Shape Memory Alloy based on Electrical "
+       "Resistance Feedback",
+       "Figures 1 and 20 are a photograph and a block diagram, 3 is a sketch of figure 2. Figures "
+       "10 and 11 overlay wires of several lengths, which differ here in their cold ends alone.",
+       figures_002}};
   return all;
 }
 

@@ -4,66 +4,11 @@
 #include <cmath>
 #include <random>
 
-#include "host-sim/simulated_bench.hpp"
+#include "host-sim/figures/rig_002.hpp"
 
 namespace smaservo::bench_002 {
-namespace {
-
-constexpr double step_s = 1e-3;
-constexpr double ambient_K = 298.15;
-
-/// Wire, spring, sensors and estimator.
-class Bench {
- public:
-  using Observer = StrainResistance<double>;
-
-  Bench(Family family, const Observer::Params& estimator)
-      : estimator_(estimator),
-        area_m2_(wire().wire.geometry.area_m2()),
-        load_(Load{spring()}),
-        random_(5),
-        wire_(make_simulated_wire(family, wire().wire, {}, 0.5, random_)) {
-    wire_->rest(ambient_K, load_.stress_Pa());
-    state_ = Observer::start(estimator_, measure(least_current_A), ambient_K);
-  }
-
-  void step(double current_A) {
-    load_.advance(time_s_, step_s, wire_->strain(), random_);
-    Observer::advance(estimator_, state_, measure(current_A), step_s);
-    wire_->advance(current_A, {load_.stress_Pa(), ambient_K, 1}, step_s);
-    time_s_ += step_s;
-  }
-  void step_for(double seconds, double current_A) {
-    for (long i = std::lround(seconds / step_s); i > 0; --i) {
-      step(current_A);
-    }
-  }
-
-  double strain() const { return wire_->strain(); }
-  double estimate() const { return Observer::estimate(estimator_, state_).strain; }
-  double stress_Pa() const { return load_.stress_Pa(); }
-
- private:
-  Measurement<double> measure(double current_A) {
-    const Readings r = read_sensors(sensors(), current_A, wire_->resistance_ohm(),
-                                    load_.stress_Pa() * area_m2_, normal_, random_);
-    return {r.voltage_V / r.current_A, 0, 0, r.load_N / area_m2_, true, false, true};
-  }
-
-  Observer::Params estimator_;
-  double area_m2_;
-  LoadModel load_;
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-  std::unique_ptr<SimulatedWire> wire_;
-  Observer::State state_{};
-  double time_s_ = 0;
-};
-
-}  // namespace
-
 PidGains gains() {
-  return {8, 12, 0.4, least_current_A, wire().wire.limits.current_A};
+  return {16, 16, 1.5, least_current_A, wire().wire.limits.current_A};
 }
 
 double PidController::current_A(double goal, double strain, double dt_s) {
@@ -84,12 +29,18 @@ double PidController::current_A(double goal, double strain, double dt_s) {
 
 std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>::Params& estimator,
                                    int goals, std::uint64_t seed) {
+  using Observer = StrainResistance<double>;
   constexpr int every = 20;
   constexpr double each_s = 22;
-  Bench bench(family, estimator);
   const PidGains limits = gains();
-  bench.step_for(3, limits.greatest_current_A);
-  bench.step_for(4, limits.least_current_A);
+  Rig rig(family, spring());
+  Observer::State s = Observer::start(estimator, rig.step(least_current_A), Rig::ambient_K);
+  const auto step = [&](double current_A) {
+    Observer::advance(estimator, s, rig.step(current_A), Rig::step_s);
+  };
+  while (rig.time_s() < 15) {
+    step(rig.time_s() < 6 ? limits.greatest_current_A : limits.least_current_A);
+  }
   PidController controller(limits);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> position(0.012, 0.032);
@@ -97,13 +48,14 @@ std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>
   long tick = 0;
   for (int i = 0; i < goals; ++i) {
     const double goal = position(random);
-    for (const long stop = tick + std::lround(each_s / step_s); tick < stop; ++tick) {
-      const double current_A = controller.current_A(goal, bench.estimate(), step_s);
+    for (const long stop = tick + std::lround(each_s / Rig::step_s); tick < stop; ++tick) {
+      const double estimate = Observer::estimate(estimator, s).strain;
+      const double current_A = controller.current_A(goal, estimate, Rig::step_s);
       if (tick % every == 0) {
-        rows.push_back({static_cast<double>(tick) * step_s, goal, bench.strain(), bench.estimate(),
-                        current_A, bench.stress_Pa()});
+        rows.push_back({static_cast<double>(tick) * Rig::step_s, goal, rig.strain(), estimate,
+                        current_A, rig.stress_Pa()});
       }
-      bench.step(current_A);
+      step(current_A);
     }
   }
   return rows;
