@@ -137,10 +137,9 @@ class RelaySum {
     }
   }
   double martensite(double stress_Pa) const {
-    std::vector<double> weights;
-    for (const Cell& cell : cells_) {
-      weights.push_back(cell_weight(cell, stress_Pa));
-    }
+    std::vector<double> weights(cells_.size());
+    std::ranges::transform(cells_, weights.begin(),
+                           [&](const Cell& cell) { return cell_weight(cell, stress_Pa); });
     double sum = 0;
     for (std::size_t i = 0; i < relays_.size(); ++i) {
       sum += relays_[i].austenite ? 0 : scale_[i] * weights[relays_[i].cell];
