@@ -23,8 +23,10 @@ struct Paper {
   std::vector<Figure> (*figures)();
 };
 
-/// All of them. Throws UserError when gnuplot is missing or fails.
 const std::vector<Paper>& papers();
+
+// Each throws UserError when gnuplot is missing or fails.
+std::vector<Figure> figures_000();  ///< some ten seconds
 
 /// Writes every figure of these papers as SVG files, named after paper and figure (and panel, where
 /// there are several), and index.html, into a folder that is made if it is missing.

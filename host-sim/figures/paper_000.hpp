@@ -38,6 +38,12 @@ struct CalorimetryRun {
 };
 CalorimetryRun simulated_calorimetry();
 
+/// Temperatures of the greatest heat flows: the dashed lines of figure 1.
+struct Peaks {
+  double m2a_K, a2r_K, r2m_K;
+};
+Peaks peaks(const CalorimetryRun& run);
+
 /// Fifteen as in the paper, most of them low ('Experimental results').
 inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0,  50.0, 60.0,
                                          100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
@@ -56,10 +62,59 @@ struct Level {
   double stress_MPa;
   Wire<double> wire;
 };
-/// Each begins with what the level below has found.
+/// Each begins with the preset. In the paper each begins with what the level below has found;
+/// `identify` holds on to where it begins, so that errors would add up from level to level.
 const std::vector<Level>& fitted_levels();
 
 /// From six levels at once, beginning with the one without stress.
 const Wire<double>& fitted_model();
+
+/// How good a measure of the strain the resistance is (figure 20), over the strains that both
+/// directions go through.
+struct SelfSensing {
+  double gap;        ///< greatest resistance on cooling less that on heating at the same strain,
+                     ///< as a share of the resistance's span; negative where heating has more
+  double deviation;  ///< of the strain from the best straight line, root mean square, as a share
+                     ///< of the strain's span
+};
+SelfSensing self_sensing(const BathRun& run);
+/// Of the whole wire, in ohm.
+std::vector<double> resistances_ohm(const BathRun& run);
+
+/// Figure 5: fit_classics() and fit_adaptable() of the same cycle.
+std::vector<ClassicFit> transformation_functions(const BathRun& run);
+inline constexpr double function_stress_MPa = 200;
+
+/// Figure 6: the parts of the normalised temperature at a converted fraction; they add up to
+/// ihyp_temperature(). Each hyperbola is a branch to one end of the curve.
+struct IhypParts {
+  double initial, target, line;
+};
+IhypParts ihyp_parts(const IhypShape<double>& shape, double converted);
+
+/// Figure 8: martensite over temperature on outer curves and on the way back from a temperature
+/// on the heating curve, without stress and R-phase.
+struct InnerLoop {
+  std::vector<double> temperature_K;  ///< rising
+  std::vector<double> heating, cooling;
+  std::vector<double> back_K, back;  ///< falling
+};
+InnerLoop inner_loop();
+
+// Figures 9 and 10: what one step makes of the fractions before it. The parts of a bar add up to 1.
+/// From the bottom; m2a and r2a become austenite.
+struct HeatingBar {
+  double temperature_K;
+  double martensite, m2a, austenite, r2a, r_phase;
+};
+/// From the bottom; `either` is austenite that both A2M and A2R would take; r2m becomes martensite.
+struct CoolingBar {
+  double temperature_K;
+  double martensite, a2m, either, austenite, a2r, r_phase, r2m;
+};
+/// At 50 MPa, in steps of bar_step_K.
+std::vector<HeatingBar> heating_bars();
+std::vector<CoolingBar> cooling_bars();
+inline constexpr double bar_step_K = 3;
 
 }  // namespace smaservo::paper_000

@@ -172,7 +172,7 @@ const std::vector<Level>& fitted_levels() {
     std::vector<Level> all{{0, fitted_without_stress().wire}};
     for (const double stress_MPa : stresses_MPa) {
       const Run run = as_run(simulated_bath_run(stress_MPa));
-      all.push_back({stress_MPa, fit_wire(all.back().wire, {run}, quick()).wire});
+      all.push_back({stress_MPa, fit_wire(paper_wire(), {run}, quick()).wire});
     }
     return all;
   }();
