@@ -78,20 +78,27 @@ Figure figure_5() {
   std::vector<std::string> curves{
       line("run", "1:2 " + heating_rows(bath.hottest()), "'#999999'", "simulated wire", "lw 5")};
   const char* const colours[] = {"'#cc79a7'", "'#e69f00'", "'#56b4e9'", "'#009e73'", "'#111111'"};
+  std::vector<std::string> differences;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     columns.push_back(times(100, fits[i].strain));
+    differences.push_back(line("run",
+                               fmt::format("1:(${0}-$2) {1}", i + 3, heating_rows(bath.hottest())),
+                               colours[i], fits[i].name, "lw 1.6"));
     errors += fmt::format("{}{} {:.1f}", i == 0 ? "" : ", ", fits[i].name, 100 * fits[i].rms);
     curves.push_back(line("run", fmt::format("1:{} {}", i + 3, heating_rows(bath.hottest())),
                           colours[i], fits[i].name, "lw 1.6"));
   }
+  const std::string data = block("run", columns);
+  const char* settings = "set xrange [75:130]\nset key outside right center vertical\n";
   return {5,
           "Transformation functions",
           fmt::format("Each fitted to the same cycle of the simulated wire at {:.0f} MPa, heating "
                       "is drawn. Errors in % of the stroke, root mean square: {}. (Cycles of "
                       "measured Flexinol wires leave Bezier 0.8 to 1.1, ihyp 0.6 to 0.8.)",
                       function_stress_MPa, errors),
-          {full_panel("strain on heating", "", temperature, strain, block("run", columns),
-                      "set xrange [75:130]\nset key outside right center vertical\n", curves)}};
+          {full_panel("strain on heating", "", temperature, strain, data, settings, curves),
+           full_panel("function - simulated wire", "", temperature, "error of the strain in %", data,
+                      settings, differences, 280)}};
 }
 
 Figure figure_6() {
@@ -114,11 +121,11 @@ Figure figure_6() {
           "The parts of ihyp",
           "T(z) is the sum of a line and two hyperbolas. The hyperbolas bend the ends of the line "
           "and are next to nothing elsewhere. M2A without stress.",
-          {half_panel("the parts", "", "converted fraction z", temperature,
+          {half_panel("the parts", "", "converted fraction z", "parts of T in K, line in °C",
                       block("parts", {z, low, high, straight}),
-                      "set yrange [-60:160]\nset xzeroaxis lt 1 lc rgb '#999999'\n",
-                      {line("parts", "1:2", cooling_colour, "hyperbola to z = 0"),
-                       line("parts", "1:3", heating_colour, "hyperbola to z = 1"),
+                      "set yrange [-60:160]\nset key samplen 2\nset xzeroaxis lt 1 lc rgb '#999999'\n",
+                      {line("parts", "1:2", cooling_colour, "initial end"),
+                       line("parts", "1:3", heating_colour, "target end"),
                        line("parts", "1:4", r_phase_colour, "line")}),
            half_panel("the sum", "", "converted fraction z", temperature, block("sum", {z, sum}),
                       "set yrange [-60:160]\n", {line("sum", "1:2", model_colour, "ihyp")})}};
@@ -176,9 +183,9 @@ Figure figure_9() {
   });
   return {9,
           "Heating: M2A and R2A",
-          fmt::format("Each bar is a step of {:.0f} K at 50 MPa. Martensite counts from below, "
+          fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. Martensite counts from below, "
                       "R-phase from above; the two processes do not compete.",
-                      bar_step_K),
+                      bar_step_K, heating_bars_MPa),
           {full_panel("fractions, step by step", "", temperature, "fraction", data, bar_settings,
                       {boxes(6, r_phase_colour, "R-phase"), boxes(5, "'#f5b5a8'", "R2A"),
                        boxes(4, austenite_colour, "austenite"), boxes(3, "'#e88a9a'", "M2A"),
@@ -191,11 +198,11 @@ Figure figure_10() {
   });
   return {10,
           "Cooling: A2M, A2R and R2M",
-          fmt::format("Each bar is a step of {:.0f} K at 50 MPa. White is austenite that A2M and "
+          fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. White is austenite that A2M and "
                       "A2R would both take; what R2M takes counts as martensite in the next bar.",
-                      bar_step_K),
+                      bar_step_K, cooling_bars_MPa),
           {full_panel("fractions, step by step", "", temperature, "fraction", data,
-                      std::string(bar_settings) + "set xrange [76:30] reverse\n",
+                      std::string(bar_settings) + "set xrange [75:36]\n",
                       {boxes(8, "'#5fc7c7'", "R2M"), boxes(7, r_phase_colour, "R-phase"),
                        boxes(6, "'#a8dcae'", "A2R"), boxes(5, austenite_colour, "austenite"),
                        boxes(4, "'#ffffff'", "A2M or A2R"), boxes(3, "'#8fbbe8'", "A2M"),

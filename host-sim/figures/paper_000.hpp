@@ -112,9 +112,10 @@ struct CoolingBar {
   double temperature_K;
   double martensite, a2m, either, austenite, a2r, r_phase, r2m;
 };
-/// At 50 MPa, in steps of bar_step_K.
 std::vector<HeatingBar> heating_bars();
 std::vector<CoolingBar> cooling_bars();
 inline constexpr double bar_step_K = 3;
+inline constexpr double heating_bars_MPa = 50;
+inline constexpr double cooling_bars_MPa = 110;  ///< where A2M and A2R meet
 
 }  // namespace smaservo::paper_000

@@ -156,7 +156,8 @@ Plot over_stress(const char* title, const char* label, const std::vector<OverStr
                                  i, value.look[0] == 'd' ? 6 : 7, value.colour));
     curves.push_back(line(fmt::format("line{}", i), "1:2", value.colour, value.name, value.look));
   }
-  return half_panel(title, "", stress, label, data, "set xrange [0:410]\n", curves, 420);
+  return half_panel(title, "", stress, label, data,
+                    "set xrange [0:410]\nset key samplen 2\n", curves, 420);
 }
 
 enum class Process : unsigned char { m2a, a2m, a2r };
@@ -192,11 +193,11 @@ Figure figure_16() {
   };
   Plot plot = over_stress("transition temperatures", temperature,
                           {of_process(Process::m2a, "M2A/R2A start", solid, start),
-                           of_process(Process::m2a, "finish", dashed, finish),
+                           of_process(Process::m2a, "M2A/R2A finish", dashed, finish),
                            of_process(Process::a2m, "A2M/R2M start", solid, start),
-                           of_process(Process::a2m, "finish", dashed, finish),
+                           of_process(Process::a2m, "A2M/R2M finish", dashed, finish),
                            of_process(Process::a2r, "A2R start", solid, start),
-                           of_process(Process::a2r, "finish", dashed, finish)},
+                           of_process(Process::a2r, "A2R finish", dashed, finish)},
                           0);
   return {16,
           "Transition temperatures over stress",
@@ -215,8 +216,8 @@ Figure figure_17() {
   };
   return {17,
           "Shape over stress",
-          "Points: each level by itself; lines: all together. The simulated wire's tails are "
-          "short, which wants less curvature than the paper's wire.",
+          "Points: each level by itself, which knows Γ only roughly: it trades against the plateaus "
+          "of the strain. Lines: all together. The simulated wire's short tails want little of it.",
           {over_stress("curvature", "curvature Γ", both(curvature), 1),
            over_stress("asymmetry", "converted fraction z_T at the turning point", both(turning),
                        1)}};
@@ -247,8 +248,8 @@ Figure figure_18() {
   }
   return {18,
           "The pure phases over stress",
-          "Points: each level by itself; lines: all together. The slope of the strain is 1/E; "
-          "austenite's and R-phase's resistance rises with stress, martensite's does not.",
+          "Points: each level by itself, of R-phase up to 100 MPa; lines: all together. The slope of "
+          "the strain is 1/E. Austenite's resistance rises with stress, martensite's does not.",
           {over_stress("strain", strain, strains, 1),
            over_stress("specific resistance at 20 °C", resistivity, resistivities, 1)}};
 }
@@ -307,7 +308,7 @@ Figure figure_20() {
     gaps += fmt::format("{}{:.0f}", i == 0 ? "" : ", ", 100 * self_sensing(model).gap);
   }
   const std::string settings =
-      labels + "set rmargin 9\nset yrange [0:20]\nset ytics format ''\n"
+      labels + "set rmargin 9\nset tmargin at screen 0.93\nset yrange [0:20]\nset ytics format ''\n"
                "set ytics 2\n";
   const char* label = "strain, one division is 2 %";
   return {20,

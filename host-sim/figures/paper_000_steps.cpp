@@ -11,7 +11,6 @@ namespace {
 using Kinetics = ThreePhase<double>;
 
 constexpr double celsius_K = 273.15;
-constexpr double bar_stress_Pa = 50e6;
 
 /// The paper's model: inner loops by scaling, without memory.
 Kinetics::Params paper_kinetics() {
@@ -158,21 +157,20 @@ InnerLoop inner_loop() {
   a2r.start_K[0] = 60;
   a2r.finish_K[0] = 55;
   p.a2m_a2r = pair_surfaces(first_surface(p.a2m_a2r), a2r);
+  const Isobar<double> m2a = isobar(p.m2a, 0.0);
+  const Isobar<double> a2m = isobar(first_surface(p.a2m_a2r), 0.0);
   const double cold_K = 10 + celsius_K;
+  const double hot_K = 110 + celsius_K;
   const double reversal_K = 75 + celsius_K;
   const double step_K = 0.5;
-  const int steps = 200;  // to 110 °C
   InnerLoop loop;
-  Kinetics::State heating = Kinetics::rest(p, {0.5 * cold_K, 0});
-  Kinetics::State back{};
-  for (int i = 0; i <= steps; ++i) {
-    const double T = cold_K + step_K * i;
-    Kinetics::advance(p, heating, {T, 0});
+  for (double T = cold_K; T <= hot_K; T += step_K) {
     loop.temperature_K.push_back(T);
-    loop.heating.push_back(heating.martensite);
-    loop.cooling.push_back(Kinetics::rest(p, {T, 0}).martensite);
-    back = T <= reversal_K ? heating : back;
+    loop.heating.push_back(m2a.remaining(T));
+    loop.cooling.push_back(1 - a2m.remaining(T));
   }
+  Kinetics::State back =
+      Kinetics::with_phases(p, {reversal_K, 0}, {m2a.remaining(reversal_K), 0});
   for (double T = reversal_K; T >= cold_K; T -= step_K) {
     Kinetics::advance(p, back, {T, 0});
     loop.back_K.push_back(T);
@@ -183,12 +181,16 @@ InnerLoop inner_loop() {
 
 std::vector<HeatingBar> heating_bars() {
   const Kinetics::Params p = paper_kinetics();
-  double T = 50 + celsius_K;
-  Kinetics::State state = Kinetics::rest(p, {T, bar_stress_Pa});
+  const double stress_Pa = 1e6 * heating_bars_MPa;
+  // R-phase and martensite, as far as they are when the first bar begins
+  Kinetics::State state = Kinetics::rest(p, {50 + celsius_K, stress_Pa});
+  double T = 66 + celsius_K;
+  Kinetics::advance(p, state, {T, stress_Pa});
   std::vector<HeatingBar> bars;
-  for (T = 69 + celsius_K; T < 101 + celsius_K; T += bar_step_K) {
+  while (T < 99 + celsius_K) {
+    T += bar_step_K;
     const Phases<double> before = Kinetics::phases(state);
-    Kinetics::advance(p, state, {T, bar_stress_Pa});
+    Kinetics::advance(p, state, {T, stress_Pa});
     const Phases<double> after = Kinetics::phases(state);
     bars.push_back({T, after.martensite, before.martensite - after.martensite, before.austenite(),
                     before.r_phase - after.r_phase, after.r_phase});
@@ -198,12 +200,14 @@ std::vector<HeatingBar> heating_bars() {
 
 std::vector<CoolingBar> cooling_bars() {
   const Kinetics::Params p = paper_kinetics();
-  const Isobar<double> a2m = isobar(first_surface(p.a2m_a2r), bar_stress_Pa);
-  const Isobar<double> a2r = isobar(second_surface(p.a2m_a2r), bar_stress_Pa);
-  double T = 74 + celsius_K;
-  Kinetics::State state = Kinetics::rest(p, {T, bar_stress_Pa});
+  const double stress_Pa = 1e6 * cooling_bars_MPa;
+  const Isobar<double> a2m = isobar(first_surface(p.a2m_a2r), stress_Pa);
+  const Isobar<double> a2r = isobar(second_surface(p.a2m_a2r), stress_Pa);
+  double T = 75 + celsius_K;
+  Kinetics::State state = Kinetics::rest(p, {T, stress_Pa});
   std::vector<CoolingBar> bars;
-  for (double before_K = T; T > 32 + celsius_K; before_K = T) {
+  while (T > 39 + celsius_K) {
+    const double before_K = T;
     T -= bar_step_K;
     const Phases<double> before = Kinetics::phases(state);
     // Each process as if it had all austenite for itself (000, 'Cooling process').
@@ -213,7 +217,7 @@ std::vector<CoolingBar> cooling_bars() {
     bars.push_back({T, before.martensite, a * to_m * (1 - to_r), a * to_m * to_r,
                     a * (1 - to_m) * (1 - to_r), a * to_r * (1 - to_m),
                     before.r_phase * (1 - to_m), before.r_phase * to_m});
-    Kinetics::advance(p, state, {T, bar_stress_Pa});
+    Kinetics::advance(p, state, {T, stress_Pa});
   }
   return bars;
 }
