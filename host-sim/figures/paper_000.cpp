@@ -32,18 +32,18 @@ Figure figure_1() {
                 {}};
   for (const auto& row : rows) {
     const std::string range = fmt::format("set xrange [20:100]\nset yrange {}\n", row.range);
-    figure.panels.push_back(half_panel(
-        fmt::format("{}, heating", row.title), "", temperature, row.label, data,
-        range + marker(at.m2a_K),
-        {line("run", fmt::format("1:{} {}", row.column, heating_rows(run.hottest())),
-              heating_colour, "")},
-        260));
-    figure.panels.push_back(half_panel(
-        fmt::format("{}, cooling", row.title), "", temperature, row.label, data,
-        range + marker(at.a2r_K) + marker(at.r2m_K),
-        {line("run", fmt::format("1:{} {}", row.column, cooling_rows(run.hottest())),
-              cooling_colour, "")},
-        260));
+    figure.panels.push_back(
+        half_panel(fmt::format("{}, heating", row.title), "", temperature, row.label, data,
+                   range + marker(at.m2a_K),
+                   {line("run", fmt::format("1:{} {}", row.column, heating_rows(run.hottest())),
+                         heating_colour, "")},
+                   260));
+    figure.panels.push_back(
+        half_panel(fmt::format("{}, cooling", row.title), "", temperature, row.label, data,
+                   range + marker(at.a2r_K) + marker(at.r2m_K),
+                   {line("run", fmt::format("1:{} {}", row.column, cooling_rows(run.hottest())),
+                         cooling_colour, "")},
+                   260));
   }
   return figure;
 }
@@ -57,14 +57,14 @@ Figure figure_2() {
   for (const auto& [column, label] : {std::pair{"1:2", strain}, std::pair{"1:3", resistivity}}) {
     for (const double stress_MPa : {0.0, 250.0}) {
       const BathRun run = simulated_bath_run(stress_MPa);
-      figure.panels.push_back(half_panel(
-          fmt::format("{:.0f} MPa", stress_MPa), "", temperature, label, bath_block("run", run),
-          "set xrange [20:150]\n",
-          {line("run", fmt::format("{} {}", column, heating_rows(run.hottest())), heating_colour,
-                "heating"),
-           line("run", fmt::format("{} {}", column, cooling_rows(run.hottest())), cooling_colour,
-                "cooling")},
-          300));
+      figure.panels.push_back(
+          half_panel(fmt::format("{:.0f} MPa", stress_MPa), "", temperature, label,
+                     bath_block("run", run), "set xrange [20:150]\n",
+                     {line("run", fmt::format("{} {}", column, heating_rows(run.hottest())),
+                           heating_colour, "heating"),
+                      line("run", fmt::format("{} {}", column, cooling_rows(run.hottest())),
+                           cooling_colour, "cooling")},
+                     300));
     }
   }
   return figure;
@@ -97,8 +97,8 @@ Figure figure_5() {
                       "measured Flexinol wires leave Bezier 0.8 to 1.1, ihyp 0.6 to 0.8.)",
                       function_stress_MPa, errors),
           {full_panel("strain on heating", "", temperature, strain, data, settings, curves),
-           full_panel("function - simulated wire", "", temperature, "error of the strain in %", data,
-                      settings, differences, 280)}};
+           full_panel("function - simulated wire", "", temperature, "error of the strain in %",
+                      data, settings, differences, 280)}};
 }
 
 Figure figure_6() {
@@ -117,34 +117,36 @@ Figure figure_6() {
     straight.push_back(m2a.start_K + parts.line / m2a.per_K - 273.15);
     sum.push_back(straight.back() + low.back() + high.back());
   }
-  return {6,
-          "The parts of ihyp",
-          "T(z) is the sum of a line and two hyperbolas. The hyperbolas bend the ends of the line "
-          "and are next to nothing elsewhere. M2A without stress.",
-          {half_panel("the parts", "", "converted fraction z", "parts of T in K, line in °C",
-                      block("parts", {z, low, high, straight}),
-                      "set yrange [-60:160]\nset key samplen 2\nset xzeroaxis lt 1 lc rgb '#999999'\n",
-                      {line("parts", "1:2", cooling_colour, "initial end"),
-                       line("parts", "1:3", heating_colour, "target end"),
-                       line("parts", "1:4", r_phase_colour, "line")}),
-           half_panel("the sum", "", "converted fraction z", temperature, block("sum", {z, sum}),
-                      "set yrange [-60:160]\n", {line("sum", "1:2", model_colour, "ihyp")})}};
+  return {
+      6,
+      "The parts of ihyp",
+      "T(z) is the sum of a line and two hyperbolas. The hyperbolas bend the ends of the line "
+      "and are next to nothing elsewhere. M2A without stress.",
+      {half_panel("the parts", "", "converted fraction z", "parts of T in K, line in °C",
+                  block("parts", {z, low, high, straight}),
+                  "set yrange [-60:160]\nset key samplen 2\nset xzeroaxis lt 1 lc rgb '#999999'\n",
+                  {line("parts", "1:2", cooling_colour, "initial end"),
+                   line("parts", "1:3", heating_colour, "target end"),
+                   line("parts", "1:4", r_phase_colour, "line")}),
+       half_panel("the sum", "", "converted fraction z", temperature, block("sum", {z, sum}),
+                  "set yrange [-60:160]\n", {line("sum", "1:2", model_colour, "ihyp")})}};
 }
 
 Figure figure_8() {
   const InnerLoop loop = inner_loop();
   const Column outer = degC(loop.temperature_K);
-  return {8,
-          "Scaling for an inner loop",
-          "From the turning point on the outer cooling curve is scaled to the martensite that is "
-          "there: it converts the same share of the austenite.",
-          {full_panel("martensite", "", temperature, "martensite fraction",
-                      block("outer", {outer, loop.heating, loop.cooling}) +
-                          block("back", {degC(loop.back_K), loop.back}),
-                      "set xrange [20:100]\nset yrange [-0.02:1.02]\n" + marker(loop.back_K.front()),
-                      {line("outer", "1:2", heating_colour, "M2A, outer curve"),
-                       line("outer", "1:3", cooling_colour, "A2M, outer curve"),
-                       line("back", "1:2", model_colour, "A2M, scaled", "lw 2.5")})}};
+  return {
+      8,
+      "Scaling for an inner loop",
+      "From the turning point on the outer cooling curve is scaled to the martensite that is "
+      "there: it converts the same share of the austenite.",
+      {full_panel("martensite", "", temperature, "martensite fraction",
+                  block("outer", {outer, loop.heating, loop.cooling}) +
+                      block("back", {degC(loop.back_K), loop.back}),
+                  "set xrange [20:100]\nset yrange [-0.02:1.02]\n" + marker(loop.back_K.front()),
+                  {line("outer", "1:2", heating_colour, "M2A, outer curve"),
+                   line("outer", "1:3", cooling_colour, "A2M, outer curve"),
+                   line("back", "1:2", model_colour, "A2M, scaled", "lw 2.5")})}};
 }
 
 /// Boxes around the temperatures of `$bars`, from column `low` to the next one.
@@ -196,17 +198,18 @@ Figure figure_10() {
   const std::string data = bars_block(cooling_bars(), [](const CoolingBar& b) {
     return Column{b.martensite, b.a2m, b.either, b.austenite, b.a2r, b.r_phase, b.r2m};
   });
-  return {10,
-          "Cooling: A2M, A2R and R2M",
-          fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. White is austenite that A2M and "
-                      "A2R would both take; what R2M takes counts as martensite in the next bar.",
-                      bar_step_K, cooling_bars_MPa),
-          {full_panel("fractions, step by step", "", temperature, "fraction", data,
-                      std::string(bar_settings) + "set xrange [75:36]\n",
-                      {boxes(8, "'#5fc7c7'", "R2M"), boxes(7, r_phase_colour, "R-phase"),
-                       boxes(6, "'#a8dcae'", "A2R"), boxes(5, austenite_colour, "austenite"),
-                       boxes(4, "'#ffffff'", "A2M or A2R"), boxes(3, "'#8fbbe8'", "A2M"),
-                       boxes(2, martensite_colour, "martensite")})}};
+  return {
+      10,
+      "Cooling: A2M, A2R and R2M",
+      fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. White is austenite that A2M and "
+                  "A2R would both take; what R2M takes counts as martensite in the next bar.",
+                  bar_step_K, cooling_bars_MPa),
+      {full_panel("fractions, step by step", "", temperature, "fraction", data,
+                  std::string(bar_settings) + "set xrange [75:36]\n",
+                  {boxes(8, "'#5fc7c7'", "R2M"), boxes(7, r_phase_colour, "R-phase"),
+                   boxes(6, "'#a8dcae'", "A2R"), boxes(5, austenite_colour, "austenite"),
+                   boxes(4, "'#ffffff'", "A2M or A2R"), boxes(3, "'#8fbbe8'", "A2M"),
+                   boxes(2, martensite_colour, "martensite")})}};
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace smaservo::paper_000 {
 /// The wire of the paper, smartflex-76um.
 const Wire<double>& paper_wire();
 
-/// One heating from 20 to 150 °C and the cooling back, at constant stress in a bath.
+/// One heating from 20 to 150 °C and the cooling back, at constant stress in a bath. Before, the
+/// wire was at -60 °C: it begins as martensite.
 struct BathRun {
   double stress_MPa;
   std::vector<double> temperature_K, strain;
@@ -48,7 +49,7 @@ Peaks peaks(const CalorimetryRun& run);
 inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0,  50.0, 60.0,
                                          100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
 
-/// As `identify` reads it.
+/// As `identify` reads it, with a row before it where the wire comes from.
 Run as_run(const BathRun& run);
 Run as_run(const CalorimetryRun& run);
 
@@ -62,8 +63,11 @@ struct Level {
   double stress_MPa;
   Wire<double> wire;
 };
-/// Each begins with the preset. In the paper each begins with what the level below has found;
-/// `identify` holds on to where it begins, so that errors would add up from level to level.
+/// A2R is seen well enough up to here ('Stress dependence of the transformation parameters').
+inline constexpr double most_a2r_MPa = 100;
+/// Each begins with the one without stress, those above most_a2r_MPa with the one there. In the
+/// paper each begins with the level below; `identify` holds on to where it begins, so that errors
+/// would add up from level to level.
 const std::vector<Level>& fitted_levels();
 
 /// From six levels at once, beginning with the one without stress.

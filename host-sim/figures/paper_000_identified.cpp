@@ -14,9 +14,6 @@ constexpr const char* stress = "stress in MPa";
 constexpr const char* strain = "strain in %";
 constexpr const char* resistivity = "specific resistance in µΩm";
 
-/// A2R is seen well enough up to here ('Stress dependence of the transformation parameters').
-constexpr double most_a2r_MPa = 100;
-
 Figure figure_13() {
   Column T[2];
   Column sigma[2];
@@ -60,20 +57,20 @@ Figure figure_14() {
   const std::string data =
       block("run", {degC(run.temperature_K), run.strain_measured, run.strain_model});
   const std::size_t hottest = run.temperature_K.size() / 2;
-  return {14,
-          "Transformation rates fitted to a calorimetry",
-          fmt::format("Simulated wire without stress. The first stage of the fit leaves {:.1f} % of "
-                      "the greatest heat flow; it can not follow the grains of the simulated wire.",
-                      100 * run.power.rms),
-          {full_panel("heat flow with specific heat", "", temperature, "heat flow in W/kg", data,
-                      "set xrange [20:100]\n",
-                      {line("run", "1:2 every ::2::" + std::to_string(hottest), heating_colour,
-                            "simulated wire, heating"),
-                       line("run", "1:2 " + cooling_rows(hottest + 1), cooling_colour, "cooling"),
-                       line("run", "1:3 every ::2::" + std::to_string(hottest), model_colour,
-                            "model", "lw 1.4"),
-                       line("run", "1:3 " + cooling_rows(hottest + 1), model_colour, "",
-                            "lw 1.4")})}};
+  return {
+      14,
+      "Transformation rates fitted to a calorimetry",
+      fmt::format("Simulated wire without stress. The first stage of the fit leaves {:.1f} % of "
+                  "the greatest heat flow; it can not follow the grains of the simulated wire.",
+                  100 * run.power.rms),
+      {full_panel("heat flow with specific heat", "", temperature, "heat flow in W/kg", data,
+                  "set xrange [20:100]\n",
+                  {line("run", "1:2 every ::2::" + std::to_string(hottest), heating_colour,
+                        "simulated wire, heating"),
+                   line("run", "1:2 " + cooling_rows(hottest + 1), cooling_colour, "cooling"),
+                   line("run", "1:3 every ::2::" + std::to_string(hottest), model_colour, "model",
+                        "lw 1.4"),
+                   line("run", "1:3 " + cooling_rows(hottest + 1), model_colour, "", "lw 1.4")})}};
 }
 
 /// A pure phase over temperature, as gnuplot's function.
@@ -90,9 +87,8 @@ Figure figure_15() {
   const Level& level = fitted_levels()[1];
   const double stress_Pa = 1e6 * level.stress_MPa;
   const Material<double>& m = level.wire.material;
-  const std::string data =
-      bath_block("wire", simulated_bath_run(level.stress_MPa)) +
-      bath_block("model", model_bath_run(level.wire, level.stress_MPa));
+  const std::string data = bath_block("wire", simulated_bath_run(level.stress_MPa)) +
+                           bath_block("model", model_bath_run(level.wire, level.stress_MPa));
   const std::pair<const Phase<double>*, std::pair<const char*, const char*>> phases[] = {
       {&m.martensite, {martensite_colour, "martensite"}},
       {&m.austenite, {austenite_colour, "austenite"}},
@@ -104,9 +100,8 @@ Figure figure_15() {
                 {}};
   for (const bool of_strain : {true, false}) {
     const char* columns = of_strain ? "1:2" : "1:3";
-    std::vector<std::string> curves{
-        line("wire", columns, r_phase_colour, "simulated wire", "lw 4"),
-        line("model", columns, model_colour, "model", "lw 1.4")};
+    std::vector<std::string> curves{line("wire", columns, r_phase_colour, "simulated wire", "lw 4"),
+                                    line("model", columns, model_colour, "model", "lw 1.4")};
     for (const auto& [phase, look] : phases) {
       curves.push_back(fmt::format("{} with lines dt 2 lc rgb {} title '{}'",
                                    of_strain ? pure_strain(*phase, stress_Pa)
@@ -156,8 +151,8 @@ Plot over_stress(const char* title, const char* label, const std::vector<OverStr
                                  i, value.look[0] == 'd' ? 6 : 7, value.colour));
     curves.push_back(line(fmt::format("line{}", i), "1:2", value.colour, value.name, value.look));
   }
-  return half_panel(title, "", stress, label, data,
-                    "set xrange [0:410]\nset key samplen 2\n", curves, 420);
+  return half_panel(title, "", stress, label, data, "set xrange [0:410]\nset key samplen 2\n",
+                    curves, 420);
 }
 
 enum class Process : unsigned char { m2a, a2m, a2r };
@@ -174,11 +169,10 @@ OverStress of_process(Process process, const char* name, const char* look,
                       const std::function<double(const Isobar<double>&)>& take) {
   const bool a2r = process == Process::a2r;
   return {name,
-          a2r                        ? r_phase_colour
+          a2r                       ? r_phase_colour
           : process == Process::m2a ? heating_colour
-                                     : cooling_colour,
-          look, a2r ? most_a2r_MPa : 400,
-          [=](const Wire<double>& wire, double stress_Pa) {
+                                    : cooling_colour,
+          look, a2r ? most_a2r_MPa : 400, [=](const Wire<double>& wire, double stress_Pa) {
             return take(isobar_of(wire, process, stress_Pa));
           }};
 }
@@ -188,9 +182,7 @@ constexpr const char* dashed = "dt 2 lw 1.8";
 
 Figure figure_16() {
   const auto start = [](const Isobar<double>& at) { return at.start_K - 273.15; };
-  const auto finish = [](const Isobar<double>& at) {
-    return at.start_K + 1 / at.per_K - 273.15;
-  };
+  const auto finish = [](const Isobar<double>& at) { return at.start_K + 1 / at.per_K - 273.15; };
   Plot plot = over_stress("transition temperatures", temperature,
                           {of_process(Process::m2a, "M2A/R2A start", solid, start),
                            of_process(Process::m2a, "M2A/R2A finish", dashed, finish),
@@ -214,13 +206,13 @@ Figure figure_17() {
                                    of_process(Process::a2m, "A2M/R2M", solid, take),
                                    of_process(Process::a2r, "A2R", solid, take)};
   };
-  return {17,
-          "Shape over stress",
-          "Points: each level by itself, which knows Γ only roughly: it trades against the plateaus "
-          "of the strain. Lines: all together. The simulated wire's short tails want little of it.",
-          {over_stress("curvature", "curvature Γ", both(curvature), 1),
-           over_stress("asymmetry", "converted fraction z_T at the turning point", both(turning),
-                       1)}};
+  return {
+      17,
+      "Shape over stress",
+      "Points: each level by itself, which knows Γ only roughly: it trades against the plateaus "
+      "of the strain. Lines: all together. The simulated wire's short tails want little of it.",
+      {over_stress("curvature", "curvature Γ", both(curvature), 1),
+       over_stress("asymmetry", "asymmetry z_T", both(turning), 1)}};
 }
 
 Figure figure_18() {
@@ -234,24 +226,24 @@ Figure figure_18() {
   for (const auto& [which, look] : phases) {
     const Of phase = which;
     const double most_MPa = phase == &Material<double>::r_phase ? most_a2r_MPa : 400;
-    strains.push_back({look.second, look.first, solid, most_MPa,
-                       [=](const Wire<double>& wire, double stress_Pa) {
-                         const Phase<double>& p = wire.material.*phase;
-                         return 100 * (p.strain + stress_Pa / p.modulus_Pa);
-                       }});
-    resistivities.push_back({look.second, look.first, solid, most_MPa,
-                             [=](const Wire<double>& wire, double stress_Pa) {
-                               const Phase<double>& p = wire.material.*phase;
-                               return 1e6 * (p.resistivity_ohm_m +
-                                             stress_Pa * p.resistivity_ohm_m_Pa);
-                             }});
+    strains.push_back(
+        {look.second, look.first, solid, most_MPa, [=](const Wire<double>& wire, double stress_Pa) {
+           const Phase<double>& p = wire.material.*phase;
+           return 100 * (p.strain + stress_Pa / p.modulus_Pa);
+         }});
+    resistivities.push_back(
+        {look.second, look.first, solid, most_MPa, [=](const Wire<double>& wire, double stress_Pa) {
+           const Phase<double>& p = wire.material.*phase;
+           return 1e6 * (p.resistivity_ohm_m + stress_Pa * p.resistivity_ohm_m_Pa);
+         }});
   }
-  return {18,
-          "The pure phases over stress",
-          "Points: each level by itself, of R-phase up to 100 MPa; lines: all together. The slope of "
-          "the strain is 1/E. Austenite's resistance rises with stress, martensite's does not.",
-          {over_stress("strain", strain, strains, 1),
-           over_stress("specific resistance at 20 °C", resistivity, resistivities, 1)}};
+  return {
+      18,
+      "The pure phases over stress",
+      "Points: each level by itself, of R-phase up to 100 MPa; lines: all together. The slope of "
+      "the strain is 1/E. Austenite's resistance rises with stress, martensite's does not.",
+      {over_stress("strain", strain, strains, 1),
+       over_stress("specific resistance at 20 °C", resistivity, resistivities, 1)}};
 }
 
 Figure figure_19() {
@@ -292,7 +284,8 @@ Figure figure_20() {
   for (std::size_t i = 0; i < std::size(levels); ++i) {
     const BathRun run = simulated_bath_run(levels[i]);
     const BathRun model = model_bath_run(fitted_model(), levels[i]);
-    data += bath_block(fmt::format("wire{}", i), run) + bath_block(fmt::format("model{}", i), model);
+    data +=
+        bath_block(fmt::format("wire{}", i), run) + bath_block(fmt::format("model{}", i), model);
     const double up = raised * static_cast<double>(i);
     const std::string columns = fmt::format("4:($2+{})", up);
     left.push_back(line(fmt::format("wire{}", i), columns + " " + heating_rows(run.hottest()),
@@ -308,19 +301,20 @@ Figure figure_20() {
     gaps += fmt::format("{}{:.0f}", i == 0 ? "" : ", ", 100 * self_sensing(model).gap);
   }
   const std::string settings =
-      labels + "set rmargin 9\nset tmargin at screen 0.93\nset yrange [0:20]\nset ytics format ''\n"
-               "set ytics 2\n";
+      labels +
+      "set rmargin 9\nset tmargin at screen 0.93\nset yrange [0:20]\nset ytics format ''\n"
+      "set ytics 2\n";
   const char* label = "strain, one division is 2 %";
-  return {20,
-          "Strain over resistance",
-          fmt::format("Each level stands 2 % above the last. Colour of the model: martensite blue, "
-                      "R-phase green, austenite red. Gap of the model from heating to cooling in "
-                      "% of the resistance's span: {}.",
-                      gaps),
-          {half_panel("simulated wire", "", "resistance of 100 mm in Ω", label, data, settings,
-                      left, 620),
-           half_panel("model", "", "resistance of 100 mm in Ω", label, data, settings, right,
-                      620)}};
+  return {
+      20,
+      "Strain over resistance",
+      fmt::format("Each level stands 2 % above the last. Colour of the model: martensite blue, "
+                  "R-phase green, austenite red. Gap of the model from heating to cooling in "
+                  "% of the resistance's span: {}.",
+                  gaps),
+      {half_panel("simulated wire", "", "resistance of 100 mm in Ω", label, data, settings, left,
+                  620),
+       half_panel("model", "", "resistance of 100 mm in Ω", label, data, settings, right, 620)}};
 }
 
 }  // namespace

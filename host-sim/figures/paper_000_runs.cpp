@@ -15,7 +15,7 @@ namespace {
 using Model = Plant<ThreePhase<double>>;
 
 constexpr double cold_K = 293.15;
-constexpr double martensite_K = 213.15;  // where the wire is before: 'full martensite'
+constexpr double martensite_K = 213.15;       // where the wire is before: 'full martensite'
 constexpr double hot_K = 423.15;              // 'Experimental results': not above 150 °C
 constexpr double calorimetry_hot_K = 373.15;  // figure 1
 constexpr double rate_K_s = 10.0 / 60;        // common in calorimetry; the paper does not say
@@ -129,7 +129,8 @@ Run as_run(const BathRun& bath) {
   run.temperature_K = {martensite_K};
   run.strain = {nothing};
   run.resistance_ohm = {nothing};
-  run.temperature_K.insert(run.temperature_K.end(), bath.temperature_K.begin(), bath.temperature_K.end());
+  run.temperature_K.insert(run.temperature_K.end(), bath.temperature_K.begin(),
+                           bath.temperature_K.end());
   run.strain.insert(run.strain.end(), bath.strain.begin(), bath.strain.end());
   run.stress_Pa.assign(run.temperature_K.size(), 1e6 * bath.stress_MPa);
   for (std::size_t i = 0; i < bath.rows(); ++i) {
@@ -145,8 +146,10 @@ Run as_run(const CalorimetryRun& calorimetry) {
   run.kind = RunKind::calorimetry;
   run.temperature_K = {martensite_K};
   run.power_W_kg = {0};  // stands still
-  run.temperature_K.insert(run.temperature_K.end(), calorimetry.temperature_K.begin(), calorimetry.temperature_K.end());
-  run.power_W_kg.insert(run.power_W_kg.end(), calorimetry.power_W_kg.begin(), calorimetry.power_W_kg.end());
+  run.temperature_K.insert(run.temperature_K.end(), calorimetry.temperature_K.begin(),
+                           calorimetry.temperature_K.end());
+  run.power_W_kg.insert(run.power_W_kg.end(), calorimetry.power_W_kg.begin(),
+                        calorimetry.power_W_kg.end());
   return run;
 }
 
@@ -170,9 +173,13 @@ const Wire<double>& fitted_model() {
 const std::vector<Level>& fitted_levels() {
   static const std::vector<Level> levels = [] {
     std::vector<Level> all{{0, fitted_without_stress().wire}};
+    Wire<double> from = all.front().wire;
     for (const double stress_MPa : stresses_MPa) {
       const Run run = as_run(simulated_bath_run(stress_MPa));
-      all.push_back({stress_MPa, fit_wire(paper_wire(), {run}, quick()).wire});
+      all.push_back({stress_MPa, fit_wire(from, {run}, quick()).wire});
+      if (stress_MPa == most_a2r_MPa) {
+        from = all.back().wire;
+      }
     }
     return all;
   }();

@@ -169,8 +169,7 @@ InnerLoop inner_loop() {
     loop.heating.push_back(m2a.remaining(T));
     loop.cooling.push_back(1 - a2m.remaining(T));
   }
-  Kinetics::State back =
-      Kinetics::with_phases(p, {reversal_K, 0}, {m2a.remaining(reversal_K), 0});
+  Kinetics::State back = Kinetics::with_phases(p, {reversal_K, 0}, {m2a.remaining(reversal_K), 0});
   for (double T = reversal_K; T >= cold_K; T -= step_K) {
     Kinetics::advance(p, back, {T, 0});
     loop.back_K.push_back(T);
@@ -215,8 +214,8 @@ std::vector<CoolingBar> cooling_bars() {
     const double to_r = 1 - a2r.remaining(T) / a2r.remaining(before_K);
     const double a = before.austenite();
     bars.push_back({T, before.martensite, a * to_m * (1 - to_r), a * to_m * to_r,
-                    a * (1 - to_m) * (1 - to_r), a * to_r * (1 - to_m),
-                    before.r_phase * (1 - to_m), before.r_phase * to_m});
+                    a * (1 - to_m) * (1 - to_r), a * to_r * (1 - to_m), before.r_phase * (1 - to_m),
+                    before.r_phase * to_m});
     Kinetics::advance(p, state, {T, stress_Pa});
   }
   return bars;

@@ -59,8 +59,7 @@ S fraction(const S* own, const S& u) {
 template <Shape shape, class S>
 S strain_at(const S* p, double temperature_K, bool cools) {
   const S* branch = p + (cools ? cooling(shape) : 0);
-  const S xi =
-      fraction<shape>(branch + form, (S(temperature_K) - branch[centre]) / branch[width]);
+  const S xi = fraction<shape>(branch + form, (S(temperature_K) - branch[centre]) / branch[width]);
   return p[austenite] + (p[martensite] - p[austenite]) * xi;
 }
 
@@ -238,8 +237,7 @@ ClassicFit fitted(std::string_view name, const Cycle& cycle) {
   std::vector<double> errors;
   double squares = 0;
   for (std::size_t i = 0; i < cycle.strain.size(); ++i) {
-    fit.strain.push_back(
-        strain_at<shape>(p.data(), cycle.temperature_K[i], i > cycle.hottest));
+    fit.strain.push_back(strain_at<shape>(p.data(), cycle.temperature_K[i], i > cycle.hottest));
     errors.push_back(std::abs(fit.strain.back() - cycle.strain[i]) / cycle.stroke);
     squares += errors.back() * errors.back();
   }

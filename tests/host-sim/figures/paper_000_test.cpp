@@ -181,9 +181,8 @@ TEST(Paper000, InnerLoopConvertsTheSameShareAsTheOuterCurve) {
   const InnerLoop loop = inner_loop();
   const double reversal = loop.back.front();
   const auto outer = [&](double T) {
-    const auto row = static_cast<std::size_t>(
-        std::lround((T - loop.temperature_K.front()) /
-                    (loop.temperature_K[1] - loop.temperature_K[0])));
+    const auto row = static_cast<std::size_t>(std::lround(
+        (T - loop.temperature_K.front()) / (loop.temperature_K[1] - loop.temperature_K[0])));
     return loop.cooling[row];
   };
   const double left = 1 - outer(loop.back_K.front());
@@ -220,7 +219,8 @@ TEST(Paper000, BarsOfCoolingFollowOneAnother) {
   double contested = 0;
   for (std::size_t i = 0; i < bars.size(); ++i) {
     const CoolingBar& b = bars[i];
-    EXPECT_NEAR(b.martensite + b.a2m + b.either + b.austenite + b.a2r + b.r_phase + b.r2m, 1, 1e-14);
+    EXPECT_NEAR(b.martensite + b.a2m + b.either + b.austenite + b.a2r + b.r_phase + b.r2m, 1,
+                1e-14);
     for (const double part :
          {b.martensite, b.a2m, b.either, b.austenite, b.a2r, b.r_phase, b.r2m}) {
       EXPECT_GE(part, 0);
@@ -275,7 +275,7 @@ TEST(Paper000, EachLevelIsFittedWell) {
     SCOPED_TRACE(stress_MPa);
     const BathRun wire = simulated_bath_run(stress_MPa);
     const BathRun model = model_bath_run(levels[i].wire, stress_MPa);
-    expect_between(difference(wire.strain, model.strain), 0.002 * 0.04, 0.018 * 0.04);
+    expect_between(difference(wire.strain, model.strain), 0.005 * 0.04, 0.015 * 0.04);
     expect_between(difference(wire.resistivity_ohm_m, model.resistivity_ohm_m), 0.2e-9, 4e-9);
   }
 }
