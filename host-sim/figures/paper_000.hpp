@@ -49,7 +49,7 @@ Peaks peaks(const CalorimetryRun& run);
 inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0,  50.0, 60.0,
                                          100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
 
-/// As `identify` reads it, with a row before it where the wire comes from.
+/// As `identify` reads it, every second row, with a row before them where the wire comes from.
 Run as_run(const BathRun& run);
 Run as_run(const CalorimetryRun& run);
 

@@ -129,14 +129,13 @@ Run as_run(const BathRun& bath) {
   run.temperature_K = {martensite_K};
   run.strain = {nothing};
   run.resistance_ohm = {nothing};
-  run.temperature_K.insert(run.temperature_K.end(), bath.temperature_K.begin(),
-                           bath.temperature_K.end());
-  run.strain.insert(run.strain.end(), bath.strain.begin(), bath.strain.end());
-  run.stress_Pa.assign(run.temperature_K.size(), 1e6 * bath.stress_MPa);
-  for (std::size_t i = 0; i < bath.rows(); ++i) {
-    run.resistance_ohm.push_back(bath.resistivity_ohm_m[i] * paper_wire().length_per_area_1_m() *
-                                 (1 + 2 * bath.strain[i]));
+  const std::vector<double> ohm = resistances_ohm(bath);
+  for (std::size_t i = 0; i < bath.rows(); i += 2) {
+    run.temperature_K.push_back(bath.temperature_K[i]);
+    run.strain.push_back(bath.strain[i]);
+    run.resistance_ohm.push_back(ohm[i]);
   }
+  run.stress_Pa.assign(run.temperature_K.size(), 1e6 * bath.stress_MPa);
   return run;
 }
 

@@ -153,7 +153,7 @@ TEST(Adaptable, EachFindsItsOwnCurveAndFitsItBest) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < 2; ++round) {
     SCOPED_TRACE(round);
     const double curvature = between(0.5, 4);
     const double turning = between(0.3, 0.7);

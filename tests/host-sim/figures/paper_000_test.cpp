@@ -101,7 +101,7 @@ TEST(Paper000, RPhaseIs70PercentAt10MPaAndFeltUpToAlmost250) {
   for (const BathRun& run : runs) {
     expect_between(peak_r_phase(run), 0.65, 0.78);
   }
-  // The identified model has less: its long tails leave no austenite unconverted for A2R.
+  // The identified model has less of an R-phase that resists more: resistance tells the product.
   expect_between(peak_r_phase(model_bath_run(fitted_model(), 10)), 0.55, 0.75);
   for (const double stress_MPa : {100.0, 250.0, 400.0}) {
     const double low = stress_MPa == 100 ? 0.3 : stress_MPa == 250 ? 0.08 : 0.01;
