@@ -27,7 +27,7 @@ std::unique_ptr<SimulatedWire> simulated_wire() {
 
 /// From cold to hot and back; an odd number, the hottest is in the middle.
 std::vector<double> cycle_K(double hottest_K, double step_K) {
-  const int steps = static_cast<int>((hottest_K - cold_K) / step_K + 0.5);
+  const auto steps = static_cast<int>(std::lround((hottest_K - cold_K) / step_K));
   std::vector<double> all;
   for (int i = -steps; i <= steps; ++i) {
     all.push_back(cold_K + step_K * (steps - std::abs(i)));
@@ -121,35 +121,35 @@ CalorimetryRun simulated_calorimetry() {
   return run;
 }
 
-Run as_run(const BathRun& bath) {
-  Run run{};
-  run.name = "bath";
-  run.kind = RunKind::bath;
+Run as_run(const BathRun& run) {
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-  run.temperature_K = {martensite_K};
-  run.strain = {nothing};
-  run.resistance_ohm = {nothing};
-  const std::vector<double> ohm = resistances_ohm(bath);
-  for (std::size_t i = 0; i < bath.rows(); i += 2) {
-    run.temperature_K.push_back(bath.temperature_K[i]);
-    run.strain.push_back(bath.strain[i]);
-    run.resistance_ohm.push_back(ohm[i]);
+  Run bath{};
+  bath.name = "bath";
+  bath.kind = RunKind::bath;
+  bath.temperature_K = {martensite_K};
+  bath.strain = {nothing};
+  bath.resistance_ohm = {nothing};
+  const std::vector<double> ohm = resistances_ohm(run);
+  for (std::size_t i = 0; i < run.rows(); i += 2) {
+    bath.temperature_K.push_back(run.temperature_K[i]);
+    bath.strain.push_back(run.strain[i]);
+    bath.resistance_ohm.push_back(ohm[i]);
   }
-  run.stress_Pa.assign(run.temperature_K.size(), 1e6 * bath.stress_MPa);
-  return run;
+  bath.stress_Pa.assign(bath.temperature_K.size(), 1e6 * run.stress_MPa);
+  return bath;
 }
 
-Run as_run(const CalorimetryRun& calorimetry) {
-  Run run{};
-  run.name = "calorimetry";
-  run.kind = RunKind::calorimetry;
-  run.temperature_K = {martensite_K};
-  run.power_W_kg = {0};  // stands still
-  run.temperature_K.insert(run.temperature_K.end(), calorimetry.temperature_K.begin(),
-                           calorimetry.temperature_K.end());
-  run.power_W_kg.insert(run.power_W_kg.end(), calorimetry.power_W_kg.begin(),
-                        calorimetry.power_W_kg.end());
-  return run;
+Run as_run(const CalorimetryRun& run) {
+  Run calorimetry{};
+  calorimetry.name = "calorimetry";
+  calorimetry.kind = RunKind::calorimetry;
+  calorimetry.temperature_K = {martensite_K};
+  calorimetry.power_W_kg = {0};  // stands still
+  calorimetry.temperature_K.insert(calorimetry.temperature_K.end(), run.temperature_K.begin(),
+                                   run.temperature_K.end());
+  calorimetry.power_W_kg.insert(calorimetry.power_W_kg.end(), run.power_W_kg.begin(),
+                                run.power_W_kg.end());
+  return calorimetry;
 }
 
 const FitResult& fitted_without_stress() {

@@ -102,6 +102,7 @@ Peaks peaks(const CalorimetryRun& run) {
 
 std::vector<double> resistances_ohm(const BathRun& run) {
   std::vector<double> all;
+  all.reserve(run.rows());
   for (std::size_t i = 0; i < run.rows(); ++i) {
     all.push_back(resistance_ohm(run.resistivity_ohm_m[i], paper_wire().length_per_area_1_m(),
                                  run.strain[i]));

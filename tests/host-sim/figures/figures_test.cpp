@@ -24,33 +24,48 @@ std::size_t count(std::string_view text, std::string_view part) {
   return found;
 }
 
+struct Tag {
+  std::string_view name;  ///< empty at the end of the text
+  bool closes, stands_alone;
+};
+
+/// Takes everything up to and with the next tag off the text; comments and declarations are none.
+Tag next_tag(std::string_view& text) {
+  const auto take_to = [&](std::string_view end) {
+    const std::size_t at = text.find(end);
+    const std::string_view taken =
+        text.substr(0, at == std::string_view::npos ? at : at + end.size());
+    text.remove_prefix(taken.size());
+    return taken;
+  };
+  for (take_to("<"); !text.empty(); take_to("<")) {
+    if (text.starts_with("!--")) {
+      take_to("-->");
+    } else if (text.starts_with("![CDATA[")) {
+      take_to("]]>");
+    } else {
+      std::string_view tag = take_to(">");
+      if (tag.front() != '?' && tag.front() != '!') {
+        const bool closes = tag.front() == '/';
+        tag.remove_prefix(closes ? 1 : 0);
+        return {tag.substr(0, tag.find_first_of(" \t\n/>")), closes, tag.ends_with("/>")};
+      }
+    }
+  }
+  return {"", false, false};
+}
+
 /// Whether every tag is closed in its order, and the outermost one is svg.
 bool is_well_formed_svg(std::string_view text) {
   std::vector<std::string_view> open;
   bool svg = false;
-  for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
-    const auto skip_to = [&](std::string_view end) {
-      at = text.find(end, at);
-      at = at == std::string_view::npos ? text.size() : at + end.size();
-    };
-    if (text.substr(at).starts_with("<!--")) {
-      skip_to("-->");
-    } else if (text.substr(at).starts_with("<![CDATA[")) {
-      skip_to("]]>");
-    } else if (text[at + 1] == '?' || text[at + 1] == '!') {
-      skip_to(">");
-    } else {
-      const bool closes = text[at + 1] == '/';
-      const std::size_t from = at + (closes ? 2 : 1);
-      const std::string_view name = text.substr(from, text.find_first_of(" \t\n/>", from) - from);
-      skip_to(">");
-      if (closes) {
-        if (open.empty() || open.back() != name) return false;
-        open.pop_back();
-      } else {
-        svg = svg || (open.empty() && name == "svg");
-        if (text[at - 2] != '/') open.push_back(name);
-      }
+  for (Tag tag = next_tag(text); !tag.name.empty(); tag = next_tag(text)) {
+    svg = svg || (open.empty() && tag.name == "svg");
+    if (tag.closes) {
+      if (open.empty() || open.back() != tag.name) return false;
+      open.pop_back();
+    } else if (!tag.stands_alone) {
+      open.push_back(tag.name);
     }
   }
   return svg && open.empty();
