@@ -33,6 +33,9 @@ std::vector<Figure> figures_002();
 /// All of them. Throws UserError when gnuplot is missing or fails.
 const std::vector<Paper>& papers();
 
+// Each throws UserError when gnuplot is missing or fails.
+std::vector<Figure> figures_000();  ///< some ten seconds
+
 /// Writes every figure of these papers as SVG files, named after paper and figure (and panel, where
 /// there are several), and index.html, into a folder that is made if it is missing.
 void write_figures(const std::string& folder, const std::vector<std::string>& paper_numbers);

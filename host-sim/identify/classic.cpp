@@ -8,56 +8,71 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+
+#include "model/ihyp.hpp"
 
 #include "host-sim/identify/steady_load.hpp"
 
 namespace smaservo {
 namespace {
 
-enum class Shape : unsigned char { cosine, tanh, arctan };
+enum class Shape : unsigned char { cosine, tanh, arctan, bezier, ihyp };
 
-/// The martensite fraction at `u` widths above the centre. The cosine's width is from start to
-/// finish; one width beside the centre, tanh has 12 % left to convert and arctan 25 %.
-template <class S>
-S fraction(Shape shape, const S& u) {
+/// Of the parameters that all shapes have; cooling's branch stands behind heating's.
+enum Index : int { martensite, austenite, centre, width, form };
+constexpr int plateaus = 2;
+
+constexpr std::size_t form_count(Shape shape) {
+  return shape == Shape::bezier ? 4 : shape == Shape::ihyp ? 2 : 0;
+}
+/// From a heating branch's parameter to the cooling one's.
+constexpr int cooling(Shape shape) {
+  return 2 + static_cast<int>(form_count(shape));
+}
+constexpr int parameter_count(Shape shape) {
+  return plateaus + 2 * cooling(shape);
+}
+
+/// The martensite fraction at `u` widths above the centre. The widths of cosine, Bezier and ihyp
+/// are from start to finish; one width beside the centre, tanh has 12 % left to convert and arctan
+/// 25 %.
+template <Shape shape, class S>
+S fraction(const S* own, const S& u) {
   using std::atan;
   using std::cos;
   using std::tanh;
   constexpr double pi = std::numbers::pi;
-  switch (shape) {
-    case Shape::cosine:
-      if (u <= S(-0.5)) return S(1);
-      if (u >= S(0.5)) return S(0);
-      return S(0.5) * (S(1) + cos(pi * (u + S(0.5))));
-    case Shape::tanh:
-      return S(0.5) * (S(1) - tanh(u));
-    case Shape::arctan:
-      return S(0.5) - atan(u) / pi;
+  if constexpr (shape == Shape::cosine) {
+    if (u <= S(-0.5)) return S(1);
+    if (u >= S(0.5)) return S(0);
+    return S(0.5) * (S(1) + cos(pi * (u + S(0.5))));
+  } else if constexpr (shape == Shape::tanh) {
+    return S(0.5) * (S(1) - tanh(u));
+  } else if constexpr (shape == Shape::arctan) {
+    return S(0.5) - atan(u) / pi;
+  } else if constexpr (shape == Shape::bezier) {
+    return bezier_fraction(BezierShape<S>{own[0], own[1], own[2], own[3]}, u + S(0.5));
+  } else {
+    return ihyp_fraction(IhypShape<S>{own[0], own[1]}, u + S(0.5)).remaining;
   }
-  return S(0);
 }
 
-/// Of the parameters that all shapes have; cooling's centre and width stand behind heating's.
-enum Index : int { martensite, austenite, centre, width };
-constexpr int cooling = 2;
-constexpr int parameter_count = 6;
-using Parameters = std::array<double, parameter_count>;
-
-template <class S>
-S strain_at(Shape shape, const S* p, double temperature_K, bool cools) {
-  const S* branch = p + (cools ? cooling : 0);
-  const S xi = fraction(shape, (S(temperature_K) - branch[centre]) / branch[width]);
+template <Shape shape, class S>
+S strain_at(const S* p, double temperature_K, bool cools) {
+  const S* branch = p + (cools ? cooling(shape) : 0);
+  const S xi = fraction<shape>(branch + form, (S(temperature_K) - branch[centre]) / branch[width]);
   return p[austenite] + (p[martensite] - p[austenite]) * xi;
 }
 
+template <Shape shape>
 struct Residual {
-  Shape shape;
   double temperature_K, strain, stroke;
   bool cools;
 
   template <class S>
   bool operator()(const S* p, S* residual) const {
-    residual[0] = (strain_at(shape, p, temperature_K, cools) - S(strain)) / S(stroke);
+    residual[0] = (strain_at<shape>(p, temperature_K, cools) - S(strain)) / S(stroke);
     return true;
   }
 };
@@ -110,26 +125,75 @@ double start_K(const Cycle& cycle, std::size_t from, std::size_t to) {
   return cycle.temperature_K[nearest];
 }
 
-Parameters best_parameters(Shape shape, const Cycle& cycle) {
+/// What a branch's form starts from, and where it ends.
+struct FormLimits {
+  double start, least, most;
+};
+template <Shape shape>
+constexpr std::array<FormLimits, form_count(shape)> form_limits() {
+  if constexpr (shape == Shape::bezier) {
+    constexpr double third = 1.0 / 3;
+    return {{{third, 0.02, 0.98}, {2 * third, 0.02, 0.98}, {1 - third, 0, 1}, {third, 0, 1}}};
+  } else if constexpr (shape == Shape::ihyp) {
+    return {{{1, 1e-3, 30}, {0.5, 0.05, 0.95}}};
+  } else {
+    return {};
+  }
+}
+
+template <Shape shape>
+using Parameters = std::array<double, static_cast<std::size_t>(parameter_count(shape))>;
+
+template <Shape shape>
+Parameters<shape> start_parameters(const Cycle& cycle, double start_width_K) {
+  Parameters<shape> p{};
+  p[martensite] = cycle.shortest + cycle.stroke;
+  p[austenite] = cycle.shortest;
+  const double centres_K[] = {start_K(cycle, 0, cycle.hottest + 1),
+                              start_K(cycle, cycle.hottest, cycle.strain.size())};
+  double* branch = p.data();
+  for (const double centre_K : centres_K) {
+    branch[centre] = centre_K;
+    branch[width] = start_width_K;
+    for (double* own = branch + form; const FormLimits& limits : form_limits<shape>()) {
+      *own++ = limits.start;
+    }
+    branch += cooling(shape);
+  }
+  return p;
+}
+
+template <Shape shape>
+void bound(ceres::Problem& problem, double* p) {
+  constexpr double least_width_K = 0.01;
+  for (const int branch : {0, cooling(shape)}) {
+    problem.SetParameterLowerBound(p, branch + width, least_width_K);
+    for (int own = branch + form; const FormLimits& limits : form_limits<shape>()) {
+      problem.SetParameterLowerBound(p, own, limits.least);
+      problem.SetParameterUpperBound(p, own, limits.most);
+      ++own;
+    }
+  }
+}
+
+template <Shape shape>
+Parameters<shape> best_parameters(const Cycle& cycle) {
   constexpr std::size_t most_rows = 2000;
   const std::size_t rows = cycle.strain.size();
   const std::size_t stride = 1 + (rows - 1) / most_rows;
-  Parameters best{};
+  Parameters<shape> best{};
   double least_cost = std::numeric_limits<double>::infinity();
   for (const double start_width_K : {2.0, 6.0, 18.0, 40.0}) {
-    Parameters p{cycle.shortest + cycle.stroke,        cycle.shortest,
-                 start_K(cycle, 0, cycle.hottest + 1), start_width_K,
-                 start_K(cycle, cycle.hottest, rows),  start_width_K};
+    Parameters<shape> p = start_parameters<shape>(cycle, start_width_K);
     ceres::Problem problem;
     for (std::size_t i = 0; i < rows; i += stride) {
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Residual, 1, parameter_count>(new Residual{
-              shape, cycle.temperature_K[i], cycle.strain[i], cycle.stroke, i > cycle.hottest}),
+          new ceres::AutoDiffCostFunction<Residual<shape>, 1, parameter_count(shape)>(
+              new Residual<shape>{cycle.temperature_K[i], cycle.strain[i], cycle.stroke,
+                                  i > cycle.hottest}),
           nullptr, p.data());
     }
-    constexpr double least_width_K = 0.01;
-    problem.SetParameterLowerBound(p.data(), width, least_width_K);
-    problem.SetParameterLowerBound(p.data(), cooling + width, least_width_K);
+    bound<shape>(problem, p.data());
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 200;
@@ -145,8 +209,10 @@ Parameters best_parameters(Shape shape, const Cycle& cycle) {
   return best;
 }
 
-ClassicFit fitted(Shape shape, std::string_view name, const Cycle& cycle) {
-  const Parameters p = best_parameters(shape, cycle);
+template <Shape shape>
+ClassicFit fitted(std::string_view name, const Cycle& cycle) {
+  const Parameters<shape> p = best_parameters<shape>(cycle);
+  constexpr int other = cooling(shape);
   ClassicFit fit{name,
                  0,
                  0,
@@ -156,12 +222,12 @@ ClassicFit fitted(Shape shape, std::string_view name, const Cycle& cycle) {
                  p[austenite],
                  p[centre],
                  p[width],
-                 p[cooling + centre],
-                 p[cooling + width]};
+                 p[other + centre],
+                 p[other + width]};
   std::vector<double> errors;
   double squares = 0;
   for (std::size_t i = 0; i < cycle.strain.size(); ++i) {
-    fit.strain.push_back(strain_at(shape, p.data(), cycle.temperature_K[i], i > cycle.hottest));
+    fit.strain.push_back(strain_at<shape>(p.data(), cycle.temperature_K[i], i > cycle.hottest));
     errors.push_back(std::abs(fit.strain.back() - cycle.strain[i]) / cycle.stroke);
     squares += errors.back() * errors.back();
   }
@@ -171,9 +237,8 @@ ClassicFit fitted(Shape shape, std::string_view name, const Cycle& cycle) {
   return fit;
 }
 
-}  // namespace
-
-std::vector<ClassicFit> fit_classics(const Run& run) {
+/// The run as a cycle, if it is one that the fits mean anything for.
+std::optional<Cycle> cycle_of(const Run& run) {
   if (run.kind != RunKind::bath || run.strain.empty() || !has_constant_stress(run)) {
     return {};
   }
@@ -184,8 +249,26 @@ std::vector<ClassicFit> fit_classics(const Run& run) {
   if (!(cycle.stroke > 0) || !is_one_cycle(cycle)) {
     return {};
   }
-  return {fitted(Shape::cosine, "cosine", cycle), fitted(Shape::tanh, "tanh", cycle),
-          fitted(Shape::arctan, "arctan", cycle)};
+  return cycle;
+}
+
+}  // namespace
+
+std::vector<ClassicFit> fit_classics(const Run& run) {
+  const std::optional<Cycle> cycle = cycle_of(run);
+  if (!cycle) {
+    return {};
+  }
+  return {fitted<Shape::cosine>("cosine", *cycle), fitted<Shape::tanh>("tanh", *cycle),
+          fitted<Shape::arctan>("arctan", *cycle)};
+}
+
+std::vector<ClassicFit> fit_adaptable(const Run& run) {
+  const std::optional<Cycle> cycle = cycle_of(run);
+  if (!cycle) {
+    return {};
+  }
+  return {fitted<Shape::bezier>("Bezier", *cycle), fitted<Shape::ihyp>("ihyp", *cycle)};
 }
 
 }  // namespace smaservo

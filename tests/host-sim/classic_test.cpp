@@ -6,6 +6,7 @@
 #include <random>
 
 #include "host-sim/measured_data.hpp"
+#include "model/ihyp.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -87,6 +88,99 @@ TEST(Classics, EachFindsItsOwnCurveAndFitsItBest) {
   }
 }
 
+/// By bisection on the curve's parameter, from de Casteljau's construction.
+double bezier_by_bisection(const BezierShape<double>& shape, double t) {
+  const auto point = [](double s, double a, double b, double c, double d) {
+    double p[] = {a, b, c, d};
+    for (int left = 3; left > 0; --left) {
+      for (int i = 0; i < left; ++i) {
+        p[i] = (1 - s) * p[i] + s * p[i + 1];
+      }
+    }
+    return p[0];
+  };
+  double low = 0;
+  double high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double s = 0.5 * (low + high);
+    (point(s, 0, shape.t_1, shape.t_2, 1) < t ? low : high) = s;
+  }
+  return point(low, 1, shape.z_1, shape.z_2, 0);
+}
+
+BezierShape<double> random_bezier(std::mt19937_64& random) {
+  BezierShape<double> shape{};
+  for (double* t : {&shape.t_1, &shape.t_2}) {
+    *t = std::uniform_real_distribution<double>(0.02, 0.98)(random);
+  }
+  for (double* z : {&shape.z_1, &shape.z_2}) {
+    *z = std::uniform_real_distribution<double>(0, 1)(random);
+  }
+  return shape;
+}
+
+TEST(Bezier, IsWhatBisectionFinds) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 20000; ++i) {
+    const BezierShape<double> shape = random_bezier(random);
+    const double t = std::uniform_real_distribution<double>(0, 1)(random);
+    // Where the curve is steep, its parameter is known as well as the square root of rounding.
+    EXPECT_NEAR(bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
+  }
+}
+
+TEST(Bezier, SteepestAndStraightCurvesAndTheEnds) {
+  const BezierShape<double> shapes[] = {{1.0 / 3, 2.0 / 3, 2.0 / 3, 1.0 / 3},
+                                        {0.98, 0.02, 1, 0},
+                                        {0.02, 0.98, 0, 1},
+                                        {0.02, 0.02, 1, 1},
+                                        {0.98, 0.98, 0, 0}};
+  for (const BezierShape<double>& shape : shapes) {
+    for (int i = 0; i <= 1000; ++i) {
+      const double t = i / 1000.0;
+      EXPECT_NEAR(bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
+    }
+    EXPECT_EQ(bezier_fraction(shape, 0.0), 1);
+    EXPECT_EQ(bezier_fraction(shape, -3.0), 1);
+    EXPECT_EQ(bezier_fraction(shape, 1.0), 0);
+    EXPECT_EQ(bezier_fraction(shape, 3.0), 0);
+  }
+  EXPECT_NEAR(bezier_fraction(shapes[0], 0.3), 0.7, 1e-15);  // a straight line
+}
+
+TEST(Adaptable, EachFindsItsOwnCurveAndFitsItBest) {
+  std::mt19937_64 random(3);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int round = 0; round < 2; ++round) {
+    SCOPED_TRACE(round);
+    const double curvature = between(0.5, 4);
+    const double turning = between(0.3, 0.7);
+    const Fraction ihyp = [&](double u) {
+      return ihyp_fraction(IhypShape<double>{curvature, turning}, u + 0.5).remaining;
+    };
+    const double heating_K = between(350, 365);
+    const Truth narrow{0.04, 0.001, heating_K, between(5, 10), heating_K - 25, between(5, 10)};
+    const auto of_ihyp = fit_adaptable(bath(narrow, ihyp));
+    ASSERT_EQ(of_ihyp.size(), 2U);
+    EXPECT_EQ(of_ihyp[1].name, "ihyp");
+    expect_recovered(of_ihyp[1], narrow, 1e-4);
+    EXPECT_GT(of_ihyp[0].rms, 0.001);
+
+    const BezierShape<double> shape{between(0.3, 0.8), between(0.3, 0.8), between(0.6, 1),
+                                    between(0, 0.4)};
+    const Fraction bezier = [&](double u) { return bezier_fraction(shape, u + 0.5); };
+    Truth wide = narrow;
+    wide.heating_width_K *= 5;
+    wide.cooling_width_K *= 5;
+    const auto of_bezier = fit_adaptable(bath(wide, bezier));
+    EXPECT_EQ(of_bezier[0].name, "Bezier");
+    EXPECT_LT(of_bezier[0].rms, 5e-4);
+    EXPECT_GT(of_bezier[1].rms, 2 * of_bezier[0].rms);
+  }
+}
+
 TEST(Classics, SameRunSameBits) {
   const auto run = bath({0.04, 0, 360, 5, 335, 4}, arctan);
   const auto first = fit_classics(run), second = fit_classics(run);
@@ -122,20 +216,29 @@ TEST(Classics, OnlyOneFullCycleAtConstantStressCounts) {
 struct Measured {
   const char* file;
   double cosine, tanh, arctan;  ///< rms in per cent of the stroke
+  double ihyp;
 };
 
 TEST_F(MeasuredData, ClassicsOfFlexinol) {
-  constexpr Measured wires[] = {{"flexinol_50MPa.csv", 3.71, 2.99, 1.56},
-                                {"flexinol_100MPa.csv", 3.88, 3.11, 1.78},
-                                {"flexinol_200MPa.csv", 4.14, 3.39, 2.21}};
+  constexpr Measured wires[] = {{"flexinol_50MPa.csv", 3.71, 2.99, 1.56, 0.75},
+                                {"flexinol_100MPa.csv", 3.88, 3.11, 1.78, 0.72},
+                                {"flexinol_200MPa.csv", 4.14, 3.39, 2.21, 0.58}};
   for (const Measured& wire : wires) {
     SCOPED_TRACE(wire.file);
-    const auto fits = fit_classics(read_run(file(wire.file), {{0.1, 150e-6}, {}, {}, {}}));
+    const smaservo::Run run = read_run(file(wire.file), {{0.1, 150e-6}, {}, {}, {}});
+    const auto fits = fit_classics(run);
     ASSERT_EQ(fits.size(), 3U);
     // A least-squares fit has one answer: 1 % is the rounding of these figures.
     EXPECT_NEAR(100 * fits[0].rms, wire.cosine, 0.01 * wire.cosine);
     EXPECT_NEAR(100 * fits[1].rms, wire.tanh, 0.01 * wire.tanh);
     EXPECT_NEAR(100 * fits[2].rms, wire.arctan, 0.01 * wire.arctan);
+    // 000, figure 5: Bezier is much better than the classics, and ihyp better with half of its
+    // parameters.
+    const auto adaptable = fit_adaptable(run);
+    ASSERT_EQ(adaptable.size(), 2U);
+    EXPECT_LT(adaptable[0].rms, 0.75 * fits[2].rms);
+    EXPECT_GT(adaptable[0].rms, adaptable[1].rms);
+    EXPECT_NEAR(100 * adaptable[1].rms, wire.ihyp, 0.01 * wire.ihyp);
   }
 }
 

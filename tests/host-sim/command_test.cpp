@@ -38,7 +38,7 @@ TEST(Command, HelpExplainsEverySubCommand) {
   const Finished help = program.run({"--help"});
   EXPECT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
-  for (const char* command : {"replay", "simulate", "wires"}) {
+  for (const char* command : {"replay", "simulate", "figures", "wires"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     const Finished own = program.run({command, "--help"});
     EXPECT_EQ(own.status, 0);
