@@ -23,18 +23,13 @@ struct Paper {
   std::vector<Figure> (*figures)();
 };
 
-// Throw UserError when gnuplot is missing or fails.
-std::vector<Figure> figures_001();
-std::vector<Figure> figures_003();
-
-/// All of them.
-std::vector<Figure> figures_002();
-
-/// All of them. Throws UserError when gnuplot is missing or fails.
-const std::vector<Paper>& papers();
-
 // Each throws UserError when gnuplot is missing or fails.
 std::vector<Figure> figures_000();  ///< some ten seconds
+std::vector<Figure> figures_001();
+std::vector<Figure> figures_002();
+std::vector<Figure> figures_003();
+
+const std::vector<Paper>& papers();
 
 /// Writes every figure of these papers as SVG files, named after paper and figure (and panel, where
 /// there are several), and index.html, into a folder that is made if it is missing.

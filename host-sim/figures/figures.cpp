@@ -45,24 +45,24 @@ std::string figure_html(const Paper& paper, const Figure& figure) {
 
 const std::vector<Paper>& papers() {
   static const std::vector<Paper> all{
+      {"000", "three-phase model of a SmartFlex wire's strain and resistance",
+       "doi:10.1177/1045389X261417975. What is measured there is a simulated wire here, which is "
+       "not the model. Not drawn: schemes (3, 4, 7), the bench (11) and its procedure (12).",
+       figures_000},
       {"001", "Differential Hysteresis Modeling of a Shape Memory Alloy Wire Actuator",
        "Left out: 1, 2, 3, 8 and 10, schematics; 6, the slopes that figure 7 integrates; measured "
        "curves of 5, 13, 14 and 15, which the paper does not print as numbers.",
        figures_001},
-      {"003",
-       "System Identification of a NiTi-Based SMA Actuator (Toledo, Ge, Oxoby, Chen, "
-       "Pérez-Arancibia)",
-       "Figure 1, the experimental setup, is a drawing and a photograph.", figures_003}};
       {"002",
        "Characterization, Modeling, and Control of Ni-Ti Shape Memory Alloy based on Electrical "
        "Resistance Feedback",
        "Figures 1 and 20 are a photograph and a block diagram, 3 is a sketch of figure 2. Figures "
        "10 and 11 overlay wires of several lengths, which differ here in their cold ends alone.",
-       figures_002}};
-      {"000", "three-phase model of a SmartFlex wire's strain and resistance",
-       "doi:10.1177/1045389X261417975. What is measured there is a simulated wire here, which is "
-       "not the model. Not drawn: schemes (3, 4, 7), the bench (11) and its procedure (12).",
-       figures_000}};
+       figures_002},
+      {"003",
+       "System Identification of a NiTi-Based SMA Actuator (Toledo, Ge, Oxoby, Chen, "
+       "Pérez-Arancibia)",
+       "Figure 1, the experimental setup, is a drawing and a photograph.", figures_003}};
   return all;
 }
 

@@ -10,9 +10,8 @@
 #include <numbers>
 #include <optional>
 
-#include "model/ihyp.hpp"
-
 #include "host-sim/identify/steady_load.hpp"
+#include "model/ihyp.hpp"
 
 namespace smaservo {
 namespace {
