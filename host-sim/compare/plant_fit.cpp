@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>

@@ -51,17 +51,15 @@ DrivenSteps every_row(const Run& run);
 /// Thinned for a fit: steps of about 24 ms, the power's mean over each.
 DrivenSteps thinned(const Run& run);
 
-/// Strain after every step.
-template <class K>
-std::vector<double> driven_strain(const PlantModel<K>& model, const DrivenSteps& steps) {
+/// Takes a model through all steps; `see(params, state)` is called after each.
+template <class K, class See>
+void drive_plant(const PlantModel<K>& model, const DrivenSteps& steps, See see) {
   auto params = model.plant();
   if (steps.bath) {
     params.ends.share = 0;  // no clamp is colder than the bath
   }
   const double first_K = steps.bath ? steps.temperature_K.front() : steps.ambient_K;
   auto state = Plant<K>::rest(params, {first_K, steps.stress_Pa.front()});
-  std::vector<double> strain;
-  strain.reserve(steps.stress_Pa.size());
   for (std::size_t i = 0; i < steps.stress_Pa.size(); ++i) {
     if (steps.bath) {
       K::advance(params.kinetics, state.kinetics, {steps.temperature_K[i], steps.stress_Pa[i]});
@@ -69,8 +67,18 @@ std::vector<double> driven_strain(const PlantModel<K>& model, const DrivenSteps&
       Plant<K>::advance(params, state, {steps.power_W[i], steps.stress_Pa[i], steps.ambient_K},
                         steps.dt_s[i]);
     }
-    strain.push_back(Plant<K>::strain(params, state));
+    see(params, state);
   }
+}
+
+/// Strain after every step.
+template <class K>
+std::vector<double> driven_strain(const PlantModel<K>& model, const DrivenSteps& steps) {
+  std::vector<double> strain;
+  strain.reserve(steps.stress_Pa.size());
+  drive_plant(model, steps, [&](const auto& params, const auto& state) {
+    strain.push_back(Plant<K>::strain(params, state));
+  });
   return strain;
 }
 

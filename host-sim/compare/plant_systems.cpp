@@ -88,14 +88,14 @@ System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads
   using K = Duhem<double>;
   using Model = PlantModel<K>;
   const Surface<double> a2m = first_surface(from.kinetics.a2m_a2r);
-  const auto process = [](const Surface<double>& surface) {
+  const auto process_of = [](const Surface<double>& surface) {
     const Span at = span(surface, 0);
     // Between start and finish lie some four deviations.
     return K::Process{0.5 * (at.start_K + at.finish_K),
                       0.25 * std::abs(at.finish_K - at.start_K) + 1, rise_K_Pa(surface)};
   };
   const Model prior{
-      {process(from.kinetics.m2a), process(a2m)}, from.material, from.heat, from.geometry};
+      {process_of(from.kinetics.m2a), process_of(a2m)}, from.material, from.heat, from.geometry};
   return fitted<K>(
       "Duhem", "001: two phases, Gaussian slopes, with a heat balance", prior,
       {{"heating centre", [](Model& m, double u) { m.kinetics.m2a.centre_K += 8 * u; }},
@@ -115,12 +115,12 @@ System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int 
   const Surface<double> a2m = first_surface(from.kinetics.a2m_a2r);
   const Surface<double> a2r = second_surface(from.kinetics.a2m_a2r);
   // A Clausius-Clapeyron slope must be positive and finite.
-  const auto process = [](const Surface<double>& surface) {
+  const auto process_of = [](const Surface<double>& surface) {
     const Span at = span(surface, 0);
     return CosineProcess<double>{at.start_K, at.finish_K,
                                  1 / std::max(rise_K_Pa(surface), 0.02e-6)};
   };
-  const Model prior{{process(from.kinetics.m2a), process(a2m), process(a2r)},
+  const Model prior{{process_of(from.kinetics.m2a), process_of(a2m), process_of(a2r)},
                     from.material,
                     from.heat,
                     from.geometry};

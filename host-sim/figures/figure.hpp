@@ -9,7 +9,7 @@
 
 namespace smaservo {
 
-struct Figure {
+struct PaperFigure {
   int number;           ///< in its paper
   std::string title;    ///< what the paper's figure shows
   std::string caption;  ///< one line: what to see
@@ -20,14 +20,14 @@ struct Paper {
   std::string number;    ///< "000"
   std::string title;     ///< and who wrote it
   std::string left_out;  ///< which figures are not drawn, and why
-  std::vector<Figure> (*figures)();
+  std::vector<PaperFigure> (*figures)();
 };
 
 // Each throws UserError when gnuplot is missing or fails.
-std::vector<Figure> figures_000();  ///< some ten seconds
-std::vector<Figure> figures_001();
-std::vector<Figure> figures_002();
-std::vector<Figure> figures_003();
+std::vector<PaperFigure> figures_000();  ///< some ten seconds
+std::vector<PaperFigure> figures_001();
+std::vector<PaperFigure> figures_002();
+std::vector<PaperFigure> figures_003();
 
 const std::vector<Paper>& papers();
 

@@ -29,13 +29,13 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
 }
 
 /// "001-04.svg", "001-04-b.svg"
-std::string file_name(const Paper& paper, const Figure& figure, std::size_t panel) {
+std::string file_name(const Paper& paper, const PaperFigure& figure, std::size_t panel) {
   const std::string letter =
       figure.panels.size() > 1 ? fmt::format("-{}", static_cast<char>('a' + panel)) : "";
   return fmt::format("{}-{:02}{}.svg", paper.number, figure.number, letter);
 }
 
-std::string figure_html(const Paper& paper, const Figure& figure) {
+std::string figure_html(const Paper& paper, const PaperFigure& figure) {
   return fmt::format("<h3>{}, figure {}: {}</h3>\n<p class=\"caption\">{}</p>\n{}", paper.number,
                      figure.number, escaped(figure.title), escaped(figure.caption),
                      plots_html(figure.panels));
@@ -85,7 +85,7 @@ void write_figures(const std::string& folder, const std::vector<std::string>& pa
     }
     html += fmt::format("<h2>Paper {}: {}</h2>\n<p>{}</p>\n", paper.number, escaped(paper.title),
                         escaped(paper.left_out));
-    for (const Figure& figure : paper.figures()) {
+    for (const PaperFigure& figure : paper.figures()) {
       for (std::size_t panel = 0; panel < figure.panels.size(); ++panel) {
         write_file(std::filesystem::path(folder) / file_name(paper, figure, panel),
                    figure.panels[panel].svg);

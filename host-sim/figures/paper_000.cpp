@@ -12,7 +12,7 @@ constexpr const char* temperature = "temperature in °C";
 constexpr const char* strain = "strain in %";
 constexpr const char* resistivity = "specific resistance in µΩm";
 
-Figure figure_1() {
+PaperFigure figure_1() {
   const CalorimetryRun run = simulated_calorimetry();
   const Peaks at = peaks(run);
   const std::string data =
@@ -23,13 +23,14 @@ Figure figure_1() {
   } rows[] = {{"heat flow", "heat flow in W/kg", "2", "[-260:260]"},
               {"strain", strain, "3", "[-0.2:4.3]"},
               {"specific resistance", resistivity, "4", "[0.89:1.03]"}};
-  Figure figure{1,
-                "Heat flow, strain and specific resistance",
-                fmt::format("Simulated wire without stress. Heating: one transformation at {:.0f} "
-                            "°C. Cooling: two, A2R at {:.0f} °C lifts the resistance, R2M at "
-                            "{:.0f} °C the strain. Heat flow is without specific heat.",
-                            at.m2a_K - 273.15, at.a2r_K - 273.15, at.r2m_K - 273.15),
-                {}};
+  PaperFigure figure{
+      1,
+      "Heat flow, strain and specific resistance",
+      fmt::format("Simulated wire without stress. Heating: one transformation at {:.0f} "
+                  "°C. Cooling: two, A2R at {:.0f} °C lifts the resistance, R2M at "
+                  "{:.0f} °C the strain. Heat flow is without specific heat.",
+                  at.m2a_K - 273.15, at.a2r_K - 273.15, at.r2m_K - 273.15),
+      {}};
   for (const auto& row : rows) {
     const std::string range = fmt::format("set xrange [20:100]\nset yrange {}\n", row.range);
     figure.panels.push_back(
@@ -48,12 +49,13 @@ Figure figure_1() {
   return figure;
 }
 
-Figure figure_2() {
-  Figure figure{2,
-                "0 MPa and 250 MPa",
-                "Simulated wire. At 250 MPa A2R no longer shows as a step of its own: martensite "
-                "forms before R-phase can.",
-                {}};
+PaperFigure figure_2() {
+  PaperFigure figure{
+      2,
+      "0 MPa and 250 MPa",
+      "Simulated wire. At 250 MPa A2R no longer shows as a step of its own: martensite "
+      "forms before R-phase can.",
+      {}};
   for (const auto& [column, label] : {std::pair{"1:2", strain}, std::pair{"1:3", resistivity}}) {
     for (const double stress_MPa : {0.0, 250.0}) {
       const BathRun run = simulated_bath_run(stress_MPa);
@@ -70,7 +72,7 @@ Figure figure_2() {
   return figure;
 }
 
-Figure figure_5() {
+PaperFigure figure_5() {
   const BathRun bath = simulated_bath_run(function_stress_MPa);
   const std::vector<ClassicFit> fits = transformation_functions(bath);
   std::vector<Column> columns{degC(bath.temperature_K), times(100, bath.strain)};
@@ -101,7 +103,7 @@ Figure figure_5() {
                       data, settings, differences, 280)}};
 }
 
-Figure figure_6() {
+PaperFigure figure_6() {
   const Isobar<double> m2a = isobar(paper_wire().kinetics.m2a, 0.0);
   Column z;
   Column sum;
@@ -132,7 +134,7 @@ Figure figure_6() {
                   "set yrange [-60:160]\n", {line("sum", "1:2", model_colour, "ihyp")})}};
 }
 
-Figure figure_8() {
+PaperFigure figure_8() {
   const InnerLoop loop = inner_loop();
   const Column outer = degC(loop.temperature_K);
   return {
@@ -179,7 +181,7 @@ constexpr const char* bar_settings =
     "set arrow from graph 0, first 0 to graph 1, first 0 nohead dt 2\n"
     "set arrow from graph 0, first 1 to graph 1, first 1 nohead dt 2\n";
 
-Figure figure_9() {
+PaperFigure figure_9() {
   const std::string data = bars_block(heating_bars(), [](const HeatingBar& b) {
     return Column{b.martensite, b.m2a, b.austenite, b.r2a, b.r_phase};
   });
@@ -194,7 +196,7 @@ Figure figure_9() {
                        boxes(2, martensite_colour, "martensite")})}};
 }
 
-Figure figure_10() {
+PaperFigure figure_10() {
   const std::string data = bars_block(cooling_bars(), [](const CoolingBar& b) {
     return Column{b.martensite, b.a2m, b.either, b.austenite, b.a2r, b.r_phase, b.r2m};
   });
@@ -294,11 +296,11 @@ Plot full_panel(std::string title, std::string caption, const char* x_label, con
 
 }  // namespace paper_000
 
-std::vector<Figure> figures_000() {
+std::vector<PaperFigure> figures_000() {
   using namespace paper_000;
-  std::vector<Figure> all{figure_1(), figure_2(), figure_5(), figure_6(),
-                          figure_8(), figure_9(), figure_10()};
-  for (Figure& figure : identified_figures()) {
+  std::vector<PaperFigure> all{figure_1(), figure_2(), figure_5(), figure_6(),
+                               figure_8(), figure_9(), figure_10()};
+  for (PaperFigure& figure : identified_figures()) {
     all.push_back(std::move(figure));
   }
   return all;

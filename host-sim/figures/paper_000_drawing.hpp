@@ -50,6 +50,6 @@ Plot full_panel(std::string title, std::string caption, const char* x_label, con
                 const std::vector<std::string>& curves, int height = 420);
 
 /// Figures 13 to 20.
-std::vector<Figure> identified_figures();
+std::vector<PaperFigure> identified_figures();
 
 }  // namespace smaservo::paper_000

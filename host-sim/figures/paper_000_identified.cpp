@@ -14,7 +14,7 @@ constexpr const char* stress = "stress in MPa";
 constexpr const char* strain = "strain in %";
 constexpr const char* resistivity = "specific resistance in µΩm";
 
-Figure figure_13() {
+PaperFigure figure_13() {
   Column T[2];
   Column sigma[2];
   Column eps[2];
@@ -32,12 +32,13 @@ Figure figure_13() {
   const std::string settings =
       "set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 "
       "'#fde725')\nset xrange [20:150]\nset yrange [0:410]\n";
-  Figure figure{13,
-                "The experiments in temperature and stress",
-                "Fifteen runs of the simulated wire; colour is what is measured. The edge between "
-                "long and short climbs with stress, and with R-phase below 100 MPa the resistance "
-                "rises before the wire gets long.",
-                {}};
+  PaperFigure figure{
+      13,
+      "The experiments in temperature and stress",
+      "Fifteen runs of the simulated wire; colour is what is measured. The edge between "
+      "long and short climbs with stress, and with R-phase below 100 MPa the resistance "
+      "rises before the wire gets long.",
+      {}};
   const char* const names[] = {"heating", "cooling"};
   for (const bool of_strain : {true, false}) {
     for (std::size_t k = 0; k < 2; ++k) {
@@ -51,7 +52,7 @@ Figure figure_13() {
   return figure;
 }
 
-Figure figure_14() {
+PaperFigure figure_14() {
   const FittedRun& run = fitted_without_stress().runs.front();
   // Specific heat is in both; the row from where the wire comes is not drawn.
   const std::string data =
@@ -83,7 +84,7 @@ std::string pure_resistivity(const Phase<double>& phase, double reference_K, dou
   return fmt::format("{:.8g} + {:.6g}*x", 1e6 * at_0_degC, 1e6 * phase.resistivity_ohm_m_K);
 }
 
-Figure figure_15() {
+PaperFigure figure_15() {
   const Level& level = fitted_levels()[1];
   const double stress_Pa = 1e6 * level.stress_MPa;
   const Material<double>& m = level.wire.material;
@@ -93,11 +94,12 @@ Figure figure_15() {
       {&m.martensite, {martensite_colour, "martensite"}},
       {&m.austenite, {austenite_colour, "austenite"}},
       {&m.r_phase, {"'#8a6d00'", "R-phase"}}};
-  Figure figure{15,
-                fmt::format("Fit to one level of stress, {:.0f} MPa", level.stress_MPa),
-                "Simulated wire (green) and the model fitted to this level alone (black). Dashed: "
-                "what each phase would have by itself.",
-                {}};
+  PaperFigure figure{
+      15,
+      fmt::format("Fit to one level of stress, {:.0f} MPa", level.stress_MPa),
+      "Simulated wire (green) and the model fitted to this level alone (black). Dashed: "
+      "what each phase would have by itself.",
+      {}};
   for (const bool of_strain : {true, false}) {
     const char* columns = of_strain ? "1:2" : "1:3";
     std::vector<std::string> curves{line("wire", columns, r_phase_colour, "simulated wire", "lw 4"),
@@ -180,7 +182,7 @@ OverStress of_process(Process process, const char* name, const char* look,
 constexpr const char* solid = "lw 1.8";
 constexpr const char* dashed = "dt 2 lw 1.8";
 
-Figure figure_16() {
+PaperFigure figure_16() {
   const auto start = [](const Isobar<double>& at) { return at.start_K - 273.15; };
   const auto finish = [](const Isobar<double>& at) { return at.start_K + 1 / at.per_K - 273.15; };
   Plot plot = over_stress("transition temperatures", temperature,
@@ -198,7 +200,7 @@ Figure figure_16() {
           {std::move(plot)}};
 }
 
-Figure figure_17() {
+PaperFigure figure_17() {
   const auto curvature = [](const Isobar<double>& at) { return at.shape.curvature; };
   const auto turning = [](const Isobar<double>& at) { return at.shape.turning; };
   const auto both = [&](const auto& take) {
@@ -215,7 +217,7 @@ Figure figure_17() {
        over_stress("asymmetry", "asymmetry z_T", both(turning), 1)}};
 }
 
-Figure figure_18() {
+PaperFigure figure_18() {
   using Of = Phase<double> Material<double>::*;
   const std::pair<Of, std::pair<const char*, const char*>> phases[] = {
       {&Material<double>::martensite, {martensite_colour, "martensite"}},
@@ -246,7 +248,7 @@ Figure figure_18() {
        over_stress("specific resistance at 20 °C", resistivity, resistivities, 1)}};
 }
 
-Figure figure_19() {
+PaperFigure figure_19() {
   std::string data;
   std::vector<std::string> curves[2];
   for (int stress_MPa = 50; stress_MPa <= 400; stress_MPa += 50) {
@@ -273,7 +275,7 @@ Figure figure_19() {
                       "set xrange [20:150]\n", curves[1])}};
 }
 
-Figure figure_20() {
+PaperFigure figure_20() {
   const double levels[] = {10, 50, 100, 150, 200, 250, 300, 400};
   const double raised = 2;  // per cent of strain from level to level
   std::string data;
@@ -319,7 +321,7 @@ Figure figure_20() {
 
 }  // namespace
 
-std::vector<Figure> identified_figures() {
+std::vector<PaperFigure> identified_figures() {
   return {figure_13(), figure_14(), figure_15(), figure_16(),
           figure_17(), figure_18(), figure_19(), figure_20()};
 }

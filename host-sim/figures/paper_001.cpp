@@ -40,16 +40,16 @@ std::string data_block(const std::vector<ActuatorSample>& run) {
   return text + "EOD\n";
 }
 
-Figure single(int number, const char* title, const char* caption, const Frame& frame,
-              const std::string& data, const std::string& more,
-              const std::vector<std::string>& curves) {
+PaperFigure single(int number, const char* title, const char* caption, const Frame& frame,
+                   const std::string& data, const std::string& more,
+                   const std::vector<std::string>& curves) {
   const bool half = frame.width <= 500;
   return {number, title, caption, {{title, "", half, draw(frame, data, colours + more, curves)}}};
 }
 
 /// Temperature over time with something else on an axis of its own.
-Figure over_time(int number, const char* title, const char* caption, const std::string& data,
-                 const char* other_label, int other, const char* other_title) {
+PaperFigure over_time(int number, const char* title, const char* caption, const std::string& data,
+                      const char* other_label, int other, const char* other_title) {
   const std::string more = fmt::format(
       "set border 11\nset y2tics nomirror\nset y2label \"{}\"\nset yrange [20:110]\n"
       "set arrow from graph 0, first 58 to graph 1, first 58 nohead dt 3 lc rgb '#666666'\n"
@@ -64,7 +64,7 @@ Figure over_time(int number, const char* title, const char* caption, const std::
                    other_title)});
 }
 
-Figure slopes_integrated(const Params& p) {
+PaperFigure slopes_integrated(const Params& p) {
   std::string data = "$data << EOD\n";
   for (const MinorLoop& loop : minor_loops(p.kinetics)) {
     for (std::size_t i = 0; i < loop.cooling.size(); ++i) {
@@ -82,7 +82,7 @@ Figure slopes_integrated(const Params& p) {
                  "$data using 1:2 with lines lc rgb cooling title 'decreasing'"});
 }
 
-Figure strain_over_martensite(const Params& p) {
+PaperFigure strain_over_martensite(const Params& p) {
   std::string data = "$data << EOD\n";
   for (int i = 0; i <= 200; ++i) {
     const double martensite = i / 200.0;
@@ -99,7 +99,7 @@ Figure strain_over_martensite(const Params& p) {
                  "$data using 1:3 with lines dt 2 lc rgb estimate title 'polynomial, eq. 18'"});
 }
 
-Figure resistivities(const Params& p) {
+PaperFigure resistivities(const Params& p) {
   // Table I to the digits that it prints; the file says why they are not these.
   const Params printed = printed_resistivity(p);
   std::string data = "$data << EOD\n";
@@ -121,7 +121,7 @@ Figure resistivities(const Params& p) {
 
 }  // namespace
 
-std::vector<Figure> figures_001() {
+std::vector<PaperFigure> figures_001() {
   const Params p = load_actuator(std::string(paper_001_actuator));
   const std::string data = data_block(run_actuator(p, paper_001_voltage));
   const auto loops = [&](int number, const char* title, const char* caption, const char* x_label,

@@ -30,7 +30,7 @@ std::vector<std::string> loop_curves(const std::string& name) {
           fmt::format("${}_cooling using 1:2 with lines lc rgb {} title 'cooling'", name, blue)};
 }
 
-Figure figure_2() {
+PaperFigure figure_2() {
   const std::vector<RigRow> rows = major_loop(family, 1);
   Rows over_time;
   for (const RigRow& row : rows) {
@@ -46,7 +46,7 @@ Figure figure_2() {
             {"$data using 1:2 with lines lc rgb estimate notitle"})}};
 }
 
-Figure figure_4() {
+PaperFigure figure_4() {
   const ThreePhaseParams<double> k = wire().wire.kinetics;
   const Surface<double> a2m = first_surface(k.a2m_a2r);
   const Surface<double> a2r = second_surface(k.a2m_a2r);
@@ -79,7 +79,7 @@ double load_N(double stress_Pa) {
   return stress_Pa * wire().wire.geometry.area_m2();
 }
 
-Figure figure_5() {
+PaperFigure figure_5() {
   std::string data;
   std::vector<std::string> curves;
   for (const double stress_MPa : {15.0, 55.0, 95.0, 135.0, 175.0}) {
@@ -100,7 +100,7 @@ Figure figure_5() {
                 mm_label, data, curves)}};
 }
 
-Figure figure_6(const MinorLoops& cooling, const MinorLoops& heating) {
+PaperFigure figure_6(const MinorLoops& cooling, const MinorLoops& heating) {
   return {6,
           "Minor loops under 1.3 N",
           "After a reversal the curves leave flat and approach the major loop.",
@@ -119,7 +119,7 @@ Rows line_ends(const ResistanceLine<double>& line, double martensite_ohm) {
   return rows;
 }
 
-Figure figure_7(const StrainResistanceFit& fit) {
+PaperFigure figure_7(const StrainResistanceFit& fit) {
   const double stress = stress_Pa(0.5);
   const double ohm = fit.params.martensite_ohm;
   const auto ends = [&](const StressLine<double>& lines) {
@@ -140,8 +140,8 @@ Figure figure_7(const StrainResistanceFit& fit) {
                 curves)}};
 }
 
-Figure figure_9(const StrainResistanceFit& fit, const MinorLoops& cooling,
-                const MinorLoops& heating) {
+PaperFigure figure_9(const StrainResistanceFit& fit, const MinorLoops& cooling,
+                     const MinorLoops& heating) {
   std::vector<Plot> panels;
   for (const MinorLoops* loops : {&cooling, &heating}) {
     const std::vector<double> strain = estimate_strain(fit.params, loops->run);
@@ -190,7 +190,7 @@ Plot half(std::string title, const std::string& x, const std::string& y, const s
   return {std::move(title), "", true, draw({500, 400, x, y}, data, more, curves)};
 }
 
-std::vector<Figure> characterisation_figures(const StrainResistanceFit& fit) {
+std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit) {
   const MinorLoops cooling = minor_loops(family, 1.3, true);
   const MinorLoops heating = minor_loops(family, 1.3, false);
   return {figure_2(),    figure_4(),
@@ -200,11 +200,11 @@ std::vector<Figure> characterisation_figures(const StrainResistanceFit& fit) {
 
 }  // namespace bench_002
 
-std::vector<Figure> figures_002() {
+std::vector<PaperFigure> figures_002() {
   const StrainResistanceFit fit = bench_002::calibrate(bench_002::family);
-  std::vector<Figure> all = bench_002::characterisation_figures(fit);
+  std::vector<PaperFigure> all = bench_002::characterisation_figures(fit);
   std::ranges::move(bench_002::model_figures(fit), std::back_inserter(all));
-  std::ranges::sort(all, {}, &Figure::number);
+  std::ranges::sort(all, {}, &PaperFigure::number);
   return all;
 }
 

@@ -111,8 +111,8 @@ Simulation simulation(const StrainResistanceFit& fit, Run run) {
 }
 
 /// Displacement over time, and over resistance: two of the paper's figures.
-std::vector<Figure> simulation_figures(const Simulation& s, int over_time, int over_ohm,
-                                       const std::string& what, const std::string& caption) {
+std::vector<PaperFigure> simulation_figures(const Simulation& s, int over_time, int over_ohm,
+                                            const std::string& what, const std::string& caption) {
   Rows rows;
   for (std::size_t i = 0; i < s.strain.size(); ++i) {
     rows.push_back({s.run.time_s[i], s.run.resistance_ohm[i], displacement_mm(s.run.strain[i]),
@@ -135,7 +135,7 @@ std::vector<Figure> simulation_figures(const Simulation& s, int over_time, int o
            {wide("Displacement over resistance", ohm_label, mm_label, data, curves(2))}}};
 }
 
-Figure figure_21(const StrainResistanceFit& fit) {
+PaperFigure figure_21(const StrainResistanceFit& fit) {
   const std::vector<LoopRow> loop = position_loop(family, fit.params, 10, 1);
   Rows rows;
   double error = 0;
@@ -157,7 +157,7 @@ Figure figure_21(const StrainResistanceFit& fit) {
                 {"$data using 1:5 with lines lc rgb estimate notitle"})}};
 }
 
-Figure figure_22() {
+PaperFigure figure_22() {
   const Wire<double> w = wire().wire;
   std::string data;
   std::vector<std::string> curves;
@@ -186,8 +186,8 @@ Figure figure_22() {
 
 }  // namespace
 
-std::vector<Figure> model_figures(const StrainResistanceFit& fit) {
-  std::vector<Figure> all{
+std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit) {
+  std::vector<PaperFigure> all{
       {8, "Slope and offset of the lines over stress",
        "Cooling changes with the stress, heating hardly; polynomials of fourth order.",
        coefficient_panels(fitted_block(fit) + polynomial_block(fit), false)},

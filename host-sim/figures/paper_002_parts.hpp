@@ -10,8 +10,8 @@
 namespace smaservo::bench_002 {
 
 /// The figures of sections 3 and 4.1 to 4.3, and of sections 4.5 to 6.
-std::vector<Figure> characterisation_figures(const StrainResistanceFit& fit);
-std::vector<Figure> model_figures(const StrainResistanceFit& fit);
+std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit);
+std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit);
 
 /// The wires of the figures.
 inline constexpr Family family = Family::ihyp;

@@ -67,7 +67,7 @@ Plot plane_plot() {
                 "x with lines lc rgb '#666666' title 'α = β'"})};
 }
 
-Figure relay_figure() {
+PaperFigure relay_figure() {
   return {2,
           "The relay, and the plane of all relays",
           "What the wire remembers are the corners of the staircase: the turning points that are "
@@ -77,7 +77,7 @@ Figure relay_figure() {
 
 // Figure 3
 
-Figure loop_figure() {
+PaperFigure loop_figure() {
   const LoopSetup setup = loop_003();
   const auto references = references_003(false);
   FixedController fixed = fixed_003(setup);
@@ -140,7 +140,7 @@ Plot slice_plot(const PreisachWire& wire, double stress_Pa) {
                        {"$data using 1:2:3 with pm3d notitle"})};
 }
 
-Figure slices_figure() {
+PaperFigure slices_figure() {
   const PreisachFit fit = fit_003(Family::ihyp, StressShift::none);
   std::vector<Plot> panels;
   for (const double stress_MPa : {100.0, 125.0, 150.0, 175.0, 200.0}) {
@@ -194,7 +194,7 @@ std::vector<Plot> validation_plots(const PreisachWire& wire, const PreisachWire&
                  "$data using 1:7 with lines lc rgb estimate title 'model'"})}};
 }
 
-Figure validation_figure() {
+PaperFigure validation_figure() {
   const PreisachFit fit = fit_003(Family::ihyp, StressShift::fitted);
   const PreisachFit of_003 = fit_003(Family::ihyp, StressShift::none);
   std::vector<Plot> panels = validation_plots(fit.wire, of_003.wire, false);
@@ -209,7 +209,7 @@ Figure validation_figure() {
 
 }  // namespace
 
-std::vector<Figure> figures_003() {
+std::vector<PaperFigure> figures_003() {
   return {relay_figure(), loop_figure(), slices_figure(), validation_figure()};
 }
 

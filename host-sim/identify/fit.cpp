@@ -19,19 +19,6 @@ constexpr double hopeless = 1.3;
 /// A solution is good enough when a step gains less than this share of the cost.
 constexpr double tolerance = 3e-4;
 
-/// A strain whose smallest or greatest value is exactly 0 was made 0 there.
-bool zero_known(const Run& run) {
-  bool known = true;
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const double strain : run.strain) {
-    low = strain < low ? strain : low;  // neither for NaN
-    high = high < strain ? strain : high;
-    known = std::abs(low) > 1e-7 && std::abs(high) > 1e-7;
-  }
-  return known;
-}
-
 CircumstanceParameters circumstances_of(const FitRun& run, const Run& original) {
   const bool ambient_measured = !original.ambient_K.empty();
   double greatest = 0;
@@ -79,7 +66,7 @@ Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOption
     : from_(from), runs_in_full_(runs), options_(options) {
   for (const Run& run : runs) {
     runs_.push_back(thin_run(run, coarse_step_s));
-    zero_known_.push_back(zero_known(run));
+    zero_known_.push_back(zero_known(run.strain));
     circumstances_.push_back(circumstances_of(runs_.back(), run));
     Weights weights;
     weights.power_sd = 0.03 * greatest_power(runs_.back());

@@ -172,4 +172,14 @@ Run read_run(const std::string& path, const RunOptions& options) {
   return run;
 }
 
+bool zero_known(const std::vector<double>& strain) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const double x : strain) {
+    low = x < low ? x : low;  // neither for NaN
+    high = high < x ? x : high;
+  }
+  return std::abs(low) > 1e-7 && std::abs(high) > 1e-7;
+}
+
 }  // namespace smaservo

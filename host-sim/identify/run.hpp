@@ -59,4 +59,8 @@ struct RunOptions {
 /// Throws TraceError for what no trace may have.
 Run read_run(const std::string& path, const RunOptions& options);
 
+/// Whether a run's strains are absolute elongations: a column whose smallest or greatest value is
+/// exactly 0 was made 0 there.
+bool zero_known(const std::vector<double>& strain);
+
 }  // namespace smaservo

@@ -175,9 +175,9 @@ TEST_F(ActuatorRunTest, MinorLoopsOfFigure7AreScaledCopies) {
 }
 
 TEST_F(ActuatorRunTest, AllFiguresAreDrawn) {
-  const std::vector<Figure> figures = figures_001();
+  const std::vector<PaperFigure> figures = figures_001();
   std::vector<int> numbers;
-  for (const Figure& figure : figures) {
+  for (const PaperFigure& figure : figures) {
     numbers.push_back(figure.number);
     for (const Plot& panel : figure.panels) {
       EXPECT_NE(panel.svg.find("</svg>"), std::string::npos);

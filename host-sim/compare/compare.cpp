@@ -1,0 +1,166 @@
+#include "host-sim/compare/compare.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <optional>
+#include <utility>
+
+#include "host-sim/identify/fit.hpp"
+#include "host-sim/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+using Progress = std::function<void(std::string_view)>;
+
+void require_usable(const Run& run) {
+  if (run.kind != RunKind::joule && run.kind != RunKind::bath) {
+    throw UserError(fmt::format("{}: is a {} run; compare takes runs of Joule heating or in a bath",
+                                run.name, name_of(run.kind)));
+  }
+  if (run.strain.empty()) {
+    throw UserError(
+        fmt::format("{}: has no strain_ref or displacement, which compare needs", run.name));
+  }
+}
+
+/// The wire that identify makes of the runs; the reason where it can not.
+struct Identified {
+  std::optional<Wire<double>> wire;
+  int parameters = 0;
+  std::string reason;
+};
+Identified identified(const WireDescription& from, const std::vector<Run>& training, int threads) {
+  FitOptions options;
+  options.threads = threads;
+  try {
+    const FitResult fit = fit_wire(from.wire, training, options);
+    return {fit.wire, static_cast<int>(fit.parameters.size()), ""};
+  } catch (const UserError& error) {
+    return {{}, 0, error.what()};
+  }
+}
+
+/// Identifies one after the other.
+class Systems {
+ public:
+  explicit Systems(const Progress& progress) : progress_(progress) {}
+
+  template <class Identify>
+  void add(const char* name, Identify identify) {
+    progress_(name);
+    Compared one;
+    try {
+      one.system = identify();
+    } catch (const UserError& error) {
+      one.system = {name, "", 0, fmt::format("not identified: {}", error.what()), {}};
+    }
+    all.push_back(std::move(one));
+  }
+
+  std::vector<Compared> all;
+
+ private:
+  const Progress& progress_;
+};
+
+std::vector<Compared> identify_all(const WireDescription& from, const std::vector<Run>& training,
+                                   int threads, const Progress& progress) {
+  Systems systems(progress);
+  systems.add("one line", [&] { return one_line(training); });
+  systems.add("polynomial", [&] { return polynomial(training); });
+  systems.add("two lines", [&] { return two_lines(training); });
+  systems.add("stress-strain-resistance", [&] { return stress_strain_resistance(training); });
+  systems.add("Duhem", [&] { return duhem(from.wire, training, threads); });
+  systems.add("Liang-Rogers", [&] { return liang_rogers(from.wire, training, threads); });
+  progress("ihyp");
+  const Identified own = identified(from, training, threads);
+  const auto with_own = [&](auto make) {
+    if (!own.wire) {
+      throw UserError(own.reason);
+    }
+    return make(*own.wire);
+  };
+  systems.add("Preisach", [&] {
+    return with_own([&](const Wire<double>& wire) { return preisach(wire, training); });
+  });
+  systems.add("ihyp", [&] {
+    return with_own([&](const Wire<double>& wire) { return ihyp_alone(wire, own.parameters); });
+  });
+  systems.add("ihyp observer", [&] {
+    return with_own([&](const Wire<double>& wire) { return ihyp_observer(wire, own.parameters); });
+  });
+  return systems.all;
+}
+
+/// Of the differences that are numbers; 0 where there is none.
+double median_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isfinite(a[i] - b[i])) {
+      differences.push_back(a[i] - b[i]);
+    }
+  }
+  if (differences.empty()) {
+    return 0;
+  }
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::ranges::nth_element(differences, middle);
+  return *middle;
+}
+
+void test(Compared& one, const Comparison& comparison) {
+  double elapsed_s = 0;
+  double rows = 0;
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    const Run& run = comparison.tests[t];
+    SystemRun result;
+    const auto start = std::chrono::steady_clock::now();
+    result.strain = one.system.strain(run);
+    elapsed_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    rows += static_cast<double>(run.strain.size());
+    const double zero = comparison.free_zero[t] ? median_difference(result.strain, run.strain) : 0;
+    for (std::size_t i = 0; i < run.strain.size(); ++i) {
+      result.strain[i] -= zero;
+      const double error = result.strain[i] - run.strain[i];
+      if (std::isfinite(error)) {
+        result.error.add(100 * error / comparison.nominal_stroke);
+      }
+    }
+    one.error.add(result.error);
+    one.runs.push_back(std::move(result));
+  }
+  one.step_s = elapsed_s / rows;
+}
+
+}  // namespace
+
+Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
+                   int threads, const Progress& progress) {
+  Comparison comparison{
+      from.name, from.wire.nominal_stroke, std::move(training), std::move(tests), {}, {}};
+  for (const std::vector<Run>* runs : {&comparison.training, &comparison.tests}) {
+    std::ranges::for_each(*runs, require_usable);
+  }
+  for (const Run& run : comparison.tests) {
+    comparison.free_zero.push_back(!zero_known(run.strain));
+  }
+  comparison.systems = identify_all(from, comparison.training, threads, progress);
+  progress("tests");
+  bool any = false;
+  for (Compared& one : comparison.systems) {
+    if (one.system.strain) {
+      any = true;
+      test(one, comparison);
+    }
+  }
+  if (!any) {
+    throw UserError(
+        fmt::format("no system could be identified; {}", comparison.systems.front().system.remark));
+  }
+  return comparison;
+}
+
+}  // namespace smaservo

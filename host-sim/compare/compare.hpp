@@ -1,0 +1,48 @@
+#pragma once
+// All systems, identified on the same runs and asked about the same others.
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host-sim/compare/system.hpp"
+#include "host-sim/error_statistics.hpp"
+#include "model/wires/wire_file.hpp"
+
+namespace smaservo {
+
+/// What a system makes of one run.
+struct SystemRun {
+  std::vector<double> strain;  ///< of every row, NaN where it says nothing
+  ErrorStatistics error;       ///< in % of the nominal stroke
+};
+
+struct Compared {
+  System system;
+  std::vector<SystemRun> runs;  ///< as the tests; empty when it was not identified
+  ErrorStatistics error;        ///< over all tests
+  double step_s = 0;            ///< time for a row
+};
+
+struct Comparison {
+  std::string from;
+  double nominal_stroke;
+  std::vector<Run> training, tests;
+  std::vector<bool> free_zero;  ///< of a test: nobody knows its absolute strain
+  std::vector<Compared> systems;
+};
+
+/// A system that the training runs can not identify is listed with the reason. Where a test's
+/// strain is a displacement, with a zero of its own, every system's median error is taken off.
+/// Throws UserError for runs other than of Joule heating or in a bath, a training or test run
+/// without strain, and when not even one system could be identified.
+Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
+                   int threads, const std::function<void(std::string_view)>& progress);
+
+std::string comparison_text(const Comparison& comparison);
+std::string comparison_json(const Comparison& comparison);
+/// Throws UserError.
+void write_comparison_report(const std::string& path, const Comparison& comparison);
+
+}  // namespace smaservo

@@ -1,0 +1,66 @@
+// The project's own model and observer, and the estimator of paper 002.
+
+#include <fmt/format.h>
+#include <limits>
+
+#include "host-sim/compare/plant_fit.hpp"
+#include "host-sim/compare/strain_resistance_fit.hpp"
+#include "host-sim/compare/system.hpp"
+#include "host-sim/measuring.hpp"
+#include "host-sim/observers.hpp"
+
+namespace smaservo {
+namespace {
+
+std::vector<double> observed(const Wire<double>& wire, const Run& run) {
+  const MeasurementParams<double> measuring = measuring_params(wire, {});
+  std::unique_ptr<AnyObserver> observer;
+  std::vector<double> strain;
+  strain.reserve(run.time_s.size());
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    const Sample<double> sample{run.current_A[i], run.voltage_V[i],
+                                run.stress_Pa[i] * measuring.area_m2};
+    const Measurement<double> m = measure(measuring, sample);
+    if (observer) {
+      observer->advance(m, run.time_s[i] - run.time_s[i - 1]);
+    } else {
+      const double ambient_K = run.ambient_K.empty() ? 298.15 : run.ambient_K.front();
+      observer = make_observer("kalman", wire, {}, m, ambient_K);
+    }
+    strain.push_back(observer->estimate().strain);
+  }
+  return strain;
+}
+
+}  // namespace
+
+System stress_strain_resistance(const std::vector<Run>& runs) {
+  const StrainResistanceFit fit = identify_strain_resistance(runs);
+  const std::string remark = fit.order == 0 ? "one load only: holds at its stress alone"
+                                            : fmt::format("{} loads, polynomials of order {}",
+                                                          fit.levels.size(), fit.order);
+  return {"stress-strain-resistance", "002: lines over resistance by stress, with transitions",
+          4 * (fit.order + 1) + 2, remark,
+          [params = fit.params](const Run& run) { return estimate_strain(params, run); }};
+}
+
+System ihyp_alone(const Wire<double>& identified, int parameters) {
+  const PlantModel<ThreePhase<double>> model{identified.kinetics, identified.material,
+                                             identified.heat, identified.geometry};
+  return {"ihyp", "000: three phases, return-point memory, heat balance", parameters, "",
+          [model](const Run& run) { return driven_strain(model, every_row(run)); }};
+}
+
+System ihyp_observer(const Wire<double>& identified, int parameters) {
+  return {"ihyp observer", "the same, corrected by the resistance", parameters, "",
+          [identified](const Run& run) {
+            if (run.kind != RunKind::joule) {
+              // In a bath no power tells the temperature.
+              return std::vector<double>(run.strain.size(),
+                                         std::numeric_limits<double>::quiet_NaN());
+            }
+            return observed(identified, run);
+          }};
+}
+
+}  // namespace smaservo
