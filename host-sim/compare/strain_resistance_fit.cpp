@@ -82,6 +82,7 @@ ResistanceLine<double> theil_sen(const std::vector<ResistancePoint<double>>& poi
   }
   const double slope = slopes.empty() ? 0 : quantile(slopes, 0.5);
   std::vector<double> offsets;
+  offsets.reserve(points.size());
   for (const auto& point : points) {
     offsets.push_back(point.strain - slope * point.resistance);
   }
@@ -274,6 +275,7 @@ StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
     --fit.order;
   }
   std::vector<Run> thin;
+  thin.reserve(runs.size());
   for (const Run& run : runs) {
     // Transitions are slower than that, and every trial runs through all rows.
     thin.push_back(averaged(run, 0.02));
