@@ -15,16 +15,15 @@ constexpr double most_back = 0.05;
 /// How far a row is from the shortest to the longest wire.
 class Stroke {
  public:
-  explicit Stroke(const std::vector<double>& strain) : strain_(strain) {
-    const auto [shortest, longest] = std::ranges::minmax(strain);
-    shortest_ = shortest;
-    span_ = longest - shortest;
-  }
+  explicit Stroke(const std::vector<double>& strain)
+      : strain_(strain),
+        shortest_(*std::ranges::min_element(strain)),
+        span_(*std::ranges::max_element(strain) - shortest_) {}
   double share(std::size_t row) const { return (strain_[row] - shortest_) / span_; }
 
  private:
   const std::vector<double>& strain_;
-  double shortest_ = 0, span_ = 0;
+  double shortest_, span_;
 };
 
 /// Means over bins of the stroke.

@@ -1,5 +1,6 @@
 #include "host-sim/compare/strain_resistance_fit.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +9,6 @@
 #include <limits>
 
 #include "host-sim/compare/full_branches.hpp"
-#include "host-sim/compare/polynomial_fit.hpp"
 #include "host-sim/identify/steady_load.hpp"
 #include "host-sim/output_file.hpp"
 
@@ -82,6 +82,7 @@ ResistanceLine<double> theil_sen(const std::vector<ResistancePoint<double>>& poi
   }
   const double slope = slopes.empty() ? 0 : quantile(slopes, 0.5);
   std::vector<double> offsets;
+  offsets.reserve(points.size());
   for (const auto& point : points) {
     offsets.push_back(point.strain - slope * point.resistance);
   }
@@ -146,6 +147,25 @@ std::vector<LoadLevel> fit_levels(const std::vector<Run>& runs, double ohm) {
         runs.size()));
   }
   return levels;
+}
+
+/// Coefficients by rising power of the least-squares polynomial; more points than the order, x of
+/// the order of one.
+std::vector<double> fit_polynomial(const std::vector<double>& x, const std::vector<double>& y,
+                                   int order) {
+  const auto rows = static_cast<Eigen::Index>(x.size());
+  Eigen::MatrixXd powers(rows, order + 1);
+  Eigen::VectorXd values(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    values(i) = y[static_cast<std::size_t>(i)];
+    double power = 1;
+    for (int k = 0; k <= order; ++k) {
+      powers(i, k) = power;
+      power *= x[static_cast<std::size_t>(i)];
+    }
+  }
+  const Eigen::VectorXd solved = powers.colPivHouseholderQr().solve(values);
+  return {solved.data(), solved.data() + solved.size()};
 }
 
 StressPolynomial<double> polynomial(const std::vector<LoadLevel>& levels, int order,
@@ -255,6 +275,7 @@ StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
     --fit.order;
   }
   std::vector<Run> thin;
+  thin.reserve(runs.size());
   for (const Run& run : runs) {
     // Transitions are slower than that, and every trial runs through all rows.
     thin.push_back(averaged(run, 0.02));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <fmt/format.h>
+#include <initializer_list>
 #include <iterator>
 #include <utility>
 

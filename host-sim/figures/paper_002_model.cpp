@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "host-sim/figures/liang_rogers_002.hpp"

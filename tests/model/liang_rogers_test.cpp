@@ -1,9 +1,13 @@
 #include "model/liang_rogers.hpp"
 
 #include <algorithm>
+#include <ceres/jet.h>
 #include <cmath>
+#include <cstddef>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <type_traits>
+#include <vector>
 
 #include "model/test_wires.hpp"
 
@@ -122,6 +126,55 @@ TEST(LiangRogers, HeatingFromRPhaseMakesNoMartensite) {
     EXPECT_LE(moved(s, T, 20e6).martensite, cold.martensite + 1e-12);
   }
   EXPECT_NEAR(K::phases(s).austenite(), 1, 1e-12);
+}
+
+/// A path with inner loops, far from where branches begin or end.
+template <class S>
+Phases<S> after_a_walk(const typename LiangRogers<S>::Params& p) {
+  using Model = LiangRogers<S>;
+  typename Model::State s = Model::rest(p, {S(300), S(90e6)});
+  for (const double T : {357.3, 342.1, 329.7, 361.2, 340.9}) {
+    Model::advance(p, s, {S(T), S(90e6)});
+  }
+  return Model::phases(s);
+}
+
+// A fit differentiates through the model.
+TEST(LiangRogers, DerivativesByItsParametersAreThoseOfDifferences) {
+  using Jet = ceres::Jet<double, 9>;
+  const K::Params p = wire();
+  typename LiangRogers<Jet>::Params q{};
+  const auto members = [](auto& params) {
+    using S = std::remove_reference_t<decltype(params.m2a.start_K)>;
+    std::vector<S*> all;
+    for (CosineProcess<S>* process : {&params.m2a, &params.a2m, &params.a2r}) {
+      all.insert(all.end(), {&process->start_K, &process->finish_K, &process->stress_Pa_K});
+    }
+    return all;
+  };
+  K::Params shifted = p;
+  const std::vector<Jet*> jets = members(q);
+  const std::vector<double*> numbers = members(shifted);
+  for (int i = 0; i < 9; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    *jets[at] = Jet(*numbers[at], i);
+  }
+  const Phases<Jet> z = after_a_walk<Jet>(q);
+  for (int i = 0; i < 9; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double step = 1e-6 * *numbers[at];
+    const double middle = *numbers[at];
+    *numbers[at] = middle + step;
+    const Phases<double> above = after_a_walk<double>(shifted);
+    *numbers[at] = middle - step;
+    const Phases<double> below = after_a_walk<double>(shifted);
+    *numbers[at] = middle;
+    EXPECT_NEAR(z.martensite.v[i] * middle,
+                (above.martensite - below.martensite) / (2 * step) * middle, 1e-4);
+    EXPECT_NEAR(z.r_phase.v[i] * middle, (above.r_phase - below.r_phase) / (2 * step) * middle,
+                1e-4);
+    EXPECT_GT(std::abs(z.martensite.v[i]) + std::abs(z.r_phase.v[i]), 0) << i;
+  }
 }
 
 // 002 eq. 30

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <random>
@@ -57,7 +58,7 @@ Run loops(double stress_Pa, RunKind kind = RunKind::joule) {
   for (auto* column :
        {&run.time_s, &run.stress_Pa, &run.strain, &run.resistance_ohm, &run.temperature_K}) {
     if (!column->empty()) {
-      column->erase(column->begin(), column->begin() + 2 * leg_rows);
+      column->erase(column->begin(), column->begin() + std::ptrdiff_t{2} * leg_rows);
     }
   }
   return run;
@@ -66,6 +67,7 @@ Run loops(double stress_Pa, RunKind kind = RunKind::joule) {
 std::vector<smaservo::Run> runs(const std::vector<double>& stresses_MPa,
                                 RunKind kind = RunKind::joule) {
   std::vector<smaservo::Run> all;
+  all.reserve(stresses_MPa.size());
   for (const double stress_MPa : stresses_MPa) {
     all.push_back(loops(1e6 * stress_MPa, kind));
   }
