@@ -21,9 +21,9 @@ constexpr Eigen::Index cell_index(std::size_t hot, std::size_t cold) {
 
 /// The temperature less what the stress adds, without the reversals that noise makes.
 std::vector<double> inputs(const Run& run, double shift_K_Pa) {
-  std::vector<double> all;
-  for (std::size_t i = 0; i < run.temperature_K.size(); ++i) {
-    all.push_back(run.temperature_K[i] - shift_K_Pa * run.stress_Pa[i]);
+  std::vector<double> all(run.temperature_K);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] -= shift_K_Pa * run.stress_Pa[i];
   }
   return steady_K(all);
 }

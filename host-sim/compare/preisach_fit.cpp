@@ -128,10 +128,11 @@ void fit_weights(const CellRows& rows, double tie, PreisachWire& wire) {
   for (std::size_t low = 0; low < p.stress_count; ++low) add_rows(rows, p, low, equations);
   add_beliefs(static_cast<double>(rows.strain.size()), pull, tie, n, equations);
   // Austenite's strains may be negative; they come first.
-  std::vector<Eigen::Index> order;
+  Eigen::VectorX<Eigen::Index> order(unknowns);
+  Eigen::Index placed = 0;
   for (const bool austenite : {true, false}) {
     for (Eigen::Index i = 0; i < unknowns; ++i) {
-      if ((i % n == 0) == austenite) order.push_back(i);
+      if ((i % n == 0) == austenite) order[placed++] = i;
     }
   }
   const Eigen::MatrixXd left = equations.left(order, order);
