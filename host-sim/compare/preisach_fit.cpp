@@ -2,26 +2,20 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 
 #include "host-sim/compare/nonnegative.hpp"
+#include "host-sim/compare/preisach_cells.hpp"
 #include "host-sim/compare/preisach_slices.hpp"
+#include "host-sim/output_file.hpp"
 
 namespace smaservo {
 namespace {
 
 using Model = Preisach<double>;
-using Path = Staircase<double, 64>;
-using Nodes = decltype(Model::Params::node_K);
-constexpr std::size_t nodes = std::tuple_size_v<Nodes>;
-constexpr std::size_t cells = (nodes - 1) * nodes / 2;
 constexpr std::size_t most_stresses = std::tuple_size_v<decltype(Model::Params::stress_Pa)>;
-
-constexpr std::size_t cell_index(std::size_t hot, std::size_t cold) {
-  return hot * (hot + 1) / 2 + cold;
-}
 
 /// Where half of the strain has gone on heating and come on cooling, the mean of the two.
 double middle_K(const PreisachSlice& slice) {
@@ -56,152 +50,6 @@ double fitted_shift_K_Pa(const std::vector<PreisachSlice>& slices) {
   return slices.size() > 1 ? products / squares : 0;
 }
 
-/// Close together where the wires convert: of all rows' way, a third each by temperature, by
-/// strain that goes on heating, and by strain that comes on cooling.
-Nodes placed_nodes(const std::vector<PreisachSlice>& slices, double shift_K_Pa) {
-  std::array<std::vector<std::pair<double, double>>, 2> moves;  // input, strain
-  double low_K = 1e9;
-  double high_K = -1e9;
-  for (const PreisachSlice& slice : slices) {
-    for (const Run* run : slice.runs) {
-      const std::vector<double> T = steady_K(run->temperature_K);
-      for (std::size_t i = 0; i < T.size(); ++i) {
-        const double x = T[i] - shift_K_Pa * slice.stress_Pa;
-        low_K = std::min(low_K, x);
-        high_K = std::max(high_K, x);
-        if (i > 0 && T[i] != T[i - 1]) {
-          moves[T[i] < T[i - 1] ? 1 : 0].emplace_back(
-              x, std::abs(run->strain[i] - run->strain[i - 1]));
-        }
-      }
-    }
-  }
-  constexpr std::size_t bins = 1000;
-  std::array<double, bins> way{};
-  const double bin_K = (high_K - low_K) / bins;
-  way.fill(1.0 / bins);
-  for (const auto& direction : moves) {
-    double all = 0;
-    for (const auto& [x, strain] : direction) all += strain;
-    for (const auto& [x, strain] : direction) {
-      way[std::min(bins - 1, static_cast<std::size_t>((x - low_K) / bin_K))] += strain / all;
-    }
-  }
-  Nodes node_K{};
-  node_K.front() = low_K;
-  node_K.back() = high_K;
-  double sum = 0;
-  std::size_t next = 1;
-  for (std::size_t bin = 0; bin < bins && next + 1 < nodes; ++bin) {
-    const double goal = 3.0 * static_cast<double>(next) / (nodes - 1);
-    if (sum + way[bin] >= goal) {
-      const double share = (goal - sum) / way[bin];
-      // Many goals may lie in one bin; nodes must rise.
-      node_K[next] = std::max(low_K + (static_cast<double>(bin) + share) * bin_K,
-                              node_K[next - 1] + 0.5 * bin_K);
-      ++next;
-    }
-    sum += way[bin];
-  }
-  return node_K;
-}
-
-/// The share of every cell that lies in the triangle, times the sign.
-void add_triangle(const Nodes& node_K, double sign, double hot_K, double cold_K,
-                  Eigen::Ref<Eigen::RowVectorXd> row) {
-  std::array<double, nodes - 1> below_hot{};
-  std::array<double, nodes - 1> above_cold{};
-  for (std::size_t i = 0; i + 1 < nodes; ++i) {
-    const double width_K = node_K[i + 1] - node_K[i];
-    below_hot[i] = std::clamp((hot_K - node_K[i]) / width_K, 0.0, 1.0);
-    above_cold[i] = std::clamp((node_K[i + 1] - cold_K) / width_K, 0.0, 1.0);
-  }
-  for (std::size_t hot = 0; hot + 1 < nodes; ++hot) {
-    for (std::size_t cold = 0; cold < hot; ++cold) {
-      row[static_cast<Eigen::Index>(cell_index(hot, cold))] +=
-          sign * below_hot[hot] * above_cold[cold];
-    }
-    row[static_cast<Eigen::Index>(cell_index(hot, hot))] +=
-        sign * std::max(0.0, below_hot[hot] + above_cold[hot] - 1);
-  }
-}
-
-/// The strains of a slice as sums over cells; the last column is the strain of austenite.
-struct Equations {
-  Eigen::MatrixXd rows;
-  Eigen::VectorXd strain;
-};
-
-Equations equations(const PreisachSlice& slice, const Nodes& node_K, double shift_K_Pa) {
-  constexpr std::size_t most_rows = 4000;
-  std::size_t count = 0;
-  for (const Run* run : slice.runs) count += run->strain.size();
-  const std::size_t stride = 1 + (count - 1) / most_rows;
-  Equations all{Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count / stride + slice.runs.size()),
-                                      static_cast<Eigen::Index>(cells)),
-                {}};
-  all.strain = Eigen::VectorXd::Zero(all.rows.rows());
-  Eigen::Index at = 0;
-  for (const Run* run : slice.runs) {
-    const std::vector<double> T = steady_K(run->temperature_K);
-    const auto input = [&](std::size_t i) {
-      return std::clamp(T[i] - shift_K_Pa * slice.stress_Pa, node_K.front(), node_K.back());
-    };
-    Path path = Path::cooled(node_K.back(), input(0));
-    for (std::size_t i = 0; i < T.size(); ++i) {
-      path.move(input(i), [](double hot, double hotter, double cold, double warmer) {
-        return (hotter - hot) * (warmer - cold);
-      });
-      if (i % stride != 0) continue;
-      Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(cells);
-      path.each_settled([&](double sign, double hot, double cold) {
-        add_triangle(node_K, sign, hot, cold, row);
-      });
-      const bool heats = path.heats();
-      add_triangle(node_K, heats ? -1 : 1, heats ? path.input : path.newest(),
-                   heats ? path.newest() : path.input, row);
-      all.rows.row(at) = row;
-      all.strain[at++] = run->strain[i];
-    }
-  }
-  all.rows.conservativeResize(at, Eigen::NoChange);
-  all.strain.conservativeResize(at);
-  return all;
-}
-
-/// The weights in strain, austenite's strain before them.
-Eigen::VectorXd weights(const Equations& e) {
-  const Eigen::Index n = e.rows.cols() + 1;
-  Eigen::MatrixXd a(e.rows.rows(), n);
-  a << Eigen::VectorXd::Ones(e.rows.rows()), e.rows;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
-  normal.selfadjointView<Eigen::Lower>().rankUpdate(a.transpose());
-  normal = normal.selfadjointView<Eigen::Lower>();
-  // As if each weight had been found to be 0 in a fraction of the rows.
-  constexpr double pull = 1e-5;
-  normal.diagonal().tail(n - 1).array() += pull * static_cast<double>(e.rows.rows());
-  return nonnegative_least_squares(normal, a.transpose() * e.strain, 1);
-}
-
-/// Sums over the triangles; returns that over all.
-double sum_up(const Eigen::VectorXd& weight, Model::Params::Increments& increments) {
-  const auto of = [&](std::size_t hot, std::size_t cold) {
-    return weight[static_cast<Eigen::Index>(1 + cell_index(hot, cold))];
-  };
-  const auto F = [&](std::size_t hot, std::size_t cold) {
-    return hot > cold ? increments[Model::Params::index(hot, cold)] : 0.0;
-  };
-  for (std::size_t span = 1; span < nodes; ++span) {
-    for (std::size_t cold = 0; cold + span < nodes; ++cold) {
-      const std::size_t hot = cold + span;
-      const double inner =
-          span > 1 ? F(hot - 1, cold) + F(hot, cold + 1) - F(hot - 1, cold + 1) : 0;
-      increments[Model::Params::index(hot, cold)] = inner + of(hot - 1, cold);
-    }
-  }
-  return F(nodes - 1, 0);
-}
-
 /// The stress' neighbours among those of the model, and the share of the upper one.
 struct Between {
   std::size_t low, high;
@@ -214,6 +62,88 @@ Between between(const Model::Params& p, double stress_Pa) {
   const double span_Pa = p.stress_Pa[high] - p.stress_Pa[low];
   return {low, high,
           span_Pa > 0 ? std::clamp((stress_Pa - p.stress_Pa[low]) / span_Pa, 0.0, 1.0) : 0.0};
+}
+
+/// Sums for the least squares: unknowns of a stress stand together, as in CellRows.
+struct NormalEquations {
+  Eigen::MatrixXd left;
+  Eigen::VectorXd right;
+};
+
+/// Of the rows whose stress is between these two.
+void add_rows(const CellRows& rows, const Model::Params& p, std::size_t low,
+              NormalEquations& equations) {
+  std::vector<Eigen::Index> here;
+  std::vector<double> shares;
+  for (Eigen::Index i = 0; i < rows.strain.size(); ++i) {
+    const Between at = between(p, rows.stress_Pa[i]);
+    if (at.low == low) {
+      here.push_back(i);
+      shares.push_back(at.share);
+    }
+  }
+  const Eigen::Index n = rows.columns.cols();
+  const Eigen::ArrayXd upper =
+      Eigen::Map<const Eigen::ArrayXd>(shares.data(), static_cast<Eigen::Index>(shares.size()));
+  const Eigen::MatrixXd a = rows.columns(here, Eigen::all);
+  const Eigen::MatrixXd a_low = (1 - upper).matrix().asDiagonal() * a;
+  const Eigen::VectorXd strain = rows.strain(here);
+  const auto first = static_cast<Eigen::Index>(low) * n;
+  equations.left.block(first, first, n, n) += a_low.transpose() * a_low;
+  equations.right.segment(first, n) += a_low.transpose() * strain;
+  if (low + 1 < p.stress_count) {
+    const Eigen::MatrixXd a_high = upper.matrix().asDiagonal() * a;
+    const Eigen::MatrixXd both = a_low.transpose() * a_high;
+    equations.left.block(first, first + n, n, n) += both;
+    equations.left.block(first + n, first, n, n) += both.transpose();
+    equations.left.block(first + n, first + n, n, n) += a_high.transpose() * a_high;
+    equations.right.segment(first + n, n) += a_high.transpose() * strain;
+  }
+}
+
+/// As if each weight had been found to be 0 in a fraction `pull` of the rows, and equal to the
+/// next stress' in a fraction `tie`.
+void add_beliefs(double rows, double pull, double tie, Eigen::Index n, NormalEquations& equations) {
+  Eigen::MatrixXd& left = equations.left;
+  for (Eigen::Index i = 0; i < left.rows(); ++i) {
+    left(i, i) += i % n == 0 ? 0 : pull * rows;
+    const Eigen::Index next = i + n;
+    if (next < left.rows()) {
+      left(i, i) += tie * rows;
+      left(next, next) += tie * rows;
+      left(i, next) -= tie * rows;
+      left(next, i) -= tie * rows;
+    }
+  }
+}
+
+/// Fills in increments and strains. The nodes, the shift and the stresses must be there.
+void fit_weights(const CellRows& rows, double tie, PreisachWire& wire) {
+  constexpr double pull = 1e-5;
+  Model::Params& p = wire.kinetics;
+  const Eigen::Index n = rows.columns.cols();
+  const Eigen::Index unknowns = static_cast<Eigen::Index>(p.stress_count) * n;
+  NormalEquations equations{Eigen::MatrixXd::Zero(unknowns, unknowns),
+                            Eigen::VectorXd::Zero(unknowns)};
+  for (std::size_t low = 0; low < p.stress_count; ++low) add_rows(rows, p, low, equations);
+  add_beliefs(static_cast<double>(rows.strain.size()), pull, tie, n, equations);
+  // Austenite's strains may be negative; they come first.
+  Eigen::VectorX<Eigen::Index> order(unknowns);
+  Eigen::Index placed = 0;
+  for (const bool austenite : {true, false}) {
+    for (Eigen::Index i = 0; i < unknowns; ++i) {
+      if ((i % n == 0) == austenite) order[placed++] = i;
+    }
+  }
+  const Eigen::MatrixXd left = equations.left(order, order);
+  const Eigen::VectorXd right = equations.right(order);
+  Eigen::VectorXd weights(unknowns);
+  weights(order) = nonnegative_least_squares(left, right, unknowns / n);
+  for (std::size_t i = 0; i < p.stress_count; ++i) {
+    const Eigen::VectorXd slice = weights.segment(static_cast<Eigen::Index>(i) * n, n);
+    const double stroke = sum_up(slice, p.increments[i]);
+    wire.strains.push_back({slice[0], stroke});
+  }
 }
 
 PreisachStrain strains_at(const PreisachWire& wire, double stress_Pa) {
@@ -233,6 +163,38 @@ std::vector<double> replayed(const PreisachWire& wire, const Run& run) {
     strain.push_back(wire.strain(s.martensite, run.stress_Pa[i]));
   }
   return strain;
+}
+
+/// What the model makes of the runs that it was fitted to.
+void replay(const std::vector<Run>& runs, PreisachFit& fit) {
+  double squares = 0;
+  std::size_t count = 0;
+  for (const Run& run : runs) {
+    fit.strain.push_back(replayed(fit.wire, run));
+    for (std::size_t i = 0; i < run.strain.size(); ++i) {
+      const double stroke = strains_at(fit.wire, run.stress_Pa[i]).stroke;
+      squares += std::pow((fit.strain.back()[i] - run.strain[i]) / stroke, 2);
+    }
+    count += run.strain.size();
+  }
+  fit.rms = std::sqrt(squares / static_cast<double>(count));
+}
+
+void require_histories(const std::vector<Run>& runs, const std::vector<double>& stresses_Pa) {
+  if (runs.empty()) {
+    throw UserError("no run; the Preisach model needs strain over temperature");
+  }
+  for (const Run& run : runs) {
+    if (run.strain.empty() || run.temperature_K.empty() || run.stress_Pa.empty()) {
+      throw UserError(fmt::format(
+          "{}: the Preisach model needs temperature, stress and strain of every row", run.name));
+    }
+  }
+  if (stresses_Pa.empty() || stresses_Pa.size() > most_stresses ||
+      std::ranges::adjacent_find(stresses_Pa, std::greater_equal{}) != stresses_Pa.end()) {
+    throw UserError(fmt::format("{} stresses, 1 to {} that rise are allowed", stresses_Pa.size(),
+                                most_stresses));
+  }
 }
 
 }  // namespace
@@ -256,32 +218,32 @@ PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift) {
   PreisachFit fit{};
   Model::Params& p = fit.wire.kinetics;
   p.shift_K_Pa = shift == StressShift::fitted ? fitted_shift_K_Pa(slices) : 0;
-  p.node_K = placed_nodes(slices, p.shift_K_Pa);
+  p.node_K = placed_nodes(runs, p.shift_K_Pa);
   p.stress_count = slices.size();
-  for (std::size_t i = 0; i < slices.size(); ++i) {
-    p.stress_Pa[i] = slices[i].stress_Pa;
-    const Eigen::VectorXd weight = weights(equations(slices[i], p.node_K, p.shift_K_Pa));
-    const double stroke = sum_up(weight, p.increments[i]);
-    for (double& increment : p.increments[i]) increment /= stroke;
-    fit.wire.strains.push_back({weight[0], stroke});
-  }
-  double squares = 0;
-  std::size_t count = 0;
-  for (const Run& run : runs) {
-    fit.strain.push_back(replayed(fit.wire, run));
-    for (std::size_t i = 0; i < run.strain.size(); ++i) {
-      const double stroke = strains_at(fit.wire, run.stress_Pa[i]).stroke;
-      squares += std::pow((fit.strain.back()[i] - run.strain[i]) / stroke, 2);
-    }
-    count += run.strain.size();
-  }
-  fit.rms = std::sqrt(squares / static_cast<double>(count));
+  std::ranges::transform(slices, p.stress_Pa.begin(), &PreisachSlice::stress_Pa);
+  fit_weights(cell_rows(runs, p.node_K, p.shift_K_Pa), 0, fit.wire);
+  replay(runs, fit);
   if (slices.size() == 1) {
     fit.remark = fmt::format(
         "All reversal curves are at {:.0f} MPa: the model is the same under "
         "any stress, and valid at this one only.",
         1e-6 * slices[0].stress_Pa);
   }
+  return fit;
+}
+
+PreisachFit fit_preisach_histories(const std::vector<Run>& runs,
+                                   const std::vector<double>& stresses_Pa, double shift_K_Pa) {
+  constexpr double tie = 1e-3;
+  require_histories(runs, stresses_Pa);
+  PreisachFit fit{};
+  Model::Params& p = fit.wire.kinetics;
+  p.shift_K_Pa = shift_K_Pa;
+  p.node_K = placed_nodes(runs, p.shift_K_Pa);
+  p.stress_count = stresses_Pa.size();
+  std::ranges::copy(stresses_Pa, p.stress_Pa.begin());
+  fit_weights(cell_rows(runs, p.node_K, p.shift_K_Pa), tie, fit.wire);
+  replay(runs, fit);
   return fit;
 }
 

@@ -41,10 +41,18 @@ struct PreisachFit {
 /// weights of the grid's cells, whose sums F is, and they are the non-negative ones (physically
 /// μ >= 0) with the least squares. A slight pull towards even weights decides what the rows leave
 /// open. Runs whose stresses are within 3 MPa of each other share a slice. Rows: at most 4000 of a
-/// slice count. A reversal of the temperature counts from 0.5 K on. Cost: half a second a slice.
+/// run count. A reversal of the temperature counts from 0.5 K on. Cost: a second for five slices.
 /// Throws UserError for no run, one that is not in a bath or has no strain, a stress that is not
 /// constant, more than 8 stresses, a run that begins neither hot nor cold, and for a stress with
 /// fewer than five reversal curves.
 PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift);
+
+/// The same from any histories under any load, at these stresses (rising, up to 8): a row between
+/// two of them counts for both, and the weights of neighbours are held together. The temperature
+/// may be one that a heat balance gives; what is wrong with it is in the model then. Runs begin
+/// hot, or cooled down from hot. Throws UserError for no run, one without temperature, stress or
+/// strain, and for stresses that do not rise or are too many.
+PreisachFit fit_preisach_histories(const std::vector<Run>& runs,
+                                   const std::vector<double>& stresses_Pa, double shift_K_Pa);
 
 }  // namespace smaservo

@@ -1,5 +1,6 @@
 #include "host-sim/compare/preisach_fit.hpp"
 
+#include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -115,6 +116,62 @@ TEST(PreisachFits, IncrementIsTheStrainOfAReversalCurve) {
                   fit.wire.increment(hot_K, cold_K, stress_Pa), 1e-12);
     }
   }
+}
+
+/// A random walk of temperature and stress, with the temperature wrong by `off_K`, slowly.
+Run random_run(std::uint64_t seed, double off_K) {
+  const K::Params p = relays<double>(0.14);
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Run run{};
+  run.name = "histories";
+  K::State s = K::rest(p, {300, 150 * MPa});
+  for (int goal = 0; goal < 60; ++goal) {
+    const double to_MPa = uniform(100, 300);
+    const double to_K = uniform(295, 380) + 0.14 * to_MPa;
+    const Drive<double> from = s.drive;
+    for (int i = 1; i <= 80; ++i) {
+      const double share = i / 80.0;
+      K::advance(p, s,
+                 {std::lerp(from.temperature_K, to_K, share),
+                  std::lerp(from.stress_Pa, to_MPa * MPa, share)});
+      run.temperature_K.push_back(s.drive.temperature_K + off_K * std::sin(0.01 * goal * i));
+      run.stress_Pa.push_back(s.drive.stress_Pa);
+      run.strain.push_back(0.002 + stroke * s.martensite);
+    }
+  }
+  return run;
+}
+
+TEST(PreisachFits, FindAPreisachWireInAnyHistories) {
+  const std::vector<double> stresses_Pa{100 * MPa, 200 * MPa, 300 * MPa};
+  const auto fitted = [&](double off_K) {
+    return fit_preisach_histories(
+        {random_run(1, off_K), random_run(2, off_K), random_run(3, off_K)}, stresses_Pa,
+        0.14 / MPa);
+  };
+  const PreisachFit fit = fitted(0);
+  EXPECT_LT(fit.rms, 0.005);
+  for (const double stress_MPa : {120.0, 200.0, 260.0}) {
+    EXPECT_LT(walk_error(fit.wire, stress_MPa), 0.012) << stress_MPa;
+  }
+  // A kelvin is worth 8 % of the stroke where the wire is steepest.
+  const PreisachFit off = fitted(1);
+  EXPECT_TRUE(off.rms > 0.01 && off.rms < 0.05) << off.rms;
+  EXPECT_LT(walk_error(off.wire, 200), 0.025);
+}
+
+TEST(PreisachFits, HistoriesSayWhatIsMissing) {
+  const auto run = random_run(1, 0);
+  auto without = run;
+  without.strain.clear();
+  EXPECT_THROW(fit_preisach_histories({}, {1e8}, 0), UserError);
+  EXPECT_THROW(fit_preisach_histories({run, without}, {1e8}, 0), UserError);
+  EXPECT_THROW(fit_preisach_histories({run}, {}, 0), UserError);
+  EXPECT_THROW(fit_preisach_histories({run}, {2e8, 1e8}, 0), UserError);
+  EXPECT_THROW(fit_preisach_histories({run}, {1, 2, 3, 4, 5, 6, 7, 8, 9}, 0), UserError);
 }
 
 std::string refusal(const std::function<void(Runs&)>& spoil) {
