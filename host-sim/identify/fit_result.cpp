@@ -106,6 +106,13 @@ void Fit::weigh() {
     return static_cast<double>(errors.size()) / correlation_length(errors);
   };
   for (std::size_t i = 0; i < runs_.size(); ++i) {
+    if (runs_[i].kind == RunKind::calorimetry) {
+      const FittedRun run = fitted(i);
+      const auto d_power = differences(run.strain_model, run.strain_measured, false);
+      weights_[i].power_sd = std::max(0.005 * greatest_power(runs_[i]), rms(d_power));
+      weights_[i].power_independent = length(d_power);
+      continue;
+    }
     apportion(i);
     const FittedRun run = fitted(i);
     const auto d_strain = differences(run.strain_model, run.strain_measured, false);

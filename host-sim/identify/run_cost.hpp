@@ -32,6 +32,7 @@ struct Weights {
   double strain_sd = 2e-4;
   double resistance_sd = 2e-3;  ///< relative
   double power_sd = 0;          ///< W/kg
+  double power_independent = independent_at_first;
   double strain_independent = independent_at_first;
   double resistance_independent = independent_at_first;
   /// How likely a wrong strain comes from austenite in the place of martensite, of every
@@ -95,9 +96,12 @@ class RunCost {
       return robust(error / T(sd)) * T(share);
     };
     if (run_.kind == RunKind::calorimetry) {
-      const double share = share_of(independent_at_first, n);
+      const double share = share_of(weights_.power_independent, valid(run_.power_W_kg));
       for (std::size_t i = 0; i < n; ++i) {
-        residual[i] = term(predicted[i].strain - T(run_.power_W_kg[i]), weights_.power_sd, share);
+        const double measured = run_.power_W_kg[i];
+        residual[i] = std::isnan(measured)
+                          ? T(0)
+                          : term(predicted[i].strain - T(measured), weights_.power_sd, share);
       }
       return;
     }
