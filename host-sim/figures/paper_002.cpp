@@ -154,7 +154,7 @@ PaperFigure figure_9(const StrainResistanceFit& fit, const MinorLoops& cooling,
     panels.push_back(half(loops == &cooling ? "Incomplete cooling" : "Incomplete heating",
                           ohm_label, mm_label,
                           data_block("measured", measured) + data_block("model", model),
-                          {"$measured using 1:2 with lines lc rgb measured title 'measured'",
+                          {"$measured using 1:2 with lines lc rgb measured title 'simulated wire'",
                            "$model using 1:2 with lines lc rgb estimate title 'model'"}));
   }
   return {9, "Transition model and minor loops under 1.3 N",

@@ -123,7 +123,7 @@ std::vector<PaperFigure> simulation_figures(const Simulation& s, int over_time, 
   const std::string data = data_block("data", rows);
   const auto curves = [](int x) {
     return std::vector<std::string>{
-        fmt::format("$data using {}:3 with lines lc rgb reference lw 2 title 'measured'", x),
+        fmt::format("$data using {}:3 with lines lc rgb reference lw 2 title 'simulated wire'", x),
         fmt::format("$data using {}:4 with lines lc rgb estimate title 'model'", x)};
   };
   const std::string error = fmt::format("Mean error {:.1f} % of 4 %. {}", s.error_percent, caption);

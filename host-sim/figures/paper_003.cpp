@@ -189,7 +189,7 @@ std::vector<Plot> validation_plots(const PreisachWire& wire, const PreisachWire&
                        100 * v.rms, 100 * of_003.rms),
            true,
            draw({500, 400, "time in s", "strain in %"}, data, "",
-                {"$data using 1:6 with lines lc rgb reference lw 3 title 'measured'",
+                {"$data using 1:6 with lines lc rgb reference lw 3 title 'simulated wire'",
                  "$data using 1:8 with lines lc rgb measured dt 2 title 'eq. 2'",
                  "$data using 1:7 with lines lc rgb estimate title 'model'"})}};
 }
