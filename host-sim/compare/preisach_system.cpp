@@ -1,13 +1,12 @@
 // Strain by the Preisach model of paper 003 and a heat balance.
 
 #include <algorithm>
-#include <fmt/format.h>
+#include <tuple>
 
 #include "host-sim/compare/plant_fit.hpp"
 #include "host-sim/compare/preisach_fit.hpp"
 #include "host-sim/compare/preisach_slices.hpp"
 #include "host-sim/compare/system.hpp"
-#include "host-sim/output_file.hpp"
 
 namespace smaservo {
 namespace {
@@ -22,27 +21,52 @@ PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
   return {wire.kinetics, wire.material, wire.heat, wire.geometry};
 }
 
-bool constant_stress(const Run& run) {
-  return quantile(run.stress_Pa, 0.95) - quantile(run.stress_Pa, 0.05) < 5e6;
-}
-
 /// The run as if it had been made in a bath of the temperatures that the wire had.
 Run in_bath(const Wire<double>& wire, const Run& run) {
   Run bath{};
   bath.name = run.name;
   bath.kind = RunKind::bath;
-  const double stress_Pa = quantile(run.stress_Pa, 0.5);
   const std::size_t every = (run.strain.size() + most_rows - 1) / most_rows;
   std::size_t i = 0;
-  drive_plant(ihyp_model(wire), every_row(run), [&](const auto& /*params*/, const auto& state) {
+  const DrivenSteps steps = every_row(run);
+  drive_plant(ihyp_model(wire), steps, [&](const auto& /*params*/, const auto& state) {
     if (i % every == 0) {
       bath.temperature_K.push_back(Plant<Ihyp>::temperature_K(state));
       bath.strain.push_back(run.strain[i]);
-      bath.stress_Pa.push_back(stress_Pa);
+      bath.stress_Pa.push_back(steps.stress_Pa[i]);
     }
     ++i;
   });
   return bath;
+}
+
+/// The runs' stresses, as many as the model holds, each at least 20 MPa from the next.
+std::vector<double> slice_stresses_Pa(const std::vector<Run>& runs) {
+  std::vector<double> all;
+  for (const Run& run : runs) {
+    all.push_back(quantile(run.stress_Pa, 0.02));
+    all.push_back(quantile(run.stress_Pa, 0.98));
+  }
+  std::ranges::sort(all);
+  std::vector<double> apart;
+  for (const double stress_Pa : all) {
+    if (apart.empty() || stress_Pa > apart.back() + 20e6) {
+      apart.push_back(stress_Pa);
+    }
+  }
+  constexpr std::size_t most = std::tuple_size_v<decltype(Relays::Params::stress_Pa)>;
+  std::vector<double> chosen;
+  const std::size_t count = std::min(most, apart.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(apart[count == 1 ? 0 : i * (apart.size() - 1) / (count - 1)]);
+  }
+  return chosen;
+}
+
+/// What a stress adds to the temperature of M2A.
+double shift_K_Pa(const Wire<double>& wire) {
+  const double high_Pa = wire.limits.stress_Pa;
+  return wire.kinetics.m2a.start_shift_K(0, high_Pa) / high_Pa;
 }
 
 int weights_of(const PreisachWire& wire) {
@@ -55,16 +79,12 @@ int weights_of(const PreisachWire& wire) {
 
 System preisach(const Wire<double>& identified, const std::vector<Run>& runs) {
   std::vector<Run> baths;
-  std::string unused;
+  baths.reserve(runs.size());
   for (const Run& run : runs) {
-    if (constant_stress(run)) {
-      baths.push_back(in_bath(identified, run));
-    } else {
-      unused += fmt::format("{}{}", unused.empty() ? "not used, since their stress varies: " : ", ",
-                            run.name);
-    }
+    baths.push_back(in_bath(identified, run));
   }
-  const PreisachFit fit = fit_preisach(baths, StressShift::fitted);
+  const PreisachFit fit =
+      fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(identified));
   const auto drive = [fit, identified](const Run& run) {
     const PlantModel<Relays> model{fit.wire.kinetics, identified.material, identified.heat,
                                    identified.geometry};
@@ -75,10 +95,8 @@ System preisach(const Wire<double>& identified, const std::vector<Run>& runs) {
     });
     return strain;
   };
-  const std::string remark =
-      fit.remark.empty() || unused.empty() ? fit.remark + unused : fit.remark + "; " + unused;
   return {"Preisach", "003: relays weighed by stress, with ihyp's heat balance",
-          weights_of(fit.wire), remark, drive};
+          weights_of(fit.wire), fit.remark, drive};
 }
 
 }  // namespace smaservo
