@@ -26,21 +26,18 @@ void require_usable(const Run& run) {
   }
 }
 
-/// The wire that identify makes of the runs; the reason where it can not.
-struct Identified {
-  std::optional<Wire<double>> wire;
-  int parameters = 0;
-  std::string reason;
-};
-Identified identified(const WireDescription& from, const std::vector<Run>& training, int threads) {
+/// The wire that identify makes of the runs. Throws UserError.
+IdentifiedWire identified(const WireDescription& from, const std::vector<Run>& training,
+                          int threads) {
   FitOptions options;
   options.threads = threads;
-  try {
-    const FitResult fit = fit_wire(from.wire, training, options);
-    return {fit.wire, static_cast<int>(fit.parameters.size()), ""};
-  } catch (const UserError& error) {
-    return {{}, 0, error.what()};
+  const FitResult fit = fit_wire(from.wire, training, options);
+  IdentifiedWire found{fit.wire, static_cast<int>(fit.parameters.size()), {}, 0};
+  for (const FittedRun& run : fit.runs) {
+    found.ambient_K.push_back(run.circumstances.ambient_K);
+    found.usual_ambient_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
   }
+  return found;
 }
 
 /// Identifies one after the other.
@@ -76,22 +73,24 @@ std::vector<Compared> identify_all(const WireDescription& from, const std::vecto
   systems.add("Duhem", [&] { return duhem(from.wire, training, threads); });
   systems.add("Liang-Rogers", [&] { return liang_rogers(from.wire, training, threads); });
   progress("ihyp");
-  const Identified own = identified(from, training, threads);
+  std::optional<IdentifiedWire> own;
+  std::string reason;
+  try {
+    own = identified(from, training, threads);
+  } catch (const UserError& error) {
+    reason = error.what();
+  }
   const auto with_own = [&](auto make) {
-    if (!own.wire) {
-      throw UserError(own.reason);
+    if (!own) {
+      throw UserError(reason);
     }
-    return make(*own.wire);
+    return make(*own);
   };
   systems.add("Preisach", [&] {
-    return with_own([&](const Wire<double>& wire) { return preisach(wire, training); });
+    return with_own([&](const IdentifiedWire& wire) { return preisach(wire, training); });
   });
-  systems.add("ihyp", [&] {
-    return with_own([&](const Wire<double>& wire) { return ihyp_alone(wire, own.parameters); });
-  });
-  systems.add("ihyp observer", [&] {
-    return with_own([&](const Wire<double>& wire) { return ihyp_observer(wire, own.parameters); });
-  });
+  systems.add("ihyp", [&] { return with_own(ihyp_alone); });
+  systems.add("ihyp observer", [&] { return with_own(ihyp_observer); });
   return systems.all;
 }
 

@@ -12,7 +12,8 @@
 namespace smaservo {
 namespace {
 
-std::vector<double> observed(const Wire<double>& wire, const Run& run) {
+std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
+  const Wire<double>& wire = identified.wire;
   const MeasurementParams<double> measuring = measuring_params(wire, {});
   std::unique_ptr<AnyObserver> observer;
   std::vector<double> strain;
@@ -24,7 +25,8 @@ std::vector<double> observed(const Wire<double>& wire, const Run& run) {
     if (observer) {
       observer->advance(m, run.time_s[i] - run.time_s[i - 1]);
     } else {
-      const double ambient_K = run.ambient_K.empty() ? 298.15 : run.ambient_K.front();
+      const double ambient_K =
+          run.ambient_K.empty() ? identified.usual_ambient_K : run.ambient_K.front();
       observer = make_observer("kalman", wire, {}, m, ambient_K);
     }
     strain.push_back(observer->estimate().strain);
@@ -44,22 +46,23 @@ System stress_strain_resistance(const std::vector<Run>& runs) {
           [params = fit.params](const Run& run) { return estimate_strain(params, run); }};
 }
 
-System ihyp_alone(const Wire<double>& identified, int parameters) {
-  const PlantModel<ThreePhase<double>> model{identified.kinetics, identified.material,
-                                             identified.heat, identified.geometry};
-  return {"ihyp", "000: three phases, return-point memory, heat balance", parameters, "",
-          [model](const Run& run) { return driven_strain(model, every_row(run)); }};
+System ihyp_alone(const IdentifiedWire& identified) {
+  const Wire<double>& wire = identified.wire;
+  const PlantModel<ThreePhase<double>> model{wire.kinetics, wire.material, wire.heat,
+                                             wire.geometry};
+  return {"ihyp", "000: three phases, return-point memory, heat balance", identified.parameters, "",
+          [model, ambient_K = identified.usual_ambient_K](const Run& run) {
+            return driven_strain(model, every_row(run, ambient_K));
+          }};
 }
 
-System ihyp_observer(const Wire<double>& identified, int parameters) {
-  return {"ihyp observer", "the same, corrected by the resistance", parameters, "",
-          [identified](const Run& run) {
-            if (run.kind != RunKind::joule) {
-              // In a bath no power tells the temperature.
-              return std::vector<double>(run.strain.size(),
-                                         std::numeric_limits<double>::quiet_NaN());
-            }
-            return observed(identified, run);
+System ihyp_observer(const IdentifiedWire& identified) {
+  return {"ihyp observer", "the same, corrected by the resistance; not in a bath",
+          identified.parameters, "", [identified](const Run& run) {
+            return run.kind == RunKind::joule
+                       ? observed(identified, run)
+                       : std::vector<double>(run.strain.size(),
+                                             std::numeric_limits<double>::quiet_NaN());
           }};
 }
 

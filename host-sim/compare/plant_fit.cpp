@@ -19,8 +19,8 @@ namespace {
 constexpr double strain_sd = 5e-4;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-double ambient_of(const Run& run) {
-  return run.ambient_K.empty() ? 298.15
+double ambient_of(const Run& run, double otherwise_K) {
+  return run.ambient_K.empty() ? otherwise_K
                                : std::accumulate(run.ambient_K.begin(), run.ambient_K.end(), 0.0) /
                                      static_cast<double>(run.ambient_K.size());
 }
@@ -89,10 +89,10 @@ class StrainResiduals final : public ceres::CostFunction {
 
 }  // namespace
 
-DrivenSteps every_row(const Run& run) {
+DrivenSteps every_row(const Run& run, double ambient_K) {
   require_motion(run);
   DrivenSteps steps{
-      run.kind == RunKind::bath, ambient_of(run), {}, {}, {}, run.stress_Pa, run.strain};
+      run.kind == RunKind::bath, ambient_of(run, ambient_K), {}, {}, {}, run.stress_Pa, run.strain};
   if (steps.bath) {
     steps.temperature_K = run.temperature_K;
     return steps;
@@ -111,8 +111,8 @@ DrivenSteps every_row(const Run& run) {
 DrivenSteps thinned(const Run& run) {
   require_motion(run);
   const FitRun fit = thin_run(run, coarse_step_s);
-  DrivenSteps steps{run.kind == RunKind::bath, ambient_of(run), fit.dt_s, fit.power_W,
-                    fit.temperature_K,         fit.stress_Pa,   {}};
+  DrivenSteps steps{run.kind == RunKind::bath, ambient_of(run, room_K), fit.dt_s, fit.power_W,
+                    fit.temperature_K,         fit.stress_Pa,           {}};
   steps.strain.assign(fit.stress_Pa.size(), nothing);
   for (std::size_t i = 0; i < fit.after.size(); ++i) {
     steps.strain[fit.after[i]] = fit.strain[i];

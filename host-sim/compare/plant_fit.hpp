@@ -39,15 +39,18 @@ struct PlantModel {
 /// What drives a wire from row to row, of joule and bath runs.
 struct DrivenSteps {
   bool bath;
-  double ambient_K;                   ///< the run's own, or 25 °C
+  double ambient_K;                   ///< the run's own, or what is assumed
   std::vector<double> dt_s, power_W;  ///< joule
   std::vector<double> temperature_K;  ///< bath
   std::vector<double> stress_Pa;
   std::vector<double> strain;  ///< at the end of each step; NaN where it does not count
 };
 
-/// Every row of a run. Throws UserError for other kinds of runs.
-DrivenSteps every_row(const Run& run);
+inline constexpr double room_K = 298.15;
+
+/// Every row of a run; `ambient_K` counts where it does not tell. Throws UserError for other kinds
+/// of runs.
+DrivenSteps every_row(const Run& run, double ambient_K = room_K);
 /// Thinned for a fit: steps of about 24 ms, the power's mean over each.
 DrivenSteps thinned(const Run& run);
 

@@ -22,13 +22,13 @@ PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
 }
 
 /// The run as if it had been made in a bath of the temperatures that the wire had.
-Run in_bath(const Wire<double>& wire, const Run& run) {
+Run in_bath(const Wire<double>& wire, const Run& run, double ambient_K) {
   Run bath{};
   bath.name = run.name;
   bath.kind = RunKind::bath;
   const std::size_t every = (run.strain.size() + most_rows - 1) / most_rows;
   std::size_t i = 0;
-  const DrivenSteps steps = every_row(run);
+  const DrivenSteps steps = every_row(run, ambient_K);
   drive_plant(ihyp_model(wire), steps, [&](const auto& /*params*/, const auto& state) {
     if (i % every == 0) {
       bath.temperature_K.push_back(Plant<Ihyp>::temperature_K(state));
@@ -77,19 +77,18 @@ int weights_of(const PreisachWire& wire) {
 
 }  // namespace
 
-System preisach(const Wire<double>& identified, const std::vector<Run>& runs) {
+System preisach(const IdentifiedWire& identified, const std::vector<Run>& runs) {
+  const Wire<double>& wire = identified.wire;
   std::vector<Run> baths;
   baths.reserve(runs.size());
-  for (const Run& run : runs) {
-    baths.push_back(in_bath(identified, run));
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    baths.push_back(in_bath(wire, runs[i], identified.ambient_K[i]));
   }
-  const PreisachFit fit =
-      fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(identified));
-  const auto drive = [fit, identified](const Run& run) {
-    const PlantModel<Relays> model{fit.wire.kinetics, identified.material, identified.heat,
-                                   identified.geometry};
+  const PreisachFit fit = fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(wire));
+  const auto drive = [fit, wire, ambient_K = identified.usual_ambient_K](const Run& run) {
+    const PlantModel<Relays> model{fit.wire.kinetics, wire.material, wire.heat, wire.geometry};
     std::vector<double> strain;
-    drive_plant(model, every_row(run), [&](const auto& params, const auto& state) {
+    drive_plant(model, every_row(run, ambient_K), [&](const auto& params, const auto& state) {
       const double martensite = params.ends.average(Plant<Relays>::phases(state)).martensite;
       strain.push_back(fit.wire.strain(martensite, Relays::drive(state.kinetics).stress_Pa));
     });

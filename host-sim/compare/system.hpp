@@ -36,11 +36,20 @@ System stress_strain_resistance(const std::vector<Run>& runs);
 /// feedback. `from` gives geometry, limits and priors. Only the strain is fitted.
 System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads);
 System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int threads);
-/// 003. `identified` is the wire whose heat balance says what temperatures the runs had.
-System preisach(const Wire<double>& identified, const std::vector<Run>& runs);
+/// What identify has found.
+struct IdentifiedWire {
+  Wire<double> wire;
+  int parameters;
+  std::vector<double> ambient_K;  ///< of every training run, as far as the fit assumes
+  /// Where a run does not tell: the mean of the training.
+  double usual_ambient_K;
+};
+
+/// 003. Temperatures are those of the identified heat balance.
+System preisach(const IdentifiedWire& identified, const std::vector<Run>& runs);
 
 /// The project's model by itself, and its observer.
-System ihyp_alone(const Wire<double>& identified, int parameters);
-System ihyp_observer(const Wire<double>& identified, int parameters);
+System ihyp_alone(const IdentifiedWire& identified);
+System ihyp_observer(const IdentifiedWire& identified);
 
 }  // namespace smaservo
