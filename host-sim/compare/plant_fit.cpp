@@ -12,11 +12,15 @@
 #include "host-sim/identify/fit.hpp"
 #include "host-sim/identify/run_cost.hpp"
 #include "host-sim/output_file.hpp"
+#include "observer/kalman.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double strain_sd = 5e-4;
+/// A load cell's noise would walk models without memory to the middle of their loops. As the
+/// observer has it.
+constexpr double load_filter_s = KalmanTuning<double>{}.stress_filter_s;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 double ambient_of(const Run& run, double otherwise_K) {
@@ -104,6 +108,9 @@ DrivenSteps every_row(const Run& run, double ambient_K) {
                                 : run.time_s[i] - run.time_s[before]);
     steps.power_W.push_back(0.5 * (run.current_A[i] * run.voltage_V[i] +
                                    run.current_A[before] * run.voltage_V[before]));
+    const double weight = steps.dt_s[i] / (steps.dt_s[i] + load_filter_s);
+    steps.stress_Pa[i] =
+        steps.stress_Pa[before] + weight * (run.stress_Pa[i] - steps.stress_Pa[before]);
   }
   return steps;
 }
