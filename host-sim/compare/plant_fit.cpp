@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <ceres/ceres.h>
-#include <ceres/normal_prior.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
 #include <numeric>
 
+#include "host-sim/evaluate/parallel.hpp"
 #include "host-sim/identify/fit.hpp"
 #include "host-sim/identify/run_cost.hpp"
 #include "host-sim/output_file.hpp"
@@ -37,54 +37,84 @@ double weight(const DrivenSteps& run) {
   return share_of(independent_at_first, static_cast<std::size_t>(rows));
 }
 
-/// One run's residuals by all deviations.
+/// The residuals of all runs, and the prior, by all deviations: in one block, so that the sums over
+/// them do not depend on the number of threads.
 class StrainResiduals final : public ceres::CostFunction {
  public:
-  StrainResiduals(int count, const DrivenSteps& run, const StrainOf& strain_of)
-      : run_(run), strain_of_(strain_of), weight_(weight(run)) {
-    mutable_parameter_block_sizes()->push_back(count);
-    set_num_residuals(static_cast<int>(run.strain.size()));
+  StrainResiduals(std::size_t count, const std::vector<DrivenSteps>& runs,
+                  const StrainOf& strain_of, int threads)
+      : count_(count),
+        runs_(runs),
+        strain_of_(strain_of),
+        threads_(std::min(threads, static_cast<int>(runs.size()))) {
+    for (const DrivenSteps& run : runs) {
+      first_row_.push_back(prior_row_);
+      prior_row_ += run.strain.size();
+    }
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(count));
+    set_num_residuals(static_cast<int>(prior_row_ + count));
   }
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const auto count = static_cast<std::size_t>(parameter_block_sizes()[0]);
-    std::vector<double> u(parameters[0], parameters[0] + count);
-    evaluate(u, residuals);
-    if (jacobians == nullptr || jacobians[0] == nullptr) {
-      return true;
-    }
-    // A hundredth of a prior's deviation to both sides: wider than the kinks that turning points
-    // leave in the cost.
-    constexpr double step = 1e-2;
-    const std::size_t rows = run_.strain.size();
-    std::vector<double> above(rows), below(rows);
-    for (std::size_t k = 0; k < count; ++k) {
-      const double here = u[k];
-      u[k] = here + step;
-      evaluate(u, above.data());
-      u[k] = here - step;
-      evaluate(u, below.data());
-      u[k] = here;
-      for (std::size_t i = 0; i < rows; ++i) {
-        jacobians[0][i * count + k] = (above[i] - below[i]) / (2 * step);
+    const std::vector<double> u(parameters[0], parameters[0] + count_);
+    double* jacobian = jacobians == nullptr ? nullptr : jacobians[0];
+    parallel(
+        runs_.size(), threads_,
+        [&](std::size_t run) {
+          evaluate(run, u, residuals + first_row_[run]);
+          if (jacobian != nullptr) {
+            differentiate(run, u, jacobian + first_row_[run] * count_);
+          }
+        },
+        [](std::size_t) {});
+    for (std::size_t k = 0; k < count_; ++k) {
+      residuals[prior_row_ + k] = u[k];
+      if (jacobian != nullptr) {
+        double* row = jacobian + (prior_row_ + k) * count_;
+        std::fill_n(row, count_, 0.0);
+        row[k] = 1;
       }
     }
     return true;
   }
 
  private:
-  void evaluate(const std::vector<double>& u, double* residuals) const {
-    const std::vector<double> strain = strain_of_(u, run_);
+  void evaluate(std::size_t run, const std::vector<double>& u, double* residuals) const {
+    const std::vector<double>& measured = runs_[run].strain;
+    const std::vector<double> strain = strain_of_(u, runs_[run]);
+    const double share = weight(runs_[run]);
     for (std::size_t i = 0; i < strain.size(); ++i) {
-      const double error = (strain[i] - run_.strain[i]) / strain_sd;
-      residuals[i] = std::isnan(error) ? 0 : weight_ * robust(error);
+      const double error = (strain[i] - measured[i]) / strain_sd;
+      residuals[i] = std::isnan(error) ? 0 : share * robust(error);
     }
   }
 
-  const DrivenSteps& run_;
+  void differentiate(std::size_t run, std::vector<double> u, double* jacobian) const {
+    // A hundredth of a prior's deviation to both sides: wider than the kinks that turning points
+    // leave in the cost.
+    constexpr double step = 1e-2;
+    const std::size_t rows = runs_[run].strain.size();
+    std::vector<double> above(rows), below(rows);
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double here = u[k];
+      u[k] = here + step;
+      evaluate(run, u, above.data());
+      u[k] = here - step;
+      evaluate(run, u, below.data());
+      u[k] = here;
+      for (std::size_t i = 0; i < rows; ++i) {
+        jacobian[i * count_ + k] = (above[i] - below[i]) / (2 * step);
+      }
+    }
+  }
+
+  std::size_t count_;
+  const std::vector<DrivenSteps>& runs_;
   const StrainOf& strain_of_;
-  double weight_;
+  int threads_;
+  std::vector<std::size_t> first_row_;
+  std::size_t prior_row_ = 0;
 };
 
 }  // namespace
@@ -123,18 +153,12 @@ DrivenSteps thinned(const Run& run) {
 std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSteps>& runs,
                                    const StrainOf& strain_of,
                                    const std::vector<std::vector<double>>& starts, int threads) {
-  const auto size = static_cast<int>(count);
   std::vector<double> u(count, 0.0);
   ceres::Problem problem;
-  for (const DrivenSteps& run : runs) {
-    problem.AddResidualBlock(std::make_unique<StrainResiduals>(size, run, strain_of).release(),
-                             nullptr, u.data());
-  }
-  const ceres::Vector none = ceres::Vector::Zero(size);
   problem.AddResidualBlock(
-      std::make_unique<ceres::NormalPrior>(ceres::Matrix::Identity(size, size), none).release(),
-      nullptr, u.data());
-  for (int i = 0; i < size; ++i) {
+      std::make_unique<StrainResiduals>(count, runs, strain_of, threads).release(), nullptr,
+      u.data());
+  for (int i = 0; i < static_cast<int>(count); ++i) {
     problem.SetParameterLowerBound(u.data(), i, -5);
     problem.SetParameterUpperBound(u.data(), i, 5);
   }
@@ -154,7 +178,6 @@ std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSt
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.function_tolerance = 1e-4;
   solver.max_num_iterations = 40;
-  solver.num_threads = threads;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
