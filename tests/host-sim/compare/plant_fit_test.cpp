@@ -103,14 +103,14 @@ smaservo::Run measured(smaservo::Run run, const PlantModel<K>& truth) {
 
 template <class K>
 std::vector<smaservo::Run> training(const PlantModel<K>& truth) {
-  return {measured(drive({0.3, 0.17, 0.3, 0.21}, 80e6), truth),
-          measured(drive({0.35, 0.22}, 220e6), truth)};
+  return {measured(drive({0.5, 0.3, 0.5, 0.36}, 80e6), truth),
+          measured(drive({0.6, 0.4}, 220e6), truth)};
 }
 
 /// Greatest error in a run under another load, that the fit has not seen.
 template <class K>
 double worst_error(const PlantModel<K>& fitted, const PlantModel<K>& truth) {
-  const smaservo::Run fresh = measured(drive({0.33, 0.19, 0.24}, 150e6), truth);
+  const smaservo::Run fresh = measured(drive({0.55, 0.32, 0.4}, 150e6), truth);
   const auto [low, high] = std::ranges::minmax(fresh.strain);
   EXPECT_GT(high - low, 0.03) << "the run must move the wire";
   const std::vector<double> strain = driven_strain(fitted, every_row(fresh));
@@ -131,7 +131,7 @@ TEST(PlantFit, FindsADuhemWireAgain) {
   const auto truth = moved(prior, adjustables, {0.7, -0.6, 0.5, 0.6, -0.8, 0.7});
   EXPECT_GT(worst_error(prior, truth), 0.01);
   EXPECT_LT(worst_error(fit_plant(prior, adjustables, training(truth), at_prior(), 2), truth),
-            5e-4);
+            2e-4);
 }
 
 TEST(PlantFit, FindsALiangRogersWireAgain) {
@@ -140,7 +140,7 @@ TEST(PlantFit, FindsALiangRogersWireAgain) {
   const auto truth = moved(prior, adjustables, {-0.6, 0.7, 0.4, -0.5, 0.6, -0.6});
   EXPECT_GT(worst_error(prior, truth), 0.01);
   EXPECT_LT(worst_error(fit_plant(prior, adjustables, training(truth), at_prior(), 2), truth),
-            5e-4);
+            2e-4);
 }
 
 TEST(PlantFit, FindsItFromTheWorstStart) {
@@ -149,7 +149,7 @@ TEST(PlantFit, FindsItFromTheWorstStart) {
   const auto truth = moved(prior, adjustables, {0.7, -0.6, 0.5, 0.6, -0.8, 0.7});
   const std::vector<double> worst{-2.5, 2.5, -2, -2, 2, -2};
   EXPECT_GT(worst_error(moved(prior, adjustables, worst), truth), 0.03);
-  EXPECT_LT(worst_error(fit_plant(prior, adjustables, training(truth), {worst}, 1), truth), 5e-4);
+  EXPECT_LT(worst_error(fit_plant(prior, adjustables, training(truth), {worst}, 1), truth), 2e-4);
 }
 
 TEST(PlantFit, GoesOnFromTheBestStart) {
@@ -218,7 +218,7 @@ TEST(PlantFit, RowsThatDoNotCountChangeNothing) {
 }
 
 TEST(DrivenSteps, ThinningKeepsEnergyAndTime) {
-  const smaservo::Run run = measured(drive({0.3, 0.17}, 80e6), duhem_model());
+  const smaservo::Run run = measured(drive({0.5, 0.3}, 80e6), duhem_model());
   const DrivenSteps thin = thinned(run);
   const DrivenSteps full = every_row(run);
   EXPECT_LT(2 * thin.dt_s.size(), full.dt_s.size());
@@ -246,7 +246,7 @@ TEST(DrivenSteps, LongStepsAreDivided) {
   constexpr double slow_s = 0.5;
   constexpr int parts = 17;
   for (int i = 0; i < 60; ++i) {
-    const double power_W = i % 20 < 10 ? 0.25 : 0.02;
+    const double power_W = i % 20 < 10 ? 0.4 : 0.02;
     slow.dt_s.push_back(slow_s);
     slow.power_W.push_back(power_W);
     slow.stress_Pa.push_back(100e6);
