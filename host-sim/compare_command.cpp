@@ -1,13 +1,14 @@
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <thread>
+#include <unistd.h>
 
 #include "host-sim/commands.hpp"
 #include "host-sim/compare/compare.hpp"
 #include "host-sim/output_file.hpp"
-#include "host-sim/progress.hpp"
 
 namespace smaservo {
 namespace {
@@ -19,7 +20,52 @@ struct Arguments {
   std::string out, report;
   bool json = false;
   int threads = 0;  ///< 0: as many as cores
+  std::optional<double> stress_MPa, load_N;
 };
+
+/// What is being identified, as a line on the terminal.
+class Status {
+ public:
+  ~Status() { show("\r\033[K"); }
+  Status() = default;
+  Status(const Status&) = delete;
+  Status& operator=(const Status&) = delete;
+
+  void name(std::string_view what) const { show(fmt::format("\r\033[K{} ...", what)); }
+
+ private:
+  void show(std::string_view text) const {
+    if (terminal_) {
+      fmt::print(stderr, "{}", text);
+      std::fflush(stderr);
+    }
+  }
+
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+};
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return a == b || std::filesystem::equivalent(a, b, missing);
+}
+
+void refuse_repeats(const char* option, const std::vector<std::string>& runs) {
+  for (auto run = runs.begin(); run != runs.end(); ++run) {
+    if (std::any_of(runs.begin(), run, [&](const auto& other) { return same_file(other, *run); })) {
+      throw UserError(fmt::format("{} {}: is given twice", option, *run));
+    }
+  }
+}
+
+/// Now, and not after minutes of work.
+void require_writable(const std::string& path) {
+  std::error_code missing;
+  const auto kind = std::filesystem::status(path, missing).type();
+  using enum std::filesystem::file_type;
+  if (!path.empty() && path != "-" && (kind == not_found || kind == regular || kind == directory)) {
+    const OutputFile attempt(path);
+  }
+}
 
 void check_files(const Arguments& a) {
   refuse_to_overwrite(a.out, a.report);
@@ -29,14 +75,22 @@ void check_files(const Arguments& a) {
       refuse_to_overwrite(run, a.report);
     }
   }
+  if (a.from.ends_with(".toml")) {
+    refuse_to_overwrite(a.from, a.out);
+    refuse_to_overwrite(a.from, a.report);
+  }
+  refuse_repeats("--train", a.training);
+  refuse_repeats("--test", a.tests);
   for (const std::string& run : a.tests) {
-    if (std::ranges::count(a.training, run) > 0) {
+    if (std::ranges::any_of(a.training, [&](const auto& one) { return same_file(one, run); })) {
       throw UserError(
           fmt::format("--test {}: is a training run, too; a system may not be asked "
                       "about what it has seen",
                       run));
     }
   }
+  require_writable(a.out);
+  require_writable(a.report);
 }
 
 std::vector<Run> read_runs(const std::vector<std::string>& paths, const RunOptions& options) {
@@ -51,7 +105,12 @@ std::vector<Run> read_runs(const std::vector<std::string>& paths, const RunOptio
 void run(const Arguments& a) {
   check_files(a);
   const WireDescription from = load_wire(a.from, parse_settings(a.settings));
-  RunOptions options{from.wire.geometry, {}, {}, {}};
+  require("--stress-MPa", a.stress_MPa, 0, 1e4);
+  require("--load-N", a.load_N, 0, 1e5);
+  RunOptions options{from.wire.geometry, {}, a.load_N, {}};
+  if (a.stress_MPa) {
+    options.stress_Pa = 1e6 * *a.stress_MPa;
+  }
   options.trace.renames = a.columns;
   std::vector<Run> training = read_runs(a.training, options);
   std::vector<Run> tests = read_runs(a.tests, options);
@@ -60,12 +119,9 @@ void run(const Arguments& a) {
                           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Comparison comparison;
   {
-    std::optional<Progress> line;
-    comparison =
-        compare(from, std::move(training), std::move(tests), threads, [&](std::string_view system) {
-          line.emplace(std::string(system), 0);
-          line->step(0);
-        });
+    const Status status;
+    comparison = compare(from, std::move(training), std::move(tests), threads,
+                         [&](std::string_view system) { status.name(system); });
   }
   if (!a.out.empty()) {
     OutputFile file(a.out);
@@ -100,6 +156,8 @@ void add_compare_command(CLI::App& app) {
                    "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
       ->allow_extra_args(false);
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
+  command->add_option("--load-N", a->load_N, "load of the runs that have none");
+  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
   command->add_option("--out", a->out, "numbers as JSON");
   command->add_option("--report", a->report, "report as one HTML file");
   command->add_flag("--json", a->json, "print the numbers as JSON");

@@ -9,6 +9,7 @@
 
 #include "host-sim/identify/fit.hpp"
 #include "host-sim/output_file.hpp"
+#include "model/plant.hpp"
 
 namespace smaservo {
 namespace {
@@ -63,8 +64,33 @@ class Systems {
   const Progress& progress_;
 };
 
-std::vector<Compared> identify_all(const WireDescription& from, const std::vector<Run>& training,
+/// A run whose strain has a zero of its own, moved so that it is longest where `from` is at rest
+/// there. Runs of different loads would contradict each other otherwise.
+Run placed(Run run, const Wire<double>& from) {
+  if (zero_known(run.strain)) {
+    return run;
+  }
+  using Model = Plant<ThreePhase<double>>;
+  const auto longest = std::ranges::max_element(run.strain);
+  const auto row = static_cast<std::size_t>(longest - run.strain.begin());
+  const double room_K = run.ambient_K.empty() ? 298.15 : run.ambient_K.front();
+  const Drive<double> there{run.kind == RunKind::bath ? run.temperature_K[row] : room_K,
+                            run.stress_Pa[row]};
+  const Model::Params params = plant_params(from);
+  const double shift = Model::strain(params, Model::rest(params, there)) - *longest;
+  for (double& strain : run.strain) {
+    strain += shift;
+  }
+  return run;
+}
+
+std::vector<Compared> identify_all(const WireDescription& from, const std::vector<Run>& measured,
                                    int threads, const Progress& progress) {
+  std::vector<Run> training;
+  training.reserve(measured.size());
+  for (const Run& run : measured) {
+    training.push_back(placed(run, from.wire));
+  }
   Systems systems(progress);
   systems.add("one line", [&] { return one_line(training); });
   systems.add("polynomial", [&] { return polynomial(training); });
@@ -76,7 +102,7 @@ std::vector<Compared> identify_all(const WireDescription& from, const std::vecto
   std::optional<IdentifiedWire> own;
   std::string reason;
   try {
-    own = identified(from, training, threads);
+    own = identified(from, measured, threads);  // finds the zeros by itself
   } catch (const UserError& error) {
     reason = error.what();
   }
@@ -118,8 +144,7 @@ void test(Compared& one, const Comparison& comparison) {
     SystemRun result;
     const auto start = std::chrono::steady_clock::now();
     result.strain = one.system.strain(run);
-    elapsed_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    rows += static_cast<double>(run.strain.size());
+    const auto stop = std::chrono::steady_clock::now();
     const double zero = comparison.free_zero[t] ? median_difference(result.strain, run.strain) : 0;
     for (std::size_t i = 0; i < run.strain.size(); ++i) {
       result.strain[i] -= zero;
@@ -128,10 +153,14 @@ void test(Compared& one, const Comparison& comparison) {
         result.error.add(100 * error / comparison.nominal_stroke);
       }
     }
+    if (result.error.count() > 0) {
+      elapsed_s += std::chrono::duration<double>(stop - start).count();
+      rows += static_cast<double>(run.strain.size());
+    }
     one.error.add(result.error);
     one.runs.push_back(std::move(result));
   }
-  one.step_s = elapsed_s / rows;
+  one.step_s = rows > 0 ? elapsed_s / rows : 0;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct Compared {
   System system;
   std::vector<SystemRun> runs;  ///< as the tests; empty when it was not identified
   ErrorStatistics error;        ///< over all tests
-  double step_s = 0;            ///< time for a row
+  double step_s = 0;            ///< time for a row, of tests that it says something about
 };
 
 struct Comparison {
@@ -34,9 +34,10 @@ struct Comparison {
 };
 
 /// A system that the training runs can not identify is listed with the reason. Where a test's
-/// strain is a displacement, with a zero of its own, every system's median error is taken off.
-/// Throws UserError for runs other than of Joule heating or in a bath, a training or test run
-/// without strain, and when not even one system could be identified.
+/// strain is a displacement, with a zero of its own, every system's median error is taken off. Such
+/// a training run is moved so that it is longest where `from` is at rest under its load. Throws
+/// UserError for runs other than of Joule heating or in a bath, a training or test run without
+/// strain, and when not even one system could be identified.
 Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
                    int threads, const std::function<void(std::string_view)>& progress);
 

@@ -25,7 +25,13 @@ std::string figures(const ErrorStatistics& error) {
 }
 
 std::string step_time(const Compared& one) {
-  return one.runs.empty() ? "-" : fmt::format("{:.0f} ns", 1e9 * one.step_s);
+  return one.error.count() == 0 ? "-" : fmt::format("{:.0f} ns", 1e9 * one.step_s);
+}
+
+std::string remark(const Compared& one) {
+  const char* silent = "says nothing about these tests, which lack what it needs";
+  const bool asked = static_cast<bool>(one.system.strain);
+  return asked && one.error.count() == 0 ? silent : one.system.remark;
 }
 
 std::string names(const std::vector<Run>& runs) {
@@ -40,6 +46,13 @@ std::string heading(const Comparison& comparison) {
   std::string text = fmt::format(
       "Identified on {}; asked about {}. Errors of the strain in % of a {:g} % stroke.",
       names(comparison.training), names(comparison.tests), 100 * comparison.nominal_stroke);
+  for (const Run& run : comparison.training) {
+    if (!zero_known(run.strain)) {
+      text += fmt::format(
+          " {}: the strain has a zero of its own, it is taken to be longest where {} is at rest.",
+          file_name(run.name), comparison.from);
+    }
+  }
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
     if (comparison.free_zero[t]) {
       text += fmt::format(
@@ -53,11 +66,15 @@ std::string heading(const Comparison& comparison) {
 
 using Json = nlohmann::ordered_json;
 
+/// Without numbers where there is nothing.
 Json error_json(const ErrorStatistics& error) {
-  return {{"mean_percent", error.mean()},
-          {"p95_percent", error.quantile(0.95)},
-          {"max_percent", error.maximum()},
-          {"rows", error.count()}};
+  Json json{{"rows", error.count()}};
+  if (error.count() > 0) {
+    json["mean_percent"] = error.mean();
+    json["p95_percent"] = error.quantile(0.95);
+    json["max_percent"] = error.maximum();
+  }
+  return json;
 }
 
 std::string row_html(const std::vector<std::string>& cells, const char* tag) {
@@ -89,10 +106,10 @@ std::string table_html(const Comparison& comparison) {
   }
   html += "</table>\n<p class=\"caption\">";
   for (const Compared& one : comparison.systems) {
+    const std::string said = remark(one);
     html += fmt::format("<b>{}</b>: {}{}{}.<br>\n", escaped(one.system.name),
                         escaped(one.system.meaning),
-                        one.system.meaning.empty() || one.system.remark.empty() ? "" : "; ",
-                        escaped(one.system.remark));
+                        one.system.meaning.empty() || said.empty() ? "" : "; ", escaped(said));
   }
   return html + "</p>\n";
 }
@@ -146,8 +163,8 @@ std::string comparison_text(const Comparison& comparison) {
                         e.quantile(0.95), e.maximum(), step_time(one), one.system.parameters);
   }
   for (const Compared& one : comparison.systems) {
-    if (!one.system.remark.empty()) {
-      text += fmt::format("\n{}: {}.", one.system.name, one.system.remark);
+    if (const std::string said = remark(one); !said.empty()) {
+      text += fmt::format("\n{}: {}.", one.system.name, said);
     }
   }
   return text + "\n";
@@ -160,10 +177,14 @@ std::string comparison_json(const Comparison& comparison) {
   for (const Run& run : comparison.training) {
     json["training"].push_back(run.name);
   }
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    json["tests"].push_back({{"file", comparison.tests[t].name},
+                             {"free_zero", static_cast<bool>(comparison.free_zero[t])}});
+  }
   for (const Compared& one : comparison.systems) {
     Json system{{"name", one.system.name},
                 {"meaning", one.system.meaning},
-                {"remark", one.system.remark},
+                {"remark", remark(one)},
                 {"identified", static_cast<bool>(one.system.strain)}};
     if (one.system.strain) {
       system["parameters"] = one.system.parameters;
@@ -177,7 +198,7 @@ std::string comparison_json(const Comparison& comparison) {
     }
     json["systems"].push_back(system);
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 void write_comparison_report(const std::string& path, const Comparison& comparison) {

@@ -8,9 +8,14 @@
 #include "host-sim/compare/system.hpp"
 #include "host-sim/measuring.hpp"
 #include "host-sim/observers.hpp"
+#include "host-sim/output_file.hpp"
 
 namespace smaservo {
 namespace {
+
+std::vector<double> nothing_of(const Run& run) {
+  return std::vector<double>(run.strain.size(), std::numeric_limits<double>::quiet_NaN());
+}
 
 std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
   const Wire<double>& wire = identified.wire;
@@ -37,13 +42,26 @@ std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
 }  // namespace
 
 System stress_strain_resistance(const std::vector<Run>& runs) {
-  const StrainResistanceFit fit = identify_strain_resistance(runs);
+  std::vector<Run> usable;
+  std::string unused;
+  for (const Run& run : runs) {
+    if (run.resistance_ohm.empty()) {
+      unused += (unused.empty() ? "; not used, having no resistance: " : ", ") + run.name;
+    } else {
+      usable.push_back(run);
+    }
+  }
+  if (usable.empty()) {
+    throw UserError("no run has a resistance");
+  }
+  const StrainResistanceFit fit = identify_strain_resistance(usable);
   const std::string remark = fit.order == 0 ? "one load only: holds at its stress alone"
                                             : fmt::format("{} loads, polynomials of order {}",
                                                           fit.levels.size(), fit.order);
   return {"stress-strain-resistance", "002: lines over resistance by stress, with transitions",
-          4 * (fit.order + 1) + 2, remark,
-          [params = fit.params](const Run& run) { return estimate_strain(params, run); }};
+          4 * (fit.order + 1) + 2, remark + unused, [params = fit.params](const Run& run) {
+            return run.resistance_ohm.empty() ? nothing_of(run) : estimate_strain(params, run);
+          }};
 }
 
 System ihyp_alone(const IdentifiedWire& identified) {
@@ -59,10 +77,8 @@ System ihyp_alone(const IdentifiedWire& identified) {
 System ihyp_observer(const IdentifiedWire& identified) {
   return {"ihyp observer", "the same, corrected by the resistance; not in a bath",
           identified.parameters, "", [identified](const Run& run) {
-            return run.kind == RunKind::joule
-                       ? observed(identified, run)
-                       : std::vector<double>(run.strain.size(),
-                                             std::numeric_limits<double>::quiet_NaN());
+            // In a bath no power tells the temperature.
+            return run.kind == RunKind::joule ? observed(identified, run) : nothing_of(run);
           }};
 }
 

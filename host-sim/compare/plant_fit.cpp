@@ -2,146 +2,113 @@
 
 #include <algorithm>
 #include <ceres/ceres.h>
-#include <ceres/normal_prior.h>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <memory>
-#include <numeric>
 
-#include "host-sim/identify/fit.hpp"
+#include "host-sim/evaluate/parallel.hpp"
 #include "host-sim/identify/run_cost.hpp"
-#include "host-sim/output_file.hpp"
-#include "observer/kalman.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double strain_sd = 5e-4;
-/// A load cell's noise would walk models without memory to the middle of their loops. As the
-/// observer has it.
-constexpr double load_filter_s = KalmanTuning<double>{}.stress_filter_s;
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-double ambient_of(const Run& run, double otherwise_K) {
-  return run.ambient_K.empty() ? otherwise_K
-                               : std::accumulate(run.ambient_K.begin(), run.ambient_K.end(), 0.0) /
-                                     static_cast<double>(run.ambient_K.size());
-}
-
-void require_motion(const Run& run) {
-  if (run.kind != RunKind::joule && run.kind != RunKind::bath) {
-    throw UserError(fmt::format("{}: is a {} run; must be of Joule heating or of a bath", run.name,
-                                name_of(run.kind)));
-  }
-}
-
 double weight(const DrivenSteps& run) {
   const auto rows = std::ranges::count_if(run.strain, [](double x) { return !std::isnan(x); });
   return share_of(independent_at_first, static_cast<std::size_t>(rows));
 }
 
-/// One run's residuals by all deviations.
+/// The residuals of all runs, and the prior, by all deviations: in one block, so that the sums over
+/// them do not depend on the number of threads.
 class StrainResiduals final : public ceres::CostFunction {
  public:
-  StrainResiduals(int count, const DrivenSteps& run, const StrainOf& strain_of)
-      : run_(run), strain_of_(strain_of), weight_(weight(run)) {
-    mutable_parameter_block_sizes()->push_back(count);
-    set_num_residuals(static_cast<int>(run.strain.size()));
+  StrainResiduals(std::size_t count, const std::vector<DrivenSteps>& runs,
+                  const StrainOf& strain_of, int threads)
+      : count_(count),
+        runs_(runs),
+        strain_of_(strain_of),
+        threads_(std::min(threads, static_cast<int>(runs.size()))) {
+    for (const DrivenSteps& run : runs) {
+      first_row_.push_back(prior_row_);
+      prior_row_ += run.strain.size();
+    }
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(count));
+    set_num_residuals(static_cast<int>(prior_row_ + count));
   }
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const auto count = static_cast<std::size_t>(parameter_block_sizes()[0]);
-    std::vector<double> u(parameters[0], parameters[0] + count);
-    evaluate(u, residuals);
-    if (jacobians == nullptr || jacobians[0] == nullptr) {
-      return true;
-    }
-    // A hundredth of a prior's deviation to both sides: wider than the kinks that turning points
-    // leave in the cost.
-    constexpr double step = 1e-2;
-    const std::size_t rows = run_.strain.size();
-    std::vector<double> above(rows), below(rows);
-    for (std::size_t k = 0; k < count; ++k) {
-      const double here = u[k];
-      u[k] = here + step;
-      evaluate(u, above.data());
-      u[k] = here - step;
-      evaluate(u, below.data());
-      u[k] = here;
-      for (std::size_t i = 0; i < rows; ++i) {
-        jacobians[0][i * count + k] = (above[i] - below[i]) / (2 * step);
+    const std::vector<double> u(parameters[0], parameters[0] + count_);
+    double* jacobian = jacobians == nullptr ? nullptr : jacobians[0];
+    parallel(
+        runs_.size(), threads_,
+        [&](std::size_t run) {
+          evaluate(run, u, residuals + first_row_[run]);
+          if (jacobian != nullptr) {
+            differentiate(run, u, jacobian + first_row_[run] * count_);
+          }
+        },
+        [](std::size_t) {});
+    for (std::size_t k = 0; k < count_; ++k) {
+      residuals[prior_row_ + k] = u[k];
+      if (jacobian != nullptr) {
+        double* row = jacobian + (prior_row_ + k) * count_;
+        std::fill_n(row, count_, 0.0);
+        row[k] = 1;
       }
     }
     return true;
   }
 
  private:
-  void evaluate(const std::vector<double>& u, double* residuals) const {
-    const std::vector<double> strain = strain_of_(u, run_);
+  void evaluate(std::size_t run, const std::vector<double>& u, double* residuals) const {
+    const std::vector<double>& measured = runs_[run].strain;
+    const std::vector<double> strain = strain_of_(u, runs_[run]);
+    const double share = weight(runs_[run]);
     for (std::size_t i = 0; i < strain.size(); ++i) {
-      const double error = (strain[i] - run_.strain[i]) / strain_sd;
-      residuals[i] = std::isnan(error) ? 0 : weight_ * robust(error);
+      const double error = (strain[i] - measured[i]) / strain_sd;
+      residuals[i] = std::isnan(error) ? 0 : share * robust(error);
     }
   }
 
-  const DrivenSteps& run_;
+  void differentiate(std::size_t run, std::vector<double> u, double* jacobian) const {
+    // A hundredth of a prior's deviation to both sides: wider than the kinks that turning points
+    // leave in the cost.
+    constexpr double step = 1e-2;
+    const std::size_t rows = runs_[run].strain.size();
+    std::vector<double> above(rows), below(rows);
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double here = u[k];
+      u[k] = here + step;
+      evaluate(run, u, above.data());
+      u[k] = here - step;
+      evaluate(run, u, below.data());
+      u[k] = here;
+      for (std::size_t i = 0; i < rows; ++i) {
+        jacobian[i * count_ + k] = (above[i] - below[i]) / (2 * step);
+      }
+    }
+  }
+
+  std::size_t count_;
+  const std::vector<DrivenSteps>& runs_;
   const StrainOf& strain_of_;
-  double weight_;
+  int threads_;
+  std::vector<std::size_t> first_row_;
+  std::size_t prior_row_ = 0;
 };
 
 }  // namespace
 
-DrivenSteps every_row(const Run& run, double ambient_K) {
-  require_motion(run);
-  DrivenSteps steps{
-      run.kind == RunKind::bath, ambient_of(run, ambient_K), {}, {}, {}, run.stress_Pa, run.strain};
-  if (steps.bath) {
-    steps.temperature_K = run.temperature_K;
-    return steps;
-  }
-  const std::size_t rows = run.time_s.size();
-  for (std::size_t i = 0; i < rows; ++i) {
-    const std::size_t before = i == 0 ? 0 : i - 1;
-    steps.dt_s.push_back(i == 0 ? run.time_s[1] - run.time_s[0]
-                                : run.time_s[i] - run.time_s[before]);
-    steps.power_W.push_back(0.5 * (run.current_A[i] * run.voltage_V[i] +
-                                   run.current_A[before] * run.voltage_V[before]));
-    const double weight = steps.dt_s[i] / (steps.dt_s[i] + load_filter_s);
-    steps.stress_Pa[i] =
-        steps.stress_Pa[before] + weight * (run.stress_Pa[i] - steps.stress_Pa[before]);
-  }
-  return steps;
-}
-
-DrivenSteps thinned(const Run& run) {
-  require_motion(run);
-  const FitRun fit = thin_run(run, coarse_step_s);
-  DrivenSteps steps{run.kind == RunKind::bath, ambient_of(run, room_K), fit.dt_s, fit.power_W,
-                    fit.temperature_K,         fit.stress_Pa,           {}};
-  steps.strain.assign(fit.stress_Pa.size(), nothing);
-  for (std::size_t i = 0; i < fit.after.size(); ++i) {
-    steps.strain[fit.after[i]] = fit.strain[i];
-  }
-  return steps;
-}
-
 std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSteps>& runs,
                                    const StrainOf& strain_of,
                                    const std::vector<std::vector<double>>& starts, int threads) {
-  const auto size = static_cast<int>(count);
   std::vector<double> u(count, 0.0);
   ceres::Problem problem;
-  for (const DrivenSteps& run : runs) {
-    problem.AddResidualBlock(std::make_unique<StrainResiduals>(size, run, strain_of).release(),
-                             nullptr, u.data());
-  }
-  const ceres::Vector none = ceres::Vector::Zero(size);
   problem.AddResidualBlock(
-      std::make_unique<ceres::NormalPrior>(ceres::Matrix::Identity(size, size), none).release(),
-      nullptr, u.data());
-  for (int i = 0; i < size; ++i) {
+      std::make_unique<StrainResiduals>(count, runs, strain_of, threads).release(), nullptr,
+      u.data());
+  for (int i = 0; i < static_cast<int>(count); ++i) {
     problem.SetParameterLowerBound(u.data(), i, -5);
     problem.SetParameterUpperBound(u.data(), i, 5);
   }
@@ -161,7 +128,6 @@ std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSt
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.function_tolerance = 1e-4;
   solver.max_num_iterations = 40;
-  solver.num_threads = threads;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);

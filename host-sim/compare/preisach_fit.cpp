@@ -9,6 +9,7 @@
 #include "host-sim/compare/nonnegative.hpp"
 #include "host-sim/compare/preisach_cells.hpp"
 #include "host-sim/compare/preisach_slices.hpp"
+#include "host-sim/identify/steady_load.hpp"
 #include "host-sim/output_file.hpp"
 
 namespace smaservo {
@@ -35,19 +36,25 @@ double middle_K(const PreisachSlice& slice) {
 }
 
 double fitted_shift_K_Pa(const std::vector<PreisachSlice>& slices) {
+  std::vector<std::pair<double, double>> middles;  // stress, temperature
+  for (const PreisachSlice& slice : slices) {
+    if (const double T = middle_K(slice); std::isfinite(T)) {
+      middles.emplace_back(slice.stress_Pa, T);
+    }
+  }
   double mean_Pa = 0;
   double mean_K = 0;
-  for (const PreisachSlice& slice : slices) {
-    mean_Pa += slice.stress_Pa / static_cast<double>(slices.size());
-    mean_K += middle_K(slice) / static_cast<double>(slices.size());
+  for (const auto& [stress_Pa, T] : middles) {
+    mean_Pa += stress_Pa / static_cast<double>(middles.size());
+    mean_K += T / static_cast<double>(middles.size());
   }
   double products = 0;
   double squares = 0;
-  for (const PreisachSlice& slice : slices) {
-    products += (slice.stress_Pa - mean_Pa) * (middle_K(slice) - mean_K);
-    squares += (slice.stress_Pa - mean_Pa) * (slice.stress_Pa - mean_Pa);
+  for (const auto& [stress_Pa, T] : middles) {
+    products += (stress_Pa - mean_Pa) * (T - mean_K);
+    squares += (stress_Pa - mean_Pa) * (stress_Pa - mean_Pa);
   }
-  return slices.size() > 1 ? products / squares : 0;
+  return middles.size() > 1 ? products / squares : 0;
 }
 
 /// The stress' neighbours among those of the model, and the share of the upper one.
@@ -226,7 +233,7 @@ PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift) {
   if (slices.size() == 1) {
     fit.remark = fmt::format(
         "All reversal curves are at {:.0f} MPa: the model is the same under "
-        "any stress, and valid at this one only.",
+        "any stress, and valid at this one only",
         1e-6 * slices[0].stress_Pa);
   }
   return fit;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "host-sim/identify/steady_load.hpp"
 #include "host-sim/output_file.hpp"
 
 namespace smaservo {
@@ -75,11 +76,6 @@ void require_reversal_curves(const std::vector<PreisachSlice>& slices) {
 }
 
 }  // namespace
-
-double quantile(std::vector<double> values, double share) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 std::vector<double> steady_K(const std::vector<double>& temperature_K) {
   std::vector<double> steady;

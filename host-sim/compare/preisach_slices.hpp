@@ -21,6 +21,4 @@ std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::si
 /// The temperature without the reversals that its noise makes: those below 0.5 K.
 std::vector<double> steady_K(const std::vector<double>& temperature_K);
 
-double quantile(std::vector<double> values, double share);
-
 }  // namespace smaservo

@@ -5,8 +5,8 @@
 
 #include "host-sim/compare/plant_fit.hpp"
 #include "host-sim/compare/preisach_fit.hpp"
-#include "host-sim/compare/preisach_slices.hpp"
 #include "host-sim/compare/system.hpp"
+#include "host-sim/identify/steady_load.hpp"
 
 namespace smaservo {
 namespace {

@@ -51,6 +51,9 @@ struct Polynomials {
   Eigen::VectorXd coefficients[2];
 
   std::vector<double> strain(const Run& run) const {
+    if (run.resistance_ohm.empty()) {
+      return std::vector<double>(run.strain.size(), nothing);
+    }
     std::vector<double> all;
     all.reserve(run.resistance_ohm.size());
     Direction direction;

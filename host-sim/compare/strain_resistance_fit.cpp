@@ -33,6 +33,11 @@ double martensite_ohm(const std::vector<Run>& runs) {
       }
     }
   }
+  if (long_ohm.empty()) {
+    throw UserError(
+        "no run has a resistance where the wire is long (within a twentieth of its stroke); let a "
+        "small current flow while it is cold");
+  }
   return quantile(long_ohm, 0.5);
 }
 

@@ -17,7 +17,8 @@ struct System {
   std::string meaning;
   int parameters = 0;  ///< that its identification changes
   std::string remark;  ///< what data it could not use, or why there is none
-  /// Strain of every row of a run. Empty where the runs could not identify it.
+  /// Strain of every row of a run, NaN where it says nothing. Empty where the runs could not
+  /// identify it.
   std::function<std::vector<double>(const Run&)> strain;
 };
 
@@ -29,7 +30,7 @@ System polynomial(const std::vector<Run>& runs);
 /// The direction is that of the last change of the resistance by more than 1 %.
 System two_lines(const std::vector<Run>& runs);
 
-/// 002.
+/// 002. Throws UserError where no run has a resistance, and as identify_strain_resistance() says.
 System stress_strain_resistance(const std::vector<Run>& runs);
 
 /// Kinetics and heat balance from power and stress, or in a bath from its temperature, without
