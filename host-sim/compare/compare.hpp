@@ -35,8 +35,9 @@ struct Comparison {
 
 /// A system that the training runs can not identify is listed with the reason. Where a test's
 /// strain is a displacement, with a zero of its own, every system's median error is taken off. Such
-/// a training run is moved so that it is longest where `from` is at rest under its load. Throws UserError for runs other than of Joule heating or in a bath, a training or test run
-/// without strain, and when not even one system could be identified.
+/// a training run is moved so that it is longest where `from` is at rest under its load. Throws
+/// UserError for runs other than of Joule heating or in a bath, a training or test run without
+/// strain, and when not even one system could be identified.
 Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
                    int threads, const std::function<void(std::string_view)>& progress);
 

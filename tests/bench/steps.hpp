@@ -291,12 +291,12 @@ void for_each_step(F f) {
   f("duhem_step", [] { return KineticsStep<Duhem<S>>(duhem_params<S>(), triangle<S>(0)); });
   f("liang_rogers_step",
     [] { return KineticsStep<LiangRogers<S>>(liang_rogers_params<S>(), triangle<S>(0)); });
-  f("preisach_step", [] { return KineticsStep<Preisach<S>>(preisach_params<S>(), triangle<S>(0)); });
+  f("preisach_step",
+    [] { return KineticsStep<Preisach<S>>(preisach_params<S>(), triangle<S>(0)); });
   f("preisach_step_varying_stress",
     [] { return KineticsStep<Preisach<S>>(preisach_params<S>(), triangle<S>(100e6)); });
-  f("observer_step", [] {
-    return ObserverStep<KalmanObserver<S>>({convert<S>(default_plant()), {}});
-  });
+  f("observer_step",
+    [] { return ObserverStep<KalmanObserver<S>>({convert<S>(default_plant()), {}}); });
   f("bank_step", [] { return ObserverStep<KalmanBank<S>>({convert<S>(default_plant()), {}}); });
   f("strain_resistance_step",
     [] { return ObserverStep<StrainResistance<S>>(strain_resistance_params<S>()); });

@@ -59,8 +59,7 @@ TEST_F(CompareCommand, WritesWhatItIsAskedFor) {
     EXPECT_THAT(f.out, HasSubstr(std::string("\n") + system + " "));
   }
   EXPECT_THAT(f.out, HasSubstr("Preisach: not identified: a.csv: 0 reversal curves at 150 MPa"));
-  EXPECT_THAT(program.folder().names(),
-              UnorderedElementsAre("a.csv", "t.csv", "c.json", "r.html"));
+  EXPECT_THAT(program.folder().names(), UnorderedElementsAre("a.csv", "t.csv", "c.json", "r.html"));
   const auto json = nlohmann::json::parse(file_text(program.folder() / "c.json"));
   EXPECT_EQ(json["systems"].size(), 9U);
   EXPECT_THAT(file_text(program.folder() / "r.html"), HasSubstr("<h2>t.csv: Duhem</h2>"));
@@ -126,7 +125,9 @@ TEST_F(CompareCommand, MistakesEndWith1BeforeAnythingIsDone) {
 
 TEST_F(CompareCommand, BadRunsAreNamed) {
   const std::string header = "time_s,current_A,voltage_V,load_N,strain_ref\n";
-  const auto shipped_rows = [](std::size_t rows) { return joined(first_lines("400MPa.csv", rows)); };
+  const auto shipped_rows = [](std::size_t rows) {
+    return joined(first_lines("400MPa.csv", rows));
+  };
   const std::string whole = shipped_rows(2000);
   const std::pair<std::string, const char*> bad[] = {
       {"", "is empty"},
@@ -174,10 +175,10 @@ TEST_F(CompareCommand, CtrlCLeavesNothingBehind) {
   program.folder().write("c.json", "old");
   const std::vector<std::string> before = program.folder().names();
   // Long enough to be in the middle for certain
-  const pid_t child = program.start({"compare", "--train", shipped("150MPa.csv"), "--test",
-                                     shipped("400MPa.csv"), "--out", "c.json", "--report",
-                                     "r.html"},
-                                    open("/dev/null", O_RDONLY | O_CLOEXEC), "/dev/null");
+  const pid_t child =
+      program.start({"compare", "--train", shipped("150MPa.csv"), "--test", shipped("400MPa.csv"),
+                     "--out", "c.json", "--report", "r.html"},
+                    open("/dev/null", O_RDONLY | O_CLOEXEC), "/dev/null");
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   ASSERT_EQ(kill(child, SIGINT), 0);
   EXPECT_EQ(program.wait(child).status, 128 + SIGINT);

@@ -58,8 +58,7 @@ Compared wrong_by(const Comparison& comparison, const char* name, double percent
 }
 
 Comparison made_up() {
-  Comparison comparison{
-      "a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}};
+  Comparison comparison{"a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}};
   comparison.tests = {joule_run("folder/<b>&.csv"), bath_run("bath.csv")};
   comparison.free_zero = {false, true};
   comparison.systems.push_back(wrong_by(comparison, "good", 0.5, true));
@@ -101,7 +100,8 @@ TEST(CompareOutput, AMovedTrainingRunIsNamed) {
   for (double& strain : comparison.training[0].strain) {
     strain -= 0.021;
   }
-  EXPECT_THAT(comparison_text(comparison), HasSubstr("train.csv: the strain has a zero of its own"));
+  EXPECT_THAT(comparison_text(comparison),
+              HasSubstr("train.csv: the strain has a zero of its own"));
 }
 
 TEST(CompareOutput, JsonHasTheNumbers) {

@@ -98,30 +98,27 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
                       trace("400MPa", 2, 22)};
   const smaservo::Run spring = trace("spring", 3);
   std::vector<std::string> steps;
-  const Comparison all = compare(
-      type_of_unit_a(), training, {spring, trace("disturbed", 3), displaced(spring)}, 2,
-      [&](std::string_view step) { steps.emplace_back(step); });
+  const Comparison all =
+      compare(type_of_unit_a(), training, {spring, trace("disturbed", 3), displaced(spring)}, 2,
+              [&](std::string_view step) { steps.emplace_back(step); });
 
   // Means in % of the stroke, of a system against the spring and disturbed
   struct Expected {
     double spring, disturbed;
   };
-  const std::map<std::string, Expected> expected{{"one line", {3.24, 5.63}},
-                                                 {"polynomial", {3.24, 7.31}},
-                                                 {"two lines", {4.13, 7.63}},
-                                                 {"stress-strain-resistance", {1.68, 3.97}},
-                                                 {"Duhem", {7.11, 7.59}},
-                                                 {"Liang-Rogers", {10.1, 10.4}},
-                                                 {"ihyp", {3.58, 8.51}},
-                                                 {"ihyp observer", {0.432, 0.338}}};
+  const std::map<std::string, Expected> expected{
+      {"one line", {3.24, 5.63}},  {"polynomial", {3.24, 7.31}},
+      {"two lines", {4.13, 7.63}}, {"stress-strain-resistance", {1.68, 3.97}},
+      {"Duhem", {7.11, 7.59}},     {"Liang-Rogers", {10.1, 10.4}},
+      {"ihyp", {3.58, 8.51}},      {"ihyp observer", {0.432, 0.338}}};
   const Compared& observer = named(all, "ihyp observer");
   for (const auto& [name, error] : expected) {
     const Compared& one = named(all, name);
     ASSERT_EQ(one.runs.size(), 3U) << one.system.remark;
     EXPECT_NEAR(one.runs[0].error.mean(), error.spring, 0.2 * error.spring) << name;
     EXPECT_NEAR(one.runs[1].error.mean(), error.disturbed, 0.2 * error.disturbed) << name;
-    EXPECT_EQ(one.error.count(), one.runs[0].error.count() + one.runs[1].error.count() +
-                                     one.runs[2].error.count());
+    EXPECT_EQ(one.error.count(),
+              one.runs[0].error.count() + one.runs[1].error.count() + one.runs[2].error.count());
     EXPECT_GT(one.step_s, 0);
     EXPECT_GE(one.system.parameters, 2);
     if (&one != &observer) {
@@ -160,7 +157,8 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
 /// With the wire's own heat balance, so that nothing but the relays is identified.
 TEST(Compare, PreisachFollowsWhatItKnowsAndIsLostWhereTheHeatBalanceIsWrong) {
   const Wire<double> unit_a = load_wire(shipped("units/a.toml")).wire;
-  const Runs training{trace("50MPa", 6), trace("150MPa", 60), trace("400MPa", 6), trace("spring", 6)};
+  const Runs training{trace("50MPa", 6), trace("150MPa", 60), trace("400MPa", 6),
+                      trace("spring", 6)};
   const System system = preisach(unit_a, training);
   EXPECT_EQ(system.parameters, 3 * (23 * 24 / 2 + 2) + 1);
   EXPECT_THAT(system.remark, HasSubstr("not used, since their stress varies: "));
