@@ -58,11 +58,20 @@ TEST_F(CompareCommand, WritesWhatItIsAskedFor) {
                              "Liang-Rogers", "Preisach", "ihyp", "ihyp observer"}) {
     EXPECT_THAT(f.out, HasSubstr(std::string("\n") + system + " "));
   }
-  EXPECT_THAT(f.out, HasSubstr("Preisach: not identified: a.csv: 0 reversal curves at 150 MPa"));
   EXPECT_THAT(program.folder().names(), UnorderedElementsAre("a.csv", "t.csv", "c.json", "r.html"));
   const auto json = nlohmann::json::parse(file_text(program.folder() / "c.json"));
   EXPECT_EQ(json["systems"].size(), 9U);
   EXPECT_THAT(file_text(program.folder() / "r.html"), HasSubstr("<h2>t.csv: Duhem</h2>"));
+}
+
+TEST_F(CompareCommand, ListsWhatCanNotBeIdentifiedWithTheReason) {
+  const Recording r;
+  program.folder().write("a.csv", csv({{"temperature_degC", r.temperature_degC},
+                                       {"strain_ref", r.strain},
+                                       {"stress_MPa", std::vector<double>(r.strain.size(), 150)}}));
+  const Finished f = run({});
+  ASSERT_EQ(f.status, 0) << f.err;
+  EXPECT_THAT(f.out, HasSubstr("one line: not identified: no run has a resistance."));
 }
 
 TEST_F(CompareCommand, JsonOnStandardOutputKeepsTheTableApart) {

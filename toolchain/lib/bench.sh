@@ -14,9 +14,14 @@ model_step_cut:heating|- its heating half|
 model_step_cut:cooling|- its cooling half|
 model_step_constant_stress|model step, constant stress, surfaces not cut before|
 model_step_varying_stress|model step, varying stress|
+duhem_step|Duhem step (001)|
+liang_rogers_step|Liang-Rogers step (002)|
+preisach_step|Preisach step (003), constant stress|
+preisach_step_varying_stress|Preisach step (003), varying stress|
 plant_step|plant step (model and heat balance)|
 observer_step|observer step|1500
 bank_step|observer step of the bank|
+strain_resistance_step|stress-strain-resistance step (002)|
 END
 }
 

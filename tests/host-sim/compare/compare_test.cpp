@@ -108,10 +108,11 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
     double spring, disturbed;
   };
   const std::map<std::string, Expected> expected{
-      {"one line", {3.24, 5.63}},  {"polynomial", {3.24, 7.31}},
-      {"two lines", {4.13, 7.63}}, {"stress-strain-resistance", {1.68, 3.97}},
-      {"Duhem", {7.11, 7.59}},     {"Liang-Rogers", {10.1, 10.4}},
-      {"ihyp", {3.58, 8.51}},      {"ihyp observer", {0.432, 0.338}}};
+      {"one line", {3.24, 5.63}},       {"polynomial", {3.24, 7.31}},
+      {"two lines", {4.13, 7.63}},      {"stress-strain-resistance", {1.68, 3.97}},
+      {"Duhem", {7.11, 7.59}},          {"Liang-Rogers", {10.1, 10.4}},
+      {"Preisach", {1.52, 6.55}},       {"ihyp", {3.58, 8.51}},
+      {"ihyp observer", {0.432, 0.338}}};
   const Compared& observer = named(all, "ihyp observer");
   for (const auto& [name, error] : expected) {
     const Compared& one = named(all, name);
@@ -129,11 +130,7 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
   }
   EXPECT_LT(observer.error.mean(), 1);
 
-  const Compared& preisach = named(all, "Preisach");
-  EXPECT_THAT(preisach.system.remark, HasSubstr("not identified: "));
-  EXPECT_THAT(preisach.system.remark, HasSubstr("3 reversal curves at 50 MPa"));
-  EXPECT_TRUE(preisach.runs.empty());
-  EXPECT_EQ(all.systems.size(), expected.size() + 1);
+  EXPECT_EQ(all.systems.size(), expected.size());
   EXPECT_THAT(steps, IsSupersetOf({"one line", "Preisach", "ihyp", "tests"}));
 
   // The same run with a zero of its own: the same strain but for an offset, its errors around 0.
@@ -173,8 +170,8 @@ TEST(Compare, PreisachFollowsWhatItKnowsAndIsLostWhereTheHeatBalanceIsWrong) {
     return sum / static_cast<double>(strain.size());
   };
   EXPECT_NEAR(mean_percent(training[1]), 1.38, 0.2);
-  EXPECT_NEAR(mean_percent(training[3]), 1.44, 0.2);
-  EXPECT_NEAR(mean_percent(trace("disturbed", 6)), 5.27, 0.5);
+  EXPECT_NEAR(mean_percent(training[3]), 0.67, 0.15);
+  EXPECT_NEAR(mean_percent(trace("disturbed", 6)), 6.66, 0.7);
 }
 
 /// Runs of a wire that is simple enough to be identified in no time.

@@ -169,6 +169,15 @@ TEST(StrainResistanceFit, RefusesWhatDeterminesNothing) {
   smaservo::Run blind = loops(100e6);
   blind.resistance_ohm.clear();
   expect_refused({blind}, "0 resistances");
+  // No current while it is cold, so none of the rows that R_0 comes from has a resistance.
+  smaservo::Run dark = loops(100e6);
+  const double longest = *std::ranges::max_element(dark.strain);
+  for (std::size_t i = 0; i < dark.strain.size(); ++i) {
+    if (dark.strain[i] > 0.8 * longest) {
+      dark.resistance_ohm[i] = std::nan("");
+    }
+  }
+  expect_refused({dark}, "no run has a resistance where the wire is long");
 }
 
 // Much R-phase makes the resistance fall while the wire gets longer.
