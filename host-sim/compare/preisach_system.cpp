@@ -57,6 +57,7 @@ std::vector<double> slice_stresses_Pa(const std::vector<Run>& runs) {
   constexpr std::size_t most = std::tuple_size_v<decltype(Relays::Params::stress_Pa)>;
   std::vector<double> chosen;
   const std::size_t count = std::min(most, apart.size());
+  chosen.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     chosen.push_back(apart[count == 1 ? 0 : i * (apart.size() - 1) / (count - 1)]);
   }
