@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <map>
 
 #include "host-sim/output_file.hpp"
@@ -78,8 +79,8 @@ struct Offset {
 };
 Offset offset(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
-  double low = INFINITY;
-  double high = -INFINITY;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
   double rows = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (std::isfinite(a[i] - b[i])) {

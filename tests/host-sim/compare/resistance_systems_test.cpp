@@ -125,7 +125,7 @@ TEST(ResistanceSystems, NoiseBelowOnePerCentDoesNotTurnTheDirection) {
 TEST(ResistanceSystems, TheLastValueIsHeldWhereThereIsNoResistance) {
   auto run = two_lined();
   const System systems[] = {one_line({run}), polynomial({run}), two_lines({run})};
-  for (const std::size_t i : {0, 1, 50, 51, 52, 387}) {
+  for (const std::size_t i : {0U, 1U, 50U, 51U, 52U, 387U}) {
     run.resistance_ohm[i] = nothing;
   }
   for (const System& system : systems) {
