@@ -122,6 +122,7 @@ struct Axis {
 Axis axis(const Run& run) {
   if (run.kind == RunKind::bath) {
     std::vector<double> degC;
+    degC.reserve(run.temperature_K.size());
     for (const double T : run.temperature_K) {
       degC.push_back(T - 273.15);
     }

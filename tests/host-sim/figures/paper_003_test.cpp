@@ -25,7 +25,8 @@ void expect_slices_to_grow_with_the_span_of_the_reversal(const PreisachWire& wir
 }
 
 /// 003's conclusion: "predicts transitions between maxima and minima; however, minor discrepancies
-/// are observed at the extrema". The strain's way from each extremum of the temperature to the next.
+/// are observed at the extrema". The strain's way from each extremum of the temperature to the
+/// next.
 void expect_transitions_to_be_predicted(const Validation& v) {
   double worst = 0;
   double last = v.strain.front();
