@@ -4,29 +4,10 @@
 #include <string>
 
 #include "tests/bench/steps.hpp"
+#include "tests/bench/time_step.hpp"
 
 namespace smaservo::bench {
 namespace {
-
-/// The compiler must take the step's state for read and changed by others, as a caller's is.
-template <class Step>
-void run(Step& step) {
-  step();
-  benchmark::ClobberMemory();
-}
-
-template <class Make>
-void time_step(benchmark::State& state, Make make) {
-  auto step = make();
-  benchmark::DoNotOptimize(&step);
-  for (std::size_t i = 0; i < step.period(); ++i) {
-    run(step);
-  }
-  for ([[maybe_unused]] auto _ : state) {
-    run(step);
-  }
-  state.SetItemsProcessed(state.iterations());
-}
 
 /// Paper 000 simulates 47.3 s at 0.1 ms in 17.2 s: 473 000 points of the kinetics alone.
 template <class S>
@@ -44,10 +25,7 @@ void time_points(benchmark::State& state) {
 
 template <class S>
 void add_all(const std::string& scalar) {
-  for_each_step<S>([&](const std::string& name, auto make) {
-    benchmark::RegisterBenchmark((name + "/" + scalar).c_str(),
-                                 [make](benchmark::State& state) { time_step(state, make); });
-  });
+  for_each_step<S>(timing(scalar));
   benchmark::RegisterBenchmark(("ModelPoints473000/" + scalar).c_str(), &time_points<S>)
       ->Unit(benchmark::kMillisecond);
 }
@@ -74,6 +52,7 @@ void add_errors(const std::string& scalar) {
 int main(int argc, char** argv) {
   smaservo::bench::add_all<float>("float");
   smaservo::bench::add_all<double>("double");
+  smaservo::bench::time_paper_steps();
   smaservo::bench::add_errors<float>("float");
   smaservo::bench::add_errors<double>("double");
   benchmark::Initialize(&argc, argv);
