@@ -67,4 +67,13 @@ void OutputFile::fail(const char* what) const {
   throw UserError(fmt::format("{}: {}: {}", path_, what, std::strerror(errno)));
 }
 
+void prepare_folder(const char* option, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0) {
+    throw UserError(
+        fmt::format("{} {}: {}", option, folder, error ? error.message() : std::strerror(errno)));
+  }
+}
+
 }  // namespace smaservo

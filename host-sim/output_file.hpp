@@ -35,4 +35,8 @@ class OutputFile {
   std::FILE* file_ = nullptr;
 };
 
+/// Makes the folder that an option names where it is missing. Throws UserError when files can not
+/// be written there.
+void prepare_folder(const char* option, const std::string& folder);
+
 }  // namespace smaservo

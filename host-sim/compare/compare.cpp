@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -136,6 +137,36 @@ double median_difference(const std::vector<double>& a, const std::vector<double>
   return *middle;
 }
 
+using Column = std::vector<double> Run::*;
+
+/// Share of a test's rows, of those that are numbers, outside of all training rows by more than
+/// `margin(value)`.
+template <class Margin>
+double share_beyond(const Run& test, const std::vector<Run>& training, Column column,
+                    Margin margin) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Run& run : training) {
+    for (const double x : run.*column) {
+      low = x < low ? x : low;
+      high = high < x ? x : high;
+    }
+  }
+  double rows = 0;
+  double outside = 0;
+  for (const double x : test.*column) {
+    rows += std::isfinite(x) ? 1 : 0;
+    outside += x < low - margin(low) || high + margin(high) < x ? 1 : 0;
+  }
+  return rows > 0 && low <= high ? outside / rows : 0;
+}
+
+Beyond beyond(const Run& test, const std::vector<Run>& training) {
+  return {
+      share_beyond(test, training, &Run::stress_Pa, [](double) { return 2e6; }),
+      share_beyond(test, training, &Run::resistance_ohm, [](double ohm) { return 0.002 * ohm; })};
+}
+
 void test(Compared& one, const Comparison& comparison) {
   double elapsed_s = 0;
   double rows = 0;
@@ -168,12 +199,13 @@ void test(Compared& one, const Comparison& comparison) {
 Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
                    int threads, const Progress& progress) {
   Comparison comparison{
-      from.name, from.wire.nominal_stroke, std::move(training), std::move(tests), {}, {}};
+      from.name, from.wire.nominal_stroke, std::move(training), std::move(tests), {}, {}, {}};
   for (const std::vector<Run>* runs : {&comparison.training, &comparison.tests}) {
     std::ranges::for_each(*runs, require_usable);
   }
   for (const Run& run : comparison.tests) {
     comparison.free_zero.push_back(!zero_known(run.strain));
+    comparison.beyond.push_back(beyond(run, comparison.training));
   }
   comparison.systems = identify_all(from, comparison.training, threads, progress);
   progress("tests");

@@ -25,11 +25,19 @@ struct Compared {
   double step_s = 0;            ///< time for a row, of tests that it says something about
 };
 
+/// How much of a test lies outside of what the training runs went through, so that every system
+/// extrapolates there: shares of its rows.
+struct Beyond {
+  double stress = 0;      ///< by more than 2 MPa
+  double resistance = 0;  ///< by more than 0.2 %
+};
+
 struct Comparison {
   std::string from;
   double nominal_stroke;
   std::vector<Run> training, tests;
   std::vector<bool> free_zero;  ///< of a test: nobody knows its absolute strain
+  std::vector<Beyond> beyond;   ///< of a test
   std::vector<Compared> systems;
 };
 

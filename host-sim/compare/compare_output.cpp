@@ -54,6 +54,15 @@ std::string heading(const Comparison& comparison) {
     }
   }
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    const Beyond& beyond = comparison.beyond[t];
+    if (beyond.stress > 0 || beyond.resistance > 0) {
+      text += fmt::format(
+          " {} goes beyond the training, so that what is said there is extrapolated: by its stress "
+          "in {:.1f} % of the rows, by its resistance in {:.1f} %.",
+          file_name(comparison.tests[t].name), 100 * beyond.stress, 100 * beyond.resistance);
+    }
+  }
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
     if (comparison.free_zero[t]) {
       text += fmt::format(
           " {}: the strain has a zero of its own, each system's median error is "
@@ -75,14 +84,6 @@ Json error_json(const ErrorStatistics& error) {
     json["max_percent"] = error.maximum();
   }
   return json;
-}
-
-std::string row_html(const std::vector<std::string>& cells, const char* tag) {
-  std::string html = "<tr>";
-  for (const std::string& text : cells) {
-    html += fmt::format("<{0}>{1}</{0}>", tag, escaped(text));
-  }
-  return html + "</tr>\n";
 }
 
 std::string table_html(const Comparison& comparison) {
@@ -180,7 +181,9 @@ std::string comparison_json(const Comparison& comparison) {
   }
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
     json["tests"].push_back({{"file", comparison.tests[t].name},
-                             {"free_zero", static_cast<bool>(comparison.free_zero[t])}});
+                             {"free_zero", static_cast<bool>(comparison.free_zero[t])},
+                             {"stress_beyond", comparison.beyond[t].stress},
+                             {"resistance_beyond", comparison.beyond[t].resistance}});
   }
   for (const Compared& one : comparison.systems) {
     Json system{{"name", one.system.name},

@@ -1,14 +1,11 @@
 #include "host-sim/evaluate/evaluate.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iterator>
 #include <memory>
-#include <unistd.h>
 #include <utility>
 
 #include "host-sim/evaluate/calibrate.hpp"
@@ -86,15 +83,6 @@ void check(const EvaluateOptions& options) {
   }
 }
 
-void prepare_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0) {
-    throw UserError(
-        fmt::format("--wires {}: {}", folder, error ? error.message() : std::strerror(errno)));
-  }
-}
-
 std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::string_view stage,
                                            std::size_t total) {
   return [&options, stage, total](std::size_t done) {
@@ -129,7 +117,7 @@ std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool cali
   }
   if (calibrated) {
     if (!options.wires.empty()) {
-      prepare_folder(options.wires);
+      prepare_folder("--wires", options.wires);
     }
     parallel(
         units.size(), options.threads,

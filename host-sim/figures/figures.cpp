@@ -1,10 +1,7 @@
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include "host-sim/figures/figure.hpp"
 #include "host-sim/html.hpp"
@@ -12,15 +9,6 @@
 
 namespace smaservo {
 namespace {
-
-void prepare_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0) {
-    throw UserError(
-        fmt::format("--out {}: {}", folder, error ? error.message() : std::strerror(errno)));
-  }
-}
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
   OutputFile file(path.string());
@@ -77,7 +65,7 @@ void write_figures(const std::string& folder, const std::vector<std::string>& pa
           fmt::format("--paper {}: no such paper; there are: {}", number, fmt::join(known, ", ")));
     }
   }
-  prepare_folder(folder);
+  prepare_folder("--out", folder);
   std::string html;
   for (const Paper& paper : papers()) {
     if (!paper_numbers.empty() && std::ranges::count(paper_numbers, paper.number) == 0) {

@@ -125,14 +125,6 @@ std::string correlations_text(const FitResult& fit) {
   return text;
 }
 
-std::string row_html(const std::vector<std::string>& cells, const char* tag) {
-  std::string html = "<tr>";
-  for (const std::string& text : cells) {
-    html += fmt::format("<{0}>{1}</{0}>", tag, escaped(text));
-  }
-  return html + "</tr>\n";
-}
-
 std::string runs_html(const Identification& all) {
   const std::size_t columns = any_classics(all) ? 11 : 8;
   std::string html = fmt::format(

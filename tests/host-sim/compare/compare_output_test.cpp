@@ -58,9 +58,10 @@ Compared wrong_by(const Comparison& comparison, const char* name, double percent
 }
 
 Comparison made_up() {
-  Comparison comparison{"a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}};
+  Comparison comparison{"a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}, {}};
   comparison.tests = {joule_run("folder/<b>&.csv"), bath_run("bath.csv")};
   comparison.free_zero = {false, true};
+  comparison.beyond = {{0.125, 0}, {}};
   comparison.systems.push_back(wrong_by(comparison, "good", 0.5, true));
   comparison.systems.push_back(wrong_by(comparison, "by resistance", 2.25, false));
   Compared refused;
@@ -73,6 +74,10 @@ TEST(CompareOutput, TextHasARowForEachSystemAndSaysWhatIsMissing) {
   const std::string text = comparison_text(made_up());
   EXPECT_THAT(text, HasSubstr("Identified on train.csv; asked about <b>&.csv, bath.csv."));
   EXPECT_THAT(text, HasSubstr("in % of a 4 % stroke"));
+  EXPECT_THAT(text, HasSubstr("<b>&.csv goes beyond the training, so that what is said there is "
+                              "extrapolated: by its stress in 12.5 % of the rows, by its "
+                              "resistance in 0.0 %."));
+  EXPECT_THAT(text, Not(HasSubstr("bath.csv goes beyond")));
   EXPECT_THAT(text, HasSubstr("bath.csv: the strain has a zero of its own"));
   EXPECT_THAT(text, Not(HasSubstr("&.csv: the strain has a zero")));
   EXPECT_THAT(text, HasSubstr("\ngood                          0.50    0.50    0.50"
@@ -110,7 +115,10 @@ TEST(CompareOutput, JsonHasTheNumbers) {
   EXPECT_EQ(json["from"], "a wire");
   EXPECT_EQ(json["nominal_stroke"], 0.04);
   EXPECT_THAT(json["training"], ElementsAre("folder/train.csv"));
-  EXPECT_EQ(json["tests"][0], nlohmann::json({{"file", "folder/<b>&.csv"}, {"free_zero", false}}));
+  EXPECT_EQ(json["tests"][0], nlohmann::json({{"file", "folder/<b>&.csv"},
+                                              {"free_zero", false},
+                                              {"stress_beyond", 0.125},
+                                              {"resistance_beyond", 0.0}}));
   EXPECT_EQ(json["tests"][1]["free_zero"], true);
   ASSERT_EQ(json["systems"].size(), 3U);
   const auto& other = json["systems"][1];

@@ -204,6 +204,9 @@ TEST(Compare, WhatARunLacksMakesASystemSilentInIt) {
   }
   EXPECT_THAT(named(all, "stress-strain-resistance").system.remark,
               HasSubstr("not used, having no resistance: "));
+  EXPECT_EQ(all.beyond[0].stress, 1) << "140 MPa, where 150 and 160 MPa are known";
+  EXPECT_EQ(all.beyond[0].resistance, 0) << "it has none";
+  EXPECT_EQ(all.beyond[1].stress + all.beyond[1].resistance, 0) << "one of the training";
   EXPECT_EQ(named(all, "ihyp observer").error.count(), 0U) << "it needs power";
   for (const char* name : {"Duhem", "Liang-Rogers", "ihyp"}) {
     EXPECT_EQ(named(all, name).runs[0].error.count(), without.strain.size());
