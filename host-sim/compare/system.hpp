@@ -37,6 +37,7 @@ System stress_strain_resistance(const std::vector<Run>& runs);
 /// feedback. `from` gives geometry, limits and priors. Only the strain is fitted.
 System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads);
 System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int threads);
+
 /// What identify has found.
 struct IdentifiedWire {
   Wire<double> wire;
