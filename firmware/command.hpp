@@ -1,0 +1,101 @@
+#pragma once
+// What goes into one step of the device, and what comes out of it.
+
+#include <cstdint>
+
+#include "firmware/faults.hpp"
+#include "observer/measurement.hpp"
+
+namespace smaservo {
+
+/// The controlled variable. A set-point is in SI units of its mode.
+enum class Mode : std::uint8_t {
+  off,             ///< no current
+  current,         ///< A
+  power,           ///< W, into the wire
+  resistance,      ///< ohm
+  temperature,     ///< K, of the wire's middle, as estimated
+  strain,          ///< elongation of the whole wire
+  position,        ///< m of contraction from AxisSettings::zero_strain
+  force,           ///< N, by the load cell
+  identification,  ///< the built-in profile; the set-point has no meaning
+};
+inline constexpr std::uint8_t mode_count = 9;
+
+/// One law, scaled per command: the gains of the mode's loop times these.
+template <class S>
+struct GainScale {
+  S proportional = S(1), integral = S(1), derivative = S(1);
+};
+
+template <class S>
+struct Command {
+  bool fresh = false;  ///< it came since the last step: the partner is alive
+  bool arm = false;    ///< wants to run; a falling edge disarms
+  bool clear_faults = false;
+  Mode mode = Mode::off;
+  S setpoint = S(0);
+  GainScale<S> scale{};
+};
+
+/// All readings of one instant. What a board can not read is NaN; what it can not tell is false.
+template <class S>
+struct Inputs {
+  bool fresh = false;  ///< a new frame; otherwise the readings mean nothing
+  std::uint32_t sequence = 0;
+  Sample<S> sample{};
+  S supply_V;
+  S ambient_K;  ///< of the air, where there is a sensor
+  S driver_K;   ///< of the output stage
+  bool emergency_stop = false;
+  bool driver_fault = false;
+  bool deadline_missed = false;  ///< the caller was late for this step
+};
+
+enum class DeviceState : std::uint8_t {
+  starting,  ///< reads the zero-current offset and finds out where the wire is
+  ready,     ///< no current
+  arming,    ///< a sense current checks the wire
+  running,
+  stopping,  ///< the safe state after a fault: holds or releases
+  fault,     ///< no current until the faults are cleared
+};
+
+/// Why the output is less, or more, than the loop wants.
+enum class LimitReason : std::uint8_t {
+  least_current,
+  current,
+  power,
+  temperature,
+  strain,
+  stress,
+  duty,
+  supply,      ///< the converter has no more voltage
+  trajectory,  ///< the planner waits for the wire
+  count
+};
+
+template <class S>
+struct Output {
+  // To the drive. Zero unless heat is allowed.
+  S current_A;
+  S voltage_V;  ///< for a drive of DriveKind::voltage
+  // What it was made from.
+  DeviceState state;
+  Mode mode;    ///< in force; off where no current is allowed
+  S setpoint;   ///< in force, after limits
+  S reference;  ///< of the trajectory, in the set-point's unit
+  S power_W;    ///< wanted, after limits
+  Measurement<S> measurement;
+  Estimate<S> estimate;
+  S ambient_K;                  ///< as the observer believes
+  S hot_spot_K;                 ///< hottest temperature that the wire may have anywhere
+  std::uint32_t limit_reasons;  ///< bit 1 << LimitReason
+  FaultSet active;              ///< conditions present now, after their deglitch time
+  FaultSet latched;             ///< faults that have not been cleared
+  Fault first_cause;            ///< of the latched ones; Fault::none
+  FaultSet warnings;
+  FaultSet blocks;  ///< why it can not be armed
+};
+
+}  // namespace smaservo

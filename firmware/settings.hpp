@@ -1,0 +1,153 @@
+#pragma once
+// Everything that a user can set on a device. parameters.hpp describes each number once: path,
+// unit, range, default, when it may change. Values are those of a float, so that the store, CAN and
+// a file give the same device.
+
+#include <cstdint>
+
+#include "model/wire.hpp"
+
+namespace smaservo {
+
+struct Identity {
+  std::uint32_t serial_number;
+  std::uint32_t node_id;
+};
+
+template <class S>
+struct Timing {
+  S period_s;           ///< nominal, of the loop
+  S command_timeout_s;  ///< without a fresh command for so long: command time-out
+  S sample_timeout_s;   ///< without a fresh sample for so long: stale
+};
+
+/// From raw readings to the wire's voltage, current and load.
+template <class S>
+struct Measuring {
+  S current_offset_A;  ///< read at zero current, subtracted
+  S voltage_offset_V;
+  S load_offset_N;
+  S load_gain;
+  S current_noise_A;  ///< standard deviations
+  S voltage_noise_V;
+  S lead_resistance_ohm;  ///< 0 with four wires
+  S constant_load_N;      ///< taken where there is no load cell
+  bool has_load_cell;
+  S current_full_scale_A;  ///< a reading at or beyond it is saturated
+  S voltage_full_scale_V;
+};
+
+/// What the output stage takes.
+enum class DriveKind : std::uint8_t {
+  current,  ///< a current sink or current-mode converter
+  voltage,  ///< a chopper: voltage over supply is the duty cycle
+};
+
+template <class S>
+struct DriveSettings {
+  DriveKind kind;
+  S proportional;  ///< of the current loop: volts by volts of the missing I R; current by current
+  S integral_1_s;
+  S least_supply_V, greatest_supply_V;
+};
+
+/// One loop from a controlled variable to heating power, in W by the variable's unit.
+template <class S>
+struct LoopGains {
+  S proportional;
+  S integral_1_s;         ///< of the proportional gain: 1/T_i
+  S derivative_s;         ///< of the proportional gain: T_d
+  S derivative_filter_s;  ///< on the measured variable
+  S setpoint_weight;      ///< of the proportional part, 0..1
+  S derivative_weight;    ///< of the set-point in the derivative part, 0..1
+  S tracking_s;           ///< anti-windup by back-calculation
+  S cooling_factor;       ///< on the gains, where less heat is asked for
+  S dead_band;            ///< of the controlled variable; inside, the temperature is held
+};
+
+template <class S>
+struct TrajectorySettings {
+  S heating_rate_1_s;  ///< greatest strain rate that the planner asks for, contracting
+  S cooling_rate_1_s;  ///< and stretching; what the wire can do is less and always holds as well
+};
+
+/// Limits that shape the output; none of them is a fault.
+template <class S>
+struct SoftLimits {
+  S least_current_A;  ///< while running: keeps the resistance measurable
+  S current_A;
+  S power_W;
+  S temperature_K;  ///< of the hottest spot
+  S hot_spot_K;     ///< how far that may lie above the estimate
+  S least_strain;   ///< shortest wire that is asked for
+  S greatest_strain;
+  S stress_Pa;
+  S duty;  ///< share of the current limit squared, averaged over duty_window_s
+  S duty_window_s;
+  S power_slew_W_s;  ///< of set-points in current and power mode
+};
+
+/// Limits whose crossing is a fault.
+template <class S>
+struct TripLimits {
+  S current_A;
+  S temperature_K;  ///< of the hottest spot
+  S stress_Pa;
+  S slack_Pa;  ///< below it the load is lost
+  S least_strain, greatest_strain;
+  S following_error;  ///< strain, for following_s
+  S following_s;
+  S heating_rate_K_s;
+  S resistance_low, resistance_high;  ///< of the cold wire, as a share of what its file says
+  S current_offset_A;                 ///< greatest zero-current reading at arming
+  S least_ambient_K, greatest_ambient_K;
+  S driver_K;            ///< temperature of the output stage
+  S drift;               ///< of the resistance, relative: fatigue
+  std::uint32_t cycles;  ///< full cycles before a warning
+};
+
+enum class SafeState : std::uint8_t {
+  off,
+  hold,     ///< holds strain for hold_s, then off
+  release,  ///< cools at release_1_s, then off
+};
+
+template <class S>
+struct SafeSettings {
+  SafeState state;
+  S hold_s;
+  S release_1_s;  ///< strain rate
+};
+
+/// The profile that `host-sim identify` likes: full cycles, shrinking loops.
+template <class S>
+struct ProfileSettings {
+  S overheat_K;  ///< level 1 ends so far above the finish of the transformation
+  S cycle_s;     ///< of a full cycle
+  S loop_s;      ///< of an inner loop
+};
+
+template <class S>
+struct AxisSettings {
+  S zero_strain;  ///< position 0; positions count contraction
+};
+
+template <class S>
+struct Settings {
+  Identity identity;
+  Timing<S> timing;
+  Wire<S> wire;
+  Measuring<S> measuring;
+  DriveSettings<S> drive;
+  LoopGains<S> strain, temperature, resistance, force;
+  S feed_forward_s;  ///< time in which the model-based part brings the wire to its set-point; 0:
+                     ///< none
+  TrajectorySettings<S> trajectory;
+  SoftLimits<S> limits;
+  TripLimits<S> trips;
+  SafeSettings<S> safe;
+  ProfileSettings<S> profile;
+  AxisSettings<S> axis;
+};
+
+}  // namespace smaservo

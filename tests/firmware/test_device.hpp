@@ -1,0 +1,119 @@
+#pragma once
+// A device as the tests set it up, and the lumped wire that it drives.
+
+#include <limits>
+
+#include "firmware/device.hpp"
+#include "model/wires/wire_file.hpp"
+
+namespace smaservo {
+
+/// For a preset wire, on a bench that reads cleanly; generous limits.
+inline Settings<double> test_settings(const Wire<double>& wire = load_wire("smartflex-76um").wire) {
+  Settings<double> s{};
+  s.identity = {1, 1};
+  s.timing = {1e-3, 0.1, 0.005};
+  s.wire = wire;
+  s.measuring = {.current_offset_A = 0,
+                 .voltage_offset_V = 0,
+                 .load_offset_N = 0,
+                 .load_gain = 1,
+                 .current_noise_A = 1e-5,
+                 .voltage_noise_V = 3e-4,
+                 .lead_resistance_ohm = 0,
+                 .constant_load_N = 0,
+                 .has_load_cell = true,
+                 .current_full_scale_A = 0.5,
+                 .voltage_full_scale_V = 20};
+  s.drive = {DriveKind::current, 0, 0, 5, 30};
+  s.strain = {.proportional = 800,
+              .integral_1_s = 0,
+              .derivative_s = 0,
+              .derivative_filter_s = 0.005,
+              .setpoint_weight = 1,
+              .derivative_weight = 0,
+              .tracking_s = 0.05,
+              .cooling_factor = 1,
+              .dead_band = 2e-5};
+  s.temperature = {0.05, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
+  s.resistance = {1, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
+  s.force = {20, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
+  s.feed_forward_s = 0;
+  s.trajectory = {5, 5};
+  s.limits = {.least_current_A = 0.012,
+              .current_A = 0.4,
+              .power_W = 10,
+              .temperature_K = 423.15,
+              .hot_spot_K = 12,
+              .least_strain = 0,
+              .greatest_strain = 0.05,
+              .stress_Pa = 500e6,
+              .duty = 1,
+              .duty_window_s = 10,
+              .power_slew_W_s = 100};
+  s.trips = {.current_A = 0.45,
+             .temperature_K = 433.15,
+             .stress_Pa = 600e6,
+             .slack_Pa = 1e6,
+             .least_strain = -0.005,
+             .greatest_strain = 0.06,
+             .following_error = 0.01,
+             .following_s = 2,
+             .heating_rate_K_s = 1e4,
+             .resistance_low = 0.8,
+             .resistance_high = 1.2,
+             .current_offset_A = 0.002,
+             .least_ambient_K = 253.15,
+             .greatest_ambient_K = 333.15,
+             .driver_K = 358.15,
+             .drift = 0.05,
+             .cycles = 100000};
+  s.safe = {SafeState::off, 0, 0.01};
+  s.profile = {12, 5, 1.5};
+  s.axis = {0.04};
+  return s;
+}
+
+/// A wire of one temperature behind clean sensors, at rest.
+class TestBench {
+ public:
+  using Model = Plant<ThreePhase<double>>;
+
+  explicit TestBench(const Wire<double>& wire, double stress_Pa, double ambient_K = 298.15)
+      : params_(plant_params(wire)),
+        state_(Model::rest(params_, {ambient_K, stress_Pa})),
+        area_m2_(wire.geometry.area_m2()),
+        stress_Pa_(stress_Pa),
+        ambient_K_(ambient_K) {}
+
+  Inputs<double> inputs() {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    Inputs<double> in{};
+    in.fresh = true;
+    in.sequence = sequence_++;
+    in.sample = {current_A_, current_A_ * resistance_ohm(), stress_Pa_ * area_m2_};
+    in.supply_V = 24;
+    in.ambient_K = nan;
+    in.driver_K = nan;
+    return in;
+  }
+  /// This current for so long, from now on.
+  void advance(double current_A, double dt_s) {
+    current_A_ = current_A;
+    Model::advance(params_, state_,
+                   {current_A * current_A * resistance_ohm(), stress_Pa_, ambient_K_}, dt_s);
+  }
+  double strain() const { return Model::strain(params_, state_); }
+  double temperature_K() const { return Model::temperature_K(state_); }
+  double resistance_ohm() const { return Model::resistance_ohm(params_, state_, ambient_K_); }
+  void stress(double stress_Pa) { stress_Pa_ = stress_Pa; }
+
+ private:
+  Model::Params params_;
+  Model::State state_;
+  double area_m2_, stress_Pa_, ambient_K_;
+  double current_A_ = 0;
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace smaservo
