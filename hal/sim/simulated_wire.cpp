@@ -1,4 +1,4 @@
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 
 #include <algorithm>
 #include <cmath>
