@@ -33,7 +33,7 @@ class LimitReasons {
 template <class S>
 class PowerRange {
  public:
-  /// `duty` is the average so far. Cost: some 200 instructions, half of them for the strain.
+  /// `duty` is the average so far. Cost: 60 flops, 8 divisions.
   PowerRange(const Prepared<S>& p, const Known<S>& known, const S& ohm, const S& loss_W,
              const S& duty, const S& dt_s);
 
@@ -96,17 +96,21 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& 
   limit_stress(q, known.filter.stress_Pa, loss_W);
 }
 
+/// What the transformation takes by itself is less heat than the wire needs to contract by so much.
 /// Beyond the limit the power falls from what holds the wire to nothing within 0.1 % of strain. At
 /// once it would let a wire on the limit cool through its whole hysteresis, and heat it up again.
 template <class S>
 void PowerRange<S>::limit_strain(const Prepared<S>& p, const Known<S>& known, const S& loss_W,
                                  const S& dt_s) {
+  const auto& model = p.observer.model;
   const S room = known.estimate.strain - p.settings.limits.least_strain;
-  most(LimitReason::strain,
-       S(0) < room
-           ? loss_W + FeedForward<S>::power_W(FeedForward<S>::heat_J(p, known.filter, S(0) - room),
-                                              approach_s, dt_s)
-           : loss_W * (S(1) + S(1000) * room));
+  if (S(0) < room) {
+    const S by_m = strain_slopes(model.material, known.filter.stress_Pa).martensite;
+    most(LimitReason::strain,
+         loss_W + FeedForward<S>::power_W(model.body.latent_m2a_J * room / by_m, approach_s, dt_s));
+  } else {
+    most(LimitReason::strain, loss_W * (S(1) + S(1000) * room));
+  }
 }
 
 /// Contracting against a spring raises the stress: heat beyond the loss fades over the last 10 %,

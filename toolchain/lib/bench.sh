@@ -21,6 +21,8 @@ preisach_step_varying_stress|Preisach step (003), varying stress|
 plant_step|plant step (model and heat balance)|
 observer_step|observer step|1500
 bank_step|observer step of the bank|
+control_step|controller's step, closed loop in strain|700
+device_step|whole step of the device|4000
 strain_resistance_step|stress-strain-resistance step (002)|
 END
 }
