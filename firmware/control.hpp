@@ -198,11 +198,14 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
   // Between the branches of the hysteresis a wire keeps its strain: inside of the band its
   // temperature is held. A motion that has begun goes on to the middle of the band.
   s.moving = band < size || S(0) < moves * error || (s.moving && S(0.25) * band < size);
-  const S forward_W = s.moving && S(0) < q.feed_forward_s
-                          ? FeedForward<S>::power_W(FeedForward<S>::heat_J(p, known.filter, error),
-                                                    q.feed_forward_s, dt_s)
-                          : S(0);
-  return {loss_W + forward_W,
+  S forward_W = loss_W;
+  if (planned.waits) {
+    forward_W = S(0);
+  } else if (s.moving && S(0) < q.feed_forward_s) {
+    const S heat_J = FeedForward<S>::heat_J(p, known.filter, error);
+    forward_W = loss_W + FeedForward<S>::power_W(heat_J, q.feed_forward_s, dt_s);
+  }
+  return {forward_W,
           Pid<S>::step(q.strain, demand.scale, S(-1), s.pid, s.reference, strain, dt_s)};
 }
 

@@ -12,8 +12,8 @@ struct Trajectory {
     bool waits;  ///< for the wire: it can not cool any faster
   };
 
-  /// How far ahead of the wire a reference may run while it cools: 2 % of 4 % stroke. Enough to
-  /// keep the heat off, so the wire cools as fast as it can, and no more: cooling is passive.
+  /// How far ahead of the wire a reference may run while it cools: 2 % of 4 % stroke. Where it
+  /// would be further, it waits and the heat is off: cooling is passive, and no wire can do more.
   static constexpr S lead = S(8e-4);
 
   /// Moves on from `before` by no more than either rate allows. Only where the wire turns out to be
