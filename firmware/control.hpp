@@ -205,8 +205,7 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
     const S heat_J = FeedForward<S>::heat_J(p, known.filter, error);
     forward_W = loss_W + FeedForward<S>::power_W(heat_J, q.feed_forward_s, dt_s);
   }
-  return {forward_W,
-          Pid<S>::step(q.strain, demand.scale, S(-1), s.pid, s.reference, strain, dt_s)};
+  return {forward_W, Pid<S>::step(q.strain, demand.scale, S(-1), s.pid, s.reference, strain, dt_s)};
 }
 
 /// The power that ends `overheat_K` above the transformation, by the profile's level.
