@@ -2,6 +2,7 @@
 // A controller in closed loop with a lumped wire, without the states and faults of a device.
 
 #include <functional>
+#include <type_traits>
 
 #include "tests/firmware/test_device.hpp"
 
@@ -24,7 +25,8 @@ class ClosedLoop {
     const Inputs<S> in = wire.inputs<S>();
     const Measurement<S> m = observe(in, static_cast<S>(dt_s));
     const Estimate<S> e = estimate();
-    const Known<S> known{m, e, state_.observer.filter[0], in.sample.current_A, in.supply_V};
+    const typename KalmanObserver<S>::State f = filter();
+    const Known<S> known{m, e, f, in.sample.current_A, in.supply_V};
     const Result result = Controller<S>::step(
         prepared_, control, {mode, static_cast<S>(setpoint), scale}, known, static_cast<S>(dt_s));
     wire.stress(load_Pa(wire.strain()));
@@ -49,7 +51,14 @@ class ClosedLoop {
     Controller<S>::adopt(control);
   }
 
-  Estimate<S> estimate() const { return Observer::estimate(prepared_.observer, state_); }
+  Estimate<S> estimate() const {
+    Estimate<S> e = Observer::estimate(prepared_.observer, state_);
+    if (ideal_sensor) {
+      e.strain = static_cast<S>(wire.strain());
+      e.temperature_K = static_cast<S>(wire.temperature_K());
+    }
+    return e;
+  }
   const Prepared<S>& prepared() const { return prepared_; }
 
   /// A load that gains so much stress over a contraction of 1.
@@ -63,10 +72,25 @@ class ClosedLoop {
   typename Controller<S>::State control{};
   GainScale<S> scale{};
   double time_s = 0;
+  /// The controller sees the wire as it is, not as it is estimated. With a double only.
+  bool ideal_sensor = false;
   /// What the wire carries, by its strain.
   std::function<double(double)> load_Pa = [same = wire.stress_Pa()](double) { return same; };
 
  private:
+  typename KalmanObserver<S>::State filter() const {
+    typename KalmanObserver<S>::State f = state_.observer.filter[0];
+    if constexpr (std::is_same_v<S, double>) {
+      if (ideal_sensor) {
+        f.kinetics = wire.state().kinetics;
+        f.stress_Pa = wire.stress_Pa();
+        f.ambient_K = 298.15;
+        f.loss = 1;
+      }
+    }
+    return f;
+  }
+
   using Observer = typename Prepared<S>::Observer;
 
   Measurement<S> observe(const Inputs<S>& in, const S& dt_s) {

@@ -101,7 +101,7 @@ TEST(SoftLimits, EachHasItsOwnReason) {
 TEST(SoftLimits, NoPowerIsEverAboveAnyOfThem) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> share(0, 1);
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     Situation s;
     SoftLimits<double>& q = s.settings.limits;
     q.power_W = 5 * share(random);
