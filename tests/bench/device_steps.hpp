@@ -29,7 +29,6 @@ class Recording {
  public:
   Recording() {
     TestBench wire(load_wire(std::string(default_wire)).wire, 150e6);
-    state = Device<S>::start();
     const double longest = wire.strain();
     run(wire, longest);
     begin = state;
@@ -38,7 +37,8 @@ class Recording {
   }
 
   Prepared<S> prepared = prepare(test_settings<S>());
-  typename Device<S>::State begin, state;
+  typename Device<S>::State state = Device<S>::start();
+  typename Device<S>::State begin{};  ///< of the recorded moments
   std::vector<Moment<S>> moments;
 
  private:

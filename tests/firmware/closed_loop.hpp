@@ -1,6 +1,7 @@
 #pragma once
 // A controller in closed loop with a lumped wire, without the states and faults of a device.
 
+#include <cmath>
 #include <functional>
 #include <type_traits>
 
@@ -37,7 +38,7 @@ class ClosedLoop {
   /// Calls f(result) after every step.
   template <class F>
   void run(double seconds, Mode mode, double setpoint, F f, double dt_s = 1e-3) {
-    for (int i = 0; i < static_cast<int>(seconds / dt_s + 0.5); ++i) {
+    for (int i = 0; i < std::lround(seconds / dt_s); ++i) {
       f(step(mode, setpoint, dt_s));
     }
   }

@@ -46,7 +46,7 @@ double discrete_W(const LoopGains<double>& q, double seconds, double r0, double 
                   double y_1_s, double step_s = dt_s) {
   Loop::State s = Loop::start(q, r0, y0);
   double u = 0;
-  const int steps = static_cast<int>(seconds / step_s + 0.5);
+  const auto steps = static_cast<int>(std::lround(seconds / step_s));
   for (int i = 1; i <= steps; ++i) {
     u = Loop::step(q, unscaled, 1, s, r0 + r_1_s * i * step_s, y0 + y_1_s * i * step_s, step_s);
   }
