@@ -27,14 +27,7 @@ struct Moment {
 template <class S>
 class Recording {
  public:
-  Recording() {
-    TestBench wire(load_wire(std::string(default_wire)).wire, 150e6);
-    const double longest = wire.strain();
-    run(wire, longest);
-    begin = state;
-    moments.clear();
-    run(wire, longest);
-  }
+  Recording() { record(); }
 
   Prepared<S> prepared = prepare(test_settings<S>());
   typename Device<S>::State state = Device<S>::start();
@@ -42,6 +35,14 @@ class Recording {
   std::vector<Moment<S>> moments;
 
  private:
+  void record() {
+    TestBench wire(load_wire(std::string(default_wire)).wire, 150e6);
+    const double longest = wire.strain();
+    run(wire, longest);
+    begin = state;
+    moments.clear();
+    run(wire, longest);
+  }
   void run(TestBench& wire, double longest) {
     for (const double contraction : {0.01, 0.03, 0.02, 0.035, 0.005, 0.025, 0.0}) {
       for (int i = 0; i < 600; ++i) {
