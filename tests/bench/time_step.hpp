@@ -36,5 +36,6 @@ inline auto timing(const std::string& scalar) {
 }
 
 void time_paper_steps();
+void time_wire_steps();
 
 }  // namespace smaservo::bench
