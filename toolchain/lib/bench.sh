@@ -23,6 +23,8 @@ wire_step_ihyp|simulated wire, ihyp: 1 ms, strain and resistance|
 wire_step_sublayers|simulated wire, sublayers: the same|
 observer_step|observer step|1500
 bank_step|observer step of the bank|
+control_step|controller's step, closed loop in strain|700
+device_step|whole step of the device|4000
 strain_resistance_step|stress-strain-resistance step (002)|
 END
 }
