@@ -52,20 +52,23 @@ inline constexpr auto parameters = joined(
 inline constexpr std::size_t parameter_count = parameters<float>.size();
 inline constexpr std::size_t no_parameter = parameter_count;
 
+/// The row of a key in rows that stand in the order of their keys; nullptr where there is none.
+template <class S>
+constexpr const Parameter<S>* find_row(std::span<const Parameter<S>> rows, Key key) {
+  while (!rows.empty()) {
+    const std::size_t middle = rows.size() / 2;
+    if (rows[middle].key == key) {
+      return &rows[middle];
+    }
+    rows = rows[middle].key < key ? rows.subspan(middle + 1) : rows.first(middle);
+  }
+  return nullptr;
+}
+
 /// Row of a key or a path; no_parameter where there is none.
 constexpr std::size_t find_parameter(Key key) {
-  const auto& rows = parameters<float>;
-  std::size_t from = 0;
-  std::size_t to = rows.size();
-  while (from < to) {
-    const std::size_t middle = (from + to) / 2;
-    if (rows[middle].key < key) {
-      from = middle + 1;
-    } else {
-      to = middle;
-    }
-  }
-  return from < rows.size() && rows[from].key == key ? from : no_parameter;
+  const Parameter<float>* row = find_row<float>(parameters<float>, key);
+  return row == nullptr ? no_parameter : static_cast<std::size_t>(row - parameters<float>.data());
 }
 constexpr std::size_t find_parameter(std::string_view path) {
   for (std::size_t i = 0; i < parameter_count; ++i) {
