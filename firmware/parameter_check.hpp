@@ -21,7 +21,7 @@ struct Finding {
   Problem problem = Problem::none;
   std::size_t parameter = no_parameter;
   std::size_t other = no_parameter;  ///< of a contradiction
-  std::size_t rule = 0;              ///< of a contradiction: row of `rules`
+  std::size_t rule = 0;              ///< of a contradiction: row of `parameter_rules`
 
   constexpr bool ok() const { return problem == Problem::none; }
 };
@@ -177,7 +177,7 @@ bool process_holds(const Rule& rule, const Wire<S>& wire) {
 
 }  // namespace detail
 
-inline constexpr auto rules = detail::all_rules();
+inline constexpr auto parameter_rules = detail::all_rules();
 
 /// Whether this parameter has been set: its value is one.
 template <class S>
@@ -237,9 +237,9 @@ Finding check(const Settings<S>& settings) {
       return {problem_of(value), i};
     }
   }
-  for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (!holds(rules[i], settings)) {
-      return {Problem::contradiction, rules[i].a, rules[i].b, i};
+  for (std::size_t i = 0; i < parameter_rules.size(); ++i) {
+    if (!holds(parameter_rules[i], settings)) {
+      return {Problem::contradiction, parameter_rules[i].a, parameter_rules[i].b, i};
     }
   }
   return {};

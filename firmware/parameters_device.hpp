@@ -105,9 +105,6 @@ constexpr auto limit_rows() {
                                    "share of the squared current limit, averaged"),
       real<Member<S, g, &G::duty_window_s>>({0x2020, 10}, "limits.duty_window_s", kind::time, live,
                                             0.1F, 10, 3600, "over which it is averaged"),
-      real<Member<S, g, &G::power_slew_W_s>>({0x2020, 11}, "limits.power_slew_W_s",
-                                             kind::power_slew, live, 1e-3F, 100, 1e6F,
-                                             "of set-points in current and power mode"),
   });
 }
 
@@ -247,14 +244,17 @@ constexpr auto trajectory_rows() {
   using G = TrajectorySettings<S>;
   return std::to_array<Parameter<S>>({
       real<Member<S, g, &G::heating_rate_1_s>>({0x2106, 1}, "trajectory.heating_rate_1_s",
-                                               kind::rate, Change::live, 1e-5F, 5, 100,
+                                               kind::rate, Change::live, 1e-5F, 0.35F, 100,
                                                "greatest strain rate asked for, contracting"),
       real<Member<S, g, &G::cooling_rate_1_s>>({0x2106, 2}, "trajectory.cooling_rate_1_s",
-                                               kind::rate, Change::live, 1e-5F, 5, 100,
+                                               kind::rate, Change::live, 1e-5F, 1, 100,
                                                "and stretching; never more than the wire can do"),
       real<Member<S, &Settings<S>::feed_forward_s>>(
-          {0x2106, 3}, "trajectory.feed_forward_s", kind::time, Change::live, 0, 0, 60,
-          "in which the model-based part brings the wire to its set-point; 0: none"),
+          {0x2106, 3}, "trajectory.feed_forward_s", kind::time, Change::live, 0, 0.01F, 60,
+          "in which the model's part brings the wire to its reference; 0: none"),
+      real<Member<S, &Settings<S>::transfer_s>>(
+          {0x2106, 4}, "trajectory.transfer_s", kind::time, Change::live, 0, 0.01F, 60,
+          "time constant in which a new mode or gain takes over"),
   });
 }
 

@@ -2,7 +2,7 @@
 // Which parameters the stored images of each release have, and what has moved since. An image is
 // read by its keys, so any release reads any other's: what it does not know it leaves, what it does
 // not find takes the default. Therefore a key never changes its meaning, type or unit; a parameter
-// that must change gets a new key, and a row of `moved`.
+// that must change gets a new key, and a row of `moved_parameters`.
 
 #include "firmware/parameters.hpp"
 
@@ -19,7 +19,7 @@ inline constexpr auto schema_0_1_0 = std::to_array<SchemaObject>({
     {0x2000, "nn"},
     {0x2001, "rrr"},
     {0x2010, "rrrrrrrrbrr"},
-    {0x2020, "rrrrrrrrrrr"},
+    {0x2020, "rrrrrrrrrr"},
     {0x2021, "rrrrrrrrrrrrrrrrn"},
     {0x2022, "crr"},
     {0x2030, "r"},
@@ -28,7 +28,7 @@ inline constexpr auto schema_0_1_0 = std::to_array<SchemaObject>({
     {0x2103, "rrrrrrrrr"},
     {0x2104, "rrrrrrrrr"},
     {0x2105, "rrrrrrrrr"},
-    {0x2106, "rrr"},
+    {0x2106, "rrrr"},
     {0x2107, "rrr"},
     {0x2110, "rrrcrbb"},
     {0x2111, "rrrrrrrrrr"},
@@ -60,7 +60,7 @@ struct Moved {
   float factor;
 };
 
-inline constexpr std::array<Moved, 0> moved{};
+inline constexpr std::array<Moved, 0> moved_parameters{};
 
 constexpr char letter(ValueType type) {
   return std::string_view("rncb")[static_cast<std::size_t>(type)];

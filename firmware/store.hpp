@@ -1,6 +1,6 @@
 #pragma once
-// Settings over a power cut: two slots, of which the older one is written. load() says which slot
-// it took and why; there are no silent defaults.
+// Settings over a power cut: two slots, of which the older one is written. load_settings() says
+// which slot it took and why; there are no silent defaults.
 
 #include <concepts>
 
@@ -126,7 +126,7 @@ SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
 
 /// Reads both slots. Never fails; what it found is in the reports.
 template <class S, Storage T>
-Loaded<S> load(T& storage, const StoreSchema<S>& schema = own_schema<S>) {
+Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>) {
   Loaded<S> loaded{};
   std::array<Settings<S>, slot_count> settings{};
   for (unsigned slot = 0; slot < slot_count; ++slot) {
@@ -146,17 +146,19 @@ Loaded<S> load(T& storage, const StoreSchema<S>& schema = own_schema<S>) {
   return loaded;
 }
 
-/// Writes into the slot that load() would not take, reads it back and compares. Whatever fails, and
-/// wherever power is cut, load() gives either the former settings or these. Not for the loop.
+/// Writes into the slot that load_settings() would not take, reads it back and compares. Whatever
+/// fails, and wherever power is cut, load_settings() gives either the former settings or these. Not
+/// for the loop.
 template <class S, Storage T>
-Saved save(T& storage, const Settings<S>& settings, const StoreSchema<S>& schema = own_schema<S>) {
+Saved save_settings(T& storage, const Settings<S>& settings,
+                    const StoreSchema<S>& schema = own_schema<S>) {
   Saved saved{};
   saved.finding = check(settings);
   if (!saved.finding.ok()) {
     saved.problem = SaveProblem::refused;
     return saved;
   }
-  const Loaded<S> before = load(storage, schema);
+  const Loaded<S> before = load_settings(storage, schema);
   saved.slot = before.reason == LoadReason::none ? 0 : 1 - before.slot;
   saved.sequence = std::max(before.slots[0].sequence, before.slots[1].sequence) + 1;
   const auto fail = [&](SaveProblem problem) {

@@ -26,7 +26,7 @@ struct StoreSchema {
   std::span<const Moved> moved;
 };
 template <class S>
-inline constexpr StoreSchema<S> own_schema{parameters<S>, smaservo::moved};
+inline constexpr StoreSchema<S> own_schema{parameters<S>, moved_parameters};
 
 class Crc32 {
  public:

@@ -53,7 +53,6 @@ inline constexpr auto conductivity = std::to_array<Unit>({{"W_mK", 1}});
 inline constexpr auto rate = std::to_array<Unit>({{"1_s", 1}});
 inline constexpr auto heating_rate = std::to_array<Unit>({{"K_s", 1}});
 inline constexpr auto power = std::to_array<Unit>({{"W", 1}, {"mW", 1e-3}});
-inline constexpr auto power_slew = std::to_array<Unit>({{"W_s", 1}});
 inline constexpr auto power_per_kelvin = std::to_array<Unit>({{"W_K", 1}});
 inline constexpr auto power_per_ohm = std::to_array<Unit>({{"W_ohm", 1}});
 inline constexpr auto power_per_force = std::to_array<Unit>({{"W_N", 1}});
