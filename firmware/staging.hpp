@@ -34,7 +34,7 @@ enum class ApplyProblem : std::uint8_t {
 struct Applied {
   ApplyProblem problem = ApplyProblem::none;
   std::size_t parameter = no_parameter;  ///< the first that may not change
-  Finding finding;
+  Finding finding{};
 
   constexpr bool ok() const { return problem == ApplyProblem::none; }
 };

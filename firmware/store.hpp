@@ -69,7 +69,7 @@ struct Saved {
   SaveProblem problem = SaveProblem::none;
   unsigned slot = 0;
   std::uint32_t sequence = 0;
-  Finding finding;
+  Finding finding{};
 
   constexpr bool ok() const { return problem == SaveProblem::none; }
 };
