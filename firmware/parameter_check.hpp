@@ -92,7 +92,7 @@ consteval auto all_rules() {
       rule("limits.temperature_K", below, "trips.temperature_K", is_first),
       rule("limits.temperature_K", not_above, "wire.limits.temperature_K", wire),
       rule("wire.m2a.start_0_K", below, "limits.temperature_K",
-           "with limits.hot_spot_K between them, or the wire can not contract", 1,
+           "the wire could not contract", 1,
            "limits.hot_spot_K"),
       rule("trips.greatest_ambient_K", below, "limits.temperature_K",
            "air alone must not reach the limit"),
