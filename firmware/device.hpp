@@ -108,7 +108,7 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
     out.power_W = c.power_W;
     out.limit_reasons = c.limit_reasons;
   } else {
-    Controller<S>::rest(s.controller, dt_s);
+    Controller<S>::rest(p, s.controller, dt_s);
     out.mode = Mode::off;
   }
   s.last = out;

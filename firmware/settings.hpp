@@ -84,7 +84,6 @@ struct SoftLimits {
   S stress_Pa;
   S duty;  ///< share of the current limit squared, averaged over duty_window_s
   S duty_window_s;
-  S power_slew_W_s;  ///< of set-points in current and power mode
 };
 
 /// Limits whose crossing is a fault.
@@ -140,8 +139,8 @@ struct Settings {
   Measuring<S> measuring;
   DriveSettings<S> drive;
   LoopGains<S> strain, temperature, resistance, force;
-  S feed_forward_s;  ///< time in which the model-based part brings the wire to its set-point; 0:
-                     ///< none
+  S feed_forward_s;  ///< in which the model's part brings the wire to its reference; 0: none
+  S transfer_s;      ///< time constant in which a new mode or gain takes over
   TrajectorySettings<S> trajectory;
   SoftLimits<S> limits;
   TripLimits<S> trips;

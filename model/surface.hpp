@@ -83,6 +83,14 @@ struct Isobar {
   }
 };
 
+/// The first of two that lie side by side.
+template <class S>
+constexpr Isobar<S> first_isobar(const Isobar<Pair<S>>& both) {
+  return {both.start_K.first(),
+          both.per_K.first(),
+          {both.shape.curvature.first(), both.shape.turning.first()}};
+}
+
 template <class S>
 constexpr Isobar<S> isobar(const Surface<S>& surface, S stress_Pa) {
   const auto quadratic = [&](const S(&c)[3]) {

@@ -20,6 +20,8 @@ class TurningPoints {
   constexpr Turn& newest() { return turns_[top_]; }
   constexpr bool full() const { return top_ == depth; }
   constexpr std::size_t size() const { return top_; }
+  /// 0 is the one at infinity, size() the newest.
+  constexpr const Turn& at(std::size_t i) const { return turns_[i]; }
 
   /// Precondition: not full.
   constexpr void push(const Turn& turn) { turns_[++top_] = turn; }

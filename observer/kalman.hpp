@@ -95,6 +95,11 @@ struct KalmanObserver {
                      const S& temperature_sd_K);
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static Estimate<S> estimate(const Params& p, const State& s);
+  /// Of the whole wire.
+  static S whole_strain(const Params& p, const State& s) {
+    return smaservo::strain(p.model.material, p.model.ends.average(Kinetics::phases(s.kinetics)),
+                            s.stress_Pa);
+  }
 
   // The parts of a step, open to tests of their derivatives.
 

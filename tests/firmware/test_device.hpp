@@ -26,7 +26,7 @@ inline Settings<double> test_settings(const Wire<double>& wire = load_wire("smar
                  .current_full_scale_A = 0.5,
                  .voltage_full_scale_V = 20};
   s.drive = {DriveKind::current, 0, 0, 5, 30};
-  s.strain = {.proportional = 800,
+  s.strain = {.proportional = 0,
               .integral_1_s = 0,
               .derivative_s = 0,
               .derivative_filter_s = 0.005,
@@ -34,12 +34,13 @@ inline Settings<double> test_settings(const Wire<double>& wire = load_wire("smar
               .derivative_weight = 0,
               .tracking_s = 0.05,
               .cooling_factor = 1,
-              .dead_band = 2e-5};
+              .dead_band = 1e-4};
   s.temperature = {0.05, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
   s.resistance = {1, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
   s.force = {20, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
-  s.feed_forward_s = 0;
-  s.trajectory = {5, 5};
+  s.feed_forward_s = 0.01;
+  s.transfer_s = 0.01;
+  s.trajectory = {0.35, 1};
   s.limits = {.least_current_A = 0.012,
               .current_A = 0.4,
               .power_W = 10,
@@ -49,8 +50,7 @@ inline Settings<double> test_settings(const Wire<double>& wire = load_wire("smar
               .greatest_strain = 0.05,
               .stress_Pa = 500e6,
               .duty = 1,
-              .duty_window_s = 10,
-              .power_slew_W_s = 100};
+              .duty_window_s = 10};
   s.trips = {.current_A = 0.45,
              .temperature_K = 433.15,
              .stress_Pa = 600e6,
