@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "host-sim/toml_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo {
@@ -91,8 +92,8 @@ Setpoint read_setpoint(Table& table) {
     }
   }
   if (!found) {
-    table.fail("mode", fmt::format("or a set-point must be given: {}",
-                                   fmt::join(all_keys(), ", ")));
+    table.fail("mode",
+               fmt::format("or a set-point must be given: {}", fmt::join(all_keys(), ", ")));
   }
   return *found;
 }
@@ -117,12 +118,15 @@ CommandStretch read_common(Table& table, Mode mode) {
 class Maker {
  public:
   Maker(Table& table, std::mt19937_64& random, std::vector<CommandStretch>& to)
-      : table_(table), random_(random), to_(to), setpoint_(read_setpoint(table)),
+      : table_(table),
+        random_(random),
+        to_(to),
+        setpoint_(read_setpoint(table)),
         common_(read_common(table, setpoint_.mode)) {}
 
   void make() {
-    const auto shape = table_.has("shape") ? static_cast<Shape>(table_.choice("shape", shape_names))
-                                           : Shape::hold;
+    const auto shape =
+        table_.has("shape") ? static_cast<Shape>(table_.choice("shape", shape_names)) : Shape::hold;
     switch (shape) {
       case Shape::hold:
         line(setpoint_.first, setpoint_.second, table_.number("for_s", shortest_s, longest_s));
@@ -241,9 +245,9 @@ Command<double> CommandProgram::at(double time_s) {
     // φ = 2π f0 T/ln k (k^(t/T) - 1), k = f1/f0
     const double growth = std::log(stretch.to_Hz / stretch.from_Hz);
     const double share = in_s / stretch.seconds;
-    const double cycles = growth == 0 ? stretch.from_Hz * in_s
-                                      : stretch.from_Hz * stretch.seconds / growth *
-                                            std::expm1(growth * share);
+    const double cycles =
+        growth == 0 ? stretch.from_Hz * in_s
+                    : stretch.from_Hz * stretch.seconds / growth * std::expm1(growth * share);
     command.setpoint += stretch.amplitude * std::sin(2 * std::numbers::pi * cycles);
   }
   return command;

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "firmware/command.hpp"
-#include "host-sim/toml_table.hpp"
 
 namespace smaservo {
+
+class Table;
 
 /// One mode for some time. The set-point goes on a straight line, with a sine on it where asked.
 struct CommandStretch {

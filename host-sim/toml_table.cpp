@@ -95,6 +95,11 @@ Table Table::table(std::string_view key) {
   return {*inner, fmt::format("{}{}.", path_, key), origin_};
 }
 
+Table Table::table_or_empty(std::string_view key) {
+  static const toml::table empty;
+  return has(key) ? table(key) : Table(empty, fmt::format("{}{}.", path_, key), origin_);
+}
+
 std::vector<Table> Table::tables(std::string_view key) {
   taken_.emplace(key);
   const toml::array* list = table_[key].as_array();

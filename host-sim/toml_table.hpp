@@ -36,6 +36,8 @@ class Table {
   std::pair<double, double> range(std::string_view key, double low, double high);
   bool is_list(std::string_view key) const { return table_[key].is_array(); }
   Table table(std::string_view key);
+  /// The same; an empty one where it is missing.
+  Table table_or_empty(std::string_view key);
   std::vector<Table> tables(std::string_view key);
 
   /// Refuses keys that nobody asked for.
