@@ -66,7 +66,7 @@ bool ClosedLoop::step() {
   const double dt_s = began_ ? static_cast<double>(frame.time_ns - time_ns_) * 1e-9 : nominal_s_;
   began_ = true;
   time_ns_ = frame.time_ns;
-  turn_.time_s = static_cast<double>(time_ns_) * 1e-9;
+  turn_.time_s = static_cast<double>(time_ns_) / 1e9;
   turn_.command = program_.at(turn_.time_s);
   turn_.truth = first_.board.truth();
   turn_.output =

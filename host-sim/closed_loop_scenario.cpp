@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "hal/sim/lumped_wire.hpp"
-#include "host-sim/bench_settings.hpp"
 #include "host-sim/evaluate/units.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/scenario_tables.hpp"
+#include "host-sim/settings_file.hpp"
 
 namespace smaservo {
 namespace {
@@ -46,10 +46,14 @@ PlantSetup read_plant(const TomlFile& file, Table& table, std::uint64_t seed) {
 }
 
 Settings<double> read_device(const TomlFile& file, Table table) {
-  const Settings<double> settings = bench_settings(
-      named_wire(file, table.has("wire") ? table.text("wire") : std::string(default_wire)).wire);
+  if (table.has("settings")) {
+    const std::string path = file.beside(table.text("settings"));
+    table.finish();
+    return load_settings_file(path);
+  }
+  const std::string wire = table.has("wire") ? table.text("wire") : std::string(default_wire);
   table.finish();
-  return settings;
+  return settings_for(named_wire(file, wire).wire);
 }
 
 /// A good front end for this device, changed by the file.

@@ -1,11 +1,16 @@
 #pragma once
-// The settings of a device for a wire, until a settings file gives them.
+// The settings of a device for a wire.
+
+#include <string>
+#include <vector>
 
 #include "firmware/settings.hpp"
+#include "host-sim/toml_table.hpp"
+#include "model/wires/wire_file.hpp"
 
 namespace smaservo {
 
-inline Settings<double> bench_settings(const Wire<double>& wire) {
+inline Settings<double> settings_for(const Wire<double>& wire) {
   Settings<double> s{};
   s.identity = {1, 1};
   s.timing = {1e-3, 0.1, 0.005};
@@ -68,6 +73,16 @@ inline Settings<double> bench_settings(const Wire<double>& wire) {
   s.profile = {12, 5, 1.5};
   s.axis = {0.04};
   return s;
+}
+
+inline Settings<double> load_settings_file(const std::string& path,
+                                           const std::vector<Override>& overrides = {}) {
+  const TomlFile file(path);
+  Table root = file.root();
+  const std::string wire = root.text("wire");
+  root.finish();
+  return settings_for(
+      load_wire(wire.ends_with(".toml") ? file.beside(wire) : wire, overrides).wire);
 }
 
 }  // namespace smaservo
