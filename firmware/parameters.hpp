@@ -27,8 +27,8 @@ constexpr auto joined(const std::array<T, n>&... parts) {
 
 template <class S>
 inline constexpr auto parameters = joined(
-    identity_rows<S>(), timing_rows<S>(), measuring_rows<S>(), limit_rows<S>(), trip_rows<S>(),
-    safe_rows<S>(), axis_rows<S>(),
+    identity_rows<S>(), timing_rows<S>(), measuring_rows<S>(), observer_rows<S>(), limit_rows<S>(),
+    trip_rows<S>(), safe_rows<S>(), axis_rows<S>(),
     loop_rows<S, &Settings<S>::strain>(0x2100, "strain", "W", kind::power, "", kind::number,
                                        {0, 0, 1e-4F}),
     drive_rows<S>(),

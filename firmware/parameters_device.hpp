@@ -76,6 +76,21 @@ constexpr auto measuring_rows() {
 }
 
 template <class S>
+constexpr auto observer_rows() {
+  constexpr auto g = &Settings<S>::observer;
+  using G = ObserverSettings<S>;
+  constexpr auto when = Change::without_current;
+  return std::to_array<Parameter<S>>({
+      real<Member<S, g, &G::ambient_sd_K>>({0x2011, 1}, "observer.ambient_sd_K",
+                                           kind::temperature_difference, when, 0.1F, 18, 100,
+                                           "standard deviation of the first guess of the air's "
+                                           "temperature"),
+      real<Member<S, g, &G::loss_sd>>({0x2011, 2}, "observer.loss_sd", kind::number, when, 0.01F,
+                                      0.3F, 2, "of the cooling, relative to the wire's file"),
+  });
+}
+
+template <class S>
 constexpr auto limit_rows() {
   constexpr auto g = &Settings<S>::limits;
   using G = SoftLimits<S>;
@@ -105,6 +120,10 @@ constexpr auto limit_rows() {
                                    "share of the squared current limit, averaged"),
       real<Member<S, g, &G::duty_window_s>>({0x2020, 10}, "limits.duty_window_s", kind::time, live,
                                             0.1F, 10, 3600, "over which it is averaged"),
+      real<Member<S, g, &G::loss_margin>>({0x2020, 11}, "limits.loss_margin", kind::number, live, 1,
+                                          1.15F, 100,
+                                          "cooling believed at the temperature limit, by the "
+                                          "wire's file"),
   });
 }
 
@@ -255,6 +274,8 @@ constexpr auto trajectory_rows() {
       real<Member<S, &Settings<S>::transfer_s>>(
           {0x2106, 4}, "trajectory.transfer_s", kind::time, Change::live, 0, 0.01F, 60,
           "time constant in which a new mode or gain takes over"),
+      real<Member<S, g, &G::lead_s>>({0x2106, 5}, "trajectory.lead_s", kind::time, Change::live, 0,
+                                     0.03F, 1, "by which a set-point that streams is led"),
   });
 }
 

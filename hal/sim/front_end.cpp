@@ -11,9 +11,13 @@ double converter_step(double full_scale, int bits) {
   return full_scale / std::ldexp(1.0, bits - 1);
 }
 
-/// Never a negative zero: it would not survive a trace.
+/// By a converter of this step; 0: none. Never a negative zero: it would not survive a trace.
 double quantised(double value, double step, double full_scale) {
-  return std::clamp(std::round(value / step) * step, -full_scale, full_scale) + 0.0;
+  if (step == 0) {
+    return value;
+  }
+  const auto steps = static_cast<double>(std::lrint(value / step));
+  return std::clamp(steps * step, -full_scale, full_scale);
 }
 
 }  // namespace
@@ -111,17 +115,15 @@ bool FrontEnd::read(const Truth& truth, Frame& frame) {
   if (faults.lost_share > 0 && fault_noise_.uniform() < faults.lost_share) {
     return false;
   }
-  constexpr double finest = 1e-3;  // V and K
-  constexpr double no_end = std::numeric_limits<double>::infinity();
   frame.current_A = reading(Reading::current, current_A_ + current_noise_A, current_step_A_,
                             sensors_.current_full_scale_A);
   frame.voltage_V = reading(Reading::voltage, wire_V + voltage_noise_V, voltage_step_V_,
                             sensors_.voltage_full_scale_V);
   frame.load_N = reading(Reading::load, load_N * sensors_.load_gain + load_noise_N, load_step_N_,
                          sensors_.load_full_scale_N);
-  frame.supply_V = reading(Reading::supply, truth.supply_V, finest, no_end);
-  frame.ambient_K = reading(Reading::ambient, truth.ambient_K, finest, no_end);
-  frame.driver_K = reading(Reading::driver, truth.driver_K, finest, no_end);
+  frame.supply_V = reading(Reading::supply, truth.supply_V, 0, 0);
+  frame.ambient_K = reading(Reading::ambient, truth.ambient_K, 0, 0);
+  frame.driver_K = reading(Reading::driver, truth.driver_K, 0, 0);
   frame.emergency_stop = faults.emergency_stop;
   frame.driver_fault = faults.driver_fault;
   return true;

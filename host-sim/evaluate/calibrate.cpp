@@ -11,7 +11,7 @@
 #include "host-sim/simulate.hpp"
 
 namespace smaservo {
-Run calibration_measurement(const Unit& unit, std::size_t index) {
+Run calibration_measurement(const WireUnit& unit, std::size_t index) {
   const double area_m2 = unit.type_file().geometry.area_m2();
   Run run{};
   run.name = fmt::format("{} MPa", calibration_stresses_MPa.at(index));
@@ -27,7 +27,7 @@ Run calibration_measurement(const Unit& unit, std::size_t index) {
   return run;
 }
 
-WireDescription calibrate(const Unit& unit) {
+WireDescription calibrate(const WireUnit& unit) {
   const Wire<double> from = unit.type_file();
   std::vector<Run> runs;
   runs.reserve(calibration_stresses_MPa.size());
@@ -40,7 +40,7 @@ WireDescription calibrate(const Unit& unit) {
           {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};
 }
 
-Wire<double> calibrated_wire(const Unit& unit, const std::string& folder) {
+Wire<double> calibrated_wire(const WireUnit& unit, const std::string& folder) {
   const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
   if (!folder.empty() && std::filesystem::exists(file)) {
     return load_wire(file.string()).wire;

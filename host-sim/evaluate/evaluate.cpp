@@ -28,7 +28,7 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
 }
 
 struct CalibratedUnit {
-  Unit unit;
+  WireUnit unit;
   Wire<double> type_file, calibrated;
 };
 
@@ -96,7 +96,7 @@ std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool cali
   std::vector<CalibratedUnit> units;
   for (int i = 0; i < options.units; ++i) {
     for (const Family family : families) {
-      const Unit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
+      const WireUnit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
       units.push_back({unit, unit.type_file(), {}});
     }
   }
@@ -125,7 +125,7 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
       const bool disturbed =
           row.disturbed == Disturbed::always ||
           (row.disturbed == Disturbed::every_other && round / row.conditions.size() % 2 == 1);
-      const Unit& unit = units[at].unit;
+      const WireUnit& unit = units[at].unit;
       jobs.push_back({index,
                       at,
                       {unit.family, unit.seed, row.conditions[round % row.conditions.size()],

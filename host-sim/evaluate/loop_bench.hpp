@@ -26,7 +26,7 @@ class LoopBench {
  public:
   static constexpr double step_s = 1e-3;
 
-  LoopBench(const Unit& unit, const LoopConditions& conditions, std::uint64_t seed);
+  LoopBench(const WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed);
 
   /// The readings of now; after them drive() has a period to act.
   Inputs<double> read();

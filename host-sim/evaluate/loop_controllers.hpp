@@ -30,7 +30,7 @@ class LoopController {
 
 /// What is known of a unit: its calibrated wire, and 002's estimator from the same runs.
 struct KnownUnit {
-  Unit unit;
+  WireUnit unit;
   Wire<double> wire;
   StrainResistance<double>::Params estimator_002;
 };
