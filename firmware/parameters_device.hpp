@@ -275,7 +275,7 @@ constexpr auto trajectory_rows() {
           {0x2106, 4}, "trajectory.transfer_s", kind::time, Change::live, 0, 0.01F, 60,
           "time constant in which a new mode or gain takes over"),
       real<Member<S, g, &G::lead_s>>({0x2106, 5}, "trajectory.lead_s", kind::time, Change::live, 0,
-                                     0.03F, 1, "by which a set-point that streams is led"),
+                                     0.05F, 1, "by which a set-point that streams is led"),
   });
 }
 

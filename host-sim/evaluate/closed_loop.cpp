@@ -64,7 +64,7 @@ void count(LoopFigures& figures, const LoopRun& run, const LoopRun& ideal_run) {
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
     const LoopStep& step = run.steps[i];
     figures.error.add(step.error_percent);
-    figures.cycles += step.ripple_percent > loop_ripple_percent ? 1 : 0;
+    figures.cycles += step.reversals > 1 ? 1 : 0;
     if (step.heats) {
       figures.heating_s.push_back(step.settled_s);
       figures.heated_in_time += step.settled_s <= in_time_s ? 1 : 0;

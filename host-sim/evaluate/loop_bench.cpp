@@ -49,7 +49,6 @@ std::unique_ptr<SimulatedWire> wire(const WireUnit& unit, std::uint64_t seed) {
 Settings<double> loop_settings(const Wire<double>& wire) {
   Settings<double> s = default_settings<double>();
   s.wire = wire;
-  s.limits.least_current_A = 0.015;
   s.limits.current_A = 0.4;
   s.limits.power_W = 10;
   s.limits.temperature_K = wire.limits.temperature_K;

@@ -58,6 +58,27 @@ class Loop {
   double shortest_ = 0, longest_ = 0;
 };
 
+/// How often the strain turns by more than `least`.
+int reversals(std::span<const double> strain, double least) {
+  int count = 0;
+  double lowest = strain.front();
+  double highest = strain.front();
+  int heading = 0;
+  for (const double x : strain) {
+    lowest = std::min(lowest, x);
+    highest = std::max(highest, x);
+    const int now = x - lowest > least ? 1 : highest - x > least ? -1 : 0;
+    if (now != 0 && now != heading) {
+      count += heading == 0 ? 0 : 1;
+      heading = now;
+      lowest = highest = x;
+    } else if (now != 0) {
+      (now > 0 ? lowest : highest) = x;
+    }
+  }
+  return count;
+}
+
 LoopStep judge(std::span<const double> strain, double before, double goal, double stroke) {
   const auto percent = [&](double x) { return 100 * x / stroke; };
   const auto unsettled = std::ranges::find_if(strain.rbegin(), strain.rend(), [&](double x) {
@@ -70,11 +91,11 @@ LoopStep judge(std::span<const double> strain, double before, double goal, doubl
   for (const double x : tail) {
     sum += std::abs(percent(x - goal));
   }
-  const auto [least, greatest] = std::ranges::minmax(tail);
   return {goal < before,
           unsettled == strain.rbegin() ? std::numeric_limits<double>::infinity()
                                        : last * LoopBench::step_s,
-          sum / static_cast<double>(tail.size()), percent(greatest - least)};
+          sum / static_cast<double>(tail.size()),
+          reversals(tail, 0.01 * loop_ripple_percent * stroke)};
 }
 
 }  // namespace

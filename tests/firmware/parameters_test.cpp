@@ -76,7 +76,7 @@ TEST(Parameters, KeysAndPathsAreFound) {
     const std::string_view path = parameters<float>[i].path.text();
     groups.insert(path.substr(0, path.find('.')));
   }
-  EXPECT_EQ(groups.size(), 15U);
+  EXPECT_EQ(groups.size(), 16U);
   EXPECT_EQ(find_parameter(Key{0x2000, 0}), no_parameter);
   EXPECT_EQ(find_parameter(Key{0x5FFF, 255}), no_parameter);
   EXPECT_EQ(find_parameter("limits.current"), no_parameter);
@@ -145,7 +145,7 @@ std::string objects_of(std::span<const Parameter<float>> rows) {
       constexpr std::string_view digits = "0123456789ABCDEF";
       text += "{0x";
       for (const int shift : {12, 8, 4, 0}) {
-        text += digits[(static_cast<unsigned>(row.key.index) >> shift) & 15U];
+        text += digits[(static_cast<unsigned>(row.key.index) >> shift) & 16U];
       }
       text += ", \"";
       index = row.key.index;
