@@ -1,0 +1,174 @@
+#pragma once
+// Detects faults of the wire, its leads, its clamps and its load.
+
+#include "firmware/monitor/open_heat.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct WireMonitor {
+  /// An empty one is all zero.
+  struct State {
+    OpenHeat<S> heat;
+    S before_K;            ///< the estimate in the last step
+    bool was_sure;         ///< and whether it was one
+    S heating_W;           ///< net power by the estimate, low-pass filtered
+    S least_ohm;           ///< since the wire is heated without a break
+    S least_at_Pa;         ///< and the stress there
+    S slips;               ///< seen, forgotten within 10 s
+    bool slipping;         ///< the last step already was in one
+    bool contracted;       ///< the half of a cycle that it is in
+    std::uint32_t cycles;  ///< full ones; a machine that keeps count puts the stored number here
+  };
+
+  /// Cost: about 150 operations, a division among them.
+  static FaultSet detect(const Seen<S>& seen, State& s);
+
+  /// What the wire's resistance differs by from what its model expects of a new wire, relative and
+  /// times the model's: off by more than the setting allows.
+  static bool drifted(const Settings<S>& q, const S& measured_ohm, const S& expected_ohm) {
+    return q.trips.drift * expected_ohm < magnitude(measured_ohm - expected_ohm);
+  }
+
+ private:
+  /// The overheating signature's rise, where the limit is close to the transformation: less would
+  /// be noise.
+  static constexpr S least_rise_K = S(20);
+  static constexpr S onset = S(0.8);
+  /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
+  /// late.
+  static constexpr S ahead_s = S(0.004);
+  static constexpr S slip_forgotten_1_s = S(0.1);
+
+  static void circuit(const Seen<S>& seen, FaultSet& now);
+  static void temperature(const Seen<S>& seen, State& s, FaultSet& now);
+  static void signature(const Seen<S>& seen, State& s, FaultSet& now);
+  static void mechanics(const Seen<S>& seen, State& s, FaultSet& now);
+  static void age(const Seen<S>& seen, State& s, FaultSet& now);
+};
+
+template <class S>
+FaultSet WireMonitor<S>::detect(const Seen<S>& seen, State& s) {
+  FaultSet now;
+  if (seen.in.fresh) {
+    circuit(seen, now);
+  }
+  if (seen.observing) {
+    temperature(seen, s, now);
+    signature(seen, s, now);
+    mechanics(seen, s, now);
+    age(seen, s, now);
+  }
+  return now;
+}
+
+template <class S>
+void WireMonitor<S>::circuit(const Seen<S>& seen, FaultSet& now) {
+  const MeasurementParams<S>& band = seen.prepared.measuring;
+  const S R = seen.measurement.resistance_ohm;  // 0 without enough current
+  const S low_A = seen.least_given_A();
+  const bool measurable =
+      band.least_current_A <= magnitude(seen.current_A) && seen.measurement.power_valid;
+  const S nothing_ohm = S(0.02) * seen.prepared.cold_ohm;
+  const bool no_voltage = measurable && R < nothing_ohm;
+  now.add(Fault::sense_lead_open, no_voltage);
+  now.add(Fault::wire_short, measurable && R < band.least_resistance_ohm && !no_voltage);
+  const bool no_current = S(0) < low_A && magnitude(seen.current_A) < S(0.2) * low_A;
+  now.add(Fault::wire_open, no_current || (measurable && band.greatest_resistance_ohm < R));
+}
+
+template <class S>
+void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  const Estimate<S>& e = seen.estimate;
+  s.heat.advance(seen);
+  // Power that is gone before the wire could have answered is not its fault.
+  now.add(Fault::no_response,
+          s.heat.finish_K + S(5) < s.heat.temperature_K && S(0.5) < e.martensite);
+  const S hottest_K =
+      s.heat.temperature_K < e.temperature_K ? e.temperature_K : s.heat.temperature_K;
+  const S room_K = q.trips.temperature_K - q.limits.hot_spot_K - hottest_K;
+  const S coming_J = S(0) < s.heat.net_W ? s.heat.net_W * ahead_s : S(0);
+  now.add(Fault::over_temperature,
+          seen.prepared.observer.model.body.capacity_J_K * room_K < coming_J);
+  // An observer that searches jumps from one idea to another; that is not the wire.
+  const bool sure = seen.sure();
+  const S rise_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
+  const S most_K = q.trips.heating_rate_K_s * seen.dt_s;
+  now.add(Fault::heating_fast, S(0.7) * most_K < rise_K);
+  now.add(Fault::heating_rate, most_K < rise_K);
+  s.before_K = e.temperature_K;
+  s.was_sure = sure;
+}
+
+/// Austenite's resistance rises with temperature. Its rise since the minimum, under the same stress
+/// and while heat goes in, says how far the wire is beyond the transformation.
+template <class S>
+void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  const Estimate<S>& e = seen.estimate;
+  const S loss_W = seen.filter.loss * seen.prepared.observer.model.body.loss_W(
+                                          e.temperature_K - seen.filter.ambient_K);
+  const S share = S(50) * seen.dt_s < S(1) ? S(50) * seen.dt_s : S(1);
+  s.heating_W = s.heating_W + share * (seen.measurement.power_W - loss_W - s.heating_W);
+  const S R = seen.measurement.resistance_ohm;
+  if (!seen.measurement.resistance_valid) {
+    return;
+  }
+  const S sigma = seen.filter.stress_Pa;
+  const bool steady = S(20) * magnitude(sigma - s.least_at_Pa) <= s.least_at_Pa;
+  const bool austenite = e.martensite + e.r_phase < S(0.15);
+  if (!steady || !austenite || s.heating_W < S(0) || R < s.least_ohm) {
+    s.least_ohm = R;
+    s.least_at_Pa = sigma;
+    return;
+  }
+  const Phase<S>& a = q.wire.material.austenite;
+  const S beyond_K = q.trips.temperature_K - q.limits.hot_spot_K - s.heat.finish_K;
+  const S rise_K = beyond_K < least_rise_K ? least_rise_K : beyond_K;
+  // ΔR/R = k/ρ ΔT
+  const S rise = (R - s.least_ohm) * a.resistivity_ohm_m;
+  const S limit = s.least_ohm * a.resistivity_ohm_m_K * rise_K;
+  now.add(Fault::overheat_onset, onset * limit < rise);
+  now.add(Fault::overheat_signature, limit < rise);
+}
+
+template <class S>
+void WireMonitor<S>::mechanics(const Seen<S>& seen, State& s, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  const Measurement<S>& m = seen.measurement;
+  const S strain = seen.estimate.strain;
+  now.add(Fault::load_lost, m.stress_valid && m.stress_Pa < q.trips.slack_Pa);
+  now.add(Fault::over_stress, m.stress_valid && q.trips.stress_Pa < m.stress_Pa);
+  now.add(Fault::over_strain,
+          seen.sure() && (strain < q.trips.least_strain || q.trips.greatest_strain < strain));
+  // A load that is taken away shortens the wire and lowers its resistance; a wire that slips
+  // relaxes while more of it comes to lie between the leads.
+  const S model_ohm = seen.filter.model_ohm;
+  const bool slipping = m.stress_valid && m.resistance_valid && seen.sure() &&
+                        m.stress_Pa < S(0.85) * seen.filter.stress_Pa &&
+                        S(0.004) * model_ohm < m.resistance_ohm - model_ohm;
+  s.slips = s.slips - s.slips * slip_forgotten_1_s * seen.dt_s;
+  if (slipping && !s.slipping) {
+    s.slips = s.slips + S(1);
+  }
+  s.slipping = slipping;
+  now.add(Fault::slip_seen, S(0.5) < s.slips);
+  now.add(Fault::clamp_slip, S(2.5) < s.slips);
+}
+
+template <class S>
+void WireMonitor<S>::age(const Seen<S>& seen, State& s, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  now.add(Fault::drift, seen.sure() && drifted(q, seen.filter.resistance, S(1)));
+  const bool turned = s.contracted ? S(0.7) < seen.estimate.martensite + seen.estimate.r_phase
+                                   : seen.estimate.martensite + seen.estimate.r_phase < S(0.3);
+  if (turned && seen.sure()) {
+    s.cycles = s.contracted ? s.cycles + 1 : s.cycles;
+    s.contracted = !s.contracted;
+  }
+  now.add(Fault::cycles, q.trips.cycles <= s.cycles);
+  now.add(Fault::duty, S(1.1) * q.limits.duty < seen.duty);
+}
+
+}  // namespace smaservo
