@@ -30,6 +30,7 @@ enum class Fault : std::uint8_t {
   sense_lead_open,
   no_response,
   over_temperature,
+  heat_limit,
   overheat_onset,
   overheat_signature,
   heating_fast,

@@ -6,7 +6,7 @@
 namespace smaservo {
 
 inline constexpr FaultRow estimate_faults[] = {
-    {Fault::model_divergence, 0xFF30, "model_divergence", FaultClass::F2, 0.1, Clears::command,
+    {Fault::model_divergence, 0xFF30, "model_divergence", FaultClass::F2, 0.5, Clears::command,
      "The measured resistance and the one that the model expects differ far more than the observer "
      "thinks possible.",
      "A wrong wire file, a wire that has changed, a wrong load reading, sense leads with a fault.",
@@ -15,7 +15,7 @@ inline constexpr FaultRow estimate_faults[] = {
      "The observer's result is not a number.",
      "Settings far from any wire, or an error in this program.",
      "The wire file; please report it with the trace."},
-    {Fault::estimate_unsure, 0xFF32, "estimate_unsure", FaultClass::F2, 2, Clears::command,
+    {Fault::estimate_unsure, 0xFF32, "estimate_unsure", FaultClass::F2, 5, Clears::command,
      "The observer does not know where the wire is, and the mode in force needs to.",
      "Switched on while the wire was hot or half cooled; a wire that is not the one of the file.",
      "Let the wire cool, then arm; or heat it once fully in current or power mode."},

@@ -28,6 +28,11 @@ inline constexpr FaultRow wire_faults[] = {
      "A limit too close to what the load needs, a set-point out of reach, a wire that is better "
      "insulated than its settings say.",
      "limits.temperature_K well below the trip; the load's stress; what covers the wire."},
+    {Fault::heat_limit, 0xFF2E, "heat_limit", FaultClass::L, 0, Clears::itself,
+     "By the heat that it was given the wire may be at limits.temperature_K, whatever the estimate "
+     "says; the current is reduced.",
+     "A set-point out of reach, strong draught or a cold place, an estimate that is wrong.",
+     "The estimated temperature and heat loss against what surrounds the wire."},
     {Fault::overheat_onset, 0xFF23, "overheat_onset", FaultClass::L, 0.01, Clears::itself,
      "The resistance rises again while the wire is heated, as it does beyond the transformation; "
      "the current is reduced.",

@@ -26,7 +26,7 @@ struct EstimateMonitor {
  private:
   static constexpr S filter_1_s = S(10);
   /// Squared: so many standard deviations of the filtered innovation are too many.
-  static constexpr S far = S(16);
+  static constexpr S far = S(36);
 
   static bool diverged(const Seen<S>& seen, State& s);
   static bool away(const Seen<S>& seen, State& s);

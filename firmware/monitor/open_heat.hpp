@@ -14,16 +14,22 @@ struct OpenHeat {
   S finish_K;       ///< of the transformation into austenite, under the present stress
   S net_W;          ///< taken in during the last step
 
-  /// The observer's opinion of the heat is taken over within this time: what is not known here, the
-  /// loops inside of the transformation above all, must not add up.
-  static constexpr S forgets_1_s = S(0.5);
+  /// The observer's opinion of the heat is taken over within these times: what is not known here,
+  /// the loops inside of the transformation above all, must not add up. A deceived observer thinks
+  /// the wire colder than it is, so that is believed more slowly.
+  static constexpr S warms_1_s = S(0.5);
+  static constexpr S cools_1_s = S(0.1);
+  /// It may also think that a draught or cold air keeps the wire cold. That is believed so far.
+  static constexpr S most_loss = S(1);
+  static constexpr S colder_K = S(2);
 
   /// Cost: about 50 operations, a division among them.
   void advance(const Seen<S>& seen) {
     const auto& f = seen.filter;
     const ThermalBody<S>& body = seen.prepared.observer.model.body;
     const Surface<S>& m2a = seen.prepared.observer.model.kinetics.m2a;
-    const S air_K = f.ambient_K;
+    const S coldest_K = f.start_ambient_K - colder_K;
+    const S air_K = f.ambient_K < coldest_K ? coldest_K : f.ambient_K;
     const auto at = [&](const S(&c)[3]) {
       return c[0] + f.stress_Pa * (c[1] + f.stress_Pa * c[2]);
     };
@@ -43,12 +49,14 @@ struct OpenHeat {
     const S power_W = seen.in.fresh && seen.measurement.power_valid
                           ? seen.measurement.power_W
                           : given_A * given_A * seen.prepared.cold_ohm;
-    net_W = power_W - f.loss * body.loss_W(temperature_K - air_K);
+    const S loss = f.loss < most_loss ? f.loss : most_loss;
+    net_W = power_W - loss * body.loss_W(temperature_K - air_K);
     const Estimate<S>& e = seen.estimate;
     const S austenite = S(1) - e.martensite - e.r_phase;
     const S observed_J =
         C * (e.temperature_K - air_K) + L * austenite + (L - body.latent_r2a_J) * e.r_phase;
-    heat_J = heat_J + (net_W + forgets_1_s * (observed_J - heat_J)) * seen.dt_s;
+    const S missing_J = observed_J - heat_J;
+    heat_J = heat_J + (net_W + (missing_J < S(0) ? cools_1_s : warms_1_s) * missing_J) * seen.dt_s;
   }
 };
 

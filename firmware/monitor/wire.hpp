@@ -10,11 +10,13 @@ struct WireMonitor {
   /// An empty one is all zero.
   struct State {
     OpenHeat<S> heat;
+    S unanswered_J;        ///< given to a wire that did not contract
     S before_K;            ///< the estimate in the last step
     bool was_sure;         ///< and whether it was one
     S heating_W;           ///< net power by the estimate, low-pass filtered
     S least_ohm;           ///< since the wire is heated without a break
     S least_at_Pa;         ///< and the stress there
+    S innovation_ohm;      ///< low-pass filtered
     S slips;               ///< seen, forgotten within 10 s
     bool slipping;         ///< the last step already was in one
     bool contracted;       ///< the half of a cycle that it is in
@@ -37,7 +39,7 @@ struct WireMonitor {
   static constexpr S onset = S(0.8);
   /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
   /// late.
-  static constexpr S ahead_s = S(0.004);
+  static constexpr S ahead_s = S(0.003);
   static constexpr S slip_forgotten_1_s = S(0.1);
 
   static void circuit(const Seen<S>& seen, FaultSet& now);
@@ -82,15 +84,21 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const Estimate<S>& e = seen.estimate;
   s.heat.advance(seen);
-  // Power that is gone before the wire could have answered is not its fault.
-  now.add(Fault::no_response,
-          s.heat.finish_K + S(5) < s.heat.temperature_K && S(0.5) < e.martensite);
+  // Heat beyond what would hold the wire at the end of its transformation even in a draught.
+  const ThermalBody<S>& body = seen.prepared.observer.model.body;
+  const S above_K = s.heat.finish_K - seen.filter.ambient_K;
+  const S beyond_J = (seen.measurement.power_W - S(1.6) * body.loss_W(above_K)) * seen.dt_s;
+  const S unanswered_J = s.unanswered_J + beyond_J;
+  s.unanswered_J = unanswered_J < S(0) || e.martensite < S(0.5) ? S(0) : unanswered_J;
+  now.add(Fault::no_response, body.capacity_J_K * above_K + body.latent_m2a_J < s.unanswered_J);
+  const S coming_J = S(0) < s.heat.net_W ? s.heat.net_W * ahead_s : S(0);
+  const auto passes = [&](const S& limit_K, const S& middle_K) {
+    return body.capacity_J_K * (limit_K - q.limits.hot_spot_K - middle_K) < coming_J;
+  };
   const S hottest_K =
       s.heat.temperature_K < e.temperature_K ? e.temperature_K : s.heat.temperature_K;
-  const S room_K = q.trips.temperature_K - q.limits.hot_spot_K - hottest_K;
-  const S coming_J = S(0) < s.heat.net_W ? s.heat.net_W * ahead_s : S(0);
-  now.add(Fault::over_temperature,
-          seen.prepared.observer.model.body.capacity_J_K * room_K < coming_J);
+  now.add(Fault::over_temperature, passes(q.trips.temperature_K, hottest_K));
+  now.add(Fault::heat_limit, seen.heated() && passes(q.limits.temperature_K, s.heat.temperature_K));
   // An observer that searches jumps from one idea to another; that is not the wire.
   const bool sure = seen.sure();
   const S rise_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
@@ -144,10 +152,11 @@ void WireMonitor<S>::mechanics(const Seen<S>& seen, State& s, FaultSet& now) {
           seen.sure() && (strain < q.trips.least_strain || q.trips.greatest_strain < strain));
   // A load that is taken away shortens the wire and lowers its resistance; a wire that slips
   // relaxes while more of it comes to lie between the leads.
-  const S model_ohm = seen.filter.model_ohm;
+  const S jump_ohm = seen.filter.innovation_ohm - s.innovation_ohm;
+  s.innovation_ohm = s.innovation_ohm + S(20) * seen.dt_s * jump_ohm;
   const bool slipping = m.stress_valid && m.resistance_valid && seen.sure() &&
-                        m.stress_Pa < S(0.85) * seen.filter.stress_Pa &&
-                        S(0.004) * model_ohm < m.resistance_ohm - model_ohm;
+                        m.stress_Pa < S(0.8) * seen.filter.stress_Pa &&
+                        S(0.01) * seen.filter.model_ohm < jump_ohm;
   s.slips = s.slips - s.slips * slip_forgotten_1_s * seen.dt_s;
   if (slipping && !s.slipping) {
     s.slips = s.slips + S(1);
