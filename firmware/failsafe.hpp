@@ -4,6 +4,7 @@
 
 #include "firmware/command.hpp"
 #include "firmware/faults/table.hpp"
+#include "firmware/settings.hpp"
 
 namespace smaservo {
 

@@ -10,16 +10,17 @@ struct WireMonitor {
   /// An empty one is all zero.
   struct State {
     OpenHeat<S> heat;
-    S unanswered_J;        ///< given to a wire that did not contract
-    S before_K;            ///< the estimate in the last step
-    bool was_sure;         ///< and whether it was one
-    S heating_W;           ///< net power by the estimate, low-pass filtered
-    S least_ohm;           ///< since the wire is heated without a break
-    S least_at_Pa;         ///< and the stress there
-    S innovation_ohm;      ///< low-pass filtered
-    S slips;               ///< seen, forgotten within 10 s
-    bool slipping;         ///< the last step already was in one
-    bool contracted;       ///< the half of a cycle that it is in
+    S unanswered_J;             ///< given to a wire that did not contract
+    S before_K;                 ///< the estimate in the last step
+    bool was_sure;              ///< and whether it was one
+    S power_W;                  ///< low-pass filtered
+    S least_ohm;                ///< while austenite is heated
+    S least_at_Pa, least_at_W;  ///< stress and power there
+    S least_at_cold;            ///< share of martensite and R-phase there
+    S innovation_ohm;           ///< low-pass filtered
+    S slips;                    ///< seen, forgotten within 10 s
+    bool slipping;              ///< the last step already was in one
+    bool contracted;            ///< the half of a cycle that it is in
     std::uint32_t cycles;  ///< full ones; a machine that keeps count puts the stored number here
   };
 
@@ -109,26 +110,31 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   s.was_sure = sure;
 }
 
-/// Austenite's resistance rises with temperature. Its rise since the minimum, under the same stress
-/// and while heat goes in, says how far the wire is beyond the transformation.
+/// Austenite's resistance rises with temperature. Its rise since the minimum, under the same
+/// stress, with no less power and no more of the cold phases, says how far the wire is beyond the
+/// transformation.
 template <class S>
 void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const Estimate<S>& e = seen.estimate;
-  const S loss_W = seen.filter.loss * seen.prepared.observer.model.body.loss_W(
-                                          e.temperature_K - seen.filter.ambient_K);
   const S share = S(50) * seen.dt_s < S(1) ? S(50) * seen.dt_s : S(1);
-  s.heating_W = s.heating_W + share * (seen.measurement.power_W - loss_W - s.heating_W);
+  s.power_W = s.power_W + share * (seen.measurement.power_W - s.power_W);
   const S R = seen.measurement.resistance_ohm;
   if (!seen.measurement.resistance_valid) {
     return;
   }
   const S sigma = seen.filter.stress_Pa;
   const bool steady = S(20) * magnitude(sigma - s.least_at_Pa) <= s.least_at_Pa;
-  const bool austenite = e.martensite + e.r_phase < S(0.15);
-  if (!steady || !austenite || s.heating_W < S(0) || R < s.least_ohm) {
+  const S cold = e.martensite + e.r_phase;
+  const S loss_W =
+      seen.prepared.observer.model.body.loss_W(e.temperature_K - seen.filter.ambient_K);
+  const bool heated = S(0.5) * loss_W < s.power_W && S(0.9) * s.least_at_W < s.power_W;
+  const bool austenite = cold < S(0.25) && cold < s.least_at_cold + S(0.01);
+  if (!steady || !austenite || !heated || R < s.least_ohm) {
+    s.least_at_cold = cold;
     s.least_ohm = R;
     s.least_at_Pa = sigma;
+    s.least_at_W = s.power_W;
     return;
   }
   const Phase<S>& a = q.wire.material.austenite;
