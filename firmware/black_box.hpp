@@ -1,7 +1,7 @@
 #pragma once
-// What a fault leaves behind: the whole cycle in which it was found, and the seconds before it. Kept
-// beside the device's state, which stays small; whoever calls Device::step() calls record() after
-// it. Trivially copyable, without pointers: a board may store its bytes.
+// What a fault leaves behind: the whole cycle in which it was found, and the seconds before it.
+// Kept beside the device's state, which stays small; whoever calls Device::step() calls record()
+// after it. Trivially copyable, without pointers: a board may store its bytes.
 
 #include <array>
 #include <type_traits>

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "firmware/faults/table.hpp"
+#include "firmware/settings.hpp"
 
 namespace smaservo {
 
@@ -14,6 +15,21 @@ inline constexpr auto fault_deglitch_s = [] {
   }
   return times;
 }();
+
+/// How long a condition lasts until it is a fault, with these settings.
+template <class S>
+constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
+  switch (fault) {
+    case Fault::following_error:
+      return settings.trips.following_s;
+    case Fault::sample_stale:
+      return settings.timing.sample_timeout_s;
+    case Fault::command_timeout:
+      return settings.timing.command_timeout_s;
+    default:
+      return static_cast<S>(fault_deglitch_s[static_cast<std::size_t>(fault)]);
+  }
+}
 
 /// Counts up while the condition is there and down while it is not: a loose contact that is open
 /// for most of the time trips as well. An empty one is all zero.

@@ -33,13 +33,14 @@ inline constexpr FaultRow wire_faults[] = {
      "says; the current is reduced.",
      "A set-point out of reach, strong draught or a cold place, an estimate that is wrong.",
      "The estimated temperature and heat loss against what surrounds the wire."},
-    {Fault::overheat_onset, 0xFF23, "overheat_onset", FaultClass::L, 0.01, Clears::itself,
+    {Fault::overheat_onset, 0xFF23, "overheat_onset", FaultClass::L, 0.005, Clears::itself,
      "The resistance rises again while the wire is heated, as it does beyond the transformation; "
      "the current is reduced.",
      "More heat than the stroke needs: a set-point out of reach, a wrong estimate.",
      "The set-point against what the wire reaches under this load."},
-    {Fault::overheat_signature, 0xFF24, "overheat_signature", FaultClass::F1, 0.01, Clears::command,
-     "The resistance has risen so far past its minimum that the wire is at its temperature limit, "
+    {Fault::overheat_signature, 0xFF24, "overheat_signature", FaultClass::F1, 0.005,
+     Clears::command,
+     "The resistance has risen far past its minimum while the wire is heated: it is much too hot, "
      "whatever the model says.",
      "Power that is measured too low, a wrong wire file, a wire that is shielded from the air.",
      "The gains of voltage and current; identify the wire again."},

@@ -8,6 +8,12 @@ namespace smaservo {
 
 template <class S>
 struct DriveMonitor {
+  /// The voltage reading is at the end of its scale.
+  static bool voltage_at_end(const Seen<S>& seen) {
+    return full * seen.prepared.settings.measuring.voltage_full_scale_V <=
+           magnitude(seen.in.sample.voltage_V);
+  }
+
   /// The conditions that are there now. Cost: about 60 operations, no division.
   static FaultSet detect(const Seen<S>& seen, const ZeroCurrent<S>& zero);
 
@@ -70,8 +76,9 @@ void DriveMonitor<S>::current(const Seen<S>& seen, FaultSet& now) {
 template <class S>
 void DriveMonitor<S>::voltage(const Seen<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
-  now.add(Fault::voltage_saturated,
-          full * q.measuring.voltage_full_scale_V <= magnitude(seen.in.sample.voltage_V));
+  // Without current it is the wire that is open.
+  const bool flows = seen.prepared.measuring.least_current_A <= magnitude(seen.current_A);
+  now.add(Fault::voltage_saturated, flows && voltage_at_end(seen));
   const S slack_V = S(0.5);
   const bool above_supply = S(1.05) * seen.in.supply_V + slack_V < seen.voltage_V;
   // A chopper's mean voltage, less what leads and crimps keep.

@@ -13,6 +13,7 @@ struct OpenHeat {
   S temperature_K;  ///< that goes with it, on the way of heating
   S finish_K;       ///< of the transformation into austenite, under the present stress
   S net_W;          ///< taken in during the last step
+  S observed_J;     ///< above the same, as the observer sees it
 
   /// The observer's opinion of the heat is taken over within these times: what is not known here,
   /// the loops inside of the transformation above all, must not add up. A deceived observer thinks
@@ -53,7 +54,7 @@ struct OpenHeat {
     net_W = power_W - loss * body.loss_W(temperature_K - air_K);
     const Estimate<S>& e = seen.estimate;
     const S austenite = S(1) - e.martensite - e.r_phase;
-    const S observed_J =
+    observed_J =
         C * (e.temperature_K - air_K) + L * austenite + (L - body.latent_r2a_J) * e.r_phase;
     const S missing_J = observed_J - heat_J;
     heat_J = heat_J + (net_W + (missing_J < S(0) ? cools_1_s : warms_1_s) * missing_J) * seen.dt_s;

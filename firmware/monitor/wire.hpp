@@ -1,6 +1,7 @@
 #pragma once
 // Detects faults of the wire, its leads, its clamps and its load.
 
+#include "firmware/monitor/drive.hpp"
 #include "firmware/monitor/open_heat.hpp"
 
 namespace smaservo {
@@ -10,7 +11,8 @@ struct WireMonitor {
   /// An empty one is all zero.
   struct State {
     OpenHeat<S> heat;
-    S unanswered_J;             ///< given to a wire that did not contract
+    S unanswered_J;             ///< given to a wire that did not answer
+    S observed_before_J;        ///< OpenHeat's in the last step
     S before_K;                 ///< the estimate in the last step
     bool was_sure;              ///< and whether it was one
     S power_W;                  ///< low-pass filtered
@@ -34,9 +36,10 @@ struct WireMonitor {
   }
 
  private:
-  /// The overheating signature's rise, where the limit is close to the transformation: less would
-  /// be noise.
-  static constexpr S least_rise_K = S(20);
+  /// The overheating signature: R has risen by as much as pure austenite does over so many kelvins.
+  /// The wire is beyond its minimum by some 70 K then, since the last martensite still goes; less
+  /// would be found in a wire that is held at its end in a draught.
+  static constexpr S rise_K = S(40);
   static constexpr S onset = S(0.8);
   /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
   /// late.
@@ -76,8 +79,10 @@ void WireMonitor<S>::circuit(const Seen<S>& seen, FaultSet& now) {
   const bool no_voltage = measurable && R < nothing_ohm;
   now.add(Fault::sense_lead_open, no_voltage);
   now.add(Fault::wire_short, measurable && R < band.least_resistance_ohm && !no_voltage);
+  const bool at_end = DriveMonitor<S>::voltage_at_end(seen);
   const bool no_current = S(0) < low_A && magnitude(seen.current_A) < S(0.2) * low_A;
-  now.add(Fault::wire_open, no_current || (measurable && band.greatest_resistance_ohm < R));
+  now.add(Fault::wire_open,
+          no_current || (measurable && band.greatest_resistance_ohm < R && !at_end));
 }
 
 template <class S>
@@ -85,13 +90,18 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const Estimate<S>& e = seen.estimate;
   s.heat.advance(seen);
-  // Heat beyond what would hold the wire at the end of its transformation even in a draught.
+  // Heat beyond what a draught could take away, that the wire has neither become warmer nor
+  // transformed by.
+  const bool sure = seen.sure();
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
-  const S above_K = s.heat.finish_K - seen.filter.ambient_K;
-  const S beyond_J = (seen.measurement.power_W - S(1.6) * body.loss_W(above_K)) * seen.dt_s;
-  const S unanswered_J = s.unanswered_J + beyond_J;
-  s.unanswered_J = unanswered_J < S(0) || e.martensite < S(0.5) ? S(0) : unanswered_J;
-  now.add(Fault::no_response, body.capacity_J_K * above_K + body.latent_m2a_J < s.unanswered_J);
+  const S warm_K = s.heat.finish_K < e.temperature_K ? e.temperature_K : s.heat.finish_K;
+  const S most_loss_W = S(1.6) * body.loss_W(warm_K - seen.filter.ambient_K);
+  const S unanswered_J = s.unanswered_J + (seen.measurement.power_W - most_loss_W) * seen.dt_s -
+                         (s.heat.observed_J - s.observed_before_J);
+  s.unanswered_J = S(0) < unanswered_J && sure ? unanswered_J : S(0);
+  s.observed_before_J = s.heat.observed_J;
+  now.add(Fault::no_response,
+          S(20) * body.capacity_J_K + S(0.5) * body.latent_m2a_J < s.unanswered_J);
   const S coming_J = S(0) < s.heat.net_W ? s.heat.net_W * ahead_s : S(0);
   const auto passes = [&](const S& limit_K, const S& middle_K) {
     return body.capacity_J_K * (limit_K - q.limits.hot_spot_K - middle_K) < coming_J;
@@ -101,7 +111,6 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   now.add(Fault::over_temperature, passes(q.trips.temperature_K, hottest_K));
   now.add(Fault::heat_limit, seen.heated() && passes(q.limits.temperature_K, s.heat.temperature_K));
   // An observer that searches jumps from one idea to another; that is not the wire.
-  const bool sure = seen.sure();
   const S rise_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
   const S most_K = q.trips.heating_rate_K_s * seen.dt_s;
   now.add(Fault::heating_fast, S(0.7) * most_K < rise_K);
@@ -115,7 +124,6 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
 /// transformation.
 template <class S>
 void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
-  const Settings<S>& q = seen.prepared.settings;
   const Estimate<S>& e = seen.estimate;
   const S share = S(50) * seen.dt_s < S(1) ? S(50) * seen.dt_s : S(1);
   s.power_W = s.power_W + share * (seen.measurement.power_W - s.power_W);
@@ -137,9 +145,7 @@ void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
     s.least_at_W = s.power_W;
     return;
   }
-  const Phase<S>& a = q.wire.material.austenite;
-  const S beyond_K = q.trips.temperature_K - q.limits.hot_spot_K - s.heat.finish_K;
-  const S rise_K = beyond_K < least_rise_K ? least_rise_K : beyond_K;
+  const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
   // ΔR/R = k/ρ ΔT
   const S rise = (R - s.least_ohm) * a.resistivity_ohm_m;
   const S limit = s.least_ohm * a.resistivity_ohm_m_K * rise_K;

@@ -3,7 +3,6 @@
 #include <array>
 #include <gtest/gtest.h>
 
-
 namespace smaservo {
 namespace {
 
@@ -83,11 +82,10 @@ TEST(Failsafe, HoldsItsPromisesInEveryCombination) {
     disarmed_but_heated += heat && !in.arm ? 1 : 0;
     armed_against_a_block +=
         in.state == DeviceState::ready && heat && (in.blocked || !in.arm_edge) ? 1 : 0;
-    armed_against_a_block +=
-        in.state == DeviceState::arming && out.state == DeviceState::running &&
-                (in.blocked || !in.checked || !in.passed)
-            ? 1
-            : 0;
+    armed_against_a_block += in.state == DeviceState::arming && out.state == DeviceState::running &&
+                                     (in.blocked || !in.checked || !in.passed)
+                                 ? 1
+                                 : 0;
     out_of_fault_too_early +=
         in.state == DeviceState::fault && (heat || (!in.latched.empty() && out.state != in.state))
             ? 1

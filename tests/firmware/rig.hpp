@@ -130,11 +130,11 @@ class Rig {
  public:
   static constexpr double dt_s = 1e-3;
 
-  Rig(const Settings<double>& settings, std::unique_ptr<RigWire> wire, double load_Pa,
+  Rig(const Settings<double>& with, std::unique_ptr<RigWire> driven, double load_Pa,
       std::uint64_t seed = 1)
-      : settings(settings),
-        prepared(prepare(settings)),
-        wire(std::move(wire)),
+      : settings(with),
+        prepared(prepare(with)),
+        wire(std::move(driven)),
         stress_Pa(load_Pa),
         random_(seed) {
     command.fresh = true;
@@ -190,7 +190,8 @@ class Rig {
   double hottest_K = 0;  ///< that it has ever been
   int steps = 0;
   // Where faults come in.
-  std::function<double(double)> tamper_drive;  ///< from the current that is given to the one flowing
+  std::function<double(double)>
+      tamper_drive;  ///< from the current that is given to the one flowing
   std::function<void(Inputs<double>&)> tamper_inputs;
   std::function<void(Command<double>&)> tamper_command;
   std::function<void(Estimate<double>&)> tamper_estimate;
