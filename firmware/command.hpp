@@ -107,6 +107,10 @@ struct Output {
   FaultSet blocks;               ///< all reasons why it can not be armed; empty while it is
   std::uint64_t time_us;         ///< of the loop: the sum of all dt_s since start()
   std::uint64_t first_cause_us;  ///< when that was
+
+  constexpr bool limited_by(LimitReason reason) const {
+    return (limit_reasons >> static_cast<unsigned>(reason) & 1U) != 0;
+  }
 };
 
 }  // namespace smaservo

@@ -65,8 +65,7 @@ void DriveMonitor<S>::current(const Seen<S>& seen, FaultSet& now) {
   // A converter at the end of its supply is no fault of the current loop; wire_open and the
   // measured resistance look after that.
   const bool all_it_has =
-      S(0.9) * seen.in.supply_V < seen.voltage_V ||
-      (seen.last.limit_reasons >> static_cast<unsigned>(LimitReason::supply) & 1U) != 0;
+      S(0.9) * seen.in.supply_V < seen.voltage_V || seen.last.limited_by(LimitReason::supply);
   const S low_A = seen.least_given_A();
   const bool too_much = S(1.15) * seen.most_given_A() + doubt_A < I;
   const bool too_little = I < S(0.85) * low_A - doubt_A && S(0.2) * low_A <= I && !all_it_has;

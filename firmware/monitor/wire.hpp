@@ -136,7 +136,8 @@ void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
   const S cold = e.martensite + e.r_phase;
   const S loss_W =
       seen.prepared.observer.model.body.loss_W(e.temperature_K - seen.filter.ambient_K);
-  const bool heated = S(0.5) * loss_W < s.power_W && S(0.9) * s.least_at_W < s.power_W;
+  const bool limited = seen.last.limited_by(LimitReason::protection);
+  const bool heated = limited || (S(0.5) * loss_W < s.power_W && S(0.9) * s.least_at_W < s.power_W);
   const bool austenite = cold < S(0.25) && cold < s.least_at_cold + S(0.01);
   if (!steady || !austenite || !heated || R < s.least_ohm) {
     s.least_at_cold = cold;

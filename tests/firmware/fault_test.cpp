@@ -111,7 +111,7 @@ TEST_P(MildFault, WarnsOrLimitsInTime) {
   EXPECT_EQ(rig_->out.state, DeviceState::running);
   if (row.severity == FaultClass::L) {
     EXPECT_LE(rig_->out.current_A, rig_->settings.limits.least_current_A);
-    EXPECT_NE(rig_->out.limit_reasons >> static_cast<unsigned>(LimitReason::protection) & 1U, 0U);
+    EXPECT_TRUE(rig_->out.limited_by(LimitReason::protection));
   }
   EXPECT_LE(rig_->hottest_K, rig_->settings.trips.temperature_K + 3);
 }

@@ -94,7 +94,7 @@ inline std::vector<Provoker> heat_provokers() {
   };
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
-    s.trips.heating_rate_K_s = 3000;
+    s.trips.heating_rate_K_s = 2500;
   };
   const auto full_power = [](Rig& rig) {
     rig.prepared.settings.limits.current_A = 0.4;
@@ -111,7 +111,7 @@ inline std::vector<Provoker> heat_provokers() {
       {Fault::heat_limit, contract, [](Settings<double>& s) { s.limits.temperature_K = 385; }, 0.1},
       {Fault::overheat_onset, under_read_and_contract,
        [allow_hotter](Settings<double>& s) {
-         s.limits.current_A = 0.16;
+         s.limits.current_A = 0.25;
          allow_hotter(s);
        },
        2},
@@ -145,6 +145,15 @@ inline void slip(Rig& rig, int times) {
   };
 }
 
+/// Full cycles of 2 s.
+inline void go_to_and_fro(Rig& rig) {
+  const int start = rig.steps;
+  const double top = rig.wire->strain() + 0.012;
+  rig.tamper_command = [&rig, start, top](Command<double>& c) {
+    c.setpoint = (rig.steps - start) % 2000 < 1000 ? 0.008 : top;
+  };
+}
+
 inline std::vector<Provoker> load_provokers() {
   return {
       {Fault::load_lost, [](Rig& rig) { rig.stress_Pa = 0.2e6; }, {}, 0.001},
@@ -163,15 +172,7 @@ inline std::vector<Provoker> load_provokers() {
          s.trips.drift = 0.02;
        },
        1.5, 12},
-      {Fault::cycles,
-       [](Rig& rig) {
-         const int start = rig.steps;
-         const double top = rig.wire->strain();
-         rig.tamper_command = [&rig, start, top](Command<double>& c) {
-           c.setpoint = (rig.steps - start) % 2000 < 1000 ? 0.008 : top + 0.012;
-         };
-       },
-       [](Settings<double>& s) { s.trips.cycles = 2; }, 6},
+      {Fault::cycles, go_to_and_fro, [](Settings<double>& s) { s.trips.cycles = 2; }, 6},
       {Fault::cold_resistance, [](Rig&) {},
        [](Settings<double>& s) { s.trips.resistance_high = 0.98; }, 0, 12},
       {Fault::duty,
@@ -193,7 +194,11 @@ inline std::vector<Provoker> estimate_provokers() {
       {Fault::estimate_unsure, estimate([](Estimate<double>& e) { e.health = Health::searching; })},
       {Fault::following_error, [](Rig& rig) { rig.command.setpoint = 0.06; },
        [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.002},
-      {Fault::power_balance, [](Rig& rig) { rig.draught = 4; },
+      {Fault::power_balance,
+       [](Rig& rig) {
+         rig.draught = 0.5;
+         go_to_and_fro(rig);
+       },
        [](Settings<double>& s) { s.trips.following_error = 1; }, 20},
       {Fault::ambient_range, reading([](Readings& in) { in.ambient_K = 340; })},
       {Fault::started_outside, [](Rig& rig) { rig.stress_Pa = 550e6; }},
