@@ -101,9 +101,11 @@ class FaultSet {
   constexpr void set(Fault fault, bool on = true) {
     bits_ = on ? bits_ | bit(fault) : bits_ & ~bit(fault);
   }
-  /// Adds it where this is so; without a branch.
+  /// Adds it where this is so, which is rare: one instruction where it is not.
   constexpr void add(Fault fault, bool so) {
-    bits_ |= std::uint64_t{so} << static_cast<unsigned>(fault);
+    if (so) [[unlikely]] {
+      bits_ |= bit(fault);
+    }
   }
   /// The first one in the order of Fault; none of an empty set.
   constexpr Fault first() const {

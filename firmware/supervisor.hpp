@@ -87,8 +87,9 @@ auto Supervisor<S>::step(const Seen<S>& seen, State& s, FaultSet active_now, std
   if (s.state == DeviceState::running) {
     s.safe_strain = seen.estimate.strain;
   }
-  if (is_heated(s.state)) {
-    in.may_hold = trusted(seen, active | s.latched);
+  const FaultSet all = active | s.latched;
+  if (is_heated(s.state) && !(all & tripping_faults).empty()) {
+    in.may_hold = trusted(seen, all);
     in.safe_over = safe_over(seen, s);
   }
   const FailsafeOutput next = failsafe(in);

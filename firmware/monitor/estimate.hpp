@@ -86,20 +86,24 @@ void EstimateMonitor<S>::surroundings(const Seen<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const KalmanTuning<S>& t = seen.prepared.observer.tuning;
   const auto& f = seen.filter;
-  const S edge = S(0.98);
-  const S away_K = magnitude(f.ambient_K - f.start_ambient_K);
-  now.add(Fault::power_balance,
-          seen.sure() && (edge * t.loss_range < f.loss || t.loss_range * f.loss * edge < S(1) ||
-                          edge * t.ambient_range_K < away_K));
+  if (seen.sure()) {
+    const S edge = S(0.98);
+    now.add(Fault::power_balance,
+            edge * t.loss_range < f.loss || t.loss_range * f.loss * edge < S(1) ||
+                edge * t.ambient_range_K < magnitude(f.ambient_K - f.start_ambient_K));
+  }
   const S air_K = std::isfinite(seen.in.ambient_K) ? seen.in.ambient_K : f.ambient_K;
   now.add(Fault::ambient_range,
           air_K < q.trips.least_ambient_K || q.trips.greatest_ambient_K < air_K);
+  if (seen.heated()) {
+    return;
+  }
   const S strain = seen.estimate.strain;
   const bool outside =
       (seen.measurement.stress_valid && q.limits.stress_Pa < seen.measurement.stress_Pa) ||
       strain < q.trips.least_strain || q.trips.greatest_strain < strain ||
       q.limits.temperature_K < seen.estimate.temperature_K + q.limits.hot_spot_K;
-  now.add(Fault::started_outside, !seen.heated() && outside);
+  now.add(Fault::started_outside, outside);
 }
 
 }  // namespace smaservo

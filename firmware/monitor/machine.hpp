@@ -40,14 +40,18 @@ FaultSet MachineMonitor<S>::detect(const Seen<S>& seen, State& s) {
   now.add(Fault::sample_frozen, in.fresh && frozen(seen, s));
   now.add(Fault::control_invalid, s.control_invalid);
   s.control_invalid = false;
-  s.misses = s.misses - s.misses * seen.dt_s + (in.deadline_missed ? S(1) : S(0));
-  // A missed one has lost next to nothing to forgetting.
-  now.add(Fault::deadline_missed, most_misses - S(0.5) < s.misses);
+  if (in.deadline_missed || S(0) < s.misses) {
+    s.misses = s.misses - s.misses * seen.dt_s + (in.deadline_missed ? S(1) : S(0));
+    // A missed one has lost next to nothing to forgetting.
+    now.add(Fault::deadline_missed, most_misses - S(0.5) < s.misses);
+  }
   now.add(Fault::command_timeout,
           seen.command.arm && q.timing.command_timeout_s <= seen.since_command_s);
   now.add(Fault::emergency_stop, in.emergency_stop);
-  const bool warm = seen.filter.ambient_K + S(15) < seen.estimate.temperature_K;
-  now.add(Fault::cooling_timeout, seen.observing && seen.cold() && warm);
+  if (seen.observing && seen.off()) {
+    const bool warm = seen.filter.ambient_K + S(15) < seen.estimate.temperature_K;
+    now.add(Fault::cooling_timeout, warm && seen.cold());
+  }
   return now;
 }
 
@@ -59,18 +63,19 @@ bool MachineMonitor<S>::frozen(const Seen<S>& seen, State& s) {
   const bool same_readings = s.sampled && in.sample.current_A == s.sample.current_A &&
                              in.sample.voltage_V == s.sample.voltage_V &&
                              in.sample.load_N == s.sample.load_N;
+  s.sampled = true;
+  s.sequence = in.sequence;
   if (!same_readings) {
     s.sample = in.sample;
     s.frozen_at_A = seen.last.current_A;
+    return same_sequence;
   }
-  s.sampled = true;
-  s.sequence = in.sequence;
   const S changed_A = magnitude(seen.last.current_A - s.frozen_at_A);
   const Settings<S>& q = seen.prepared.settings;
   const bool ignored = S(0.05) * seen.last.current_A + S(10) * q.measuring.current_noise_A +
                            q.trips.current_offset_A <
                        changed_A;
-  return same_sequence || (same_readings && ignored);
+  return same_sequence || ignored;
 }
 
 }  // namespace smaservo

@@ -1,6 +1,8 @@
 #pragma once
 // What one step knows, for the monitors.
 
+#include <cmath>
+
 #include "firmware/command.hpp"
 #include "firmware/prepared.hpp"
 
@@ -43,8 +45,9 @@ struct Seen {
 };
 
 template <class S>
-constexpr S magnitude(const S& x) {
-  return x < S(0) ? S(0) - x : x;
+S magnitude(const S& x) {
+  using std::abs;
+  return abs(x);
 }
 
 }  // namespace smaservo

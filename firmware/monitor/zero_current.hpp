@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "firmware/prepared.hpp"
+#include "firmware/monitor/seen.hpp"
 
 namespace smaservo {
 
@@ -48,9 +48,6 @@ struct ZeroCurrent {
     }
     return {sample.current_A - current_A, sample.voltage_V - voltage_V, sample.load_N};
   }
-
- private:
-  static constexpr S magnitude(const S& x) { return x < S(0) ? S(0) - x : x; }
 };
 
 }  // namespace smaservo
