@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "firmware/command.hpp"
+#include "firmware/faults/table.hpp"
 
 namespace smaservo {
 
@@ -13,7 +14,6 @@ std::string_view mode_name(Mode mode);
 std::optional<Mode> mode_of(std::string_view name);
 std::string_view state_name(DeviceState state);
 std::string_view limit_reason_name(LimitReason reason);
-std::string_view fault_name(Fault fault);
 
 /// All of them with a plus in between; empty where there is none.
 std::string names_of(FaultSet faults);

@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
   smaservo::add_compare_command(app);
   smaservo::add_describe_command(app);
   smaservo::add_evaluate_command(app);
+  smaservo::add_explain_command(app);
   smaservo::add_figures_command(app);
   smaservo::add_identify_command(app);
   smaservo::add_replay_command(app);
