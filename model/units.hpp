@@ -24,6 +24,7 @@ using Kind = std::span<const Unit>;
 namespace kind {
 
 inline constexpr auto number = std::to_array<Unit>({{"", 1}, {"percent", 0.01}});
+inline constexpr auto count = std::to_array<Unit>({{"", 1}});
 inline constexpr auto time = std::to_array<Unit>({{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}});
 inline constexpr auto temperature = std::to_array<Unit>({{"K", 1}, {"degC", 1, 273.15}});
 inline constexpr auto temperature_difference = std::to_array<Unit>({{"K", 1}});

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 #include "model/wires/wire_file.hpp"
 
 namespace smaservo {
