@@ -1,6 +1,8 @@
 #pragma once
 // New settings between two steps.
 
+#include <algorithm>
+
 #include "firmware/device.hpp"
 #include "firmware/parameters.hpp"
 
@@ -11,13 +13,11 @@ namespace detail {
 /// Whether the observer may go on with its state: it sees the same wire through the same sensors.
 template <class S>
 bool same_plant(const Settings<S>& a, const Settings<S>& b) {
-  for (const Parameter<S>& row : parameters<S>) {
+  return std::ranges::all_of(parameters<S>, [&](const Parameter<S>& row) {
     const std::string_view path = row.path.text();
-    if ((path.starts_with("wire.") || path.starts_with("measuring.")) && row.get(a) != row.get(b)) {
-      return false;
-    }
-  }
-  return true;
+    const bool observed = path.starts_with("wire.") || path.starts_with("measuring.");
+    return !observed || row.get(a) == row.get(b);
+  });
 }
 
 }  // namespace detail

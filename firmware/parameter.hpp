@@ -83,10 +83,13 @@ struct Parameter {
   Change change;
   Value least, standard, greatest;
   std::string_view meaning;
-  Value (*get)(const Settings<S>&);
-  void (*set)(Settings<S>&, Value);
+  Value (*read)(const Settings<S>&);
+  void (*assign)(Settings<S>&, Value);
   bool (*used)(const Settings<S>&);  ///< whether it has a meaning with the others; nullptr: always
 
+  constexpr Value get(const Settings<S>& settings) const { return read(settings); }
+  /// A real may be anything; a choice must be one.
+  constexpr void set(Settings<S>& settings, Value value) const { assign(settings, value); }
   constexpr bool is_used(const Settings<S>& settings) const {
     return used == nullptr || used(settings);
   }

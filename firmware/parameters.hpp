@@ -6,6 +6,8 @@
 // The tables are of float and of double settings, their values always those of a float. Keys are
 // for ever: what is gone, or measured differently, leaves its key unused (schemas.hpp).
 
+#include <algorithm>
+
 #include "firmware/parameters_device.hpp"
 #include "firmware/parameters_wire.hpp"
 
@@ -89,12 +91,14 @@ Settings<S> default_settings() {
   return settings;
 }
 
-/// The same settings in another scalar, or rounded to what the store and CAN keep of them.
+/// The same settings in another scalar, or rounded to what the store and CAN keep of them. What has
+/// no meaning with the others has its default.
 template <class To, class From>
 Settings<To> stored_settings(const Settings<From>& settings) {
   Settings<To> to{};
   for (std::size_t i = 0; i < parameter_count; ++i) {
-    parameters<To>[i].set(to, parameters<From>[i].get(settings));
+    const Parameter<From>& row = parameters<From>[i];
+    parameters<To>[i].set(to, row.is_used(settings) ? row.get(settings) : row.standard);
   }
   return to;
 }
@@ -102,13 +106,9 @@ Settings<To> stored_settings(const Settings<From>& settings) {
 /// Whether every parameter that has a meaning with the others has the same bits.
 template <class S>
 bool same_settings(const Settings<S>& a, const Settings<S>& b) {
-  for (const Parameter<S>& row : parameters<S>) {
-    const bool used = row.is_used(a);
-    if (used != row.is_used(b) || (used && row.get(a) != row.get(b))) {
-      return false;
-    }
-  }
-  return true;
+  return std::ranges::all_of(parameters<S>, [&](const Parameter<S>& row) {
+    return row.is_used(a) == row.is_used(b) && (!row.is_used(a) || row.get(a) == row.get(b));
+  });
 }
 
 /// How a value stands to the range of its row.
@@ -150,14 +150,11 @@ constexpr bool paths_are_unique() {
 }
 
 constexpr bool defaults_are_in_range() {
-  for (const Parameter<float>& row : parameters<float>) {
+  return std::ranges::all_of(parameters<float>, [](const Parameter<float>& row) {
     const bool ordered = row.type == ValueType::real ? row.least.real() < row.greatest.real()
                                                      : row.least.number() < row.greatest.number();
-    if (!ordered || (row.has_default() && fit(row, row.standard) != Fit::inside)) {
-      return false;
-    }
-  }
-  return true;
+    return ordered && (!row.has_default() || fit(row, row.standard) == Fit::inside);
+  });
 }
 
 constexpr bool ends_in_unit(std::string_view path, const Parameter<float>& row) {

@@ -135,7 +135,7 @@ class Writer {
 /// Gives the image to the sink, piece by piece; false when it refuses one.
 template <class S, class Sink>
 bool write(const StoreSchema<S>& schema, const Settings<S>& settings, std::uint32_t sequence,
-           Sink&& sink) {
+           Sink sink) {
   Writer<Sink> out(sink);
   out.template add<std::uint32_t>(magic);
   out.template add<std::uint16_t>(format);

@@ -70,6 +70,9 @@ class Reader {
     return origin_ == "--set" ? origin_ : fmt::format("{}:{}", origin_, line);
   }
   static std::string said(const std::string& key, const toml::node& node) {
+    if (node.is_floating_point()) {
+      return fmt::format("{} = {}", key, node.value_or(0.0));
+    }
     std::ostringstream text;
     node.visit([&](const auto& value) { text << value; });
     return fmt::format("{} = {}", key, text.str());
@@ -138,11 +141,11 @@ class Reader {
       case ValueType::real:
         return real_of(row, unit, key, node);
       case ValueType::number: {
-        const auto whole = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
-        if (!whole || *whole < row.least.number() || *whole > row.greatest.number()) {
+        const std::int64_t whole = node.is_integer() ? node.value_or<std::int64_t>(-1) : -1;
+        if (whole < row.least.number() || whole > row.greatest.number()) {
           fail(key, node, fmt::format("must be a whole number, {}", range_text(row)));
         }
-        return Value::number(static_cast<std::uint32_t>(*whole));
+        return Value::number(static_cast<std::uint32_t>(whole));
       }
       case ValueType::choice: {
         const auto word = node.value<std::string>();
@@ -159,21 +162,22 @@ class Reader {
     if (!node.is_boolean()) {
       fail(key, node, "must be true or false");
     }
-    return Value::number(*node.value<bool>() ? 1 : 0);
+    return Value::number(node.value_or(false) ? 1 : 0);
   }
 
   Value real_of(const Row& row, const Unit& unit, const std::string& key,
                 const toml::node& node) const {
-    const auto number = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!number || !std::isfinite(*number)) {
+    const double number =
+        node.is_number() ? node.value_or(0.0) : std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(number)) {
       fail(key, node, "must be a finite number");
     }
-    const double si = unit.to_si(*number);
-    const double most = std::numeric_limits<float>::max();
-    const Value value = Value::real(static_cast<float>(std::clamp(si, -most, most)));
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+    const double si = std::clamp(unit.to_si(number), -most, most);
+    const Value value = Value::real(static_cast<float>(si));
     if (fit(row, value) != Fit::inside) {
       const auto shown = [&](Value limit) {
-        return unit.from_si(static_cast<double>(limit.real()));
+        return unit.from_si(std::stod(value_text(row, limit)));
       };
       fail(key, node,
            fmt::format("must be between {:.6g} and {:.6g}{}{}", shown(row.least),
@@ -279,8 +283,8 @@ Settings<double> parse_settings_file(std::string_view text, const std::string& o
     settings = stored_settings<double>(settings);
   }
   for (std::size_t i = 0; i < parameter_count; ++i) {
-    if (wanted.values[i]) {
-      parameters<double>[i].set(settings, wanted.values[i]->value);
+    if (const auto& given = wanted.values[i]) {
+      parameters<double>[i].set(settings, given->value);
     }
   }
   require_sound(wanted, origin, settings);

@@ -59,7 +59,7 @@ std::pair<std::string, std::string> in_common_unit(const Row& row,
     return {key_and_value(row, settings), range_text(row)};
   }
   const auto text = [&](float value) {
-    return fmt::format("{:.6g}", unit.from_si(static_cast<double>(value)));
+    return fmt::format("{:.6g}", unit.from_si(std::stod(value_text(row, Value::real(value)))));
   };
   return {fmt::format("{} = {}", key_with(key_parts(row).name, unit), text(si)),
           fmt::format("{} to {}", text(row.least.real()), text(row.greatest.real()))};

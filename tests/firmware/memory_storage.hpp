@@ -32,7 +32,7 @@ class MemoryStorage {
   bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from) {
     return offset + from.size() <= slot_size && change(slot, offset, from);
   }
-  bool sync() { return powered_ && !fail_sync; }
+  bool sync() const { return powered_ && !fail_sync; }
 
   /// The next so many bytes are changed, then power fails.
   void cut_after(std::size_t bytes, Rest rest) {

@@ -41,8 +41,7 @@ TEST(Parameters, EachIsAMemberOfItsOwn) {
   }
 }
 
-/// Settings are reals, unsigned numbers, enumerators and booleans, and each of them has a row: were
-/// one missing, it would stay as `a` in bytes.
+/// A member without a row keeps the bytes that it was filled with.
 TEST(Parameters, NoMemberIsLeftOut) {
   const auto filled = [](unsigned char byte) {
     Settings<float> settings;
@@ -62,8 +61,8 @@ TEST(Parameters, NoMemberIsLeftOut) {
   for (std::size_t i = 0; i < sizeof a; ++i) {
     differ += bytes_a[i] != bytes_b[i] ? 1U : 0U;
   }
-  // Only the padding after seven small members, and before the next float.
-  EXPECT_LE(differ, 7U * 3U);
+  // 17 bytes of padding after small members; a real or a number without a row adds four.
+  EXPECT_LT(differ, 17U + 4U);
 }
 
 TEST(Parameters, KeysAndPathsAreFound) {

@@ -277,8 +277,8 @@ std::vector<Parameter<float>> newer_rows() {
     }
     if (row.key == old_key) {
       row.key = new_key;
-      row.get = [](const Settings<float>& s) { return Value::real(1000 * s.limits.current_A); };
-      row.set = [](Settings<float>& s, Value v) { s.limits.current_A = v.real() / 1000; };
+      row.read = [](const Settings<float>& s) { return Value::real(1000 * s.limits.current_A); };
+      row.assign = [](Settings<float>& s, Value v) { s.limits.current_A = v.real() / 1000; };
     }
     rows.push_back(row);
   }
