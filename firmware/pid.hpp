@@ -33,7 +33,8 @@ struct Pid {
                 const S& reference, const S& measured, const S& dt_s);
 
   /// Tells the integral what became of the output that step() was part of: wanted before the
-  /// limits, given after them.
+  /// limits, given after them. A tracking time far below 1/integral_1_s lets the integral eat up
+  /// the proportional part in a limit, and give it back slowly.
   static void limited(const LoopGains<S>& q, State& s, const S& wanted_W, const S& given_W,
                       const S& dt_s) {
     const S share = dt_s < q.tracking_s ? dt_s / q.tracking_s : S(1);

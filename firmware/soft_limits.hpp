@@ -96,7 +96,10 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& 
   }
   limit_duty(q, duty, greatest_W);
   limit_strain(p, known, loss_W, dt_s);
-  limit_stress(q, known.filter.stress_Pa, loss_W);
+  // As measured: the filter's lag is longer than a wire needs.
+  limit_stress(
+      q, known.measurement.stress_valid ? known.measurement.stress_Pa : known.filter.stress_Pa,
+      loss_W);
 }
 
 /// A wire held at its temperature limit tells the observer little: a resistance that is off by 0.3

@@ -27,21 +27,22 @@ struct Moment {
 template <class S>
 class Recording {
  public:
-  Recording() {
+  Recording() { record(); }
+
+  Prepared<S> prepared = prepare(test_settings<S>());
+  typename Device<S>::State state = Device<S>::start();
+  typename Device<S>::State begin{};  ///< of the recorded moments
+  std::vector<Moment<S>> moments;
+
+ private:
+  void record() {
     TestBench wire(load_wire(std::string(default_wire)).wire, 150e6);
-    state = Device<S>::start();
     const double longest = wire.strain();
     run(wire, longest);
     begin = state;
     moments.clear();
     run(wire, longest);
   }
-
-  Prepared<S> prepared = prepare(test_settings<S>());
-  typename Device<S>::State begin, state;
-  std::vector<Moment<S>> moments;
-
- private:
   void run(TestBench& wire, double longest) {
     for (const double contraction : {0.01, 0.03, 0.02, 0.035, 0.005, 0.025, 0.0}) {
       for (int i = 0; i < 600; ++i) {

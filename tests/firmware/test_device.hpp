@@ -38,9 +38,9 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
               .tracking_s = S(0.05),
               .cooling_factor = 1,
               .dead_band = S(1e-4)};
-  s.temperature = {S(0.05), 1, 0, S(0.005), 1, 0, S(0.05), 1, 0};
-  s.resistance = {1, 1, 0, S(0.005), 1, 0, S(0.05), 1, 0};
-  s.force = {20, 1, 0, S(0.005), 1, 0, S(0.05), 1, 0};
+  s.temperature = {S(0.05), 1, 0, S(0.005), 1, 0, 1, 1, 0};
+  s.resistance = {1, 1, 0, S(0.005), 1, 0, 1, 1, 0};
+  s.force = {20, 1, 0, S(0.005), 1, 0, 1, 1, 0};
   s.feed_forward_s = S(0.01);
   s.transfer_s = S(0.01);
   s.trajectory = {S(0.35), 1, S(0.03)};
@@ -109,10 +109,13 @@ class TestBench {
     Model::advance(params_, state_,
                    {current_A * current_A * resistance_ohm(), stress_Pa_, ambient_K_}, dt_s);
   }
+  const Model::Params& params() const { return params_; }
+  const Model::State& state() const { return state_; }
   double strain() const { return Model::strain(params_, state_); }
   double temperature_K() const { return Model::temperature_K(state_); }
   double resistance_ohm() const { return Model::resistance_ohm(params_, state_, ambient_K_); }
   double stress_Pa() const { return stress_Pa_; }
+  void ambient(double ambient_K) { ambient_K_ = ambient_K; }
   void stress(double stress_Pa) { stress_Pa_ = stress_Pa; }
 
  private:
