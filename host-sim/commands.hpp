@@ -12,6 +12,7 @@ namespace smaservo {
 
 void add_calibrate_plan_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_describe_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_figures_command(CLI::App& app);
 void add_identify_command(CLI::App& app);

@@ -17,6 +17,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   smaservo::add_calibrate_plan_command(app);
   smaservo::add_compare_command(app);
+  smaservo::add_describe_command(app);
   smaservo::add_evaluate_command(app);
   smaservo::add_figures_command(app);
   smaservo::add_identify_command(app);

@@ -1,11 +1,13 @@
 #include "host-sim/evaluate/calibrate.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <utility>
 #include <vector>
 
 #include "host-sim/evaluate/runs.hpp"
 #include "host-sim/identify/fit.hpp"
+#include "host-sim/output_file.hpp"
 #include "host-sim/simulate.hpp"
 
 namespace smaservo {
@@ -36,6 +38,20 @@ WireDescription calibrate(const Unit& unit) {
   return {fmt::format("{} {}", family_name(unit.family), unit.seed),
           fit.wire,
           {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};
+}
+
+Wire<double> calibrated_wire(const Unit& unit, const std::string& folder) {
+  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
+  if (!folder.empty() && std::filesystem::exists(file)) {
+    return load_wire(file.string()).wire;
+  }
+  const WireDescription found = calibrate(unit);
+  if (!folder.empty()) {
+    OutputFile output(file.string());
+    output.write(to_toml(found));
+    output.commit();
+  }
+  return found.wire;
 }
 
 std::string calibrated_name(Family family, std::uint64_t seed) {

@@ -16,6 +16,10 @@ Run calibration_measurement(const Unit& unit, std::size_t index);
 /// minute.
 WireDescription calibrate(const Unit& unit);
 
+/// The same, kept in a folder: read where it is there, made and written where it is not. An empty
+/// name keeps nothing. Throws UserError.
+Wire<double> calibrated_wire(const Unit& unit, const std::string& folder);
+
 /// "ihyp-1000.toml": the file of a unit's calibrated wire.
 std::string calibrated_name(Family family, std::uint64_t seed);
 

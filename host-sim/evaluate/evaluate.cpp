@@ -92,21 +92,6 @@ std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::
   };
 }
 
-/// From the folder, or by identification.
-Wire<double> calibrated_wire(const Unit& unit, const std::string& folder) {
-  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
-  if (!folder.empty() && std::filesystem::exists(file)) {
-    return load_wire(file.string()).wire;
-  }
-  const WireDescription found = calibrate(unit);
-  if (!folder.empty()) {
-    OutputFile output(file.string());
-    output.write(to_toml(found));
-    output.commit();
-  }
-  return found.wire;
-}
-
 std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
   std::vector<CalibratedUnit> units;
   for (int i = 0; i < options.units; ++i) {

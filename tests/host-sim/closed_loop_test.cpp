@@ -187,7 +187,7 @@ TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
   const TemporaryFolder folder;
   ClosedLoopScenario scenario = shipped_scenario("steps");
   scenario.duration_s = 3;
-  const ClosedLoopResult result = run_closed_loop(scenario, {.out = "", .record = true});
+  const LoopRunResult result = run_closed_loop(scenario, {.out = "", .record = true});
   ASSERT_FALSE(result.strain_steps.empty());
   write_report(folder / "r.html", scenario, result);
   const std::string html = file_text(folder / "r.html");

@@ -19,8 +19,12 @@ liang_rogers_step|Liang-Rogers step (002)|
 preisach_step|Preisach step (003), constant stress|
 preisach_step_varying_stress|Preisach step (003), varying stress|
 plant_step|plant step (model and heat balance)|
+wire_step_ihyp|simulated wire, ihyp: 1 ms, strain and resistance|
+wire_step_sublayers|simulated wire, sublayers: the same|
 observer_step|observer step|1500
 bank_step|observer step of the bank|
+control_step|controller's step, closed loop in strain|700
+device_step|whole step of the device|4000
 strain_resistance_step|stress-strain-resistance step (002)|
 END
 }
@@ -76,6 +80,7 @@ steps_table() {
     function time(kind) { return value[kind, "cpu_time"] }
     function ns(kind) { return time(kind) == "" ? "" : sprintf("%.1f ns", time(kind)) }
     function instructions(kind, scalar) {
+      if (per[kind "/" scalar] == "") return ""
       return sprintf("%.0f", per[kind "/" scalar] - per["empty/" scalar])
     }
     {
