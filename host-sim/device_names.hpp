@@ -12,6 +12,7 @@ namespace smaservo {
 std::string_view mode_name(Mode mode);
 std::optional<Mode> mode_of(std::string_view name);
 std::string_view state_name(DeviceState state);
+std::string_view health_name(Health health);
 std::string_view limit_reason_name(LimitReason reason);
 std::string_view fault_name(Fault fault);
 
