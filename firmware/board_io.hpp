@@ -2,16 +2,24 @@
 // Between a board and the device: frames to inputs, outputs to drive commands. For mains.
 
 #include <cstdint>
+#include <limits>
 
 #include "firmware/command.hpp"
 #include "hal/board.hpp"
 
 namespace smaservo {
 
+/// Where no frame came nothing was read.
 template <class S>
 Inputs<S> inputs_of(const Frame& frame, ReadStatus status) {
+  const S none = std::numeric_limits<S>::quiet_NaN();
   Inputs<S> in{};
+  in.sample = {none, none, none};
+  in.supply_V = in.ambient_K = in.driver_K = none;
   in.fresh = status == ReadStatus::frame;
+  if (!in.fresh) {
+    return in;
+  }
   in.sequence = frame.sequence;
   in.sample = {S(frame.current_A), S(frame.voltage_V), S(frame.load_N)};
   in.supply_V = S(frame.supply_V);

@@ -2,9 +2,15 @@
 
 #include <cmath>
 
-#include "firmware/loop.hpp"
+#include "firmware/board_io.hpp"
 
 namespace smaservo {
+namespace {
+
+/// Heat ends with the loop, but not with one lost turn of it.
+constexpr std::int64_t leased_periods = 3;
+
+}  // namespace
 
 ClosedLoop::ClosedLoop(const ClosedLoopScenario& scenario)
     : scenario_(scenario),
@@ -26,10 +32,10 @@ ClosedLoop::ClosedLoop(const ClosedLoopScenario& scenario)
 Output<double> ClosedLoop::Axis::step(ReadStatus status, const Frame& frame,
                                       const Command<double>& command, bool late, double dt_s,
                                       std::int64_t period_ns, Inputs<double>& inputs) {
-  inputs = device_inputs<double>(status, frame);
+  inputs = inputs_of<double>(frame, status);
   inputs.deadline_missed = late;
   const Output<double> output = Device<double>::step(prepared_, device, inputs, command, dt_s);
-  board.drive(drive_command(output, frame.time_ns, period_ns));
+  board.drive(drive_of(output, frame.time_ns, leased_periods * period_ns));
   return output;
 }
 

@@ -177,7 +177,7 @@ std::string cell(double value, int decimals) {
   return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, decimals);
 }
 
-std::string numbers_html(const ClosedLoopScenario& scenario, const ClosedLoopResult& result) {
+std::string numbers_html(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
   const double limit_K = scenario.settings.limits.temperature_K;
   std::string html = "<table>\n";
   html +=
@@ -199,7 +199,7 @@ std::string numbers_html(const ClosedLoopScenario& scenario, const ClosedLoopRes
   return html + "</table>\n";
 }
 
-std::string steps_html(const ClosedLoopResult& result) {
+std::string steps_html(const LoopRunResult& result) {
   if (result.strain_steps.empty()) {
     return "";
   }
@@ -221,7 +221,7 @@ std::string steps_html(const ClosedLoopResult& result) {
 }  // namespace
 
 void write_report(const std::string& path, const ClosedLoopScenario& scenario,
-                  const ClosedLoopResult& result) {
+                  const LoopRunResult& result) {
   std::string html =
       fmt::format("<p>{}</p>\n<p>{} steps, {:.4g} s, plant {}, wire {}</p>\n",
                   escaped(scenario.note), result.steps, result.duration_s,

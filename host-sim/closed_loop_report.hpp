@@ -9,6 +9,6 @@ namespace smaservo {
 /// Writes one HTML file that opens without a network: numbers, plots, the device's faults. The
 /// result must have a record. Throws UserError.
 void write_report(const std::string& path, const ClosedLoopScenario& scenario,
-                  const ClosedLoopResult& result);
+                  const LoopRunResult& result);
 
 }  // namespace smaservo

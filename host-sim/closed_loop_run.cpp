@@ -112,7 +112,7 @@ class Recorder {
 
 class Judge {
  public:
-  Judge(const ClosedLoopScenario& scenario, ClosedLoopResult& result)
+  Judge(const ClosedLoopScenario& scenario, LoopRunResult& result)
       : settings_(scenario.settings),
         result_(result),
         steps_(scenario.settings.wire.nominal_stroke, scenario.settings.timing.period_s) {}
@@ -147,7 +147,7 @@ class Judge {
 
  private:
   const Settings<double>& settings_;
-  ClosedLoopResult& result_;
+  LoopRunResult& result_;
   StepJudge steps_;
   FaultSet latched_;
 };
@@ -192,9 +192,8 @@ std::string cell(double value, int decimals) {
 
 }  // namespace
 
-ClosedLoopResult run_closed_loop(const ClosedLoopScenario& scenario,
-                                 const ClosedLoopOptions& options) {
-  ClosedLoopResult result;
+LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options) {
+  LoopRunResult result;
   std::unique_ptr<LoopFile> file;
   if (!options.out.empty()) {
     file = std::make_unique<LoopFile>(options.out, scenario);
@@ -227,7 +226,7 @@ ClosedLoopResult run_closed_loop(const ClosedLoopScenario& scenario,
   return result;
 }
 
-std::string summary(const ClosedLoopScenario& scenario, const ClosedLoopResult& result) {
+std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
   std::string text = fmt::format("{}: {} steps, {:.4g} s, {:.0f} times real time\n{}\n",
                                  scenario.name, result.steps, result.duration_s,
                                  result.duration_s / result.elapsed_s, scenario.note);

@@ -36,7 +36,7 @@ struct LoopRecord {
   std::map<DeviceState, Spans> states;
 };
 
-struct ClosedLoopResult {
+struct LoopRunResult {
   std::uint64_t steps = 0;
   double duration_s = 0, elapsed_s = 0;
   std::vector<StepFigures> strain_steps;
@@ -48,16 +48,15 @@ struct ClosedLoopResult {
   std::optional<LoopRecord> record;
 };
 
-struct ClosedLoopOptions {
+struct LoopRunOptions {
   std::string out;      ///< CSV, "-" for standard output; empty: none
   bool record = false;  ///< for a report
 };
 
 /// Throws UserError.
-ClosedLoopResult run_closed_loop(const ClosedLoopScenario& scenario,
-                                 const ClosedLoopOptions& options);
+LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options);
 
 /// The numbers for a terminal.
-std::string summary(const ClosedLoopScenario& scenario, const ClosedLoopResult& result);
+std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& result);
 
 }  // namespace smaservo

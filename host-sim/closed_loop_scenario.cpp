@@ -6,8 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "hal/sim/lumped_wire.hpp"
-#include "host-sim/evaluate/units.hpp"
+#include "host-sim/commands.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/scenario_tables.hpp"
 #include "host-sim/settings_file.hpp"
@@ -17,43 +16,17 @@ namespace {
 
 constexpr double longest_s = 1e5;
 constexpr double MPa = 1e6;
-constexpr std::array<std::string_view, 3> plant_names{"lumped", "ihyp", "sublayers"};
 constexpr std::array<std::string_view, 2> drive_names{"current", "voltage"};
 constexpr std::array<std::string_view, 2> pair_names{"driven", "passive"};
 
-WireDescription named_wire(const TomlFile& file, const std::string& name) {
-  return load_wire(name.ends_with(".toml") ? file.beside(name) : name);
-}
-
-PlantSetup read_plant(const TomlFile& file, Table& table, std::uint64_t seed) {
-  PlantSetup plant{};
-  plant.family = table.has("family") ? static_cast<PlantFamily>(table.choice("family", plant_names))
-                                     : PlantFamily::ihyp;
-  plant.seed = seed;
-  if (table.has("unit")) {
-    const auto unit_seed = static_cast<std::uint64_t>(table.number("unit", 0, 1e9));
-    const WireUnit unit = random_unit(
-        plant.family == PlantFamily::sublayers ? Family::sublayers : Family::ihyp, unit_seed);
-    plant.wire = unit.wire;
-    plant.scatter_K = unit.scatter_K;
-    plant.sublayers = unit.sublayers;
-  } else {
-    plant.wire =
-        named_wire(file, table.has("wire") ? table.text("wire") : std::string(default_wire));
-    plant.scatter_K = table.number("scatter_K", 0, 20, 0.5);
-  }
-  return plant;
-}
-
 Settings<double> read_device(const TomlFile& file, Table table) {
-  if (table.has("settings")) {
-    const std::string path = file.beside(table.text("settings"));
-    table.finish();
-    return load_settings_file(path);
+  const std::string path = file.beside(table.text("settings"));
+  std::vector<Override> changed;
+  if (table.has("set")) {
+    changed = parse_settings(table.texts("set"));
   }
-  const std::string wire = table.has("wire") ? table.text("wire") : std::string(default_wire);
   table.finish();
-  return settings_for(named_wire(file, wire).wire);
+  return load_settings_file(path, changed);
 }
 
 /// A good front end for this device, changed by the file.
@@ -117,19 +90,6 @@ PairSetup read_pair(Table table, const ClosedLoopScenario& scenario) {
 }
 
 }  // namespace
-
-std::string_view plant_name(PlantFamily family) {
-  return plant_names.at(static_cast<std::size_t>(family));
-}
-
-std::unique_ptr<SimulatedWire> make_plant(const PlantSetup& plant) {
-  if (plant.family == PlantFamily::lumped) {
-    return make_lumped_wire(plant.wire.wire);
-  }
-  std::mt19937_64 random(plant.seed);
-  const Family family = plant.family == PlantFamily::ihyp ? Family::ihyp : Family::sublayers;
-  return make_simulated_wire(family, plant.wire.wire, plant.sublayers, plant.scatter_K, random);
-}
 
 bool is_closed_loop(const std::filesystem::path& file) {
   return TomlFile(file).root().has("device");

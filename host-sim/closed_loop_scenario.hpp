@@ -11,23 +11,10 @@
 #include "firmware/settings.hpp"
 #include "hal/sim/board.hpp"
 #include "host-sim/command_program.hpp"
+#include "host-sim/plant_setup.hpp"
 #include "host-sim/sim_event.hpp"
-#include "model/wires/wire_file.hpp"
 
 namespace smaservo {
-
-enum class PlantFamily : unsigned char { lumped, ihyp, sublayers };
-std::string_view plant_name(PlantFamily family);
-
-/// A wire as it really is.
-struct PlantSetup {
-  PlantFamily family;
-  WireDescription wire;
-  double scatter_K;             ///< of the transition temperatures along it; none in a lumped one
-  SublayerStructure sublayers;  ///< of that family only
-  std::uint64_t seed;           ///< of the scatter
-};
-std::unique_ptr<SimulatedWire> make_plant(const PlantSetup& plant);
 
 /// A second wire against the first one.
 struct PairSetup {

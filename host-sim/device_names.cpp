@@ -12,6 +12,7 @@ constexpr std::array<std::string_view, mode_count> modes{
     "strain", "position", "force", "identification"};
 constexpr std::array<std::string_view, 6> states{"starting", "ready",    "arming",
                                                  "running",  "stopping", "fault"};
+constexpr std::array<std::string_view, 3> healths{"good", "searching", "doubtful"};
 constexpr std::array<std::string_view, static_cast<std::size_t>(LimitReason::count)> reasons{
     "least_current", "current", "power",  "temperature", "strain",
     "stress",        "duty",    "supply", "trajectory",  "protection"};
@@ -34,6 +35,9 @@ std::optional<Mode> mode_of(std::string_view name) {
 }
 std::string_view state_name(DeviceState state) {
   return states.at(static_cast<std::size_t>(state));
+}
+std::string_view health_name(Health health) {
+  return healths.at(static_cast<std::size_t>(health));
 }
 std::string_view limit_reason_name(LimitReason reason) {
   return reasons.at(static_cast<std::size_t>(reason));

@@ -13,6 +13,7 @@ namespace smaservo {
 std::string_view mode_name(Mode mode);
 std::optional<Mode> mode_of(std::string_view name);
 std::string_view state_name(DeviceState state);
+std::string_view health_name(Health health);
 std::string_view limit_reason_name(LimitReason reason);
 
 /// All of them with a plus in between; empty where there is none.

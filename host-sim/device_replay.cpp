@@ -10,7 +10,7 @@
 #include <memory>
 #include <string_view>
 
-#include "firmware/loop.hpp"
+#include "firmware/board_io.hpp"
 #include "hal/replay/board.hpp"
 #include "host-sim/device_names.hpp"
 #include "host-sim/device_trace.hpp"
@@ -257,11 +257,10 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
     last_ns = frame.time_ns;
     turn.time_s = static_cast<double>(frame.time_ns) / 1e9;
     split(board.row().text, fields);
-    turn.inputs = device_inputs<double>(status, frame);
+    turn.inputs = inputs_of<double>(frame, status);
     turn.inputs.deadline_missed = commands.late(fields, turn.time_s);
     turn.command = commands.read(fields, turn.time_s);
     turn.output = Device<double>::step(prepared, device, turn.inputs, turn.command, dt_s);
-    board.drive(drive_command(turn.output, frame.time_ns, std::llround(dt_s * 1e9)));
     comparison.add(turn, fields);
     if (file) {
       file->add(turn, fields);

@@ -39,6 +39,7 @@ constexpr std::array outputs{
     DeviceColumn{"wire_K", number<[](T t) { return t.output.estimate.temperature_K; }>},
     DeviceColumn{"martensite", number<[](T t) { return t.output.estimate.martensite; }>},
     DeviceColumn{"r_phase", number<[](T t) { return t.output.estimate.r_phase; }>},
+    DeviceColumn{"health", text<[](T t) { return health_name(t.output.estimate.health); }>},
     DeviceColumn{"hot_spot_K", number<[](T t) { return t.output.hot_spot_K; }>},
     DeviceColumn{"believed_ambient_K", number<[](T t) { return t.output.ambient_K; }>},
     DeviceColumn{"limit_reasons",

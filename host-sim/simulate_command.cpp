@@ -16,7 +16,7 @@ struct Arguments {
 
 void run_loop(const Arguments& a) {
   const ClosedLoopScenario scenario = load_closed_loop(a.scenario);
-  const ClosedLoopResult result =
+  const LoopRunResult result =
       run_closed_loop(scenario, {.out = a.out, .record = !a.report.empty()});
   if (!a.report.empty()) {
     write_report(a.report, scenario, result);

@@ -52,6 +52,19 @@ std::string Table::text(std::string_view key) {
   return *value;
 }
 
+std::vector<std::string> Table::texts(std::string_view key) {
+  taken_.emplace(key);
+  const toml::array* list = table_[key].as_array();
+  if (list == nullptr || !list->is_homogeneous<std::string>()) {
+    fail(key, "must be a list of texts");
+  }
+  std::vector<std::string> all;
+  for (const toml::node& node : *list) {
+    all.push_back(node.as_string()->get());
+  }
+  return all;
+}
+
 std::size_t Table::choice(std::string_view key, std::span<const std::string_view> names) {
   const std::string name = text(key);
   for (std::size_t i = 0; i < names.size(); ++i) {

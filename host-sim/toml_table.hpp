@@ -29,6 +29,7 @@ class Table {
   }
   bool flag(std::string_view key, bool otherwise);
   std::string text(std::string_view key);
+  std::vector<std::string> texts(std::string_view key);
   /// Which of these names the text is.
   std::size_t choice(std::string_view key, std::span<const std::string_view> names);
   std::vector<double> numbers(std::string_view key, double low, double high);

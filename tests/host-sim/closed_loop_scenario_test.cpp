@@ -14,10 +14,11 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr const char* head = "note = 'n'\n[device]\n";
+constexpr const char* head = "note = 'n'\n[device]\nsettings = 'd.toml'\n";
 
 ClosedLoopScenario loaded(const std::string& text) {
   const TemporaryFolder folder;
+  folder.write("d.toml", "wire = 'smartflex-76um'\n[timing]\nperiod_ms = 2\n");
   return load_closed_loop(folder.write("loop.toml", text));
 }
 
@@ -36,15 +37,25 @@ CommandProgram program(const std::string& commands) {
 
 TEST(ClosedLoopScenario, HasDefaultsForAllButCommands) {
   const ClosedLoopScenario s =
-      loaded("note = 'n'\n[device]\n[[command]]\npower_mW = 20\nfor_s = 3\n");
+      loaded(std::string(head) + "[[command]]\npower_mW = 20\nfor_s = 3\n");
   EXPECT_EQ(s.duration_s, 3);
   EXPECT_EQ(s.plant.family, PlantFamily::ihyp);
-  EXPECT_EQ(s.board.period_ns, std::llround(s.settings.timing.period_s * 1e9));
+  EXPECT_EQ(s.board.period_ns, 2'000'000);
   EXPECT_EQ(std::get<ConstantLoad>(s.board.load).stress_Pa, 150e6);
   EXPECT_EQ(s.program.at(0).command.mode, Mode::power);
   EXPECT_DOUBLE_EQ(s.program.at(0).command.setpoint, 0.02);
   EXPECT_TRUE(s.program.at(0).command.arm);
   EXPECT_TRUE(s.events.empty());
+}
+
+TEST(ClosedLoopScenario, ChangesSettings) {
+  const std::string command = "[[command]]\nmode = 'off'\nfor_s = 1\n";
+  const ClosedLoopScenario s =
+      loaded(head + std::string("set = ['limits.duty=0.5', 'drive.kind=voltage']\n") + command);
+  EXPECT_EQ(s.settings.limits.duty, 0.5);
+  EXPECT_TRUE(s.board.converter.voltage_drive);
+  EXPECT_THAT(refusal(head + std::string("set = ['limits.fun=1']\n") + command),
+              HasSubstr("limits.fun"));
 }
 
 TEST(ClosedLoopScenario, TellsItsKindByTheDevice) {
@@ -145,10 +156,10 @@ TEST(ClosedLoopScenario, SaysWhatIsWrongAndWhere) {
   const std::string off = std::string(head) + "[[command]]\nmode = 'off'\nfor_s = 1\n";
   EXPECT_THAT(refusal(head), HasSubstr("one or more tables [[command]]"));
   EXPECT_THAT(refusal(off + "[plant]\nfamily = 'steel'\n"),
-              AllOf(HasSubstr("loop.toml:7"), HasSubstr("lumped, ihyp, sublayers")));
+              AllOf(HasSubstr("loop.toml:8"), HasSubstr("lumped, ihyp, sublayers")));
   EXPECT_THAT(refusal(off + "[plant]\ncolour = 1\n"), HasSubstr("plant.colour = 1: unknown key"));
   EXPECT_THAT(refusal(std::string(head) + "[[command]]\nstrain = 2\nfor_s = 1\n"),
-              AllOf(HasSubstr("loop.toml:4"), HasSubstr("command.strain = 2"),
+              AllOf(HasSubstr("loop.toml:5"), HasSubstr("command.strain = 2"),
                     HasSubstr("between -0.05 and 0.2")));
   EXPECT_THAT(refusal(std::string(head) + "[[command]]\nstrain = nan\nfor_s = 1\n"),
               HasSubstr("must be a number"));

@@ -77,7 +77,7 @@ TEST_P(ShippedLoop, ReplayedFromItsTextGivesTheSameBits) {
   DeviceReplayOptions options{folder / "t.csv", {}, scenario.settings, folder / "again.csv"};
   const DeviceReplayResult result = replay_device(options);
   EXPECT_NEAR(static_cast<double>(result.rows), 1e3 * scenario.duration_s, 1);
-  EXPECT_EQ(result.compared.size(), 20U);
+  EXPECT_EQ(result.compared.size(), 21U);
   EXPECT_EQ(result.differing_rows, 0U) << summary(options, result);
   EXPECT_TRUE(file_text(folder / "t.csv") == file_text(folder / "again.csv"))
       << "readings and commands survive as well";
@@ -187,7 +187,7 @@ TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
   const TemporaryFolder folder;
   ClosedLoopScenario scenario = shipped_scenario("steps");
   scenario.duration_s = 3;
-  const ClosedLoopResult result = run_closed_loop(scenario, {.out = "", .record = true});
+  const LoopRunResult result = run_closed_loop(scenario, {.out = "", .record = true});
   ASSERT_FALSE(result.strain_steps.empty());
   write_report(folder / "r.html", scenario, result);
   const std::string html = file_text(folder / "r.html");

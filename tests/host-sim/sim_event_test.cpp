@@ -24,9 +24,11 @@ class Eventful {
  private:
   static ClosedLoopScenario loaded(const std::string& events) {
     const TemporaryFolder folder;
+    folder.write("d.toml", "wire = 'smartflex-76um'\n");
     return load_closed_loop(
         folder.write("e.toml",
-                     "note = 'n'\n[device]\n[plant]\nfamily = 'lumped'\n[[command]]\nmode = "
+                     "note = 'n'\n[device]\nsettings = 'd.toml'\n[plant]\nfamily = "
+                     "'lumped'\n[[command]]\nmode = "
                      "'off'\nfor_s = 9\n" +
                          events));
   }

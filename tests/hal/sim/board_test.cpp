@@ -203,8 +203,8 @@ TEST(SimBoard, SensorsLieAsTheyAreTold) {
     board.faults().sensors[static_cast<std::size_t>(Reading::voltage)] = {fault, amount};
     return driven(board, 0.1, 1).voltage_V;
   };
-  EXPECT_TRUE(std::isnan(voltage(SensorFault::missing, 0)));
   EXPECT_EQ(voltage(SensorFault::stuck, 0), good.voltage_V);
+  EXPECT_TRUE(std::isnan(voltage(SensorFault::missing, 0)));
   EXPECT_NEAR(voltage(SensorFault::offset, 0.5), 0.1 * board.wire().resistance_ohm() + 0.5, 1e-3);
   EXPECT_EQ(voltage(SensorFault::value, 0), 0);
   EXPECT_NE(voltage(SensorFault::noise, 1), voltage(SensorFault::noise, 1));
