@@ -7,6 +7,7 @@
 #include "model/plant.hpp"
 #include "observer/bank.hpp"
 #include "observer/divided.hpp"
+#include "observer/measurement.hpp"
 
 namespace smaservo {
 
