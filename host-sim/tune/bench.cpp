@@ -29,9 +29,8 @@ Inputs<double> TunedBench::inputs() {
 
 void TunedBench::drive(double current_A, double dt_s) {
   current_A_ = current_A;
-  LumpedModel::advance(params_, state_,
-                       {current_A * current_A * ohm(), stress_Pa_, plant_.ambient_K}, dt_s);
-  stress_Pa_ = plant_.load.stress_Pa(rest_strain_ - strain());
+  const double power_W = current_A * current_A * ohm();
+  stress_Pa_ = advance_loaded(plant_, params_, state_, power_W, rest_strain_, dt_s);
 }
 
 }  // namespace smaservo

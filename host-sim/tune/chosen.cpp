@@ -6,18 +6,19 @@ namespace smaservo {
 namespace {
 
 void add_loop(std::vector<Chosen>& all, const char* table, const char* gain, const char* band,
-              const LoopGains<double>& q, const char* why) {
+              const LoopGains<double>& q, const char* why, const char* why_band) {
   all.push_back({table, gain, q.proportional, why});
-  all.push_back({table, "integral_1_s", q.integral_1_s, "the fastest that keeps the margins"});
+  all.push_back({table, "integral_1_s", q.integral_1_s, "the fastest that leaves 60° of phase"});
   all.push_back({table, "derivative_s", q.derivative_s, "none: the wire is of first order"});
   all.push_back({table, "tracking_s", q.tracking_s, "half of the integral time"});
-  all.push_back({table, band, q.dead_band, "three deviations of the sensors' noise"});
+  all.push_back({table, band, q.dead_band, why_band});
 }
 
 }  // namespace
 
 std::vector<Chosen> chosen_settings(const Settings<double>& s, bool resistance, bool force) {
-  const char* power = "the whole band: y' K/C = 1/(ten periods) where it is fastest";
+  const char* tenth = "closes an error in ten periods where the wire is fastest";
+  const char* none = "none";
   std::vector<Chosen> all{
       {"measuring", "current_noise_A", s.measuring.current_noise_A, "assumed; put in your own"},
       {"measuring", "voltage_noise_V", s.measuring.voltage_noise_V, "assumed; put in your own"},
@@ -26,7 +27,8 @@ std::vector<Chosen> chosen_settings(const Settings<double>& s, bool resistance, 
       {"measuring", "constant_load_N", s.measuring.constant_load_N, "the load of the cold wire"},
       {"limits", "least_current_A", s.limits.least_current_A,
        "resistance noise 0.1 %, or 2 K of heat"},
-      {"limits", "current_A", s.limits.current_A, "the whole stroke in 0.1 s"},
+      {"limits", "current_A", s.limits.current_A,
+       "the stroke in 0.1 s or a fifth of its stretching"},
       {"limits", "power_W", s.limits.power_W, "that current in the greatest resistance"},
       {"limits", "temperature_K", s.limits.temperature_K, "end of the stroke with the hot spot"},
       {"limits", "hot_spot_K", s.limits.hot_spot_K, "above the estimate"},
@@ -44,19 +46,20 @@ std::vector<Chosen> chosen_settings(const Settings<double>& s, bool resistance, 
       {"axis", "zero_strain", s.axis.zero_strain, "of the cold wire"},
       {"strain", "proportional_W", s.strain.proportional, "none: the heat law is the gain"},
       {"strain", "integral_1_s", s.strain.integral_1_s, "none: the observer finds the loss"},
-      {"strain", "dead_band", s.strain.dead_band, "three deviations of noise, 0.1 of the accuracy"},
+      {"strain", "dead_band", s.strain.dead_band, "the least with which all wires hold"},
       {"trajectory", "heating_rate_1_s", s.trajectory.heating_rate_1_s,
        "faster, the cold ends warm along"},
       {"trajectory", "cooling_rate_1_s", s.trajectory.cooling_rate_1_s,
        "the wire's fastest, in a draught"},
       {"trajectory", "feed_forward_s", s.feed_forward_s, "in which the heat law closes an error"}};
-  add_loop(all, "temperature", "proportional_W_K", "dead_band_K", s.temperature, power);
+  add_loop(all, "temperature", "proportional_W_K", "dead_band_K", s.temperature, tenth, none);
   if (resistance) {
-    add_loop(all, "resistance", "proportional_W_ohm", "dead_band_ohm", s.resistance, power);
+    add_loop(all, "resistance", "proportional_W_ohm", "dead_band_ohm", s.resistance, tenth,
+             "three deviations of its noise");
   }
   if (force) {
     add_loop(all, "force", "proportional_W_N", "dead_band_N", s.force,
-             "as fast as the load's filter of 23 ms lets it");
+             "twice the 23 ms of the load's filter", none);
   }
   return all;
 }

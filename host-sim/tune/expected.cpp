@@ -137,6 +137,15 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
   return all;
 }
 
+int restless_wires(const ExpectedSteps& expected, const Settings<double>& settings) {
+  const double still = 0.025 * settings.wire.nominal_stroke;
+  return static_cast<int>(std::ranges::count_if(expected.runs, [&](const ExpectedRun& r) {
+    return std::ranges::any_of(r.steps, [&](const StepResponse& s) {
+      return still < s.ripple || settings.limits.temperature_K < s.hottest_K;
+    });
+  }));
+}
+
 std::vector<StepResponse> worst_steps(const ExpectedSteps& expected) {
   std::vector<StepResponse> worst = expected.runs.front().steps;
   for (const ExpectedRun& r : expected.runs) {

@@ -13,7 +13,9 @@
 namespace smaservo {
 namespace {
 
-constexpr double stroke_s = 0.1;            ///< of the whole stroke at the current limit
+/// The whole stroke at the current limit takes this time, or this share of what stretching takes.
+constexpr double stroke_s = 0.1;
+constexpr double stroke_share = 0.2;
 constexpr double greatest_rate_1_s = 0.35;  ///< faster, the cold ends heat along with the wire
 constexpr double resistance_share = 1e-3;   ///< noise of the resistance at the least current
 constexpr double sense_heating_K = 2;       ///< that the least current may cause
@@ -96,8 +98,9 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   const Wire<double>& wire = task.plant.wire;
   const double hold_W = greatest_draught * hottest_loss_W(task, b);
   p.holding_A = std::sqrt(hold_W / b.least_ohm);
-  const double stroke_A =
-      std::sqrt((b.heat_J / stroke_s + 0.5 * hottest_loss_W(task, b)) / b.least_ohm);
+  const double stroke_A = std::sqrt(
+      (b.heat_J / std::max(stroke_s, stroke_share * b.cooling_s) + 0.5 * hottest_loss_W(task, b)) /
+      b.least_ohm);
   const double wanted_A = rounded_up(std::max(stroke_A, 1.2 * p.holding_A));
   const double current_A = std::min(wanted_A, task.most_current_A);
   if (current_A < p.holding_A) {
@@ -139,10 +142,9 @@ double resistance_dead_band_ohm(const Proposal& p) {
   return 3 * greatest;
 }
 
-void choose_dead_band(const TuneTask& task, Proposal& p) {
+double least_dead_band(const TuneTask& task, const Proposal& p) {
   const double noise = estimate_noise(task.plant, p);
-  p.settings.strain.dead_band =
-      rounded_up(std::max(3 * noise, 0.1 * task.plant.wire.accuracy.strain));
+  return rounded_up(std::max(3 * noise, 0.1 * task.plant.wire.accuracy.strain));
 }
 
 }  // namespace smaservo

@@ -4,6 +4,7 @@
 
 #include <complex>
 #include <functional>
+#include <numbers>
 
 namespace smaservo {
 
@@ -27,7 +28,7 @@ Margins margins(const OpenLoop& loop, double low_rad_s, double high_rad_s);
 /// What is asked of every loop, for every wire of the uncertainty and in each of its states.
 struct AskedMargins {
   double gain = 2;  ///< 6 dB
-  double phase_rad = 0.25 * 3.14159265358979324;
+  double phase_rad = 0.25 * std::numbers::pi;
   double sensitivity = 2;
 
   bool kept(const Margins& m) const {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host-sim/tune/balance.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -23,8 +25,13 @@ class Sweep {
         area_m2_(plant.wire.geometry.area_m2()) {}
 
   void move(double dT) {
-    const double stress_Pa = plant_.load.stress_Pa(rest_strain_ - strain());
-    Kinetics3::advance(params_.kinetics, state_.kinetics, {temperature_K() + dT, stress_Pa});
+    const double to_K = temperature_K() + dT;
+    const double stress_Pa = balanced_stress_Pa(plant_.load, this->stress_Pa(), [&](double at_Pa) {
+      LumpedModel::State moved = state_;
+      Kinetics3::advance(params_.kinetics, moved.kinetics, {to_K, at_Pa});
+      return rest_strain_ - LumpedModel::strain(params_, moved);
+    });
+    Kinetics3::advance(params_.kinetics, state_.kinetics, {to_K, stress_Pa});
   }
 
   double temperature_K() const { return LumpedModel::temperature_K(state_); }
@@ -205,6 +212,26 @@ LumpedModel::Params lumped_params(const TunedPlant& plant) {
   params.body.loss_W_K *= plant.draught;
   params.body.loss_W_K2 *= plant.draught;
   return params;
+}
+
+double advance_loaded(const TunedPlant& plant, const LumpedModel::Params& params,
+                      LumpedModel::State& state, double power_W, double rest_strain, double dt_s) {
+  // A step places its heat as if the stress stayed, and the rest in the next ones.
+  const int parts = plant.load.is_spring() ? 8 : 1;
+  const double part_s = dt_s / parts;
+  double stress_Pa = Kinetics3::drive(state.kinetics).stress_Pa;
+  for (int i = 0; i < parts; ++i) {
+    const auto advanced = [&](double at_Pa) {
+      LumpedModel::State moved = state;
+      LumpedModel::advance(params, moved, {power_W, at_Pa, plant.ambient_K}, part_s);
+      return moved;
+    };
+    stress_Pa = balanced_stress_Pa(plant.load, stress_Pa, [&](double at_Pa) {
+      return rest_strain - LumpedModel::strain(params, advanced(at_Pa));
+    });
+    state = advanced(stress_Pa);
+  }
+  return stress_Pa;
 }
 
 std::string motion_name(Motion motion) {

@@ -34,6 +34,10 @@ using LumpedModel = Plant<ThreePhase<double>>;
 /// With the draught in its loss.
 LumpedModel::Params lumped_params(const TunedPlant& plant);
 
+/// One step of a wire with its load, which moves along without mass; its stress afterwards.
+double advance_loaded(const TunedPlant& plant, const LumpedModel::Params& params,
+                      LumpedModel::State& state, double power_W, double rest_strain, double dt_s);
+
 enum class Motion : unsigned char {
   heating,  ///< contracts
   cooling,  ///< stretches

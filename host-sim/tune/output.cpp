@@ -47,7 +47,7 @@ std::string settings_text(const Tuned& t) {
 
 std::string margins_text(const Tuned& t) {
   std::string text =
-      fmt::format("{:<13}{:>15}{:>15}{:>10}{:>11}{:>12}  {}\n", "loop", "gain margin dB",
+      fmt::format("{:<13}{:>16}{:>16}{:>10}{:>12}{:>14}  {}\n", "loop", "gain margin dB",
                   "phase margin °", "worst Ms", "crosses Hz", "answers in %", "worst where");
   for (const DesignedLoop& loop : t.proposal.loops) {
     if (!loop.possible) {
@@ -56,7 +56,7 @@ std::string margins_text(const Tuned& t) {
     }
     const Margins& m = loop.worst;
     text += fmt::format(
-        "{:<13}{:>15.1f}{:>15.0f}{:>10.2f}{:>11.3g}{:>12.0f}  {}, {:.0f} % contracted\n",
+        "{:<13}{:>16.1f}{:>16.0f}{:>10.2f}{:>12.3g}{:>14.0f}  {}, {:.0f} % contracted\n",
         loop_text(loop.name), dB(m.gain), degrees(m.phase_rad), m.sensitivity,
         m.crossover_rad_s / (2 * std::numbers::pi), 100 * loop.answering,
         motion_name(loop.worst_at.point.motion), 100 * loop.worst_at.point.share);
@@ -115,8 +115,12 @@ nlohmann::ordered_json margins_json(const Margins& m) {
 }  // namespace
 
 std::string tuned_text(const Tuned& t) {
-  return heading(t) + '\n' + settings_text(t) + '\n' + margins_text(t) + '\n' + relays_text(t) +
-         '\n' + steps_text(t);
+  std::string warnings;
+  for (const std::string& warning : t.warnings) {
+    warnings += fmt::format("warning: {}\n", warning);
+  }
+  return heading(t) + warnings + '\n' + settings_text(t) + '\n' + margins_text(t) + '\n' +
+         relays_text(t) + '\n' + steps_text(t);
 }
 
 std::string tuned_json(const Tuned& t) {
@@ -155,6 +159,7 @@ std::string tuned_json(const Tuned& t) {
     all["steps"].push_back(
         {{"file", step_json(t.expected.runs.front().steps[i])}, {"worst", step_json(t.worst[i])}});
   }
+  all["warnings"] = t.warnings;
   return all.dump(2) + "\n";
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 #include "host-sim/output_file.hpp"
 #include "host-sim/tune/heat_law.hpp"
@@ -22,6 +23,8 @@ constexpr double least_slope = 0.25;
 /// The resistance's noise may move the power by this share of what holds the wire.
 constexpr double noise_share = 0.1;
 constexpr int law_stops = 49;
+/// With an integral: 60° of phase, so that a step does not swing.
+constexpr AskedMargins damped{2, std::numbers::pi / 3, 2};
 
 /// Slope of the controlled variable in the direction that its loop takes for the right one.
 double slope_1_K(LoopName name, const OperatingPoint& p) {
@@ -104,9 +107,10 @@ class Design {
             gains};
   }
 
-  bool keeps(const LoopGains<double>& gains, double feed_forward_s) const {
+  bool keeps(const LoopGains<double>& gains, double feed_forward_s,
+             const AskedMargins& asked = {}) const {
     return std::ranges::all_of(answering_, [&](const Situation& s) {
-      return asked_.kept(margins(linear(s, gains, feed_forward_s)));
+      return asked.kept(margins(linear(s, gains, feed_forward_s)));
     });
   }
 
@@ -121,7 +125,8 @@ class Design {
   }
 
   /// Proportional gain by lambda tuning, K = C/(y' τ) where that is least, at most `most`, and less
-  /// until the margins are kept; then the fastest integral that keeps them, at most 1/(4 τ).
+  /// until the margins are kept; then the fastest integral that leaves 60° of phase, at most 1/(4
+  /// τ).
   void tune(LoopGains<double>& gains, double most) const {
     const double target_s =
         name_ == LoopName::force ? 2 * KalmanTuning<double>{}.stress_filter_s : target_s_;
@@ -137,7 +142,7 @@ class Design {
       require_found(1e-3 * first < gains.proportional);
     }
     gains.integral_1_s = rounded_down(0.25 / target_s);
-    while (!keeps(gains, 1)) {
+    while (!keeps(gains, 1, damped)) {
       gains.integral_1_s = rounded_down(0.8 * gains.integral_1_s);
       require_found(1e-6 < gains.integral_1_s);
     }
@@ -190,7 +195,6 @@ class Design {
 
   LoopName name_;
   double period_s_, target_s_;
-  AskedMargins asked_;
   std::vector<Situation> answering_;
   double share_;
 };
@@ -238,7 +242,7 @@ Proposal propose(const TuneTask& task) {
     p.loops.push_back(design(name, p));
   }
   p.settings.resistance.dead_band = rounded_up(resistance_dead_band_ohm(p));
-  choose_dead_band(task, p);
+  p.settings.strain.dead_band = least_dead_band(task, p);
   return p;
 }
 

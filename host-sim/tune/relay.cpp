@@ -10,52 +10,66 @@ namespace {
 constexpr int periods = 8;
 constexpr int counted_from = 3;
 
-/// Where a relay switches up: the tick, and the share of it that lies before.
-struct Switches {
+/// What a test records: the ticks where the relay switches up, and of each tick how far the
+/// variable is from the moving set-point, and the relay's own part of the power.
+struct Record {
   std::vector<int> up;
-  std::vector<double> away;  ///< from the moving set-point, each tick
+  std::vector<double> away, relay_W;
 };
 
-Switches run(const RelayTask& t, RelayPlant& plant) {
-  Switches s;
+Record run(const RelayTask& t, RelayPlant& plant) {
+  Record r;
   const double begin = plant.now;
   double y = plant.now;
-  std::vector<double> waiting(static_cast<std::size_t>(t.delay_ticks), t.base_W);
+  std::vector<double> waiting(static_cast<std::size_t>(t.delay_ticks), 0.0);
   bool up = true;
-  for (int tick = 0; static_cast<int>(s.up.size()) <= periods && tick < 4000; ++tick) {
-    const double away = t.direction * (y - begin - t.rises_1_s * tick * t.period_s);
-    s.away.push_back(away);
+  for (int tick = 0; static_cast<int>(r.up.size()) <= periods && tick < 4000; ++tick) {
+    const double at_s = tick * t.period_s;
+    r.away.push_back(y - begin - t.rises_1_s * at_s);
+    const double away = t.direction * r.away.back();
     if (up ? t.hysteresis < away : away < -t.hysteresis) {
       up = !up;
       if (up) {
-        s.up.push_back(tick);
+        r.up.push_back(tick);
       }
     }
-    waiting.push_back(t.base_W + (up ? t.amplitude_W : -t.amplitude_W));
-    y = plant.advance(waiting.front());
+    waiting.push_back(up ? t.amplitude_W : -t.amplitude_W);
+    r.relay_W.push_back(waiting.front());
+    y = plant.advance(t.base_W + t.base_rises_W_s * at_s + waiting.front());
     waiting.erase(waiting.begin());
   }
-  return s;
+  return r;
+}
+
+/// Size of the oscillation between two ticks that are whole periods apart; a drift is taken off.
+double harmonic(const std::vector<double>& x, int first, int last, double rad_by_tick) {
+  const auto at = [&](int i) { return x[static_cast<std::size_t>(i)]; };
+  const double drift = (at(last) - at(first)) / (last - first);
+  std::complex<double> sum = 0;
+  for (int i = first; i < last; ++i) {
+    sum += (at(i) - drift * (i - first)) * std::polar(1.0, -rad_by_tick * (i - first));
+  }
+  return 2 * std::abs(sum) / (last - first);
 }
 
 }  // namespace
 
 Oscillation relay_test(const RelayTask& task, RelayPlant plant) {
-  const Switches s = run(task, plant);
-  if (static_cast<int>(s.up.size()) <= periods) {
-    return {false, 0, 0, 0};
+  const Record r = run(task, plant);
+  if (static_cast<int>(r.up.size()) <= periods) {
+    return {false, 0, 0};
   }
-  const int first = s.up[counted_from];
-  const int last = s.up[periods];
+  const int first = r.up[counted_from];
+  const int last = r.up[periods];
   const double mean_ticks = static_cast<double>(last - first) / (periods - counted_from);
   bool steady = true;
   for (std::size_t i = counted_from; i < periods; ++i) {
-    steady = steady && std::abs(s.up[i + 1] - s.up[i] - mean_ticks) <= 0.2 * mean_ticks;
+    steady = steady && std::abs(r.up[i + 1] - r.up[i] - mean_ticks) <= 0.2 * mean_ticks;
   }
-  const auto [low, high] = std::minmax_element(s.away.begin() + first, s.away.begin() + last);
-  const double amplitude = 0.5 * (*high - *low);
-  return {steady, 2 * std::numbers::pi / (mean_ticks * task.period_s), amplitude,
-          std::numbers::pi * amplitude / (4 * task.amplitude_W)};
+  const double rad_by_tick = 2 * std::numbers::pi / mean_ticks;
+  return {
+      steady, rad_by_tick / task.period_s,
+      harmonic(r.away, first, last, rad_by_tick) / harmonic(r.relay_W, first, last, rad_by_tick)};
 }
 
 Oscillation expected_oscillation(const LinearLoop& loop, const RelayTask& task) {
@@ -78,8 +92,7 @@ Oscillation expected_oscillation(const LinearLoop& loop, const RelayTask& task) 
     const double middle = 0.5 * (low + high);
     (asked < open_loop(bare, middle).imag() ? high : low) = middle;
   }
-  const double gain = std::abs(open_loop(bare, low));
-  return {true, low, 4 * task.amplitude_W * gain / std::numbers::pi, gain};
+  return {true, low, std::abs(open_loop(bare, low))};
 }
 
 bool agrees(const RelayCheck& check) {

@@ -18,7 +18,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 std::vector<double> frequencies(double period_s) {
   std::vector<double> all;
   const double nyquist = std::numbers::pi / period_s;
-  constexpr int steps = 150;
+  constexpr int steps = 90;
   for (int i = 0; i <= steps; ++i) {
     all.push_back(nyquist * std::pow(10, 3.0 * (i - steps) / steps));
   }
@@ -45,8 +45,8 @@ std::string locus(const char* name, const std::vector<LinearLoop>& loops, std::s
 }
 
 std::string loci(const DesignedLoop& loop) {
-  const std::size_t each = std::max<std::size_t>(1, loop.loops.size() / 120);
-  return locus("all", loop.loops, each) + locus("file", loop.nominal_loops, 1);
+  const std::size_t each = std::max<std::size_t>(1, loop.loops.size() / 50);
+  return locus("all", loop.loops, each) + locus("file", loop.nominal_loops, 2);
 }
 
 /// The circle that M_s must stay out of.

@@ -19,9 +19,11 @@ struct Tuned {
   std::vector<RelayCheck> relays;
   ExpectedSteps expected;
   std::vector<StepResponse> worst;  ///< of the expected steps
+  std::vector<std::string> warnings;
 };
 
-/// All of it. Throws UserError as propose() does.
+/// All of it. The dead band of the strain is the least that makes sense, or up to eight times that:
+/// the smallest with which every expected step holds. Throws UserError as propose() does.
 Tuned tune(const std::string& wire, const TuneTask& task);
 
 std::string tuned_text(const Tuned& tuned);
