@@ -139,9 +139,11 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
 
 int restless_wires(const ExpectedSteps& expected, const Settings<double>& settings) {
   const double still = 0.025 * settings.wire.nominal_stroke;
+  const double lost = 0.2 * settings.wire.nominal_stroke;
   return static_cast<int>(std::ranges::count_if(expected.runs, [&](const ExpectedRun& r) {
     return std::ranges::any_of(r.steps, [&](const StepResponse& s) {
-      return still < s.ripple || settings.limits.temperature_K < s.hottest_K;
+      return still < s.ripple || lost < std::abs(s.steady_error) ||
+             settings.limits.temperature_K < s.hottest_K;
     });
   }));
 }

@@ -39,7 +39,8 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
 std::vector<StepResponse> worst_steps(const ExpectedSteps& expected);
 
 /// How many of the wires do not hold what they came to: their strain still moves by more than 2.5 %
-/// of the nominal stroke in the last 30 % of a step, or they were hotter than the limit.
+/// of the nominal stroke in the last 30 % of a step, or is lost by 20 %, or they were hotter than
+/// the limit.
 int restless_wires(const ExpectedSteps& expected, const Settings<double>& settings);
 
 /// Judges one step by the strain between two samples of a run.

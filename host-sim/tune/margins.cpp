@@ -72,14 +72,19 @@ class Curve {
   }
 
  private:
-  /// The locus of 1 + L begins where its integrators put it and must come to the positive real axis
-  /// without a turn about 0.
+  /// The locus of 1 + L begins where the loop's integrators put it, a quarter turn for each, and
+  /// must come to the positive real axis without a turn about 0.
   bool stable() const {
-    double turned = std::arg(1.0 + value_.front());
+    const double low = omega_.front();
+    const double integrators =
+        std::round(std::log2(std::abs(value_.front()) / std::abs(loop_(2 * low))));
+    const double begins = -0.5 * std::numbers::pi * integrators;
+    const double off = std::arg((1.0 + value_.front()) * std::polar(1.0, -begins));
+    double turned = begins + off;
     for (std::size_t i = 1; i < value_.size(); ++i) {
       turned += std::arg((1.0 + value_[i]) / (1.0 + value_[i - 1]));
     }
-    return std::abs(turned) < 0.5 * std::numbers::pi;
+    return std::abs(off) < 0.5 * std::numbers::pi && std::abs(turned) < 0.5 * std::numbers::pi;
   }
 
   double greatest_sensitivity() const {

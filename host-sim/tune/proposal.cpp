@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
+#include "firmware/trajectory.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/tune/heat_law.hpp"
 #include "host-sim/tune/limits.hpp"
@@ -114,9 +115,11 @@ class Design {
     });
   }
 
-  /// The deadbeat time of the heat law: ten periods, or more until the margins are kept.
-  double feed_forward_s(const LoopGains<double>& gains) const {
-    double time_s = target_s_;
+  /// The deadbeat time of the heat law: ten periods; down to five where the planner's lead would
+  /// else hold up a wire that stretches at `fastest_1_s`; more until the margins are kept.
+  double feed_forward_s(const LoopGains<double>& gains, double fastest_1_s) const {
+    const double lead_s = Trajectory<double>::lead / fastest_1_s;
+    double time_s = std::clamp(lead_s, 0.5 * target_s_, target_s_);
     while (!keeps(gains, time_s)) {
       time_s *= 1.1;
       require_found(time_s < 1e3 * target_s_);
@@ -207,7 +210,7 @@ DesignedLoop design(LoopName name, Proposal& p) {
     return {name, false, 0, {}, {}, {}, {}, {}};
   }
   if (name == LoopName::strain) {
-    s.feed_forward_s = d.feed_forward_s(q);
+    s.feed_forward_s = d.feed_forward_s(q, p.branches.fastest_cooling_1_s);
   } else {
     d.tune(q, name == LoopName::resistance ? d.most_by_noise(s) : 1e6);
   }

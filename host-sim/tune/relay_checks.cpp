@@ -11,7 +11,7 @@ namespace smaservo {
 namespace {
 
 constexpr double period_ticks = 20;  ///< of the oscillation that is aimed at
-constexpr double test_share = 0.1;   ///< of the stroke that the wire moves meanwhile
+constexpr double test_share = 0.05;  ///< of the stroke that the wire moves meanwhile
 
 double variable(LoopName name, double temperature_K, double strain, double ohm, double load_N) {
   switch (name) {
