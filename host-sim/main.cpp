@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
   smaservo::add_identify_command(app);
   smaservo::add_replay_command(app);
   smaservo::add_simulate_command(app);
+  smaservo::add_tune_command(app);
   smaservo::add_wires_command(app);
   try {
     app.parse(argc, argv);
