@@ -50,7 +50,7 @@ struct Inputs {
   bool emergency_stop = false;
   bool driver_fault = false;
   bool deadline_missed = false;  ///< the caller was late for this step
-  FaultSet external{};           ///< of what only the caller knows: bus, boot, store, settings
+  FaultSet external;             ///< of what only the caller knows: bus, boot, store, settings
 };
 
 enum class DeviceState : std::uint8_t {

@@ -57,49 +57,53 @@ constexpr FaultSet latch(FaultSet latched, FaultSet active, DeviceState state, b
   return kept | (active & (is_heated(state) ? tripping_faults : faults_of(FaultClass::F0)));
 }
 
+/// What a fault leaves of the heat, while there was some.
+constexpr FailsafeOutput safe_state(const FailsafeInput& in) {
+  const bool must_be_off = !((in.active | in.latched) & heat_off_faults).empty();
+  const bool possible = in.arm && in.may_hold && !in.safe_over && in.safe != SafeState::off;
+  if (must_be_off || !possible) {
+    return {DeviceState::fault, Heat::none};
+  }
+  return {DeviceState::stopping, in.safe == SafeState::hold ? Heat::hold : Heat::release};
+}
+
+/// While the sense current flows and nothing has tripped.
+constexpr FailsafeOutput look_at_wire(const FailsafeInput& in) {
+  if (!in.arm || in.blocked || (in.checked && !in.passed)) {
+    return {DeviceState::ready, Heat::none};
+  }
+  return in.checked ? FailsafeOutput{DeviceState::running, Heat::run}
+                    : FailsafeOutput{DeviceState::arming, Heat::sense};
+}
+
 /// Where the device goes and what it may do there, from this step on. There is no heat with an F0
 /// or F1; from a fault the way leads through ready, without anything latched, and a new edge of
 /// `arm`.
 constexpr FailsafeOutput failsafe(const FailsafeInput& in) {
   using enum DeviceState;
-  const FailsafeOutput off{fault, Heat::none};
-  const FaultSet all = in.active | in.latched;
-  const bool must_be_off = !(all & heat_off_faults).empty();
-  const bool tripped = !(all & tripping_faults).empty();
-  const auto safe_state = [&]() -> FailsafeOutput {
-    const bool possible = in.arm && in.may_hold && in.safe != SafeState::off && !in.safe_over;
-    return possible && !must_be_off
-               ? FailsafeOutput{stopping, in.safe == SafeState::hold ? Heat::hold : Heat::release}
-               : off;
-  };
+  const bool tripped = !((in.active | in.latched) & tripping_faults).empty();
   if (!is_heated(in.state) && !in.latched.empty()) {
-    return off;
+    return {fault, Heat::none};
   }
   switch (in.state) {
     case starting:
+    case fault:
       return {in.started ? ready : starting, Heat::none};
-    case ready:
-      return in.arm && in.arm_edge && !in.blocked && !tripped ? FailsafeOutput{arming, Heat::sense}
-                                                              : FailsafeOutput{ready, Heat::none};
+    case ready: {
+      const bool may = in.arm && in.arm_edge && !in.blocked && !tripped;
+      return may ? FailsafeOutput{arming, Heat::sense} : FailsafeOutput{ready, Heat::none};
+    }
     case arming:
-      if (tripped) {
-        return off;
-      }
-      if (!in.arm || in.blocked || (in.checked && !in.passed)) {
-        return {ready, Heat::none};
-      }
-      return in.checked ? FailsafeOutput{running, Heat::run} : FailsafeOutput{arming, Heat::sense};
+      return tripped ? FailsafeOutput{fault, Heat::none} : look_at_wire(in);
     case running:
       if (tripped) {
-        return safe_state();
+        return safe_state(in);
       }
       return in.arm ? FailsafeOutput{running, Heat::run} : FailsafeOutput{ready, Heat::none};
     case stopping:
-      return safe_state();
-    case fault:
-      return {in.started ? ready : starting, Heat::none};
+      return safe_state(in);
   }
-  return off;
+  return {fault, Heat::none};
 }
 
 }  // namespace smaservo

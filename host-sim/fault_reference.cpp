@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "firmware/faults/table.hpp"
 
@@ -72,8 +74,8 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 std::optional<unsigned> number(std::string_view digits, int base) {
   unsigned value = 0;
-  const char* end = digits.data() + digits.size();
-  const auto [last, error] = std::from_chars(digits.data(), end, value, base);
+  const char* end = std::to_address(digits.end());
+  const auto [last, error] = std::from_chars(std::to_address(digits.begin()), end, value, base);
   return error == std::errc{} && last == end ? std::optional(value) : std::nullopt;
 }
 
@@ -145,7 +147,8 @@ std::vector<std::string> similar_faults(std::string_view name) {
     const bool part = name.size() >= 3 && row.name.find(name) != std::string_view::npos;
     candidates.push_back({part ? 1 : distance(name, row.name), row.name});
   }
-  std::ranges::stable_sort(candidates, {}, &Candidate::distance);
+  std::ranges::sort(candidates, {},
+                    [](const Candidate& c) { return std::pair(c.distance, c.name); });
   std::vector<std::string> close;
   for (const Candidate& c : candidates) {
     if (close.size() < 3 && c.distance <= 1 + c.name.size() / 3) {

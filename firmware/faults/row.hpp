@@ -17,15 +17,15 @@ enum class Clears : std::uint8_t {
 
 struct FaultRow {
   Fault fault;
+  FaultClass severity;
+  Clears clears;
   std::uint16_t code;  ///< for ever; an error code as CiA 301 has them, FFxxh where none fits
   std::string_view name;
-  FaultClass severity;
-  double deglitch_s;  ///< the condition has to last so long, beyond the step that first sees it
-  Clears clears;
-  std::string_view text;               ///< one sentence
+  double deglitch_s;      ///< the condition has to last so long, beyond the step that first sees it
+  std::string_view text;  ///< one sentence
   std::string_view causes;             ///< likely ones
   std::string_view check;              ///< what to look at
-  std::string_view time_setting = {};  ///< where a setting is the deglitch time
+  std::string_view time_setting = "";  ///< where a setting is the deglitch time
 };
 
 }  // namespace smaservo

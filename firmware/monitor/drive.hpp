@@ -29,8 +29,9 @@ struct DriveMonitor {
 template <class S>
 FaultSet DriveMonitor<S>::detect(const Seen<S>& seen, const ZeroCurrent<S>& zero) {
   FaultSet now;
-  supply(seen, now);
+  now.add(Fault::driver_fault, seen.in.driver_fault);
   if (seen.in.fresh) {
+    supply(seen, now);
     current(seen, now);
     voltage(seen, now);
   }
@@ -44,7 +45,6 @@ void DriveMonitor<S>::supply(const Seen<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   now.add(Fault::supply_low, seen.in.supply_V < q.drive.least_supply_V);
   now.add(Fault::supply_high, q.drive.greatest_supply_V < seen.in.supply_V);
-  now.add(Fault::driver_fault, seen.in.driver_fault);
   now.add(Fault::driver_warm, q.trips.driver_K - warm_K < seen.in.driver_K);
   now.add(Fault::driver_hot, q.trips.driver_K < seen.in.driver_K);
 }

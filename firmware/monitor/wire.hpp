@@ -111,10 +111,10 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   now.add(Fault::over_temperature, passes(q.trips.temperature_K, hottest_K));
   now.add(Fault::heat_limit, seen.heated() && passes(q.limits.temperature_K, s.heat.temperature_K));
   // An observer that searches jumps from one idea to another; that is not the wire.
-  const S rise_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
+  const S warmer_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
   const S most_K = q.trips.heating_rate_K_s * seen.dt_s;
-  now.add(Fault::heating_fast, S(0.7) * most_K < rise_K);
-  now.add(Fault::heating_rate, most_K < rise_K);
+  now.add(Fault::heating_fast, S(0.7) * most_K < warmer_K);
+  now.add(Fault::heating_rate, most_K < warmer_K);
   s.before_K = e.temperature_K;
   s.was_sure = sure;
 }

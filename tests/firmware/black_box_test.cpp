@@ -77,7 +77,7 @@ TEST(BlackBox, KeepsTheLastFiveSeconds) {
 
 TEST(BlackBox, HasItsRateByItsSize) {
   BlackBox<float, 50> box{};
-  Inputs<float> in{};
+  const Inputs<float> in{};
   Output<float> out{};
   for (int i = 0; i < 1000; ++i) {
     out.time_us += 1000;

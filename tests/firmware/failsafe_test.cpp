@@ -52,62 +52,74 @@ TEST(Failsafe, RepresentsEveryClass) {
   }
 }
 
-/// Counts violations: an assertion for each of two million cases would be the whole time.
+using Broken = bool (*)(const FailsafeInput&, const FailsafeOutput&);
+
+bool heats(const FailsafeOutput& out) {
+  return out.heat != Heat::none;
+}
+Heat configured(SafeState safe) {
+  return safe == SafeState::hold      ? Heat::hold
+         : safe == SafeState::release ? Heat::release
+                                      : Heat::none;
+}
+bool heats_with_f0_or_f1(const FailsafeInput& in, const FailsafeOutput& out) {
+  const FaultSet all = in.active | in.latched;
+  return heats(out) && (any(all, FaultClass::F0) || any(all, FaultClass::F1));
+}
+bool heats_outside_a_heated_state(const FailsafeInput& /*in*/, const FailsafeOutput& out) {
+  return heats(out) != is_heated(out.state);
+}
+bool leaves_the_safe_state(const FailsafeInput& in, const FailsafeOutput& out) {
+  const bool allowed = out.heat == configured(in.safe) && in.may_hold;
+  return any(in.active | in.latched, FaultClass::F2) && heats(out) && !allowed;
+}
+bool holds_without_end(const FailsafeInput& in, const FailsafeOutput& out) {
+  return (out.heat == Heat::hold || out.heat == Heat::release) && in.safe_over;
+}
+bool heats_though_disarmed(const FailsafeInput& in, const FailsafeOutput& out) {
+  return heats(out) && !in.arm;
+}
+bool arms_against_a_block(const FailsafeInput& in, const FailsafeOutput& out) {
+  return in.state == DeviceState::ready && heats(out) && (in.blocked || !in.arm_edge);
+}
+bool runs_unchecked(const FailsafeInput& in, const FailsafeOutput& out) {
+  const bool passed = in.checked && in.passed && !in.blocked;
+  return in.state == DeviceState::arming && out.state == DeviceState::running && !passed;
+}
+bool leaves_the_fault_too_early(const FailsafeInput& in, const FailsafeOutput& out) {
+  const bool stays = out.state == DeviceState::fault;
+  return in.state == DeviceState::fault && (heats(out) || (!in.latched.empty() && !stays));
+}
+bool jumps_into_running(const FailsafeInput& in, const FailsafeOutput& out) {
+  return out.state == DeviceState::running && in.state != DeviceState::running &&
+         in.state != DeviceState::arming;
+}
+bool jumps_into_stopping(const FailsafeInput& in, const FailsafeOutput& out) {
+  return out.state == DeviceState::stopping && in.state != DeviceState::running &&
+         in.state != DeviceState::stopping;
+}
+
+constexpr std::array<Broken, 10> promises{heats_with_f0_or_f1,   heats_outside_a_heated_state,
+                                          leaves_the_safe_state, holds_without_end,
+                                          heats_though_disarmed, arms_against_a_block,
+                                          runs_unchecked,        leaves_the_fault_too_early,
+                                          jumps_into_running,    jumps_into_stopping};
+
+/// Counts: an assertion for each of two million cases would be the whole time.
 TEST(Failsafe, HoldsItsPromisesInEveryCombination) {
-  int heated_with_f0_or_f1 = 0;
-  int heat_outside_its_state = 0;
-  int wrong_safe_state = 0;
-  int safe_state_without_end = 0;
-  int disarmed_but_heated = 0;
-  int armed_against_a_block = 0;
-  int out_of_fault_too_early = 0;
-  int jumps = 0;
+  std::array<int, promises.size()> broken{};
   int cases = 0;
   for_every_input([&](const FailsafeInput& in) {
     const FailsafeOutput out = failsafe(in);
     ++cases;
-    const FaultSet all = in.active | in.latched;
-    const bool heat = out.heat != Heat::none;
-    const bool safe = out.heat == Heat::hold || out.heat == Heat::release;
-    heated_with_f0_or_f1 += heat && (any(all, FaultClass::F0) || any(all, FaultClass::F1)) ? 1 : 0;
-    heat_outside_its_state += heat != is_heated(out.state) ? 1 : 0;
-    if (any(all, FaultClass::F2)) {
-      const Heat configured = in.safe == SafeState::hold      ? Heat::hold
-                              : in.safe == SafeState::release ? Heat::release
-                                                              : Heat::none;
-      wrong_safe_state += heat && out.heat != configured ? 1 : 0;
-      wrong_safe_state += heat && !in.may_hold ? 1 : 0;
+    for (std::size_t i = 0; i < promises.size(); ++i) {
+      broken[i] += promises[i](in, out) ? 1 : 0;
     }
-    safe_state_without_end += safe && in.safe_over ? 1 : 0;
-    disarmed_but_heated += heat && !in.arm ? 1 : 0;
-    armed_against_a_block +=
-        in.state == DeviceState::ready && heat && (in.blocked || !in.arm_edge) ? 1 : 0;
-    armed_against_a_block += in.state == DeviceState::arming && out.state == DeviceState::running &&
-                                     (in.blocked || !in.checked || !in.passed)
-                                 ? 1
-                                 : 0;
-    out_of_fault_too_early +=
-        in.state == DeviceState::fault && (heat || (!in.latched.empty() && out.state != in.state))
-            ? 1
-            : 0;
-    jumps += out.state == DeviceState::running && in.state != DeviceState::running &&
-                     in.state != DeviceState::arming
-                 ? 1
-                 : 0;
-    jumps += out.state == DeviceState::stopping && in.state != DeviceState::running &&
-                     in.state != DeviceState::stopping
-                 ? 1
-                 : 0;
   });
   EXPECT_EQ(cases, 6 * 3 * 64 * 8 * 256);
-  EXPECT_EQ(heated_with_f0_or_f1, 0);
-  EXPECT_EQ(heat_outside_its_state, 0);
-  EXPECT_EQ(wrong_safe_state, 0);
-  EXPECT_EQ(safe_state_without_end, 0);
-  EXPECT_EQ(disarmed_but_heated, 0);
-  EXPECT_EQ(armed_against_a_block, 0);
-  EXPECT_EQ(out_of_fault_too_early, 0);
-  EXPECT_EQ(jumps, 0);
+  for (std::size_t i = 0; i < promises.size(); ++i) {
+    EXPECT_EQ(broken[i], 0) << "promise " << i;
+  }
 }
 
 /// What it does, beside what it must not do.

@@ -13,10 +13,11 @@ namespace {
 /// A wire, its air and its load drawn at random, within what a calibrated unit leaves.
 struct Scenario {
   explicit Scenario(std::uint64_t seed, bool distributed)
-      : random(seed), unlike(random_unlike(random)) {
-    middle_Pa = 60e6 + 160e6 * share();
-    amplitude_Pa = 0.25 * middle_Pa * share();
-    period_s = 1 + 4 * share();
+      : random(seed),
+        unlike(random_unlike(random)),
+        middle_Pa(60e6 + 160e6 * share()),
+        amplitude_Pa(0.25 * middle_Pa * share()),
+        period_s(1 + 4 * share()) {
     const Settings<double> settings = test_settings();
     std::unique_ptr<RigWire> wire;
     if (distributed) {
@@ -48,8 +49,9 @@ struct Scenario {
 
   std::mt19937_64 random;
   Unlike unlike;
+  double middle_Pa, amplitude_Pa, period_s;
   std::unique_ptr<Rig> rig;
-  double middle_Pa, amplitude_Pa, period_s, top;
+  double top;
   double next_s = 3;
 };
 
