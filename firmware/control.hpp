@@ -32,11 +32,14 @@ struct Controller {
     bool moving;   ///< towards the reference, until it is reached
     typename Pid<S>::State pid;
     typename CurrentLoop<S>::State current_loop;
-    S reference;   ///< of the trajectory
-    S power_W;     ///< given in the last step
-    S transfer_W;  ///< what the last change would have made jump; fades
-    S duty;        ///< average of the squared share of the current limit
-    S elapsed_s;   ///< in this mode
+    S reference;    ///< of the trajectory
+    S power_W;      ///< given in the last step
+    S transfer_W;   ///< what the last change would have made jump; fades
+    S duty;         ///< average of the squared share of the current limit
+    S sustained_W;  ///< average of the power over the wire's own time constant
+    bool streams;   ///< the set-point moves slowly enough to be followed
+    S moves_1_s;    ///< rate of a set-point that streams, filtered
+    S elapsed_s;    ///< in this mode
   };
 
   struct Result {
@@ -85,6 +88,14 @@ struct Controller {
   static S limited_power_W(const Prepared<S>& p, State& s, const Mode& mode,
                            const PowerRange<S>& range, const Wanted& wanted, LimitReasons& reasons,
                            const S& dt_s);
+  static S averaged(const S& average, const S& now, const S& dt_s, const S& over_s) {
+    return average + (now - average) * (dt_s / (dt_s + over_s));
+  }
+  /// Of a wire that loses heat to the air.
+  static S time_constant_s(const Prepared<S>& p) {
+    const auto& body = p.observer.model.body;
+    return body.capacity_J_K / body.loss_W_K;
+  }
   static S profile_W(const Prepared<S>& p, const State& s, const Known<S>& known);
   static const LoopGains<S>& gains(const Settings<S>& q, Mode mode);
   static S clamp(const S& x, const S& low, const S& high, LimitReason why, LimitReasons& reasons);
@@ -92,9 +103,11 @@ struct Controller {
 
 template <class S>
 void Controller<S>::rest(const Prepared<S>& p, State& s, const S& dt_s) {
-  const S duty = s.duty - s.duty * (dt_s / (dt_s + p.settings.limits.duty_window_s));
+  const S duty = averaged(s.duty, S(0), dt_s, p.settings.limits.duty_window_s);
+  const S sustained_W = averaged(s.sustained_W, S(0), dt_s, time_constant_s(p));
   s = State{};
   s.duty = duty;
+  s.sustained_W = sustained_W;
 }
 
 template <class S>
@@ -192,7 +205,12 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
   }
   const S moves = planned.reference - s.reference;
   s.reference = planned.reference;
-  const S error = s.reference - strain;
+  const bool arrived =
+      !planned.waits && !(s.reference < demand.setpoint) && !(demand.setpoint < s.reference);
+  s.moves_1_s = averaged(s.moves_1_s, s.streams && arrived ? moves / dt_s : S(0), dt_s,
+                         q.strain.derivative_filter_s);
+  s.streams = arrived;
+  const S error = s.reference - strain + q.trajectory.lead_s * s.moves_1_s;
   const S size = error < S(0) ? S(0) - error : error;
   const S band = q.strain.dead_band;
   // Between the branches of the hysteresis a wire keeps its strain: inside of the band its
@@ -301,12 +319,13 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
   }
   LimitReasons reasons;
   const Demand<S> allowed{demand.mode, limited_setpoint(p, demand, reasons), demand.scale};
-  const PowerRange<S> range(p, known, ohm, loss_W, s.duty, dt_s);
+  const PowerRange<S> range(p, known, ohm, loss_W, s.duty, s.sustained_W, dt_s);
   const Wanted want = wanted(p, s, allowed, known, ohm, loss_W, reasons, dt_s);
   s.power_W = limited_power_W(p, s, demand.mode, range, want, reasons, dt_s);
   const S current_A = sqrt(s.power_W / ohm);
   const S share = current_A / q.limits.current_A;
-  s.duty = s.duty + (share * share - s.duty) * (dt_s / (dt_s + q.limits.duty_window_s));
+  s.duty = averaged(s.duty, share * share, dt_s, q.limits.duty_window_s);
+  s.sustained_W = averaged(s.sustained_W, s.power_W, dt_s, time_constant_s(p));
   s.elapsed_s = s.elapsed_s + dt_s;
   const auto drive =
       CurrentLoop<S>::step(q.drive, s.current_loop, current_A, known.measured_A, ohm, dt_s);

@@ -12,11 +12,14 @@ namespace smaservo {
 
 void add_calibrate_plan_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_describe_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_explain_command(CLI::App& app);
 void add_figures_command(CLI::App& app);
 void add_identify_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
+void add_tune_command(CLI::App& app);
 void add_wires_command(CLI::App& app);
 
 /// The meaning of --set in all of them: "key=value" split. Throws UserError.

@@ -11,9 +11,16 @@ double converter_step(double full_scale, int bits) {
   return full_scale / std::ldexp(1.0, bits - 1);
 }
 
-/// Never a negative zero: it would not survive a trace.
+constexpr std::array readings{&Frame::current_A, &Frame::voltage_V, &Frame::load_N,
+                              &Frame::supply_V,  &Frame::ambient_K, &Frame::driver_K};
+
+/// By a converter of this step. Never a negative zero: it would not survive a trace.
 double quantised(double value, double step, double full_scale) {
-  return std::clamp(std::round(value / step) * step, -full_scale, full_scale) + 0.0;
+  if (std::isnan(value)) {
+    return value;
+  }
+  const auto steps = static_cast<double>(std::lrint(value / step));
+  return std::clamp(steps * step, -full_scale, full_scale);
 }
 
 }  // namespace
@@ -80,24 +87,30 @@ double FrontEnd::between_sense_leads_V(double wire_ohm) const {
   return current_A_ * wire_ohm;
 }
 
-double FrontEnd::reading(Reading which, double value, double step, double full_scale) {
-  const auto i = static_cast<std::size_t>(which);
-  const SpoiltSensor& sensor = faults.sensors[i];
-  switch (sensor.fault) {
-    case SensorFault::none:
-      return last_good_[i] = quantised(value, step, full_scale);
-    case SensorFault::missing:
-      return std::numeric_limits<double>::quiet_NaN();
-    case SensorFault::stuck:
-      return last_good_[i];
-    case SensorFault::offset:
-      return quantised(value + sensor.amount, step, full_scale);
-    case SensorFault::noise:
-      return quantised(value + sensor.amount * fault_noise_(), step, full_scale);
-    case SensorFault::value:
-      break;
+void FrontEnd::spoil(Frame& frame) {
+  for (std::size_t i = 0; i < reading_count; ++i) {
+    const SpoiltSensor& sensor = faults.sensors[i];
+    double& value = frame.*readings[i];
+    switch (sensor.fault) {
+      case SensorFault::none:
+        break;
+      case SensorFault::missing:
+        value = std::numeric_limits<double>::quiet_NaN();
+        break;
+      case SensorFault::stuck:
+        value = last_.*readings[i];
+        break;
+      case SensorFault::offset:
+        value += sensor.amount;
+        break;
+      case SensorFault::noise:
+        value += sensor.amount * fault_noise_();
+        break;
+      case SensorFault::value:
+        value = sensor.amount;
+        break;
+    }
   }
-  return quantised(sensor.amount, step, full_scale);
 }
 
 bool FrontEnd::read(const Truth& truth, Frame& frame) {
@@ -111,19 +124,21 @@ bool FrontEnd::read(const Truth& truth, Frame& frame) {
   if (faults.lost_share > 0 && fault_noise_.uniform() < faults.lost_share) {
     return false;
   }
-  constexpr double finest = 1e-3;  // V and K
-  constexpr double no_end = std::numeric_limits<double>::infinity();
-  frame.current_A = reading(Reading::current, current_A_ + current_noise_A, current_step_A_,
-                            sensors_.current_full_scale_A);
-  frame.voltage_V = reading(Reading::voltage, wire_V + voltage_noise_V, voltage_step_V_,
-                            sensors_.voltage_full_scale_V);
-  frame.load_N = reading(Reading::load, load_N * sensors_.load_gain + load_noise_N, load_step_N_,
-                         sensors_.load_full_scale_N);
-  frame.supply_V = reading(Reading::supply, truth.supply_V, finest, no_end);
-  frame.ambient_K = reading(Reading::ambient, truth.ambient_K, finest, no_end);
-  frame.driver_K = reading(Reading::driver, truth.driver_K, finest, no_end);
+  frame.current_A = current_A_ + current_noise_A;
+  frame.voltage_V = wire_V + voltage_noise_V;
+  frame.load_N = load_N * sensors_.load_gain + load_noise_N;
+  frame.supply_V = truth.supply_V;
+  frame.ambient_K = truth.ambient_K;
+  frame.driver_K = truth.driver_K;
   frame.emergency_stop = faults.emergency_stop;
   frame.driver_fault = faults.driver_fault;
+  if (faults.spoils()) {
+    spoil(frame);
+  }
+  frame.current_A = quantised(frame.current_A, current_step_A_, sensors_.current_full_scale_A);
+  frame.voltage_V = quantised(frame.voltage_V, voltage_step_V_, sensors_.voltage_full_scale_V);
+  frame.load_N = quantised(frame.load_N, load_step_N_, sensors_.load_full_scale_N);
+  last_ = frame;
   return true;
 }
 

@@ -2,6 +2,7 @@
 // What stands between a simulated wire and the frames of a board: the converter that drives it and
 // the sensors that read it, with what can be wrong with both.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <random>
@@ -26,7 +27,7 @@ inline constexpr std::size_t reading_count = 6;
 enum class SensorFault : unsigned char {
   none,
   missing,  ///< NaN
-  stuck,    ///< the last good reading, bit for bit
+  stuck,    ///< the last reading, bit for bit
   offset,   ///< plus `amount`, in the reading's unit
   noise,    ///< plus white noise with the standard deviation `amount`
   value,    ///< says `amount` whatever there is: an open sense lead reads 0, or its rail
@@ -66,6 +67,11 @@ struct FrontEndFaults {
   double lost_share = 0;  ///< of the frames that do not come, 0..1
   bool emergency_stop = false;
   bool driver_fault = false;
+
+  bool spoils() const {
+    return std::ranges::any_of(
+        sensors, [](const SpoiltSensor& sensor) { return sensor.fault != SensorFault::none; });
+  }
 };
 
 class FrontEnd {
@@ -87,7 +93,7 @@ class FrontEnd {
 
  private:
   double between_sense_leads_V(double wire_ohm) const;
-  double reading(Reading which, double value, double step, double full_scale);
+  void spoil(Frame& frame);
 
   Converter converter_;
   Sensors sensors_;
@@ -95,7 +101,7 @@ class FrontEnd {
   SensorNoise noise_, fault_noise_;
   double current_A_ = 0;
   double driven_V_ = 0;  ///< what the converter puts out
-  std::array<double, reading_count> last_good_{};
+  Frame last_{};
 };
 
 }  // namespace smaservo

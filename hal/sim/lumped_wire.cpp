@@ -12,7 +12,10 @@ class LumpedWire : public SimulatedWire {
   explicit LumpedWire(const Wire<double>& wire)
       : params_(plant_params(wire)),
         still_(params_.body),
-        state_(Model::rest(params_, {298.15, 0})) {}
+        state_(Model::rest(params_, {298.15, 0})) {
+    // A wire turns back at any point; only an observer must not, in noise.
+    params_.kinetics.smallest_reversal_K = 0;
+  }
 
   void rest(double temperature_K, double stress_Pa) final {
     ambient_K_ = temperature_K;

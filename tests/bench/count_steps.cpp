@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   for_each_step<double>(adding(runs, "double"));
   add_device_runs(runs);
   add_paper_runs(runs);
+  add_wire_runs(runs);
   if (argc == 1) {
     for (const auto& [name, _] : runs) {
       std::puts(name.c_str());

@@ -37,5 +37,6 @@ inline auto timing(const std::string& scalar) {
 
 void time_device_steps();
 void time_paper_steps();
+void time_wire_steps();
 
 }  // namespace smaservo::bench

@@ -27,6 +27,7 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
                  .has_load_cell = true,
                  .current_full_scale_A = S(0.5),
                  .voltage_full_scale_V = 20};
+  s.observer = {S(18), S(0.3)};
   s.drive = {DriveKind::current, 0, 0, 5, 30};
   s.strain = {.proportional = 0,
               .integral_1_s = 0,
@@ -42,7 +43,7 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
   s.force = {20, 1, 0, S(0.005), 1, 0, 1, 1, 0};
   s.feed_forward_s = S(0.01);
   s.transfer_s = S(0.01);
-  s.trajectory = {S(0.35), 1};
+  s.trajectory = {S(0.35), 1, S(0.03)};
   s.limits = {.least_current_A = S(0.012),
               .current_A = S(0.4),
               .power_W = 10,
@@ -51,6 +52,7 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
               .least_strain = 0,
               .greatest_strain = S(0.05),
               .stress_Pa = S(500e6),
+              .loss_margin = S(1.15),
               .duty = 1,
               .duty_window_s = 10};
   s.trips = {.current_A = S(0.45),

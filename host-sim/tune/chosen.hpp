@@ -1,0 +1,26 @@
+#pragma once
+// What a proposal sets, by the parameters' paths.
+
+#include <string>
+#include <vector>
+
+#include "firmware/settings.hpp"
+
+namespace smaservo {
+
+struct Chosen {
+  const char* table;  ///< of the file: "strain"
+  const char* key;    ///< in it: "dead_band"
+  double value;
+  const char* why;
+
+  std::string path() const { return std::string(table) + "." + key; }
+};
+
+/// In the order of a settings file. Loops that are not possible are left out.
+std::vector<Chosen> chosen_settings(const Settings<double>& settings, bool resistance, bool force);
+
+/// As part of a settings file.
+std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& heading);
+
+}  // namespace smaservo

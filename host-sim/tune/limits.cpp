@@ -1,0 +1,150 @@
+#include "host-sim/tune/limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host-sim/measuring.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/tune/estimate_noise.hpp"
+#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/uncertainty.hpp"
+
+namespace smaservo {
+namespace {
+
+/// The whole stroke at the current limit takes this time, or this share of what stretching takes.
+constexpr double stroke_s = 0.1;
+constexpr double stroke_share = 0.2;
+constexpr double greatest_rate_1_s = 0.35;  ///< faster, the cold ends heat along with the wire
+constexpr double resistance_share = 1e-3;   ///< noise of the resistance at the least current
+constexpr double sense_heating_K = 2;       ///< that the least current may cause
+constexpr double greatest_draught = 1.5;
+
+double section_N(const Wire<double>& wire, double stress_Pa) {
+  return stress_Pa * wire.geometry.area_m2();
+}
+
+/// The current that measures the resistance well, unless it warms the wire.
+double least_current_A(const Measuring<double>& m, const LumpedModel::Params& params, double ohm) {
+  const double measures_A = resistance_noise_ohm(m, ohm, 1) / (resistance_share * ohm);
+  const double warms_A = std::sqrt(params.body.loss_W(sense_heating_K) / ohm);
+  return std::min(measures_A, warms_A);
+}
+
+double hottest_loss_W(const TuneTask& task, const Branches& b) {
+  const LumpedModel::Params params = lumped_params(task.plant);
+  return params.body.loss_W(b.hottest_K - task.plant.ambient_K);
+}
+
+void choose_rates(const Branches& b, const TuneTask& task, Settings<double>& s) {
+  const double spare_W =
+      s.limits.current_A * s.limits.current_A * b.least_ohm - 0.5 * hottest_loss_W(task, b);
+  const double can_1_s = 0.9 * spare_W * b.stroke() / b.heat_J;
+  s.trajectory.heating_rate_1_s = rounded_down(std::min(greatest_rate_1_s, can_1_s));
+  s.trajectory.cooling_rate_1_s = rounded_up(greatest_draught * b.fastest_cooling_1_s);
+  s.trips.following_s = rounded_up(std::max(2.0, 3 * b.cooling_s));
+}
+
+}  // namespace
+
+double resistance_noise_ohm(const Measuring<double>& m, double ohm, double current_A) {
+  return std::hypot(m.voltage_noise_V, ohm * m.current_noise_A) / current_A;
+}
+
+Settings<double> bare_settings(const Wire<double>& wire, double current_A) {
+  const MeasurementParams<double> front_end = measuring_params(wire, {});
+  const double ohm = cold_resistance_ohm(wire);
+  Settings<double> s{};
+  s.identity = {1, 1};
+  s.timing = {1e-3, 0.1, 0.005};
+  s.wire = wire;
+  s.measuring.load_gain = 1;
+  s.measuring.current_noise_A = front_end.current_noise_A;
+  s.measuring.voltage_noise_V = front_end.voltage_noise_V;
+  s.measuring.has_load_cell = true;
+  s.measuring.current_full_scale_A = 1.25 * current_A;
+  s.measuring.voltage_full_scale_V = 1.5 * current_A * ohm;
+  s.drive = {DriveKind::current, 0, 0, 0, 1.5 * current_A * ohm};
+  const LoopGains<double> none{0, 0, 0, 0.005, 1, 0, 0.05, 1, 0};
+  s.strain = s.temperature = s.resistance = s.force = none;
+  s.transfer_s = 0.01;
+  s.limits.current_A = current_A;
+  s.limits.hot_spot_K = hot_spot_K;
+  s.limits.duty = 1;
+  s.limits.duty_window_s = 10;
+  s.trips = {};
+  s.safe = {SafeState::off, 0, 0.01};
+  s.profile = {12, 5, 1.5};
+  return s;
+}
+
+void require_motion(const TuneTask& task, const Branches& b) {
+  const auto count = [&](Motion motion) {
+    return std::ranges::count(b.points, motion, &OperatingPoint::motion);
+  };
+  if (b.stroke() < 0.1 * task.plant.wire.nominal_stroke || count(Motion::heating) < 5 ||
+      count(Motion::cooling) < 5) {
+    throw UserError(fmt::format(
+        "in air of {:.4g} °C under {:.4g} MPa: the wire contracts by {:.2g} % up to {:.4g} °C and "
+        "stretches again over {} of 9 parts of it; it needs colder air or another load",
+        task.plant.ambient_K - 273.15, 1e-6 * task.plant.load.low_Pa, 100 * b.stroke(),
+        b.hottest_K - 273.15, count(Motion::cooling)));
+  }
+}
+
+void choose_limits(const TuneTask& task, Proposal& p) {
+  const Branches& b = p.branches;
+  const Wire<double>& wire = task.plant.wire;
+  const double hold_W = greatest_draught * hottest_loss_W(task, b);
+  p.holding_A = std::sqrt(hold_W / b.least_ohm);
+  const double stroke_A = std::sqrt(
+      (b.heat_J / std::max(stroke_s, stroke_share * b.cooling_s) + 0.5 * hottest_loss_W(task, b)) /
+      b.least_ohm);
+  const double wanted_A = rounded_up(std::max(stroke_A, 1.2 * p.holding_A));
+  const double current_A = std::min(wanted_A, task.most_current_A);
+  if (current_A < p.holding_A) {
+    throw UserError(
+        fmt::format("--current-A {}: holding this wire short in a draught needs {:.3g} A; must be "
+                    "at least that",
+                    task.most_current_A, p.holding_A));
+  }
+  Settings<double>& s = p.settings;
+  s = bare_settings(wire, current_A);
+  p.supply_V = rounded_up(1.1 * current_A * b.greatest_ohm);
+  SoftLimits<double>& q = s.limits;
+  q.least_current_A = rounded_up(
+      least_current_A(s.measuring, lumped_params(task.plant), cold_resistance_ohm(wire)));
+  q.power_W = rounded_up(current_A * current_A * b.greatest_ohm);
+  q.temperature_K = std::min(wire.limits.temperature_K, std::ceil(b.hottest_K + hot_spot_K + 3));
+  q.least_strain = 1e-4 * std::floor(1e4 * (b.hot_strain + 0.01 * b.stroke()));
+  q.greatest_strain = 1e-4 * std::ceil(1e4 * b.rest_strain);
+  const double greatest_Pa = std::max(task.plant.load.low_Pa, b.hot_Pa);
+  q.stress_Pa = std::min(wire.limits.stress_Pa, rounded_up(1.25 * greatest_Pa));
+  const double share = std::max(wire.limits.current_A, 1.05 * p.holding_A) / current_A;
+  q.duty = share < 1 ? rounded_up(share * share) : 1;
+  s.trips.current_A = rounded_up(1.15 * current_A);
+  s.trips.temperature_K = q.temperature_K + 10;
+  s.trips.stress_Pa = rounded_up(1.2 * q.stress_Pa);
+  s.trips.least_strain = q.least_strain - 0.005;
+  s.trips.greatest_strain = q.greatest_strain + 0.01;
+  s.axis.zero_strain = q.greatest_strain;
+  s.measuring.constant_load_N = rounded_up(section_N(wire, task.plant.load.low_Pa));
+  choose_rates(b, task, s);
+}
+
+double resistance_dead_band_ohm(const Proposal& p) {
+  double greatest = 0;
+  for (const OperatingPoint& at : p.branches.points) {
+    const double holding_A = std::sqrt(at.loss_W / at.ohm);
+    greatest = std::max(greatest, resistance_noise_ohm(p.settings.measuring, at.ohm, holding_A));
+  }
+  return 3 * greatest;
+}
+
+double least_dead_band(const TuneTask& task, const Proposal& p) {
+  const double noise = estimate_noise(task.plant, p);
+  return rounded_up(std::max(3 * noise, 0.1 * task.plant.wire.accuracy.strain));
+}
+
+}  // namespace smaservo

@@ -1,0 +1,28 @@
+#pragma once
+// The part of a proposal that does not come from margins: sensors, limits, rates, dead bands.
+
+#include "host-sim/tune/proposal.hpp"
+
+namespace smaservo {
+
+/// How far the wire's hottest spot may lie above the estimate.
+inline constexpr double hot_spot_K = 12;
+
+/// Standard deviation of one reading.
+double resistance_noise_ohm(const Measuring<double>& m, double ohm, double current_A);
+
+/// Throws UserError where the wire hardly moves.
+void require_motion(const TuneTask& task, const Branches& branches);
+
+/// Everything of p.settings but gains and dead bands, from p.branches. Throws UserError where the
+/// current does not suffice.
+void choose_limits(const TuneTask& task, Proposal& p);
+
+/// Three deviations of the resistance at the current that holds the wire.
+double resistance_dead_band_ohm(const Proposal& p);
+
+/// Of the strain: three deviations of what the sensors' noise does to the estimate, and not less
+/// than a tenth of what the model does not know.
+double least_dead_band(const TuneTask& task, const Proposal& p);
+
+}  // namespace smaservo

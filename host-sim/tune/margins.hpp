@@ -1,0 +1,42 @@
+#pragma once
+// How far a loop is from oscillating, from its frequency response.
+// Source: Astrom and Hagglund, 'Advanced PID Control', 2006, chapter 4.6.
+
+#include <complex>
+#include <functional>
+#include <numbers>
+
+namespace smaservo {
+
+/// L(jω) of a loop that is stable when it is open, integrators aside; ω in rad/s.
+using OpenLoop = std::function<std::complex<double>(double rad_s)>;
+
+struct Margins {
+  bool stable;               ///< of the closed loop: L does not encircle -1
+  double gain;               ///< factor on L at which it begins to oscillate; infinite: none
+  double phase_rad;          ///< lag that it bears where |L| = 1; infinite where |L| never is
+  double sensitivity;        ///< M_s, the maximum of 1/|1 + L|
+  double crossover_rad_s;    ///< highest frequency where |L| = 1; 0: none
+  double oscillation_rad_s;  ///< where the gain margin is; 0: nowhere
+};
+
+/// From frequencies between these: `low` where L is flat or an integrator's, `high` beyond all
+/// crossings, at most the Nyquist frequency of a sampled loop. Cost: 60 values of L a decade and
+/// some 40 for each crossing.
+Margins margins(const OpenLoop& loop, double low_rad_s, double high_rad_s);
+
+/// What is asked of every loop, for every wire of the uncertainty and in each of its states.
+struct AskedMargins {
+  double gain = 2;  ///< 6 dB
+  double phase_rad = 0.25 * std::numbers::pi;
+  double sensitivity = 2;
+
+  bool kept(const Margins& m) const {
+    return m.stable && m.gain >= gain && m.phase_rad >= phase_rad && m.sensitivity <= sensitivity;
+  }
+};
+
+/// The worse of both, number by number; frequencies are those of the smaller margin.
+Margins worse(const Margins& a, const Margins& b);
+
+}  // namespace smaservo

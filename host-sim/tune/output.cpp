@@ -1,0 +1,170 @@
+// A tuning as text, as JSON and as settings.
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "host-sim/tune/tune.hpp"
+
+namespace smaservo {
+namespace {
+
+double dB(double gain) {
+  return 20 * std::log10(gain);
+}
+double degrees(double rad) {
+  return rad * 180 / std::numbers::pi;
+}
+double percent_of_stroke(const Tuned& t, double strain) {
+  return 100 * strain / t.task.plant.wire.nominal_stroke;
+}
+
+std::string load_text(const TuneTask& task) {
+  const TunedLoad& load = task.plant.load;
+  return load.is_spring() ? fmt::format("a spring of {:.4g} to {:.4g} MPa over {:.3g} % of strain",
+                                        1e-6 * load.low_Pa, 1e-6 * load.high_Pa, 100 * load.stroke)
+                          : fmt::format("{:.4g} MPa ({:.4g} N)", 1e-6 * load.low_Pa,
+                                        load.low_Pa * task.plant.wire.geometry.area_m2());
+}
+
+std::string heading(const Tuned& t) {
+  const Branches& b = t.proposal.branches;
+  return fmt::format(
+      "{} under {} in air of {:.4g} °C: contracts by {:.2f} % up to {:.0f} °C, stretches again in "
+      "{:.2g} s; holding takes up to {:.3g} A, the current limit {:.3g} V\n",
+      t.wire, load_text(t.task), t.task.plant.ambient_K - 273.15, 100 * b.stroke(),
+      b.hottest_K - 273.15, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
+}
+
+std::string settings_text(const Tuned& t) {
+  std::string text;
+  for (const Chosen& c : t.chosen) {
+    text += fmt::format("{:<32}{:>12.6g}  {}\n", c.path(), c.value, c.why);
+  }
+  return text;
+}
+
+std::string margins_text(const Tuned& t) {
+  std::string text =
+      fmt::format("{:<13}{:>16}{:>16}{:>10}{:>12}{:>14}  {}\n", "loop", "gain margin dB",
+                  "phase margin °", "worst Ms", "crosses Hz", "answers in %", "worst where");
+  for (const DesignedLoop& loop : t.proposal.loops) {
+    if (!loop.possible) {
+      text += fmt::format("{:<13} does not answer to heat under this load\n", loop_text(loop.name));
+      continue;
+    }
+    const Margins& m = loop.worst;
+    text += fmt::format(
+        "{:<13}{:>16.1f}{:>16.0f}{:>10.2f}{:>12.3g}{:>14.0f}  {}, {:.0f} % contracted\n",
+        loop_text(loop.name), dB(m.gain), degrees(m.phase_rad), m.sensitivity,
+        m.crossover_rad_s / (2 * std::numbers::pi), 100 * loop.answering,
+        motion_name(loop.worst_at.point.motion), 100 * loop.worst_at.point.share);
+  }
+  return text + fmt::format("asked of all {} wires in all their states: {:.0f} dB, {:.0f}°, {:g}\n",
+                            t.task.members, dB(AskedMargins{}.gain),
+                            degrees(AskedMargins{}.phase_rad), AskedMargins{}.sensitivity);
+}
+
+std::string relays_text(const Tuned& t) {
+  std::string text = fmt::format("{:<13}{:<9}{:<12}{:>10}{:>10}{:>12}{:>12}\n", "relay test",
+                                 "while", "wire", "Hz", "expected", "gain", "expected");
+  for (const RelayCheck& c : t.relays) {
+    text +=
+        fmt::format("{:<13}{:<9}{:<12}{:>10.3g}{:>10.3g}{:>12.3g}{:>12.3g}{}\n", loop_text(c.name),
+                    motion_name(c.motion), c.plant, c.tested.rad_s / (2 * std::numbers::pi),
+                    c.expected.rad_s / (2 * std::numbers::pi), c.tested.gain, c.expected.gain,
+                    agrees(c) ? "" : "  does not agree");
+  }
+  return text;
+}
+
+std::string steps_text(const Tuned& t) {
+  std::string text =
+      fmt::format("{:<20}{:>9}{:>12}{:>14}{:>13}{:>11}{:>12}\n", "step of the strain", "rise s",
+                  "settles s", "overshoot %", "steady %", "ripple %", "hottest °C");
+  const auto row = [&](const char* who, const StepResponse& s) {
+    text += fmt::format("{:<20}{:>9.3g}{:>12.3g}{:>14.2f}{:>13.2f}{:>11.2f}{:>12.1f}\n",
+                        fmt::format("{:.2f} to {:.2f} %{}", 100 * s.from, 100 * s.to, who),
+                        s.rise_s, s.settling_s, percent_of_stroke(t, s.overshoot),
+                        percent_of_stroke(t, s.steady_error), percent_of_stroke(t, s.ripple),
+                        s.hottest_K - 273.15);
+  };
+  for (std::size_t i = 0; i < t.worst.size(); ++i) {
+    row("", t.expected.runs.front().steps[i]);
+    row(", worst", t.worst[i]);
+  }
+  return text + fmt::format("% of a stroke of {:g}; worst of {} wires, each number by itself\n",
+                            t.task.plant.wire.nominal_stroke, t.expected.runs.size());
+}
+
+nlohmann::ordered_json step_json(const StepResponse& s) {
+  return {{"from", s.from},           {"to", s.to},
+          {"rise_s", s.rise_s},       {"settling_s", s.settling_s},
+          {"overshoot", s.overshoot}, {"steady_error", s.steady_error},
+          {"ripple", s.ripple},       {"hottest_K", s.hottest_K}};
+}
+
+nlohmann::ordered_json margins_json(const Margins& m) {
+  return {{"gain_dB", dB(m.gain)},
+          {"phase_deg", degrees(m.phase_rad)},
+          {"sensitivity", m.sensitivity},
+          {"crossover_Hz", m.crossover_rad_s / (2 * std::numbers::pi)}};
+}
+
+}  // namespace
+
+std::string tuned_text(const Tuned& t) {
+  std::string warnings;
+  for (const std::string& warning : t.warnings) {
+    warnings += fmt::format("warning: {}\n", warning);
+  }
+  return heading(t) + warnings + '\n' + settings_text(t) + '\n' + margins_text(t) + '\n' +
+         relays_text(t) + '\n' + steps_text(t);
+}
+
+std::string tuned_json(const Tuned& t) {
+  nlohmann::ordered_json all;
+  const Branches& b = t.proposal.branches;
+  all["wire"] = t.wire;
+  all["ambient_degC"] = t.task.plant.ambient_K - 273.15;
+  all["load"] = {{"low_MPa", 1e-6 * t.task.plant.load.low_Pa},
+                 {"high_MPa", 1e-6 * t.task.plant.load.high_Pa},
+                 {"stroke", t.task.plant.load.stroke}};
+  all["expected_wire"] = {{"stroke", b.stroke()},
+                          {"cooling_s", b.cooling_s},
+                          {"holding_A", t.proposal.holding_A},
+                          {"supply_V", t.proposal.supply_V}};
+  for (const Chosen& c : t.chosen) {
+    all["settings"][c.path()] = c.value;
+  }
+  for (const DesignedLoop& loop : t.proposal.loops) {
+    if (loop.possible) {
+      all["margins"][loop_text(loop.name)] = {{"answering", loop.answering},
+                                              {"nominal", margins_json(loop.nominal)},
+                                              {"worst", margins_json(loop.worst)}};
+    }
+  }
+  for (const RelayCheck& c : t.relays) {
+    all["relay_tests"].push_back({{"loop", loop_text(c.name)},
+                                  {"motion", motion_name(c.motion)},
+                                  {"plant", c.plant},
+                                  {"Hz", c.tested.rad_s / (2 * std::numbers::pi)},
+                                  {"expected_Hz", c.expected.rad_s / (2 * std::numbers::pi)},
+                                  {"gain", c.tested.gain},
+                                  {"expected_gain", c.expected.gain},
+                                  {"agrees", agrees(c)}});
+  }
+  for (std::size_t i = 0; i < t.worst.size(); ++i) {
+    all["steps"].push_back(
+        {{"file", step_json(t.expected.runs.front().steps[i])}, {"worst", step_json(t.worst[i])}});
+  }
+  all["warnings"] = t.warnings;
+  return all.dump(2) + "\n";
+}
+
+std::string tuned_toml(const Tuned& t) {
+  return chosen_toml(t.chosen, fmt::format("# Proposed by host-sim tune.\n# {}", heading(t)));
+}
+
+}  // namespace smaservo

@@ -1,0 +1,252 @@
+#include "host-sim/tune/proposal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+#include "firmware/trajectory.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/tune/heat_law.hpp"
+#include "host-sim/tune/limits.hpp"
+#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/uncertainty.hpp"
+#include "observer/kalman.hpp"
+
+namespace smaservo {
+namespace {
+
+/// No loop is made faster than this many periods, so that what is not in its model, as the front
+/// end's filters and the wire's cold ends, finds it slow.
+constexpr double loop_periods = 10;
+/// A state answers where its slope is at least this share of the branch's greatest.
+constexpr double least_slope = 0.25;
+/// The resistance's noise may move the power by this share of what holds the wire.
+constexpr double noise_share = 0.1;
+constexpr int law_stops = 49;
+/// With an integral: 60° of phase, so that a step does not swing.
+constexpr AskedMargins damped{2, std::numbers::pi / 3, 2};
+
+/// Slope of the controlled variable in the direction that its loop takes for the right one.
+double slope_1_K(LoopName name, const OperatingPoint& p) {
+  switch (name) {
+    case LoopName::strain:
+      return -p.strain_1_K;
+    case LoopName::resistance:
+      return -p.ohm_1_K;
+    case LoopName::force:
+      return p.load_N_K;
+    case LoopName::temperature:
+      break;
+  }
+  return 1;
+}
+
+LoopGains<double>& gains(LoopName name, Settings<double>& s) {
+  switch (name) {
+    case LoopName::temperature:
+      return s.temperature;
+    case LoopName::resistance:
+      return s.resistance;
+    case LoopName::force:
+      return s.force;
+    case LoopName::strain:
+      break;
+  }
+  return s.strain;
+}
+
+std::vector<Situation> all_situations(const TuneTask& task, const Settings<double>& bare,
+                                      const Branches& fine, double most_K) {
+  const HeatLaw law(bare, task.plant, fine);
+  // The estimate is off by twice the wire's accuracy.
+  const double off = 2 * task.plant.wire.accuracy.strain / std::max(fine.stroke(), 1e-6);
+  std::vector<Situation> all;
+  const std::vector<TunedPlant> plants = uncertain_plants(task.plant, task.members, task.seed);
+  for (std::size_t i = 0; i < plants.size(); ++i) {
+    for (const OperatingPoint& p : trace_branches(plants[i], most_K).points) {
+      all.push_back({i, p, law.greatest_J(p.motion, p.share, i == 0 ? 0 : off),
+                     law.loss_slope_W_K(p.motion, p.share)});
+    }
+  }
+  return all;
+}
+
+/// One of the loops while its gains are being looked for.
+class Design {
+ public:
+  Design(LoopName name, const std::vector<Situation>& situations, double period_s)
+      : name_(name), period_s_(period_s), target_s_(loop_periods * period_s) {
+    double greatest = 0;
+    for (const Situation& s : situations) {
+      greatest = std::max(greatest, slope_1_K(name, s.point));
+    }
+    const double least = least_slope * greatest;
+    for (const Situation& s : situations) {
+      const bool heats = name == LoopName::temperature || s.point.motion != Motion::turned;
+      if (heats && greatest > 0 && least <= slope_1_K(name, s.point)) {
+        answering_.push_back(s);
+      }
+    }
+    share_ = static_cast<double>(answering_.size()) / static_cast<double>(situations.size());
+  }
+
+  bool possible() const { return !answering_.empty(); }
+
+  LinearLoop linear(const Situation& s, const LoopGains<double>& gains,
+                    double feed_forward_s) const {
+    const bool strain = name_ == LoopName::strain;
+    const OperatingPoint& p = s.point;
+    return {period_s_,
+            1,
+            p.capacity_J_K,
+            p.loss_slope_W_K,
+            slope_1_K(name_, p),
+            name_ == LoopName::force ? KalmanTuning<double>{}.stress_filter_s : 0,
+            name_ == LoopName::temperature ? 0 : s.believed_W_K,
+            strain ? s.law_J / feed_forward_s : 0,
+            gains};
+  }
+
+  bool keeps(const LoopGains<double>& gains, double feed_forward_s,
+             const AskedMargins& asked = {}) const {
+    return std::ranges::all_of(answering_, [&](const Situation& s) {
+      return asked.kept(margins(linear(s, gains, feed_forward_s)));
+    });
+  }
+
+  /// The deadbeat time of the heat law: ten periods; down to five where the planner's lead would
+  /// else hold up a wire that stretches at `fastest_1_s`; more until the margins are kept.
+  double feed_forward_s(const LoopGains<double>& gains, double fastest_1_s) const {
+    const double lead_s = Trajectory<double>::lead / fastest_1_s;
+    double time_s = std::clamp(lead_s, 0.5 * target_s_, target_s_);
+    while (!keeps(gains, time_s)) {
+      time_s *= 1.1;
+      require_found(time_s < 1e3 * target_s_);
+    }
+    return rounded_up(time_s);
+  }
+
+  /// Proportional gain by lambda tuning, K = C/(y' τ) where that is least, at most `most`, and less
+  /// until the margins are kept; then the fastest integral that leaves 60° of phase, at most 1/(4
+  /// τ).
+  void tune(LoopGains<double>& gains, double most) const {
+    const double target_s =
+        name_ == LoopName::force ? 2 * KalmanTuning<double>{}.stress_filter_s : target_s_;
+    double K = most;
+    for (const Situation& s : answering_) {
+      K = std::min(K, s.point.capacity_J_K / (slope_1_K(name_, s.point) * target_s));
+    }
+    gains.proportional = rounded_down(K);
+    gains.integral_1_s = 0;
+    const double first = gains.proportional;
+    while (!keeps(gains, 1)) {
+      gains.proportional = rounded_down(0.85 * gains.proportional);
+      require_found(1e-3 * first < gains.proportional);
+    }
+    gains.integral_1_s = rounded_down(0.25 / target_s);
+    while (!keeps(gains, 1, damped)) {
+      gains.integral_1_s = rounded_down(0.8 * gains.integral_1_s);
+      require_found(1e-6 < gains.integral_1_s);
+    }
+    gains.tracking_s = rounded_up(std::max(target_s_, 0.5 / gains.integral_1_s));
+  }
+
+  DesignedLoop result(const LoopGains<double>& gains, double feed_forward_s) const {
+    DesignedLoop d{name_, possible(), share_, {}, {}, {}, {}, {}};
+    bool first = true, first_nominal = true;
+    for (const Situation& s : answering_) {
+      const LinearLoop loop = linear(s, gains, feed_forward_s);
+      const Margins m = margins(loop);
+      if (first || m.phase_rad < d.worst.phase_rad) {
+        d.worst_at = s;
+      }
+      d.worst = first ? m : worse(d.worst, m);
+      first = false;
+      d.loops.push_back(loop);
+      if (s.member == 0) {
+        d.nominal = first_nominal ? m : worse(d.nominal, m);
+        first_nominal = false;
+        d.nominal_loops.push_back(loop);
+      }
+    }
+    return d;
+  }
+
+  /// K at which the resistance's noise moves the power by no more than its share.
+  double most_by_noise(const Settings<double>& s) const {
+    double most = 1e6;
+    for (const Situation& at : answering_) {
+      const double power_W = at.point.loss_W;
+      const double current_A =
+          std::max(std::sqrt(power_W / at.point.ohm), s.limits.least_current_A);
+      most = std::min(
+          most, noise_share * power_W / resistance_noise_ohm(s.measuring, at.point.ohm, current_A));
+    }
+    return most;
+  }
+
+ private:
+  void require_found(bool found) const {
+    if (!found) {
+      throw UserError(
+          fmt::format("{}: no gains keep the margins; the file's accuracy.strain is "
+                      "too coarse for this wire",
+                      loop_text(name_)));
+    }
+  }
+
+  LoopName name_;
+  double period_s_, target_s_;
+  std::vector<Situation> answering_;
+  double share_;
+};
+
+DesignedLoop design(LoopName name, Proposal& p) {
+  Settings<double>& s = p.settings;
+  const Design d(name, p.situations, s.timing.period_s);
+  LoopGains<double>& q = gains(name, s);
+  if (!d.possible()) {
+    return {name, false, 0, {}, {}, {}, {}, {}};
+  }
+  if (name == LoopName::strain) {
+    s.feed_forward_s = d.feed_forward_s(q, p.branches.fastest_cooling_1_s);
+  } else {
+    d.tune(q, name == LoopName::resistance ? d.most_by_noise(s) : 1e6);
+  }
+  return d.result(q, s.feed_forward_s);
+}
+
+}  // namespace
+
+const char* loop_text(LoopName name) {
+  switch (name) {
+    case LoopName::temperature:
+      return "temperature";
+    case LoopName::resistance:
+      return "resistance";
+    case LoopName::force:
+      return "force";
+    case LoopName::strain:
+      break;
+  }
+  return "strain";
+}
+
+Proposal propose(const TuneTask& task) {
+  Proposal p{};
+  const double most_K = task.plant.wire.limits.temperature_K - hot_spot_K;
+  const Branches fine = trace_branches(task.plant, most_K, law_stops);
+  p.branches = trace_branches(task.plant, most_K);
+  require_motion(task, p.branches);
+  choose_limits(task, p);
+  p.situations = all_situations(task, p.settings, fine, most_K);
+  for (const LoopName name : loop_names) {
+    p.loops.push_back(design(name, p));
+  }
+  p.settings.resistance.dead_band = rounded_up(resistance_dead_band_ohm(p));
+  p.settings.strain.dead_band = least_dead_band(task, p);
+  return p;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,60 @@
+#pragma once
+// A relay in place of the controller makes a loop oscillate; frequency and harmonics tell the
+// plant's response there, without any model of it. The set-point moves along, so that the wire goes
+// one way all the time and its hysteresis does not turn.
+// Source: Astrom and Hagglund, 'Advanced PID Control', 2006, chapter 8.
+
+#include <functional>
+#include <vector>
+
+#include "host-sim/tune/proposal.hpp"
+
+namespace smaservo {
+
+/// What a relay drives: holds this power for a period, and tells the variable after it.
+struct RelayPlant {
+  std::function<double(double power_W)> advance;
+  double now;  ///< the variable before the first period
+};
+
+struct RelayTask {
+  double period_s;
+  int delay_ticks;
+  double base_W;          ///< power is base +- amplitude
+  double base_rises_W_s;  ///< as the loss of a wire that becomes warmer
+  double amplitude_W;
+  double rises_1_s;   ///< of the variable at the base power; the set-point does so
+  double direction;   ///< +1 where power raises the variable
+  double hysteresis;  ///< in the variable
+};
+
+struct Oscillation {
+  bool steady;  ///< two periods alike
+  double rad_s;
+  double gain;  ///< variable by power, of the first harmonics
+};
+
+Oscillation relay_test(const RelayTask& task, RelayPlant plant);
+
+/// Frequency and gain that a linear loop would have in the same test, by its describing function.
+Oscillation expected_oscillation(const LinearLoop& loop, const RelayTask& task);
+
+/// A test half way on a branch, beside what its linearisation says.
+struct RelayCheck {
+  LoopName name;
+  Motion motion;
+  const char* plant;  ///< "lumped", "24 segments"
+  Oscillation tested, expected;
+};
+
+/// For all loops that are possible, on both branches: of the file's wire as one body; the strain's
+/// on one of 24 segments, too, where the load is constant
+/// and the wire not over its stroke before the test is.
+std::vector<RelayCheck> relay_checks(const TuneTask& task, const Proposal& p);
+
+/// Both agree within this factor in frequency and in gain: a relay switches on ticks, of which the
+/// oscillation has some twenty, and the branch is not straight.
+inline constexpr double relay_factor = 1.3;
+bool agrees(const RelayCheck& check);
+
+}  // namespace smaservo

@@ -1,0 +1,72 @@
+#include "host-sim/tune/tune.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/uncertainty.hpp"
+
+namespace smaservo {
+namespace {
+
+/// Of the uncertain wires that close the loop in time.
+constexpr int expected_members = 12;
+
+/// The smallest dead band with which the fewest wires are restless.
+void try_dead_bands(Tuned& t) {
+  const std::vector<TunedPlant> plants =
+      uncertain_plants(t.task.plant, expected_members, t.task.seed);
+  Proposal tried = t.proposal;
+  const double least = tried.settings.strain.dead_band;
+  int fewest = expected_members + 1;
+  for (double factor = 1; factor <= 8 && 0 < fewest; factor *= 2) {
+    tried.settings.strain.dead_band = rounded_up(factor * least);
+    ExpectedSteps expected = expected_steps(t.task, tried, plants);
+    const int restless = restless_wires(expected, tried.settings);
+    if (restless < fewest) {
+      fewest = restless;
+      t.proposal.settings = tried.settings;
+      t.expected = std::move(expected);
+    }
+  }
+  if (0 < fewest) {
+    t.warnings.push_back(fmt::format(
+        "{} of {} uncertain wires do not hold their strain: the estimate is lost where the wire "
+        "stands still; identify the wire, or hold it for shorter times",
+        fewest, expected_members));
+  }
+}
+
+void warn(Tuned& t) {
+  const SoftLimits<double>& q = t.proposal.settings.limits;
+  const double greatest_Pa = std::max(t.task.plant.load.low_Pa, t.proposal.branches.hot_Pa);
+  if (0.9 * q.stress_Pa < greatest_Pa) {
+    t.warnings.push_back(fmt::format(
+        "the load reaches {:.4g} MPa, within the last tenth of the wire's {:.4g}: heat fades there",
+        1e-6 * greatest_Pa, 1e-6 * q.stress_Pa));
+  }
+  const auto off = std::ranges::count_if(t.relays, [](const RelayCheck& c) { return !agrees(c); });
+  if (0 < off) {
+    t.warnings.push_back(
+        fmt::format("{} of {} relay tests do not agree with the linearisation within a factor {}",
+                    off, t.relays.size(), relay_factor));
+  }
+}
+
+}  // namespace
+
+Tuned tune(const std::string& wire, const TuneTask& task) {
+  Tuned t{wire, task, propose(task), {}, {}, {}, {}, {}};
+  try_dead_bands(t);
+  const auto possible = [&](LoopName name) {
+    return t.proposal.loops[static_cast<std::size_t>(name)].possible;
+  };
+  t.chosen = chosen_settings(t.proposal.settings, possible(LoopName::resistance),
+                             possible(LoopName::force));
+  t.relays = relay_checks(task, t.proposal);
+  t.worst = worst_steps(t.expected);
+  warn(t);
+  return t;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,35 @@
+#pragma once
+// host-sim tune: gains for a wire and a load, the margins that they keep, and what to expect.
+
+#include <string>
+#include <vector>
+
+#include "host-sim/tune/chosen.hpp"
+#include "host-sim/tune/expected.hpp"
+#include "host-sim/tune/proposal.hpp"
+#include "host-sim/tune/relay.hpp"
+
+namespace smaservo {
+
+struct Tuned {
+  std::string wire;  ///< its name
+  TuneTask task;
+  Proposal proposal;
+  std::vector<Chosen> chosen;
+  std::vector<RelayCheck> relays;
+  ExpectedSteps expected;
+  std::vector<StepResponse> worst;  ///< of the expected steps
+  std::vector<std::string> warnings;
+};
+
+/// All of it. The dead band of the strain is the least that makes sense, or up to eight times that:
+/// the smallest with which every expected step holds. Throws UserError as propose() does.
+Tuned tune(const std::string& wire, const TuneTask& task);
+
+std::string tuned_text(const Tuned& tuned);
+std::string tuned_json(const Tuned& tuned);
+std::string tuned_toml(const Tuned& tuned);
+/// Writes one HTML file that opens without a network. Throws UserError.
+void write_tune_report(const std::string& path, const Tuned& tuned);
+
+}  // namespace smaservo
