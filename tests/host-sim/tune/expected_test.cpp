@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "firmware/device.hpp"
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "host-sim/tune/uncertainty.hpp"
 #include "model/wires/wire_file.hpp"
