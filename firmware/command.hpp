@@ -50,6 +50,7 @@ struct Inputs {
   bool emergency_stop = false;
   bool driver_fault = false;
   bool deadline_missed = false;  ///< the caller was late for this step
+  FaultSet external;             ///< of what only the caller knows: bus, boot, store, settings
 };
 
 enum class DeviceState : std::uint8_t {
@@ -60,6 +61,13 @@ enum class DeviceState : std::uint8_t {
   stopping,  ///< the safe state after a fault: holds or releases
   fault,     ///< no current until the faults are cleared
 };
+inline constexpr std::uint8_t device_state_count = 6;
+
+/// States in which a current may be given.
+constexpr bool is_heated(DeviceState state) {
+  return state == DeviceState::arming || state == DeviceState::running ||
+         state == DeviceState::stopping;
+}
 
 /// Why the output is less, or more, than the loop wants.
 enum class LimitReason : std::uint8_t {
@@ -72,6 +80,7 @@ enum class LimitReason : std::uint8_t {
   duty,
   supply,      ///< the converter has no more voltage
   trajectory,  ///< the planner waits for the wire
+  protection,  ///< a fault of class L is active
   count
 };
 
@@ -95,7 +104,13 @@ struct Output {
   FaultSet latched;             ///< faults that have not been cleared
   Fault first_cause;            ///< of the latched ones; Fault::none
   FaultSet warnings;
-  FaultSet blocks;  ///< why it can not be armed
+  FaultSet blocks;               ///< all reasons why it can not be armed; empty while it is
+  std::uint64_t time_us;         ///< of the loop: the sum of all dt_s since start()
+  std::uint64_t first_cause_us;  ///< when that was
+
+  constexpr bool limited_by(LimitReason reason) const {
+    return (limit_reasons >> static_cast<unsigned>(reason) & 1U) != 0;
+  }
 };
 
 }  // namespace smaservo

@@ -13,6 +13,7 @@
 #include "firmware/command.hpp"
 #include "firmware/control.hpp"
 #include "firmware/prepared.hpp"
+#include "firmware/supervisor.hpp"
 
 namespace smaservo {
 
@@ -22,19 +23,20 @@ struct Device {
 
   struct State {
     typename Observer::State observer;
+    typename Monitor<S>::State monitor;
+    typename Supervisor<S>::State supervisor;
     typename Controller<S>::State controller;
-    DeviceState state;
     bool observing;    ///< there has been a first sample
     S since_sample_s;  ///< age of the last fresh sample
+    S since_command_s;
+    S off_s;           ///< no current has been given for so long
+    S given_before_A;  ///< in the step before the last
+    std::uint64_t time_us;
     Output<S> last;
   };
 
   /// As after switching on.
-  static State start() {
-    State s{};
-    s.state = DeviceState::starting;
-    return s;
-  }
+  static State start() { return State{}; }
 
   /// dt_s since the last step, 0.1 to 20 ms. Order: observe(), then decide().
   static Output<S> step(const Prepared<S>& p, State& s, const Inputs<S>& in,
@@ -54,13 +56,22 @@ struct Device {
   static Output<S> decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                           const Measurement<S>& m, const Estimate<S>& e, const Command<S>& command,
                           const S& dt_s);
+
+ private:
+  using Verdict = typename Supervisor<S>::Verdict;
+
+  static void count_time(State& s, const Inputs<S>& in, const Command<S>& command, const S& dt_s);
+  static Verdict protect(const Seen<S>& seen, State& s);
+  static void sense(const Prepared<S>& p, Output<S>& out);
+  static void control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out);
+  static void limit(const Prepared<S>& p, State& s, Output<S>& out);
 };
 
 template <class S>
 Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S>& in,
                                   const S& dt_s) {
   const Measuring<S>& q = p.settings.measuring;
-  Sample<S> sample = in.sample;
+  Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
   sample.load_N =
       q.has_load_cell ? (sample.load_N - q.load_offset_N) * q.load_gain : q.constant_load_N;
   if (!in.fresh) {
@@ -88,31 +99,122 @@ template <class S>
 Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                             const Measurement<S>& m, const Estimate<S>& e,
                             const Command<S>& command, const S& dt_s) {
-  const auto& filter = s.observer.observer.filter[0];
+  count_time(s, in, command, dt_s);
+  const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
+  const auto& filter = KalmanBank<S>::likeliest(s.observer.observer);
+  const Seen<S> seen{p,
+                     in,
+                     command,
+                     m,
+                     e,
+                     filter,
+                     s.last,
+                     s.given_before_A,
+                     sample.current_A - p.settings.measuring.current_offset_A,
+                     sample.voltage_V - p.settings.measuring.voltage_offset_V,
+                     s.controller.duty,
+                     s.off_s,
+                     s.since_sample_s,
+                     s.since_command_s,
+                     dt_s,
+                     s.observing,
+                     s.monitor.zero.known()};
+  const Verdict v = protect(seen, s);
   Output<S> out{};
+  out.state = v.state;
+  out.mode = Mode::off;
   out.measurement = m;
   out.estimate = e;
   out.ambient_K = filter.ambient_K;
-  const bool heat = s.observing && command.arm && command.mode != Mode::off && !in.emergency_stop;
-  s.state = heat ? DeviceState::running : DeviceState::ready;
-  out.state = s.state;
-  if (heat) {
-    const Known<S> known{m, e, filter, in.sample.current_A, in.supply_V};
-    const auto c = Controller<S>::step(
-        p, s.controller, {command.mode, command.setpoint, command.scale}, known, dt_s);
-    out.current_A = c.current_A;
-    out.voltage_V = c.voltage_V;
-    out.mode = command.mode;
-    out.setpoint = c.setpoint;
-    out.reference = c.reference;
-    out.power_W = c.power_W;
-    out.limit_reasons = c.limit_reasons;
+  out.hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K;
+  out.active = v.active;
+  out.latched = v.latched;
+  out.first_cause = s.supervisor.first_cause;
+  out.warnings = v.warnings;
+  out.blocks = v.blocks;
+  out.time_us = s.time_us;
+  out.first_cause_us = s.supervisor.first_cause_us;
+  const bool safe = v.heat == Heat::hold || v.heat == Heat::release;
+  if (v.heat == Heat::sense) {
+    sense(p, out);
+  }
+  if (safe || (v.heat == Heat::run && command.mode != Mode::off)) {
+    control(seen, s,
+            safe ? Demand<S>{Mode::strain, v.strain, {}}
+                 : Demand<S>{command.mode, command.setpoint, command.scale},
+            out);
+    if (v.limited) {
+      limit(p, s, out);
+    }
   } else {
     Controller<S>::rest(p, s.controller, dt_s);
-    out.mode = Mode::off;
   }
+  s.given_before_A = s.last.current_A;
   s.last = out;
   return out;
+}
+
+template <class S>
+void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& command,
+                           const S& dt_s) {
+  // Seconds in a float would stand still after some hours.
+  s.time_us += static_cast<std::uint32_t>(dt_s * S(1e6) + S(0.5));
+  s.since_sample_s = in.fresh ? S(0) : s.since_sample_s + dt_s;
+  s.since_command_s = command.fresh ? S(0) : s.since_command_s + dt_s;
+  s.off_s = s.last.current_A == S(0) ? s.off_s + dt_s : S(0);
+}
+
+template <class S>
+auto Device<S>::protect(const Seen<S>& seen, State& s) -> Verdict {
+  const FaultSet active = Monitor<S>::step(seen, s.monitor);
+  if (s.observing && !std::isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
+    s.observing = false;  // it would never come back by itself: the next sample starts it anew
+  }
+  return Supervisor<S>::step(seen, s.supervisor, active, s.time_us);
+}
+
+template <class S>
+void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
+  out.current_A = p.settings.limits.least_current_A;
+  out.voltage_V = out.current_A * p.cold_ohm;
+}
+
+/// A result that is no current is not put out; the next step calls it a fault.
+template <class S>
+void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out) {
+  const Known<S> known{seen.measurement, seen.estimate, seen.filter, seen.current_A,
+                       seen.in.supply_V};
+  const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
+  const bool usable = S(0) <= c.current_A &&
+                      c.current_A <= seen.prepared.settings.trips.current_A &&
+                      std::isfinite(c.voltage_V);
+  s.monitor.machine.control_invalid = !usable;
+  if (!usable) {
+    return;
+  }
+  out.current_A = c.current_A;
+  out.voltage_V = c.voltage_V;
+  out.mode = demand.mode;
+  out.setpoint = c.setpoint;
+  out.reference = c.reference;
+  out.power_W = c.power_W;
+  out.limit_reasons = c.limit_reasons;
+}
+
+/// No more than keeps the resistance measurable. The controller learns what was given of it.
+template <class S>
+void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
+  const S least_A = p.settings.limits.least_current_A;
+  out.limit_reasons |= 1U << static_cast<unsigned>(LimitReason::protection);
+  if (!(least_A < out.current_A)) {
+    return;
+  }
+  const S share = least_A / out.current_A;
+  out.current_A = least_A;
+  out.voltage_V = out.voltage_V * share;
+  out.power_W = out.power_W * share * share;
+  s.controller.current_loop.asked_A = out.current_A;
+  s.controller.power_W = out.power_W;
 }
 
 static_assert(std::is_trivially_copyable_v<Device<float>::State>);

@@ -1,7 +1,10 @@
 #pragma once
-// Every condition that a device detects, with its class. fault_rows describes each once; the
-// reference page and `host-sim explain` are made from it.
+// Every condition that a device detects. faults/table.hpp describes each once: class, times, texts;
+// the reference page and `host-sim explain` are made from it. monitor.hpp detects them,
+// failsafe.hpp says what follows.
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 namespace smaservo {
@@ -18,18 +21,24 @@ enum class Fault : std::uint8_t {
   current_control,
   current_while_off,
   driver_fault,
+  driver_warm,
   driver_hot,
+  kelvin_mismatch,
   // the wire
   wire_open,
   wire_short,
   sense_lead_open,
   no_response,
   over_temperature,
+  heat_limit,
+  overheat_onset,
   overheat_signature,
+  heating_fast,
   heating_rate,
   load_lost,
   over_stress,
   over_strain,
+  slip_seen,
   clamp_slip,
   drift,
   cycles,
@@ -38,13 +47,16 @@ enum class Fault : std::uint8_t {
   // the estimate
   model_divergence,
   estimate_invalid,
+  estimate_unsure,
   following_error,
   power_balance,
   ambient_range,
   started_outside,
   // the machine
+  sensor_invalid,
   sample_stale,
   sample_frozen,
+  control_invalid,
   deadline_missed,
   command_timeout,
   emergency_stop,
@@ -57,7 +69,20 @@ enum class Fault : std::uint8_t {
   not_configured,
   count
 };
-static_assert(static_cast<unsigned>(Fault::count) <= 64);
+inline constexpr std::size_t fault_count = static_cast<std::size_t>(Fault::count);
+static_assert(fault_count <= 64);
+
+/// What follows from a fault. While no current is allowed anyway, every class but L and W blocks
+/// arming as long as the condition is there; of them only F0 is latched then.
+enum class FaultClass : std::uint8_t {
+  F0,  ///< heat off at once, by the hardware as well
+  F1,  ///< heat off
+  F2,  ///< the configured safe state: off, hold for a time, controlled release
+  L,   ///< limiter: no more than the least current while it lasts
+  B,   ///< blocks arming; a warning while running
+  W,   ///< warning
+};
+inline constexpr std::size_t fault_class_count = 6;
 
 /// A set of them. An empty one is all zero.
 class FaultSet {
@@ -75,6 +100,16 @@ class FaultSet {
   constexpr bool has(Fault fault) const { return (bits_ & bit(fault)) != 0; }
   constexpr void set(Fault fault, bool on = true) {
     bits_ = on ? bits_ | bit(fault) : bits_ & ~bit(fault);
+  }
+  /// Adds it where this is so, which is rare: one instruction where it is not.
+  constexpr void add(Fault fault, bool so) {
+    if (so) [[unlikely]] {
+      bits_ |= bit(fault);
+    }
+  }
+  /// The first one in the order of Fault; none of an empty set.
+  constexpr Fault first() const {
+    return empty() ? Fault::none : static_cast<Fault>(std::countr_zero(bits_));
   }
 
   friend constexpr FaultSet operator|(FaultSet a, FaultSet b) {
@@ -94,5 +129,13 @@ class FaultSet {
   }
   std::uint64_t bits_ = 0;
 };
+
+/// Calls f(Fault) for each of the set, in the order of Fault.
+template <class F>
+constexpr void for_each_fault(FaultSet set, F f) {
+  for (std::uint64_t bits = set.bits(); bits != 0; bits &= bits - 1) {
+    f(static_cast<Fault>(std::countr_zero(bits)));
+  }
+}
 
 }  // namespace smaservo

@@ -12,25 +12,33 @@ template <class S>
 struct Pid {
   struct State {
     S integral_W;
-    S filtered;   ///< of the controlled variable
-    S reference;  ///< of the last step
+    S filtered;  ///< of the controlled variable less its weighted reference
+    S base;      ///< reference at the start; the set-point's weight counts from there
   };
 
-  /// From here on, without a derivative from before. What the integral held is the transfer's.
-  static State start(const S& measured, const S& reference) { return {S(0), measured, reference}; }
+  /// From here on, with nothing from before.
+  static State start(const LoopGains<S>& q, const S& reference, const S& measured) {
+    return {S(0), measured - q.derivative_weight * reference, reference};
+  }
+  /// With other gains, the integral goes on: it knows what the model does not.
+  static void resume(const LoopGains<S>& q, State& s, const S& reference, const S& measured) {
+    s.filtered = measured - q.derivative_weight * reference;
+  }
 
   /// Power beyond the feed-forward. `direction` is +1 where heat raises the controlled variable, -1
-  /// where it lowers it. Cost: 30 flops, 1 division.
+  /// where it lowers it. The cooling factor is on the proportional and integral part: on the others
+  /// it would be a step wherever the error changes its sign. Numbers have to be finite; the state
+  /// keeps what they are not. Cost: 30 flops, 2 divisions.
   static S step(const LoopGains<S>& q, const GainScale<S>& scale, const S& direction, State& s,
                 const S& reference, const S& measured, const S& dt_s);
 
   /// Tells the integral what became of the output that step() was part of: wanted before the
-  /// limits, given after them.
+  /// limits, given after them. A tracking time far below 1/integral_1_s lets the integral eat up
+  /// the proportional part in a limit, and give it back slowly.
   static void limited(const LoopGains<S>& q, State& s, const S& wanted_W, const S& given_W,
                       const S& dt_s) {
     const S share = dt_s < q.tracking_s ? dt_s / q.tracking_s : S(1);
-    const S back_W = (given_W - wanted_W) * share;
-    s.integral_W = q.integral_1_s > S(0) ? s.integral_W + back_W : S(0);
+    s.integral_W = q.integral_1_s > S(0) ? s.integral_W + (given_W - wanted_W) * share : S(0);
   }
 
   static S outside(const S& error, const S& band) {
@@ -42,20 +50,19 @@ template <class S>
 S Pid<S>::step(const LoopGains<S>& q, const GainScale<S>& scale, const S& direction, State& s,
                const S& reference, const S& measured, const S& dt_s) {
   const S error = direction * outside(reference - measured, q.dead_band);
-  const S before = s.filtered;
-  s.filtered = before + (measured - before) * (dt_s / (dt_s + q.derivative_filter_s));
-  const S rises_1_s = (s.filtered - before) / dt_s;
-  const S wanted_1_s = (reference - s.reference) / dt_s;
-  s.reference = reference;
-  const S K = q.proportional * (error < S(0) ? q.cooling_factor : S(1));
-  s.integral_W = s.integral_W + scale.integral * K * q.integral_1_s * error * dt_s;
-  // u = K (b r - y) + I + K T_d d(c r - y)/dt
-  const S proportional_W =
-      scale.proportional * K *
-      (error - direction * (S(1) - q.setpoint_weight) * (reference - measured));
-  const S derivative_W = scale.derivative * K * q.derivative_s * direction *
-                         (q.derivative_weight * wanted_1_s - rises_1_s);
-  return proportional_W + s.integral_W + derivative_W;
+  const S K = direction * q.proportional;
+  const S K_error = q.proportional * (error < S(0) ? q.cooling_factor : S(1)) * error;
+  // y - c r, filtered
+  const S change = measured - q.derivative_weight * reference - s.filtered;
+  const S rises_1_s = change / (dt_s + q.derivative_filter_s);
+  s.filtered = s.filtered + rises_1_s * dt_s;
+  s.integral_W = q.integral_1_s > S(0)
+                     ? s.integral_W + scale.integral * q.integral_1_s * K_error * dt_s
+                     : S(0);
+  // u = K (b r - y) + I + K T_d d(c r - y)/dt, r in the first part from where it started
+  const S weighed = (S(1) - q.setpoint_weight) * (reference - s.base);
+  return scale.proportional * (K_error - K * weighed) + s.integral_W -
+         scale.derivative * K * q.derivative_s * rises_1_s;
 }
 
 }  // namespace smaservo

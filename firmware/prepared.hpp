@@ -21,6 +21,14 @@ struct Prepared {
   S cold_ohm;  ///< of the wire at rest at 25 °C without load, as its file says
 };
 
+template <class S>
+KalmanTuning<S> observer_tuning(const Settings<S>& settings) {
+  KalmanTuning<S> tuning = kalman_tuning(settings.wire.accuracy);
+  tuning.start_ambient_sd_K = settings.observer.ambient_sd_K;
+  tuning.start_loss_sd = settings.observer.loss_sd;
+  return tuning;
+}
+
 /// Cost: some microseconds on a PC, a hyperbolic cosine among them; not for the loop.
 template <class S>
 Prepared<S> prepare(const Settings<S>& settings) {
@@ -31,7 +39,7 @@ Prepared<S> prepare(const Settings<S>& settings) {
           {wire.geometry.area_m2(), m.current_offset_A, m.voltage_offset_V, m.current_noise_A,
            m.voltage_noise_V, m.lead_resistance_ohm, S(0.5) * settings.limits.least_current_A,
            S(0.5) * ohm, S(2) * ohm},
-          {plant_params(wire), kalman_tuning(wire.accuracy)},
+          {plant_params(wire), observer_tuning(settings)},
           ohm};
 }
 

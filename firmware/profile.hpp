@@ -19,10 +19,11 @@ struct Profile {
       // First cold, so that the run begins at rest.
       return cycle - S(static_cast<int>(cycle)) < S(0.45) ? S(0) : S(1);
     }
-    const int half = static_cast<int>(S(2) * (elapsed_s - loops_from_s) / q.loop_s);
-    if (half < 0 || half >= 2 * loops) {
+    const S loop = (elapsed_s - loops_from_s) / q.loop_s;
+    if (!(loop < S(loops))) {
       return S(0);
     }
+    const int half = static_cast<int>(S(2) * loop);
     S amplitude = S(0.45);
     for (int i = 0; i < half / 2; ++i) {
       amplitude = amplitude * S(0.85);

@@ -37,6 +37,13 @@ struct Measuring {
   S voltage_full_scale_V;
 };
 
+/// What the observer starts from.
+template <class S>
+struct ObserverSettings {
+  S ambient_sd_K;  ///< how well the air's temperature is known: standard deviation
+  S loss_sd;       ///< and the cooling, relative to the wire's file
+};
+
 /// What the output stage takes.
 enum class DriveKind : std::uint8_t {
   current,  ///< a current sink or current-mode converter
@@ -69,6 +76,7 @@ template <class S>
 struct TrajectorySettings {
   S heating_rate_1_s;  ///< greatest strain rate that the planner asks for, contracting
   S cooling_rate_1_s;  ///< and stretching; what the wire can do is less and always holds as well
+  S lead_s;  ///< by which a set-point that streams is led: heat turns before the wire does
 };
 
 /// Limits that shape the output; none of them is a fault.
@@ -82,7 +90,9 @@ struct SoftLimits {
   S least_strain;   ///< shortest wire that is asked for
   S greatest_strain;
   S stress_Pa;
-  S duty;  ///< share of the current limit squared, averaged over duty_window_s
+  S loss_margin;  ///< how much stronger than its file says a wire's cooling may be believed, where
+                  ///< that would let it be heated at its temperature limit
+  S duty;         ///< share of the current limit squared, averaged over duty_window_s
   S duty_window_s;
 };
 
@@ -137,6 +147,7 @@ struct Settings {
   Timing<S> timing;
   Wire<S> wire;
   Measuring<S> measuring;
+  ObserverSettings<S> observer;
   DriveSettings<S> drive;
   LoopGains<S> strain, temperature, resistance, force;
   S feed_forward_s;  ///< in which the model's part brings the wire to its reference; 0: none

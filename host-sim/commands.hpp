@@ -12,7 +12,9 @@ namespace smaservo {
 
 void add_calibrate_plan_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_describe_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_explain_command(CLI::App& app);
 void add_figures_command(CLI::App& app);
 void add_identify_command(CLI::App& app);
 void add_replay_command(CLI::App& app);

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "host-sim/commands.hpp"
+#include "host-sim/evaluate/closed_loop.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
 #include "host-sim/evaluate/table.hpp"
 #include "host-sim/observers.hpp"
@@ -20,6 +21,7 @@ struct Arguments {
   std::vector<std::string> settings;
   std::string out, report, markdown;
   bool json = false;
+  bool closed_loop = false;
 };
 
 /// A folder gets a file of the usual name.
@@ -49,11 +51,41 @@ class Stages {
   std::optional<Progress> line_;
 };
 
+/// The other table: of control.
+void run_closed_loop(const Arguments& a, const std::string& out) {
+  ClosedLoopOptions options;
+  options.units = a.options.units;
+  options.runs = a.options.runs > 0 ? a.options.runs : options.runs;
+  options.seed = a.options.seed;
+  options.threads = a.options.threads;
+  options.wires = a.options.wires;
+  Stages stages;
+  options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
+    stages.update(stage, done, total);
+  };
+  const ClosedLoopEvaluation evaluation = evaluate_closed_loop(options);
+  const std::string json = closed_loop_json(evaluation);
+  const std::string markdown = closed_loop_markdown(evaluation);
+  if (!out.empty()) {
+    OutputFile file(out);
+    file.write(json);
+    file.commit();
+  }
+  if (!a.markdown.empty()) {
+    rewrite_table(a.markdown, markdown);
+  }
+  fmt::print(out == "-" ? stderr : stdout, "{}", a.json ? json : markdown);
+}
+
 void run(Arguments& a) {
   const std::string out = json_file(a.out);
   refuse_to_overwrite(out, a.report);
   refuse_to_overwrite(a.markdown, out);
   refuse_to_overwrite(a.markdown, a.report);
+  if (a.closed_loop) {
+    run_closed_loop(a, out);
+    return;
+  }
   a.options.settings = parse_settings(a.settings);
   Evaluation evaluation;
   {
@@ -72,7 +104,7 @@ void run(Arguments& a) {
     write_table_report(a.report, evaluation);
   }
   if (!a.markdown.empty()) {
-    rewrite_table(a.markdown, evaluation);
+    rewrite_table(a.markdown, table_markdown(evaluation));
   }
   fmt::print(out == "-" || a.report == "-" ? stderr : stdout, "{}",
              a.json ? table_json(evaluation) : table_text(evaluation));
@@ -116,6 +148,10 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--report", a->report, "table as one HTML file");
   command->add_option("--markdown", a->markdown, "file whose table is written again");
   command->add_flag("--json", a->json, "print the numbers as JSON");
+  command
+      ->add_flag("--closed-loop", a->closed_loop,
+                 "judges the firmware's control in place of its observers")
+      ->excludes("--row", "--observer", "--set", "--report");
   command->callback([a] { run(*a); });
 }
 

@@ -97,25 +97,25 @@ band = 0xbfd7ee
 measured = 0x999999
 )";
 
-std::string drawn(const char* command, const Frame& frame, const std::string& data,
+std::string drawn(const char* command, const Axes& axes, const std::string& data,
                   const std::string& more, const std::vector<std::string>& curves) {
   return gnuplot(fmt::format(
       "set terminal svg size {},{} dynamic mouse standalone font 'sans-serif,13' lw 1.2\n{}"
       "set xlabel \"{}\"\nset ylabel \"{}\"\n{}{}{} {}\n",
-      frame.width, frame.height, style, frame.x_label, frame.y_label, more, data, command,
+      axes.width, axes.height, style, axes.x_label, axes.y_label, more, data, command,
       fmt::join(curves, ", ")));
 }
 
 }  // namespace
 
-std::string draw(const Frame& frame, const std::string& data, const std::string& more,
+std::string draw(const Axes& axes, const std::string& data, const std::string& more,
                  const std::vector<std::string>& curves) {
-  return drawn("plot", frame, data, more, curves);
+  return drawn("plot", axes, data, more, curves);
 }
 
-std::string draw_surface(const Frame& frame, const std::string& data, const std::string& more,
+std::string draw_surface(const Axes& axes, const std::string& data, const std::string& more,
                          const std::vector<std::string>& surfaces) {
-  return drawn("splot", frame, data, more, surfaces);
+  return drawn("splot", axes, data, more, surfaces);
 }
 
 std::string plotted(double value) {

@@ -13,18 +13,18 @@ struct Plot {
   std::string svg;  ///< a document that needs nothing else; the mouse shows coordinates
 };
 
-struct Frame {
+struct Axes {
   int width, height;
   std::string x_label, y_label;
 };
 
 /// The SVG of a plot command over a data block, `more` being settings before it. Colours by name:
 /// estimate, reference, band, measured. Throws UserError when gnuplot is missing or fails.
-std::string draw(const Frame& frame, const std::string& data, const std::string& more,
+std::string draw(const Axes& axes, const std::string& data, const std::string& more,
                  const std::vector<std::string>& curves);
 
 /// The same over two axes: by splot.
-std::string draw_surface(const Frame& frame, const std::string& data, const std::string& more,
+std::string draw_surface(const Axes& axes, const std::string& data, const std::string& more,
                          const std::vector<std::string>& surfaces);
 
 /// As gnuplot reads it; what is not finite leaves a gap.

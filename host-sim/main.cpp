@@ -17,7 +17,9 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   smaservo::add_calibrate_plan_command(app);
   smaservo::add_compare_command(app);
+  smaservo::add_describe_command(app);
   smaservo::add_evaluate_command(app);
+  smaservo::add_explain_command(app);
   smaservo::add_figures_command(app);
   smaservo::add_identify_command(app);
   smaservo::add_replay_command(app);

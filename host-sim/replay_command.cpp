@@ -3,10 +3,12 @@
 #include <memory>
 
 #include "host-sim/commands.hpp"
+#include "host-sim/device_replay.hpp"
 #include "host-sim/observers.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/replay.hpp"
 #include "host-sim/report.hpp"
+#include "host-sim/settings_file.hpp"
 
 namespace smaservo {
 namespace {
@@ -16,12 +18,31 @@ struct Arguments {
   std::string wire{default_wire};
   std::vector<std::string> settings;
   std::string report;
+  std::string device;
+  bool allow_differences = false;
   bool json = false;
   std::optional<double> stress_MPa, ambient_degC;
   std::optional<double> period_s;
 };
 
+void run_device(const Arguments& a) {
+  DeviceReplayOptions options{a.options.trace, a.options.trace_options,
+                              load_settings_file(a.device), a.options.out};
+  options.trace_options.period_s = a.period_s.value_or(0);
+  refuse_to_overwrite(options.trace, options.out);
+  refuse_to_overwrite(a.device, options.out);
+  const DeviceReplayResult result = replay_device(options);
+  fmt::print(options.out == "-" ? stderr : stdout, "{}", summary(options, result));
+  if (result.differing_rows > 0 && !a.allow_differences) {
+    throw UserError(fmt::format("{}: the outputs differ from those in the trace", options.trace));
+  }
+}
+
 void run(Arguments& a) {
+  if (!a.device.empty()) {
+    run_device(a);
+    return;
+  }
   require("--load-N", a.options.load_N, 0, 1e5);
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   require("--ambient-degC", a.ambient_degC, -100, 200);
@@ -96,6 +117,22 @@ void add_replay_command(CLI::App& app) {
       ->add_option("--column", a->options.trace_options.renames,
                    "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
       ->allow_extra_args(false);
+  command
+      ->add_option("--device", a->device,
+                   "run the whole device with these settings, with the trace's commands, and "
+                   "compare its outputs with the trace's")
+      ->excludes("--wire")
+      ->excludes("--observer")
+      ->excludes("--set")
+      ->excludes("--report")
+      ->excludes("--json")
+      ->excludes("--load-N")
+      ->excludes("--stress-MPa")
+      ->excludes("--ambient-degC");
+  command
+      ->add_flag("--allow-differences", a->allow_differences,
+                 "end well where the outputs differ from the trace's")
+      ->needs("--device");
   command->callback([a] { run(*a); });
 }
 

@@ -1,120 +1,13 @@
 #include "host-sim/scenario.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <fstream>
 #include <random>
-#include <set>
-#include <sstream>
-#include <toml++/toml.h>
 
-#include "host-sim/output_file.hpp"
+#include "host-sim/scenario_tables.hpp"
 
 namespace smaservo {
-namespace {
-
-/// One table of the file: takes keys, and refuses what nobody took.
-class Table {
- public:
-  Table(const toml::table& table, std::string path, const std::string& origin)
-      : table_(table), path_(std::move(path)), origin_(origin) {}
-
-  [[noreturn]] void fail(std::string_view key, const std::string& reason) const {
-    const toml::node* node = table_.get(key);
-    const auto line =
-        (node != nullptr ? *node : static_cast<const toml::node&>(table_)).source().begin.line;
-    std::string value;
-    if (node != nullptr) {
-      std::ostringstream text;
-      node->visit([&](const auto& item) { text << item; });
-      value = " = " + text.str();
-    }
-    throw UserError(fmt::format("{}:{}: {}{}{}: {}", origin_, line, path_, key, value, reason));
-  }
-
-  bool has(std::string_view key) const { return table_.contains(key); }
-
-  double number(std::string_view key, double low, double high) {
-    taken_.emplace(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) {
-      fail(key, "is missing");
-    }
-    return in_range(key, *node, low, high);
-  }
-  double number(std::string_view key, double low, double high, double otherwise) {
-    return has(key) ? number(key, low, high) : otherwise;
-  }
-
-  std::string text(std::string_view key) {
-    taken_.emplace(key);
-    const auto value = table_[key].value<std::string>();
-    if (!value) {
-      fail(key, "must be a text");
-    }
-    return *value;
-  }
-
-  std::vector<double> numbers(std::string_view key, double low, double high) {
-    taken_.emplace(key);
-    const toml::array* list = table_[key].as_array();
-    if (list == nullptr || list->empty()) {
-      fail(key, "must be a list of numbers");
-    }
-    std::vector<double> all;
-    for (const toml::node& node : *list) {
-      all.push_back(in_range(key, node, low, high));
-    }
-    return all;
-  }
-
-  Table table(std::string_view key) {
-    taken_.emplace(key);
-    const toml::table* inner = table_[key].as_table();
-    if (inner == nullptr) {
-      fail(key, "must be a table");
-    }
-    return {*inner, fmt::format("{}{}.", path_, key), origin_};
-  }
-
-  std::vector<Table> tables(std::string_view key) {
-    taken_.emplace(key);
-    const toml::array* list = table_[key].as_array();
-    if (list == nullptr || list->empty() || !list->is_homogeneous<toml::table>()) {
-      fail(key, fmt::format("must be one or more tables [[{}{}]]", path_, key));
-    }
-    std::vector<Table> all;
-    for (const toml::node& node : *list) {
-      all.emplace_back(*node.as_table(), fmt::format("{}{}.", path_, key), origin_);
-    }
-    return all;
-  }
-
-  void finish() const {
-    for (const auto& [key, node] : table_) {
-      if (!taken_.contains(key.str())) {
-        fail(key.str(), fmt::format("unknown key; here may stand: {}", fmt::join(taken_, ", ")));
-      }
-    }
-  }
-
- private:
-  double in_range(std::string_view key, const toml::node& node, double low, double high) const {
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !(*value >= low && *value <= high)) {
-      fail(key, fmt::format("must be a number between {} and {}", low, high));
-    }
-    return *value;
-  }
-
-  const toml::table& table_;
-  std::string path_;
-  const std::string& origin_;
-  std::set<std::string, std::less<>> taken_;
-};
-
-constexpr double longest_run_s = 1e5;
 
 Load read_load(Table table) {
   const std::string type = table.text("type");
@@ -137,19 +30,17 @@ Load read_load(Table table) {
   return load;
 }
 
+namespace {
+
+constexpr double longest_run_s = 1e5;
+
 Family read_family(Table& table) {
   if (!table.has("family")) {
     return Family::ihyp;
   }
-  const std::string name = table.text("family");
-  std::vector<std::string_view> names;
-  for (const Family family : families) {
-    if (name == family_name(family)) {
-      return family;
-    }
-    names.push_back(family_name(family));
-  }
-  table.fail("family", fmt::format("must be one of: {}", fmt::join(names, ", ")));
+  std::array<std::string_view, families.size()> names;
+  std::ranges::transform(families, names.begin(), family_name);
+  return families[table.choice("family", names)];
 }
 
 DriveStep read_level(Table& table) {
@@ -178,18 +69,10 @@ std::vector<DriveStep> read_drive(std::vector<Table> tables, std::mt19937_64& ra
         amplitude *= factor;
       }
     } else if (step.has("random")) {
-      const std::vector<double> levels = step.numbers("random", 0, 2);
-      const std::vector<double> each = step.numbers("each_s", 0.001, longest_run_s);
-      if (levels.size() != 2 || each.size() != 2) {
-        step.fail("random", "random and each_s must have two numbers, low and high");
-      }
-      for (const auto& [key, range] : {std::pair{"random", levels}, std::pair{"each_s", each}}) {
-        if (range[0] > range[1]) {
-          step.fail(key, "the first number must not be above the second");
-        }
-      }
-      std::uniform_real_distribution<double> level(levels[0], levels[1]);
-      std::uniform_real_distribution<double> seconds(each[0], each[1]);
+      const auto [low, high] = step.range("random", 0, 2);
+      const auto [shortest_s, longest_s] = step.range("each_s", 0.001, longest_run_s);
+      std::uniform_real_distribution<double> level(low, high);
+      std::uniform_real_distribution<double> seconds(shortest_s, longest_s);
       double left_s = step.number("for_s", 0.001, longest_run_s);
       while (left_s > 0) {
         const double part_s = std::min(seconds(random), left_s);
@@ -221,24 +104,12 @@ Sensors read_sensors(Table table) {
 }  // namespace
 
 Scenario load_scenario(const std::filesystem::path& file) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw UserError(fmt::format("{}: cannot be read", file.string()));
-  }
-  const std::string origin = file.string();
-  toml::table parsed;
-  try {
-    parsed = toml::parse(text.str(), origin);
-  } catch (const toml::parse_error& error) {
-    throw UserError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
-                                error.source().begin.column, error.description()));
-  }
-  Table root(parsed, "", origin);
+  const TomlFile parsed(file);
+  Table root = parsed.root();
   Scenario scenario{};
   scenario.note = root.text("note");
   const std::string wire = root.text("wire");
-  scenario.wire = load_wire(wire.ends_with(".toml") ? (file.parent_path() / wire).string() : wire);
+  scenario.wire = load_wire(wire.ends_with(".toml") ? parsed.beside(wire) : wire);
   scenario.seed = static_cast<std::uint64_t>(root.number("seed", 0, 1e9));
   scenario.scatter_K = root.number("scatter_K", 0, 20);
   scenario.family = read_family(root);

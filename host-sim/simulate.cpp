@@ -6,7 +6,7 @@
 #include <memory>
 #include <random>
 
-#include "host-sim/simulated_bench.hpp"
+#include "hal/sim/simulated_bench.hpp"
 #include "model/plant.hpp"
 
 namespace smaservo {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstddef>
 
-#include "model/heat.hpp"
+#include "model/convection.hpp"
 #include "model/kinetics.hpp"
 #include "model/material.hpp"
 #include "model/wire.hpp"
@@ -29,6 +29,7 @@ struct DistributedPlant {
     S specific_heat_1_K = S(0);  ///< what the specific heat gains per kelvin above 25 °C, relative
     S parallel_share = S(0);     ///< 0: the material's mixture of resistivities; else its way from
                                  ///< series to parallel, up to 1
+    ConvectionTable<S> convection;
   };
 
   struct State {
@@ -52,17 +53,18 @@ struct DistributedPlant {
   }
 
   static S strain(const Params& p, const State& s) {
+    const PerSegment<S> each = strains(p, profile(s));
     S sum = S(0);
     for (std::size_t i = 0; i < segments; ++i) {
-      sum = sum + segment_strain(p, s, i) * p.length_m[i];
+      sum = sum + each[i] * p.length_m[i];
     }
     return sum / p.geometry.length_m;
   }
 
   static S resistance_ohm(const Params& p, const State& s) {
     S sum = S(0);
-    for (std::size_t i = 0; i < segments; ++i) {
-      sum = sum + segment_resistance_ohm(p, s, i);
+    for (const S& each_ohm : resistances_ohm(p, profile(s))) {
+      sum = sum + each_ohm;
     }
     return sum;
   }
@@ -76,33 +78,54 @@ struct DistributedPlant {
   /// Chu's times `draught`, taken at the step's start.
   static void advance(const Params& p, State& s, const S& current_A, const Surroundings& around,
                       const S& draught, const S& dt_s) {
-    const Balance b = balance(p, s, current_A, around, draught, dt_s);
+    const Profile before = profile(s);
+    const Balance b = balance(p, s, before, current_A, around, draught, dt_s);
     const PerSegment<S> dT = solve(b);
     for (std::size_t i = 0; i < segments; ++i) {
-      const Phases<S> before = K::phases(s.kinetics[i]);
-      K::advance(p.kinetics[i], s.kinetics[i], {temperature_K(s, i) + dT[i], around.stress_Pa});
-      const Phases<S> after = K::phases(s.kinetics[i]);
-      const S left = i == 0 ? dT[i] : dT[i] - dT[i - 1];
-      const S right = i + 1 == segments ? dT[i] : dT[i] - dT[i + 1];
+      K::advance(p.kinetics[i], s.kinetics[i], {before.temperature_K[i] + dT[i], around.stress_Pa});
+    }
+    const Profile after = profile(s);
+    const PerLink flow_J = flows_J(b, dT, S(0));
+    for (std::size_t i = 0; i < segments; ++i) {
       // The specific heat is a line: its mean over the step is that of the step's middle.
       const S capacity_J_K =
-          b.mass_kg[i] * specific_heat_J_kgK(p, temperature_K(s, i) - S(0.5) * dT[i]);
+          b.mass_kg[i] * specific_heat_J_kgK(p, after.temperature_K[i] - S(0.5) * dT[i]);
       s.heat_J[i] =
-          b.heat_J[i] - (capacity_J_K + b.loss_J_K[i]) * dT[i] - b.link_J_K[i] * left -
-          b.link_J_K[i + 1] * right +
-          b.mass_kg[i] * (p.heat.latent_m2a_J_kg * (after.martensite - before.martensite) +
-                          p.heat.latent_r2a_J_kg * (after.r_phase - before.r_phase));
+          b.heat_J[i] - (capacity_J_K + b.loss_J_K[i]) * dT[i] - flow_J[i] + flow_J[i + 1] +
+          b.mass_kg[i] * (p.heat.latent_m2a_J_kg * (after.martensite[i] - before.martensite[i]) +
+                          p.heat.latent_r2a_J_kg * (after.r_phase[i] - before.r_phase[i]));
     }
   }
 
  private:
+  /// What the segments' states say, side by side: loops over it run in vector registers.
+  struct Profile {
+    PerSegment<S> temperature_K, martensite, r_phase;
+    S stress_Pa;  ///< the same in all segments
+  };
+
+  static Profile profile(const State& s) {
+    Profile now;
+    for (std::size_t i = 0; i < segments; ++i) {
+      const Phases<S> z = K::phases(s.kinetics[i]);
+      now.temperature_K[i] = temperature_K(s, i);
+      now.martensite[i] = z.martensite;
+      now.r_phase[i] = z.r_phase;
+    }
+    now.stress_Pa = K::drive(s.kinetics[0]).stress_Pa;
+    return now;
+  }
+
+  /// Between a segment and its left neighbour or clamp; last: the right clamp.
+  using PerLink = std::array<S, segments + 1>;
+
   /// One step's heat, linear in the changes of the temperatures.
   struct Balance {
     PerSegment<S> mass_kg, heat_J, effective_J_K, loss_J_K;
-    std::array<S, segments + 1> link_J_K;  ///< to the left neighbour or clamp; last: right clamp
+    PerLink link_J_K;
   };
 
-  static Balance balance(const Params& p, const State& s, const S& current_A,
+  static Balance balance(const Params& p, const State& s, const Profile& now, const S& current_A,
                          const Surroundings& around, const S& draught, const S& dt_s) {
     Balance b;
     const S area = p.geometry.area_m2();
@@ -112,67 +135,115 @@ struct DistributedPlant {
     for (std::size_t i = 1; i < segments; ++i) {
       b.link_J_K[i] = conductance / (S(0.5) * (p.length_m[i - 1] + p.length_m[i]));
     }
+    const PerSegment<S> h =
+        p.convection.h_W_m2K(p.geometry.diameter_m, now.temperature_K, around.ambient_K);
+    const S surface_s = draught * p.geometry.surface_m2() / p.geometry.length_m * dt_s;
+    const PerSegment<S> ohm = resistances_ohm(p, now);
+    const S joule = current_A * current_A * dt_s;
+    const PerLink flow_J = flows_J(b, now.temperature_K, around.ambient_K);
     for (std::size_t i = 0; i < segments; ++i) {
-      const S T = temperature_K(s, i);
-      const S left_K = i == 0 ? around.ambient_K : temperature_K(s, i - 1);
-      const S right_K = i + 1 == segments ? around.ambient_K : temperature_K(s, i + 1);
-      const S surface = p.geometry.surface_m2() * p.length_m[i] / p.geometry.length_m;
-      const S h = draught * natural_convection_W_m2K(p.geometry.diameter_m, T, around.ambient_K);
       b.mass_kg[i] = p.heat.density_kg_m3 * area * p.length_m[i];
-      const S capacity_J_K = b.mass_kg[i] * specific_heat_J_kgK(p, T);
-      b.loss_J_K[i] = h * surface * dt_s;
-      b.heat_J[i] = s.heat_J[i] + current_A * current_A * segment_resistance_ohm(p, s, i) * dt_s -
-                    b.loss_J_K[i] * (T - around.ambient_K) - b.link_J_K[i] * (T - left_K) -
-                    b.link_J_K[i + 1] * (T - right_K);
+      b.loss_J_K[i] = h[i] * surface_s * p.length_m[i];
+      b.heat_J[i] = s.heat_J[i] + joule * ohm[i] -
+                    b.loss_J_K[i] * (now.temperature_K[i] - around.ambient_K) - flow_J[i] +
+                    flow_J[i + 1];
+    }
+    for (std::size_t i = 0; i < segments; ++i) {
       const Heading heading = S(0) < b.heat_J[i] ? Heading::heating : Heading::cooling;
       const PhaseRates<S> rates = K::rates(p.kinetics[i], s.kinetics[i], heading);
-      const ThermalBody<S> body{capacity_J_K, b.mass_kg[i] * p.heat.latent_m2a_J_kg,
+      const ThermalBody<S> body{b.mass_kg[i] * specific_heat_J_kgK(p, now.temperature_K[i]),
+                                b.mass_kg[i] * p.heat.latent_m2a_J_kg,
                                 b.mass_kg[i] * p.heat.latent_r2a_J_kg, S(0), S(0)};
       b.effective_J_K[i] = body.effective_capacity_J_K(rates);
     }
     return b;
   }
 
-  /// Thomas' algorithm on the symmetric tridiagonal system.
+  /// From the left neighbour to the right one, through each link; `ends` is that of the clamps.
+  static PerLink flows_J(const Balance& b, const PerSegment<S>& value, const S& ends) {
+    PerLink flow;
+    flow[0] = b.link_J_K[0] * (value[0] - ends);
+    for (std::size_t i = 1; i < segments; ++i) {
+      flow[i] = b.link_J_K[i] * (value[i] - value[i - 1]);
+    }
+    flow[segments] = b.link_J_K[segments] * (ends - value[segments - 1]);
+    return flow;
+  }
+
+  /// Gauss' elimination on the symmetric tridiagonal system, from both ends to the middle: two
+  /// chains of divisions that do not wait for each other.
   static PerSegment<S> solve(const Balance& b) {
-    PerSegment<S> diagonal, right = b.heat_J;
+    constexpr std::size_t middle = segments / 2;
+    PerSegment<S> diagonal, factor, right = b.heat_J;
     for (std::size_t i = 0; i < segments; ++i) {
       diagonal[i] = b.effective_J_K[i] + b.loss_J_K[i] + b.link_J_K[i] + b.link_J_K[i + 1];
     }
-    for (std::size_t i = 1; i < segments; ++i) {
-      const S f = b.link_J_K[i] / diagonal[i - 1];
-      diagonal[i] = diagonal[i] - f * b.link_J_K[i];
-      right[i] = right[i] + f * right[i - 1];
+    const auto eliminate = [&](std::size_t from, std::size_t to, const S& link) {
+      const S inverse = S(1) / diagonal[from];
+      factor[from] = link * inverse;
+      diagonal[to] = diagonal[to] - link * link * inverse;
+      right[to] = right[to] + factor[from] * right[from];
+      right[from] = right[from] * inverse;
+    };
+    for (std::size_t i = 0; i < middle; ++i) {
+      eliminate(i, i + 1, b.link_J_K[i + 1]);
+    }
+    for (std::size_t i = segments - 1; i > middle; --i) {
+      eliminate(i, i - 1, b.link_J_K[i]);
     }
     PerSegment<S> dT;
-    dT[segments - 1] = right[segments - 1] / diagonal[segments - 1];
-    for (std::size_t i = segments - 1; i > 0; --i) {
-      dT[i - 1] = (right[i - 1] + b.link_J_K[i] * dT[i]) / diagonal[i - 1];
+    dT[middle] = right[middle] / diagonal[middle];
+    for (std::size_t i = middle; i > 0; --i) {
+      dT[i - 1] = right[i - 1] + factor[i - 1] * dT[i];
+    }
+    for (std::size_t i = middle + 1; i < segments; ++i) {
+      dT[i] = right[i] + factor[i] * dT[i - 1];
     }
     return dT;
   }
 
-  static S segment_strain(const Params& p, const State& s, std::size_t i) {
-    return smaservo::strain(p.material, K::phases(s.kinetics[i]),
-                            K::drive(s.kinetics[i]).stress_Pa);
-  }
   static S specific_heat_J_kgK(const Params& p, const S& T) {
     return p.heat.specific_heat_J_kgK * (S(1) + p.specific_heat_1_K * (T - S(298.15)));
   }
-  static S mixed_resistivity(const Params& p, const Phases<S>& z, const Drive<S>& u) {
+  static PerSegment<S> strains(const Params& p, const Profile& now) {
+    const StrainSlopes<S> by = strain_slopes(p.material, now.stress_Pa);
+    PerSegment<S> strain;
+    for (std::size_t i = 0; i < segments; ++i) {
+      strain[i] = by.austenite + now.martensite[i] * by.martensite + now.r_phase[i] * by.r_phase;
+    }
+    return strain;
+  }
+  static PerSegment<S> resistivities(const Material<S>& m, const Profile& now) {
+    PerSegment<S> rho;
+    for (std::size_t i = 0; i < segments; ++i) {
+      rho[i] = resistivity(m, {now.martensite[i], now.r_phase[i]},
+                           Drive<S>{now.temperature_K[i], now.stress_Pa})
+                   .value;
+    }
+    return rho;
+  }
+  static PerSegment<S> mixed_resistivities(const Params& p, const Profile& now) {
     if (!(S(0) < p.parallel_share)) {
-      return resistivity(p.material, z, u).value;
+      return resistivities(p.material, now);
     }
     Material<S> m = p.material;
     m.mixture = Mixture::series;
-    const S series = resistivity(m, z, u).value;
+    PerSegment<S> rho = resistivities(m, now);
     m.mixture = Mixture::parallel;
-    return series + p.parallel_share * (resistivity(m, z, u).value - series);
+    const PerSegment<S> parallel = resistivities(m, now);
+    for (std::size_t i = 0; i < segments; ++i) {
+      rho[i] = rho[i] + p.parallel_share * (parallel[i] - rho[i]);
+    }
+    return rho;
   }
-  static S segment_resistance_ohm(const Params& p, const State& s, std::size_t i) {
-    const Drive<S> u = K::drive(s.kinetics[i]);
-    return smaservo::resistance_ohm(mixed_resistivity(p, K::phases(s.kinetics[i]), u),
-                                    p.length_m[i] / p.geometry.area_m2(), segment_strain(p, s, i));
+  static PerSegment<S> resistances_ohm(const Params& p, const Profile& now) {
+    PerSegment<S> ohm = mixed_resistivities(p, now);
+    const PerSegment<S> strain = strains(p, now);
+    const S per_area_1_m2 = S(1) / p.geometry.area_m2();
+    for (std::size_t i = 0; i < segments; ++i) {
+      ohm[i] = smaservo::resistance_ohm(ohm[i], p.length_m[i] * per_area_1_m2, strain[i]);
+    }
+    return ohm;
   }
 };
 

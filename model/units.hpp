@@ -24,6 +24,7 @@ using Kind = std::span<const Unit>;
 namespace kind {
 
 inline constexpr auto number = std::to_array<Unit>({{"", 1}, {"percent", 0.01}});
+inline constexpr auto count = std::to_array<Unit>({{"", 1}});
 inline constexpr auto time = std::to_array<Unit>({{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}});
 inline constexpr auto temperature = std::to_array<Unit>({{"K", 1}, {"degC", 1, 273.15}});
 inline constexpr auto temperature_difference = std::to_array<Unit>({{"K", 1}});
@@ -50,6 +51,15 @@ inline constexpr auto specific_power =
 inline constexpr auto heat_transfer = std::to_array<Unit>({{"W_m2K", 1}});
 inline constexpr auto heat_transfer_slope = std::to_array<Unit>({{"W_m2K2", 1}});
 inline constexpr auto conductivity = std::to_array<Unit>({{"W_mK", 1}});
+inline constexpr auto rate = std::to_array<Unit>({{"1_s", 1}});
+inline constexpr auto heating_rate = std::to_array<Unit>({{"K_s", 1}});
+inline constexpr auto power = std::to_array<Unit>({{"W", 1}, {"mW", 1e-3}});
+inline constexpr auto power_per_kelvin = std::to_array<Unit>({{"W_K", 1}});
+inline constexpr auto power_per_ohm = std::to_array<Unit>({{"W_ohm", 1}});
+inline constexpr auto power_per_force = std::to_array<Unit>({{"W_N", 1}});
+inline constexpr auto kelvin_per_stress = std::to_array<Unit>({{"K_Pa", 1}, {"K_MPa", 1e-6}});
+inline constexpr auto kelvin_per_square_stress = std::to_array<Unit>({{"K_Pa2", 1}});
+inline constexpr auto resistivity_per_stress = std::to_array<Unit>({{"ohm_m_Pa", 1}});
 
 }  // namespace kind
 

@@ -35,6 +35,15 @@ struct KalmanBank {
   /// Cost: one filter step for each hypothesis that is still possible; one, soon.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
 
+  /// The most likely hypothesis.
+  static const typename Filter::State& likeliest(const State& s) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < s.alive; ++i) {
+      best = s.log_weight[best] < s.log_weight[i] ? i : best;
+    }
+    return s.filter[best];
+  }
+
   /// The mean of the hypotheses by their likelihood, with their scatter in the deviation.
   static Estimate<S> estimate(const Params& p, const State& s);
 

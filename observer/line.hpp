@@ -49,6 +49,15 @@ struct LineObserver {
             Health::good};
   }
 
+  /// The line the other way round: what belongs to a strain at the stress and in the air of `s`.
+  static S resistance_ohm(const Params& p, const State& s, const S& strain) {
+    const S austenite = smaservo::strain(p.model.material, Phases<S>{S(0), S(0)}, s.stress_Pa);
+    const S martensite = smaservo::strain(p.model.material, Phases<S>{S(1), S(0)}, s.stress_Pa);
+    const S share = (strain - austenite) / (martensite - austenite);
+    const S hot_ohm = ohm(p, s, S(0));
+    return hot_ohm + share * (ohm(p, s, S(1)) - hot_ohm);
+  }
+
  private:
   static S temperature_K(const Params& p, const State& s, const S& martensite) {
     const Isobar<S> m2a = isobar(p.model.kinetics.m2a, s.stress_Pa);
@@ -58,7 +67,7 @@ struct LineObserver {
   static S ohm(const Params& p, const State& s, const S& martensite) {
     const Phases<S> z{martensite, S(0)};
     const Drive<S> u{temperature_K(p, s, martensite), s.stress_Pa};
-    return resistance_ohm(resistivity(p.model.material, z, u).value, p.model.length_per_area_1_m,
+    return smaservo::resistance_ohm(resistivity(p.model.material, z, u).value, p.model.length_per_area_1_m,
                           strain(p.model.material, z, s.stress_Pa));
   }
 };

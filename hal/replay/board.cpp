@@ -15,6 +15,10 @@ ReadStatus ReplayBoard::read(Frame& frame) {
   if (!trace_.next(row_)) {
     return ReadStatus::end;
   }
+  frame.time_ns = static_cast<std::int64_t>(std::llround(row_[Column::time] * 1e9));
+  if (trace_.has(Column::fresh) && row_[Column::fresh] == 0) {
+    return ReadStatus::nothing;
+  }
   double load_N = load_N_;
   if (trace_.has(Column::load)) {
     load_N = row_[Column::load];
@@ -22,9 +26,19 @@ ReadStatus ReplayBoard::read(Frame& frame) {
     load_N = row_[Column::stress] * area_m2_;
   }
   // A row that was skipped is a lost frame.
-  const auto sequence = static_cast<std::uint32_t>(trace_.rows() + trace_.skipped() - 1);
-  frame = {static_cast<std::int64_t>(std::llround(row_[Column::time] * 1e9)), sequence,
-           row_[Column::current], row_[Column::voltage], load_N};
+  const auto sequence = trace_.has(Column::sequence)
+                            ? row_[Column::sequence]
+                            : static_cast<double>(trace_.rows() + trace_.skipped() - 1);
+  frame = {.time_ns = frame.time_ns,
+           .sequence = static_cast<std::uint32_t>(sequence),
+           .current_A = row_[Column::current],
+           .voltage_V = row_[Column::voltage],
+           .load_N = load_N,
+           .supply_V = row_[Column::supply],
+           .ambient_K = row_[Column::ambient],
+           .driver_K = row_[Column::driver],
+           .emergency_stop = row_[Column::emergency_stop] > 0,
+           .driver_fault = row_[Column::driver_fault] > 0};
   return ReadStatus::frame;
 }
 

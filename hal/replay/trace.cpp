@@ -36,9 +36,25 @@ constexpr std::array<Known, column_count> known_columns{{
     {"displacement", kind::length, -10, 10},
     {"resistance", kind::resistance, 0, 1e6},
     {"power", kind::specific_power, -1e7, 1e7},
+    {"supply", kind::voltage, -1e4, 1e4},
+    {"driver", kind::temperature, 50, 2000},
+    {"emergency_stop", kind::count, 0, 1},
+    {"driver_fault", kind::count, 0, 1},
+    {"sequence", kind::count, 0, 4294967295.0},
+    {"fresh", kind::count, 0, 1},
 }};
-/// How many of them every trace may have.
-constexpr auto common_columns = static_cast<std::size_t>(Column::resistance);
+
+/// Whether a reader with these options understands it.
+constexpr bool understood(Column column, const TraceOptions& options) {
+  return column < Column::resistance ||
+         (column < Column::supply ? options.resistance_and_power : options.device);
+}
+
+/// A reading may have failed; time, sequence and flags are always there.
+constexpr bool may_be_empty(Column column, const TraceOptions& options) {
+  return options.device && column != Column::time &&
+         (column <= Column::ambient || column == Column::supply || column == Column::driver);
+}
 
 constexpr std::size_t buffer_size = std::size_t{1} << 20;
 constexpr std::size_t most_complaints = 10;
@@ -268,15 +284,13 @@ struct TraceReader::Impl {
                      fmt::join(names, ", ")));
   }
 
-  /// What this reader understands.
-  std::span<const Known> known() const {
-    return std::span(known_columns)
-        .first(options.resistance_and_power ? column_count : common_columns);
-  }
-
   std::string known_names() const {
     std::vector<std::string> all;
-    for (const Known& column : known()) {
+    for (std::size_t k = 0; k < column_count; ++k) {
+      const Known& column = known_columns[k];
+      if (!understood(static_cast<Column>(k), options)) {
+        continue;
+      }
       for (const Unit& unit : column.kind) {
         all.push_back(unit.suffix.empty() ? std::string(column.base)
                                           : fmt::format("{}_{}", column.base, unit.suffix));
@@ -286,8 +300,11 @@ struct TraceReader::Impl {
   }
 
   void explain(std::size_t i, const std::string& name) {
-    for (std::size_t k = 0; k < known().size(); ++k) {
+    for (std::size_t k = 0; k < column_count; ++k) {
       const Known& column = known_columns[k];
+      if (!understood(static_cast<Column>(k), options)) {
+        continue;
+      }
       if (const auto unit = unit_of(name, column.base, column.kind)) {
         if (has[k]) {
           fail(fmt::format("line 1, column {} ({}): there is another column for {}", i + 1, name,
@@ -327,6 +344,9 @@ struct TraceReader::Impl {
       if (target.value == column_count) {
         comma = static_cast<const char*>(std::memchr(at, ',', static_cast<std::size_t>(stop - at)));
         comma = comma == nullptr ? stop : comma;
+      } else if ((at == stop || *at == ',') &&
+                 may_be_empty(static_cast<Column>(target.value), options)) {
+        comma = at;
       } else {
         comma = at;
         double value = parse_number(comma, stop);
@@ -339,7 +359,8 @@ struct TraceReader::Impl {
           return BadRow{
               i, fmt::format("{} is out of range, {:.4g} to {:.4g}{}", field(at, stop),
                              target.unit.from_si(column.low), target.unit.from_si(column.high),
-                             target.unit.suffix.empty()
+                             column.kind.size() == 1 ? std::string()
+                             : target.unit.suffix.empty()
                                  ? fmt::format("; per cent are {}_percent", column.base)
                                  : fmt::format(" {}", target.unit.suffix))};
         }

@@ -27,6 +27,12 @@ enum class Column : unsigned char {
   displacement,
   resistance,  ///< this and power only where TraceOptions ask for them
   power,
+  supply,  ///< from here on: only where TraceOptions ask for a device's columns
+  driver,
+  emergency_stop,
+  driver_fault,
+  sequence,
+  fresh,
   count
 };
 inline constexpr std::size_t column_count = static_cast<std::size_t>(Column::count);
@@ -45,6 +51,9 @@ struct TraceOptions {
   /// Read `resistance` and `power` as well; otherwise they are columns like any other, kept as
   /// text.
   bool resistance_and_power = false;
+  /// Read what only a device needs as well. An empty field is then a reading that was not taken:
+  /// NaN.
+  bool device = false;
 };
 
 /// One row, in SI; NaN where the trace has no such column.

@@ -1,15 +1,17 @@
 #include "host-sim/evaluate/calibrate.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <utility>
 #include <vector>
 
 #include "host-sim/evaluate/runs.hpp"
 #include "host-sim/identify/fit.hpp"
+#include "host-sim/output_file.hpp"
 #include "host-sim/simulate.hpp"
 
 namespace smaservo {
-Run calibration_measurement(const Unit& unit, std::size_t index) {
+Run calibration_measurement(const WireUnit& unit, std::size_t index) {
   const double area_m2 = unit.type_file().geometry.area_m2();
   Run run{};
   run.name = fmt::format("{} MPa", calibration_stresses_MPa.at(index));
@@ -25,7 +27,7 @@ Run calibration_measurement(const Unit& unit, std::size_t index) {
   return run;
 }
 
-WireDescription calibrate(const Unit& unit) {
+WireDescription calibrate(const WireUnit& unit) {
   const Wire<double> from = unit.type_file();
   std::vector<Run> runs;
   runs.reserve(calibration_stresses_MPa.size());
@@ -36,6 +38,20 @@ WireDescription calibrate(const Unit& unit) {
   return {fmt::format("{} {}", family_name(unit.family), unit.seed),
           fit.wire,
           {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};
+}
+
+Wire<double> calibrated_wire(const WireUnit& unit, const std::string& folder) {
+  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
+  if (!folder.empty() && std::filesystem::exists(file)) {
+    return load_wire(file.string()).wire;
+  }
+  const WireDescription found = calibrate(unit);
+  if (!folder.empty()) {
+    OutputFile output(file.string());
+    output.write(to_toml(found));
+    output.commit();
+  }
+  return found.wire;
 }
 
 std::string calibrated_name(Family family, std::uint64_t seed) {

@@ -28,7 +28,7 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
 }
 
 struct CalibratedUnit {
-  Unit unit;
+  WireUnit unit;
   Wire<double> type_file, calibrated;
 };
 
@@ -92,26 +92,11 @@ std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::
   };
 }
 
-/// From the folder, or by identification.
-Wire<double> calibrated_wire(const Unit& unit, const std::string& folder) {
-  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
-  if (!folder.empty() && std::filesystem::exists(file)) {
-    return load_wire(file.string()).wire;
-  }
-  const WireDescription found = calibrate(unit);
-  if (!folder.empty()) {
-    OutputFile output(file.string());
-    output.write(to_toml(found));
-    output.commit();
-  }
-  return found.wire;
-}
-
 std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
   std::vector<CalibratedUnit> units;
   for (int i = 0; i < options.units; ++i) {
     for (const Family family : families) {
-      const Unit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
+      const WireUnit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
       units.push_back({unit, unit.type_file(), {}});
     }
   }
@@ -140,7 +125,7 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
       const bool disturbed =
           row.disturbed == Disturbed::always ||
           (row.disturbed == Disturbed::every_other && round / row.conditions.size() % 2 == 1);
-      const Unit& unit = units[at].unit;
+      const WireUnit& unit = units[at].unit;
       jobs.push_back({index,
                       at,
                       {unit.family, unit.seed, row.conditions[round % row.conditions.size()],

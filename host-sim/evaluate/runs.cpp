@@ -82,7 +82,7 @@ JouleScenario still_room(const Wire<double>& wire, Load load) {
                       .resistance_gain = 1}};
 }
 
-Scenario scenario(const Unit& unit, std::string note, std::uint64_t seed, JouleScenario joule) {
+Scenario scenario(const WireUnit& unit, std::string note, std::uint64_t seed, JouleScenario joule) {
   return {std::move(note), unit.wire,       seed, unit.scatter_K, unit.family,
           unit.sublayers,  std::move(joule)};
 }
@@ -143,7 +143,7 @@ void disturb(JouleScenario& joule, Dice& dice) {
 
 }  // namespace
 
-Scenario calibration_run(const Unit& unit, std::size_t index) {
+Scenario calibration_run(const WireUnit& unit, std::size_t index) {
   const double stress_MPa = calibration_stresses_MPa.at(index);
   JouleScenario joule = still_room(unit.wire.wire, ConstantLoad{MPa * stress_MPa});
   // Far from the seeds that units and test runs are likely to have.
@@ -177,7 +177,7 @@ std::string_view condition_name(Condition condition) {
   return "coarse";
 }
 
-Scenario test_run(const Unit& unit, Condition condition, std::uint64_t seed, bool disturbed) {
+Scenario test_run(const WireUnit& unit, Condition condition, std::uint64_t seed, bool disturbed) {
   Dice dice(seed);
   JouleScenario joule = still_room(unit.wire.wire, random_load(condition, dice));
   joule.drive = random_drive(condition, dice);

@@ -16,7 +16,7 @@ inline constexpr std::array calibration_stresses_MPa{10.0,  25.0,  50.0,  100.0,
 
 /// 60 s at 1 kHz under one of calibration_stresses_MPa: at rest at 25 °C, two full cycles, ten
 /// shrinking loops, random steps of the power.
-Scenario calibration_run(const Unit& unit, std::size_t index);
+Scenario calibration_run(const WireUnit& unit, std::size_t index);
 
 enum class Condition : unsigned char {
   constant,       ///< 100..400 MPa
@@ -36,7 +36,7 @@ std::string_view condition_name(Condition condition);
 /// by up to 0.5 %. Disturbed: the ambient temperature by up to 10 K, convection by up to 20 %, the
 /// resistance by 1 % up or down, the load cell by up to 1 %; the power is
 /// raised or lowered until the wire still runs to its end. All random numbers come from the seed.
-Scenario test_run(const Unit& unit, Condition condition, std::uint64_t seed,
+Scenario test_run(const WireUnit& unit, Condition condition, std::uint64_t seed,
                   bool disturbed = false);
 
 }  // namespace smaservo

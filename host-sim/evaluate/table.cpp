@@ -310,7 +310,7 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   write_html(path, "Evaluation of observers", html + "</ul>\n");
 }
 
-void rewrite_table(const std::string& path, const Evaluation& evaluation) {
+void rewrite_table(const std::string& path, const std::string& markdown) {
   constexpr std::string_view begin = "<!-- evaluate:";
   constexpr std::string_view end = "<!-- end of evaluate -->";
   const std::ifstream input(path, std::ios::binary);
@@ -329,7 +329,7 @@ void rewrite_table(const std::string& path, const Evaluation& evaluation) {
                     "after it",
                     path, begin, end));
   }
-  text.replace(from + 1, to - from - 1, "\n" + table_markdown(evaluation) + "\n");
+  text.replace(from + 1, to - from - 1, "\n" + markdown + "\n");
   OutputFile file(path);
   file.write(text);
   file.commit();

@@ -17,6 +17,6 @@ void write_table_report(const std::string& path, const Evaluation& evaluation);
 
 /// Replaces what a Markdown file has between the lines that begin with "<!-- evaluate:" and
 /// "<!-- end of evaluate -->". Throws UserError when there are none.
-void rewrite_table(const std::string& path, const Evaluation& evaluation);
+void rewrite_table(const std::string& path, const std::string& markdown);
 
 }  // namespace smaservo

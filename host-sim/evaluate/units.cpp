@@ -49,9 +49,9 @@ SublayerStructure random_structure(Dice& dice) {
 
 }  // namespace
 
-Unit random_unit(Family family, std::uint64_t seed) {
+WireUnit random_unit(Family family, std::uint64_t seed) {
   Dice dice(seed);
-  Unit unit{family, seed, load_wire(std::string(default_wire)), 0, {}};
+  WireUnit unit{family, seed, load_wire(std::string(default_wire)), 0, {}};
   unit.wire.name = fmt::format("{} {}", family_name(family), seed);
   Wire<double>& w = unit.wire.wire;
   const double limit_N = w.limits.stress_Pa * w.geometry.area_m2();
@@ -93,7 +93,7 @@ Unit random_unit(Family family, std::uint64_t seed) {
   return unit;
 }
 
-Wire<double> Unit::type_file() const {
+Wire<double> WireUnit::type_file() const {
   std::mt19937_64 random;
   const auto cold = make_simulated_wire(family, wire.wire, sublayers, 0, random);
   const std::string preset(default_wire);

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 #include "model/wires/wire_file.hpp"
 
 namespace smaservo {
 
 /// One piece of wire, as it really is.
-struct Unit {
+struct WireUnit {
   Family family;
   std::uint64_t seed;  ///< what it was drawn with
   WireDescription wire;
@@ -26,6 +26,6 @@ struct Unit {
 /// temperatures of each process 1.5 K, their slopes with stress 4 %, curvature 10 %, strain 3 %,
 /// resistivities 1 %, their change per kelvin 10 %, moduli 8 %, latent heats 6 %, specific heat
 /// 4 %, length 0.5 %, diameter 1 %, conductivity to the clamps 10 %.
-Unit random_unit(Family family, std::uint64_t seed);
+WireUnit random_unit(Family family, std::uint64_t seed);
 
 }  // namespace smaservo

@@ -4,8 +4,8 @@
 #include <random>
 #include <string>
 
+#include "hal/sim/simulated_wire.hpp"
 #include "host-sim/figures/paper_000.hpp"
-#include "host-sim/simulated_wire.hpp"
 #include "model/plant.hpp"
 #include "model/wires/wire_file.hpp"
 

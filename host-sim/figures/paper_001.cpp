@@ -40,11 +40,11 @@ std::string data_block(const std::vector<ActuatorSample>& run) {
   return text + "EOD\n";
 }
 
-PaperFigure single(int number, const char* title, const char* caption, const Frame& frame,
+PaperFigure single(int number, const char* title, const char* caption, const Axes& axes,
                    const std::string& data, const std::string& more,
                    const std::vector<std::string>& curves) {
-  const bool half = frame.width <= 500;
-  return {number, title, caption, {{title, "", half, draw(frame, data, colours + more, curves)}}};
+  const bool half = axes.width <= 500;
+  return {number, title, caption, {{title, "", half, draw(axes, data, colours + more, curves)}}};
 }
 
 /// Temperature over time with something else on an axis of its own.

@@ -1,9 +1,9 @@
 #pragma once
 // The experiments of paper 003 on the project's wires: the numbers behind its figures.
 
+#include "hal/sim/simulated_wire.hpp"
 #include "host-sim/compare/preisach_fit.hpp"
 #include "host-sim/figures/temperature_loop.hpp"
-#include "host-sim/simulated_wire.hpp"
 
 namespace smaservo {
 

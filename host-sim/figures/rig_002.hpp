@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
+#include "hal/sim/simulated_bench.hpp"
 #include "host-sim/figures/bench_002.hpp"
-#include "host-sim/simulated_bench.hpp"
 
 namespace smaservo::bench_002 {
 

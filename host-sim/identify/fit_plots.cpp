@@ -133,9 +133,8 @@ class RunDrawing {
 
   Plot plot(std::string title, std::string caption, const std::string& x_label, const char* y_label,
             bool half, const std::string& more, const std::vector<std::string>& curves) const {
-    const Frame frame =
-        half ? Frame{500, 400, x_label, y_label} : Frame{1000, 320, x_label, y_label};
-    return {std::move(title), std::move(caption), half, draw(frame, data_, more, curves)};
+    const Axes axes = half ? Axes{500, 400, x_label, y_label} : Axes{1000, 320, x_label, y_label};
+    return {std::move(title), std::move(caption), half, draw(axes, data_, more, curves)};
   }
 
   const FittedRun& run_;

@@ -2,6 +2,7 @@
 // The model's parameters in another scalar.
 
 #include "model/plant.hpp"
+#include "model/wire.hpp"
 
 namespace smaservo::bench {
 
@@ -47,6 +48,21 @@ typename Plant<ThreePhase<To>>::Params convert(const Plant<ThreePhase<double>>::
           {static_cast<To>(ends.share),
            {static_cast<To>(ends.phases.martensite), static_cast<To>(ends.phases.r_phase)}},
           static_cast<To>(from.length_per_area_1_m)};
+}
+
+template <class To>
+Wire<To> convert(const Wire<double>& from) {
+  const auto to = [](double value) { return static_cast<To>(value); };
+  const HeatParams<double>& heat = from.heat;
+  return {{to(from.geometry.length_m), to(from.geometry.diameter_m)},
+          {to(from.limits.current_A), to(from.limits.stress_Pa), to(from.limits.temperature_K)},
+          to(from.nominal_stroke),
+          convert<To>(from.kinetics),
+          convert<To>(from.material),
+          {to(heat.density_kg_m3), to(heat.specific_heat_J_kgK), to(heat.latent_m2a_J_kg),
+           to(heat.latent_r2a_J_kg), to(heat.convection_W_m2K), to(heat.convection_W_m2K2),
+           to(heat.clamp_conductivity_W_mK)},
+          {to(from.accuracy.strain), to(from.accuracy.resistance)}};
 }
 
 }  // namespace smaservo::bench

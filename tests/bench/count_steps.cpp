@@ -19,7 +19,9 @@ int main(int argc, char** argv) {
   Runs runs;
   for_each_step<float>(adding(runs, "float"));
   for_each_step<double>(adding(runs, "double"));
+  add_device_runs(runs);
   add_paper_runs(runs);
+  add_wire_runs(runs);
   if (argc == 1) {
     for (const auto& [name, _] : runs) {
       std::puts(name.c_str());

@@ -64,6 +64,8 @@ inline auto adding(Runs& runs, const std::string& scalar) {
   };
 }
 
+void add_device_runs(Runs& runs);
 void add_paper_runs(Runs& runs);
+void add_wire_runs(Runs& runs);
 
 }  // namespace smaservo::bench

@@ -11,7 +11,7 @@ namespace smaservo {
 namespace {
 
 void identify(benchmark::State& state) {
-  const Unit unit = random_unit(Family::ihyp, 1);
+  const WireUnit unit = random_unit(Family::ihyp, 1);
   const auto count = static_cast<std::size_t>(state.range(0));
   std::vector<Run> runs;
   runs.reserve(count);

@@ -52,7 +52,9 @@ void add_errors(const std::string& scalar) {
 int main(int argc, char** argv) {
   smaservo::bench::add_all<float>("float");
   smaservo::bench::add_all<double>("double");
+  smaservo::bench::time_device_steps();
   smaservo::bench::time_paper_steps();
+  smaservo::bench::time_wire_steps();
   smaservo::bench::add_errors<float>("float");
   smaservo::bench::add_errors<double>("double");
   benchmark::Initialize(&argc, argv);

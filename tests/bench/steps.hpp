@@ -15,6 +15,7 @@
 #include "observer/bank.hpp"
 #include "tests/bench/cardano.hpp"
 #include "tests/bench/convert.hpp"
+#include "tests/bench/cycle.hpp"
 #include "tests/bench/ihyp_error.hpp"
 
 namespace smaservo::bench {
@@ -41,24 +42,6 @@ std::vector<Drive<S>> triangle(double spring_Pa) {
   }
   return drives;
 }
-
-/// The elements of a table, one after the other, for ever.
-template <class T>
-class Cycle {
- public:
-  explicit Cycle(std::vector<T> table) : table_(std::move(table)) {}
-  std::size_t size() const { return table_.size(); }
-  const T& first() const { return table_.front(); }
-  const T& next() {
-    const T& now = table_[at_];
-    at_ = at_ + 1 == table_.size() ? 0 : at_ + 1;
-    return now;
-  }
-
- private:
-  std::vector<T> table_;
-  std::size_t at_ = 0;
-};
 
 /// What the loop and the table cost by themselves.
 template <class S>

@@ -35,6 +35,8 @@ inline auto timing(const std::string& scalar) {
   };
 }
 
+void time_device_steps();
 void time_paper_steps();
+void time_wire_steps();
 
 }  // namespace smaservo::bench

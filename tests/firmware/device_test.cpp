@@ -1,10 +1,16 @@
 #include "firmware/device.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "tests/firmware/test_device.hpp"
 
 namespace smaservo {
+
+// On the boards it runs in single precision: that must compile without a warning as well.
+template struct Device<float>;
+
 namespace {
 
 TEST(Device, HoldsAStrain) {
@@ -12,13 +18,38 @@ TEST(Device, HoldsAStrain) {
   const Prepared<double> p = prepare(settings);
   TestBench bench(settings.wire, 150e6);
   Device<double>::State s = Device<double>::start();
-  Command<double> command{
+  const Command<double> command{
       .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = bench.strain() - 0.02};
   for (int i = 0; i < 1000; ++i) {
     const Output<double> out = Device<double>::step(p, s, bench.inputs(), command, 1e-3);
     bench.advance(out.current_A, 1e-3);
   }
   EXPECT_NEAR(bench.strain(), command.setpoint, 4e-4);
+}
+
+TEST(Device, FloatFollowsDouble) {
+  const Prepared<double> p = prepare(test_settings());
+  const Prepared<float> p_float = prepare(test_settings<float>());
+  TestBench exact(p.settings.wire, 150e6), quick(p.settings.wire, 150e6);
+  Device<double>::State s = Device<double>::start();
+  Device<float>::State s_float = Device<float>::start();
+  const double longest = exact.strain();
+  double worst = 0;
+  for (int i = 0; i < 3200; ++i) {
+    constexpr double contraction[] = {0.01, 0.03, 0.02, 0.005};
+    const double setpoint = longest - contraction[i / 800];
+    const Command<double> command{
+        .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = setpoint};
+    const Command<float> command_float{
+        .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = static_cast<float>(setpoint)};
+    exact.advance(Device<double>::step(p, s, exact.inputs(), command, 1e-3).current_A, 1e-3);
+    const Output<float> out =
+        Device<float>::step(p_float, s_float, quick.inputs<float>(), command_float, 1e-3F);
+    quick.advance(static_cast<double>(out.current_A), 1e-3);
+    worst = std::max(worst, std::abs(exact.strain() - quick.strain()));
+  }
+  EXPECT_LT(exact.strain(), longest - 0.003);
+  EXPECT_LT(worst / p.settings.wire.nominal_stroke, 1e-4);
 }
 
 }  // namespace

@@ -5,72 +5,76 @@
 
 #include "firmware/device.hpp"
 #include "model/wires/wire_file.hpp"
+#include "tests/bench/convert.hpp"
 
 namespace smaservo {
 
 /// For a preset wire, on a bench that reads cleanly; generous limits.
-inline Settings<double> test_settings(const Wire<double>& wire = load_wire("smartflex-76um").wire) {
-  Settings<double> s{};
+template <class S = double>
+Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um").wire) {
+  Settings<S> s{};
   s.identity = {1, 1};
-  s.timing = {1e-3, 0.1, 0.005};
-  s.wire = wire;
+  s.timing = {S(1e-3), S(0.1), S(0.005)};
+  s.wire = bench::convert<S>(wire);
   s.measuring = {.current_offset_A = 0,
                  .voltage_offset_V = 0,
                  .load_offset_N = 0,
                  .load_gain = 1,
-                 .current_noise_A = 1e-5,
-                 .voltage_noise_V = 3e-4,
+                 .current_noise_A = S(1e-5),
+                 .voltage_noise_V = S(3e-4),
                  .lead_resistance_ohm = 0,
                  .constant_load_N = 0,
                  .has_load_cell = true,
-                 .current_full_scale_A = 0.5,
+                 .current_full_scale_A = S(0.5),
                  .voltage_full_scale_V = 20};
+  s.observer = {S(18), S(0.3)};
   s.drive = {DriveKind::current, 0, 0, 5, 30};
   s.strain = {.proportional = 0,
               .integral_1_s = 0,
               .derivative_s = 0,
-              .derivative_filter_s = 0.005,
+              .derivative_filter_s = S(0.005),
               .setpoint_weight = 1,
               .derivative_weight = 0,
-              .tracking_s = 0.05,
+              .tracking_s = S(0.05),
               .cooling_factor = 1,
-              .dead_band = 1e-4};
-  s.temperature = {0.05, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
-  s.resistance = {1, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
-  s.force = {20, 1, 0, 0.005, 1, 0, 0.05, 1, 0};
-  s.feed_forward_s = 0.01;
-  s.transfer_s = 0.01;
-  s.trajectory = {0.35, 1};
-  s.limits = {.least_current_A = 0.012,
-              .current_A = 0.4,
+              .dead_band = S(1e-4)};
+  s.temperature = {S(0.05), 1, 0, S(0.005), 1, 0, 1, 1, 0};
+  s.resistance = {1, 1, 0, S(0.005), 1, 0, 1, 1, 0};
+  s.force = {20, 1, 0, S(0.005), 1, 0, 1, 1, 0};
+  s.feed_forward_s = S(0.01);
+  s.transfer_s = S(0.01);
+  s.trajectory = {S(0.35), 1, S(0.03)};
+  s.limits = {.least_current_A = S(0.012),
+              .current_A = S(0.4),
               .power_W = 10,
-              .temperature_K = 423.15,
+              .temperature_K = S(423.15),
               .hot_spot_K = 12,
               .least_strain = 0,
-              .greatest_strain = 0.05,
-              .stress_Pa = 500e6,
+              .greatest_strain = S(0.05),
+              .stress_Pa = S(500e6),
+              .loss_margin = S(1.15),
               .duty = 1,
               .duty_window_s = 10};
-  s.trips = {.current_A = 0.45,
-             .temperature_K = 433.15,
-             .stress_Pa = 600e6,
-             .slack_Pa = 1e6,
-             .least_strain = -0.005,
-             .greatest_strain = 0.06,
-             .following_error = 0.01,
+  s.trips = {.current_A = S(0.45),
+             .temperature_K = S(433.15),
+             .stress_Pa = S(600e6),
+             .slack_Pa = S(1e6),
+             .least_strain = S(-0.005),
+             .greatest_strain = S(0.06),
+             .following_error = S(0.01),
              .following_s = 2,
-             .heating_rate_K_s = 1e4,
-             .resistance_low = 0.8,
-             .resistance_high = 1.2,
-             .current_offset_A = 0.002,
-             .least_ambient_K = 253.15,
-             .greatest_ambient_K = 333.15,
-             .driver_K = 358.15,
-             .drift = 0.05,
+             .heating_rate_K_s = S(1e4),
+             .resistance_low = S(0.8),
+             .resistance_high = S(1.2),
+             .current_offset_A = S(0.002),
+             .least_ambient_K = S(253.15),
+             .greatest_ambient_K = S(333.15),
+             .driver_K = S(358.15),
+             .drift = S(0.05),
              .cycles = 100000};
-  s.safe = {SafeState::off, 0, 0.01};
-  s.profile = {12, 5, 1.5};
-  s.axis = {0.04};
+  s.safe = {SafeState::off, 0, S(0.01)};
+  s.profile = {12, 5, S(1.5)};
+  s.axis = {S(0.04)};
   return s;
 }
 
@@ -86,13 +90,15 @@ class TestBench {
         stress_Pa_(stress_Pa),
         ambient_K_(ambient_K) {}
 
-  Inputs<double> inputs() {
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    Inputs<double> in{};
+  template <class S = double>
+  Inputs<S> inputs() {
+    const S nan = std::numeric_limits<S>::quiet_NaN();
+    Inputs<S> in{};
     in.fresh = true;
     in.sequence = sequence_++;
-    in.sample = {current_A_, current_A_ * resistance_ohm(), stress_Pa_ * area_m2_};
-    in.supply_V = 24;
+    in.sample = {static_cast<S>(current_A_), static_cast<S>(current_A_ * resistance_ohm()),
+                 static_cast<S>(stress_Pa_ * area_m2_)};
+    in.supply_V = S(24);
     in.ambient_K = nan;
     in.driver_K = nan;
     return in;
@@ -103,9 +109,13 @@ class TestBench {
     Model::advance(params_, state_,
                    {current_A * current_A * resistance_ohm(), stress_Pa_, ambient_K_}, dt_s);
   }
+  const Model::Params& params() const { return params_; }
+  const Model::State& state() const { return state_; }
   double strain() const { return Model::strain(params_, state_); }
   double temperature_K() const { return Model::temperature_K(state_); }
   double resistance_ohm() const { return Model::resistance_ohm(params_, state_, ambient_K_); }
+  double stress_Pa() const { return stress_Pa_; }
+  void ambient(double ambient_K) { ambient_K_ = ambient_K; }
   void stress(double stress_Pa) { stress_Pa_ = stress_Pa; }
 
  private:

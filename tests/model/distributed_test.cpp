@@ -94,7 +94,7 @@ void expect_closed_balance(const typename DistributedPlant<K, segments>::Params&
     for (std::size_t i = 0; i < segments; ++i) {
       loss_J_K[i] =
           dt_s * p.geometry.surface_m2() * p.length_m[i] / p.geometry.length_m *
-          natural_convection_W_m2K(p.geometry.diameter_m, Plant::temperature_K(s, i), ambient_K);
+          p.convection.h_W_m2K(p.geometry.diameter_m, Plant::temperature_K(s, i), ambient_K);
     }
     Plant::advance(p, s, current, {100e6, ambient_K}, 1.0, dt_s);
     for (std::size_t i = 0; i < segments; ++i) {
@@ -128,6 +128,39 @@ TEST(DistributedPlant, HeatInMinusLossesIsWhatIsStoredWhenTheHeatCapacityRises) 
   p.specific_heat_1_K = 1e-3;
   p.parallel_share = 0.5;
   expect_closed_balance<K>(p);
+}
+
+/// What is left of one step's heat, as a share of what came in, when nothing is curved in it.
+template <std::size_t count>
+double left_of_a_linear_step() {
+  using Plant = DistributedPlant<Cosine<double>, count>;
+  const Wire<double>& wire = paper_wire();
+  typename Plant::Params p{};
+  p.kinetics.fill({{600, 610, 1e7}, {590, 580, 1e7}});
+  p.material = wire.material;
+  p.heat = wire.heat;
+  p.geometry = {0.012, wire.geometry.diameter_m};
+  for (std::size_t i = 0; i < count; ++i) {
+    p.length_m[i] = 0.012 * static_cast<double>(2 * (i + 1)) / (count * (count + 1));
+  }
+  typename Plant::State s = Plant::rest(p, {ambient_K, 100e6});
+  double worst = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double in_J = 0.08 * 0.08 * Plant::resistance_ohm(p, s) * 1e-3;
+    Plant::advance(p, s, 0.08, {100e6, ambient_K}, 1.0, 1e-3);
+    for (const double left_J : s.heat_J) {
+      worst = std::max(worst, std::abs(left_J) / in_J);
+    }
+  }
+  EXPECT_GT(Plant::temperature_K(s, count / 2), ambient_K + 10);
+  return worst;
+}
+
+TEST(DistributedPlant, ALinearStepIsSolvedForAnyNumberOfSegments) {
+  for (const double left : {left_of_a_linear_step<2>(), left_of_a_linear_step<3>(),
+                            left_of_a_linear_step<7>(), left_of_a_linear_step<24>()}) {
+    EXPECT_LT(left, 1e-10);
+  }
 }
 
 TEST(DistributedPlant, ParallelShareGoesFromSeriesToParallel) {

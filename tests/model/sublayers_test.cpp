@@ -66,6 +66,54 @@ TEST_F(SublayersTest, PassingATurningPointWipesOutItsLoopToTheBit) {
   EXPECT_GT(widest, 0.5);
 }
 
+TEST_F(SublayersTest, EveryLayerIsAPlayOperatorWhateverTheStep) {
+  // As the header states it, for all layers at every step; the model looks at few of them. At high
+  // stress A2M comes to lie above M2A in some layers, and L holds there.
+  const K::Params p = K::params({{347.0, 5.8, 3.2, 0.1325e-6, 0},
+                                 {313.5, 8.0, 3.0, 0.17e-6, 0},
+                                 {344.0, 5.8, 3.2, 0.1325e-6, 0},
+                                 {333.5, 8.0, 3.0, 0.16e-6, 0},
+                                 0.6,
+                                 -0.6,
+                                 1.5,
+                                 1});
+  const auto ramp = [](double x) { return std::clamp(x, 0.0, 1.0); };
+  const auto felt_K = [](const K::Thresholds& t, const Drive<double>& u) {
+    return u.temperature_K - u.stress_Pa * t.per_Pa - u.stress_Pa * u.stress_Pa * t.per_Pa2;
+  };
+  int crossed = 0;
+  const auto play = [&](const K::Thresholds& hot, const K::Thresholds& cold, const Drive<double>& u,
+                        double& x, std::size_t i) {
+    const double U = ramp(1 - (felt_K(hot, u) - hot.at_K[i]) / p.ramp_K);
+    const double L = ramp((cold.at_K[i] - felt_K(cold, u)) / p.ramp_K);
+    crossed += U + 1e-9 < L ? 1 : 0;
+    x = std::max(L, std::min(U, x));
+  };
+  State s = K::rest(p, {300, 0});
+  State all = s;
+  for (int n = 0; n < 20'000; ++n) {
+    // Long and short steps of the temperature, of the stress and of both.
+    const double reach = std::pow(10, uniform(-3, 2));
+    Drive<double> u = K::drive(s);
+    u.temperature_K += n % 3 == 0 ? 0 : reach * uniform(-1, 1);
+    u.stress_Pa += n % 3 == 1 ? 0 : 5e6 * reach * uniform(-1, 1);
+    u = {std::clamp(u.temperature_K, 280.0, 460.0), std::clamp(u.stress_Pa, 0.0, 700e6)};
+    K::advance(p, s, u);
+    Phases<double> sum{0, 0};
+    for (std::size_t i = 0; i < all.martensite.size(); ++i) {
+      play(p.m2a, p.a2m, u, all.martensite[i], i);
+      play(p.r2a, p.a2r, u, all.r_phase_part[i], i);
+      ASSERT_NEAR(s.martensite[i], all.martensite[i], 1e-12) << n;
+      ASSERT_NEAR(s.r_phase_part[i], all.r_phase_part[i], 1e-12) << n;
+      sum.martensite += all.martensite[i] / 40;
+      sum.r_phase += (1 - all.martensite[i]) * all.r_phase_part[i] / 40;
+    }
+    ASSERT_NEAR(K::phases(s).martensite, sum.martensite, 1e-12) << n;
+    ASSERT_NEAR(K::phases(s).r_phase, sum.r_phase, 1e-12) << n;
+  }
+  EXPECT_GT(crossed, 1000);
+}
+
 TEST_F(SublayersTest, LoopsBetweenTheSameTemperaturesAreCongruent) {
   // Of martensite, which is a sum of plays; R-phase is a share of what martensite leaves.
   double widest = 0;

@@ -19,8 +19,12 @@ liang_rogers_step|Liang-Rogers step (002)|
 preisach_step|Preisach step (003), constant stress|
 preisach_step_varying_stress|Preisach step (003), varying stress|
 plant_step|plant step (model and heat balance)|
+wire_step_ihyp|simulated wire, ihyp: 1 ms, strain and resistance|
+wire_step_sublayers|simulated wire, sublayers: the same|
 observer_step|observer step|1500
 bank_step|observer step of the bank|
+control_step|controller's step, closed loop in strain|700
+device_step|whole step of the device|4000
 strain_resistance_step|stress-strain-resistance step (002)|
 END
 }
@@ -58,7 +62,7 @@ count_all() {
 bench_fields() {
   awk -F'": ' '
     /^ *"name": / { name = $2; gsub(/[",]/, "", name); sub(/\/(iterations|real_time).*/, "", name) }
-    /^ *"(real_time|cpu_time|items_per_second|bytes_per_second|worst_relative_error)": / {
+    /^ *"(real_time|cpu_time|items_per_second|bytes_per_second|worst_relative_error|times_real_time)": / {
       field = $1; gsub(/[ "]/, "", field); value = $2; sub(/,.*/, "", value)
       print name, field, value
     }' "$@"
@@ -76,6 +80,7 @@ steps_table() {
     function time(kind) { return value[kind, "cpu_time"] }
     function ns(kind) { return time(kind) == "" ? "" : sprintf("%.1f ns", time(kind)) }
     function instructions(kind, scalar) {
+      if (per[kind "/" scalar] == "") return ""
       return sprintf("%.0f", per[kind "/" scalar] - per["empty/" scalar])
     }
     {
@@ -125,6 +130,21 @@ replay_table() {
     }' "$1/fields"
 }
 
+loop_table() {
+  awk '
+    { value[$1, $2] = $3 }
+    END {
+      print "| the device closed on a simulated wire, 1 kHz, one core | times real time | target |"
+      print "|---|--:|--:|"
+      row("lumped", ">= 2000")
+      row("ihyp", ">= 500")
+      row("sublayers", ">= 500")
+    }
+    function row(plant, target) {
+      printf "| %s | %.0f | %s |\n", plant, value["closed_loop/" plant, "times_real_time"], target
+    }' "$1/fields"
+}
+
 fit_table() {
   awk '
     { value[$1, $2] = $3 }
@@ -144,19 +164,19 @@ fit_table() {
 
 run_bench() {
   run_setup
-  build release model_bench count_steps replay_bench identify_bench
+  build release model_bench count_steps replay_bench closed_loop_bench identify_bench
   local bin=$root/build/release/tests/bench out=$root/build/bench
   mkdir -p "$out"
   local bench
-  for bench in model_bench replay_bench identify_bench; do
+  for bench in model_bench replay_bench closed_loop_bench identify_bench; do
     say "running $bench"
     step "$bench" "$bin/$bench" --benchmark_out="$out/$bench.json" --benchmark_out_format=json
   done
   say "counting instructions"
   count_all "$bin" "$out"
   cat "$out"/count-*.count >"$out/counts"
-  bench_fields "$out/model_bench.json" "$out/replay_bench.json" "$out/identify_bench.json" \
-    >"$out/fields"
+  bench_fields "$out/model_bench.json" "$out/replay_bench.json" "$out/closed_loop_bench.json" \
+    "$out/identify_bench.json" >"$out/fields"
   printf 'Time, and instructions per step by callgrind. %s, %s:\n\n' \
     "$(sed -nE 's/^model name\s*: //p' /proc/cpuinfo | head -n 1)" "$(g++ --version | head -n 1)"
   steps_table "$out"
@@ -164,6 +184,8 @@ run_bench() {
   error_table "$out"
   printf '\n'
   replay_table "$out"
+  printf '\n'
+  loop_table "$out"
   printf '\n'
   fit_table "$out"
 }

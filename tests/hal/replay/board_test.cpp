@@ -1,6 +1,7 @@
 #include "hal/replay/board.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "hal/replay/traces.hpp"
@@ -55,11 +56,62 @@ TEST(ReplayBoard, LoadComesFromTheTraceOrElseIsGiven) {
       << "what was measured is better than what was computed";
 }
 
+TEST(ReplayBoard, ADevicesTraceHasMoreReadings) {
+  const TemporaryFolder folder;
+  TraceOptions options;
+  options.device = true;
+  ReplayBoard board = board_of(folder,
+                               "time_s,fresh,sequence,current_A,voltage_V,load_N,supply_V,"
+                               "ambient_degC,driver_K,emergency_stop,driver_fault\n"
+                               "0,1,7,0.1,2,0.5,24,25,310,0,1\n"
+                               "0.001,0,7,,,,,,,0,0\n"
+                               "0.002,1,9,,2,0.5,,25,310,1,0\n",
+                               options);
+  Frame frame = next(board);
+  EXPECT_EQ(frame.sequence, 7U);
+  EXPECT_EQ(frame.supply_V, 24);
+  EXPECT_DOUBLE_EQ(frame.ambient_K, 298.15);
+  EXPECT_EQ(frame.driver_K, 310);
+  EXPECT_FALSE(frame.emergency_stop);
+  EXPECT_TRUE(frame.driver_fault);
+  EXPECT_EQ(board.read(frame), ReadStatus::nothing);
+  EXPECT_EQ(frame.time_ns, 1'000'000);
+  frame = next(board);
+  EXPECT_EQ(frame.sequence, 9U);
+  EXPECT_TRUE(std::isnan(frame.current_A)) << "a reading that failed";
+  EXPECT_TRUE(std::isnan(frame.supply_V));
+  EXPECT_EQ(frame.voltage_V, 2);
+  EXPECT_TRUE(frame.emergency_stop);
+}
+
+TEST(ReplayBoard, FlagsAndTimeAreNeverEmpty) {
+  const TemporaryFolder folder;
+  TraceOptions options;
+  options.device = true;
+  for (const char* row : {"0,1,2,,1", "0,1,2,0,", ",1,2,0,1", "0,1,2,2,1"}) {
+    ReplayBoard board = board_of(
+        folder, fmt::format("time_s,current_A,voltage_V,emergency_stop,fresh\n{}\n", row), options);
+    Frame frame{};
+    EXPECT_THROW(board.read(frame), TraceError) << row;
+  }
+}
+
+TEST(ReplayBoard, WhatATraceDoesNotHaveIsNotRead) {
+  const TemporaryFolder folder;
+  ReplayBoard board = board_of(folder, "time_s,current_A,voltage_V,supply_V\n0,1,2,24\n");
+  const Frame frame = next(board);
+  EXPECT_TRUE(std::isnan(frame.supply_V)) << "a text, where no device is replayed";
+  EXPECT_TRUE(std::isnan(frame.ambient_K));
+  EXPECT_TRUE(std::isnan(frame.driver_K));
+  EXPECT_FALSE(frame.emergency_stop);
+}
+
 TEST(ReplayBoard, TheEndIsForEver) {
   const TemporaryFolder folder;
   ReplayBoard board = board_of(folder, "time_s,current_A,voltage_V\n0,1,2\n");
   next(board);
-  Frame frame{7, 8, 9, 10, 11};
+  Frame frame{};
+  frame.sequence = 8;
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(board.read(frame), ReadStatus::end);
   }
@@ -71,7 +123,7 @@ TEST(ReplayBoard, RemembersTheDriveUntilItIsSwitchedOff) {
   const TemporaryFolder folder;
   ReplayBoard board = board_of(folder, "time_s,current_A,voltage_V\n0,1,2\n");
   EXPECT_EQ(board.last_command().current_A, 0);
-  board.drive({0.2, 5'000'000});
+  board.drive({.current_A = 0.2, .voltage_V = 4, .valid_until_ns = 5'000'000});
   EXPECT_EQ(board.last_command().current_A, 0.2);
   EXPECT_EQ(board.last_command().valid_until_ns, 5'000'000);
   for (int i = 0; i < 2; ++i) {

@@ -73,7 +73,7 @@ TEST_P(TestRun, IsPhysical) {
 }
 
 TEST(TestRuns, SeedDecidesEverything) {
-  const Unit unit = random_unit(Family::sublayers, 1);
+  const WireUnit unit = random_unit(Family::sublayers, 1);
   const auto short_run = [&](std::uint64_t seed) {
     Scenario scenario = test_run(unit, Condition::varying, seed, true);
     std::get<JouleScenario>(scenario.run).drive.resize(2);
@@ -84,7 +84,7 @@ TEST(TestRuns, SeedDecidesEverything) {
 }
 
 TEST(TestRuns, DisturbancesAndLoadsFillTheirRanges) {
-  const Unit unit = random_unit(Family::ihyp, 1);
+  const WireUnit unit = random_unit(Family::ihyp, 1);
   double coldest_K = 400, hottest_K = 0, lightest_Pa = 1e9, heaviest_Pa = 0;
   int drifted_up = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -124,7 +124,7 @@ TEST(TestRuns, UnknownStartIsInTheMiddleOfAMotion) {
 
 TEST(TestRuns, RippleHoldsTheWireInMidTransformation) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
-    const Unit unit = random_unit(seed % 2 == 0 ? Family::ihyp : Family::sublayers, seed);
+    const WireUnit unit = random_unit(seed % 2 == 0 ? Family::ihyp : Family::sublayers, seed);
     const std::vector<SimulatedRow> run = rows(test_run(unit, Condition::hold_ripple, seed));
     const auto [low, high] = std::ranges::minmax(run, {}, &SimulatedRow::strain);
     const double span = high.strain - low.strain;
@@ -150,7 +150,7 @@ TEST(TestRuns, RippleHoldsTheWireInMidTransformation) {
 
 TEST(CalibrationRuns, CoverTheStressesForAMinuteFromRestAt25DegC) {
   for (const Family family : families) {
-    const Unit unit = random_unit(family, 5);
+    const WireUnit unit = random_unit(family, 5);
     for (const std::size_t index : {std::size_t{0}, calibration_stresses_MPa.size() - 1}) {
       const Scenario scenario = calibration_run(unit, index);
       const auto& joule = std::get<JouleScenario>(scenario.run);
@@ -168,7 +168,7 @@ TEST(CalibrationRuns, CoverTheStressesForAMinuteFromRestAt25DegC) {
 }
 
 TEST(CalibrationRuns, AreRunsOfTheirOwn) {
-  const Unit unit = random_unit(Family::ihyp, 5);
+  const WireUnit unit = random_unit(Family::ihyp, 5);
   EXPECT_NE(calibration_run(unit, 0).seed, calibration_run(unit, 1).seed);
   EXPECT_EQ(calibration_run(unit, 1).seed, calibration_run(unit, 1).seed);
   EXPECT_NE(calibration_run(unit, 1).seed, calibration_run(random_unit(Family::ihyp, 6), 1).seed);

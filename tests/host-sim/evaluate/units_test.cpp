@@ -69,7 +69,7 @@ TEST(RandomUnit, EveryWireIsOneThatAFileMayDescribe) {
 TEST(RandomUnit, TypeFileIsThePresetWithTheUnitsColdResistance) {
   for (const Family family : families) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
-      const Unit unit = random_unit(family, seed);
+      const WireUnit unit = random_unit(family, seed);
       const Wire<double> type = unit.type_file();
       std::mt19937_64 random;
       const auto cold =

@@ -1,4 +1,4 @@
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,6 +66,12 @@ class DistributedWire : public SimulatedWire {
   void advance(double current_A, const Surroundings& around, double dt_s) final {
     Plant::advance(params_, state_, current_A, {around.stress_Pa, around.ambient_K}, around.draught,
                    dt_s);
+  }
+  double strain_after(double current_A, const Surroundings& around, double dt_s) const final {
+    typename Plant::State trial = state_;
+    Plant::advance(params_, trial, current_A, {around.stress_Pa, around.ambient_K}, around.draught,
+                   dt_s);
+    return Plant::strain(params_, trial);
   }
 
   double strain() const final { return Plant::strain(params_, state_); }

@@ -3,10 +3,25 @@
 
 #include <limits>
 #include <random>
-
-#include "host-sim/scenario.hpp"
+#include <variant>
 
 namespace smaservo {
+
+/// Load on the wire.
+struct ConstantLoad {
+  double stress_Pa;
+};
+struct SpringLoad {
+  double low_Pa, high_Pa;  ///< stress on the long and on the short wire
+  double stroke;           ///< strain between the two
+  double lag_s;            ///< of the mass that moves along
+};
+struct VaryingLoad {
+  double stress_Pa, amplitude_Pa, period_s;
+  double walk_Pa;  ///< per square root of a second, pulled back within 3 s
+  double least_Pa;
+};
+using Load = std::variant<ConstantLoad, SpringLoad, VaryingLoad>;
 
 /// The load's stress, step by step.
 class LoadModel {
@@ -22,6 +37,15 @@ class LoadModel {
   double stress_Pa_ = 0;
   double walk_Pa_ = 0;
   double longest_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// What the sensors do to what they measure.
+struct Sensors {
+  int bits;
+  double current_full_scale_A, voltage_full_scale_V, load_full_scale_N;
+  double current_noise_A, voltage_noise_V, load_noise_N;
+  double load_gain;
+  double resistance_gain;  ///< what the wire's resistance has drifted by
 };
 
 /// What noisy and quantised sensors say.

@@ -1,6 +1,6 @@
 // Both families are the wire that they are made from.
 
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

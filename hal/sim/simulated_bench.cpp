@@ -1,9 +1,8 @@
-#include "host-sim/simulated_bench.hpp"
+#include "hal/sim/simulated_bench.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <variant>
 
 namespace smaservo {
 namespace {

@@ -56,6 +56,8 @@ class SimulatedWire {
   virtual void soak(double temperature_K, double stress_Pa) = 0;
   /// dt_s up to 1 ms.
   virtual void advance(double current_A, const Surroundings& around, double dt_s) = 0;
+  /// The strain that advance() would lead to; nothing moves.
+  virtual double strain_after(double current_A, const Surroundings& around, double dt_s) const = 0;
 
   virtual double strain() const = 0;
   virtual double resistance_ohm() const = 0;

@@ -1,0 +1,35 @@
+#pragma once
+// New settings between two steps.
+
+#include <algorithm>
+
+#include "firmware/device.hpp"
+#include "firmware/parameters.hpp"
+
+namespace smaservo {
+
+namespace detail {
+
+/// Whether the observer may go on with its state: it sees the same wire through the same sensors.
+template <class S>
+bool same_plant(const Settings<S>& a, const Settings<S>& b) {
+  return std::ranges::all_of(parameters<S>, [&](const Parameter<S>& row) {
+    const std::string_view path = row.path.text();
+    const bool observed = path.starts_with("wire.") || path.starts_with("measuring.");
+    return !observed || row.get(a) == row.get(b);
+  });
+}
+
+}  // namespace detail
+
+/// The next step is with `to` instead of `from`; both are prepared beforehand. Gains, limits and
+/// paths change without a step in the output: the controller takes over from the power that it gave
+/// last. With another wire or other sensors, which may change without current only, the observer
+/// starts afresh. Cost: some microseconds, once for each change.
+template <class S>
+void adopt(const Prepared<S>& from, const Prepared<S>& to, typename Device<S>::State& s) {
+  s.observing = s.observing && detail::same_plant(from.settings, to.settings);
+  Controller<S>::adopt(s.controller);
+}
+
+}  // namespace smaservo

@@ -1,0 +1,53 @@
+#pragma once
+// What one step knows, for the monitors.
+
+#include <cmath>
+
+#include "firmware/command.hpp"
+#include "firmware/prepared.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct Seen {
+  const Prepared<S>& prepared;
+  const Inputs<S>& in;
+  const Command<S>& command;
+  const Measurement<S>& measurement;
+  const Estimate<S>& estimate;
+  const typename KalmanObserver<S>::State& filter;  ///< the most likely one
+  const Output<S>& last;   ///< of the step before: what the sample is the answer to
+  S given_before_A;        ///< and what was given one step earlier; a drive may be late by one
+  S current_A, voltage_V;  ///< less their offsets
+  S duty;                  ///< as the controller counts it
+  S off_s;                 ///< no current has been given for so long
+  S since_sample_s, since_command_s;
+  S dt_s;
+  bool observing;  ///< estimate and filter mean something
+  bool zeroed;     ///< the zero-current offset is known
+
+  bool off() const { return last.current_A == S(0) && given_before_A == S(0); }
+  bool heated() const { return is_heated(last.state); }
+  S least_given_A() const {
+    return given_before_A < last.current_A ? given_before_A : last.current_A;
+  }
+  S most_given_A() const {
+    return given_before_A < last.current_A ? last.current_A : given_before_A;
+  }
+  bool sure() const { return observing && estimate.health == Health::good; }
+
+  /// Off for so long that a wire has the air's temperature, whatever it was: ten time constants,
+  /// and its latent heat at 5 K above the air.
+  bool cold() const {
+    const ThermalBody<S>& body = prepared.observer.model.body;
+    return S(10) * body.capacity_J_K + S(0.2) * body.latent_m2a_J < off_s * body.loss_W_K;
+  }
+};
+
+template <class S>
+S magnitude(const S& x) {
+  using std::abs;
+  return abs(x);
+}
+
+}  // namespace smaservo

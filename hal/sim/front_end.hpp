@@ -1,0 +1,107 @@
+#pragma once
+// What stands between a simulated wire and the frames of a board: the converter that drives it and
+// the sensors that read it, with what can be wrong with both.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <random>
+
+#include "hal/board.hpp"
+#include "hal/sim/simulated_bench.hpp"
+
+namespace smaservo {
+
+/// The output stage.
+struct Converter {
+  bool voltage_drive = false;  ///< takes DriveCommand::voltage_V, else current_A
+  double greatest_A;           ///< saturates there
+  double slew_A_s;             ///< of the current; infinite: none
+  double lead_ohm;             ///< in series with the wire, outside of the sense leads
+};
+
+/// Readings that a sensor can spoil.
+enum class Reading : unsigned char { current, voltage, load, supply, ambient, driver };
+inline constexpr std::size_t reading_count = 6;
+
+enum class SensorFault : unsigned char {
+  none,
+  missing,  ///< NaN
+  stuck,    ///< the last reading, bit for bit
+  offset,   ///< plus `amount`, in the reading's unit
+  noise,    ///< plus white noise with the standard deviation `amount`
+  value,    ///< says `amount` whatever there is: an open sense lead reads 0, or its rail
+};
+
+struct SpoiltSensor {
+  SensorFault fault = SensorFault::none;
+  double amount = 0;
+};
+
+/// The wire's electrical path.
+enum class Circuit : unsigned char {
+  closed,
+  broken,  ///< the wire itself: no current, the sense leads see the converter's voltage, no load
+  open,    ///< a current lead: no current, and nothing between the sense leads
+  shorted  ///< part of the wire is bridged
+};
+
+/// White noise whose bits do not depend on compiler or mathematics library: four uniform numbers
+/// together, so never beyond 3.5 standard deviations. Cost: one draw; a tenth of
+/// std::normal_distribution.
+class SensorNoise {
+ public:
+  explicit SensorNoise(std::uint64_t seed) : random_(seed) {}
+  double operator()();
+  double uniform();  ///< 0 to 1, 1 excluded
+
+ private:
+  std::mt19937_64 random_;
+};
+
+/// What is wrong, as events set it.
+struct FrontEndFaults {
+  Circuit circuit = Circuit::closed;
+  double bridged_share = 0;  ///< of the wire, where it is shorted
+  std::array<SpoiltSensor, reading_count> sensors{};
+  double lost_share = 0;  ///< of the frames that do not come, 0..1
+  bool emergency_stop = false;
+  bool driver_fault = false;
+
+  bool spoils() const {
+    return std::ranges::any_of(
+        sensors, [](const SpoiltSensor& sensor) { return sensor.fault != SensorFault::none; });
+  }
+};
+
+class FrontEnd {
+ public:
+  FrontEnd(const Converter& converter, const Sensors& sensors, std::uint64_t seed);
+
+  FrontEndFaults faults;
+
+  /// The current that flows for the next dt_s with this command (null: off) into this wire.
+  double advance(const DriveCommand* command, double supply_V, double wire_ohm, double dt_s);
+
+  /// Whether a frame comes, and then its readings of these truths; time and sequence stay.
+  struct Truth {
+    double wire_ohm, load_N, supply_V, ambient_K, driver_K;
+  };
+  bool read(const Truth& truth, Frame& frame);
+
+  double current_A() const { return current_A_; }
+
+ private:
+  double between_sense_leads_V(double wire_ohm) const;
+  void spoil(Frame& frame);
+
+  Converter converter_;
+  Sensors sensors_;
+  double current_step_A_, voltage_step_V_, load_step_N_;
+  SensorNoise noise_, fault_noise_;
+  double current_A_ = 0;
+  double driven_V_ = 0;  ///< what the converter puts out
+  Frame last_{};
+};
+
+}  // namespace smaservo

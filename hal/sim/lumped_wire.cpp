@@ -1,0 +1,63 @@
+#include "hal/sim/lumped_wire.hpp"
+
+#include "model/plant.hpp"
+
+namespace smaservo {
+namespace {
+
+class LumpedWire : public SimulatedWire {
+ public:
+  using Model = Plant<ThreePhase<double>>;
+
+  explicit LumpedWire(const Wire<double>& wire)
+      : params_(plant_params(wire)),
+        still_(params_.body),
+        state_(Model::rest(params_, {298.15, 0})) {
+    // A wire turns back at any point; only an observer must not, in noise.
+    params_.kinetics.smallest_reversal_K = 0;
+  }
+
+  void rest(double temperature_K, double stress_Pa) final {
+    ambient_K_ = temperature_K;
+    state_ = Model::rest(params_, {temperature_K, stress_Pa});
+  }
+  void soak(double temperature_K, double stress_Pa) final {
+    ambient_K_ = temperature_K;
+    ThreePhase<double>::advance(params_.kinetics, state_.kinetics, {temperature_K, stress_Pa});
+  }
+  void advance(double current_A, const Surroundings& around, double dt_s) final {
+    params_.body.loss_W_K = around.draught * still_.loss_W_K;
+    params_.body.loss_W_K2 = around.draught * still_.loss_W_K2;
+    const double power_W =
+        current_A * current_A * Model::resistance_ohm(params_, state_, around.ambient_K);
+    Model::advance(params_, state_, {power_W, around.stress_Pa, around.ambient_K}, dt_s);
+    ambient_K_ = around.ambient_K;
+  }
+  double strain_after(double current_A, const Surroundings& around, double dt_s) const final {
+    LumpedWire trial = *this;
+    trial.advance(current_A, around, dt_s);
+    return trial.strain();
+  }
+
+  double strain() const final { return Model::strain(params_, state_); }
+  double resistance_ohm() const final { return Model::resistance_ohm(params_, state_, ambient_K_); }
+  double hottest_K() const final { return Model::temperature_K(state_); }
+  double average_K() const final {
+    return params_.ends.average_K(Model::temperature_K(state_), ambient_K_);
+  }
+  Phases<double> phases() const final { return params_.ends.average(Model::phases(state_)); }
+
+ private:
+  Model::Params params_;
+  ThermalBody<double> still_;
+  Model::State state_;
+  double ambient_K_ = 298.15;
+};
+
+}  // namespace
+
+std::unique_ptr<SimulatedWire> make_lumped_wire(const Wire<double>& wire) {
+  return std::make_unique<LumpedWire>(wire);
+}
+
+}  // namespace smaservo

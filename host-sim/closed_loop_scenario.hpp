@@ -1,0 +1,45 @@
+#pragma once
+// A device on a simulated wire, and what is asked of both: a TOML file with a [device] table,
+// host-sim/README.md has the keys.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/settings.hpp"
+#include "hal/sim/board.hpp"
+#include "host-sim/command_program.hpp"
+#include "host-sim/plant_setup.hpp"
+#include "host-sim/sim_event.hpp"
+
+namespace smaservo {
+
+/// A second wire against the first one.
+struct PairSetup {
+  PlantSetup plant;
+  SimSetup board;
+  bool driven;  ///< by a device of its own that goes the other way; else it is only pulled
+};
+
+struct ClosedLoopScenario {
+  std::string name;  ///< the file's
+  std::string note;
+  std::uint64_t seed;
+  double duration_s;
+  Settings<double> settings;
+  PlantSetup plant;
+  SimSetup board;
+  std::optional<PairSetup> pair;
+  std::vector<CommandStretch> program;
+  std::vector<SimEvent> events;
+};
+
+/// Whether a scenario file is one of these: it has a [device] table. Throws UserError.
+bool is_closed_loop(const std::filesystem::path& file);
+
+/// Throws UserError or WireError: names file, line, key, value and what is allowed.
+ClosedLoopScenario load_closed_loop(const std::filesystem::path& file);
+
+}  // namespace smaservo

@@ -1,0 +1,311 @@
+#include "host-sim/device_replay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <memory>
+#include <string_view>
+
+#include "firmware/board_io.hpp"
+#include "hal/replay/board.hpp"
+#include "host-sim/device_names.hpp"
+#include "host-sim/device_trace.hpp"
+#include "host-sim/progress.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double shortest_step_s = 1e-4;
+constexpr double longest_step_s = 20e-3;
+
+/// The texts of a row's fields.
+void split(std::string_view row, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (;;) {
+    const std::size_t comma = row.find(',');
+    fields.push_back(row.substr(0, comma));
+    if (comma == std::string_view::npos) {
+      return;
+    }
+    row.remove_prefix(comma + 1);
+  }
+}
+
+constexpr std::size_t missing = std::numeric_limits<std::size_t>::max();
+
+/// Commands from a trace's columns.
+class CommandReader {
+ public:
+  CommandReader(const std::string& trace, const std::vector<std::string>& names) : trace_(trace) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto found = std::ranges::find(names, columns.at(i));
+      positions_.at(i) =
+          found == names.end() ? missing : static_cast<std::size_t>(found - names.begin());
+    }
+    for (const Which which : {mode, setpoint, arm}) {
+      if (positions_.at(which) == missing) {
+        throw UserError(fmt::format(
+            "{}: has no column {}; a device is replayed from command_mode, command_setpoint and "
+            "command_arm, as simulate writes them",
+            trace, columns.at(which)));
+      }
+    }
+  }
+
+  Command<double> read(const std::vector<std::string_view>& fields, double time_s) const {
+    const auto number = [&](Which which, double otherwise) {
+      return positions_.at(which) == missing
+                 ? otherwise
+                 : parse(fields.at(positions_.at(which)), which, time_s);
+    };
+    Command<double> command;
+    const std::string_view name = fields.at(positions_.at(mode));
+    const std::optional<Mode> known = mode_of(name);
+    if (!known) {
+      fail(mode, name, "is no mode", time_s);
+    }
+    command.mode = *known;
+    command.setpoint = number(setpoint, 0);
+    command.fresh = number(fresh, 1) != 0;
+    command.arm = number(arm, 0) != 0;
+    command.clear_faults = number(clear, 0) != 0;
+    command.scale = {number(proportional, 1), number(integral, 1), number(derivative, 1)};
+    return command;
+  }
+  bool late(const std::vector<std::string_view>& fields, double time_s) const {
+    return positions_.at(deadline) != missing &&
+           parse(fields.at(positions_.at(deadline)), deadline, time_s) != 0;
+  }
+
+ private:
+  enum Which : unsigned char {
+    mode,
+    setpoint,
+    arm,
+    fresh,
+    clear,
+    proportional,
+    integral,
+    derivative,
+    deadline
+  };
+  static constexpr std::array<std::string_view, 9> columns{
+      "command_mode",     "command_setpoint",   "command_arm",
+      "command_fresh",    "command_clear",      "command_proportional",
+      "command_integral", "command_derivative", "deadline_missed"};
+
+  [[noreturn]] void fail(Which which, std::string_view field, const char* what,
+                         double time_s) const {
+    throw UserError(
+        fmt::format("{}: at {} s: {} = '{}' {}", trace_, time_s, columns.at(which), field, what));
+  }
+
+  double parse(std::string_view field, Which which, double time_s) const {
+    double value = 0;
+    const char* const stop = field.data() + field.size();
+    const auto [at, error] = std::from_chars(field.data(), stop, value);
+    if (error != std::errc{} || at != stop || !std::isfinite(value)) {
+      fail(which, field, "is not a finite number", time_s);
+    }
+    return value;
+  }
+
+  const std::string& trace_;
+  std::array<std::size_t, columns.size()> positions_{};
+};
+
+/// The outputs beside those that the trace has.
+class Comparison {
+ public:
+  explicit Comparison(const std::vector<std::string>& names) {
+    for (const DeviceColumn& column : output_columns()) {
+      const auto found = std::ranges::find(names, column.name);
+      if (found != names.end()) {
+        pairs_.push_back({column, static_cast<std::size_t>(found - names.begin()), {}});
+        pairs_.back().difference.column = column.name;
+      }
+    }
+  }
+
+  void add(const Turn& turn, const std::vector<std::string_view>& fields) {
+    bool differs = false;
+    for (Pair& pair : pairs_) {
+      now_.clear();
+      pair.column.write(now_, turn);
+      const std::string_view recorded = fields.at(pair.position);
+      if (now_ != recorded) {
+        differs = true;
+        note(pair.difference, recorded, turn.time_s);
+      }
+    }
+    differing_rows_ += differs ? 1U : 0U;
+  }
+
+  void finish(DeviceReplayResult& result) {
+    result.differing_rows = differing_rows_;
+    for (const Pair& pair : pairs_) {
+      result.compared.push_back(pair.difference.column);
+      if (pair.difference.rows > 0) {
+        result.differences.push_back(pair.difference);
+      }
+    }
+  }
+
+ private:
+  struct Pair {
+    DeviceColumn column;
+    std::size_t position;
+    OutputDifference difference;
+  };
+
+  void note(OutputDifference& difference, std::string_view recorded, double time_s) const {
+    if (difference.rows++ == 0) {
+      difference.first_s = time_s;
+      difference.recorded = recorded;
+      difference.now = now_;
+    }
+    double a = 0;
+    double b = 0;
+    const bool numbers =
+        std::from_chars(recorded.data(), recorded.data() + recorded.size(), a).ec == std::errc{} &&
+        std::from_chars(now_.data(), now_.data() + now_.size(), b).ec == std::errc{};
+    if (numbers) {
+      difference.greatest = std::max(difference.greatest, std::abs(a - b));
+    }
+  }
+
+  std::vector<Pair> pairs_;
+  std::string now_;
+  std::uint64_t differing_rows_ = 0;
+};
+
+/// The file to write: the log and the outputs, then what the trace has besides.
+class ReplayFile {
+ public:
+  ReplayFile(const std::string& path, const TraceReader& trace) {
+    std::vector<DeviceColumn> columns = log_columns(
+        trace.has(Column::supply), trace.has(Column::ambient), trace.has(Column::driver));
+    columns.insert(columns.end(), output_columns().begin(), output_columns().end());
+    std::vector<std::string> further;
+    for (std::size_t i = 0; i < trace.names().size(); ++i) {
+      const std::string& name = trace.names()[i];
+      if (std::ranges::find(columns, name, &DeviceColumn::name) == columns.end()) {
+        positions_.push_back(i);
+        further.push_back(name);
+      }
+    }
+    file_ = std::make_unique<DeviceTraceFile>(path, std::move(columns), further);
+  }
+
+  void add(const Turn& turn, const std::vector<std::string_view>& fields) {
+    further_.clear();
+    for (const std::size_t position : positions_) {
+      further_ += ',';
+      further_ += fields.at(position);
+    }
+    file_->add(turn, further_);
+  }
+  void commit() { file_->commit(); }
+
+ private:
+  std::vector<std::size_t> positions_;
+  std::string further_;
+  std::unique_ptr<DeviceTraceFile> file_;
+};
+
+double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std::int64_t to_ns) {
+  const double dt_s = static_cast<double>(to_ns - from_ns) * 1e-9;
+  if (!(dt_s >= shortest_step_s && dt_s <= longest_step_s)) {
+    throw UserError(fmt::format("{}: {} s after the row at {} s; a device steps every {} to {} s",
+                                trace, dt_s, from_s, shortest_step_s, longest_step_s));
+  }
+  return dt_s;
+}
+
+}  // namespace
+
+DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
+  TraceOptions trace_options = options.trace_options;
+  trace_options.device = true;
+  TraceReader reader(options.trace, trace_options);
+  const std::vector<std::string> names = reader.names();
+  const CommandReader commands(options.trace, names);
+  Comparison comparison(names);
+  std::unique_ptr<ReplayFile> file;
+  if (!options.out.empty()) {
+    file = std::make_unique<ReplayFile>(options.out, reader);
+  }
+  Progress progress("replay", reader.file_size());
+  ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
+                    options.settings.wire.geometry.area_m2());
+  const Prepared<double> prepared = prepare(options.settings);
+  Device<double>::State device = Device<double>::start();
+  DeviceReplayResult result;
+  std::vector<std::string_view> fields;
+  Turn turn{};
+  Frame frame{};
+  std::int64_t last_ns = 0;
+  for (ReadStatus status = board.read(frame); status != ReadStatus::end;
+       status = board.read(frame)) {
+    const double dt_s = result.rows == 0
+                            ? options.settings.timing.period_s
+                            : step_s(options.trace, turn.time_s, last_ns, frame.time_ns);
+    last_ns = frame.time_ns;
+    turn.time_s = static_cast<double>(frame.time_ns) / 1e9;
+    split(board.row().text, fields);
+    turn.inputs = inputs_of<double>(frame, status);
+    turn.inputs.deadline_missed = commands.late(fields, turn.time_s);
+    turn.command = commands.read(fields, turn.time_s);
+    turn.output = Device<double>::step(prepared, device, turn.inputs, turn.command, dt_s);
+    comparison.add(turn, fields);
+    if (file) {
+      file->add(turn, fields);
+    }
+    result.duration_s += result.rows == 0 ? 0 : dt_s;
+    ++result.rows;
+    progress.update(board.trace().bytes());
+  }
+  if (result.rows == 0) {
+    throw UserError(fmt::format("{}: has no usable row", options.trace));
+  }
+  result.skipped = board.trace().skipped();
+  result.complaints = board.trace().complaints();
+  comparison.finish(result);
+  if (file) {
+    file->commit();
+  }
+  return result;
+}
+
+std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult& result) {
+  std::string text = fmt::format("{}: {} rows, {:.4g} s\n",
+                                 options.trace == "-" ? "standard input" : options.trace,
+                                 result.rows, result.duration_s);
+  if (result.skipped > 0) {
+    text += fmt::format("{} bad rows skipped\n", result.skipped);
+    for (const std::string& complaint : result.complaints) {
+      text += fmt::format("  skipped: {}\n", complaint);
+    }
+  }
+  if (result.compared.empty()) {
+    return text + "the trace has no outputs to compare with\n";
+  }
+  if (result.differing_rows == 0) {
+    return text +
+           fmt::format("all {} outputs are the same to the last bit\n", result.compared.size());
+  }
+  text += fmt::format("{} rows differ from the outputs in the trace\n", result.differing_rows);
+  text += fmt::format("{:<20}{:>10}{:>12}{:>14}  {}\n", "output", "rows", "first at s", "greatest",
+                      "first one: in the trace, now");
+  for (const OutputDifference& d : result.differences) {
+    text += fmt::format("{:<20}{:>10}{:>12.6g}{:>14.4g}  '{}', '{}'\n", d.column, d.rows, d.first_s,
+                        d.greatest, d.recorded, d.now);
+  }
+  return text;
+}
+
+}  // namespace smaservo

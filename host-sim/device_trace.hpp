@@ -1,0 +1,47 @@
+#pragma once
+// The trace of a device: what went into its steps, in full precision so that it can be replayed to
+// the same bits, and what came out.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host-sim/closed_loop.hpp"
+#include "host-sim/output_file.hpp"
+
+namespace smaservo {
+
+/// A name and its text for a step. Numbers are the shortest text that reads back to the same bits;
+/// what is not a number is empty.
+struct DeviceColumn {
+  std::string_view name;
+  void (*write)(std::string& to, const Turn& turn);
+};
+
+/// Readings and command: the log. Those that a board may not have only where it has them.
+std::vector<DeviceColumn> log_columns(bool supply, bool ambient, bool driver);
+/// What the step made of them.
+std::span<const DeviceColumn> output_columns();
+/// What only a simulation knows.
+std::span<const DeviceColumn> truth_columns();
+
+void append_number(std::string& to, double value);
+
+/// Writes rows of such columns.
+class DeviceTraceFile {
+ public:
+  /// Further columns come as texts, each with a comma before it.
+  DeviceTraceFile(const std::string& path, std::vector<DeviceColumn> columns,
+                  const std::vector<std::string>& further);
+
+  void add(const Turn& turn, std::string_view further);
+  void commit();
+
+ private:
+  OutputFile file_;
+  std::vector<DeviceColumn> columns_;
+  std::string buffer_;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,54 @@
+#pragma once
+// What happens to a simulated wire and its board at a given time, as [[event]] tables say.
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "hal/sim/board.hpp"
+
+namespace smaservo {
+
+class Table;
+
+/// From at_s on, for for_s; what is not set stays.
+struct SimEvent {
+  double at_s, for_s;
+  std::optional<double> ambient_K, draught, supply_V, added_stress_Pa, slip, driver_above_K;
+  std::optional<Circuit> circuit;
+  double bridged_share = 0;
+  std::optional<std::pair<Reading, SpoiltSensor>> sensor;
+  double lost_share = 0;
+  bool emergency_stop = false;
+  bool driver_fault = false;
+  bool late = false;  ///< the loop misses its deadline
+};
+
+/// Throws UserError.
+std::vector<SimEvent> read_events(std::vector<Table> tables);
+
+/// Keeps a board in the state that the events so far have made. Events that overlap add up; of
+/// those that change the same thing the last one in the file counts.
+class SimEvents {
+ public:
+  SimEvents(std::vector<SimEvent> events, const SimSurroundings& without);
+
+  /// Times must not go back. Cheap while nothing changes.
+  void apply(double time_s, SimBoard& board) {
+    if (time_s >= next_s_) {
+      change(time_s, board);
+    }
+  }
+  bool late() const { return late_; }
+
+ private:
+  void change(double time_s, SimBoard& board);
+
+  std::vector<SimEvent> events_;
+  SimSurroundings without_;
+  double next_s_;
+  bool late_ = false;
+};
+
+}  // namespace smaservo

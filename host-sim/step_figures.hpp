@@ -1,0 +1,41 @@
+#pragma once
+// How a wire followed the set-points of a strain loop, step by step.
+
+#include <vector>
+
+namespace smaservo {
+
+/// One set-point that stood still. Percentages are of the nominal stroke, of the true strain. NaN:
+/// it never came to that.
+struct StepFigures {
+  double from_s;
+  double seconds;
+  double from, to;           ///< true strain at its beginning; set-point
+  double rise_s;             ///< from 10 to 90 % of the way; only of steps of 2 % stroke and more
+  double settling_s;         ///< to +-2 % of the stroke, for good
+  double overshoot_percent;  ///< beyond the set-point; 0: none
+  double error_percent;      ///< mean magnitude over the last quarter
+};
+
+/// Takes a run in equal steps. Set-points that last less than 0.2 s are no steps.
+class StepJudge {
+ public:
+  StepJudge(double stroke, double period_s) : stroke_(stroke), period_s_(period_s) {}
+
+  /// A NaN as set-point: the strain is not controlled.
+  void add(double time_s, double setpoint, double strain);
+  /// The last step ends here.
+  void finish();
+  const std::vector<StepFigures>& steps() const { return steps_; }
+
+ private:
+  StepFigures judged() const;
+
+  double stroke_, period_s_;
+  double from_s_ = 0;
+  double setpoint_ = 0;
+  std::vector<double> strains_;
+  std::vector<StepFigures> steps_;
+};
+
+}  // namespace smaservo

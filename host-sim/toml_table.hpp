@@ -1,0 +1,70 @@
+#pragma once
+// TOML files of scenarios, read strictly: whatever is missing, out of range or unknown is refused
+// with file, line, key, value and what is allowed.
+
+#include <filesystem>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <toml++/toml.h>
+#include <vector>
+
+namespace smaservo {
+
+/// One table of the file: takes keys, and refuses what nobody took. All throw UserError.
+class Table {
+ public:
+  /// The origin must outlive the table.
+  Table(const toml::table& table, std::string path, const std::string& origin)
+      : table_(table), path_(std::move(path)), origin_(origin) {}
+
+  [[noreturn]] void fail(std::string_view key, const std::string& reason) const;
+  bool has(std::string_view key) const { return table_.contains(key); }
+  const std::string& path() const { return path_; }
+
+  double number(std::string_view key, double low, double high);
+  double number(std::string_view key, double low, double high, double otherwise) {
+    return has(key) ? number(key, low, high) : otherwise;
+  }
+  bool flag(std::string_view key, bool otherwise);
+  std::string text(std::string_view key);
+  std::vector<std::string> texts(std::string_view key);
+  /// Which of these names the text is.
+  std::size_t choice(std::string_view key, std::span<const std::string_view> names);
+  std::vector<double> numbers(std::string_view key, double low, double high);
+  /// Two numbers, the first one not above the second.
+  std::pair<double, double> range(std::string_view key, double low, double high);
+  bool is_list(std::string_view key) const { return table_[key].is_array(); }
+  Table table(std::string_view key);
+  /// The same; an empty one where it is missing.
+  Table table_or_empty(std::string_view key);
+  std::vector<Table> tables(std::string_view key);
+
+  /// Refuses keys that nobody asked for.
+  void finish() const;
+
+ private:
+  double in_range(std::string_view key, const toml::node& node, double low, double high) const;
+
+  const toml::table& table_;
+  std::string path_;
+  const std::string& origin_;
+  std::set<std::string, std::less<>> taken_;
+};
+
+/// A whole file. Throws UserError.
+class TomlFile {
+ public:
+  explicit TomlFile(const std::filesystem::path& file);
+  Table root() const { return {parsed_, "", origin_}; }
+
+  /// A file that the TOML file names, from where it lies itself.
+  std::string beside(const std::string& name) const;
+
+ private:
+  std::string origin_;
+  toml::table parsed_;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,268 @@
+// What a simulated board does between a command and the next frame.
+
+#include "hal/sim/board.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <limits>
+#include <vector>
+
+#include "hal/sim/lumped_wire.hpp"
+#include "model/wires/wire_file.hpp"
+
+namespace smaservo::test {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+constexpr double no_slew = std::numeric_limits<double>::infinity();
+
+const Wire<double>& wire() {
+  static const Wire<double> preset = load_wire(std::string(default_wire)).wire;
+  return preset;
+}
+
+SimSetup clean_setup() {
+  return {.period_ns = ms,
+          .converter = {.voltage_drive = false,
+                        .greatest_A = 0.5,
+                        .slew_A_s = no_slew,
+                        .lead_ohm = 0.5},
+          .sensors = {.bits = 24,
+                      .current_full_scale_A = 1,
+                      .voltage_full_scale_V = 50,
+                      .load_full_scale_N = 10,
+                      .current_noise_A = 0,
+                      .voltage_noise_V = 0,
+                      .load_noise_N = 0,
+                      .load_gain = 1,
+                      .resistance_gain = 1},
+          .load = ConstantLoad{150e6},
+          .geometry = wire().geometry,
+          .surroundings = {},
+          .reads_supply = true,
+          .reads_ambient = true,
+          .reads_driver = true,
+          .seed = 1};
+}
+
+SimBoard board_with(const SimSetup& setup) {
+  return {make_lumped_wire(wire()), setup};
+}
+
+Frame next(SimBoard& board) {
+  Frame frame{};
+  EXPECT_EQ(board.read(frame), ReadStatus::frame);
+  return frame;
+}
+
+/// Drives this current for so many periods; the last frame.
+Frame driven(SimBoard& board, double current_A, int periods) {
+  Frame frame{};
+  for (int i = 0; i < periods; ++i) {
+    board.drive(
+        {.current_A = current_A, .voltage_V = 0, .valid_until_ns = board.time_ns() + 3 * ms});
+    frame = next(board);
+  }
+  return frame;
+}
+
+bool same_bits(const Frame& a, const Frame& b) {
+  return a.time_ns == b.time_ns && a.sequence == b.sequence &&
+         std::memcmp(&a.current_A, &b.current_A, 6 * sizeof(double)) == 0;
+}
+
+TEST(SimBoard, FramesFollowThePeriodAndOhmsLaw) {
+  SimBoard board = board_with(clean_setup());
+  const Frame first = next(board);
+  EXPECT_EQ(first.time_ns, 0);
+  EXPECT_EQ(first.sequence, 0U);
+  EXPECT_EQ(first.current_A, 0);
+  EXPECT_NEAR(first.load_N, 150e6 * wire().geometry.area_m2(), 2e-6);
+  EXPECT_EQ(first.supply_V, 24);
+  EXPECT_EQ(first.ambient_K, 298.15);
+  EXPECT_EQ(first.driver_K, 308.15);
+  const Frame later = driven(board, 0.05, 5);
+  EXPECT_EQ(later.time_ns, 5 * ms);
+  EXPECT_EQ(later.sequence, 5U);
+  EXPECT_NEAR(later.current_A, 0.05, 1e-6);
+  EXPECT_NEAR(later.voltage_V / later.current_A, board.wire().resistance_ohm(), 1e-3);
+}
+
+TEST(SimBoard, HeatIsALeaseOfTheLastCommand) {
+  SimBoard board = board_with(clean_setup());
+  next(board);
+  board.drive({.current_A = 0.1, .voltage_V = 0, .valid_until_ns = 3 * ms});
+  std::vector<double> currents;
+  for (int i = 0; i < 5; ++i) {
+    currents.push_back(next(board).current_A);
+  }
+  EXPECT_GT(currents[2], 0.09);
+  EXPECT_EQ(currents[3], 0) << "nobody renewed it";
+  driven(board, 0.1, 2);
+  board.safe_off();
+  EXPECT_EQ(next(board).current_A, 0);
+}
+
+TEST(SimBoard, SameSeedSameBits) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    SimSetup setup = clean_setup();
+    setup.seed = seed;
+    setup.sensors.current_noise_A = setup.sensors.voltage_noise_V = setup.sensors.load_noise_N =
+        1e-4;
+    setup.load = VaryingLoad{150e6, 20e6, 0.5, 10e6, 50e6};
+    SimBoard a = board_with(setup);
+    SimBoard b = board_with(setup);
+    setup.seed += 10;
+    SimBoard other = board_with(setup);
+    int different = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Frame frame = driven(a, 0.1, 1);
+      ASSERT_TRUE(same_bits(frame, driven(b, 0.1, 1)));
+      different += same_bits(frame, driven(other, 0.1, 1)) ? 0 : 1;
+    }
+    EXPECT_EQ(different, 300);
+  }
+}
+
+TEST(SensorNoise, IsWhiteNormalAndBounded) {
+  SensorNoise noise(5);
+  constexpr int n = 200'000;
+  double sum = 0;
+  double squares = 0;
+  double neighbours = 0;
+  double last = 0;
+  double greatest = 0;
+  for (int i = 0; i < n; ++i) {
+    const double x = noise();
+    sum += x;
+    squares += x * x;
+    neighbours += x * last;
+    last = x;
+    greatest = std::max(greatest, std::abs(x));
+  }
+  // Five standard deviations of each estimate.
+  EXPECT_NEAR(sum / n, 0, 5 / std::sqrt(n));
+  EXPECT_NEAR(squares / n, 1, 5 * std::sqrt(1.7 / n));
+  EXPECT_NEAR(neighbours / n, 0, 5 / std::sqrt(n));
+  EXPECT_GT(greatest, 3);
+  EXPECT_LE(greatest, 2 * std::sqrt(3.0));
+}
+
+TEST(SimBoard, TheConverterHasLimits) {
+  SimSetup setup = clean_setup();
+  setup.converter.greatest_A = 0.2;
+  setup.converter.slew_A_s = 50;
+  SimBoard board = board_with(setup);
+  next(board);
+  EXPECT_NEAR(driven(board, 1, 1).current_A, 0.05, 1e-6) << "slew";
+  EXPECT_NEAR(driven(board, 1, 5).current_A, 0.2, 1e-6) << "saturation";
+  board.surroundings.supply_V = 2;
+  const double path_ohm = board.wire().resistance_ohm() + 0.5;
+  EXPECT_NEAR(driven(board, 1, 3).current_A, 2 / path_ohm, 2e-3) << "compliance";
+  EXPECT_EQ(driven(board, 0, 1).current_A, 0) << "off is off at once";
+  EXPECT_EQ(driven(board, -1, 1).current_A, 0) << "nothing cools by current";
+}
+
+TEST(SimBoard, AVoltageDrivesWhatTheResistanceLets) {
+  SimSetup setup = clean_setup();
+  setup.converter.voltage_drive = true;
+  SimBoard board = board_with(setup);
+  next(board);
+  board.drive({.current_A = 9, .voltage_V = 1, .valid_until_ns = ms});
+  const double ohm = board.wire().resistance_ohm();
+  EXPECT_NEAR(next(board).current_A, 1 / (ohm + 0.5), 1e-6);
+}
+
+TEST(SimBoard, BrokenWiresCarryNothing) {
+  SimBoard board = board_with(clean_setup());
+  next(board);
+  driven(board, 0.1, 3);
+  board.faults().circuit = Circuit::broken;
+  Frame frame = driven(board, 0.1, 1);
+  EXPECT_EQ(frame.current_A, 0);
+  EXPECT_NEAR(frame.voltage_V, 24, 1e-5) << "the sense leads see the converter against its end";
+  EXPECT_EQ(frame.load_N, 0);
+  EXPECT_EQ(board.truth().stress_Pa, 0);
+  board.faults().circuit = Circuit::open;
+  frame = driven(board, 0.1, 1);
+  EXPECT_EQ(frame.current_A, 0);
+  EXPECT_EQ(frame.voltage_V, 0);
+  EXPECT_GT(frame.load_N, 0.5) << "the wire still holds";
+  board.faults().circuit = Circuit::shorted;
+  board.faults().bridged_share = 0.25;
+  frame = driven(board, 0.1, 1);
+  EXPECT_NEAR(frame.voltage_V / frame.current_A, 0.75 * board.wire().resistance_ohm(), 1e-3);
+}
+
+TEST(SimBoard, SensorsLieAsTheyAreTold) {
+  SimBoard board = board_with(clean_setup());
+  next(board);
+  const Frame good = driven(board, 0.1, 3);
+  const auto voltage = [&](SensorFault fault, double amount) {
+    board.faults().sensors[static_cast<std::size_t>(Reading::voltage)] = {fault, amount};
+    return driven(board, 0.1, 1).voltage_V;
+  };
+  EXPECT_EQ(voltage(SensorFault::stuck, 0), good.voltage_V);
+  EXPECT_TRUE(std::isnan(voltage(SensorFault::missing, 0)));
+  EXPECT_NEAR(voltage(SensorFault::offset, 0.5), 0.1 * board.wire().resistance_ohm() + 0.5, 1e-3);
+  EXPECT_EQ(voltage(SensorFault::value, 0), 0);
+  EXPECT_NE(voltage(SensorFault::noise, 1), voltage(SensorFault::noise, 1));
+  EXPECT_NEAR(voltage(SensorFault::none, 0), 0.1 * board.wire().resistance_ohm(), 1e-3);
+}
+
+TEST(SimBoard, LostFramesLeaveAGapInTheSequence) {
+  SimBoard board = board_with(clean_setup());
+  next(board);
+  board.faults().lost_share = 1;
+  Frame frame{};
+  for (int i = 1; i <= 3; ++i) {
+    EXPECT_EQ(board.read(frame), ReadStatus::nothing);
+    EXPECT_EQ(frame.time_ns, i * ms);
+  }
+  board.faults().lost_share = 0.5;
+  int lost = 0;
+  for (int i = 0; i < 1000; ++i) {
+    lost += board.read(frame) == ReadStatus::nothing ? 1 : 0;
+  }
+  EXPECT_NEAR(lost, 500, 80);
+  board.faults().lost_share = 0;
+  EXPECT_EQ(next(board).sequence, 1004U);
+}
+
+TEST(SimBoard, LoadSlipAndDraughtReachTheWire) {
+  SimBoard board = board_with(clean_setup());
+  next(board);
+  const double before = board.truth().strain;
+  board.surroundings.slip = 0.01;
+  EXPECT_NEAR(board.truth().strain, before + 0.01, 1e-12);
+  board.surroundings.added_stress_Pa = 50e6;
+  next(board);
+  EXPECT_EQ(board.truth().stress_Pa, 200e6);
+  driven(board, 0.1, 3000);
+  const double still_K = board.truth().hottest_K;
+  board.surroundings.draught = 2;
+  driven(board, 0.1, 3000);
+  EXPECT_LT(board.truth().hottest_K, still_K - 10);
+}
+
+TEST(SimBoard, LongPeriodsAreDivided) {
+  SimSetup setup = clean_setup();
+  SimBoard fine = board_with(setup);
+  setup.period_ns = 4 * ms;
+  SimBoard coarse = board_with(setup);
+  EXPECT_EQ(coarse.parts(), 0) << "none before the first frame";
+  next(fine);
+  next(coarse);
+  EXPECT_EQ(coarse.parts(), 4);
+  driven(fine, 0.15, 40);
+  for (int i = 0; i < 10; ++i) {
+    coarse.drive({.current_A = 0.15, .voltage_V = 0, .valid_until_ns = coarse.time_ns() + 4 * ms});
+    next(coarse);
+  }
+  EXPECT_EQ(fine.time_ns(), coarse.time_ns());
+  EXPECT_EQ(fine.truth().hottest_K, coarse.truth().hottest_K);
+}
+
+}  // namespace
+}  // namespace smaservo::test

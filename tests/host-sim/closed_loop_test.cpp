@@ -1,0 +1,202 @@
+// Whole devices on simulated wires: the shipped scenarios, and replays of their traces.
+
+#include "host-sim/closed_loop.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <gmock/gmock.h>
+
+#include "hal/replay/temporary_folder.hpp"
+#include "host-sim/closed_loop_report.hpp"
+#include "host-sim/closed_loop_run.hpp"
+#include "host-sim/device_replay.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/replays.hpp"
+
+namespace smaservo::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+fs::path scenario_folder() {
+  return fs::path(SMASERVO_SOURCE_DIR) / "host-sim/scenarios";
+}
+
+std::vector<std::string> scenarios() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(scenario_folder())) {
+    if (entry.path().extension() == ".toml") {
+      names.push_back(entry.path().stem().string());
+    }
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+ClosedLoopScenario shipped_scenario(const std::string& name) {
+  ClosedLoopScenario scenario = load_closed_loop(scenario_folder() / (name + ".toml"));
+#if defined(__SANITIZE_ADDRESS__)
+  scenario.duration_s = std::min(scenario.duration_s, 1.0);  // fifty times slower
+#endif
+  return scenario;
+}
+
+class ShippedLoop : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedLoop, StaysFiniteAndCool) {
+  const ClosedLoopScenario scenario = shipped_scenario(GetParam());
+  const double limit_K = scenario.settings.limits.temperature_K;
+  ClosedLoop loop(scenario);
+  double moved = 0;
+  double first = 0;
+  while (loop.step()) {
+    const Turn& turn = loop.turn();
+    first = turn.time_s == 0 ? turn.truth.strain : first;
+    moved = std::max(moved, first - turn.truth.strain);
+    ASSERT_LT(turn.truth.hottest_K, limit_K + 3) << "at " << turn.time_s << " s";
+    if (const auto other = loop.other()) {
+      ASSERT_LT(other->hottest_K, limit_K + 3) << "at " << turn.time_s << " s";
+    }
+    ASSERT_TRUE(std::isfinite(turn.output.current_A)) << turn.time_s;
+    ASSERT_TRUE(std::isfinite(turn.output.voltage_V)) << turn.time_s;
+    ASSERT_TRUE(std::isfinite(turn.truth.strain)) << turn.time_s;
+    ASSERT_GE(turn.output.current_A, 0);
+    if (turn.time_s > 0.05) {
+      ASSERT_TRUE(std::isfinite(turn.output.estimate.strain)) << turn.time_s;
+    }
+  }
+  EXPECT_GT(moved, 0.004) << "nothing has happened";
+}
+
+TEST_P(ShippedLoop, ReplayedFromItsTextGivesTheSameBits) {
+  const TemporaryFolder folder;
+  ClosedLoopScenario scenario = shipped_scenario(GetParam());
+  scenario.duration_s = std::min(scenario.duration_s, 4.0);
+  run_closed_loop(scenario, {.out = folder / "t.csv", .record = false});
+  DeviceReplayOptions options{folder / "t.csv", {}, scenario.settings, folder / "again.csv"};
+  const DeviceReplayResult result = replay_device(options);
+  EXPECT_NEAR(static_cast<double>(result.rows), 1e3 * scenario.duration_s, 1);
+  EXPECT_EQ(result.compared.size(), 21U);
+  EXPECT_EQ(result.differing_rows, 0U) << summary(options, result);
+  EXPECT_TRUE(file_text(folder / "t.csv") == file_text(folder / "again.csv"))
+      << "readings and commands survive as well";
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, ShippedLoop, ::testing::ValuesIn(scenarios()),
+                         [](const auto& tested) {
+                           std::string name = tested.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+/// A short run with its trace.
+class Recorded {
+ public:
+  Recorded() : scenario_(shipped_scenario("steps")) {
+    scenario_.duration_s = 1;
+    run_closed_loop(scenario_, {.out = folder_ / "t.csv", .record = false});
+    lines_ = lines_of(file_text(folder_ / "t.csv"));
+  }
+  std::vector<std::string>& lines() { return lines_; }
+  /// The position of a column.
+  std::size_t column(const std::string& name) const {
+    const std::string before = lines_.front().substr(0, ("," + lines_.front()).find("," + name));
+    return static_cast<std::size_t>(std::ranges::count(before, ','));
+  }
+  void edit(std::size_t row, const std::string& column_name, const std::string& text) {
+    std::string& line = lines_.at(row);
+    std::size_t from = 0;
+    for (std::size_t i = column(column_name); i > 0; --i) {
+      from = line.find(',', from) + 1;
+    }
+    line.replace(from, line.find(',', from) - from, text);
+  }
+  DeviceReplayResult replay() {
+    return replay_device({folder_.write("edited.csv", joined(lines_)), {}, scenario_.settings, ""});
+  }
+  std::string refusal() {
+    try {
+      replay();
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "was accepted";
+  }
+
+ private:
+  TemporaryFolder folder_;
+  ClosedLoopScenario scenario_;
+  std::vector<std::string> lines_;
+};
+
+TEST(DeviceReplay, FindsAnOutputThatWasChanged) {
+  Recorded run;
+  run.edit(501, "drive_current_A", "0.25");
+  run.edit(700, "state", "asleep");
+  const DeviceReplayResult result = run.replay();
+  EXPECT_EQ(result.differing_rows, 2U);
+  ASSERT_EQ(result.differences.size(), 2U);
+  EXPECT_EQ(result.differences[0].column, "drive_current_A");
+  EXPECT_EQ(result.differences[0].rows, 1U);
+  EXPECT_NEAR(result.differences[0].first_s, 0.5, 1e-9);
+  EXPECT_EQ(result.differences[0].recorded, "0.25");
+  EXPECT_GT(result.differences[0].greatest, 0);
+  EXPECT_EQ(result.differences[1].recorded, "asleep");
+}
+
+TEST(DeviceReplay, AnInputThatWasChangedChangesTheOutputs) {
+  Recorded run;
+  run.edit(800, "current_A", "0.1234");
+  EXPECT_GT(run.replay().differing_rows, 50U);
+}
+
+TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
+  {
+    Recorded run;
+    std::string& header = run.lines().front();
+    header.replace(header.find("command_setpoint"), 16, "wish");
+    EXPECT_THAT(run.refusal(), HasSubstr("has no column command_setpoint"));
+  }
+  {
+    Recorded run;
+    run.edit(10, "command_mode", "dance");
+    EXPECT_THAT(run.refusal(), HasSubstr("command_mode = 'dance' is no mode"));
+  }
+  {
+    Recorded run;
+    run.edit(10, "command_setpoint", "1e");
+    EXPECT_THAT(run.refusal(), HasSubstr("is not a finite number"));
+  }
+  Recorded run;
+  run.lines().erase(run.lines().begin() + 100, run.lines().begin() + 200);
+  EXPECT_THAT(run.refusal(), HasSubstr("a device steps every 0.0001 to 0.02 s"));
+}
+
+TEST(ClosedLoop, SameScenarioSameTrace) {
+  const TemporaryFolder folder;
+  ClosedLoopScenario scenario = shipped_scenario("pair");
+  scenario.duration_s = 0.8;
+  for (const char* name : {"a.csv", "b.csv"}) {
+    run_closed_loop(scenario, {.out = folder / name, .record = false});
+  }
+  EXPECT_TRUE(file_text(folder / "a.csv") == file_text(folder / "b.csv"));
+}
+
+TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
+  const TemporaryFolder folder;
+  ClosedLoopScenario scenario = shipped_scenario("steps");
+  scenario.duration_s = 3;
+  const LoopRunResult result = run_closed_loop(scenario, {.out = "", .record = true});
+  ASSERT_FALSE(result.strain_steps.empty());
+  write_report(folder / "r.html", scenario, result);
+  const std::string html = file_text(folder / "r.html");
+  for (const char* part : {"Strain", "Temperature", "States, limits, faults", "overshoot",
+                           "hottest point, true", "sublayers"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_EQ(html.find("http://"), std::string::npos) << "it opens without a network";
+}
+
+}  // namespace
+}  // namespace smaservo::test
