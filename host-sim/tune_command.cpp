@@ -38,7 +38,7 @@ TunedLoad load(const Arguments& a, const Wire<double>& wire) {
   if (!a.spring.empty()) {
     return spring(a.spring);
   }
-  const double stress_Pa = a.load_N ? wire.stress_Pa(*a.load_N) : 1e6 * *a.stress_MPa;
+  const double stress_Pa = a.load_N ? wire.stress_Pa(*a.load_N) : 1e6 * a.stress_MPa.value_or(0);
   return {stress_Pa, stress_Pa, 0};
 }
 
@@ -69,10 +69,10 @@ void run(const Arguments& a) {
   const WireDescription description = load_wire(a.wire, parse_settings(a.settings));
   const TunedLoad tuned_load = load(a, description.wire);
   require_allowed(description.wire, tuned_load);
-  TuneTask task{{description.wire, tuned_load, a.ambient_degC + 273.15, 1},
-                a.current_A.value_or(std::numeric_limits<double>::infinity()),
-                24,
-                1};
+  const TuneTask task{{description.wire, tuned_load, a.ambient_degC + 273.15, 1},
+                      a.current_A.value_or(std::numeric_limits<double>::infinity()),
+                      24,
+                      1};
   const Tuned tuned = tune(a.wire, task);
   if (!a.out.empty()) {
     OutputFile file(a.out);

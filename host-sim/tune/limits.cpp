@@ -19,11 +19,8 @@ constexpr double stroke_share = 0.2;
 constexpr double greatest_rate_1_s = 0.35;  ///< faster, the cold ends heat along with the wire
 constexpr double resistance_share = 1e-3;   ///< noise of the resistance at the least current
 constexpr double sense_heating_K = 2;       ///< that the least current may cause
+constexpr double least_limit_Pa = 10e6;     ///< of the stress, well above slack
 constexpr double greatest_draught = 1.5;
-
-double section_N(const Wire<double>& wire, double stress_Pa) {
-  return stress_Pa * wire.geometry.area_m2();
-}
 
 /// The current that measures the resistance well, unless it warms the wire.
 double least_current_A(const Measuring<double>& m, const LumpedModel::Params& params, double ohm) {
@@ -60,11 +57,11 @@ Settings<double> bare_settings(const Wire<double>& wire, double current_A) {
   s.timing = {1e-3, 0.1, 0.005};
   s.wire = wire;
   s.measuring.load_gain = 1;
-  s.measuring.current_noise_A = front_end.current_noise_A;
-  s.measuring.voltage_noise_V = front_end.voltage_noise_V;
+  s.measuring.current_noise_A = rounded_up(front_end.current_noise_A);
+  s.measuring.voltage_noise_V = rounded_up(front_end.voltage_noise_V);
   s.measuring.has_load_cell = true;
-  s.measuring.current_full_scale_A = 1.25 * current_A;
-  s.measuring.voltage_full_scale_V = 1.5 * current_A * ohm;
+  s.measuring.current_full_scale_A = rounded_up(1.25 * current_A);
+  s.measuring.voltage_full_scale_V = rounded_up(1.5 * current_A * ohm);
   s.drive = {DriveKind::current, 0, 0, 0, 1.5 * current_A * ohm};
   const LoopGains<double> none{0, 0, 0, 0.005, 1, 0, 0.05, 1, 0};
   s.strain = s.temperature = s.resistance = s.force = none;
@@ -120,7 +117,8 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   q.least_strain = 1e-4 * std::floor(1e4 * (b.hot_strain + 0.01 * b.stroke()));
   q.greatest_strain = 1e-4 * std::ceil(1e4 * b.rest_strain);
   const double greatest_Pa = std::max(task.plant.load.low_Pa, b.hot_Pa);
-  q.stress_Pa = std::min(wire.limits.stress_Pa, rounded_up(1.25 * greatest_Pa));
+  q.stress_Pa =
+      std::min(wire.limits.stress_Pa, rounded_up(std::max(1.25 * greatest_Pa, least_limit_Pa)));
   const double share = std::max(wire.limits.current_A, 1.05 * p.holding_A) / current_A;
   q.duty = share < 1 ? rounded_up(share * share) : 1;
   s.trips.current_A = rounded_up(1.15 * current_A);
@@ -129,7 +127,7 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   s.trips.least_strain = q.least_strain - 0.005;
   s.trips.greatest_strain = q.greatest_strain + 0.01;
   s.axis.zero_strain = q.greatest_strain;
-  s.measuring.constant_load_N = rounded_up(section_N(wire, task.plant.load.low_Pa));
+  s.measuring.constant_load_N = rounded_up(task.plant.load.low_Pa * wire.geometry.area_m2());
   choose_rates(b, task, s);
 }
 

@@ -16,6 +16,7 @@ std::vector<double> grid(double low, double high) {
   const double decades = std::log10(high / low);
   const int steps = std::max(2, static_cast<int>(std::ceil(by_decade * decades)));
   std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(steps) + 1);
   for (int i = 0; i < steps; ++i) {
     all.push_back(low * std::pow(10, decades * i / steps));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <numbers>
 
 #include "firmware/trajectory.hpp"
@@ -72,24 +73,29 @@ std::vector<Situation> all_situations(const TuneTask& task, const Settings<doubl
   return all;
 }
 
+/// The states in which the variable follows the heat.
+std::vector<Situation> answering(LoopName name, const std::vector<Situation>& situations) {
+  double greatest = 0;
+  for (const Situation& s : situations) {
+    greatest = std::max(greatest, slope_1_K(name, s.point));
+  }
+  std::vector<Situation> all;
+  std::ranges::copy_if(situations, std::back_inserter(all), [&](const Situation& s) {
+    const bool moves = name == LoopName::temperature || s.point.motion != Motion::turned;
+    return moves && greatest > 0 && least_slope * greatest <= slope_1_K(name, s.point);
+  });
+  return all;
+}
+
 /// One of the loops while its gains are being looked for.
 class Design {
  public:
   Design(LoopName name, const std::vector<Situation>& situations, double period_s)
-      : name_(name), period_s_(period_s), target_s_(loop_periods * period_s) {
-    double greatest = 0;
-    for (const Situation& s : situations) {
-      greatest = std::max(greatest, slope_1_K(name, s.point));
-    }
-    const double least = least_slope * greatest;
-    for (const Situation& s : situations) {
-      const bool heats = name == LoopName::temperature || s.point.motion != Motion::turned;
-      if (heats && greatest > 0 && least <= slope_1_K(name, s.point)) {
-        answering_.push_back(s);
-      }
-    }
-    share_ = static_cast<double>(answering_.size()) / static_cast<double>(situations.size());
-  }
+      : name_(name),
+        period_s_(period_s),
+        target_s_(loop_periods * period_s),
+        answering_(answering(name, situations)),
+        share_(static_cast<double>(answering_.size()) / static_cast<double>(situations.size())) {}
 
   bool possible() const { return !answering_.empty(); }
 

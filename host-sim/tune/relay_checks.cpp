@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 #include "host-sim/tune/relay.hpp"
 
 namespace smaservo {
@@ -83,11 +83,7 @@ RelayPlant lumped_plant(LoopName name, const TunedPlant& plant, const OperatingP
 class SegmentedWire {
  public:
   SegmentedWire(const TunedPlant& plant, double period_s)
-      : plant_(plant), period_s_(period_s), random_(1) {
-    wire_ = make_simulated_wire(Family::ihyp, plant.wire, {}, 0.3, random_);
-    wire_->rest(plant.ambient_K, plant.load.low_Pa);
-    rest_strain_ = wire_->strain();
-  }
+      : plant_(plant), period_s_(period_s), wire_(at_rest(plant)), rest_strain_(wire_->strain()) {}
 
   double advance(double power_W) {
     const double current_A = std::sqrt(std::max(0.0, power_W) / wire_->resistance_ohm());
@@ -98,9 +94,15 @@ class SegmentedWire {
   double strain() const { return wire_->strain(); }
 
  private:
+  static std::unique_ptr<SimulatedWire> at_rest(const TunedPlant& plant) {
+    std::mt19937_64 random(1);
+    auto wire = make_simulated_wire(Family::ihyp, plant.wire, {}, 0.3, random);
+    wire->rest(plant.ambient_K, plant.load.low_Pa);
+    return wire;
+  }
+
   TunedPlant plant_;
   double period_s_;
-  std::mt19937_64 random_;
   std::unique_ptr<SimulatedWire> wire_;
   double rest_strain_;
 };
@@ -144,7 +146,7 @@ RelayCheck segmented_check(const TunedPlant& plant, const Branches& b, const Ope
     wire->advance(t.base_W);
     t.base_W += t.base_rises_W_s * period_s;
   }
-  t.rises_1_s = (wire->strain() - from) / (watched / 2 * period_s);
+  t.rises_1_s = (wire->strain() - from) / (0.5 * watched * period_s);
   check.tested =
       relay_test(t, {[wire](double power_W) { return wire->advance(power_W); }, wire->strain()});
   return check;

@@ -5,8 +5,11 @@
 
 namespace smaservo {
 
-/// To three digits, downwards or upwards; x > 0. 2.5e-3 and 2.5 come out as they are written.
+/// To three digits, downwards or upwards; 0 stays. 2.5e-3 and 2.5 come out as they are written.
 inline double rounded(double x, bool up) {
+  if (!(x > 0)) {
+    return 0;
+  }
   const double place = std::floor(std::log10(x)) - 2;
   const double many = x * std::pow(10.0, -place);
   const double near = std::round(many);

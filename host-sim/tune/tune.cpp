@@ -30,10 +30,11 @@ void try_dead_bands(Tuned& t) {
     }
   }
   if (0 < fewest) {
-    t.warnings.push_back(fmt::format(
-        "{} of {} uncertain wires do not hold their strain: the estimate is lost where the wire "
-        "stands still; identify the wire, or hold it for shorter times",
-        fewest, expected_members));
+    t.warnings.push_back(
+        fmt::format("{} of {} uncertain wires move on by 2.5 % of the stroke, are lost by 20 %, or "
+                    "overheat: the "
+                    "estimate is lost while the wire stands still",
+                    fewest, expected_members));
   }
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "firmware/device.hpp"
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "host-sim/tune/uncertainty.hpp"
 #include "model/wires/wire_file.hpp"
@@ -23,6 +23,7 @@ TuneTask task(const char* wire, double stress_Pa) {
 TEST(JudgeStep, OfALag) {
   const double period_s = 1e-3, lag_s = 0.1;
   std::vector<double> strain;
+  strain.reserve(3000);
   for (int i = 0; i < 3000; ++i) {
     strain.push_back(0.04 - 0.02 * (1 - std::exp(-i * period_s / lag_s)));
   }

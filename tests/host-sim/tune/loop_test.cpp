@@ -33,7 +33,7 @@ double growth(const LinearLoop& l, double gain) {
     if (i % 1000 == 999) {
       // The state is scaled back, so that it neither vanishes nor overflows.
       double size = std::abs(T) + std::abs(seen) + std::abs(pid.integral_W) * K_W;
-      for (double& power : waiting) {
+      for (const double power : waiting) {
         size += std::abs(power) * K_W;
       }
       logs = i < 6000 ? 0 : logs + std::log(size / before);

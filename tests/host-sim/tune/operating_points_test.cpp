@@ -83,23 +83,23 @@ TEST(OperatingPoints, TurnedWiresKeepTheirStrain) {
 /// All heat of a stroke comes in or goes out: integrated by the capacities of many stops.
 TEST(OperatingPoints, CapacitiesAddUpToTheHeatOfTheStroke) {
   const TunedPlant tuned = plant("smartflex-76um", {150e6, 150e6, 0});
-  const Branches b = trace_branches(tuned, most_K, 199);
-  double heat_J = 0;
-  const OperatingPoint* before = nullptr;
-  const OperatingPoint* first = nullptr;
-  for (const OperatingPoint& p : b.points) {
+  std::vector<OperatingPoint> heating;
+  for (const OperatingPoint& p : trace_branches(tuned, most_K, 199).points) {
     if (p.motion == Motion::heating) {
-      heat_J += before == nullptr ? 0
-                                  : 0.5 * (before->capacity_J_K + p.capacity_J_K) *
-                                        (p.temperature_K - before->temperature_K);
-      first = before == nullptr ? &p : first;
-      before = &p;
+      heating.push_back(p);
     }
   }
+  ASSERT_EQ(heating.size(), 199U);
+  double heat_J = 0;
+  for (std::size_t i = 1; i < heating.size(); ++i) {
+    heat_J += 0.5 * (heating[i - 1].capacity_J_K + heating[i].capacity_J_K) *
+              (heating[i].temperature_K - heating[i - 1].temperature_K);
+  }
   const ThermalBody<double> body = lumped_params(tuned).body;
-  const Phases<double> from = LumpedModel::phases(first->state);
-  const Phases<double> to = LumpedModel::phases(before->state);
-  const double expected_J = body.capacity_J_K * (before->temperature_K - first->temperature_K) +
+  const Phases<double> from = LumpedModel::phases(heating.front().state);
+  const Phases<double> to = LumpedModel::phases(heating.back().state);
+  const double warmer_K = heating.back().temperature_K - heating.front().temperature_K;
+  const double expected_J = body.capacity_J_K * warmer_K +
                             body.latent_m2a_J * (from.martensite - to.martensite) +
                             body.latent_r2a_J * (from.r_phase - to.r_phase);
   EXPECT_NEAR(heat_J, expected_J, 0.01 * expected_J);

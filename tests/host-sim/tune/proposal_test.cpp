@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "host-sim/output_file.hpp"
+#include "host-sim/tune/rounding.hpp"
 #include "host-sim/tune/uncertainty.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -51,6 +52,16 @@ TEST(Proposal, KeepsTheMarginsOfEveryWireInEveryState) {
       }
     }
   }
+}
+
+TEST(Rounding, LeavesThreeDigits) {
+  EXPECT_EQ(rounded_up(2.5e-3), 2.5e-3);
+  EXPECT_EQ(rounded_down(2.5e-3), 2.5e-3);
+  EXPECT_EQ(rounded_up(0.12341), 0.124);
+  EXPECT_EQ(rounded_down(0.12389), 0.123);
+  EXPECT_EQ(rounded_up(187.5e6), 188e6);
+  EXPECT_EQ(rounded_down(9.999), 9.99);
+  EXPECT_EQ(rounded_up(0), 0);
 }
 
 TEST(Proposal, IsTheSameEachTime) {
@@ -104,8 +115,9 @@ TEST(Proposal, OfAWireThatIsKnownBetterHasASmallerDeadBand) {
 
 /// What parameters must fulfil as a set.
 TEST(Proposal, DoesNotContradictItself) {
-  for (const TuneTask& t : {task("smartflex-25um", 100), task("flexinol-ht-0.51mm", 150),
-                            task("smartflex-76um", 590), spring("smartflex-150um", 50, 250)}) {
+  for (const TuneTask& t :
+       {task("smartflex-76um", 0), task("smartflex-25um", 100), task("flexinol-ht-0.51mm", 150),
+        task("smartflex-76um", 590), spring("smartflex-150um", 50, 250)}) {
     const Settings<double> s = propose(t).settings;
     EXPECT_LT(s.limits.least_current_A, s.limits.current_A);
     EXPECT_LT(s.limits.current_A, s.trips.current_A);
@@ -113,6 +125,7 @@ TEST(Proposal, DoesNotContradictItself) {
     EXPECT_LT(s.limits.temperature_K, s.trips.temperature_K);
     EXPECT_LE(s.limits.temperature_K, s.wire.limits.temperature_K);
     EXPECT_LE(s.limits.stress_Pa, s.wire.limits.stress_Pa);
+    EXPECT_GT(s.limits.stress_Pa, 1e6) << "slack";
     EXPECT_LT(s.limits.stress_Pa, s.trips.stress_Pa);
     EXPECT_LT(s.trips.least_strain, s.limits.least_strain);
     EXPECT_LT(s.limits.least_strain, s.limits.greatest_strain);

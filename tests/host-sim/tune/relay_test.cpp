@@ -42,7 +42,7 @@ TEST(Relay, ExpectsWhatItsDescribingFunctionSays) {
 }
 
 TEST(Relay, DoesNotCallSteadyWhatRunsAway) {
-  RelayTask t{1e-3, 1, 1, 0, 0.2, 0, 1, 0.01};
+  const RelayTask t{1e-3, 1, 1, 0, 0.2, 0, 1, 0.01};
   EXPECT_FALSE(relay_test(t, integrator(3, 1e-3)).steady) << "the base power is not balanced";
 }
 
