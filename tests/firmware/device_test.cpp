@@ -16,7 +16,7 @@ TEST(Device, HoldsAStrain) {
   const Prepared<double> p = prepare(settings);
   TestBench bench(settings.wire, 150e6);
   Device<double>::State s = Device<double>::start();
-  Command<double> command{
+  const Command<double> command{
       .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = bench.strain() - 0.02};
   for (int i = 0; i < 1000; ++i) {
     const Output<double> out = Device<double>::step(p, s, bench.inputs(), command, 1e-3);
