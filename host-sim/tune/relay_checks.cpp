@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "host-sim/simulated_wire.hpp"
+#include "hal/sim/simulated_wire.hpp"
 #include "host-sim/tune/relay.hpp"
 
 namespace smaservo {
