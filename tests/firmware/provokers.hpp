@@ -33,6 +33,13 @@ inline double while_given(double given_A, double flowing_A) {
   return given_A > 0 ? flowing_A : 0;
 }
 
+/// As much as the limits allow, whatever the wire does.
+inline void give_power(Rig& rig, double power_W) {
+  rig.command.mode = Mode::power;
+  rig.command.setpoint = power_W;
+}
+inline constexpr double all_W = 10;
+
 /// A drive's fault begins when the current of the first step flows.
 inline constexpr double late_s = 0.001;
 
@@ -51,10 +58,11 @@ inline std::vector<Provoker> drive_provokers() {
       {Fault::driver_warm, reading([](Readings& in) { in.driver_K = 352; })},
       {Fault::driver_hot, reading([](Readings& in) { in.driver_K = 360; })},
       {Fault::kelvin_mismatch,
-       // A crimp of 15 ohm: the chopper's voltage does not reach the wire.
+       // A crimp of 40 ohm: the chopper's voltage does not reach the wire.
        [](Rig& rig) {
+         give_power(rig, rig.out.power_W);
          rig.tamper_drive = [&rig](double A) {
-           return A > 0 ? rig.out.voltage_V / (rig.wire->resistance_ohm() + 15) : 0;
+           return A > 0 ? rig.out.voltage_V / (rig.wire->resistance_ohm() + 40) : 0;
          };
        },
        [](Settings<double>& s) { s.drive.kind = DriveKind::voltage; }, late_s},
@@ -74,7 +82,10 @@ inline std::vector<Provoker> circuit_provokers() {
       {Fault::sense_lead_open, reading([](Readings& in) { in.sample.voltage_V = 1e-4; })},
       // The sense leads are on a resistor like the cold wire.
       {Fault::no_response,
-       reading([](Readings& in) { in.sample.voltage_V = 24 * in.sample.current_A; }),
+       [](Rig& rig) {
+         give_power(rig, 2);
+         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V = 24 * in.sample.current_A; };
+       },
        {},
        0.06},
   };
@@ -90,7 +101,7 @@ inline std::vector<Provoker> heat_provokers() {
   const auto contract = [](Rig& rig) { rig.command.setpoint = 0.004; };
   const auto under_read_and_contract = [](Rig& rig) {
     rig.tamper_inputs = under_read;
-    rig.command.setpoint = -0.02;
+    give_power(rig, all_W);
   };
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
@@ -98,7 +109,7 @@ inline std::vector<Provoker> heat_provokers() {
   };
   const auto full_power = [](Rig& rig) {
     rig.prepared.settings.limits.current_A = 0.4;
-    rig.command.setpoint = -0.02;
+    give_power(rig, all_W);
   };
   const auto allow_hotter = [](Settings<double>& s) {
     s.limits.temperature_K = 490;
@@ -108,7 +119,13 @@ inline std::vector<Provoker> heat_provokers() {
   return {
       {Fault::over_temperature, contract, [](Settings<double>& s) { s.trips.temperature_K = 385; },
        0.1},
-      {Fault::heat_limit, contract, [](Settings<double>& s) { s.limits.temperature_K = 385; }, 0.1},
+      // The observer takes the wire for colder than its heat says.
+      {Fault::heat_limit,
+       [](Rig& rig) {
+         rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 15; };
+         give_power(rig, all_W);
+       },
+       [](Settings<double>& s) { s.limits.temperature_K = 385; }, 0.1},
       {Fault::overheat_onset, under_read_and_contract,
        [allow_hotter](Settings<double>& s) {
          s.limits.current_A = 0.25;
