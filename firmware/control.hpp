@@ -334,7 +334,12 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
                           ? (q.axis.zero_strain - s.reference) * q.wire.geometry.length_m
                       : demand.mode == Mode::strain ? s.reference
                                                     : allowed.setpoint;
-  return {drive.current_A, drive.voltage_V, allowed.setpoint, reference, s.power_W, reasons.bits(),
+  return {drive.current_A,
+          drive.voltage_V,
+          allowed.setpoint,
+          reference,
+          s.power_W,
+          reasons.bits(),
           !std::isfinite(want.forward_W + want.feedback_W)};
 }
 

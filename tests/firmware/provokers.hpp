@@ -38,7 +38,13 @@ inline void give_power(Rig& rig, double power_W) {
   rig.command.mode = Mode::power;
   rig.command.setpoint = power_W;
 }
+inline void give_current(Rig& rig, double current_A) {
+  rig.command.mode = Mode::current;
+  rig.command.setpoint = current_A;
+}
 inline constexpr double all_W = 10;
+/// A loss margin with which what a wire can take for long is no limit.
+inline constexpr double heats_for_long = 20;
 
 /// A drive's fault begins when the current of the first step flows.
 inline constexpr double late_s = 0.001;
@@ -83,10 +89,14 @@ inline std::vector<Provoker> circuit_provokers() {
       // The sense leads are on a resistor like the cold wire.
       {Fault::no_response,
        [](Rig& rig) {
-         give_power(rig, 2);
+         give_power(rig, all_W);
          rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V = 24 * in.sample.current_A; };
        },
-       {},
+       [](Settings<double>& s) {
+         s.limits.loss_margin = heats_for_long;
+         s.limits.temperature_K = 450;
+         s.trips.temperature_K = 460;
+       },
        0.06},
   };
 }
@@ -105,7 +115,8 @@ inline std::vector<Provoker> heat_provokers() {
   };
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
-    s.trips.heating_rate_K_s = 2500;
+    s.limits.loss_margin = heats_for_long;
+    s.trips.heating_rate_K_s = 2000;
   };
   const auto full_power = [](Rig& rig) {
     rig.prepared.settings.limits.current_A = 0.4;
@@ -122,30 +133,41 @@ inline std::vector<Provoker> heat_provokers() {
       // The observer takes the wire for colder than its heat says.
       {Fault::heat_limit,
        [](Rig& rig) {
-         rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 15; };
+         rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 25; };
          give_power(rig, all_W);
        },
-       [](Settings<double>& s) { s.limits.temperature_K = 385; }, 0.1},
+       [](Settings<double>& s) {
+         s.limits.temperature_K = 385;
+         s.limits.loss_margin = heats_for_long;
+       },
+       0.1},
       {Fault::overheat_onset, under_read_and_contract,
        [allow_hotter](Settings<double>& s) {
          s.limits.current_A = 0.25;
          allow_hotter(s);
        },
        2},
-      // And the driver does not follow the limiter.
+      // And the driver stays at the greatest current that it was given.
       {Fault::overheat_signature,
        [under_read_and_contract](Rig& rig) {
          under_read_and_contract(rig);
-         rig.tamper_drive = [](double A) { return while_given(A, 0.4); };
+         rig.tamper_drive = [most_A = 0.0](double A) mutable {
+           most_A = std::max(most_A, A);
+           return while_given(A, most_A);
+         };
        },
-       allow_hotter, 0.2},
-      {Fault::heating_fast, full_power, gentle, 0.04},
+       [allow_hotter](Settings<double>& s) {
+         allow_hotter(s);
+         s.limits.loss_margin = heats_for_long;
+       },
+       0.2},
+      {Fault::heating_fast, full_power, gentle, 0.06},
       {Fault::heating_rate, full_power,
        [gentle](Settings<double>& s) {
          gentle(s);
          s.trips.heating_rate_K_s = 1500;
        },
-       0.04},
+       0.06},
   };
 }
 
@@ -206,11 +228,21 @@ inline std::vector<Provoker> estimate_provokers() {
   };
   return {
       // No phase has so little.
-      {Fault::model_divergence, reading([](Readings& in) { in.sample.voltage_V *= 0.7; }), {}, 0.1},
+      {Fault::model_divergence,
+       [](Rig& rig) {
+         give_current(rig, rig.out.current_A);
+         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V *= 0.7; };
+       },
+       [](Settings<double>& s) {
+         s.limits.temperature_K = 590;
+         s.trips.temperature_K = 600;
+       },
+       0.1},
       {Fault::estimate_invalid, estimate([](Estimate<double>& e) { e.strain = not_a_number; })},
       {Fault::estimate_unsure, estimate([](Estimate<double>& e) { e.health = Health::searching; })},
-      {Fault::following_error, [](Rig& rig) { rig.command.setpoint = 0.06; },
-       [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.002},
+      // A limit holds back, and the reference goes on with 0.35 1/s.
+      {Fault::following_error, [](Rig& rig) { rig.prepared.settings.limits.current_A = 0.05; },
+       [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.04},
       {Fault::power_balance,
        [](Rig& rig) {
          rig.draught = 0.5;
