@@ -43,7 +43,8 @@ inline void give_current(Rig& rig, double current_A) {
   rig.command.setpoint = current_A;
 }
 inline constexpr double all_W = 10;
-/// A loss margin with which what a wire can take for long is no limit.
+/// A loss margin with which what a wire can take for long is no limit. With a least
+/// strain that is out of reach only its temperature limits the heat.
 inline constexpr double heats_for_long = 20;
 
 /// A drive's fault begins when the current of the first step flows.
@@ -94,6 +95,7 @@ inline std::vector<Provoker> circuit_provokers() {
        },
        [](Settings<double>& s) {
          s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
          s.limits.temperature_K = 450;
          s.trips.temperature_K = 460;
        },
@@ -116,6 +118,7 @@ inline std::vector<Provoker> heat_provokers() {
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
     s.limits.loss_margin = heats_for_long;
+    s.limits.least_strain = -0.05;
     s.trips.heating_rate_K_s = 2000;
   };
   const auto full_power = [](Rig& rig) {
@@ -139,6 +142,7 @@ inline std::vector<Provoker> heat_provokers() {
        [](Settings<double>& s) {
          s.limits.temperature_K = 385;
          s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
        },
        0.1},
       {Fault::overheat_onset, under_read_and_contract,
@@ -159,6 +163,7 @@ inline std::vector<Provoker> heat_provokers() {
        [allow_hotter](Settings<double>& s) {
          allow_hotter(s);
          s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
        },
        0.2},
       {Fault::heating_fast, full_power, gentle, 0.06},
