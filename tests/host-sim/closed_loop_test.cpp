@@ -151,6 +151,14 @@ TEST(DeviceReplay, AnInputThatWasChangedChangesTheOutputs) {
   EXPECT_GT(run.replay().differing_rows, 50U);
 }
 
+TEST(DeviceReplay, WhatTheCallerKnewIsInTheLog) {
+  Recorded run;
+  run.edit(900, "external_faults", "bus_lost");
+  const DeviceReplayResult result = run.replay();
+  EXPECT_GT(result.differing_rows, 0U);
+  EXPECT_NEAR(result.differences.at(0).first_s, 0.899, 0.02);
+}
+
 TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
   {
     Recorded run;
@@ -167,6 +175,11 @@ TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
     Recorded run;
     run.edit(10, "command_setpoint", "1e");
     EXPECT_THAT(run.refusal(), HasSubstr("is not a finite number"));
+  }
+  {
+    Recorded run;
+    run.edit(10, "external_faults", "wire_bent");
+    EXPECT_THAT(run.refusal(), HasSubstr("external_faults = 'wire_bent'"));
   }
   Recorded run;
   run.lines().erase(run.lines().begin() + 100, run.lines().begin() + 200);
