@@ -1,5 +1,6 @@
 #pragma once
-// The look at the wire before it is heated: a sense current, the resistance, the observer.
+// The look at the wire before it is heated: a sense current, the resistance. The observer may still
+// be unsure where the wire is: one heating tells, and that can not be had before.
 
 #include "firmware/monitor/estimate.hpp"
 #include "firmware/monitor/wire.hpp"
@@ -40,7 +41,6 @@ struct ArmingCheck {
     found.add(Fault::cold_resistance, samples < S(1) || out);
     found.add(Fault::drift, cold && S(0) < samples &&
                                 WireMonitor<S>::drifted(q, sum_ohm, expected_ohm * samples));
-    found.add(Fault::estimate_unsure, needs_estimate(seen.command.mode) && !seen.sure());
     return found;
   }
 };

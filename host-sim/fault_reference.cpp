@@ -46,8 +46,8 @@ constexpr std::string_view clearing(Clears clears) {
 }
 
 std::string deglitch(const FaultRow& row) {
-  if (!row.time_setting.empty()) {
-    return fmt::format("after {}", row.time_setting);
+  if (const std::string_view setting = time_setting(row.fault); !setting.empty()) {
+    return fmt::format("after {}", setting);
   }
   if (row.deglitch_s == 0) {
     return "at once";

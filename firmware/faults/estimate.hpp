@@ -23,7 +23,7 @@ inline constexpr FaultRow estimate_faults[] = {
      "The strain was away from its reference by more than trips.following_error for too long.",
      "A set-point out of reach under this load, a limit that holds back, gains too low, cooling "
      "slower than the trajectory asks for.",
-     "The limit reasons in the freeze frame; trajectory.cooling_rate_1_s.", "trips.following_s"},
+     "The limit reasons in the freeze frame; trajectory.cooling_rate_1_s."},
     {Fault::power_balance, FaultClass::W, Clears::itself, 0xFF33, "power_balance", 5,
      "Resistance and power contradict each other: the observer can only explain them by an air or "
      "a "

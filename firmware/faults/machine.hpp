@@ -13,7 +13,7 @@ inline constexpr FaultRow machine_faults[] = {
     {Fault::sample_stale, FaultClass::F1, Clears::command, 0xFF41, "sample_stale", 0,
      "No new sample has come for too long.",
      "The converter or its bus has stopped, the machine is overloaded.",
-     "The front end's supply and bus; the loop's timing.", "timing.sample_timeout_s"},
+     "The front end's supply and bus; the loop's timing."},
     {Fault::sample_frozen, FaultClass::F1, Clears::command, 0xFF42, "sample_frozen", 0.005,
      "The samples repeat: the same sequence number, or the same readings though the current that "
      "is "
@@ -31,7 +31,7 @@ inline constexpr FaultRow machine_faults[] = {
     {Fault::command_timeout, FaultClass::F2, Clears::command, 0xFF44, "command_timeout", 0,
      "No command has come for too long while the device was armed.",
      "The controlling program has stopped or its connection is lost.",
-     "The partner; its period against timing.command_timeout_s.", "timing.command_timeout_s"},
+     "The partner; its period against timing.command_timeout_s."},
     {Fault::emergency_stop, FaultClass::F0, Clears::command, 0x9000, "emergency_stop", 0,
      "The emergency stop is pressed, or its line is open.",
      "Somebody pressed it; a broken cable counts as pressed.",

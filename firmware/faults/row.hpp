@@ -23,9 +23,8 @@ struct FaultRow {
   std::string_view name;
   double deglitch_s;      ///< the condition has to last so long, beyond the step that first sees it
   std::string_view text;  ///< one sentence
-  std::string_view causes;             ///< likely ones
-  std::string_view check;              ///< what to look at
-  std::string_view time_setting = "";  ///< where a setting is the deglitch time
+  std::string_view causes;  ///< likely ones
+  std::string_view check;   ///< what to look at
 };
 
 }  // namespace smaservo

@@ -54,6 +54,20 @@ constexpr std::string_view class_name(FaultClass severity) {
   return names[static_cast<std::size_t>(severity)];
 }
 
+/// The setting that says how long a condition has to last; mostly none.
+constexpr std::string_view time_setting(Fault fault) {
+  switch (fault) {
+    case Fault::following_error:
+      return "trips.following_s";
+    case Fault::sample_stale:
+      return "timing.sample_timeout_s";
+    case Fault::command_timeout:
+      return "timing.command_timeout_s";
+    default:
+      return {};
+  }
+}
+
 static_assert(
     [] {
       for (std::size_t i = 0; i < fault_rows.size(); ++i) {

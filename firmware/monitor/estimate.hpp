@@ -42,7 +42,9 @@ FaultSet EstimateMonitor<S>::detect(const Seen<S>& seen, State& s) {
   const Estimate<S>& e = seen.estimate;
   now.add(Fault::estimate_invalid,
           !std::isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
-  now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running &&
+  // Without heat nothing is learnt: a cold wire may wait for its first command.
+  const bool heated = S(2) * seen.prepared.settings.limits.least_current_A < seen.last.current_A;
+  now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running && heated &&
                                       needs_estimate(seen.command.mode) &&
                                       e.health != Health::good);
   now.add(Fault::model_divergence, diverged(seen, s));

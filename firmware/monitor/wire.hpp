@@ -101,7 +101,7 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   s.unanswered_J = S(0) < unanswered_J && sure ? unanswered_J : S(0);
   s.observed_before_J = s.heat.observed_J;
   now.add(Fault::no_response,
-          S(20) * body.capacity_J_K + S(0.5) * body.latent_m2a_J < s.unanswered_J);
+          S(20) * body.capacity_J_K + S(0.9) * body.latent_m2a_J < s.unanswered_J);
   const S coming_J = S(0) < s.heat.net_W ? s.heat.net_W * ahead_s : S(0);
   const auto passes = [&](const S& limit_K, const S& middle_K) {
     return body.capacity_J_K * (limit_K - q.limits.hot_spot_K - middle_K) < coming_J;

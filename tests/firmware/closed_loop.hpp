@@ -9,6 +9,15 @@
 
 namespace smaservo {
 
+/// Every part of the law in the strain loop.
+inline Settings<double> settings_with_pid() {
+  Settings<double> settings = test_settings();
+  settings.strain.proportional = 2;
+  settings.strain.integral_1_s = 2;
+  settings.strain.derivative_s = 0.002;
+  return settings;
+}
+
 template <class S = double>
 class ClosedLoop {
  public:

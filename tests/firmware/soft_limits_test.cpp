@@ -22,7 +22,7 @@ struct Situation {
 
   Settings<double> settings = test_settings();
   double temperature_K = 350, strain = 0.03, stress_Pa = 150e6, supply_V = 100;
-  double duty = 0, ohm = 30, loss_W = 0.2;
+  double duty = 0, sustained_W = 0, ohm = 30, loss_W = 0.2;
 
   struct Given {
     double power_W;
@@ -40,7 +40,7 @@ struct Situation {
     const Known<double> known{m, e, filter, 0, supply_V};
     LimitReasons reasons;
     const double power_W =
-        PowerRange<double>(p, known, ohm, loss_W, duty, dt_s).apply(wanted_W, reasons);
+        PowerRange<double>(p, known, ohm, loss_W, duty, sustained_W, dt_s).apply(wanted_W, reasons);
     return {power_W, reasons.bits()};
   }
 };
@@ -135,6 +135,15 @@ TEST(SoftLimits, WhatIsNotANumberGivesTheLeastPower) {
   const Situation::Given given = s.give(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(given.power_W, least_W(s));
   EXPECT_EQ(given.reasons, bit(LimitReason::least_current));
+}
+
+TEST(SoftLimits, WhatAWireCanTakeForLongEndsThePowerOfAHotEstimateToo) {
+  // 10 K below the limit by the estimate, but heated for long by more than its file allows.
+  Situation s;
+  s.temperature_K = 400;
+  s.sustained_W = 1;
+  EXPECT_EQ(s.give(20).reasons, bit(LimitReason::temperature));
+  EXPECT_EQ(s.give(20).power_W, least_W(s));
 }
 
 TEST(SoftLimits, AnUnknownSupplyIsNoLimit) {

@@ -9,7 +9,8 @@ namespace {
 
 using Path = Trajectory<double>;
 
-constexpr TrajectorySettings<double> rates{.heating_rate_1_s = 0.35, .cooling_rate_1_s = 0.1};
+constexpr TrajectorySettings<double> rates{
+    .heating_rate_1_s = 0.35, .cooling_rate_1_s = 0.1, .lead_s = 0};
 constexpr double dt_s = 1e-3;
 constexpr double rounding = 1e-15;
 
