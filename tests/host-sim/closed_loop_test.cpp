@@ -153,10 +153,14 @@ TEST(DeviceReplay, AnInputThatWasChangedChangesTheOutputs) {
 
 TEST(DeviceReplay, WhatTheCallerKnewIsInTheLog) {
   Recorded run;
-  run.edit(900, "external_faults", "bus_lost");
+  for (std::size_t row = 601; row < run.lines().size(); ++row) {
+    run.edit(row, "external_faults", "bus_lost");
+  }
   const DeviceReplayResult result = run.replay();
-  EXPECT_GT(result.differing_rows, 0U);
-  EXPECT_NEAR(result.differences.at(0).first_s, 0.899, 0.02);
+  ASSERT_FALSE(result.differences.empty());
+  for (const OutputDifference& difference : result.differences) {
+    EXPECT_GE(difference.first_s, 0.6) << difference.column;
+  }
 }
 
 TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {

@@ -18,7 +18,7 @@ double growth(const LinearLoop& l, double gain) {
   const double a = std::exp(-l.loss_W_K * l.period_s / l.capacity_J_K);
   const double K_W = (1 - a) / l.loss_W_K;
   std::deque<double> waiting(static_cast<std::size_t>(l.delay_ticks), 0.0);
-  Pid<double>::State pid = Pid<double>::start(0, 0);
+  Pid<double>::State pid = Pid<double>::start(l.gains, 0, 0);
   double T = 1, seen = 0, before = 1, logs = 0;
   constexpr int ticks = 12000;
   for (int i = 0; i < ticks; ++i) {
