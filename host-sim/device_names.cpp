@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, 3> healths{"good", "searching", "doubtful
 constexpr std::array<std::string_view, static_cast<std::size_t>(LimitReason::count)> reasons{
     "least_current", "current", "power",  "temperature", "strain",
     "stress",        "duty",    "supply", "trajectory",  "protection"};
+
 void add(std::string& to, std::string_view name) {
   if (!to.empty()) {
     to += '+';
@@ -52,6 +53,20 @@ std::string names_of(FaultSet set) {
     }
   }
   return text;
+}
+
+std::optional<FaultSet> named_faults(std::string_view names) {
+  FaultSet set;
+  while (!names.empty()) {
+    const std::size_t plus = std::min(names.find('+'), names.size());
+    const auto row = std::ranges::find(fault_rows, names.substr(0, plus), &FaultRow::name);
+    if (row == fault_rows.end()) {
+      return std::nullopt;
+    }
+    set.set(row->fault);
+    names.remove_prefix(std::min(plus + 1, names.size()));
+  }
+  return set;
 }
 
 std::string limit_reason_names(std::uint32_t bits) {

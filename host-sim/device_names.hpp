@@ -1,5 +1,5 @@
 #pragma once
-// Modes, states, faults and limit reasons as texts.
+// Modes, states, sets of faults and limit reasons as texts.
 
 #include <optional>
 #include <string>
@@ -18,6 +18,8 @@ std::string_view limit_reason_name(LimitReason reason);
 
 /// All of them with a plus in between; empty where there is none.
 std::string names_of(FaultSet faults);
+/// The set back from its names; nothing where one is unknown.
+std::optional<FaultSet> named_faults(std::string_view names);
 std::string limit_reason_names(std::uint32_t reasons);
 
 }  // namespace smaservo

@@ -76,6 +76,17 @@ class CommandReader {
     command.scale = {number(proportional, 1), number(integral, 1), number(derivative, 1)};
     return command;
   }
+  FaultSet external(const std::vector<std::string_view>& fields, double time_s) const {
+    if (positions_.at(faults) == missing) {
+      return {};
+    }
+    const std::string_view names = fields.at(positions_.at(faults));
+    const std::optional<FaultSet> known = named_faults(names);
+    if (!known) {
+      fail(faults, names, "has a fault that firmware/FAULTS.md does not know", time_s);
+    }
+    return *known;
+  }
   bool late(const std::vector<std::string_view>& fields, double time_s) const {
     return positions_.at(deadline) != missing &&
            parse(fields.at(positions_.at(deadline)), deadline, time_s) != 0;
@@ -91,12 +102,13 @@ class CommandReader {
     proportional,
     integral,
     derivative,
-    deadline
+    deadline,
+    faults
   };
-  static constexpr std::array<std::string_view, 9> columns{
-      "command_mode",     "command_setpoint",   "command_arm",
-      "command_fresh",    "command_clear",      "command_proportional",
-      "command_integral", "command_derivative", "deadline_missed"};
+  static constexpr std::array<std::string_view, 10> columns{
+      "command_mode",    "command_setpoint",     "command_arm",      "command_fresh",
+      "command_clear",   "command_proportional", "command_integral", "command_derivative",
+      "deadline_missed", "external_faults"};
 
   [[noreturn]] void fail(Which which, std::string_view field, const char* what,
                          double time_s) const {
@@ -259,6 +271,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
     split(board.row().text, fields);
     turn.inputs = inputs_of<double>(frame, status);
     turn.inputs.deadline_missed = commands.late(fields, turn.time_s);
+    turn.inputs.external = commands.external(fields, turn.time_s);
     turn.command = commands.read(fields, turn.time_s);
     turn.output = Device<double>::step(prepared, device, turn.inputs, turn.command, dt_s);
     comparison.add(turn, fields);

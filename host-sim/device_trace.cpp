@@ -91,6 +91,7 @@ Columns log_columns(bool supply, bool ambient, bool driver) {
       {"emergency_stop", flag<[](T t) { return t.inputs.emergency_stop; }>},
       {"driver_fault", flag<[](T t) { return t.inputs.driver_fault; }>},
       {"deadline_missed", flag<[](T t) { return t.inputs.deadline_missed; }>},
+      {"external_faults", text<[](T t) { return names_of(t.inputs.external); }>},
       {"command_fresh", flag<[](T t) { return t.command.fresh; }>},
       {"command_arm", flag<[](T t) { return t.command.arm; }>},
       {"command_clear", flag<[](T t) { return t.command.clear_faults; }>},

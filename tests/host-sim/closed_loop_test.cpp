@@ -151,6 +151,18 @@ TEST(DeviceReplay, AnInputThatWasChangedChangesTheOutputs) {
   EXPECT_GT(run.replay().differing_rows, 50U);
 }
 
+TEST(DeviceReplay, WhatTheCallerKnewIsInTheLog) {
+  Recorded run;
+  for (std::size_t row = 601; row < run.lines().size(); ++row) {
+    run.edit(row, "external_faults", "bus_lost");
+  }
+  const DeviceReplayResult result = run.replay();
+  ASSERT_FALSE(result.differences.empty());
+  for (const OutputDifference& difference : result.differences) {
+    EXPECT_GE(difference.first_s, 0.6) << difference.column;
+  }
+}
+
 TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
   {
     Recorded run;
@@ -167,6 +179,11 @@ TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
     Recorded run;
     run.edit(10, "command_setpoint", "1e");
     EXPECT_THAT(run.refusal(), HasSubstr("is not a finite number"));
+  }
+  {
+    Recorded run;
+    run.edit(10, "external_faults", "wire_bent");
+    EXPECT_THAT(run.refusal(), HasSubstr("external_faults = 'wire_bent'"));
   }
   Recorded run;
   run.lines().erase(run.lines().begin() + 100, run.lines().begin() + 200);
