@@ -38,10 +38,15 @@ bool cheaper(const Moment& a, const Moment& b) {
   return a.cost_ns > b.cost_ns;  // of a heap the cheapest comes first
 }
 
-/// Every session has other settings.
+/// Every session has other settings, for the same wire and sensors.
 Prepared<S> session_settings(std::uint32_t session) {
   std::mt19937 random(session);
-  return prepare(random_settings(random));
+  const Settings<S> usual = test_settings<S>();
+  Settings<S> settings = random_settings(random);
+  settings.wire = usual.wire;
+  settings.measuring = usual.measuring;
+  settings.trips = usual.trips;
+  return prepare(settings);
 }
 
 /// Out of line, as a board's loop would call it.
@@ -100,6 +105,10 @@ class Search {
       costs.push_back(now.cost_ns);
       ++states[state.last.state];
       keep(now);
+      if (use.idle()) {
+        state = Device<S>::start();
+        use.rest();
+      }
     }
   }
   /// What interrupts the program is not the step's: what is among the costliest is repeated, and

@@ -141,9 +141,11 @@ class Owner {
     note(out);
     return caught;
   }
-  void restart() {
-    *state_ = Device<S>::start();
-    use_.rest();
+  void restart_if_idle() {
+    if (use_.idle()) {
+      *state_ = Device<S>::start();
+      use_.rest();
+    }
   }
 
   std::set<DeviceState> states;
@@ -205,9 +207,7 @@ void expect_no_allocation() {
   Owner<S> owner(21);
   for (int i = 0; i < 200000; ++i) {
     ASSERT_EQ(owner.step(), 0) << "step " << i;
-    if (i % 20000 == 19999) {
-      owner.restart();
-    }
+    owner.restart_if_idle();
   }
   // It has been everywhere.
   EXPECT_EQ(owner.states.size(), device_state_count);

@@ -23,6 +23,7 @@ class RandomUse {
       rest();  // burnt: a new wire
     }
     choose_command(last);
+    idle_steps_ = is_heated(last.state) ? 0 : idle_steps_ + 1;
     if (trouble_steps_ > 0) {
       --trouble_steps_;
     } else if (chance(0.0015)) {
@@ -41,7 +42,11 @@ class RandomUse {
     dt_s = S(chance(0.8) ? 1e-3 : 2e-4 + uniform() * 5e-3);
     command = {};
     trouble_steps_ = 0;
+    idle_steps_ = 0;
   }
+
+  /// It can not be armed, for long: some faults last until it is switched off and on.
+  bool idle() const { return 1500 < idle_steps_; }
 
   double uniform() { return static_cast<double>(random_() >> 11U) * 0x1p-53; }
   bool chance(double p) { return uniform() < p; }
@@ -233,6 +238,7 @@ class RandomUse {
   double longest_ = 0;
   Trouble trouble_ = Trouble::open;
   std::uint32_t trouble_steps_ = 0;
+  std::uint32_t idle_steps_ = 0;
 };
 
 }  // namespace smaservo
