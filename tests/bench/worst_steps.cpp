@@ -85,8 +85,9 @@ class Search {
   }
 
   std::vector<std::uint32_t> costs;
-  std::vector<Moment> costliest;  ///< a heap
+  std::vector<Moment> costliest;  ///< a heap; of a device that was observing
   std::map<DeviceState, std::size_t> states;
+  std::vector<std::uint32_t> starts;  ///< costs of those that start the observer
 
  private:
   void run_session(std::uint32_t session) {
@@ -104,7 +105,11 @@ class Search {
       now.cost_ns = cost(prepared, state, now);
       costs.push_back(now.cost_ns);
       ++states[state.last.state];
-      keep(now);
+      if (now.before.observing) {
+        keep(now);
+      } else if (state.observing) {
+        starts.push_back(now.cost_ns);
+      }
       if (use.idle()) {
         state = Device<S>::start();
         use.rest();
@@ -180,7 +185,10 @@ void print(Search& search) {
     const auto steps = static_cast<double>(search.states[static_cast<DeviceState>(i)]);
     std::printf(" %.1f %%", 100 * steps / static_cast<double>(costs.size()));
   }
-  std::puts("");
+  std::vector<std::uint32_t>& starts = search.starts;
+  std::sort(starts.begin(), starts.end());
+  std::printf("\nFirst samples, which start the observer: %zu, median %u ns\n", starts.size(),
+              starts[starts.size() / 2]);
 }
 
 struct Close {

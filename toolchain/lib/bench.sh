@@ -174,7 +174,7 @@ worst_table() {
   awk '/^totals: / && $2 > 0 { print $2 }' "$out/costliest.callgrind" | sort -n | awk '
     { count[NR] = $1 }
     END {
-      print "| instructions of those that took longest | least | median | most |"
+      print "| instructions of those that took longest, beyond the first sample | least | median | most |"
       print "|---|--:|--:|--:|"
       printf "| %d steps | %d | %d | %d |\n", NR, count[1], count[int((NR + 1) / 2)], count[NR]
     }'
