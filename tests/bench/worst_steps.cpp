@@ -132,10 +132,10 @@ class Search {
   void keep(const Moment& now) {
     if (costliest.size() < kept_steps || costliest.front().cost_ns < now.cost_ns) {
       costliest.push_back(now);
-      std::push_heap(costliest.begin(), costliest.end(), cheaper);
+      std::ranges::push_heap(costliest, cheaper);
     }
     if (costliest.size() > kept_steps) {
-      std::pop_heap(costliest.begin(), costliest.end(), cheaper);
+      std::ranges::pop_heap(costliest, cheaper);
       costliest.pop_back();
     }
   }
@@ -147,7 +147,7 @@ void print_histogram(const std::vector<std::uint32_t>& sorted) {
   constexpr std::size_t widest = 50;
   std::puts("\n| ns from | to | steps | |\n|--:|--:|--:|---|");
   const auto below = [&](double ns) {
-    const auto at = std::lower_bound(sorted.begin(), sorted.end(), ns);
+    const auto at = std::ranges::lower_bound(sorted, static_cast<std::uint32_t>(std::ceil(ns)));
     return static_cast<std::size_t>(at - sorted.begin());
   };
   const double first = std::floor(2 * std::log2(std::max(1U, sorted.front())));
@@ -164,7 +164,7 @@ void print_histogram(const std::vector<std::uint32_t>& sorted) {
 
 void print(Search& search) {
   std::vector<std::uint32_t>& costs = search.costs;
-  std::sort(costs.begin(), costs.end());
+  std::ranges::sort(costs);
   const auto quantile = [&](double share) {
     return costs[static_cast<std::size_t>(share * static_cast<double>(costs.size() - 1))];
   };
@@ -186,7 +186,7 @@ void print(Search& search) {
     std::printf(" %.1f %%", 100 * steps / static_cast<double>(costs.size()));
   }
   std::vector<std::uint32_t>& starts = search.starts;
-  std::sort(starts.begin(), starts.end());
+  std::ranges::sort(starts);
   std::printf("\nFirst samples, which start the observer: %zu, median %u ns\n", starts.size(),
               starts[starts.size() / 2]);
 }

@@ -18,9 +18,6 @@
 #define SMASERVO_ADDRESS_SANITIZER
 #endif
 #endif
-#ifdef SMASERVO_ADDRESS_SANITIZER
-#include <sanitizer/allocator_interface.h>
-#endif
 
 namespace smaservo {
 namespace {
@@ -54,13 +51,16 @@ class AllocationTrap {
 // The sanitizer has an allocator of its own, with a place to listen. Otherwise the C library's
 // functions, which operator new calls, are replaced.
 #ifdef SMASERVO_ADDRESS_SANITIZER
+extern "C" int listen_to_allocator(
+    void (*allocated)(const volatile void*, std::size_t),
+    void (*freed)(const volatile void*)) asm("__sanitizer_install_malloc_and_free_hooks");
 namespace smaservo {
 namespace {
 void heard(const volatile void*, std::size_t) {
   allocating();
 }
 void heard_free(const volatile void*) {}
-const int listening = __sanitizer_install_malloc_and_free_hooks(heard, heard_free);
+const int listening = listen_to_allocator(heard, heard_free);
 }  // namespace
 }  // namespace smaservo
 #else
@@ -74,13 +74,13 @@ void* malloc(std::size_t size) noexcept {
   smaservo::allocating();
   return c_library_malloc(size);
 }
-void* calloc(std::size_t count, std::size_t size) noexcept {
+void* calloc(std::size_t nmemb, std::size_t size) noexcept {
   smaservo::allocating();
-  return c_library_calloc(count, size);
+  return c_library_calloc(nmemb, size);
 }
-void* realloc(void* block, std::size_t size) noexcept {
+void* realloc(void* ptr, std::size_t size) noexcept {
   smaservo::allocating();
-  return c_library_realloc(block, size);
+  return c_library_realloc(ptr, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   smaservo::allocating();
