@@ -162,9 +162,27 @@ fit_table() {
     }' "$1/fields"
 }
 
+# The cost of single steps: times of all of them, and instructions of those that took longest.
+worst_table() {
+  local bin=$1 out=$2
+  "$bin/worst_steps" "$out/costliest"
+  rm -f "$out/costliest.callgrind"
+  valgrind --tool=callgrind --toggle-collect=counted_step --dump-after=counted_step \
+    --combine-dumps=yes --callgrind-out-file="$out/costliest.callgrind" \
+    "$bin/worst_steps" count "$out/costliest" 2>"$out/costliest.log"
+  printf '\n'
+  awk '/^totals: / && $2 > 0 { print $2 }' "$out/costliest.callgrind" | sort -n | awk '
+    { count[NR] = $1 }
+    END {
+      print "| instructions of those that took longest, beyond the first sample | least | median | most |"
+      print "|---|--:|--:|--:|"
+      printf "| %d steps | %d | %d | %d |\n", NR, count[1], count[int((NR + 1) / 2)], count[NR]
+    }'
+}
+
 run_bench() {
   run_setup
-  build release model_bench count_steps replay_bench closed_loop_bench identify_bench
+  build release model_bench count_steps replay_bench closed_loop_bench identify_bench worst_steps
   local bin=$root/build/release/tests/bench out=$root/build/bench
   mkdir -p "$out"
   local bench
@@ -188,4 +206,6 @@ run_bench() {
   loop_table "$out"
   printf '\n'
   fit_table "$out"
+  printf '\n'
+  worst_table "$bin" "$out"
 }
