@@ -3,6 +3,7 @@
 // setup and seed give the same frames.
 
 #include <memory>
+#include <random>
 
 #include "hal/board.hpp"
 #include "hal/sim/front_end.hpp"
