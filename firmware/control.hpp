@@ -48,6 +48,7 @@ struct Controller {
     S reference;  ///< of the trajectory, in the set-point's unit
     S power_W;
     std::uint32_t limit_reasons;
+    bool invalid;  ///< what was wanted was no number; the least power is given
   };
 
   /// No current: the loop starts afresh afterwards.
@@ -333,7 +334,13 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
                           ? (q.axis.zero_strain - s.reference) * q.wire.geometry.length_m
                       : demand.mode == Mode::strain ? s.reference
                                                     : allowed.setpoint;
-  return {drive.current_A, drive.voltage_V, allowed.setpoint, reference, s.power_W, reasons.bits()};
+  return {drive.current_A,
+          drive.voltage_V,
+          allowed.setpoint,
+          reference,
+          s.power_W,
+          reasons.bits(),
+          !std::isfinite(want.forward_W + want.feedback_W)};
 }
 
 }  // namespace smaservo

@@ -185,7 +185,7 @@ void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, 
   const Known<S> known{seen.measurement, seen.estimate, seen.filter, seen.current_A,
                        seen.in.supply_V};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
-  const bool usable = S(0) <= c.current_A &&
+  const bool usable = !c.invalid && S(0) <= c.current_A &&
                       c.current_A <= seen.prepared.settings.trips.current_A &&
                       std::isfinite(c.voltage_V);
   s.monitor.machine.control_invalid = !usable;

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "host-sim/commands.hpp"
+#include "host-sim/fault_reference.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/parameter_reference.hpp"
 #include "host-sim/settings_file.hpp"
@@ -21,6 +22,8 @@ struct Topic {
 };
 
 constexpr auto topics = std::to_array<Topic>({
+    {"faults", "every fault of a device, in Markdown (firmware/FAULTS.md)",
+     [](const Arguments&) { return fault_reference(); }},
     {"parameters", "every parameter of a device, in Markdown (firmware/PARAMETERS.md)",
      [](const Arguments&) { return parameter_reference(); }},
     {"settings", "a settings file to start from, for the wire of --wire",

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
@@ -54,6 +55,15 @@ void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
   }
 }
 
+/// The wire as the file of settings finds it.
+std::string based_on(const Arguments& a) {
+  if (!a.settings.empty() || !a.wire.ends_with(".toml")) {
+    return a.settings.empty() ? a.wire : "";
+  }
+  const std::filesystem::path folder = std::filesystem::path(a.out).parent_path();
+  return std::filesystem::proximate(a.wire, folder.empty() ? "." : folder).string();
+}
+
 void run(const Arguments& a) {
   refuse_to_overwrite(a.out, a.report);
   if (a.wire.ends_with(".toml")) {
@@ -73,7 +83,7 @@ void run(const Arguments& a) {
                       a.current_A.value_or(std::numeric_limits<double>::infinity()),
                       24,
                       1};
-  const Tuned tuned = tune(a.wire, task);
+  const Tuned tuned = tune(a.wire, based_on(a), task);
   if (!a.out.empty()) {
     OutputFile file(a.out);
     file.write(tuned_toml(tuned));

@@ -159,15 +159,16 @@ void WireMonitor<S>::mechanics(const Seen<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const Measurement<S>& m = seen.measurement;
   const S strain = seen.estimate.strain;
-  now.add(Fault::load_lost, m.stress_valid && m.stress_Pa < q.trips.slack_Pa);
+  const bool slack = m.stress_valid && m.stress_Pa < q.trips.slack_Pa;
+  now.add(Fault::load_lost, slack);
   now.add(Fault::over_stress, m.stress_valid && q.trips.stress_Pa < m.stress_Pa);
   now.add(Fault::over_strain,
           seen.sure() && (strain < q.trips.least_strain || q.trips.greatest_strain < strain));
   // A load that is taken away shortens the wire and lowers its resistance; a wire that slips
-  // relaxes while more of it comes to lie between the leads.
+  // relaxes while more of it comes to lie between the leads. One that has lost its load is neither.
   const S jump_ohm = seen.filter.innovation_ohm - s.innovation_ohm;
   s.innovation_ohm = s.innovation_ohm + S(20) * seen.dt_s * jump_ohm;
-  const bool slipping = m.stress_valid && m.resistance_valid && seen.sure() &&
+  const bool slipping = m.stress_valid && m.resistance_valid && seen.sure() && !slack &&
                         m.stress_Pa < S(0.8) * seen.filter.stress_Pa &&
                         S(0.01) * seen.filter.model_ohm < jump_ohm;
   s.slips = s.slips - s.slips * slip_forgotten_1_s * seen.dt_s;

@@ -16,20 +16,26 @@ constexpr double settled = 0.02;  ///< of the nominal stroke
 
 /// When the set-points change.
 struct Plan {
-  std::size_t arms;   ///< ticks until the device may run
+  std::size_t arms;   ///< ticks until the device is to run
+  std::size_t first;  ///< until the first step: it has armed by then
   std::size_t holds;  ///< of each step
   double setpoint[step_count];
 
-  std::size_t ticks() const { return arms + step_count * holds; }
-  std::size_t begins(std::size_t step) const { return arms + step * holds; }
+  std::size_t ticks() const { return begins(step_count); }
+  std::size_t begins(std::size_t step) const { return first + step * holds; }
+  double at(std::size_t tick, double rest) const {
+    return tick < first ? rest : setpoint[(tick - first) / holds];
+  }
 };
 
 Plan make_plan(const Proposal& p) {
   const Branches& b = p.branches;
   const double period_s = p.settings.timing.period_s;
   const double hold_s = std::min(1.0 + 2 * b.cooling_s, 120.0);
-  Plan plan{
-      static_cast<std::size_t>(0.2 / period_s), static_cast<std::size_t>(hold_s / period_s), {}};
+  Plan plan{static_cast<std::size_t>(0.2 / period_s),
+            static_cast<std::size_t>(1.5 / period_s),
+            static_cast<std::size_t>(hold_s / period_s),
+            {}};
   for (std::size_t i = 0; i < step_count; ++i) {
     plan.setpoint[i] = b.rest_strain - contraction[i] * b.stroke();
   }
@@ -37,23 +43,28 @@ Plan make_plan(const Proposal& p) {
 }
 
 ExpectedRun run(const TunedPlant& plant, double believed_K, const Prepared<double>& prepared,
-                const Plan& plan) {
+                const Plan& plan, double rest) {
   const Settings<double>& q = prepared.settings;
   const double dt_s = q.timing.period_s;
   TunedBench bench(plant, q.measuring.current_noise_A, q.measuring.voltage_noise_V);
   Device<double>::State device = Device<double>::start();
   ExpectedRun r{};
   double next_A = 0;
+  Command<double> command{};
+  DeviceState state = DeviceState::starting;
   for (std::size_t i = 0; i < plan.ticks(); ++i) {
-    const bool runs = plan.arms <= i;
-    Command<double> command{};
     command.fresh = true;
-    command.arm = runs;
+    // Refused, as long as the observer is not sure, it is tried again.
+    command.arm = plan.arms <= i && !(command.arm && state == DeviceState::ready);
     command.mode = Mode::strain;
-    command.setpoint = plan.setpoint[runs ? (i - plan.arms) / plan.holds : 0];
+    command.setpoint = plan.at(i, rest);
     Inputs<double> in = bench.inputs();
     in.ambient_K = believed_K;
     const Output<double> out = Device<double>::step(prepared, device, in, command, dt_s);
+    state = out.state;
+    if (plan.first <= i && state != DeviceState::running) {
+      r.faults = r.faults | out.latched | out.blocks;
+    }
     const double current_A = next_A;
     next_A = out.current_A;
     bench.drive(current_A, dt_s);
@@ -114,11 +125,10 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
   const double period_s = p.settings.timing.period_s;
   ExpectedSteps all{period_s, {}, {}};
   for (std::size_t i = 0; i < plan.ticks(); ++i) {
-    all.setpoint.push_back(i < plan.arms ? p.branches.rest_strain
-                                         : plan.setpoint[(i - plan.arms) / plan.holds]);
+    all.setpoint.push_back(plan.at(i, p.branches.rest_strain));
   }
   for (std::size_t m = 0; m < plants.size(); ++m) {
-    ExpectedRun r = run(plants[m], task.plant.ambient_K, prepared, plan);
+    ExpectedRun r = run(plants[m], task.plant.ambient_K, prepared, plan, p.branches.rest_strain);
     r.member = m;
     for (std::size_t i = 0; i < step_count; ++i) {
       const std::size_t first = plan.begins(i);
@@ -141,7 +151,7 @@ int restless_wires(const ExpectedSteps& expected, const Settings<double>& settin
   const double still = 0.025 * settings.wire.nominal_stroke;
   const double lost = 0.2 * settings.wire.nominal_stroke;
   return static_cast<int>(std::ranges::count_if(expected.runs, [&](const ExpectedRun& r) {
-    return std::ranges::any_of(r.steps, [&](const StepResponse& s) {
+    return !r.faults.empty() || std::ranges::any_of(r.steps, [&](const StepResponse& s) {
       return still < s.ripple || lost < std::abs(s.steady_error) ||
              settings.limits.temperature_K < s.hottest_K;
     });

@@ -2,6 +2,7 @@
 // What steps of the strain will look like: the device's own step, closed on wires of one
 // temperature that are not quite the file's.
 
+#include "firmware/faults.hpp"
 #include "host-sim/tune/proposal.hpp"
 
 namespace smaservo {
@@ -20,6 +21,7 @@ struct StepResponse {
 
 struct ExpectedRun {
   std::size_t member;
+  FaultSet faults;  ///< why it has tripped, or could not be armed in time
   std::vector<StepResponse> steps;
   std::vector<double> strain, temperature_K, current_A;  ///< each period, on the real wire
 };
@@ -39,8 +41,8 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
 std::vector<StepResponse> worst_steps(const ExpectedSteps& expected);
 
 /// How many of the wires do not hold what they came to: their strain still moves by more than 2.5 %
-/// of the nominal stroke in the last 30 % of a step, or is lost by 20 %, or they were hotter than
-/// the limit.
+/// of the nominal stroke in the last 30 % of a step, or is lost by 20 %, they were hotter than the
+/// limit, the device has tripped or could not be armed.
 int restless_wires(const ExpectedSteps& expected, const Settings<double>& settings);
 
 /// Judges one step by the strain between two samples of a run.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "firmware/parameters.hpp"
 #include "host-sim/measuring.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/tune/estimate_noise.hpp"
@@ -19,7 +20,8 @@ constexpr double stroke_share = 0.2;
 constexpr double greatest_rate_1_s = 0.35;  ///< faster, the cold ends heat along with the wire
 constexpr double resistance_share = 1e-3;   ///< noise of the resistance at the least current
 constexpr double sense_heating_K = 2;       ///< that the least current may cause
-constexpr double least_limit_Pa = 10e6;     ///< of the stress, well above slack
+constexpr double slack_Pa = 1e6;
+constexpr double least_limit_Pa = 10e6;  ///< of the stress, well above slack
 constexpr double greatest_draught = 1.5;
 
 /// The current that measures the resistance well, unless it warms the wire.
@@ -32,6 +34,23 @@ double least_current_A(const Measuring<double>& m, const LumpedModel::Params& pa
 double hottest_loss_W(const TuneTask& task, const Branches& b) {
   const LumpedModel::Params params = lumped_params(task.plant);
   return params.body.loss_W(b.hottest_K - task.plant.ambient_K);
+}
+
+/// The end of the stroke, and what lets a wire be held at 90 % of it in the greatest draught: the
+/// device gives no more power for long than its file's wire takes at the limit, times the margin.
+double limit_K(const TuneTask& task, const Branches& b, double loss_margin) {
+  const LumpedModel::Params params = lumped_params(task.plant);
+  double contracted_K = 0;
+  for (const OperatingPoint& p : b.points) {
+    contracted_K = std::max(contracted_K, p.temperature_K);
+  }
+  const double ambient_K = task.plant.ambient_K;
+  const double held_W = greatest_draught * params.body.loss_W(contracted_K + 2 - ambient_K);
+  double limit_K = b.hottest_K + 3;
+  while (loss_margin * params.body.loss_W(limit_K - ambient_K) < held_W) {
+    limit_K += 1;
+  }
+  return limit_K + hot_spot_K;
 }
 
 void choose_rates(const Branches& b, const TuneTask& task, Settings<double>& s) {
@@ -51,28 +70,18 @@ double resistance_noise_ohm(const Measuring<double>& m, double ohm, double curre
 
 Settings<double> bare_settings(const Wire<double>& wire, double current_A) {
   const MeasurementParams<double> front_end = measuring_params(wire, {});
-  const double ohm = cold_resistance_ohm(wire);
-  Settings<double> s{};
-  s.identity = {1, 1};
-  s.timing = {1e-3, 0.1, 0.005};
+  const double full_V = rounded_up(1.5 * current_A * cold_resistance_ohm(wire));
+  Settings<double> s = default_settings<double>();
   s.wire = wire;
-  s.measuring.load_gain = 1;
   s.measuring.current_noise_A = rounded_up(front_end.current_noise_A);
   s.measuring.voltage_noise_V = rounded_up(front_end.voltage_noise_V);
-  s.measuring.has_load_cell = true;
   s.measuring.current_full_scale_A = rounded_up(1.25 * current_A);
-  s.measuring.voltage_full_scale_V = rounded_up(1.5 * current_A * ohm);
-  s.drive = {DriveKind::current, 0, 0, 0, 1.5 * current_A * ohm};
-  const LoopGains<double> none{0, 0, 0, 0.005, 1, 0, 0.05, 1, 0};
-  s.strain = s.temperature = s.resistance = s.force = none;
-  s.transfer_s = 0.01;
+  s.measuring.voltage_full_scale_V = full_V;
+  for (LoopGains<double>* loop : {&s.strain, &s.temperature, &s.resistance, &s.force}) {
+    loop->proportional = loop->integral_1_s = loop->derivative_s = loop->dead_band = 0;
+  }
   s.limits.current_A = current_A;
   s.limits.hot_spot_K = hot_spot_K;
-  s.limits.duty = 1;
-  s.limits.duty_window_s = 10;
-  s.trips = {};
-  s.safe = {SafeState::off, 0, 0.01};
-  s.profile = {12, 5, 1.5};
   return s;
 }
 
@@ -113,7 +122,7 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   q.least_current_A = rounded_up(
       least_current_A(s.measuring, lumped_params(task.plant), cold_resistance_ohm(wire)));
   q.power_W = rounded_up(current_A * current_A * b.greatest_ohm);
-  q.temperature_K = std::min(wire.limits.temperature_K, std::ceil(b.hottest_K + hot_spot_K + 3));
+  q.temperature_K = std::min(wire.limits.temperature_K, std::ceil(limit_K(task, b, q.loss_margin)));
   q.least_strain = 1e-4 * std::floor(1e4 * (b.hot_strain + 0.01 * b.stroke()));
   q.greatest_strain = 1e-4 * std::ceil(1e4 * b.rest_strain);
   const double greatest_Pa = std::max(task.plant.load.low_Pa, b.hot_Pa);
@@ -124,6 +133,9 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   s.trips.current_A = rounded_up(1.15 * current_A);
   s.trips.temperature_K = q.temperature_K + 10;
   s.trips.stress_Pa = rounded_up(1.2 * q.stress_Pa);
+  s.trips.slack_Pa = std::min(slack_Pa, task.plant.load.low_Pa - 2 * slack_Pa);
+  s.trips.current_offset_A =
+      std::min(s.trips.current_offset_A, rounded_down(0.3 * q.least_current_A));
   s.trips.least_strain = q.least_strain - 0.005;
   s.trips.greatest_strain = q.greatest_strain + 0.01;
   s.axis.zero_strain = q.greatest_strain;

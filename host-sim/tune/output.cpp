@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
+#include <toml++/toml.h>
 
 #include "host-sim/tune/tune.hpp"
 
@@ -164,7 +166,14 @@ std::string tuned_json(const Tuned& t) {
 }
 
 std::string tuned_toml(const Tuned& t) {
-  return chosen_toml(t.chosen, fmt::format("# Proposed by host-sim tune.\n# {}", heading(t)));
+  std::ostringstream name;
+  name << toml::value<std::string>(t.based_on);
+  const std::string wire =
+      t.based_on.empty()
+          ? "# [wire] based_on: the wire was changed with --set; name a file of it.\n"
+          : fmt::format("\n[wire]\nbased_on = {}\n", name.str());
+  return chosen_toml(t.chosen,
+                     fmt::format("# Proposed by host-sim tune.\n# {}{}", heading(t), wire));
 }
 
 }  // namespace smaservo

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "host-sim/device_names.hpp"
 #include "host-sim/tune/rounding.hpp"
 #include "host-sim/tune/uncertainty.hpp"
 
@@ -31,10 +32,16 @@ void try_dead_bands(Tuned& t) {
   }
   if (0 < fewest) {
     t.warnings.push_back(
-        fmt::format("{} of {} uncertain wires move on by 2.5 % of the stroke, are lost by 20 %, or "
-                    "overheat: the "
-                    "estimate is lost while the wire stands still",
+        fmt::format("{} of {} uncertain wires move on by 2.5 % of the stroke, are "
+                    "lost by 20 %, overheat, trip or do not arm",
                     fewest, expected_members));
+  }
+  FaultSet faults;
+  for (const ExpectedRun& r : t.expected.runs) {
+    faults = faults | r.faults;
+  }
+  if (!faults.empty()) {
+    t.warnings.push_back(fmt::format("faults of the uncertain wires: {}", names_of(faults)));
   }
 }
 
@@ -56,8 +63,8 @@ void warn(Tuned& t) {
 
 }  // namespace
 
-Tuned tune(const std::string& wire, const TuneTask& task) {
-  Tuned t{wire, task, propose(task), {}, {}, {}, {}, {}};
+Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask& task) {
+  Tuned t{wire, based_on, task, propose(task), {}, {}, {}, {}, {}};
   try_dead_bands(t);
   const auto possible = [&](LoopName name) {
     return t.proposal.loops[static_cast<std::size_t>(name)].possible;

@@ -12,7 +12,8 @@
 namespace smaservo {
 
 struct Tuned {
-  std::string wire;  ///< its name
+  std::string wire;      ///< its name
+  std::string based_on;  ///< what a settings file calls it; empty: it has no name of its own
   TuneTask task;
   Proposal proposal;
   std::vector<Chosen> chosen;
@@ -24,7 +25,7 @@ struct Tuned {
 
 /// All of it. The dead band of the strain is the least that makes sense, or up to eight times that:
 /// the smallest with which every expected step holds. Throws UserError as propose() does.
-Tuned tune(const std::string& wire, const TuneTask& task);
+Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask& task);
 
 std::string tuned_text(const Tuned& tuned);
 std::string tuned_json(const Tuned& tuned);

@@ -8,7 +8,7 @@
 namespace smaservo {
 namespace {
 
-/// A device on its way to a shorter wire, 50 ms after the command.
+/// A device on its way to a shorter wire, 50 ms after it has begun to run.
 struct DeviceRun {
   Settings<double> settings = test_settings();
   Prepared<double> prepared = prepare(settings);
@@ -18,8 +18,9 @@ struct DeviceRun {
       .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = bench.strain() - 0.02};
 
   DeviceRun() {
-    for (int i = 0; i < 50; ++i) {
-      step();
+    int running = 0;
+    for (int i = 0; i < 500 && running < 50; ++i) {
+      running += step().state == DeviceState::running ? 1 : 0;
     }
   }
   Output<double> step() {

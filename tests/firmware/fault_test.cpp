@@ -72,7 +72,8 @@ TEST_P(TrippingFault, EndsTheHeatInTime) {
     ASSERT_NO_FATAL_FAILURE(cause_while_running());
   }
   const double took_s = time_until(rig_->out.latched);
-  EXPECT_LE(took_s, limit_s() + 1e-9) << row.name;
+  EXPECT_LE(took_s, limit_s() + 1e-9)
+      << row.name << ", first " << fault_name(rig_->out.first_cause);
   EXPECT_GE(took_s, deglitch_s(GetParam(), rig_->settings) - 1e-9) << row.name;
   EXPECT_EQ(rig_->out.current_A, 0);
   // And it stays off, whatever else happens and is commanded.

@@ -33,6 +33,20 @@ inline double while_given(double given_A, double flowing_A) {
   return given_A > 0 ? flowing_A : 0;
 }
 
+/// As much as the limits allow, whatever the wire does.
+inline void give_power(Rig& rig, double power_W) {
+  rig.command.mode = Mode::power;
+  rig.command.setpoint = power_W;
+}
+inline void give_current(Rig& rig, double current_A) {
+  rig.command.mode = Mode::current;
+  rig.command.setpoint = current_A;
+}
+inline constexpr double all_W = 10;
+/// A loss margin with which what a wire can take for long is no limit. With a least
+/// strain that is out of reach only its temperature limits the heat.
+inline constexpr double heats_for_long = 20;
+
 /// A drive's fault begins when the current of the first step flows.
 inline constexpr double late_s = 0.001;
 
@@ -51,10 +65,11 @@ inline std::vector<Provoker> drive_provokers() {
       {Fault::driver_warm, reading([](Readings& in) { in.driver_K = 352; })},
       {Fault::driver_hot, reading([](Readings& in) { in.driver_K = 360; })},
       {Fault::kelvin_mismatch,
-       // A crimp of 15 ohm: the chopper's voltage does not reach the wire.
+       // A crimp of 40 ohm: the chopper's voltage does not reach the wire.
        [](Rig& rig) {
+         give_power(rig, rig.out.power_W);
          rig.tamper_drive = [&rig](double A) {
-           return A > 0 ? rig.out.voltage_V / (rig.wire->resistance_ohm() + 15) : 0;
+           return A > 0 ? rig.out.voltage_V / (rig.wire->resistance_ohm() + 40) : 0;
          };
        },
        [](Settings<double>& s) { s.drive.kind = DriveKind::voltage; }, late_s},
@@ -74,8 +89,16 @@ inline std::vector<Provoker> circuit_provokers() {
       {Fault::sense_lead_open, reading([](Readings& in) { in.sample.voltage_V = 1e-4; })},
       // The sense leads are on a resistor like the cold wire.
       {Fault::no_response,
-       reading([](Readings& in) { in.sample.voltage_V = 24 * in.sample.current_A; }),
-       {},
+       [](Rig& rig) {
+         give_power(rig, all_W);
+         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V = 24 * in.sample.current_A; };
+       },
+       [](Settings<double>& s) {
+         s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
+         s.limits.temperature_K = 450;
+         s.trips.temperature_K = 460;
+       },
        0.06},
   };
 }
@@ -90,15 +113,17 @@ inline std::vector<Provoker> heat_provokers() {
   const auto contract = [](Rig& rig) { rig.command.setpoint = 0.004; };
   const auto under_read_and_contract = [](Rig& rig) {
     rig.tamper_inputs = under_read;
-    rig.command.setpoint = -0.02;
+    give_power(rig, all_W);
   };
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
-    s.trips.heating_rate_K_s = 2500;
+    s.limits.loss_margin = heats_for_long;
+    s.limits.least_strain = -0.05;
+    s.trips.heating_rate_K_s = 2000;
   };
   const auto full_power = [](Rig& rig) {
     rig.prepared.settings.limits.current_A = 0.4;
-    rig.command.setpoint = -0.02;
+    give_power(rig, all_W);
   };
   const auto allow_hotter = [](Settings<double>& s) {
     s.limits.temperature_K = 490;
@@ -108,27 +133,46 @@ inline std::vector<Provoker> heat_provokers() {
   return {
       {Fault::over_temperature, contract, [](Settings<double>& s) { s.trips.temperature_K = 385; },
        0.1},
-      {Fault::heat_limit, contract, [](Settings<double>& s) { s.limits.temperature_K = 385; }, 0.1},
+      // The observer takes the wire for colder than its heat says.
+      {Fault::heat_limit,
+       [](Rig& rig) {
+         rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 25; };
+         give_power(rig, all_W);
+       },
+       [](Settings<double>& s) {
+         s.limits.temperature_K = 385;
+         s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
+       },
+       0.1},
       {Fault::overheat_onset, under_read_and_contract,
        [allow_hotter](Settings<double>& s) {
          s.limits.current_A = 0.25;
          allow_hotter(s);
        },
        2},
-      // And the driver does not follow the limiter.
+      // And the driver stays at the greatest current that it was given.
       {Fault::overheat_signature,
        [under_read_and_contract](Rig& rig) {
          under_read_and_contract(rig);
-         rig.tamper_drive = [](double A) { return while_given(A, 0.4); };
+         rig.tamper_drive = [most_A = 0.0](double A) mutable {
+           most_A = std::max(most_A, A);
+           return while_given(A, most_A);
+         };
        },
-       allow_hotter, 0.2},
-      {Fault::heating_fast, full_power, gentle, 0.04},
+       [allow_hotter](Settings<double>& s) {
+         allow_hotter(s);
+         s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
+       },
+       0.2},
+      {Fault::heating_fast, full_power, gentle, 0.06},
       {Fault::heating_rate, full_power,
        [gentle](Settings<double>& s) {
          gentle(s);
          s.trips.heating_rate_K_s = 1500;
        },
-       0.04},
+       0.06},
   };
 }
 
@@ -189,11 +233,21 @@ inline std::vector<Provoker> estimate_provokers() {
   };
   return {
       // No phase has so little.
-      {Fault::model_divergence, reading([](Readings& in) { in.sample.voltage_V *= 0.7; }), {}, 0.1},
+      {Fault::model_divergence,
+       [](Rig& rig) {
+         give_current(rig, rig.out.current_A);
+         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V *= 0.7; };
+       },
+       [](Settings<double>& s) {
+         s.limits.temperature_K = 590;
+         s.trips.temperature_K = 600;
+       },
+       0.1},
       {Fault::estimate_invalid, estimate([](Estimate<double>& e) { e.strain = not_a_number; })},
       {Fault::estimate_unsure, estimate([](Estimate<double>& e) { e.health = Health::searching; })},
-      {Fault::following_error, [](Rig& rig) { rig.command.setpoint = 0.06; },
-       [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.002},
+      // A limit holds back, and the reference goes on with 0.35 1/s.
+      {Fault::following_error, [](Rig& rig) { rig.prepared.settings.limits.current_A = 0.05; },
+       [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.04},
       {Fault::power_balance,
        [](Rig& rig) {
          rig.draught = 0.5;

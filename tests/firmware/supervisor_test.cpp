@@ -49,6 +49,7 @@ TEST(Supervisor, ArmsWithASenseCurrentFirst) {
   EXPECT_EQ(rig.out.state, DeviceState::running);
   EXPECT_GE(sensing, 50);
   EXPECT_LE(sensing, 100);
+  rig.run(3 * rig.settings.transfer_s);
   EXPECT_GT(rig.out.current_A, 0.1);
 }
 

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <toml++/toml.h>
 
 #include "host-sim/program.hpp"
+#include "host-sim/settings_file.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -39,13 +39,17 @@ TEST_F(TuneCommand, WritesSettingsAndReport) {
   EXPECT_EQ(f.err, "");
   EXPECT_THAT(program.folder().names(), UnorderedElementsAre("s.toml", "t.html"));
   const auto json = nlohmann::json::parse(f.out);
-  const toml::table settings = toml::parse(file_text(program.folder() / "s.toml"));
-  EXPECT_EQ(json["settings"].size(), 38U);
+  // A device takes the file as it is.
+  const Settings<double> settings = load_settings_file(program.folder() / "s.toml");
+  EXPECT_EQ(json["settings"].size(), 40U);
   for (const auto& [path, value] : json["settings"].items()) {
-    EXPECT_NEAR(settings.at_path(path).as_floating_point()->get(), value.get<double>(),
+    const std::size_t row = find_parameter(path);
+    ASSERT_NE(row, no_parameter) << path;
+    EXPECT_NEAR(parameters<double>[row].get(settings).real(), value.get<double>(),
                 1e-5 * std::abs(value.get<double>()))
         << path;
   }
+  EXPECT_FLOAT_EQ(static_cast<float>(settings.wire.geometry.diameter_m), 76e-6F);
   for (const char* loop : {"strain", "temperature", "resistance"}) {
     EXPECT_GE(json["margins"][loop]["worst"]["gain_dB"], 6);
     EXPECT_GE(json["margins"][loop]["worst"]["phase_deg"], 45);
@@ -90,6 +94,13 @@ TEST_F(TuneCommand, RefusesWhatItCanNotMean) {
   refuses({"--spring", "50,100"}, "--spring: At least 3 required", 2);
   refuses({"--stress-MPa", "10", "--ambient-degC", "70"}, "it needs colder air or another load");
   refuses({"--stress-MPa", "150", "--out", "a", "--report", "a"}, "is the same file");
+}
+
+TEST_F(TuneCommand, NamesAWireFileAsTheSettingsFindIt) {
+  program.folder().write("w.toml", "name = \"w\"\nbased_on = \"smartflex-76um\"\n");
+  const Finished f = run({"--wire", "w.toml", "--stress-MPa", "150", "--out", "s.toml"});
+  ASSERT_EQ(f.status, 0) << f.err;
+  EXPECT_NO_THROW(load_settings_file(program.folder() / "s.toml"));
 }
 
 TEST_F(TuneCommand, LeavesAWireFileAlone) {

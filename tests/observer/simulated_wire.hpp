@@ -128,7 +128,9 @@ class DistributedWire {
         draught_(deviations.loss),
         around_{stress_Pa, told_ambient_K + deviations.ambient_K} {
     const Wire<double>& wire = bench_wire();
-    params_ = {{}, wire.material, wire.heat, wire.geometry, {}};
+    params_.material = wire.material;
+    params_.heat = wire.heat;
+    params_.geometry = wire.geometry;
     double sum = 0;
     for (std::size_t i = 0; i < segments; ++i) {
       const auto from_clamp = static_cast<int>(std::min(i, segments - 1 - i));

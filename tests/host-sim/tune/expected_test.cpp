@@ -81,7 +81,7 @@ TEST(ExpectedSteps, OfTheFilesWireSettle) {
 
 TEST(ExpectedSteps, OfUncertainWiresHold) {
   const TuneTask t = task("smartflex-76um", 150e6);
-  const Tuned tuned = tune("smartflex-76um", t);
+  const Tuned tuned = tune("smartflex-76um", "smartflex-76um", t);
   EXPECT_EQ(tuned.expected.runs.size(), 12U);
   EXPECT_EQ(restless_wires(tuned.expected, tuned.proposal.settings), 0);
   EXPECT_TRUE(tuned.warnings.empty());
@@ -110,18 +110,18 @@ class SegmentedLoop {
   std::vector<double> hold(double setpoint, double seconds) {
     std::vector<double> strain;
     for (double t = 0; t < seconds; t += 1e-3) {
-      Command<double> command{};
-      command.fresh = true;
-      command.arm = true;
-      command.mode = Mode::strain;
-      command.setpoint = setpoint;
+      command_.fresh = true;
+      // Again where it was refused: the observer was not sure yet.
+      command_.arm = !(command_.arm && device_.last.state == DeviceState::ready);
+      command_.mode = Mode::strain;
+      command_.setpoint = setpoint;
       Inputs<double> in{};
       in.fresh = true;
       in.sequence = sequence_++;
       in.sample = {current_A_, current_A_ * wire_->resistance_ohm(), stress_Pa_ * area_m2_};
       in.supply_V = in.driver_K = std::numeric_limits<double>::quiet_NaN();
       in.ambient_K = 298.15;
-      const Output<double> out = Device<double>::step(prepared_, device_, in, command, 1e-3);
+      const Output<double> out = Device<double>::step(prepared_, device_, in, command_, 1e-3);
       current_A_ = out.current_A;
       wire_->advance(current_A_, {stress_Pa_, 298.15, 1}, 1e-3);
       strain.push_back(wire_->strain());
@@ -135,6 +135,7 @@ class SegmentedLoop {
   double stress_Pa_, area_m2_;
   std::unique_ptr<SimulatedWire> wire_;
   Device<double>::State device_ = Device<double>::start();
+  Command<double> command_{};
   double current_A_ = 0;
   std::uint32_t sequence_ = 0;
 };
@@ -145,6 +146,7 @@ TEST(ExpectedSteps, ComeTrueOnAWireOfManySegments) {
     const Proposal p = propose(t);
     SegmentedLoop loop(t, p.settings);
     const double rest = loop.strain();
+    loop.hold(rest, 1.5);
     for (const double contraction : {0.5, 0.8, 0.4, 0.2}) {
       const double setpoint = rest - contraction * p.branches.stroke();
       const std::vector<double> strain = loop.hold(setpoint, 1 + 3 * p.branches.cooling_s);
