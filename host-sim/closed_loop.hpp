@@ -29,6 +29,9 @@ struct OtherWire {
 class ClosedLoop {
  public:
   explicit ClosedLoop(const ClosedLoopScenario& scenario);
+  // Its parts refer to each other.
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
 
   /// One period; false when the time is over.
   bool step();
