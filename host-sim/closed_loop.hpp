@@ -28,8 +28,10 @@ struct OtherWire {
 /// pair takes some ten steps of each plant.
 class ClosedLoop {
  public:
-  /// The scenario must outlive it.
   explicit ClosedLoop(const ClosedLoopScenario& scenario);
+  // Its parts refer to each other.
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
 
   /// One period; false when the time is over.
   bool step();
@@ -50,12 +52,12 @@ class ClosedLoop {
 
   Command<double> opposite(const Command<double>& command) const;
 
-  const ClosedLoopScenario& scenario_;
   Prepared<double> prepared_;
   std::int64_t period_ns_, end_ns_;
   double nominal_s_;
   Axis first_;
   std::unique_ptr<Axis> second_;
+  bool second_drives_ = false;
   std::optional<SimPair> pair_;
   double rest_strains_ = 0;  ///< of both wires together
   CommandProgram program_;

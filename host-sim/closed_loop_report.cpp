@@ -227,7 +227,9 @@ void write_report(const std::string& path, const ClosedLoopScenario& scenario,
                   escaped(scenario.note), result.steps, result.duration_s,
                   plant_name(scenario.plant.family), escaped(scenario.plant.wire.name));
   html += numbers_html(scenario, result);
-  html += plots_html(LoopPlots(scenario, result.record.value()).all());
+  if (result.record) {
+    html += plots_html(LoopPlots(scenario, *result.record).all());
+  }
   html += steps_html(result);
   html += listing_html("Wire as it is", to_toml(scenario.plant.wire));
   write_html(path, scenario.name, html);

@@ -6,8 +6,8 @@
 
 namespace smaservo {
 
-/// Writes one HTML file that opens without a network: numbers, plots, the device's faults. The
-/// result must have a record. Throws UserError.
+/// Writes one HTML file that opens without a network: numbers, plots, the device's faults. Without
+/// a record in the result there are no plots. Throws UserError.
 void write_report(const std::string& path, const ClosedLoopScenario& scenario,
                   const LoopRunResult& result);
 

@@ -91,8 +91,8 @@ PairSetup read_pair(Table table, const ClosedLoopScenario& scenario) {
 
 }  // namespace
 
-bool is_closed_loop(const std::filesystem::path& file) {
-  return TomlFile(file).root().has("device");
+bool is_closed_loop(const std::filesystem::path& path) {
+  return TomlFile(path).root().has("device");
 }
 
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path) {

@@ -37,9 +37,9 @@ struct ClosedLoopScenario {
 };
 
 /// Whether a scenario file is one of these: it has a [device] table. Throws UserError.
-bool is_closed_loop(const std::filesystem::path& file);
+bool is_closed_loop(const std::filesystem::path& path);
 
 /// Throws UserError or WireError: names file, line, key, value and what is allowed.
-ClosedLoopScenario load_closed_loop(const std::filesystem::path& file);
+ClosedLoopScenario load_closed_loop(const std::filesystem::path& path);
 
 }  // namespace smaservo

@@ -30,7 +30,7 @@ std::string_view mode_name(Mode mode) {
   return modes.at(static_cast<std::size_t>(mode));
 }
 std::optional<Mode> mode_of(std::string_view name) {
-  const auto found = std::ranges::find(modes, name);
+  const auto* const found = std::ranges::find(modes, name);
   return found == modes.end() ? std::nullopt
                               : std::optional(static_cast<Mode>(found - modes.begin()));
 }
@@ -59,7 +59,7 @@ std::optional<FaultSet> named_faults(std::string_view names) {
   FaultSet set;
   while (!names.empty()) {
     const std::size_t plus = std::min(names.find('+'), names.size());
-    const auto row = std::ranges::find(fault_rows, names.substr(0, plus), &FaultRow::name);
+    const auto* const row = std::ranges::find(fault_rows, names.substr(0, plus), &FaultRow::name);
     if (row == fault_rows.end()) {
       return std::nullopt;
     }

@@ -17,9 +17,9 @@ std::string_view health_name(Health health);
 std::string_view limit_reason_name(LimitReason reason);
 
 /// All of them with a plus in between; empty where there is none.
-std::string names_of(FaultSet faults);
+std::string names_of(FaultSet set);
 /// The set back from its names; nothing where one is unknown.
 std::optional<FaultSet> named_faults(std::string_view names);
-std::string limit_reason_names(std::uint32_t reasons);
+std::string limit_reason_names(std::uint32_t bits);
 
 }  // namespace smaservo

@@ -118,8 +118,9 @@ class CommandReader {
 
   double parse(std::string_view field, Which which, double time_s) const {
     double value = 0;
-    const char* const stop = field.data() + field.size();
-    const auto [at, error] = std::from_chars(field.data(), stop, value);
+    const char* const begin = field.data();
+    const char* const stop = begin + field.size();
+    const auto [at, error] = std::from_chars(begin, stop, value);
     if (error != std::errc{} || at != stop || !std::isfinite(value)) {
       fail(which, field, "is not a finite number", time_s);
     }

@@ -35,6 +35,7 @@ void StepJudge::finish() {
 StepFigures StepJudge::judged() const {
   const auto at_s = [&](std::size_t i) { return static_cast<double>(i) * period_s_; };
   const std::size_t n = strains_.size();
+  const std::size_t last = n / 4;
   StepFigures f{from_s_, at_s(n), strains_.front(), setpoint_, nan, nan, 0, 0};
   const double way = f.to - f.from;
   const double sign = way < 0 ? -1 : 1;
@@ -47,9 +48,9 @@ StepFigures StepJudge::judged() const {
     const double share = (strains_[i] - f.from) / way;
     ten_s = std::isnan(ten_s) && share >= 0.1 ? at_s(i) : ten_s;
     f.rise_s = std::isnan(f.rise_s) && share >= 0.9 ? at_s(i) - ten_s : f.rise_s;
-    f.error_percent += i >= n - n / 4 ? std::abs(error_percent) : 0;
+    f.error_percent += i >= n - last ? std::abs(error_percent) : 0;
   }
-  f.error_percent /= static_cast<double>(n / 4);
+  f.error_percent /= static_cast<double>(last);
   f.settling_s = outside < n ? at_s(outside) : nan;
   if (100 * std::abs(way) < least_rise_percent * stroke_) {
     f.rise_s = nan;

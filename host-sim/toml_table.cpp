@@ -36,7 +36,7 @@ bool Table::flag(std::string_view key, bool otherwise) {
   if (!has(key)) {
     return otherwise;
   }
-  const auto value = table_[key].as_boolean();
+  const auto* const value = table_[key].as_boolean();
   if (value == nullptr) {
     fail(key, "must be true or false");
   }

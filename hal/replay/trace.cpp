@@ -332,6 +332,19 @@ struct TraceReader::Impl {
     return !suffix.empty() && suffix.find('_') == std::string_view::npos && suffix.size() <= 4;
   }
 
+  BadRow out_of_range(std::size_t i, const std::string& field) const {
+    const Unit& unit = targets[i].unit;
+    const Known& column = known_columns[targets[i].value];
+    std::string text = fmt::format("{} is out of range, {:.4g} to {:.4g}", field,
+                                   unit.from_si(column.low), unit.from_si(column.high));
+    if (!unit.suffix.empty()) {
+      text += fmt::format(" {}", unit.suffix);
+    } else if (column.kind.size() > 1) {
+      text += fmt::format("; per cent are {}_percent", column.base);
+    }
+    return {i, text};
+  }
+
   std::optional<BadRow> parse(std::string_view text, TraceRow& row) {
     row.values.fill(not_there);
     row.text = text;
@@ -356,13 +369,7 @@ struct TraceReader::Impl {
         value = target.unit.to_si(value * target.scale);
         const Known& column = known_columns[target.value];
         if (!(value >= column.low && value <= column.high)) {
-          return BadRow{
-              i, fmt::format("{} is out of range, {:.4g} to {:.4g}{}", field(at, stop),
-                             target.unit.from_si(column.low), target.unit.from_si(column.high),
-                             column.kind.size() == 1 ? std::string()
-                             : target.unit.suffix.empty()
-                                 ? fmt::format("; per cent are {}_percent", column.base)
-                                 : fmt::format(" {}", target.unit.suffix))};
+          return out_of_range(i, field(at, stop));
         }
         row.values[target.value] = value;
       }

@@ -25,6 +25,10 @@ SimBoard::SimBoard(std::unique_ptr<SimulatedWire> wire, const SimSetup& setup)
       part_s_(static_cast<double>(setup.period_ns) * 1e-9 / parts_),
       stress_Pa_(load_.stress_Pa()) {
   wire_->rest(surroundings.ambient_K, stress_Pa_);
+  look();
+}
+
+void SimBoard::look() {
   strain_ = wire_->strain();
   ohm_ = wire_->resistance_ohm();
 }
@@ -43,8 +47,7 @@ double SimBoard::strain_after(double stress_Pa) const {
 void SimBoard::finish_part(double stress_Pa) {
   stress_Pa_ = stress_Pa;
   wire_->advance(front_end_.current_A(), around(stress_Pa), part_s_);
-  strain_ = wire_->strain();
-  ohm_ = wire_->resistance_ohm();
+  look();
   part_began_s_ += part_s_;
 }
 

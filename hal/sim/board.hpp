@@ -3,6 +3,7 @@
 // setup and seed give the same frames.
 
 #include <memory>
+#include <random>
 
 #include "hal/board.hpp"
 #include "hal/sim/front_end.hpp"
@@ -68,6 +69,7 @@ class SimBoard {
   ReadStatus sample(Frame& frame);
 
  private:
+  void look();
   SimulatedWire::Surroundings around(double stress_Pa) const {
     return {stress_Pa, surroundings.ambient_K, surroundings.draught};
   }
@@ -86,7 +88,7 @@ class SimBoard {
   std::int64_t time_ns_ = 0;
   double part_began_s_ = 0;
   std::uint32_t sequence_ = 0;
-  double strain_, ohm_, stress_Pa_;
+  double strain_ = 0, ohm_ = 0, stress_Pa_;
 };
 
 static_assert(Board<SimBoard>);

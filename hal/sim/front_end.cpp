@@ -7,45 +7,54 @@
 namespace smaservo {
 namespace {
 
-double converter_step(double full_scale, int bits) {
-  return full_scale / std::ldexp(1.0, bits - 1);
+Grid grid(double full_scale, int bits) {
+  const double per_step = std::ldexp(1.0, bits - 1) / full_scale;
+  return {1 / per_step, per_step, full_scale};
 }
 
 constexpr std::array readings{&Frame::current_A, &Frame::voltage_V, &Frame::load_N,
                               &Frame::supply_V,  &Frame::ambient_K, &Frame::driver_K};
 
-/// By a converter of this step. Never a negative zero: it would not survive a trace.
-double quantised(double value, double step, double full_scale) {
+/// Never a negative zero: it would not survive a trace.
+double quantised(double value, const Grid& grid) {
   if (std::isnan(value)) {
     return value;
   }
-  const auto steps = static_cast<double>(std::lrint(value / step));
-  return std::clamp(steps * step, -full_scale, full_scale);
+  const auto steps = static_cast<double>(std::lrint(value * grid.per_step));
+  return std::clamp(steps * grid.step, -grid.full_scale, grid.full_scale);
 }
 
 }  // namespace
 
+/// splitmix64: Steele, Lea and Flood (2014), 'Fast splittable pseudorandom number generators'.
+std::uint64_t SensorNoise::bits() {
+  state_ += 0x9E3779B97F4A7C15U;
+  std::uint64_t z = state_;
+  z = (z ^ z >> 30U) * 0xBF58476D1CE4E5B9U;
+  z = (z ^ z >> 27U) * 0x94D049BB133111EBU;
+  return z ^ z >> 31U;
+}
+
 double SensorNoise::operator()() {
-  const std::uint64_t bits = random_();
-  const auto sum =
-      (bits & 0xFFFFU) + (bits >> 16U & 0xFFFFU) + (bits >> 32U & 0xFFFFU) + (bits >> 48U);
+  const std::uint64_t x = bits();
+  const auto sum = (x & 0xFFFFU) + (x >> 16U & 0xFFFFU) + (x >> 32U & 0xFFFFU) + (x >> 48U);
   // Four uniform numbers of 0..65535: mean 131070, variance 4 (65536² - 1)/12.
   constexpr double per_sd = 1 / 37837.22700343;
   return (static_cast<double>(sum) - 131070) * per_sd;
 }
 
 double SensorNoise::uniform() {
-  return static_cast<double>(random_() >> 11U) * 0x1p-53;
+  return static_cast<double>(bits() >> 11U) * 0x1p-53;
 }
 
 FrontEnd::FrontEnd(const Converter& converter, const Sensors& sensors, std::uint64_t seed)
     : converter_(converter),
       sensors_(sensors),
-      current_step_A_(converter_step(sensors.current_full_scale_A, sensors.bits)),
-      voltage_step_V_(converter_step(sensors.voltage_full_scale_V, sensors.bits)),
-      load_step_N_(converter_step(sensors.load_full_scale_N, sensors.bits)),
+      current_(grid(sensors.current_full_scale_A, sensors.bits)),
+      voltage_(grid(sensors.voltage_full_scale_V, sensors.bits)),
+      load_(grid(sensors.load_full_scale_N, sensors.bits)),
       noise_(seed),
-      fault_noise_(seed + 1) {}
+      fault_noise_(~seed) {}
 
 double FrontEnd::advance(const DriveCommand* command, double supply_V, double wire_ohm,
                          double dt_s) {
@@ -135,9 +144,9 @@ bool FrontEnd::read(const Truth& truth, Frame& frame) {
   if (faults.spoils()) {
     spoil(frame);
   }
-  frame.current_A = quantised(frame.current_A, current_step_A_, sensors_.current_full_scale_A);
-  frame.voltage_V = quantised(frame.voltage_V, voltage_step_V_, sensors_.voltage_full_scale_V);
-  frame.load_N = quantised(frame.load_N, load_step_N_, sensors_.load_full_scale_N);
+  frame.current_A = quantised(frame.current_A, current_);
+  frame.voltage_V = quantised(frame.voltage_V, voltage_);
+  frame.load_N = quantised(frame.load_N, load_);
   last_ = frame;
   return true;
 }

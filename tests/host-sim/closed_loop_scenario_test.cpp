@@ -66,7 +66,7 @@ TEST(ClosedLoopScenario, TellsItsKindByTheDevice) {
 
 TEST(ClosedLoopScenario, SetpointsComeInAnyUnit) {
   const auto first = [](const std::string& key) {
-    Command<double> c = program("[[command]]\n" + key + "\nfor_s = 1\n").at(0);
+    const Command<double> c = program("[[command]]\n" + key + "\nfor_s = 1\n").at(0);
     return std::pair(c.mode, c.setpoint);
   };
   EXPECT_EQ(first("strain = 0.02"), std::pair(Mode::strain, 0.02));

@@ -74,7 +74,7 @@ TEST_P(ShippedLoop, ReplayedFromItsTextGivesTheSameBits) {
   ClosedLoopScenario scenario = shipped_scenario(GetParam());
   scenario.duration_s = std::min(scenario.duration_s, 4.0);
   run_closed_loop(scenario, {.out = folder / "t.csv", .record = false});
-  DeviceReplayOptions options{folder / "t.csv", {}, scenario.settings, folder / "again.csv"};
+  const DeviceReplayOptions options{folder / "t.csv", {}, scenario.settings, folder / "again.csv"};
   const DeviceReplayResult result = replay_device(options);
   EXPECT_NEAR(static_cast<double>(result.rows), 1e3 * scenario.duration_s, 1);
   EXPECT_EQ(result.compared.size(), 21U);
