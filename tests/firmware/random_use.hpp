@@ -29,6 +29,9 @@ class RandomUse {
     } else if (chance(0.0015)) {
       trouble_ = static_cast<Trouble>(below(static_cast<std::uint32_t>(Trouble::count)));
       trouble_steps_ = 1 + below(chance(0.2) ? 1500 : 60);
+      if (trouble_ == Trouble::silence) {
+        trouble_steps_ += 150;  // beyond the command's time-out
+      }
     }
     inputs = read();
     if (trouble_steps_ > 0) {
