@@ -67,8 +67,9 @@ struct LineObserver {
   static S ohm(const Params& p, const State& s, const S& martensite) {
     const Phases<S> z{martensite, S(0)};
     const Drive<S> u{temperature_K(p, s, martensite), s.stress_Pa};
-    return smaservo::resistance_ohm(resistivity(p.model.material, z, u).value, p.model.length_per_area_1_m,
-                          strain(p.model.material, z, s.stress_Pa));
+    return smaservo::resistance_ohm(resistivity(p.model.material, z, u).value,
+                                    p.model.length_per_area_1_m,
+                                    strain(p.model.material, z, s.stress_Pa));
   }
 };
 

@@ -8,17 +8,17 @@
 
 namespace smaservo {
 
-inline constexpr double loop_hold_s = 2.5;          ///< of each strain
-inline constexpr double loop_band_percent = 2;      ///< settled
-inline constexpr double loop_steady_over_s = 0.5;   ///< at the end of each
+inline constexpr double loop_hold_s = 2.5;           ///< of each strain
+inline constexpr double loop_band_percent = 2;       ///< settled
+inline constexpr double loop_steady_over_s = 0.5;    ///< at the end of each
 inline constexpr double loop_ripple_percent = 0.25;  ///< what counts as going to and fro
 
 /// One step of the set-point. In per cent of the nominal stroke.
 struct LoopStep {
   bool heats;
-  double settled_s;       ///< until within 2 % to the end of the hold; infinite: never
-  double error_percent;   ///< mean size over the last half second
-  int reversals;          ///< of the motion over it, by more than loop_ripple_percent
+  double settled_s;      ///< until within 2 % to the end of the hold; infinite: never
+  double error_percent;  ///< mean size over the last half second
+  int reversals;         ///< of the motion over it, by more than loop_ripple_percent
 };
 
 struct LoopRun {
