@@ -29,6 +29,7 @@ struct OtherWire {
 class ClosedLoop {
  public:
   explicit ClosedLoop(const ClosedLoopScenario& scenario);
+  ~ClosedLoop() = default;
   // Its parts refer to each other.
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
