@@ -73,7 +73,7 @@ tidy_key() {
   {
     printf '%s\n' "$command"
     clang-tidy-19 --version
-    cat "$root/.clang-tidy" "${parts[@]}"
+    cat "$root/.clang-tidy" "$root/tests/.clang-tidy" "${parts[@]}"
   } | sha256sum
 }
 
