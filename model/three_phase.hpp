@@ -169,12 +169,7 @@ struct ThreePhase {
   }
   /// advance(), with what curves() of the state's heading have left at `u`.
   static void advance(const Params& p, State& s, const Drive<S>& u, const Pair<S>& left) {
-    const AtStress at{p, u.stress_Pa};
-    if (s.heading == Heading::heating) {
-      move_to<false>(p, at, s, u, Reverse{left.first(), left.second()});
-    } else {
-      move_to<false>(p, at, s, u, Curves::forward_left(p, at, u.temperature_K, left));
-    }
+    move<false>(p, typename Curves::AtNext{{p, u.stress_Pa}, left}, s, u);
   }
   /// Whether rates() are more than zero.
   static bool acts(const State& s, Heading heading) {
@@ -209,18 +204,26 @@ struct ThreePhase {
 
   template <bool linearise, class Isobars>
   static Tangent move(const Params& p, const Isobars& at, State& s, const Drive<S>& u) {
-    return s.heading == Heading::heating
-               ? move_to<linearise>(p, at, s, u, Curves::reverse_left(p, at, u.temperature_K))
-               : move_to<linearise>(p, at, s, u, Curves::forward_left(p, at, u.temperature_K));
-  }
-
-  /// To `u`, where the outer curves of the heading have left `now`.
-  template <bool linearise, class Isobars, class Left>
-  static Tangent move_to(const Params& p, const Isobars& at, State& s, const Drive<S>& u,
-                         const Left& now) {
     s.drive = u;
     Transfer transfer{S(1), S(0), S(0), S(1)};
-    const bool moved = go_on<linearise>(p, at, s, now, transfer);
+    bool moved = false;
+    if (s.heading == Heading::heating) {
+      const Reverse now = Curves::reverse_next(p, at, u.temperature_K);
+      moved = Curves::falls(p, now, s.reverse);
+      if (moved) {
+        transfer = heat<linearise>(p, s, now);
+      } else if (p.smallest_reversal_K < returned_K(p, s)) {
+        moved = turn_to_cooling(p, at, s);
+      }
+    } else {
+      const Forward now = Curves::forward_next(p, at, u.temperature_K);
+      moved = Curves::falls(p, now, s.forward);
+      if (moved) {
+        transfer = cool<linearise>(p, s, now);
+      } else if (p.smallest_reversal_K < returned_K(p, s)) {
+        moved = turn_to_heating(p, at, s);
+      }
+    }
     if (!moved) {
       follow_stress(p, s);
     }
@@ -229,26 +232,6 @@ struct ThreePhase {
     }
     return s.heading == Heading::heating ? heating_tangent(p, at, s, transfer, moved)
                                          : cooling_tangent(p, at, s, transfer, moved);
-  }
-
-  /// Along the branch or back from its end; whether anything transforms.
-  template <bool linearise, class Isobars>
-  static bool go_on(const Params& p, const Isobars& at, State& s, const Reverse& now,
-                    Transfer& transfer) {
-    if (Curves::falls(p, now, s.reverse)) {
-      transfer = heat<linearise>(p, s, now);
-      return true;
-    }
-    return p.smallest_reversal_K < returned_K(p, s) && turn_to_cooling(p, at, s);
-  }
-  template <bool linearise, class Isobars>
-  static bool go_on(const Params& p, const Isobars& at, State& s, const Forward& now,
-                    Transfer& transfer) {
-    if (Curves::falls(p, now, s.forward)) {
-      transfer = cool<linearise>(p, s, now);
-      return true;
-    }
-    return p.smallest_reversal_K < returned_K(p, s) && turn_to_heating(p, at, s);
   }
 
   template <class Isobars>

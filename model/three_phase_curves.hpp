@@ -61,6 +61,11 @@ struct ThreePhaseCurves {
     const Isobar<Pair<S>>& a2m_a2r() const { return cut.a2m_a2r; }
   };
 
+  /// With what the heading's processes have left where the step goes.
+  struct AtNext : AtStress {
+    Pair<S> left;
+  };
+
   template <class Isobars>
   static Reverse reverse_left(const Params& p, const Isobars& at, const S& temperature_K) {
     const S m2a = at.m2a().remaining(temperature_K);
@@ -81,6 +86,22 @@ struct ThreePhaseCurves {
   }
   static Forward forward_left(const Params& p, const Drive<S>& u) {
     return forward_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
+  }
+
+  // Where a step goes, in the heading that it finds.
+  template <class Isobars>
+  static Reverse reverse_next(const Params& p, const Isobars& at, const S& temperature_K) {
+    return reverse_left(p, at, temperature_K);
+  }
+  static Reverse reverse_next(const Params& /*p*/, const AtNext& at, const S& /*temperature_K*/) {
+    return {at.left.first(), at.left.second()};
+  }
+  template <class Isobars>
+  static Forward forward_next(const Params& p, const Isobars& at, const S& temperature_K) {
+    return forward_left(p, at, temperature_K);
+  }
+  static Forward forward_next(const Params& p, const AtNext& at, const S& temperature_K) {
+    return forward_left(p, at, temperature_K, at.left);
   }
 
   static bool falls(const Params& p, const Reverse& now, const Reverse& before) {
