@@ -46,7 +46,8 @@ settle_sysroot() {
   for file in "$libraries"/{blas,lapack}/*.so*; do
     ln -srf "$file" "$libraries"
   done
-  sed -i -E "s#(^|[;\"])/usr/lib/#\1$folder/usr/lib/#g" "$libraries/cmake/Ceres/CeresTargets.cmake"
+  sed -i -E "/INTERFACE_LINK_LIBRARIES/s#([;\"])/usr/lib/#\1$folder/usr/lib/#g" \
+    "$libraries/cmake/Ceres/CeresTargets.cmake"
 }
 
 # unpack_sysroot ARCHITECTURE TRIPLET FOLDER
