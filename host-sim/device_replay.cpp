@@ -348,8 +348,7 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
                       "first one: in the trace, now");
   for (const OutputDifference& d : result.differences) {
     text += fmt::format("{:<20}{:>10}{:>12.6g}{:>14.4g}  '{}', '{}'{}\n", d.column, d.rows,
-                        d.first_s, d.greatest, d.recorded, d.now,
-                        d.tolerated ? ", tolerated" : "");
+                        d.first_s, d.greatest, d.recorded, d.now, d.tolerated ? ", tolerated" : "");
   }
   return text;
 }

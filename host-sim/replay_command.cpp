@@ -29,8 +29,7 @@ struct Arguments {
 void run_device(const Arguments& a) {
   require("--tolerance", a.tolerance, 0, 1);
   DeviceReplayOptions options{a.options.trace, a.options.trace_options,
-                              load_settings_file(a.device), a.options.out,
-                              a.tolerance.value_or(0)};
+                              load_settings_file(a.device), a.options.out, a.tolerance.value_or(0)};
   options.trace_options.period_s = a.period_s.value_or(0);
   refuse_to_overwrite(options.trace, options.out);
   refuse_to_overwrite(a.device, options.out);

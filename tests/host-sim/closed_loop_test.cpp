@@ -180,9 +180,11 @@ TEST(DeviceReplay, ToleratesAShareOfAnOutputsRange) {
 
 TEST(DeviceReplay, ToleratesNoOtherTextAndNoMissingNumber) {
   EXPECT_TRUE(agrees(Recorded().replay(1)));
-  for (const auto& [column, text] :
-       {std::pair{"state", "asleep"}, {"latched_faults", "wire_open"}, {"strain", ""},
-        {"strain", "nan"}, {"strain", "0.01x"}}) {
+  for (const auto& [column, text] : {std::pair{"state", "asleep"},
+                                     {"latched_faults", "wire_open"},
+                                     {"strain", ""},
+                                     {"strain", "nan"},
+                                     {"strain", "0.01x"}}) {
     Recorded run;
     run.edit(700, column, text);
     EXPECT_FALSE(agrees(run.replay(1))) << column << ' ' << text;
