@@ -5,9 +5,13 @@
 #include <optional>
 #include <thread>
 
+#include "host-sim/closed_loop_run.hpp"
 #include "host-sim/commands.hpp"
+#include "host-sim/evaluate/calibrate.hpp"
 #include "host-sim/evaluate/closed_loop.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
+#include "host-sim/evaluate/hottest.hpp"
+#include "host-sim/evaluate/parallel.hpp"
 #include "host-sim/evaluate/table.hpp"
 #include "host-sim/observers.hpp"
 #include "host-sim/output_file.hpp"
@@ -22,6 +26,8 @@ struct Arguments {
   std::string out, report, markdown;
   bool json = false;
   bool closed_loop = false;
+  int random = 0;
+  std::optional<std::uint64_t> random_seed;
 };
 
 /// A folder gets a file of the usual name.
@@ -51,6 +57,26 @@ class Stages {
   std::optional<Progress> line_;
 };
 
+/// Random scenarios alone: a number of them, or one.
+void run_random(const Arguments& a, const std::string& out) {
+  std::vector<CalibratedUnit> units;
+  for (int i = 0; i < a.options.units; ++i) {
+    for (const Family family : families) {
+      const WireUnit unit = random_unit(family, a.options.seed + static_cast<std::uint64_t>(i));
+      units.push_back({unit, calibrated_wire(unit, a.options.wires)});
+    }
+  }
+  if (a.random_seed) {
+    const RandomScenario scenario = random_scenario(units, *a.random_seed);
+    fmt::print(stderr, "{}", summary(scenario.loop, run_closed_loop(scenario.loop, {.out = out})));
+    return;
+  }
+  Progress line("random", static_cast<std::size_t>(a.random));
+  const auto runs = run_hottest(units, 100'000 * a.options.seed, a.random, a.options.threads,
+                                [&](std::size_t done) { line.step(done); });
+  fmt::print("{}", hottest_markdown(runs));
+}
+
 /// The other table: of control.
 void run_closed_loop(const Arguments& a, const std::string& out) {
   ClosedLoopOptions options;
@@ -78,6 +104,10 @@ void run_closed_loop(const Arguments& a, const std::string& out) {
 }
 
 void run(Arguments& a) {
+  if (a.random > 0 || a.random_seed) {
+    run_random(a, a.out);
+    return;
+  }
   const std::string out = json_file(a.out);
   refuse_to_overwrite(out, a.report);
   refuse_to_overwrite(a.markdown, out);
@@ -152,6 +182,8 @@ void add_evaluate_command(CLI::App& app) {
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
       ->excludes("--row", "--observer", "--set", "--report");
+  command->add_option("--random", a->random);
+  command->add_option("--random-seed", a->random_seed);
   command->callback([a] { run(*a); });
 }
 
