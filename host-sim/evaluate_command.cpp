@@ -8,6 +8,8 @@
 #include "host-sim/closed_loop_run.hpp"
 #include "host-sim/commands.hpp"
 #include "host-sim/evaluate/calibrate.hpp"
+#include <cstdlib>
+#include "firmware/faults/table.hpp"
 #include "host-sim/evaluate/closed_loop.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
 #include "host-sim/evaluate/hottest.hpp"
@@ -75,6 +77,9 @@ void run_random(const Arguments& a, const std::string& out) {
   const auto runs = run_hottest(units, 100'000 * a.options.seed, a.random, a.options.threads,
                                 [&](std::size_t done) { line.step(done); });
   fmt::print("{}", hottest_markdown(runs));
+  for (const HottestRun& r : runs) {
+    if (std::getenv("HOT")) fmt::print(stderr, "RUN {} {} {} {} {} {:.1f} {:.2f} {} {:.2f}\n", r.seed, static_cast<int>(r.mode), random_air_name(r.air), random_trouble_name(r.trouble), r.beyond, r.above_limit_K, r.at_s, fault_name(r.first_cause), r.tripped_s);
+  }
 }
 
 /// The other table: of control.

@@ -39,7 +39,7 @@ inline constexpr FaultRow wire_faults[] = {
      "More heat than the stroke needs: a set-point out of reach, a wrong estimate.",
      "The set-point against what the wire reaches under this load."},
     {Fault::overheat_signature, FaultClass::F1, Clears::command, 0xFF24, "overheat_signature",
-     0.005,
+     0.1,
      "The resistance has risen far past its minimum while the wire is heated: it is much too hot, "
      "whatever the model says.",
      "Power that is measured too low, a wrong wire file, a wire that is shielded from the air.",

@@ -2,6 +2,7 @@
 // Detects faults of the wire, its leads, its clamps and its load.
 
 #include "firmware/monitor/drive.hpp"
+#include "firmware/monitor/hot_resistance.hpp"
 #include "firmware/monitor/open_heat.hpp"
 
 namespace smaservo {
@@ -11,14 +12,11 @@ struct WireMonitor {
   /// An empty one is all zero.
   struct State {
     OpenHeat<S> heat;
+    HotResistance<S> hot;
     S unanswered_J;             ///< given to a wire that did not answer
     S observed_before_J;        ///< OpenHeat's in the last step
     S before_K;                 ///< the estimate in the last step
     bool was_sure;              ///< and whether it was one
-    S power_W;                  ///< low-pass filtered
-    S least_ohm;                ///< while austenite is heated
-    S least_at_Pa, least_at_W;  ///< stress and power there
-    S least_at_cold;            ///< share of martensite and R-phase there
     S innovation_ohm;           ///< low-pass filtered
     S slips;                    ///< seen, forgotten within 10 s
     bool slipping;              ///< the last step already was in one
@@ -36,11 +34,6 @@ struct WireMonitor {
   }
 
  private:
-  /// The overheating signature: R has risen by as much as pure austenite does over so many kelvins.
-  /// The wire is beyond its minimum by some 70 K then, since the last martensite still goes; less
-  /// would be found in a wire that is held at its end in a draught.
-  static constexpr S rise_K = S(40);
-  static constexpr S onset = S(0.8);
   /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
   /// late.
   static constexpr S ahead_s = S(0.003);
@@ -119,39 +112,16 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   s.was_sure = sure;
 }
 
-/// Austenite's resistance rises with temperature. Its rise since the minimum, under the same
-/// stress, with no less power and no more of the cold phases, says how far the wire is beyond the
-/// transformation.
+/// Half way from the limit to the trip the heat is cut, for the case that to shape it was not
+/// enough.
 template <class S>
 void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
-  const Estimate<S>& e = seen.estimate;
-  const S share = S(50) * seen.dt_s < S(1) ? S(50) * seen.dt_s : S(1);
-  s.power_W = s.power_W + share * (seen.measurement.power_W - s.power_W);
-  const S R = seen.measurement.resistance_ohm;
-  if (!seen.measurement.resistance_valid) {
-    return;
-  }
-  const S sigma = seen.filter.stress_Pa;
-  const bool steady = S(20) * magnitude(sigma - s.least_at_Pa) <= s.least_at_Pa;
-  const S cold = e.martensite + e.r_phase;
-  const S loss_W =
-      seen.prepared.observer.model.body.loss_W(e.temperature_K - seen.filter.ambient_K);
-  const bool limited = seen.last.limited_by(LimitReason::protection);
-  const bool heated = limited || (S(0.5) * loss_W < s.power_W && S(0.9) * s.least_at_W < s.power_W);
-  const bool austenite = cold < S(0.25) && cold < s.least_at_cold + S(0.01);
-  if (!steady || !austenite || !heated || R < s.least_ohm) {
-    s.least_at_cold = cold;
-    s.least_ohm = R;
-    s.least_at_Pa = sigma;
-    s.least_at_W = s.power_W;
-    return;
-  }
-  const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
-  // ΔR/R = k/ρ ΔT
-  const S rise = (R - s.least_ohm) * a.resistivity_ohm_m;
-  const S limit = s.least_ohm * a.resistivity_ohm_m_K * rise_K;
-  now.add(Fault::overheat_onset, onset * limit < rise);
-  now.add(Fault::overheat_signature, limit < rise);
+  const Settings<S>& q = seen.prepared.settings;
+  s.hot.advance(seen);
+  const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
+  now.add(Fault::overheat_onset,
+          q.limits.temperature_K + q.trips.temperature_K < hottest_K + hottest_K);
+  now.add(Fault::overheat_signature, q.trips.temperature_K < hottest_K);
 }
 
 template <class S>

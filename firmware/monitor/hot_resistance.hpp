@@ -1,0 +1,88 @@
+#pragma once
+// How hot austenite is by the rise of its resistance: the second opinion on the temperature for the
+// case that air and cooling are not what the observer believes. Power tells nothing of that.
+//
+// While there is nothing but austenite, and what the clamps keep cold, only heat raises the
+// resistance: last martensite goes and lowers it. So since the lowest resistance the wire has become
+// warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's file.
+
+#include "firmware/monitor/seen.hpp"
+
+namespace smaservo {
+
+/// An empty one has seen nothing.
+template <class S>
+struct HotResistance {
+  S share;          ///< resistance as a share of austenite's under this load, filtered; 0: none yet
+  S least;          ///< lowest share
+  S least_at_K;     ///< what the observer thought of the temperature there
+  S temperature_K;  ///< 0: not known
+
+  /// More than so much is no heat: the wire cools, and martensite comes, before the observer
+  /// knows.
+  static constexpr S most_rise_K = S(80);
+
+  /// Cost: about 40 operations, three divisions.
+  void advance(const Seen<S>& seen) {
+    const Estimate<S>& e = seen.estimate;
+    if (!(e.martensite + e.r_phase < most_cold)) {
+      *this = HotResistance{};
+      return;
+    }
+    if (!measurable(seen)) {
+      cool(seen);
+      return;
+    }
+    const S now = share_of_austenite(seen);
+    const bool first = !(S(0) < share);
+    share = first ? now : share + (now - share) * (seen.dt_s / (seen.dt_s + filter_s));
+    const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
+    const S rise_K =
+        (share - least) * a.resistivity_ohm_m / (least * a.resistivity_ohm_m_K);
+    if (first || share < least || most_rise_K < rise_K) {
+      least = share;
+      least_at_K = e.temperature_K;
+      temperature_K = least_at_K;
+      return;
+    }
+    temperature_K = least_at_K + rise_K;
+  }
+
+ private:
+  static constexpr S most_cold = S(0.25);
+  static constexpr S filter_s = S(0.02);
+  /// Of one sample, relative: at the least current there is more noise than signal.
+  static constexpr S most_noise = S(1e-3);
+
+  static bool measurable(const Seen<S>& seen) {
+    const Measuring<S>& q = seen.prepared.settings.measuring;
+    const S I = seen.current_A;
+    const S V = seen.voltage_V;
+    const S by_V = q.voltage_noise_V * I;
+    const S by_I = q.current_noise_A * V;
+    const S most = most_noise * V * I;
+    return seen.measurement.resistance_valid && seen.measurement.stress_valid &&
+           by_V * by_V + by_I * by_I < most * most;
+  }
+
+  /// R ~ (ρ_0 + q σ)(1 + 2 ε), ε = σ/E
+  static S share_of_austenite(const Seen<S>& seen) {
+    const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
+    const S sigma = seen.filter.stress_Pa;
+    const S strain = a.strain + sigma / a.modulus_Pa;
+    return seen.measurement.resistance_ohm /
+           ((a.resistivity_ohm_m + a.resistivity_ohm_m_Pa * sigma) * (S(1) + strain + strain));
+  }
+
+  /// Without a measurement, by the heat balance.
+  void cool(const Seen<S>& seen) {
+    const ThermalBody<S>& body = seen.prepared.observer.model.body;
+    const S above_K = temperature_K - seen.filter.ambient_K;
+    const S net_W = seen.measurement.power_W - body.loss_W(above_K);
+    if (S(0) < temperature_K && net_W < S(0)) {
+      temperature_K = temperature_K + net_W / body.capacity_J_K * seen.dt_s;
+    }
+  }
+};
+
+}  // namespace smaservo
