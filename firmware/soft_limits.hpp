@@ -2,6 +2,7 @@
 // Limits that shape the power. None of them is a fault; each has its own reason.
 
 #include <cmath>
+#include <limits>
 
 #include "firmware/command.hpp"
 #include "firmware/feed_forward.hpp"
@@ -17,8 +18,8 @@ struct Known {
   const typename KalmanObserver<S>::State& filter;  ///< the most likely one: model state, air, loss
   S measured_A;
   S supply_V;  ///< NaN where it is not measured
-  S air_K;     ///< likewise
-  S hot_K;     ///< the wire's temperature by HotResistance; 0: not known
+  S air_K = std::numeric_limits<S>::quiet_NaN();  ///< likewise
+  S hot_K = S(0);  ///< the wire's temperature by HotResistance; 0: not known
 };
 
 /// The reasons of one step.

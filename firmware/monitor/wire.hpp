@@ -34,6 +34,7 @@ struct WireMonitor {
   }
 
  private:
+  static constexpr S beyond_K = S(2);
   /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
   /// late.
   static constexpr S ahead_s = S(0.003);
@@ -112,15 +113,13 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   s.was_sure = sure;
 }
 
-/// Half way from the limit to the trip the heat is cut, for the case that to shape it was not
-/// enough.
+/// The limit is kept by shaping the power; beyond it that was not enough.
 template <class S>
 void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   s.hot.advance(seen);
   const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
-  now.add(Fault::overheat_onset,
-          q.limits.temperature_K + q.trips.temperature_K < hottest_K + hottest_K);
+  now.add(Fault::overheat_onset, q.limits.temperature_K + beyond_K < hottest_K);
   now.add(Fault::overheat_signature, q.trips.temperature_K < hottest_K);
 }
 

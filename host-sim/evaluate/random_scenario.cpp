@@ -180,7 +180,7 @@ class Draw {
     } else if (kind < 0.8) {
       result_.air = RandomAir::shielded;
       SimEvent& e = event(chance(0.3) ? 0 : dice_.uniform(1, 10), dice_.uniform(2, duration_s));
-      e.draught = log_uniform(0.5, 1);
+      e.draught = dice_.uniform(0.75, 1);
       note("shielded {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
     } else {
       result_.air = RandomAir::ambient_step;
