@@ -18,6 +18,10 @@ inline constexpr FaultRow wire_faults[] = {
      "Current flows, but the sense leads read next to no voltage.",
      "A sense lead that is broken or not plugged in, both on one end, a dead short.",
      "Both sense leads from the wire's ends to the front end."},
+    {Fault::resistance_jump, FaultClass::F1, Clears::command, 0xFF2F, "resistance_jump", 0.002,
+     "The resistance has changed at once by more than 8 %, faster than any wire can transform.",
+     "A part of the wire that is bridged, a bad crimp, a reading whose gain has changed.",
+     "The wire's whole way and both crimps; the gains of voltage and current."},
     {Fault::no_response, FaultClass::F1, Clears::command, 0xFF22, "no_response", 0.005,
      "The wire has got more than enough power to contract, but its resistance says it has not.",
      "Sense leads on something else than the wire, readings that do not come from it, a wire that "

@@ -6,6 +6,8 @@
 // resistance: last martensite goes and lowers it. So since the lowest resistance the wire has become
 // warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's file.
 
+#include <limits>
+
 #include "firmware/monitor/seen.hpp"
 
 namespace smaservo {
@@ -29,41 +31,30 @@ struct HotResistance {
       *this = HotResistance{};
       return;
     }
-    if (!measurable(seen)) {
-      cool(seen);
+    const bool first = !(S(0) < share);
+    const S most = most_K(seen);
+    if (!seen.precise()) {
+      temperature_K = first || temperature_K < most ? temperature_K : most;
       return;
     }
     const S now = share_of_austenite(seen);
-    const bool first = !(S(0) < share);
     share = first ? now : share + (now - share) * (seen.dt_s / (seen.dt_s + filter_s));
     const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
-    const S rise_K =
-        (share - least) * a.resistivity_ohm_m / (least * a.resistivity_ohm_m_K);
+    const S rise_K = (share - least) * a.resistivity_ohm_m / (least * a.resistivity_ohm_m_K);
     if (first || share < least || most_rise_K < rise_K) {
       least = share;
       least_at_K = e.temperature_K;
       temperature_K = least_at_K;
       return;
     }
-    temperature_K = least_at_K + rise_K;
+    const S risen_K = least_at_K + rise_K;
+    temperature_K = risen_K < most ? risen_K : most;
   }
 
  private:
   static constexpr S most_cold = S(0.25);
   static constexpr S filter_s = S(0.02);
-  /// Of one sample, relative: at the least current there is more noise than signal.
-  static constexpr S most_noise = S(1e-3);
-
-  static bool measurable(const Seen<S>& seen) {
-    const Measuring<S>& q = seen.prepared.settings.measuring;
-    const S I = seen.current_A;
-    const S V = seen.voltage_V;
-    const S by_V = q.voltage_noise_V * I;
-    const S by_I = q.current_noise_A * V;
-    const S most = most_noise * V * I;
-    return seen.measurement.resistance_valid && seen.measurement.stress_valid &&
-           by_V * by_V + by_I * by_I < most * most;
-  }
+  static constexpr S least_loss = S(0.5);
 
   /// R ~ (ρ_0 + q σ)(1 + 2 ε), ε = σ/E
   static S share_of_austenite(const Seen<S>& seen) {
@@ -74,14 +65,13 @@ struct HotResistance {
            ((a.resistivity_ohm_m + a.resistivity_ohm_m_Pa * sigma) * (S(1) + strain + strain));
   }
 
-  /// Without a measurement, by the heat balance.
-  void cool(const Seen<S>& seen) {
+  /// A wire that gets less than half of what it loses cools, whatever its resistance does.
+  S most_K(const Seen<S>& seen) const {
     const ThermalBody<S>& body = seen.prepared.observer.model.body;
-    const S above_K = temperature_K - seen.filter.ambient_K;
-    const S net_W = seen.measurement.power_W - body.loss_W(above_K);
-    if (S(0) < temperature_K && net_W < S(0)) {
-      temperature_K = temperature_K + net_W / body.capacity_J_K * seen.dt_s;
-    }
+    const S loss_W = least_loss * body.loss_W(temperature_K - seen.filter.ambient_K);
+    const S net_W = seen.measurement.power_W - loss_W;
+    return net_W < S(0) ? temperature_K + net_W * seen.dt_s / body.capacity_J_K
+                        : std::numeric_limits<S>::infinity();
   }
 };
 

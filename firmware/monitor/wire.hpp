@@ -13,6 +13,7 @@ struct WireMonitor {
   struct State {
     OpenHeat<S> heat;
     HotResistance<S> hot;
+    S steady_ohm;               ///< low-pass filtered; 0: not known
     S unanswered_J;             ///< given to a wire that did not answer
     S observed_before_J;        ///< OpenHeat's in the last step
     S before_K;                 ///< the estimate in the last step
@@ -35,6 +36,8 @@ struct WireMonitor {
 
  private:
   static constexpr S beyond_K = S(2);
+  static constexpr S jump = S(0.08);
+  static constexpr S jump_s = S(0.003);
   /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
   /// late.
   static constexpr S ahead_s = S(0.003);
@@ -42,6 +45,7 @@ struct WireMonitor {
 
   static void circuit(const Seen<S>& seen, FaultSet& now);
   static void temperature(const Seen<S>& seen, State& s, FaultSet& now);
+  static bool jumped(const Seen<S>& seen, State& s);
   static void signature(const Seen<S>& seen, State& s, FaultSet& now);
   static void mechanics(const Seen<S>& seen, State& s, FaultSet& now);
   static void age(const Seen<S>& seen, State& s, FaultSet& now);
@@ -52,6 +56,7 @@ FaultSet WireMonitor<S>::detect(const Seen<S>& seen, State& s) {
   FaultSet now;
   if (seen.in.fresh) {
     circuit(seen, now);
+    now.add(Fault::resistance_jump, jumped(seen, s));
   }
   if (seen.observing) {
     temperature(seen, s, now);
@@ -111,6 +116,33 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   now.add(Fault::heating_rate, most_K < warmer_K);
   s.before_K = e.temperature_K;
   s.was_sure = sure;
+}
+
+/// No transformation changes the resistance faster than its latent heat comes, and under a steady
+/// load none comes without heat.
+template <class S>
+bool WireMonitor<S>::jumped(const Seen<S>& seen, State& s) {
+  const S R = seen.measurement.resistance_ohm;
+  const S sigma = seen.filter.stress_Pa;
+  const bool steady = seen.measurement.stress_valid &&
+                      magnitude(seen.measurement.stress_Pa - sigma) < S(0.05) * sigma + S(5e6);
+  if (!steady || !seen.observing || !seen.precise()) {
+    s.steady_ohm = S(0);
+    return false;
+  }
+  if (!(S(0) < s.steady_ohm)) {
+    s.steady_ohm = R;
+    return false;
+  }
+  const ThermalBody<S>& body = seen.prepared.observer.model.body;
+  // A quarter of the resistance by the whole transformation.
+  const S by_heat = S(0.25) * seen.measurement.power_W * jump_s;
+  const S most_J = jump * body.latent_m2a_J + by_heat;
+  if (most_J * s.steady_ohm < magnitude(R - s.steady_ohm) * body.latent_m2a_J) {
+    return true;
+  }
+  s.steady_ohm = s.steady_ohm + (R - s.steady_ohm) * (seen.dt_s / (seen.dt_s + jump_s));
+  return false;
 }
 
 /// The limit is kept by shaping the power; beyond it that was not enough.

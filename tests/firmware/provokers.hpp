@@ -87,6 +87,7 @@ inline std::vector<Provoker> circuit_provokers() {
        }},
       {Fault::wire_short, reading([](Readings& in) { in.sample.voltage_V *= 0.3; })},
       {Fault::sense_lead_open, reading([](Readings& in) { in.sample.voltage_V = 1e-4; })},
+      {Fault::resistance_jump, reading([](Readings& in) { in.sample.voltage_V *= 0.88; })},
       // The sense leads are on a resistor like the cold wire.
       {Fault::no_response,
        [](Rig& rig) {
@@ -145,7 +146,7 @@ inline std::vector<Provoker> heat_provokers() {
        },
        0.1},
       {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.4},
-      {Fault::overheat_signature, resistance_rises(1.014), allow_hotter, 0.4},
+      {Fault::overheat_signature, resistance_rises(1.013), allow_hotter, 0.4},
       {Fault::heating_fast, full_power, gentle, 0.06},
       {Fault::heating_rate, full_power,
        [gentle](Settings<double>& s) {
