@@ -75,6 +75,9 @@ void count(LoopFigures& figures, const LoopRun& run, const LoopRun& ideal_run) {
     }
   }
   figures.above_limit_K = std::max(figures.above_limit_K, run.above_limit_K);
+  if (run.tripped != Fault::none) {
+    figures.trips.push_back(run.tripped);
+  }
 }
 
 LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,

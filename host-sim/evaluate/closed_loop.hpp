@@ -39,6 +39,7 @@ struct LoopFigures {
   int cooled_in_time = 0;    ///< settled within 1.3 times what the ideal sensor needed
   int cycles = 0;            ///< steps that end in a limit cycle
   double above_limit_K = 0;  ///< the hottest of all
+  std::vector<Fault> trips;  ///< of the runs that it did not bring to their end
 
   double quantile_s(bool heats, double share) const;
 };

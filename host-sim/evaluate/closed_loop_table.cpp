@@ -2,7 +2,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "firmware/faults/table.hpp"
 #include "host-sim/evaluate/closed_loop.hpp"
 
 namespace smaservo {
@@ -37,21 +39,30 @@ std::string marked(const std::string& text, bool misses) {
   return misses ? "**" + text + "**" : text;
 }
 
+/// "0", or how many and for what.
+std::string trips(const LoopFigures& f) {
+  std::string text = fmt::format("{}", f.trips.size());
+  for (const Fault fault : std::set<Fault>(f.trips.begin(), f.trips.end())) {
+    text += fmt::format(" {}", fault_name(fault));
+  }
+  return text;
+}
+
 std::string line(const RowText& row, LoopKind kind, const LoopFigures& f) {
   // The targets are the firmware's.
   const bool ours = kind == LoopKind::device;
   const double heated = share(f.heated_in_time, f.heating_s.size());
   const double cooled = share(f.cooled_in_time, f.cooling_s.size());
-  return fmt::format("| {} | {} | {} | {:.2f} | {} | {} | {} | {} | {} | {:.0f} |\n", row.name,
-                     loop_kind_name(kind),
-                     marked(fmt::format("{:.2f}", f.error.mean()),
-                            ours && !(f.error.mean() <= row.target_percent)),
-                     f.error.quantile(0.95),
-                     marked(fmt::format("{:.0f} %", heated), ours && heated < 95),
-                     seconds(f.quantile_s(true, 0.5)),
-                     marked(fmt::format("{:.0f} %", cooled), ours && cooled < 95),
-                     seconds(f.quantile_s(false, 0.5)),
-                     marked(fmt::format("{}", f.cycles), ours && f.cycles > 0), f.above_limit_K);
+  return fmt::format(
+      "| {} | {} | {} | {:.2f} | {} | {} | {} | {} | {} | {} | {:.0f} |\n", row.name,
+      loop_kind_name(kind),
+      marked(fmt::format("{:.2f}", f.error.mean()),
+             ours && !(f.error.mean() <= row.target_percent)),
+      f.error.quantile(0.95), marked(fmt::format("{:.0f} %", heated), ours && heated < 95),
+      seconds(f.quantile_s(true, 0.5)),
+      marked(fmt::format("{:.0f} %", cooled), ours && cooled < 95),
+      seconds(f.quantile_s(false, 0.5)), marked(fmt::format("{}", f.cycles), ours && f.cycles > 0),
+      marked(trips(f), ours && !f.trips.empty()), f.above_limit_K);
 }
 
 }  // namespace
@@ -62,8 +73,8 @@ std::string closed_loop_markdown(const ClosedLoopEvaluation& e) {
       "% of the nominal stroke ({:g} % strain) over the last half second. Settled: within ±{:g} %. "
       "Bold: misses its target.\n\n"
       "| load | loop | error | 95 % | heated in 0.10 s | median s | cooled in 1.3 x ideal | median "
-      "s | limit cycles | hottest above limit, K |\n"
-      "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+      "s | limit cycles | trips | hottest above limit, K |\n"
+      "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
       loop_hold_s, e.seed, e.seed + static_cast<std::uint64_t>(e.units) - 1, 100 * e.stroke,
       loop_band_percent);
   for (const LoopRowResult& row : e.rows) {
@@ -73,7 +84,8 @@ std::string closed_loop_markdown(const ClosedLoopEvaluation& e) {
   }
   text +=
       "\nWeights: 100 to 300 MPa, spring: from 100..140 to 220..300 MPa, light: 50 MPa. Targets: "
-      "error 0.8, light 2; 95 % in time; no limit cycle.\n\n"
+      "error 0.8, light 2; 95 % in time; no limit cycle. Trips: runs at whose end it had "
+      "switched off.\n\n"
       "| -3 dB at ±10 % of the stroke, 200 MPa | lowest unit | highest | target |\n"
       "|---|--:|--:|--:|\n";
   for (std::size_t i = 0; i < loop_kinds.size(); ++i) {
@@ -107,6 +119,7 @@ std::string closed_loop_json(const ClosedLoopEvaluation& e) {
            {"cooling_median_s", finite(f.quantile_s(false, 0.5))},
            {"cooling_p95_s", finite(f.quantile_s(false, 0.95))},
            {"limit_cycles", f.cycles},
+           {"trips", f.trips.size()},
            {"above_limit_K", f.above_limit_K}});
     }
   }

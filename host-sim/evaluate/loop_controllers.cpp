@@ -25,6 +25,7 @@ class StrainLoop final : public LoopController {
   double current_A(const Inputs<double>& in, double goal, double true_strain) override {
     return device_.step(in, to_strain(goal), ideal_ ? true_strain : nan).current_A;
   }
+  Fault tripped() const override { return device_.output().first_cause; }
 
  private:
   DeviceLoop device_;
@@ -47,6 +48,7 @@ class ResistanceLoop final : public LoopController {
                                   .setpoint = Line::resistance_ohm(line_, at, goal)};
     return device_.step(in, command, nan).current_A;
   }
+  Fault tripped() const override { return device_.output().first_cause; }
 
  private:
   DeviceLoop device_;

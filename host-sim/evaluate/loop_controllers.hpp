@@ -26,6 +26,8 @@ class LoopController {
   virtual ~LoopController() = default;
   /// One step: the current that brings the wire to this strain.
   virtual double current_A(const Inputs<double>& in, double goal, double true_strain) = 0;
+  /// What it has switched off for.
+  virtual Fault tripped() const { return Fault::none; }
 };
 
 /// What is known of a unit: its calibrated wire, and 002's estimator from the same runs.

@@ -36,6 +36,7 @@ class Loop {
   double at(double share) const { return shortest_ + share * (longest_ - shortest_); }
   double stroke() const { return stroke_; }
   double peak_K() const { return bench_.peak_K(); }
+  Fault tripped() const { return controller_->tripped(); }
 
   /// Returns the strain after the step.
   double step(double goal) {
@@ -115,6 +116,7 @@ LoopRun run_steps(LoopKind kind, const KnownUnit& known, const LoopConditions& c
     before = goal;
   }
   run.above_limit_K = loop.peak_K() - loop_settings(known.wire).limits.temperature_K;
+  run.tripped = loop.tripped();
   return run;
 }
 

@@ -24,6 +24,7 @@ struct LoopStep {
 struct LoopRun {
   std::vector<LoopStep> steps;
   double above_limit_K;  ///< the hottest that the wire was anywhere, beyond the temperature limit
+  Fault tripped;         ///< what the controller had switched off for at the end
 };
 
 /// After one full stroke: so many random strains between a tenth and nine tenths of what the wire

@@ -11,14 +11,6 @@
 #include "tests/firmware/random_settings.hpp"
 #include "tests/firmware/random_use.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SMASERVO_ADDRESS_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SMASERVO_ADDRESS_SANITIZER
-#endif
-#endif
-
 namespace smaservo {
 namespace {
 
@@ -50,7 +42,7 @@ class AllocationTrap {
 
 // The sanitizer has an allocator of its own, with a place to listen. Otherwise the C library's
 // functions, which operator new calls, are replaced.
-#ifdef SMASERVO_ADDRESS_SANITIZER
+#ifdef SMASERVO_SANITIZED
 extern "C" int listen_to_allocator(
     void (*allocated)(const volatile void*, std::size_t),
     void (*freed)(const volatile void*)) asm("__sanitizer_install_malloc_and_free_hooks");

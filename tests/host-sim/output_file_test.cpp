@@ -29,6 +29,26 @@ std::string refusal(const std::string& path) {
   return "";
 }
 
+/// The superuser may write anywhere; as long as this lives, it is nobody. Others stay who they are.
+class WithoutPrivileges {
+ public:
+  WithoutPrivileges() : user_(geteuid()) {
+    if (user_ == 0 && seteuid(65534) != 0) {
+      throw std::runtime_error("cannot give up the superuser's rights");
+    }
+  }
+  WithoutPrivileges(const WithoutPrivileges&) = delete;
+  WithoutPrivileges& operator=(const WithoutPrivileges&) = delete;
+  ~WithoutPrivileges() {
+    if (seteuid(user_) != 0) {
+      ADD_FAILURE() << "the user's rights did not come back";
+    }
+  }
+
+ private:
+  uid_t user_;
+};
+
 TEST(OutputFile, AppearsWhenItIsComplete) {
   const TemporaryFolder folder;
   const std::string path = folder / "out.csv";
@@ -81,13 +101,14 @@ TEST(OutputFile, SaysWhatCannotBeWrittenAndWhy) {
 }
 
 TEST(OutputFile, NeedsAFolderThatMayBeWritten) {
-  if (geteuid() == 0) {
-    GTEST_SKIP() << "the superuser may write anywhere";
-  }
   const TemporaryFolder folder;
-  fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
+  using enum fs::perms;
+  fs::permissions(folder.path(), owner_read | owner_exec | others_read | others_exec);
   const std::string path = folder / "out.csv";
-  EXPECT_EQ(refusal(path), path + ": cannot be written: Permission denied");
+  {
+    const WithoutPrivileges nobody;
+    EXPECT_EQ(refusal(path), path + ": cannot be written: Permission denied");
+  }
   fs::permissions(folder.path(), fs::perms::owner_all);
   EXPECT_THAT(folder.names(), IsEmpty());
 }

@@ -55,7 +55,7 @@ Scenario shortened(Scenario scenario, double seconds) {
 }
 
 // The sanitizers make it fifty times slower: there the first seconds must do.
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef SMASERVO_SANITIZED
 constexpr bool whole = false;
 #else
 constexpr bool whole = true;

@@ -20,5 +20,7 @@ endif()
 if(SMASERVO_SANITIZE)
   target_compile_options(smaservo_options INTERFACE
     -fsanitize=${SMASERVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # Tests that would take minutes are shorter then.
+  target_compile_definitions(smaservo_options INTERFACE SMASERVO_SANITIZED)
   target_link_options(smaservo_options INTERFACE -fsanitize=${SMASERVO_SANITIZE})
 endif()

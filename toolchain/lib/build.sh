@@ -140,15 +140,15 @@ test_preset() {
   counted=$(sed -nE 's/^100% tests passed, .* out of ([0-9]+)$/\1 tests/p' "$logs/$preset-test.log")
   local skipped
   skipped=$(grep -cE '\(Skipped\)$' "$logs/$preset-test.log" || true)
-  [[ $skipped == 0 ]] || counted+=", $skipped of them skipped (no measured data)"
+  [[ $skipped == 0 ]] || counted+=", $skipped of them skipped: see build/logs/$preset-test.log"
 }
 
 run_test() {
   local preset
   case ${1:-all} in
-    all) set -- release clang asan ;;
-    dev | release | clang | asan) ;;
-    *) die "test: unknown preset: $1 (dev, release, clang, asan)" ;;
+    all) set -- release sanitize ;;
+    dev | release | sanitize) ;;
+    *) die "test: unknown preset: $1 (dev, release, sanitize)" ;;
   esac
   timed setup run_setup
   for preset in "$@"; do

@@ -51,7 +51,7 @@ sources_to_tidy() {
     (cd "$here" && realpath -z -- "$@")
     return
   fi
-  local database=$root/build/clang/compile_commands.json
+  local database=$root/build/sanitize/compile_commands.json
   our_files '*.cpp' | while IFS= read -r -d '' file; do
     # Those that no target compiles have no flags.
     if grep -qF "\"file\": \"$root/$file\"" "$database"; then
@@ -79,7 +79,7 @@ tidy_key() {
 
 # Looks at one source, unless it was clean before and nothing has changed.
 tidy_one() {
-  local file=$1 build=$root/build/clang key
+  local file=$1 build=$root/build/sanitize key
   local stamp=$root/build/tidy/${file//\//-}
   key=$(tidy_key "$file" "$build/compile_commands.json" 2>/dev/null) || key=''
   if [[ -n $key && -f $stamp && $(<"$stamp") == "$key" ]]; then
@@ -90,7 +90,7 @@ tidy_one() {
 }
 
 check_tidy() {
-  configure clang || return
+  configure sanitize || return
   local log=$logs/tidy.log
   mkdir -p "$root/build/tidy"
   export -f tidy_one tidy_key

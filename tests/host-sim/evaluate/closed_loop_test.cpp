@@ -36,6 +36,8 @@ TEST(ClosedLoopEvaluation, TheDeviceHoldsWhatTheOthersDoNot) {
     EXPECT_LT(ideal.error.mean(), 0.3);
     EXPECT_LT(device.error.mean(), resistance.error.mean());
     EXPECT_EQ(device.cycles, 0);
+    EXPECT_TRUE(device.trips.empty());
+    EXPECT_TRUE(ideal.trips.empty());
     EXPECT_LT(device.above_limit_K, 3);
     EXPECT_EQ(ideal.cooled_in_time, static_cast<int>(ideal.cooling_s.size()));
   }
