@@ -17,7 +17,7 @@ struct Known {
   const Estimate<S>& estimate;
   const typename KalmanObserver<S>::State& filter;  ///< the most likely one: model state, air, loss
   S measured_A;
-  S supply_V;  ///< NaN where it is not measured
+  S supply_V;                                     ///< NaN where it is not measured
   S air_K = std::numeric_limits<S>::quiet_NaN();  ///< likewise
   S hot_K = S(0);  ///< the wire's temperature by HotResistance; 0: not known
 };
@@ -89,8 +89,8 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& 
   const S greatest_W = most_W_;
   most(LimitReason::power, q.power_W);
   least_W_ = most_W_ < least_W_ ? most_W_ : least_W_;
-  const S wire_K = known.estimate.temperature_K < known.hot_K ? known.hot_K
-                                                              : known.estimate.temperature_K;
+  const S wire_K =
+      known.estimate.temperature_K < known.hot_K ? known.hot_K : known.estimate.temperature_K;
   const S below_K = q.temperature_K - q.hot_spot_K - wire_K;
   most(LimitReason::temperature,
        loss_W +

@@ -8,12 +8,9 @@
 #include "host-sim/closed_loop_run.hpp"
 #include "host-sim/commands.hpp"
 #include "host-sim/evaluate/calibrate.hpp"
-#include <cstdlib>
-#include "firmware/faults/table.hpp"
 #include "host-sim/evaluate/closed_loop.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
-#include "host-sim/evaluate/hottest.hpp"
-#include "host-sim/evaluate/parallel.hpp"
+#include "host-sim/evaluate/random_scenario.hpp"
 #include "host-sim/evaluate/table.hpp"
 #include "host-sim/observers.hpp"
 #include "host-sim/output_file.hpp"
@@ -28,7 +25,7 @@ struct Arguments {
   std::string out, report, markdown;
   bool json = false;
   bool closed_loop = false;
-  int random = 0;
+  int random = 1000;
   std::optional<std::uint64_t> random_seed;
 };
 
@@ -59,27 +56,12 @@ class Stages {
   std::optional<Progress> line_;
 };
 
-/// Random scenarios alone: a number of them, or one.
-void run_random(const Arguments& a, const std::string& out) {
-  std::vector<CalibratedUnit> units;
-  for (int i = 0; i < a.options.units; ++i) {
-    for (const Family family : families) {
-      const WireUnit unit = random_unit(family, a.options.seed + static_cast<std::uint64_t>(i));
-      units.push_back({unit, calibrated_wire(unit, a.options.wires)});
-    }
-  }
-  if (a.random_seed) {
-    const RandomScenario scenario = random_scenario(units, *a.random_seed);
-    fmt::print(stderr, "{}", summary(scenario.loop, run_closed_loop(scenario.loop, {.out = out})));
-    return;
-  }
-  Progress line("random", static_cast<std::size_t>(a.random));
-  const auto runs = run_hottest(units, 100'000 * a.options.seed, a.random, a.options.threads,
-                                [&](std::size_t done) { line.step(done); });
-  fmt::print("{}", hottest_markdown(runs));
-  for (const HottestRun& r : runs) {
-    if (std::getenv("HOT")) fmt::print(stderr, "RUN {} {} {} {} {} {:.1f} {:.2f} {} {:.2f}\n", r.seed, static_cast<int>(r.mode), random_air_name(r.air), random_trouble_name(r.trouble), r.beyond, r.above_limit_K, r.at_s, fault_name(r.first_cause), r.tripped_s);
-  }
+/// One of the random scenarios, to look at.
+void run_random_scenario(const Arguments& a, std::uint64_t seed) {
+  const RandomScenario scenario =
+      random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
+  const LoopRunResult result = run_closed_loop(scenario.loop, {.out = a.out});
+  fmt::print(a.out == "-" ? stderr : stdout, "{}", summary(scenario.loop, result));
 }
 
 /// The other table: of control.
@@ -90,6 +72,7 @@ void run_closed_loop(const Arguments& a, const std::string& out) {
   options.seed = a.options.seed;
   options.threads = a.options.threads;
   options.wires = a.options.wires;
+  options.random = a.random;
   Stages stages;
   options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
     stages.update(stage, done, total);
@@ -109,8 +92,8 @@ void run_closed_loop(const Arguments& a, const std::string& out) {
 }
 
 void run(Arguments& a) {
-  if (a.random > 0 || a.random_seed) {
-    run_random(a, a.out);
+  if (a.random_seed) {
+    run_random_scenario(a, *a.random_seed);
     return;
   }
   const std::string out = json_file(a.out);
@@ -187,8 +170,11 @@ void add_evaluate_command(CLI::App& app) {
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
       ->excludes("--row", "--observer", "--set", "--report");
-  command->add_option("--random", a->random);
-  command->add_option("--random-seed", a->random_seed);
+  command->add_option("--random", a->random, "random scenarios of the closed loop")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--random-seed", a->random_seed,
+                      "only this one of them; --out takes its trace");
   command->callback([a] { run(*a); });
 }
 

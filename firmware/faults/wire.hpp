@@ -38,13 +38,15 @@ inline constexpr FaultRow wire_faults[] = {
      "A set-point out of reach, strong draught or a cold place, an estimate that is wrong.",
      "The estimated temperature and heat loss against what surrounds the wire."},
     {Fault::overheat_onset, FaultClass::L, Clears::itself, 0xFF23, "overheat_onset", 0.005,
-     "By the rise of its resistance since the transformation ended, the wire is more than 2 K above "
+     "By the rise of its resistance since the transformation ended, the wire is more than 2 K "
+     "above "
      "limits.temperature_K, whatever the estimate says; the current is reduced.",
      "Less cooling or warmer air than the observer believes: a draught has ended, a cover.",
      "What surrounds the wire; wire.heat."},
-    {Fault::overheat_signature, FaultClass::F1, Clears::command, 0xFF24, "overheat_signature", 0.02,
+    {Fault::overheat_signature, FaultClass::F1, Clears::command, 0xFF24, "overheat_signature",
+     0.005,
      "By the rise of its resistance since the transformation ended, the wire is above "
-     "trips.temperature_K, whatever the estimate says.",
+     "trips.temperature_K and still heated, whatever the estimate says.",
      "A wire that is shielded from the air, power that is measured too low, a bad crimp.",
      "What covers the wire; the gains of voltage and current; each crimp's resistance."},
     {Fault::heating_fast, FaultClass::W, Clears::itself, 0xFF25, "heating_fast", 0.002,

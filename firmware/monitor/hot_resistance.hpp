@@ -3,10 +3,9 @@
 // case that air and cooling are not what the observer believes. Power tells nothing of that.
 //
 // While there is nothing but austenite, and what the clamps keep cold, only heat raises the
-// resistance: last martensite goes and lowers it. So since the lowest resistance the wire has become
-// warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's file.
-
-#include <limits>
+// resistance: last martensite goes and lowers it. So since the lowest resistance the wire has
+// become warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's
+// file.
 
 #include "firmware/monitor/seen.hpp"
 
@@ -19,6 +18,7 @@ struct HotResistance {
   S least;          ///< lowest share
   S least_at_K;     ///< what the observer thought of the temperature there
   S temperature_K;  ///< 0: not known
+  bool heated;      ///< by enough power to keep it hot
 
   /// More than so much is no heat: the wire cools, and martensite comes, before the observer
   /// knows.
@@ -32,7 +32,10 @@ struct HotResistance {
       return;
     }
     const bool first = !(S(0) < share);
-    const S most = most_K(seen);
+    const S kept_W = net_W(seen);
+    heated = !(kept_W < S(0));
+    const S C = seen.prepared.observer.model.body.capacity_J_K;
+    const S most = heated ? S(1000) : temperature_K + kept_W * seen.dt_s / C;
     if (!seen.precise()) {
       temperature_K = first || temperature_K < most ? temperature_K : most;
       return;
@@ -65,13 +68,12 @@ struct HotResistance {
            ((a.resistivity_ohm_m + a.resistivity_ohm_m_Pa * sigma) * (S(1) + strain + strain));
   }
 
-  /// A wire that gets less than half of what it loses cools, whatever its resistance does.
-  S most_K(const Seen<S>& seen) const {
-    const ThermalBody<S>& body = seen.prepared.observer.model.body;
-    const S loss_W = least_loss * body.loss_W(temperature_K - seen.filter.ambient_K);
-    const S net_W = seen.measurement.power_W - loss_W;
-    return net_W < S(0) ? temperature_K + net_W * seen.dt_s / body.capacity_J_K
-                        : std::numeric_limits<S>::infinity();
+  /// Heat that it keeps, with half the cooling of its file. A wire that gets less cools, whatever
+  /// its resistance does.
+  S net_W(const Seen<S>& seen) const {
+    const S above_K = temperature_K - seen.filter.ambient_K;
+    return seen.measurement.power_W -
+           least_loss * seen.prepared.observer.model.body.loss_W(above_K);
   }
 };
 

@@ -13,15 +13,15 @@ struct WireMonitor {
   struct State {
     OpenHeat<S> heat;
     HotResistance<S> hot;
-    S steady_ohm;               ///< low-pass filtered; 0: not known
-    S unanswered_J;             ///< given to a wire that did not answer
-    S observed_before_J;        ///< OpenHeat's in the last step
-    S before_K;                 ///< the estimate in the last step
-    bool was_sure;              ///< and whether it was one
-    S innovation_ohm;           ///< low-pass filtered
-    S slips;                    ///< seen, forgotten within 10 s
-    bool slipping;              ///< the last step already was in one
-    bool contracted;            ///< the half of a cycle that it is in
+    S steady_ohm;          ///< low-pass filtered; 0: not known
+    S unanswered_J;        ///< given to a wire that did not answer
+    S observed_before_J;   ///< OpenHeat's in the last step
+    S before_K;            ///< the estimate in the last step
+    bool was_sure;         ///< and whether it was one
+    S innovation_ohm;      ///< low-pass filtered
+    S slips;               ///< seen, forgotten within 10 s
+    bool slipping;         ///< the last step already was in one
+    bool contracted;       ///< the half of a cycle that it is in
     std::uint32_t cycles;  ///< full ones; a machine that keeps count puts the stored number here
   };
 
@@ -152,7 +152,7 @@ void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
   s.hot.advance(seen);
   const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
   now.add(Fault::overheat_onset, q.limits.temperature_K + beyond_K < hottest_K);
-  now.add(Fault::overheat_signature, q.trips.temperature_K < hottest_K);
+  now.add(Fault::overheat_signature, s.hot.heated && q.trips.temperature_K < hottest_K);
 }
 
 template <class S>

@@ -120,14 +120,15 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
     return std::string_view(r.beyond ? "beyond the limits" : "within the limits");
   });
   text += lines(runs, "air", [](const HottestRun& r) { return random_air_name(r.air); });
-  text += lines(runs, "trouble", [](const HottestRun& r) { return random_trouble_name(r.trouble); });
+  text +=
+      lines(runs, "trouble", [](const HottestRun& r) { return random_trouble_name(r.trouble); });
   text += "\nFirst trips:";
   for (const auto& [name, count] : causes) {
     text += fmt::format(" {} {}{}", name, count, name == causes.rbegin()->first ? ".\n" : ",");
   }
-  std::vector<HottestRun> worst(sorted.rbegin(),
-                                sorted.rbegin() + static_cast<std::ptrdiff_t>(
-                                                      std::min(most_named, sorted.size())));
+  std::vector<HottestRun> worst(
+      sorted.rbegin(),
+      sorted.rbegin() + static_cast<std::ptrdiff_t>(std::min(most_named, sorted.size())));
   std::erase_if(worst, [](const HottestRun& r) { return !r.violates(); });
   for (const HottestRun& r : worst) {
     text += fmt::format("\n- seed {}: {:.1f} K at {:.2f} s, {}, {}, {}{}", r.seed, r.above_limit_K,

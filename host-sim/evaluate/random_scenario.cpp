@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host-sim/device_names.hpp"
+#include "host-sim/evaluate/calibrate.hpp"
 #include "host-sim/evaluate/dice.hpp"
 #include "host-sim/settings_file.hpp"
 #include "model/plant.hpp"
@@ -20,9 +21,9 @@ constexpr double zero_degC_K = 273.15;
 constexpr std::array<std::string_view, random_air_count> air_names{"still", "draught", "gusts",
                                                                    "shielded", "ambient step"};
 constexpr std::array<std::string_view, random_trouble_count> trouble_names{
-    "none",    "load change", "load lost",   "stuck",       "offset",
-    "noise",   "gain",        "missing",     "lost frames", "weak supply",
-    "weak converter", "broken", "shorted", "slip",  "reboot"};
+    "none",           "load change", "load lost", "stuck",       "offset",
+    "noise",          "gain",        "missing",   "lost frames", "weak supply",
+    "weak converter", "broken",      "shorted",   "slip",        "reboot"};
 constexpr std::array<std::string_view, 3> sensor_names{"current", "voltage", "load"};
 
 /// Draws one scenario, part after part; the order of the draws is that of the calls.
@@ -57,8 +58,8 @@ class Draw {
   double sign() { return dice_.coin() ? 1 : -1; }
   template <class... Parts>
   void note(fmt::format_string<Parts...> text, Parts&&... parts) {
-    loop().note += (loop().note.empty() ? "" : ", ") +
-                   fmt::format(text, std::forward<Parts>(parts)...);
+    loop().note +=
+        (loop().note.empty() ? "" : ", ") + fmt::format(text, std::forward<Parts>(parts)...);
   }
 
   /// The truth, and the file that the device has of it.
@@ -67,8 +68,7 @@ class Draw {
     PlantSetup& plant = loop().plant;
     plant.seed = dice_.seed();
     if (chance(0.8)) {
-      plant.family =
-          known.unit.family == Family::ihyp ? PlantFamily::ihyp : PlantFamily::sublayers;
+      plant.family = known.unit.family == Family::ihyp ? PlantFamily::ihyp : PlantFamily::sublayers;
       plant.wire = known.unit.wire;
       plant.scatter_K = known.unit.scatter_K;
       plant.sublayers = known.unit.sublayers;
@@ -143,8 +143,8 @@ class Draw {
         break;
       case 1: {
         const double amplitude_Pa = dice_.uniform(0, 0.3) * low_Pa_;
-        b.load = VaryingLoad{low_Pa_, amplitude_Pa, log_uniform(0.3, 10), 0.02 * low_Pa_,
-                             0.5 * low_Pa_};
+        b.load =
+            VaryingLoad{low_Pa_, amplitude_Pa, log_uniform(0.3, 10), 0.02 * low_Pa_, 0.5 * low_Pa_};
         note("{:.0f} MPa varying by {:.0f}", low_Pa_ / MPa, amplitude_Pa / MPa);
         break;
       }
@@ -201,8 +201,9 @@ class Draw {
   }
 
   void trouble() {
-    result_.trouble = chance(0.4) ? RandomTrouble::none
-                                  : static_cast<RandomTrouble>(1 + choice(random_trouble_count - 1));
+    result_.trouble = chance(0.4)
+                          ? RandomTrouble::none
+                          : static_cast<RandomTrouble>(1 + choice(random_trouble_count - 1));
     if (result_.trouble == RandomTrouble::none) {
       return;
     }
@@ -272,15 +273,16 @@ class Draw {
         break;
       case RandomTrouble::offset:
         spoilt = {SensorFault::offset, 0};
-        amount = sign() * std::array{log_uniform(0.5e-3, 50e-3), log_uniform(0.01, 3),
-                                     log_uniform(0.02, 1)}
-                              .at(which);
+        amount =
+            sign() *
+            std::array{log_uniform(0.5e-3, 50e-3), log_uniform(0.01, 3), log_uniform(0.02, 1)}.at(
+                which);
         break;
       case RandomTrouble::noise:
         spoilt = {SensorFault::noise, 0};
-        amount = std::array{log_uniform(0.05e-3, 5e-3), log_uniform(1e-3, 0.1),
-                            log_uniform(0.01, 0.2)}
-                     .at(which);
+        amount =
+            std::array{log_uniform(0.05e-3, 5e-3), log_uniform(1e-3, 0.1), log_uniform(0.01, 0.2)}
+                .at(which);
         break;
       case RandomTrouble::gain:
         spoilt = {SensorFault::gain, 0};
@@ -315,9 +317,9 @@ class Draw {
       case Mode::resistance:
         return ohm * (beyond ? dice_.uniform(0.5, 1.4) : dice_.uniform(0.9, 1));
       case Mode::temperature:
-        return beyond ? device().limits.temperature_K + dice_.uniform(-20, 80)
-                      : dice_.uniform(320, device().limits.temperature_K -
-                                               device().limits.hot_spot_K);
+        return beyond
+                   ? device().limits.temperature_K + dice_.uniform(-20, 80)
+                   : dice_.uniform(320, device().limits.temperature_K - device().limits.hot_spot_K);
       case Mode::position:
         return (device().axis.zero_strain - strain) * known_.geometry.length_m;
       case Mode::force:
@@ -407,6 +409,18 @@ std::string_view random_air_name(RandomAir air) {
 
 std::string_view random_trouble_name(RandomTrouble trouble) {
   return trouble_names.at(static_cast<std::size_t>(trouble));
+}
+
+std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
+                                             const std::string& folder) {
+  std::vector<CalibratedUnit> units;
+  for (int i = 0; i < of_each; ++i) {
+    for (const Family family : families) {
+      const WireUnit unit = random_unit(family, seed + static_cast<std::uint64_t>(i));
+      units.push_back({unit, calibrated_wire(unit, folder)});
+    }
+  }
+  return units;
 }
 
 RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed) {

@@ -17,6 +17,10 @@ struct CalibratedUnit {
   Wire<double> wire;
 };
 
+/// So many of each family, from this seed on; those that the folder has not are calibrated.
+std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
+                                             const std::string& folder);
+
 /// The air around the wire.
 enum class RandomAir : unsigned char { still, draught, gusts, shielded, ambient_step };
 inline constexpr std::size_t random_air_count = 5;

@@ -146,7 +146,16 @@ inline std::vector<Provoker> heat_provokers() {
        },
        0.1},
       {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.4},
-      {Fault::overheat_signature, resistance_rises(1.013), allow_hotter, 0.4},
+      // And the driver stays at the current that it was given.
+      {Fault::overheat_signature,
+       [](Rig& rig) {
+         resistance_rises(1.013)(rig);
+         rig.tamper_drive = [most_A = 0.0](double A) mutable {
+           most_A = std::min(std::max(most_A, A), 0.15);
+           return while_given(A, std::max(A, most_A));
+         };
+       },
+       allow_hotter, 0.4},
       {Fault::heating_fast, full_power, gentle, 0.06},
       {Fault::heating_rate, full_power,
        [gentle](Settings<double>& s) {
@@ -217,7 +226,10 @@ inline std::vector<Provoker> estimate_provokers() {
       {Fault::model_divergence,
        [](Rig& rig) {
          give_current(rig, rig.out.current_A);
-         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V *= 0.7; };
+         // Slowly enough to be no jump.
+         rig.tamper_inputs = [&rig, start = rig.steps](Readings& in) {
+           in.sample.voltage_V *= std::max(0.7, 1 - 0.004 * (rig.steps - start));
+         };
        },
        [](Settings<double>& s) {
          s.limits.temperature_K = 590;
