@@ -1,6 +1,7 @@
 #include "host-sim/evaluate/hottest.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <map>
@@ -16,7 +17,7 @@ constexpr std::size_t most_named = 20;
 
 double quantile(const std::vector<HottestRun>& sorted, double share) {
   const auto last = static_cast<double>(sorted.size() - 1);
-  return sorted[static_cast<std::size_t>(share * last + 0.5)].above_limit_K;
+  return sorted[static_cast<std::size_t>(std::lround(share * last))].above_limit_K;
 }
 
 /// How many there are, how many violate, the worst.
@@ -43,8 +44,8 @@ std::string line(std::string_view what, const Tally& t) {
 }
 
 /// A line for each class.
-template <class Name>
-std::string lines(const std::vector<HottestRun>& runs, std::string_view kind, Name name) {
+std::string lines(const std::vector<HottestRun>& runs, std::string_view kind,
+                  std::string_view (*name)(const HottestRun&)) {
   std::map<std::string_view, Tally> classes;
   for (const HottestRun& run : runs) {
     classes[name(run)].add(run);
