@@ -26,10 +26,14 @@ struct HottestRun {
   double tripped_s;      ///< when; infinite: never
 
   bool violates() const { return above_limit_K > hottest_allowed_K; }
-  /// Nothing happened to the wire and nothing was asked that it can not do.
+  /// Nothing happened to the wire and nothing was asked beyond its limits.
   bool harmless() const {
     return !beyond && trouble == RandomTrouble::none &&
            (air == RandomAir::still || air == RandomAir::draught);
+  }
+  /// What the current limit or a draught leaves out of reach ends with a following error.
+  bool false_alarm() const {
+    return harmless() && first_cause != Fault::none && first_cause != Fault::following_error;
   }
 };
 
