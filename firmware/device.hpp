@@ -120,13 +120,19 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                      s.observing,
                      s.monitor.zero.known()};
   const Verdict v = protect(seen, s);
-  Output<S> out{};
+  Output<S> out;
+  out.current_A = S(0);
+  out.voltage_V = S(0);
   out.state = v.state;
   out.mode = Mode::off;
+  out.setpoint = S(0);
+  out.reference = S(0);
+  out.power_W = S(0);
   out.measurement = m;
   out.estimate = e;
   out.ambient_K = filter.ambient_K;
   out.hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K;
+  out.limit_reasons = 0;
   out.active = v.active;
   out.latched = v.latched;
   out.first_cause = s.supervisor.first_cause;

@@ -22,12 +22,7 @@ std::string data_block(const std::vector<LoopPoint>& points) {
         p.time_s,     p.setpoint_percent, p.reference_percent, p.strain_percent, p.estimate_percent,
         p.current_A,  p.power_W,          p.wire_degC,         p.hot_spot_degC,  p.hottest_degC,
         p.stress_MPa, p.other_setpoint,   p.other_measured};
-    const char* between = "";
-    for (const double value : columns) {
-      text += between + plotted(value);
-      between = " ";
-    }
-    text += '\n';
+    text += plotted_row(columns);
   }
   return text + "EOD\n";
 }

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "firmware/board_io.hpp"
@@ -131,14 +132,23 @@ class CommandReader {
   std::array<std::size_t, columns.size()> positions_{};
 };
 
+/// The finite number that a text is, all of it; none for other texts.
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  const char* const stop = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), stop, value);
+  const bool whole = error == std::errc{} && at == stop && std::isfinite(value);
+  return whole ? std::optional(value) : std::nullopt;
+}
+
 /// The outputs beside those that the trace has.
 class Comparison {
  public:
-  explicit Comparison(const std::vector<std::string>& names) {
+  Comparison(const std::vector<std::string>& names, double tolerance) : tolerance_(tolerance) {
     for (const DeviceColumn& column : output_columns()) {
       const auto found = std::ranges::find(names, column.name);
       if (found != names.end()) {
-        pairs_.push_back({column, static_cast<std::size_t>(found - names.begin()), {}});
+        pairs_.push_back({column, static_cast<std::size_t>(found - names.begin())});
         pairs_.back().difference.column = column.name;
       }
     }
@@ -152,7 +162,10 @@ class Comparison {
       const std::string_view recorded = fields.at(pair.position);
       if (now_ != recorded) {
         differs = true;
-        note(pair.difference, recorded, turn.time_s);
+        note(pair, recorded, turn.time_s);
+      }
+      if (tolerance_ > 0) {
+        pair.span(recorded);
       }
     }
     differing_rows_ += differs ? 1U : 0U;
@@ -160,10 +173,13 @@ class Comparison {
 
   void finish(DeviceReplayResult& result) {
     result.differing_rows = differing_rows_;
-    for (const Pair& pair : pairs_) {
-      result.compared.push_back(pair.difference.column);
-      if (pair.difference.rows > 0) {
-        result.differences.push_back(pair.difference);
+    for (Pair& pair : pairs_) {
+      OutputDifference& difference = pair.difference;
+      result.compared.push_back(difference.column);
+      if (difference.rows > 0) {
+        difference.tolerated = tolerance_ > 0 && pair.numbers &&
+                               difference.greatest <= tolerance_ * (pair.most - pair.least);
+        result.differences.push_back(difference);
       }
     }
   }
@@ -172,25 +188,36 @@ class Comparison {
   struct Pair {
     DeviceColumn column;
     std::size_t position;
-    OutputDifference difference;
+    OutputDifference difference{};
+    bool numbers = true;  // wherever they differ
+    double least = std::numeric_limits<double>::infinity();
+    double most = -least;
+
+    void span(std::string_view recorded) {
+      if (const std::optional<double> value = number_in(recorded)) {
+        least = std::min(least, *value);
+        most = std::max(most, *value);
+      }
+    }
   };
 
-  void note(OutputDifference& difference, std::string_view recorded, double time_s) const {
+  void note(Pair& pair, std::string_view recorded, double time_s) const {
+    OutputDifference& difference = pair.difference;
     if (difference.rows++ == 0) {
       difference.first_s = time_s;
       difference.recorded = recorded;
       difference.now = now_;
     }
-    double a = 0;
-    double b = 0;
-    const bool numbers =
-        std::from_chars(recorded.data(), recorded.data() + recorded.size(), a).ec == std::errc{} &&
-        std::from_chars(now_.data(), now_.data() + now_.size(), b).ec == std::errc{};
-    if (numbers) {
-      difference.greatest = std::max(difference.greatest, std::abs(a - b));
+    const std::optional<double> before = number_in(recorded);
+    const std::optional<double> now = number_in(now_);
+    if (before && now) {
+      difference.greatest = std::max(difference.greatest, std::abs(*before - *now));
+    } else {
+      pair.numbers = false;
     }
   }
 
+  double tolerance_;
   std::vector<Pair> pairs_;
   std::string now_;
   std::uint64_t differing_rows_ = 0;
@@ -247,7 +274,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   TraceReader reader(options.trace, trace_options);
   const std::vector<std::string> names = reader.names();
   const CommandReader commands(options.trace, names);
-  Comparison comparison(names);
+  Comparison comparison(names, options.tolerance);
   std::unique_ptr<ReplayFile> file;
   if (!options.out.empty()) {
     file = std::make_unique<ReplayFile>(options.out, reader);
@@ -295,6 +322,10 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   return result;
 }
 
+bool agrees(const DeviceReplayResult& result) {
+  return std::ranges::all_of(result.differences, &OutputDifference::tolerated);
+}
+
 std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult& result) {
   std::string text = fmt::format("{}: {} rows, {:.4g} s\n",
                                  options.trace == "-" ? "standard input" : options.trace,
@@ -316,8 +347,8 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
   text += fmt::format("{:<20}{:>10}{:>12}{:>14}  {}\n", "output", "rows", "first at s", "greatest",
                       "first one: in the trace, now");
   for (const OutputDifference& d : result.differences) {
-    text += fmt::format("{:<20}{:>10}{:>12.6g}{:>14.4g}  '{}', '{}'\n", d.column, d.rows, d.first_s,
-                        d.greatest, d.recorded, d.now);
+    text += fmt::format("{:<20}{:>10}{:>12.6g}{:>14.4g}  '{}', '{}'{}\n", d.column, d.rows,
+                        d.first_s, d.greatest, d.recorded, d.now, d.tolerated ? ", tolerated" : "");
   }
   return text;
 }

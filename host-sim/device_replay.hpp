@@ -14,7 +14,8 @@ struct DeviceReplayOptions {
   std::string trace;  ///< path, "-" for standard input
   TraceOptions trace_options;
   Settings<double> settings;
-  std::string out;  ///< CSV, "-" for standard output; empty: none
+  std::string out;       ///< CSV, "-" for standard output; empty: none
+  double tolerance = 0;  ///< of numbers, share of their range in the trace; texts must be the same
 };
 
 /// How an output came out beside what the trace has of it.
@@ -24,6 +25,7 @@ struct OutputDifference {
   double first_s = 0;         ///< time of the first one
   std::string recorded, now;  ///< texts of the first one
   double greatest = 0;        ///< of numbers; 0 for texts
+  bool tolerated = false;     ///< all of them
 };
 
 struct DeviceReplayResult {
@@ -39,6 +41,9 @@ struct DeviceReplayResult {
 /// command_fresh every row has a fresh command, gains are scaled by 1, nothing is cleared and no
 /// deadline missed. Throws UserError, TraceError.
 DeviceReplayResult replay_device(const DeviceReplayOptions& options);
+
+/// No output differs, or only within the tolerance.
+bool agrees(const DeviceReplayResult& result);
 
 /// The result for a terminal.
 std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult& result);

@@ -122,4 +122,12 @@ std::string plotted(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "NaN";
 }
 
+std::string plotted_row(std::span<const double> values) {
+  std::string row;
+  for (const double value : values) {
+    row += (row.empty() ? "" : " ") + plotted(value);
+  }
+  return row + '\n';
+}
+
 }  // namespace smaservo

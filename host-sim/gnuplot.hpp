@@ -1,6 +1,7 @@
 #pragma once
 // Pictures by gnuplot.
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,5 +30,7 @@ std::string draw_surface(const Axes& axes, const std::string& data, const std::s
 
 /// As gnuplot reads it; what is not finite leaves a gap.
 std::string plotted(double value);
+/// These as a row of a data block.
+std::string plotted_row(std::span<const double> values);
 
 }  // namespace smaservo

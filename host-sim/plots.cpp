@@ -27,12 +27,7 @@ std::string data_block(const std::vector<PlotPoint>& points) {
                               p.martensite + p.r_phase,
                               p.current_A,
                               p.stress_MPa};
-    const char* between = "";
-    for (const double value : columns) {
-      text += between + plotted(value);
-      between = " ";
-    }
-    text += '\n';
+    text += plotted_row(columns);
   }
   return text + "EOD\n";
 }

@@ -20,21 +20,24 @@ struct Arguments {
   std::string report;
   std::string device;
   bool allow_differences = false;
+  std::optional<double> tolerance;
   bool json = false;
   std::optional<double> stress_MPa, ambient_degC;
   std::optional<double> period_s;
 };
 
 void run_device(const Arguments& a) {
+  require("--tolerance", a.tolerance, 0, 1);
   DeviceReplayOptions options{a.options.trace, a.options.trace_options,
-                              load_settings_file(a.device), a.options.out};
+                              load_settings_file(a.device), a.options.out, a.tolerance.value_or(0)};
   options.trace_options.period_s = a.period_s.value_or(0);
   refuse_to_overwrite(options.trace, options.out);
   refuse_to_overwrite(a.device, options.out);
   const DeviceReplayResult result = replay_device(options);
   fmt::print(options.out == "-" ? stderr : stdout, "{}", summary(options, result));
-  if (result.differing_rows > 0 && !a.allow_differences) {
-    throw UserError(fmt::format("{}: the outputs differ from those in the trace", options.trace));
+  if (!agrees(result) && !a.allow_differences) {
+    throw UserError(fmt::format("{}: the outputs differ from those in the trace{}", options.trace,
+                                a.tolerance ? " by more than the tolerance" : ""));
   }
 }
 
@@ -133,6 +136,12 @@ void add_replay_command(CLI::App& app) {
       ->add_flag("--allow-differences", a->allow_differences,
                  "end well where the outputs differ from the trace's")
       ->needs("--device");
+  command
+      ->add_option("--tolerance", a->tolerance,
+                   "let numbers differ by so large a share of their range in the trace, where "
+                   "another machine or compiler wrote it")
+      ->needs("--device")
+      ->excludes("--allow-differences");
   command->callback([a] { run(*a); });
 }
 

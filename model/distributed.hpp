@@ -9,6 +9,7 @@
 #include "model/convection.hpp"
 #include "model/kinetics.hpp"
 #include "model/material.hpp"
+#include "model/three_phase_row.hpp"
 #include "model/wire.hpp"
 
 namespace smaservo {
@@ -32,9 +33,17 @@ struct DistributedPlant {
     ConvectionTable<S> convection;
   };
 
+  /// What the segments' states say, side by side: loops over it run in vector registers.
+  struct Profile {
+    PerSegment<S> temperature_K, martensite, r_phase;
+    S stress_Pa;  ///< the same in all segments
+  };
+
   struct State {
     PerSegment<typename K::State> kinetics;
     PerSegment<S> heat_J;  ///< what a segment's last linearisation could not place
+    Profile profile;       ///< of `kinetics`
+    typename Row<K, segments>::Kept kept;
   };
 
   /// What surrounds the wire during one step.
@@ -49,11 +58,20 @@ struct DistributedPlant {
       s.kinetics[i] = K::rest(p.kinetics[i], u);
       s.heat_J[i] = S(0);
     }
+    s.profile = profile_of(s.kinetics);
     return s;
   }
 
+  /// Without heat balance: all segments go to this drive.
+  static void soak(const Params& p, State& s, const Drive<S>& u) {
+    for (std::size_t i = 0; i < segments; ++i) {
+      K::advance(p.kinetics[i], s.kinetics[i], u);
+    }
+    s.profile = profile_of(s.kinetics);
+  }
+
   static S strain(const Params& p, const State& s) {
-    const PerSegment<S> each = strains(p, profile(s));
+    const PerSegment<S> each = strains(p, s.profile);
     S sum = S(0);
     for (std::size_t i = 0; i < segments; ++i) {
       sum = sum + each[i] * p.length_m[i];
@@ -63,14 +81,14 @@ struct DistributedPlant {
 
   static S resistance_ohm(const Params& p, const State& s) {
     S sum = S(0);
-    for (const S& each_ohm : resistances_ohm(p, profile(s))) {
+    for (const S& each_ohm : resistances_ohm(p, s.profile)) {
       sum = sum + each_ohm;
     }
     return sum;
   }
 
   static S temperature_K(const State& s, std::size_t segment) {
-    return K::drive(s.kinetics[segment]).temperature_K;
+    return s.profile.temperature_K[segment];
   }
 
   /// As Plant::advance() for each segment, with the conduction between neighbours solved along
@@ -78,13 +96,16 @@ struct DistributedPlant {
   /// Chu's times `draught`, taken at the step's start.
   static void advance(const Params& p, State& s, const S& current_A, const Surroundings& around,
                       const S& draught, const S& dt_s) {
-    const Profile before = profile(s);
+    const Profile before = s.profile;
     const Balance b = balance(p, s, before, current_A, around, draught, dt_s);
     const PerSegment<S> dT = solve(b);
+    PerSegment<S> to_K;
     for (std::size_t i = 0; i < segments; ++i) {
-      K::advance(p.kinetics[i], s.kinetics[i], {before.temperature_K[i] + dT[i], around.stress_Pa});
+      to_K[i] = before.temperature_K[i] + dT[i];
     }
-    const Profile after = profile(s);
+    Row<K, segments>::advance(p.kinetics, s.kinetics, s.kept, to_K, around.stress_Pa);
+    s.profile = profile_of(s.kinetics);
+    const Profile& after = s.profile;
     const PerLink flow_J = flows_J(b, dT, S(0));
     for (std::size_t i = 0; i < segments; ++i) {
       // The specific heat is a line: its mean over the step is that of the step's middle.
@@ -98,21 +119,15 @@ struct DistributedPlant {
   }
 
  private:
-  /// What the segments' states say, side by side: loops over it run in vector registers.
-  struct Profile {
-    PerSegment<S> temperature_K, martensite, r_phase;
-    S stress_Pa;  ///< the same in all segments
-  };
-
-  static Profile profile(const State& s) {
+  static Profile profile_of(const PerSegment<typename K::State>& kinetics) {
     Profile now;
     for (std::size_t i = 0; i < segments; ++i) {
-      const Phases<S> z = K::phases(s.kinetics[i]);
-      now.temperature_K[i] = temperature_K(s, i);
+      const Phases<S> z = K::phases(kinetics[i]);
+      now.temperature_K[i] = K::drive(kinetics[i]).temperature_K;
       now.martensite[i] = z.martensite;
       now.r_phase[i] = z.r_phase;
     }
-    now.stress_Pa = K::drive(s.kinetics[0]).stress_Pa;
+    now.stress_Pa = K::drive(kinetics[0]).stress_Pa;
     return now;
   }
 
@@ -125,7 +140,7 @@ struct DistributedPlant {
     PerLink link_J_K;
   };
 
-  static Balance balance(const Params& p, const State& s, const Profile& now, const S& current_A,
+  static Balance balance(const Params& p, State& s, const Profile& now, const S& current_A,
                          const Surroundings& around, const S& draught, const S& dt_s) {
     Balance b;
     const S area = p.geometry.area_m2();
@@ -148,13 +163,16 @@ struct DistributedPlant {
                     b.loss_J_K[i] * (now.temperature_K[i] - around.ambient_K) - flow_J[i] +
                     flow_J[i + 1];
     }
+    PerSegment<Heading> heading;
     for (std::size_t i = 0; i < segments; ++i) {
-      const Heading heading = S(0) < b.heat_J[i] ? Heading::heating : Heading::cooling;
-      const PhaseRates<S> rates = K::rates(p.kinetics[i], s.kinetics[i], heading);
+      heading[i] = S(0) < b.heat_J[i] ? Heading::heating : Heading::cooling;
+    }
+    const auto rates = Row<K, segments>::rates(p.kinetics, s.kinetics, s.kept, heading);
+    for (std::size_t i = 0; i < segments; ++i) {
       const ThermalBody<S> body{b.mass_kg[i] * specific_heat_J_kgK(p, now.temperature_K[i]),
                                 b.mass_kg[i] * p.heat.latent_m2a_J_kg,
                                 b.mass_kg[i] * p.heat.latent_r2a_J_kg, S(0), S(0)};
-      b.effective_J_K[i] = body.effective_capacity_J_K(rates);
+      b.effective_J_K[i] = body.effective_capacity_J_K(rates[i]);
     }
     return b;
   }

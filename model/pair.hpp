@@ -6,6 +6,7 @@
 #include <concepts>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace smaservo {
 
@@ -15,7 +16,18 @@ constexpr S select(bool condition, const S& yes, const S& no) {
   return condition ? yes : no;
 }
 
-/// Any scalar (automatic differentiation, fixed point): one lane after the other.
+/// Whether a comparison of two pairs holds in one lane at least.
+template <class Lanes>
+  requires requires(Lanes lanes) { lanes[0] | lanes[1]; }
+constexpr bool any(Lanes mask) {
+  return (mask[0] | mask[1]) != 0;
+}
+
+constexpr bool any(bool condition) {
+  return condition;
+}
+
+/// Any scalar (automatic differentiation, fixed point, pairs again): one lane after the other.
 template <class S>
 class Pair {
  public:
@@ -31,8 +43,8 @@ class Pair {
   constexpr const S& second() const { return second_; }
 
   struct Mask {
-    bool first, second;
-    friend constexpr bool any(const Mask& mask) { return mask.first || mask.second; }
+    decltype(std::declval<S>() < std::declval<S>()) first, second;
+    friend constexpr bool any(const Mask& mask) { return any(mask.first) || any(mask.second); }
   };
 
   friend constexpr Pair operator+(const Pair& a, const Pair& b) {
@@ -54,8 +66,9 @@ class Pair {
     using std::sqrt;
     return {sqrt(a.first_), sqrt(a.second_)};
   }
-  friend constexpr Pair select(Mask condition, const Pair& yes, const Pair& no) {
-    return {condition.first ? yes.first_ : no.first_, condition.second ? yes.second_ : no.second_};
+  friend constexpr Pair select(const Mask& condition, const Pair& yes, const Pair& no) {
+    return {select(condition.first, yes.first_, no.first_),
+            select(condition.second, yes.second_, no.second_)};
   }
 
  private:
@@ -66,13 +79,6 @@ namespace detail {
 using FloatLanes [[gnu::vector_size(2 * sizeof(float))]] = float;
 using DoubleLanes [[gnu::vector_size(2 * sizeof(double))]] = double;
 }  // namespace detail
-
-/// Whether a comparison of two pairs holds in one lane at least.
-template <class Lanes>
-  requires requires(Lanes lanes) { lanes[0] | lanes[1]; }
-constexpr bool any(Lanes mask) {
-  return (mask[0] | mask[1]) != 0;
-}
 
 /// float and double: both lanes in one vector register, by the GCC and Clang vector extension.
 template <std::floating_point S>

@@ -41,11 +41,16 @@ struct Plant {
     return smaservo::strain(p.material, p.ends.average(phases(s)), K::drive(s.kinetics).stress_Pa);
   }
   static S resistance_ohm(const Params& p, const State& s, const S& ambient_K) {
-    const Drive<S> u = K::drive(s.kinetics);
+    return resistance_ohm(p, phases(s), K::drive(s.kinetics), ambient_K);
+  }
+  /// Of a wire whose middle is at `u` and has these phases.
+  static S resistance_ohm(const Params& p, const Phases<S>& phases, const Drive<S>& u,
+                          const S& ambient_K) {
     const Drive<S> average{p.ends.average_K(u.temperature_K, ambient_K), u.stress_Pa};
-    const Phases<S> z = p.ends.average(phases(s));
+    const Phases<S> z = p.ends.average(phases);
     return smaservo::resistance_ohm(resistivity(p.material, z, average).value,
-                                    p.length_per_area_1_m, strain(p, s));
+                                    p.length_per_area_1_m,
+                                    smaservo::strain(p.material, z, u.stress_Pa));
   }
 
   /// dt_s > 0, meant for 10 us to 20 ms. Latent heat enters through the effective heat capacity,

@@ -83,6 +83,14 @@ struct Isobar {
   }
 };
 
+template <class S>
+constexpr Isobar<Pair<S>> pair_isobars(const Isobar<S>& first, const Isobar<S>& second) {
+  return {Pair<S>(first.start_K, second.start_K),
+          Pair<S>(first.per_K, second.per_K),
+          {Pair<S>(first.shape.curvature, second.shape.curvature),
+           Pair<S>(first.shape.turning, second.shape.turning)}};
+}
+
 /// The first of two that lie side by side.
 template <class S>
 constexpr Isobar<S> first_isobar(const Isobar<Pair<S>>& both) {

@@ -154,15 +154,43 @@ struct ThreePhase {
     move<false>(p, AtCut{cut}, s, {temperature_K, cut.stress_Pa});
   }
 
+  // The same in parts, for many wires side by side (three_phase_row.hpp): what each evaluates of
+  // its curves is done for all of them at once, and brought here.
+
+  /// Curves of the processes of one heading: M2A and R2A, or A2M and A2R.
+  static Isobar<Pair<S>> curves(const Params& p, const S& stress_Pa, Heading heading) {
+    const AtStress at{p, stress_Pa};
+    return heading == Heading::heating ? pair_isobars(at.m2a(), at.r2a()) : at.a2m_a2r();
+  }
+  /// What they have left at the farthest point.
+  static Pair<S> left(const State& s) {
+    return s.heading == Heading::heating ? Pair<S>(s.reverse.m2a, s.reverse.r2a)
+                                         : s.forward.a2m_a2r;
+  }
+  /// advance(), with what curves() of the state's heading have left at `u`.
+  static void advance(const Params& p, State& s, const Drive<S>& u, const Pair<S>& left) {
+    move<false>(p, typename Curves::AtNext{{p, u.stress_Pa}, left}, s, u);
+  }
+  /// Whether rates() are more than zero.
+  static bool acts(const State& s, Heading heading) {
+    return heading == s.heading && !(s.drive.temperature_K < s.reached.temperature_K) &&
+           !(s.reached.temperature_K < s.drive.temperature_K);
+  }
+  /// rates() of a state that acts, with the slopes of curves() at left() and the stress there.
+  static PhaseRates<S> rates(const Params& p, const State& s, const Pair<S>& slopes_1_K) {
+    const AtStress at{p, s.reached.stress_Pa};
+    return s.heading == Heading::heating
+               ? rates(s, Reverse{slopes_1_K.first(), slopes_1_K.second()})
+               : rates(s, Curves::forward_slopes(p, at, s.forward, slopes_1_K));
+  }
+
   static Drive<S> drive(const State& s) { return s.drive; }
   static Phases<S> phases(const State& s) { return {s.martensite, s.r_phase}; }
 
   /// Zero where the next small step transforms nothing: against the heading, or not yet back at
   /// the farthest point.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
-    const bool there = !(s.drive.temperature_K < s.reached.temperature_K) &&
-                       !(s.reached.temperature_K < s.drive.temperature_K);
-    if (heading != s.heading || !there) {
+    if (!acts(s, heading)) {
       return {S(0), S(0)};
     }
     const AtStress at{p, s.reached.stress_Pa};
@@ -180,7 +208,7 @@ struct ThreePhase {
     Transfer transfer{S(1), S(0), S(0), S(1)};
     bool moved = false;
     if (s.heading == Heading::heating) {
-      const Reverse now = Curves::reverse_left(p, at, u.temperature_K);
+      const Reverse now = Curves::reverse_next(p, at, u.temperature_K);
       moved = Curves::falls(p, now, s.reverse);
       if (moved) {
         transfer = heat<linearise>(p, s, now);
@@ -188,7 +216,7 @@ struct ThreePhase {
         moved = turn_to_cooling(p, at, s);
       }
     } else {
-      const Forward now = Curves::forward_left(p, at, u.temperature_K);
+      const Forward now = Curves::forward_next(p, at, u.temperature_K);
       moved = Curves::falls(p, now, s.forward);
       if (moved) {
         transfer = cool<linearise>(p, s, now);

@@ -61,6 +61,11 @@ struct ThreePhaseCurves {
     const Isobar<Pair<S>>& a2m_a2r() const { return cut.a2m_a2r; }
   };
 
+  /// With what the heading's processes have left where the step goes.
+  struct AtNext : AtStress {
+    Pair<S> left;
+  };
+
   template <class Isobars>
   static Reverse reverse_left(const Params& p, const Isobars& at, const S& temperature_K) {
     const S m2a = at.m2a().remaining(temperature_K);
@@ -72,11 +77,31 @@ struct ThreePhaseCurves {
 
   template <class Isobars>
   static Forward forward_left(const Params& p, const Isobars& at, const S& temperature_K) {
-    const Pair<S> both = at.a2m_a2r().remaining(Pair<S>(temperature_K));
-    return {both, p.separate_r2m ? at.r2m().remaining(temperature_K) : both.first()};
+    return forward_left(p, at, temperature_K, at.a2m_a2r().remaining(Pair<S>(temperature_K)));
+  }
+  template <class Isobars>
+  static Forward forward_left(const Params& p, const Isobars& at, const S& temperature_K,
+                              const Pair<S>& a2m_a2r) {
+    return {a2m_a2r, p.separate_r2m ? at.r2m().remaining(temperature_K) : a2m_a2r.first()};
   }
   static Forward forward_left(const Params& p, const Drive<S>& u) {
     return forward_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
+  }
+
+  // Where a step goes, in the heading that it finds.
+  template <class Isobars>
+  static Reverse reverse_next(const Params& p, const Isobars& at, const S& temperature_K) {
+    return reverse_left(p, at, temperature_K);
+  }
+  static Reverse reverse_next(const Params& /*p*/, const AtNext& at, const S& /*temperature_K*/) {
+    return {at.left.first(), at.left.second()};
+  }
+  template <class Isobars>
+  static Forward forward_next(const Params& p, const Isobars& at, const S& temperature_K) {
+    return forward_left(p, at, temperature_K);
+  }
+  static Forward forward_next(const Params& p, const AtNext& at, const S& temperature_K) {
+    return forward_left(p, at, temperature_K, at.left);
   }
 
   static bool falls(const Params& p, const Reverse& now, const Reverse& before) {
@@ -93,8 +118,12 @@ struct ThreePhaseCurves {
   }
   template <class Isobars>
   static Forward slopes(const Params& p, const Isobars& at, const Forward& left) {
-    const Pair<S> both = at.a2m_a2r().remaining_1_K(left.a2m_a2r);
-    return {both, p.separate_r2m ? at.r2m().remaining_1_K(left.r2m) : both.first()};
+    return forward_slopes(p, at, left, at.a2m_a2r().remaining_1_K(left.a2m_a2r));
+  }
+  template <class Isobars>
+  static Forward forward_slopes(const Params& p, const Isobars& at, const Forward& left,
+                                const Pair<S>& a2m_a2r) {
+    return {a2m_a2r, p.separate_r2m ? at.r2m().remaining_1_K(left.r2m) : a2m_a2r.first()};
   }
 
   static Cut cut(const Params& p, const S& stress_Pa) {

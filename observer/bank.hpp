@@ -1,8 +1,12 @@
 #pragma once
 // Several filters that start from different ideas of where the wire is, until the resistance has
 // told which one is right. A single filter that starts from the wrong phase stays there.
+//
+// The work of a search is spread over many calls, so that each costs as much as one step of a
+// filter: observer/README.md, 'The bank'.
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,33 +23,51 @@ struct KalmanBank {
 
   static constexpr std::size_t hypotheses = 6;
 
-  struct State {
-    std::array<typename Filter::State, hypotheses> filter;
-    std::array<S, hypotheses> log_likelihood;  ///< of the resistance; a common constant is left out
-    std::array<S, hypotheses> log_weight;      ///< with log_prior(), relative to the best one
-    std::array<bool, hypotheses> at_rest;      ///< it started cold and at rest
-    std::uint8_t alive;                        ///< the first so many are in use
-    S start_ambient_K;
-    bool compared;  ///< there has been a valid resistance
-    S doubt_s;      ///< for how long the last filter has contradicted the resistance
+  /// What a filter has not been told yet.
+  struct Missed {
+    S time_s;
+    S energy_J;
   };
 
+  struct State {
+    std::array<typename Filter::State, hypotheses> filter;  ///< each with its own start: open()
+    std::array<Missed, hypotheses> missed;
+    std::array<Estimate<S>, hypotheses> last;  ///< after the filter's last step
+    std::array<S, hypotheses> log_likelihood;  ///< of the resistance; a common constant is left out
+    std::array<S, hypotheses> log_weight;      ///< with log_prior(), relative to the best one
+    std::uint8_t alive;                        ///< bit i: filter i is possible
+    std::uint8_t leader;       ///< the most likely one; as long as a search opens, that before it
+    std::uint8_t follower;     ///< of the others, the last one that made a step
+    std::uint8_t last_opened;  ///< of a search
+    std::uint8_t unopened;     ///< hypotheses of a search that are still to come
+    std::uint8_t places;       ///< at which a search has looked for R-phase
+    S most_r_phase;            ///< that it found there
+    PhaseRates<S> rest_slope;  ///< of the phases at rest
+    bool rest_slope_known;     ///< to the search
+    S others_start;            ///< log-likelihood of the hypotheses that do not start at rest
+    S start_ambient_K;
+    std::uint8_t call;  ///< of four, of a search
+    bool compared;      ///< there has been a valid resistance
+    S doubt_s;          ///< for how long the last filter has contradicted the resistance
+  };
+
+  /// Cost: one start at rest, two steps of the filter.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
 
-  /// Cost: one filter step for each hypothesis that is still possible; one, soon.
+  /// Cost: one step of one filter, or a part of the opening of a search, which is not dearer. As
+  /// long as several hypotheses are possible, they take turns, the most likely one every second
+  /// time; a step then goes over all that the filter has missed.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
 
   /// The most likely hypothesis.
-  static const typename Filter::State& likeliest(const State& s) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < s.alive; ++i) {
-      best = s.log_weight[best] < s.log_weight[i] ? i : best;
-    }
-    return s.filter[best];
-  }
+  static const typename Filter::State& likeliest(const State& s) { return s.filter[s.leader]; }
 
-  /// The mean of the hypotheses by their likelihood, with their scatter in the deviation.
-  static Estimate<S> estimate(const Params& p, const State& s);
+  /// So many hypotheses are possible.
+  static int alive(const State& s) { return std::popcount(s.alive); }
+
+  /// The mean of the hypotheses by their likelihood, with their scatter in the deviation. As long
+  /// as a search opens, the filter before it, and that nothing is sure.
+  static Estimate<S> estimate(const Params& /*p*/, const State& s) { return estimate(s); }
 
  private:
   /// A wire that was switched on is nearly always cold and at rest: exp(4) times as likely.
@@ -57,6 +79,9 @@ struct KalmanBank {
   /// Who has not seen the wire at rest does not know what its resistance was there: 2 % of 4 %
   /// stroke, for long.
   static constexpr S unseen_rest_sd = S(8e-4);
+
+  /// Of a strain that may be anywhere in a 4 % stroke: 4 %/sqrt(12).
+  static constexpr S unknown_sd = S(0.0115);
 
   /// A wire that is seen in motion has one resistance to tell phases, drift and surroundings apart:
   /// with much freedom for the last two, several starts would go on to explain everything.
@@ -73,31 +98,248 @@ struct KalmanBank {
   static constexpr S plausible_resistance_sd = S(0.01);
   static S log_prior(const typename Filter::State& f);
 
-  /// The most R-phase that a wire has on cooling.
-  static S greatest_r_phase(const Params& p, const S& stress_Pa, const S& from_K);
+  /// A search looks for the most R-phase that a wire has on cooling at so many temperatures, some
+  /// in each call.
+  static constexpr int all_places = 12;
+  static constexpr int places_in_call = 4;
+  static constexpr S place_distance_K = S(2.5);
 
   static S least(const S& a, const S& b) { return a < b ? a : b; }
+  static bool is_alive(const State& s, std::size_t i) { return (s.alive >> i & 1U) != 0; }
+  static void drop(State& s, std::size_t i) {
+    s.alive = static_cast<std::uint8_t>(s.alive & ~(1U << i));
+  }
 
+  static Estimate<S> estimate(const State& s);
   static Estimate<S> estimate_one(const Params& p, const State& s, std::size_t i);
-  static void restart(const Params& p, State& s, const Measurement<S>& m);
-  static void weigh(State& s);
+  static void begin_search(State& s, std::size_t to_open, const S& others_start);
+  static bool searching(const State& s) { return s.unopened > 0 || alive(s) > 1; }
+  static void search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
+  static void open_further(const Params& p, State& s, const Measurement<S>& m);
+  static void look_for_r_phase(const Params& p, State& s, const S& stress_Pa);
+  static void open(const Params& p, State& s, std::size_t i, const Measurement<S>& m);
+  static void place(const Params& p, State& s, std::size_t i, const Measurement<S>& m);
+  static std::uint8_t next_follower(const State& s);
+  static void follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
+                     const S& dt_s);
+  static void choose(State& s);
+  static void merge(State& s, std::size_t i);
   static bool agree(const typename Filter::State& a, const typename Filter::State& b);
+
+  /// Where heating and cooling begin to transform, and the middle.
+  struct Loop {
+    S heats_K, cools_K, between_K;
+  };
+  static Loop loop(const Params& p, const S& stress_Pa);
   static S matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
                           const S& temperature_K, bool martensite);
 };
+
+template <class S>
+auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K) -> State {
+  State s{};
+  s.start_ambient_K = ambient_K;
+  s.rest_slope = Filter::rest_slope(p, m.stress_Pa, ambient_K);
+  open(p, s, 0, m);
+  s.compared = m.resistance_valid;
+  if (s.compared) {
+    begin_search(s, hypotheses - 1, other_starts);
+  }
+  return s;
+}
+
+template <class S>
+void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+  if (!s.compared && m.resistance_valid) {
+    s.compared = true;
+    begin_search(s, hypotheses - 1, other_starts);
+  }
+  if (searching(s)) {
+    search(p, s, m, dt_s);
+    return;
+  }
+  follow(p, s, s.leader, m, dt_s);
+  s.doubt_s = Filter::contradicted(s.filter[s.leader]) ? s.doubt_s + dt_s : S(0);
+  if (S(1) < s.doubt_s && m.resistance_valid) {
+    begin_search(s, hypotheses, S(0));
+  }
+}
+
+/// The present filter leads until the last hypothesis, if all are to open, takes its place.
+template <class S>
+void KalmanBank<S>::begin_search(State& s, std::size_t to_open, const S& others_start) {
+  s.follower = s.leader;
+  s.last_opened = s.leader;
+  s.unopened = static_cast<std::uint8_t>(to_open);
+  s.places = 0;
+  s.rest_slope_known = false;
+  s.most_r_phase = S(0);
+  s.others_start = others_start;
+  s.doubt_s = S(0);
+}
+
+/// The leader makes a step in every second call, as long as the search opens in every fourth one.
+/// The other calls are for the opening, or a step of the filter whose turn it is.
+template <class S>
+void KalmanBank<S>::search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    if (is_alive(s, i)) {
+      s.missed[i].time_s = s.missed[i].time_s + dt_s;
+      s.missed[i].energy_J = s.missed[i].energy_J + m.power_W * dt_s;
+    }
+  }
+  const bool opens = s.unopened > 0 && m.resistance_valid;
+  s.call = static_cast<std::uint8_t>((s.call + 1U) % 4U);
+  if (s.call % (opens ? 4U : 2U) == 0) {
+    follow(p, s, s.leader, m, S(0));
+  } else if (opens) {
+    open_further(p, s, m);
+  } else {
+    s.follower = next_follower(s);
+    follow(p, s, s.follower, m, S(0));
+  }
+  if (s.unopened == 0) {
+    choose(s);
+  }
+}
+
+/// The leader where there is no other.
+template <class S>
+std::uint8_t KalmanBank<S>::next_follower(const State& s) {
+  for (std::size_t step = 1; step <= hypotheses; ++step) {
+    const std::size_t i = (s.follower + step) % hypotheses;
+    if (i != s.leader && is_alive(s, i)) {
+      return static_cast<std::uint8_t>(i);
+    }
+  }
+  return s.leader;
+}
+
+/// The search takes the stress that the filter knows: the measurement's may be invalid.
+template <class S>
+void KalmanBank<S>::open_further(const Params& p, State& s, const Measurement<S>& m) {
+  Measurement<S> now = m;
+  now.stress_Pa = likeliest(s).stress_Pa;
+  const auto i = static_cast<std::uint8_t>((s.last_opened + 1U) % hypotheses);
+  if (s.places < all_places) {
+    look_for_r_phase(p, s, now.stress_Pa);
+  } else if (i == 0 && !s.rest_slope_known) {
+    s.rest_slope = Filter::rest_slope(p, now.stress_Pa, s.start_ambient_K);
+    s.rest_slope_known = true;
+  } else {
+    open(p, s, i, now);
+    s.last_opened = i;
+    --s.unopened;
+  }
+}
+
+template <class S>
+void KalmanBank<S>::look_for_r_phase(const Params& p, State& s, const S& stress_Pa) {
+  const S from_K = loop(p, stress_Pa).between_K;
+  for (int i = 0; i < places_in_call; ++i) {
+    const S at_K = from_K - place_distance_K * S(s.places);
+    const S r = Filter::Kinetics::rest(p.model.kinetics, {at_K, stress_Pa}).r_phase;
+    s.most_r_phase = s.most_r_phase < r ? r : s.most_r_phase;
+    ++s.places;
+  }
+}
+
+template <class S>
+auto KalmanBank<S>::loop(const Params& p, const S& stress_Pa) -> Loop {
+  const typename Filter::Kinetics::Params& k = p.model.kinetics;
+  const S heats_K = isobar(k.m2a, stress_Pa).start_K;
+  const S cools_K = isobar(k.a2m_a2r, Pair<S>(stress_Pa)).start_K.first();
+  return {heats_K, cools_K, (heats_K + cools_K) / S(2)};
+}
+
+template <class S>
+void KalmanBank<S>::open(const Params& p, State& s, std::size_t i, const Measurement<S>& m) {
+  if (i == 0) {
+    s.filter[i] = Filter::start_at_rest(p, m, s.start_ambient_K, s.rest_slope);
+  } else {
+    place(p, s, i, m);
+  }
+  s.alive = static_cast<std::uint8_t>(s.alive | 1U << i);
+  s.last[i] = estimate_one(p, s, i);
+  s.missed[i] = {S(0), S(0)};
+  s.log_likelihood[i] = i == 0 ? S(0) : s.others_start;
+  s.log_weight[i] = s.log_likelihood[i];
+}
+
+/// Hypothesis 0 is cold and at rest. The others: about to contract; about to stretch; in the middle
+/// of a loop, R-phase or martensite with austenite; hot.
+template <class S>
+void KalmanBank<S>::place(const Params& p, State& s, std::size_t i, const Measurement<S>& m) {
+  const Loop at = loop(p, m.stress_Pa);
+  const S martensite = matching_share(p, m, s.start_ambient_K, at.between_K, true);
+  const S r_phase = matching_share(p, m, s.start_ambient_K, at.between_K, false);
+  // What the R-phase can not explain is martensite.
+  const auto mixture = [&](const S& share) {
+    const S r = least(share * r_phase, s.most_r_phase);
+    return Phases<S>{S(0.03) + (S(1) - r / r_phase) * least(martensite, S(0.95)) * S(0.97), r};
+  };
+  const auto start = [&](const S& temperature_K, const Phases<S>& z) {
+    s.filter[i] = Filter::start(p, m, s.start_ambient_K, temperature_K, z, S(0.15), S(8));
+  };
+  switch (i) {
+    case 1:
+      start(at.heats_K - S(5), {martensite, S(0.01)});
+      break;
+    case 2:
+      start(at.cools_K + S(3), mixture(S(0.4)));
+      break;
+    case 3:
+      start(at.between_K, {martensite, S(0.01)});
+      break;
+    case 4:
+      start(at.between_K, mixture(S(1)));
+      break;
+    default:
+      start(at.heats_K + S(25), {least(martensite, S(0.3)), S(0.01)});
+      break;
+  }
+  auto& P = s.filter[i].covariance;
+  P[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
+  P[Filter::iResistance][Filter::iResistance] = moving_resistance_sd * moving_resistance_sd;
+}
 
 /// Share of martensite (or else R-phase) in austenite that explains the resistance.
 template <class S>
 S KalmanBank<S>::matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
                                 const S& temperature_K, bool martensite) {
   const auto ohm = [&](const S& share) {
-    const Phases<S> z = martensite ? Phases<S>{share, S(0)} : Phases<S>{S(0), share};
-    return Filter::expected(p, Filter::start(p, m, ambient_K, temperature_K, z, S(0.1), S(8))).ohm;
+    return Filter::Model::resistance_ohm(
+        p.model, martensite ? Phases<S>{share, S(0)} : Phases<S>{S(0), share},
+        {temperature_K, m.stress_Pa}, ambient_K);
   };
   const S none = ohm(S(0));
   const S all = ohm(S(1));
   const S share = (m.resistance_ohm - none) / (all - none);
   return share < S(0.02) ? S(0.02) : S(0.95) < share ? S(0.95) : share;
+}
+
+/// Tells a filter what it has missed and the present sample, and counts its innovation.
+template <class S>
+void KalmanBank<S>::follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
+                           const S& dt_s) {
+  typename Filter::State& f = s.filter[i];
+  Missed& missed = s.missed[i];
+  Measurement<S> told = m;
+  S told_s = dt_s;
+  if (S(0) < missed.time_s) {
+    told_s = missed.time_s + dt_s;
+    told.power_W = (missed.energy_J + m.power_W * dt_s) / told_s;
+    missed = {S(0), S(0)};
+  }
+  Filter::advance(p, f, told, told_s);
+  // Without the logarithm of the variance: the filters count the resistance model's coloured
+  // error as white noise, and that term would then decide alone, for the most confident one.
+  if (m.resistance_valid && searching(s)) {
+    s.log_likelihood[i] =
+        s.log_likelihood[i] - S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
+    s.log_weight[i] = s.log_likelihood[i] + log_prior(f);
+  }
+  s.last[i] = estimate_one(p, s, i);
 }
 
 template <class S>
@@ -108,120 +350,33 @@ S KalmanBank<S>::log_prior(const typename Filter::State& f) {
   return S(-0.5) * (ambient * ambient + loss * loss + resistance * resistance);
 }
 
+/// The most likely one leads; what has become unlikely is given up.
 template <class S>
-S KalmanBank<S>::greatest_r_phase(const Params& p, const S& stress_Pa, const S& from_K) {
-  S greatest = S(0);
-  for (int i = 0; i < 10; ++i) {
-    const S at_K = from_K - S(3) * S(i);
-    const S r = Filter::Kinetics::rest(p.model.kinetics, {at_K, stress_Pa}).r_phase;
-    greatest = greatest < r ? r : greatest;
+void KalmanBank<S>::choose(State& s) {
+  std::size_t best = s.leader;
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    best = is_alive(s, i) && s.log_weight[best] < s.log_weight[i] ? i : best;
   }
-  return greatest;
-}
-
-template <class S>
-auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K) -> State {
-  const typename Filter::Kinetics::Params& k = p.model.kinetics;
-  const S heats_at = isobar(k.m2a, m.stress_Pa).start_K;
-  const S cools_at = isobar(k.a2m_a2r, Pair<S>(m.stress_Pa)).start_K.first();
-  const S between = (heats_at + cools_at) / S(2);
-  State s{};
-  s.start_ambient_K = ambient_K;
-  s.compared = m.resistance_valid;
-  const auto add = [&](const S& temperature_K, const Phases<S>& z) {
-    s.log_likelihood[s.alive] = other_starts;
-    s.log_weight[s.alive] = other_starts;
-    typename Filter::State& f = s.filter[s.alive++];
-    f = Filter::start(p, m, ambient_K, temperature_K, z, S(0.15), S(8));
-    f.covariance[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
-    f.covariance[Filter::iResistance][Filter::iResistance] =
-        moving_resistance_sd * moving_resistance_sd;
-  };
-  // Cold and at rest; about to contract; about to stretch; in the middle of a loop, martensite or
-  // R-phase with austenite; hot.
-  s.at_rest[0] = true;
-  s.filter[s.alive++] = Filter::start(p, m, ambient_K);
-  if (m.resistance_valid) {
-    const S martensite = matching_share(p, m, ambient_K, between, true);
-    const S r_phase = matching_share(p, m, ambient_K, between, false);
-    const S most_r = greatest_r_phase(p, m.stress_Pa, between);
-    // What the R-phase can not explain is martensite.
-    const auto mixture = [&](const S& share) {
-      const S r = least(share * r_phase, most_r);
-      return Phases<S>{S(0.03) + (S(1) - r / r_phase) * least(martensite, S(0.95)) * S(0.97), r};
-    };
-    add(heats_at - S(5), {martensite, S(0.01)});
-    add(cools_at + S(3), mixture(S(0.4)));
-    add(between, {martensite, S(0.01)});
-    add(between, mixture(S(1)));
-    add(heats_at + S(25), {martensite < S(0.3) ? martensite : S(0.3), S(0.01)});
-  }
-  return s;
-}
-
-template <class S>
-void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
-  if (!s.compared && m.resistance_valid) {
-    restart(p, s, m);
-  }
-  for (std::size_t i = 0; i < s.alive; ++i) {
-    Filter::advance(p, s.filter[i], m, dt_s);
-  }
-  if (s.alive > 1 && m.resistance_valid) {
-    weigh(s);
-  }
-  const bool doubtful = s.alive == 1 && Filter::estimate(p, s.filter[0]).health == Health::doubtful;
-  s.doubt_s = doubtful ? s.doubt_s + dt_s : S(0);
-  if (S(1) < s.doubt_s && m.resistance_valid) {
-    restart(p, s, m);
-    s.log_likelihood = {};
-    s.log_weight = {};
-  }
-}
-
-/// The search begins with the stress that the filter knows; the measurement's may be invalid.
-template <class S>
-void KalmanBank<S>::restart(const Params& p, State& s, const Measurement<S>& m) {
-  Measurement<S> now = m;
-  now.stress_Pa = s.filter[0].stress_Pa;
-  s = start(p, now, s.start_ambient_K);
-}
-
-/// Counts the last innovations; drops what has become unlikely, and of two that agree the less
-/// likely one.
-template <class S>
-void KalmanBank<S>::weigh(State& s) {
-  S best = S(0);
-  for (std::size_t i = 0; i < s.alive; ++i) {
-    const typename Filter::State& f = s.filter[i];
-    // Without the logarithm of the variance: the filters count the resistance model's coloured
-    // error as white noise, and that term would then decide alone, for the most confident one.
-    s.log_likelihood[i] =
-        s.log_likelihood[i] - S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
-    s.log_weight[i] = s.log_likelihood[i] + log_prior(f);
-    best = i == 0 || best < s.log_weight[i] ? s.log_weight[i] : best;
-  }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < s.alive; ++i) {
-    const S relative = s.log_weight[i] - best;
-    if (!(least_log_weight < relative)) {
-      continue;
+  s.leader = static_cast<std::uint8_t>(best);
+  const S most = s.log_weight[best];
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    s.log_likelihood[i] = s.log_likelihood[i] - most;
+    s.log_weight[i] = s.log_weight[i] - most;
+    if (i != best && !(least_log_weight < s.log_weight[i])) {
+      drop(s, i);
     }
-    std::size_t place = 0;
-    while (place < kept && !agree(s.filter[place], s.filter[i])) {
-      ++place;
-    }
-    if (place == kept || s.log_weight[place] < relative) {
-      if (place != i) {
-        s.filter[place] = s.filter[i];
-        s.at_rest[place] = s.at_rest[i];
-      }
-      s.log_likelihood[place] = s.log_likelihood[i] - best;
-      s.log_weight[place] = relative;
-    }
-    kept = place == kept ? kept + 1 : kept;
   }
-  s.alive = static_cast<std::uint8_t>(kept);
+  merge(s, s.follower);
+}
+
+/// Of two that agree the less likely one is dropped. Filter i has just made a step.
+template <class S>
+void KalmanBank<S>::merge(State& s, std::size_t i) {
+  for (std::size_t j = 0; j < hypotheses && is_alive(s, i); ++j) {
+    if (j != i && is_alive(s, j) && agree(s.filter[i], s.filter[j])) {
+      drop(s, j == s.leader || s.log_weight[i] < s.log_weight[j] ? i : j);
+    }
+  }
 }
 
 template <class S>
@@ -238,26 +393,35 @@ template <class S>
 Estimate<S> KalmanBank<S>::estimate_one(const Params& p, const State& s, std::size_t i) {
   using std::sqrt;
   Estimate<S> e = Filter::estimate(p, s.filter[i]);
-  if (!s.at_rest[i]) {
+  if (i != 0) {
     e.strain_sd = sqrt(e.strain_sd * e.strain_sd + unseen_rest_sd * unseen_rest_sd);
   }
   return e;
 }
 
 template <class S>
-Estimate<S> KalmanBank<S>::estimate(const Params& p, const State& s) {
+Estimate<S> KalmanBank<S>::estimate(const State& s) {
   using std::exp;
   using std::sqrt;
-  if (s.alive == 1) {
-    return estimate_one(p, s, 0);
+  if (!searching(s)) {
+    return s.last[s.leader];
+  }
+  if (s.unopened > 0) {
+    Estimate<S> unsure = s.last[s.leader];
+    unsure.strain_sd = sqrt(unsure.strain_sd * unsure.strain_sd + unknown_sd * unknown_sd);
+    unsure.health = Health::searching;
+    return unsure;
   }
   Estimate<S> mean{};
   S weights = S(0);
   S square = S(0);
   S scatter = S(0);
-  for (std::size_t i = 0; i < s.alive; ++i) {
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    if (!is_alive(s, i)) {
+      continue;
+    }
     const S w = exp(s.log_weight[i]);
-    const Estimate<S> e = estimate_one(p, s, i);
+    const Estimate<S>& e = s.last[i];
     weights = weights + w;
     mean.strain = mean.strain + w * e.strain;
     square = square + w * (e.strain * e.strain + e.strain_sd * e.strain_sd);

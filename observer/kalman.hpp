@@ -88,13 +88,21 @@ struct KalmanObserver {
   };
 
   /// At rest at ambient temperature, cooled there.
-  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
+    return start_at_rest(p, m, ambient_K, rest_slope(p, m.stress_Pa, ambient_K));
+  }
+  /// What a warmer room makes of the phases at rest: half of the cost of a start there.
+  static PhaseRates<S> rest_slope(const Params& p, const S& stress_Pa, const S& ambient_K);
+  static State start_at_rest(const Params& p, const Measurement<S>& m, const S& ambient_K,
+                             const PhaseRates<S>& rest_slope);
   /// From a guess of temperature and phases.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K,
                      const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
                      const S& temperature_sd_K);
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static Estimate<S> estimate(const Params& p, const State& s);
+  /// For seconds the resistance has not been what the model expects.
+  static bool contradicted(const State& s) { return S(0.01) < s.mismatch; }
   /// Of the whole wire.
   static S whole_strain(const Params& p, const State& s) {
     return smaservo::strain(p.model.material, p.model.ends.average(Kinetics::phases(s.kinetics)),
@@ -138,20 +146,27 @@ struct KalmanObserver {
 };
 
 template <class S>
-auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K)
-    -> State {
-  const KalmanTuning<S>& t = p.tuning;
-  const auto rest = [&](const S& warmer_K) {
-    return Kinetics::phases(Kinetics::rest(p.model.kinetics, {ambient_K + warmer_K, m.stress_Pa}));
+PhaseRates<S> KalmanObserver<S>::rest_slope(const Params& p, const S& stress_Pa,
+                                            const S& ambient_K) {
+  const auto rest = [&](const S& temperature_K) {
+    return Kinetics::phases(Kinetics::rest(p.model.kinetics, {temperature_K, stress_Pa}));
   };
-  State s =
-      start(p, m, ambient_K, ambient_K, rest(S(0)), t.start_fraction_sd, t.start_temperature_sd_K);
-  // In a warmer room the wire would be warmer and rest with other phases.
   const S away_K = S(5);
-  const Phases<S> warm = rest(away_K);
-  const Phases<S> cold = rest(S(0) - away_K);
-  const S along[] = {S(1), (warm.martensite - cold.martensite) / (S(2) * away_K),
-                     (warm.r_phase - cold.r_phase) / (S(2) * away_K), S(1)};
+  const Phases<S> warm = rest(ambient_K + away_K);
+  const Phases<S> cold = rest(ambient_K - away_K);
+  return {(warm.martensite - cold.martensite) / (S(2) * away_K),
+          (warm.r_phase - cold.r_phase) / (S(2) * away_K)};
+}
+
+template <class S>
+auto KalmanObserver<S>::start_at_rest(const Params& p, const Measurement<S>& m, const S& ambient_K,
+                                      const PhaseRates<S>& rest_slope) -> State {
+  const KalmanTuning<S>& t = p.tuning;
+  const Phases<S> rest =
+      Kinetics::phases(Kinetics::rest(p.model.kinetics, {ambient_K, m.stress_Pa}));
+  State s = start(p, m, ambient_K, ambient_K, rest, t.start_fraction_sd, t.start_temperature_sd_K);
+  // In a warmer room the wire would be warmer and rest with other phases.
+  const S along[] = {S(1), rest_slope.martensite_1_K, rest_slope.r_phase_1_K, S(1)};
   const S variance = t.start_ambient_sd_K * t.start_ambient_sd_K;
   s.covariance[iAmbient][iAmbient] = S(0);
   for (int i = 0; i <= iAmbient; ++i) {
@@ -217,7 +232,7 @@ Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
           z.martensite,
           z.r_phase,
           s.model_ohm,
-          S(0.01) < s.mismatch ? Health::doubtful : Health::good};
+          contradicted(s) ? Health::doubtful : Health::good};
 }
 
 /// One step of heat balance and kinetics, as Plant::advance() does it undivided.

@@ -15,23 +15,26 @@ class LumpedWire : public SimulatedWire {
         state_(Model::rest(params_, {298.15, 0})) {
     // A wire turns back at any point; only an observer must not, in noise.
     params_.kinetics.smallest_reversal_K = 0;
+    look(ambient_K_);
   }
 
   void rest(double temperature_K, double stress_Pa) final {
-    ambient_K_ = temperature_K;
     state_ = Model::rest(params_, {temperature_K, stress_Pa});
+    look(temperature_K);
   }
   void soak(double temperature_K, double stress_Pa) final {
-    ambient_K_ = temperature_K;
     ThreePhase<double>::advance(params_.kinetics, state_.kinetics, {temperature_K, stress_Pa});
+    look(temperature_K);
   }
   void advance(double current_A, const Surroundings& around, double dt_s) final {
     params_.body.loss_W_K = around.draught * still_.loss_W_K;
     params_.body.loss_W_K2 = around.draught * still_.loss_W_K2;
-    const double power_W =
-        current_A * current_A * Model::resistance_ohm(params_, state_, around.ambient_K);
+    if (around.ambient_K != ambient_K_) {
+      look(around.ambient_K);
+    }
+    const double power_W = current_A * current_A * ohm_;
     Model::advance(params_, state_, {power_W, around.stress_Pa, around.ambient_K}, dt_s);
-    ambient_K_ = around.ambient_K;
+    look(around.ambient_K);
   }
   double strain_after(double current_A, const Surroundings& around, double dt_s) const final {
     LumpedWire trial = *this;
@@ -40,7 +43,7 @@ class LumpedWire : public SimulatedWire {
   }
 
   double strain() const final { return Model::strain(params_, state_); }
-  double resistance_ohm() const final { return Model::resistance_ohm(params_, state_, ambient_K_); }
+  double resistance_ohm() const final { return ohm_; }
   double hottest_K() const final { return Model::temperature_K(state_); }
   double average_K() const final {
     return params_.ends.average_K(Model::temperature_K(state_), ambient_K_);
@@ -48,10 +51,16 @@ class LumpedWire : public SimulatedWire {
   Phases<double> phases() const final { return params_.ends.average(Model::phases(state_)); }
 
  private:
+  void look(double ambient_K) {
+    ambient_K_ = ambient_K;
+    ohm_ = Model::resistance_ohm(params_, state_, ambient_K);
+  }
+
   Model::Params params_;
   ThermalBody<double> still_;
   Model::State state_;
   double ambient_K_ = 298.15;
+  double ohm_ = 0;
 };
 
 }  // namespace

@@ -59,9 +59,7 @@ class DistributedWire : public SimulatedWire {
     state_ = Plant::rest(params_, {temperature_K, stress_Pa});
   }
   void soak(double temperature_K, double stress_Pa) final {
-    for (std::size_t i = 0; i < segments; ++i) {
-      K::advance(params_.kinetics[i], state_.kinetics[i], {temperature_K, stress_Pa});
-    }
+    Plant::soak(params_, state_, {temperature_K, stress_Pa});
   }
   void advance(double current_A, const Surroundings& around, double dt_s) final {
     Plant::advance(params_, state_, current_A, {around.stress_Pa, around.ambient_K}, around.draught,
@@ -87,8 +85,8 @@ class DistributedWire : public SimulatedWire {
     return average([&](std::size_t i) { return Plant::temperature_K(state_, i); });
   }
   Phases<double> phases() const final {
-    return {average([&](std::size_t i) { return K::phases(state_.kinetics[i]).martensite; }),
-            average([&](std::size_t i) { return K::phases(state_.kinetics[i]).r_phase; })};
+    return {average([&](std::size_t i) { return state_.profile.martensite[i]; }),
+            average([&](std::size_t i) { return state_.profile.r_phase[i]; })};
   }
 
  private:

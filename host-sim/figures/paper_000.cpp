@@ -235,12 +235,11 @@ Column times(double factor, const Column& column) {
 std::string block(std::string_view name, const std::vector<Column>& columns) {
   std::string text = fmt::format("${} << EOD\n", name);
   for (std::size_t row = 0; row < columns.front().size(); ++row) {
-    const char* between = "";
+    Column values;
     for (const Column& column : columns) {
-      text += between + plotted(column[row]);
-      between = " ";
+      values.push_back(column[row]);
     }
-    text += '\n';
+    text += plotted_row(values);
   }
   return text + "EOD\n";
 }

@@ -2,12 +2,11 @@
 // of that is the factor over real time.
 
 #include <benchmark/benchmark.h>
-#include <cstdio>
-#include <exception>
 #include <random>
 #include <string>
 
 #include "host-sim/closed_loop.hpp"
+#include "tests/bench/main.hpp"
 
 namespace smaservo::bench {
 namespace {
@@ -48,7 +47,9 @@ void time_loop(benchmark::State& state, const ClosedLoopScenario& loop_scenario)
   state.counters["times_real_time"] = benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
 }
 
-void run(int argc, char** argv) {
+}  // namespace
+
+void register_benchmarks() {
   for (const PlantFamily family :
        {PlantFamily::lumped, PlantFamily::ihyp, PlantFamily::sublayers}) {
     const std::string name = "closed_loop/" + std::string(plant_name(family));
@@ -56,19 +57,6 @@ void run(int argc, char** argv) {
       time_loop(state, s);
     })->Unit(benchmark::kMillisecond);
   }
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
 }
 
-}  // namespace
 }  // namespace smaservo::bench
-
-int main(int argc, char** argv) {
-  try {
-    smaservo::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "closed_loop_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
-}

@@ -47,20 +47,15 @@ void add_errors(const std::string& scalar) {
 }
 
 }  // namespace
-}  // namespace smaservo::bench
 
-int main(int argc, char** argv) {
-  smaservo::bench::add_all<float>("float");
-  smaservo::bench::add_all<double>("double");
-  smaservo::bench::time_device_steps();
-  smaservo::bench::time_paper_steps();
-  smaservo::bench::time_wire_steps();
-  smaservo::bench::add_errors<float>("float");
-  smaservo::bench::add_errors<double>("double");
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
-    return 1;
-  }
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
+void register_benchmarks() {
+  add_all<float>("float");
+  add_all<double>("double");
+  time_device_steps();
+  time_paper_steps();
+  time_wire_steps();
+  add_errors<float>("float");
+  add_errors<double>("double");
 }
+
+}  // namespace smaservo::bench

@@ -14,6 +14,7 @@
 
 #include "host-sim/replay.hpp"
 #include "model/plant.hpp"
+#include "tests/bench/main.hpp"
 
 namespace smaservo::bench {
 namespace {
@@ -107,8 +108,10 @@ void time_read(benchmark::State& state, const std::string& path) {
   state.SetBytesProcessed(bytes);
 }
 
-void run(int argc, char** argv) {
-  const TemporaryFolder folder;
+}  // namespace
+
+void register_benchmarks() {
+  static const TemporaryFolder folder;
   ReplayOptions options;
   options.trace = folder.file("trace.csv");
   options.wire = load_wire(std::string(default_wire));
@@ -123,19 +126,6 @@ void run(int argc, char** argv) {
         [options](benchmark::State& state) { time_replay(state, options); });
   }
   add("bare_read", [path = options.trace](benchmark::State& state) { time_read(state, path); });
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
 }
 
-}  // namespace
 }  // namespace smaservo::bench
-
-int main(int argc, char** argv) {
-  try {
-    smaservo::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "replay_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
-}

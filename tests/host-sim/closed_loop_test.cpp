@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "hal/replay/temporary_folder.hpp"
@@ -105,16 +106,17 @@ class Recorded {
     const std::string before = lines_.front().substr(0, ("," + lines_.front()).find("," + name));
     return static_cast<std::size_t>(std::ranges::count(before, ','));
   }
-  void edit(std::size_t row, const std::string& column_name, const std::string& text) {
-    std::string& line = lines_.at(row);
-    std::size_t from = 0;
-    for (std::size_t i = column(column_name); i > 0; --i) {
-      from = line.find(',', from) + 1;
-    }
-    line.replace(from, line.find(',', from) - from, text);
+  std::string field(std::size_t row, const std::string& column_name) const {
+    const auto [from, size] = place(row, column_name);
+    return lines_.at(row).substr(from, size);
   }
-  DeviceReplayResult replay() {
-    return replay_device({folder_.write("edited.csv", joined(lines_)), {}, scenario_.settings, ""});
+  void edit(std::size_t row, const std::string& column_name, const std::string& text) {
+    const auto [from, size] = place(row, column_name);
+    lines_.at(row).replace(from, size, text);
+  }
+  DeviceReplayResult replay(double tolerance = 0) {
+    return replay_device(
+        {folder_.write("edited.csv", joined(lines_)), {}, scenario_.settings, "", tolerance});
   }
   std::string refusal() {
     try {
@@ -126,6 +128,16 @@ class Recorded {
   }
 
  private:
+  /// Where a field's text begins, and its length.
+  std::pair<std::size_t, std::size_t> place(std::size_t row, const std::string& column_name) const {
+    const std::string& line = lines_.at(row);
+    std::size_t from = 0;
+    for (std::size_t i = column(column_name); i > 0; --i) {
+      from = line.find(',', from) + 1;
+    }
+    return {from, line.find(',', from) - from};
+  }
+
   TemporaryFolder folder_;
   ClosedLoopScenario scenario_;
   std::vector<std::string> lines_;
@@ -144,6 +156,39 @@ TEST(DeviceReplay, FindsAnOutputThatWasChanged) {
   EXPECT_EQ(result.differences[0].recorded, "0.25");
   EXPECT_GT(result.differences[0].greatest, 0);
   EXPECT_EQ(result.differences[1].recorded, "asleep");
+}
+
+TEST(DeviceReplay, ToleratesAShareOfAnOutputsRange) {
+  Recorded run;
+  double least = INFINITY;
+  double most = -INFINITY;
+  for (std::size_t row = 1; row < run.lines().size(); ++row) {
+    const double value = std::stod(run.field(row, "drive_current_A"));
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  ASSERT_GT(most, least);
+  const double middle = (least + most) / 2;
+  const std::size_t nearest = 800;
+  const double before = std::stod(run.field(nearest, "drive_current_A"));
+  const double change = (before < middle ? 0.01 : -0.01) * (most - least);
+  run.edit(nearest, "drive_current_A", fmt::format("{}", before + change));
+  EXPECT_TRUE(agrees(run.replay(0.010001)));
+  EXPECT_FALSE(agrees(run.replay(0.009999)));
+  EXPECT_FALSE(agrees(run.replay()));
+}
+
+TEST(DeviceReplay, ToleratesNoOtherTextAndNoMissingNumber) {
+  EXPECT_TRUE(agrees(Recorded().replay(1)));
+  for (const auto& [column, text] : {std::pair{"state", "asleep"},
+                                     {"latched_faults", "wire_open"},
+                                     {"strain", ""},
+                                     {"strain", "nan"},
+                                     {"strain", "0.01x"}}) {
+    Recorded run;
+    run.edit(700, column, text);
+    EXPECT_FALSE(agrees(run.replay(1))) << column << ' ' << text;
+  }
 }
 
 TEST(DeviceReplay, AnInputThatWasChangedChangesTheOutputs) {

@@ -145,6 +145,11 @@ template <class Subject>
 class ReturnPoints : public KineticsSuite<Subject> {};
 TYPED_TEST_SUITE_P(ReturnPoints);
 
+/// For sums of relays or plays: history only shifts the martensite of a loop.
+template <class Subject>
+class CongruentLoops : public KineticsSuite<Subject> {};
+TYPED_TEST_SUITE_P(CongruentLoops);
+
 TYPED_TEST_P(KineticsSuite, FractionsStayOnTheSimplex) {
   using K = typename TypeParam::Model;
   using S = typename K::Scalar;
@@ -364,6 +369,38 @@ TYPED_TEST_P(KineticsSuite, RippleMovesTheFractionsOnlyWithoutMemory) {
   }
 }
 
+TYPED_TEST_P(CongruentLoops, LoopsBetweenTheSameTemperaturesAreCongruent) {
+  using K = typename TypeParam::Model;
+  double widest = 0;
+  double apart = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double stress_MPa = this->uniform(0, 400);
+    const double low_K = this->uniform(300, 380);
+    const double high_K = low_K + this->uniform(5, 40);
+    const auto loop = [&] {
+      typename K::State s = this->wandered(30);
+      this->move(s, this->at(low_K, stress_MPa));
+      this->move(s, this->at(high_K, stress_MPa));
+      std::vector<double> way;
+      for (int step = 0; step <= 40; ++step) {
+        const double share = step <= 20 ? 1 - step / 20.0 : step / 20.0 - 1;
+        this->move(s, this->at(low_K + share * (high_K - low_K), stress_MPa));
+        way.push_back(K::phases(s).martensite);
+      }
+      return way;
+    };
+    const std::vector<double> a = loop();
+    const std::vector<double> b = loop();
+    apart = std::max(apart, std::abs(a[0] - b[0]));
+    for (std::size_t step = 0; step < a.size(); ++step) {
+      widest = std::max(widest, std::abs(a[step] - a[0]));
+      ASSERT_NEAR(a[step] - a[0], b[step] - b[0], 1e-12) << i;
+    }
+  }
+  EXPECT_GT(widest, 0.3);
+  EXPECT_GT(apart, 0.3);  // loops of different histories
+}
+
 REGISTER_TYPED_TEST_SUITE_P(KineticsSuite, FractionsStayOnTheSimplex,
                             StandingStillChangesNothingToTheBit, FullCycleErasesHistory,
                             StressTransformsAtConstantTemperature,
@@ -373,5 +410,6 @@ REGISTER_TYPED_TEST_SUITE_P(StepOrder, ErrorFallsWithTheStepByTheStatedOrder);
 REGISTER_TYPED_TEST_SUITE_P(BranchRates, RatesAreTheSlopesOfTheBranch);
 REGISTER_TYPED_TEST_SUITE_P(ReturnPoints, ClosedInnerLoopsReturnToTheSamePhases,
                             ClosedStressLoopsReturnToTheSamePhases);
+REGISTER_TYPED_TEST_SUITE_P(CongruentLoops, LoopsBetweenTheSameTemperaturesAreCongruent);
 
 }  // namespace smaservo::test

@@ -1,5 +1,7 @@
 #include "model/pair.hpp"
 
+#include <algorithm>
+#include <array>
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 #include <random>
@@ -65,6 +67,32 @@ TEST(PairOfAnyScalar, DerivativesStayInTheirLane) {
   EXPECT_EQ(y.second().v[0], 0);
   EXPECT_TRUE(any(x < Pair<J>(J(2.5))));
   EXPECT_FALSE(any(x < Pair<J>(J(1.5))));
+}
+
+TEST(PairOfPairs, FourCurvesAtOnceAreTheFourCurves) {
+  using S = double;
+  using Four = Pair<Pair<S>>;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<S> uniform(S(0.1), S(0.9));
+  for (int i = 0; i < 10000; ++i) {
+    std::array<IhypShape<S>, 4> shape;
+    std::array<S, 4> tau;
+    for (std::size_t k = 0; k < 4; ++k) {
+      shape[k] = {S(6) * uniform(random), uniform(random)};
+      tau[k] = S(4) * uniform(random) - S(1.5);
+    }
+    const auto four = [](S a, S b, S c, S d) { return Four(Pair<S>(a, b), Pair<S>(c, d)); };
+    const IhypShape<Four> all{
+        four(shape[0].curvature, shape[1].curvature, shape[2].curvature, shape[3].curvature),
+        four(shape[0].turning, shape[1].turning, shape[2].turning, shape[3].turning)};
+    const Four at = four(tau[0], tau[1], tau[2], tau[3]);
+    const Four x = ihyp_fraction(all, at).converted;
+    EXPECT_EQ(x.first().first(), ihyp_fraction(shape[0], tau[0]).converted);
+    EXPECT_EQ(x.first().second(), ihyp_fraction(shape[1], tau[1]).converted);
+    EXPECT_EQ(x.second().first(), ihyp_fraction(shape[2], tau[2]).converted);
+    EXPECT_EQ(x.second().second(), ihyp_fraction(shape[3], tau[3]).converted);
+    EXPECT_EQ(any(at < Four(S(0))), std::ranges::any_of(tau, [](S t) { return t < S(0); }));
+  }
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, KineticsSuite, Both);
 INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, ExactSteps, All);
 INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, BranchRates, InDouble);
 INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, ReturnPoints, All);
+INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, CongruentLoops, InDouble);
 
 using K = Preisach<double>;
 
@@ -65,37 +66,6 @@ TYPED_TEST(PreisachProperties, PassingATurningPointWipesOutItsLoopToTheBit) {
     }
   }
   EXPECT_GT(widest, 0.5);
-}
-
-TYPED_TEST(PreisachProperties, LoopsBetweenTheSameTemperaturesAreCongruent) {
-  double widest = 0;
-  double apart = 0;
-  for (int i = 0; i < 300; ++i) {
-    const double stress_MPa = this->uniform(0, 400);
-    const double low_K = this->uniform(300, 380);
-    const double high_K = low_K + this->uniform(5, 40);
-    const auto loop = [&] {
-      K::State s = this->wandered(12);
-      this->move(s, this->at(low_K, stress_MPa));
-      this->move(s, this->at(high_K, stress_MPa));
-      std::vector<double> way;
-      for (int step = 0; step <= 40; ++step) {
-        const double share = step <= 20 ? 1 - step / 20.0 : step / 20.0 - 1;
-        this->move(s, this->at(low_K + share * (high_K - low_K), stress_MPa));
-        way.push_back(K::phases(s).martensite);
-      }
-      return way;
-    };
-    const std::vector<double> a = loop();
-    const std::vector<double> b = loop();
-    apart = std::max(apart, std::abs(a[0] - b[0]));
-    for (std::size_t step = 0; step < a.size(); ++step) {
-      widest = std::max(widest, std::abs(a[step] - a[0]));
-      ASSERT_NEAR(a[step] - a[0], b[step] - b[0], 1e-12) << i;
-    }
-  }
-  EXPECT_GT(widest, 0.3);
-  EXPECT_GT(apart, 0.3);  // loops of different histories
 }
 
 /// Relays with thresholds drawn from the grid's cells: each by its cell's weight, averaged over the

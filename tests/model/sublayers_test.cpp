@@ -34,6 +34,8 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, KineticsSuite, Both);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, ExactSteps, Both);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, BranchRates, InDouble);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, ReturnPoints, Both);
+// Of martensite, which is a sum of plays; R-phase is a share of what martensite leaves.
+INSTANTIATE_TYPED_TEST_SUITE_P(Sublayers, CongruentLoops, InDouble);
 
 using K = Sublayers<double>;
 
@@ -112,38 +114,6 @@ TEST_F(SublayersTest, EveryLayerIsAPlayOperatorWhateverTheStep) {
     ASSERT_NEAR(K::phases(s).r_phase, sum.r_phase, 1e-12) << n;
   }
   EXPECT_GT(crossed, 1000);
-}
-
-TEST_F(SublayersTest, LoopsBetweenTheSameTemperaturesAreCongruent) {
-  // Of martensite, which is a sum of plays; R-phase is a share of what martensite leaves.
-  double widest = 0;
-  double apart = 0;
-  for (int i = 0; i < 300; ++i) {
-    const double stress_MPa = uniform(0, 400);
-    const double low_K = uniform(300, 380);
-    const double high_K = low_K + uniform(5, 40);
-    const auto loop = [&] {
-      State s = wandered(30);
-      move(s, at(low_K, stress_MPa));
-      move(s, at(high_K, stress_MPa));
-      std::vector<double> way;
-      for (int step = 0; step <= 40; ++step) {
-        const double share = step <= 20 ? 1 - step / 20.0 : step / 20.0 - 1;
-        move(s, at(low_K + share * (high_K - low_K), stress_MPa));
-        way.push_back(K::phases(s).martensite);
-      }
-      return way;
-    };
-    const std::vector<double> a = loop();
-    const std::vector<double> b = loop();
-    apart = std::max(apart, std::abs(a[0] - b[0]));
-    for (std::size_t step = 0; step < a.size(); ++step) {
-      widest = std::max(widest, std::abs(a[step] - a[0]));
-      ASSERT_NEAR(a[step] - a[0], b[step] - b[0], 1e-12) << i;
-    }
-  }
-  EXPECT_GT(widest, 0.3);
-  EXPECT_GT(apart, 0.3);  // loops of different histories
 }
 
 TEST_F(SublayersTest, MartensiteNeverBecomesRPhase) {

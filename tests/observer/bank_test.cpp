@@ -165,7 +165,7 @@ TEST(Bank, TheStateIsAllThereIs) {
       later.push_back(m);
     }
   }
-  ASSERT_GT(s.alive, 1);
+  ASSERT_GT(Bank::alive(s), 1);
   Bank::State copy;
   std::memcpy(&copy, &s, sizeof s);
   std::vector<std::vector<std::uint64_t>> first;
@@ -183,6 +183,141 @@ TEST(Bank, TheStateIsAllThereIs) {
     ASSERT_EQ(bits(Bank::estimate(p, copy)), first[i]) << "step " << i;
     ASSERT_EQ(bits(Bank::estimate(p, *heap)), first[i]) << "step " << i;
   }
+}
+
+/// Of the same type and value.
+template <class T>
+bool same(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+/// Calls `f` with the bank before and after each of many steps on wires in motion. Every few
+/// seconds the wire is replaced by another one somewhere in its loop, with a resistance of its own,
+/// which starts searches anew; readings fail now and then.
+template <class F>
+void through_searches(std::uint64_t seed, F f) {
+  const Bank::Params p = tuned();
+  std::mt19937_64 random(seed);
+  Bank::State s{};
+  for (int wire_count = 0; wire_count < 12; ++wire_count) {
+    const double stress_Pa = 100e6 + 1e6 * static_cast<double>(random() % 200);
+    Deviations deviations = random_deviations(random);
+    deviations.resistance *= wire_count % 2 == 0 ? 1 : 1.1;  // what no filter can believe
+    LumpedWire wire(deviations, stress_Pa, random());
+    const double at_K = place(wire, places[random() % 4], stress_Pa, random);
+    const double full_W = holding_W(hot_K(stress_Pa));
+    double power_W = holding_W(at_K) + 1e-3;
+    for (int i = 0; i < 4000; ++i) {
+      if (i % 500 == 499) {
+        power_W = full_W * static_cast<double>(random() % 100) / 100;
+      }
+      Measurement<double> m = wire.step(power_W);
+      m.resistance_valid = random() % 50 > 0;
+      if (wire_count == 0 && i == 0) {
+        s = Bank::start(p, m, told_ambient_K);
+        continue;
+      }
+      Bank::State before;
+      std::memcpy(&before, &s, sizeof s);
+      Bank::advance(p, s, m, sample_s);
+      f(before, s);
+    }
+  }
+}
+
+/// A step of a filter, its opening, or a part of what an opening needs: none of them is dearer than
+/// a step of a filter, and no call does two.
+TEST(Bank, ACallDoesOnePieceOfWork) {
+  int searches = 0, together = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    through_searches(seed, [&](const Bank::State& before, const Bank::State& after) {
+      int pieces = 0;
+      for (std::size_t i = 0; i < Bank::hypotheses; ++i) {
+        pieces += same(before.filter[i], after.filter[i]) ? 0 : 1;
+      }
+      const bool begins = before.unopened == 0 && after.unopened > 0;
+      pieces += begins || same(before.places, after.places) ? 0 : 1;
+      pieces += begins || same(before.rest_slope_known, after.rest_slope_known) ? 0 : 1;
+      ASSERT_LE(pieces, 1);
+      searches += begins ? 1 : 0;
+      together = std::max(together, Bank::alive(after));
+    });
+  }
+  EXPECT_GE(searches, 10);
+  EXPECT_EQ(together, static_cast<int>(Bank::hypotheses));
+}
+
+/// However few steps there are, each hypothesis gets its turn: of 5 others every tenth call, of a
+/// search that opens after at most 20. What it has missed it then knows.
+TEST(Bank, NoHypothesisWaitsLong) {
+  int opening = 0, longest_opening = 0;
+  double longest_s = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    through_searches(seed, [&](const Bank::State& before, const Bank::State& after) {
+      opening = after.unopened > 0 ? opening + 1 : 0;
+      longest_opening = std::max(longest_opening, opening);
+      for (std::size_t i = 0; i < Bank::hypotheses; ++i) {
+        if ((after.alive >> i & 1) == 0) {
+          continue;
+        }
+        longest_s = std::max(longest_s, after.missed[i].time_s);
+        if (!same(before.filter[i], after.filter[i])) {
+          ASSERT_EQ(after.missed[i].time_s, 0);
+          ASSERT_EQ(after.missed[i].energy_J, 0);
+        }
+      }
+    });
+  }
+  EXPECT_LE(longest_opening, 20);
+  EXPECT_LE(longest_s, 25e-3);
+}
+
+/// Where a filter was before its search, and what one that has been given up has left behind, is
+/// nowhere to be seen.
+TEST(Bank, WhatIsGivenUpHasNoInfluence) {
+  const Bank::Params p = tuned();
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    std::mt19937_64 random(seed);
+    LumpedWire wire(random_deviations(random), 150e6, seed);
+    Profile profile(150e6, seed);
+    Bank::State s = Bank::start(p, wire.step(0.01), told_ambient_K);
+    Bank::State spoilt = s;
+    for (int i = 0; i < 3000; ++i) {
+      for (std::size_t k = 0; k < Bank::hypotheses; ++k) {
+        if ((spoilt.alive >> k & 1) == 0) {
+          std::memset(static_cast<void*>(&spoilt.filter[k]), 0xff,
+                      sizeof spoilt.filter[k]);  // not a number
+          spoilt.log_weight[k] = spoilt.log_likelihood[k] = std::nan("");
+          spoilt.missed[k] = {std::nan(""), std::nan("")};
+        }
+      }
+      const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
+      Bank::advance(p, s, m, sample_s);
+      Bank::advance(p, spoilt, m, sample_s);
+      ASSERT_EQ(bits(Bank::estimate(p, spoilt)), bits(Bank::estimate(p, s))) << "step " << i;
+    }
+  }
+}
+
+/// As long as a search opens the old filter goes on, and says that it may be anywhere.
+TEST(Bank, GoesOnAsBeforeWhileASearchOpens) {
+  const Bank::Params p = tuned();
+  int openings = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    through_searches(seed, [&](const Bank::State& before, const Bank::State& after) {
+      if (after.unopened == 0) {
+        return;
+      }
+      const Estimate<double> was = Bank::estimate(p, before);
+      const Estimate<double> now = Bank::estimate(p, after);
+      openings += before.unopened == 0 ? 1 : 0;
+      ASSERT_EQ(now.health, Health::searching);
+      ASSERT_GE(now.strain_sd, 0.0115);
+      ASSERT_EQ(before.leader, after.leader);
+      ASSERT_LT(std::abs(now.strain - was.strain), 0.1 * 0.04);
+    });
+  }
+  EXPECT_GE(openings, 10);
 }
 
 template <class S>
@@ -255,7 +390,7 @@ TEST(Bank, ResistanceJumpsNeverMakeItSayNaN) {
       m.stress_Pa = 600e6 * uniform(random);
       Bank::advance(p, s, m, 0.02 * uniform(random) + 1e-5);
       ASSERT_TRUE(sound(Bank::estimate(p, s))) << "run " << run << ", step " << i;
-      ASSERT_GE(s.alive, 1);
+      ASSERT_GE(Bank::alive(s), 1);
     }
   }
 }

@@ -167,7 +167,8 @@ worst_table() {
   local bin=$1 out=$2
   "$bin/worst_steps" "$out/costliest"
   rm -f "$out/costliest.callgrind"
-  valgrind --tool=callgrind --toggle-collect=counted_step --dump-after=counted_step \
+  # Without what the loader does at the first call of a function.
+  LD_BIND_NOW=1 valgrind --tool=callgrind --toggle-collect=counted_step --dump-after=counted_step \
     --combine-dumps=yes --callgrind-out-file="$out/costliest.callgrind" \
     "$bin/worst_steps" count "$out/costliest" 2>"$out/costliest.log"
   printf '\n'

@@ -23,16 +23,31 @@ debian_release() {
   esac
 }
 
-# "package suite" of each package that is not installed; the suite is empty where it does not matter.
+debian_codename() {
+  case $(debian_release) in
+    12) printf 'bookworm\n' ;;
+    13) printf 'trixie\n' ;;
+  esac
+}
+
+# "package suite" of each package of packages.txt; the suite is empty where it does not matter.
+listed_packages() {
+  local release package suite
+  release=$(debian_release)
+  sed 's/#.*//' "$root/toolchain/packages.txt" | while read -r package suite _; do
+    [[ $release == 12 ]] || suite=''
+    [[ -z $package ]] || printf '%s %s\n' "$package" "$suite"
+  done
+}
+
+# The same of those that are not installed.
 missing_packages() {
   local package suite
-  while read -r package suite _; do
-    [[ $suite == '#'* ]] && suite=''
-    [[ $(debian_release) == 12 ]] || suite=''
+  listed_packages | while read -r package suite; do
     if ! is_installed "$package" "$suite"; then
       printf '%s %s\n' "$package" "$suite"
     fi
-  done < <(grep -Ev '^[[:space:]]*(#|$)' "$root/toolchain/packages.txt" | sed 's/#.*//')
+  done
 }
 
 # is_installed PACKAGE [SUITE]: an older version of a package from backports does not count.
@@ -75,10 +90,10 @@ apt_sources() {
   done
 }
 
-# The mirror that the system takes Debian 12 itself from.
+# debian_mirror CODENAME: the mirror that the system takes this release of Debian from.
 debian_mirror() {
   local uri
-  uri=$(apt_sources | awk '$2 == "bookworm" { print $1; exit }')
+  uri=$(apt_sources | awk -v suite="$1" '$2 == suite { print $1; exit }')
   printf '%s\n' "${uri:-http://deb.debian.org/debian}"
 }
 
@@ -100,20 +115,27 @@ apt_get() {
   fi
 }
 
+# source_line URI SUITE: as sources.list has it.
+source_line() {
+  local keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+  local options=''
+  [[ -r $keyring ]] && options="[signed-by=$keyring] "
+  printf 'deb %s%s %s main\n' "$options" "$1" "$2"
+}
+
 # Adds a suite to the sources unless it is there.
 add_suite() {
   local suite=$1 uri
   if apt_sources | awk -v suite="$suite" '$2 == suite { found = 1 } END { exit !found }'; then
     return
   fi
-  uri=$(debian_mirror)
+  uri=$(debian_mirror bookworm)
   local list=/etc/apt/sources.list.d/smaservo.list
-  local keyring=/usr/share/keyrings/debian-archive-keyring.gpg
-  local options=''
-  [[ -r $keyring ]] && options="[signed-by=$keyring] "
   say "adding $suite of $uri in $list"
-  printf '# Added by toolchain/dev setup of smaservo.\ndeb %s%s %s main\n' \
-    "$options" "$uri" "$suite" | as_root tee "$list" >/dev/null
+  {
+    printf '# Added by toolchain/dev setup of smaservo.\n'
+    source_line "$uri" "$suite"
+  } | as_root tee "$list" >/dev/null
 }
 
 run_setup() {

@@ -1,0 +1,39 @@
+#pragma once
+// One kind of kinetics many times side by side, as in the segments of a wire.
+
+#include <array>
+#include <cstddef>
+
+#include "model/kinetics.hpp"
+
+namespace smaservo {
+
+/// One after the other. Kinetics that gain from being stepped together specialise it.
+template <Kinetics K, std::size_t count>
+struct Row {
+  using S = typename K::Scalar;
+  template <class T>
+  using Each = std::array<T, count>;
+
+  /// What is kept from step to step besides the states. It changes no result.
+  struct Kept {};
+
+  static Each<PhaseRates<S>> rates(const Each<typename K::Params>& p,
+                                   const Each<typename K::State>& s, Kept& /*kept*/,
+                                   const Each<Heading>& heading) {
+    Each<PhaseRates<S>> rates;
+    for (std::size_t i = 0; i < count; ++i) {
+      rates[i] = K::rates(p[i], s[i], heading[i]);
+    }
+    return rates;
+  }
+
+  static void advance(const Each<typename K::Params>& p, Each<typename K::State>& s, Kept& /*kept*/,
+                      const Each<S>& temperature_K, const S& stress_Pa) {
+    for (std::size_t i = 0; i < count; ++i) {
+      K::advance(p[i], s[i], {temperature_K[i], stress_Pa});
+    }
+  }
+};
+
+}  // namespace smaservo

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace smaservo::bench {
+
+/// What a program of this folder measures; its main() in main.cpp runs it.
+void register_benchmarks();
+
+}  // namespace smaservo::bench
