@@ -188,8 +188,13 @@ void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
 /// A result that is no current is not put out; the next step calls it a fault.
 template <class S>
 void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out) {
-  const Known<S> known{seen.measurement, seen.estimate, seen.filter, seen.current_A,
-                       seen.in.supply_V};
+  const Known<S> known{seen.measurement,
+                       seen.estimate,
+                       seen.filter,
+                       seen.current_A,
+                       seen.in.supply_V,
+                       seen.in.ambient_K,
+                       s.monitor.wire.hot.temperature_K};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
   const bool usable = !c.invalid && S(0) <= c.current_A &&
                       c.current_A <= seen.prepared.settings.trips.current_A &&
