@@ -120,7 +120,7 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                      s.observing,
                      s.monitor.zero.known()};
   const Verdict v = protect(seen, s);
-  Output<S> out;
+  Output<S> out{};
   out.current_A = S(0);
   out.voltage_V = S(0);
   out.state = v.state;
