@@ -120,7 +120,7 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                      s.observing,
                      s.monitor.zero.known()};
   const Verdict v = protect(seen, s);
-  Output<S> out;
+  Output<S> out{};
   out.current_A = S(0);
   out.voltage_V = S(0);
   out.state = v.state;
@@ -188,8 +188,13 @@ void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
 /// A result that is no current is not put out; the next step calls it a fault.
 template <class S>
 void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out) {
-  const Known<S> known{seen.measurement, seen.estimate, seen.filter, seen.current_A,
-                       seen.in.supply_V};
+  const Known<S> known{seen.measurement,
+                       seen.estimate,
+                       seen.filter,
+                       seen.current_A,
+                       seen.in.supply_V,
+                       seen.in.ambient_K,
+                       s.monitor.wire.hot.temperature_K};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
   const bool usable = !c.invalid && S(0) <= c.current_A &&
                       c.current_A <= seen.prepared.settings.trips.current_A &&

@@ -28,6 +28,7 @@ enum class Fault : std::uint8_t {
   wire_open,
   wire_short,
   sense_lead_open,
+  resistance_jump,
   no_response,
   over_temperature,
   heat_limit,

@@ -2,6 +2,7 @@
 // Limits that shape the power. None of them is a fault; each has its own reason.
 
 #include <cmath>
+#include <limits>
 
 #include "firmware/command.hpp"
 #include "firmware/feed_forward.hpp"
@@ -16,7 +17,9 @@ struct Known {
   const Estimate<S>& estimate;
   const typename KalmanObserver<S>::State& filter;  ///< the most likely one: model state, air, loss
   S measured_A;
-  S supply_V;  ///< NaN where it is not measured
+  S supply_V;                                     ///< NaN where it is not measured
+  S air_K = std::numeric_limits<S>::quiet_NaN();  ///< likewise
+  S hot_K = S(0);  ///< the wire's temperature by HotResistance; 0: not known
 };
 
 /// The reasons of one step.
@@ -86,7 +89,9 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& 
   const S greatest_W = most_W_;
   most(LimitReason::power, q.power_W);
   least_W_ = most_W_ < least_W_ ? most_W_ : least_W_;
-  const S below_K = q.temperature_K - q.hot_spot_K - known.estimate.temperature_K;
+  const S wire_K =
+      known.estimate.temperature_K < known.hot_K ? known.hot_K : known.estimate.temperature_K;
+  const S below_K = q.temperature_K - q.hot_spot_K - wire_K;
   most(LimitReason::temperature,
        loss_W +
            FeedForward<S>::power_W(p.observer.model.body.capacity_J_K * below_K, approach_s, dt_s));
@@ -109,9 +114,10 @@ template <class S>
 void PowerRange<S>::limit_sustained(const Prepared<S>& p, const Known<S>& known,
                                     const S& sustained_W) {
   const SoftLimits<S>& q = p.settings.limits;
-  const S air_K = known.filter.ambient_K < known.filter.start_ambient_K
-                      ? known.filter.start_ambient_K
-                      : known.filter.ambient_K;
+  const S believed_K = known.filter.ambient_K < known.filter.start_ambient_K
+                           ? known.filter.start_ambient_K
+                           : known.filter.ambient_K;
+  const S air_K = believed_K < known.air_K ? known.air_K : believed_K;
   const S most_for_long_W =
       q.loss_margin * p.observer.model.body.loss_W(q.temperature_K - q.hot_spot_K - air_K);
   most(LimitReason::temperature, most_for_long_W + S(10) * (most_for_long_W - sustained_W));

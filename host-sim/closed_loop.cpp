@@ -58,6 +58,10 @@ bool ClosedLoop::step() {
   }
   const double event_s = began_ ? static_cast<double>(time_ns_) * 1e-9 : 0;
   events_.apply(event_s, first_.board);
+  if (events_.reboots()) {
+    first_.device = Device<double>::start();
+    first_.board.safe_off();
+  }
   Frame frame{};
   Frame other_frame{};
   ReadStatus status{};

@@ -5,9 +5,12 @@
 #include <optional>
 #include <thread>
 
+#include "host-sim/closed_loop_run.hpp"
 #include "host-sim/commands.hpp"
+#include "host-sim/evaluate/calibrate.hpp"
 #include "host-sim/evaluate/closed_loop.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
+#include "host-sim/evaluate/random_scenario.hpp"
 #include "host-sim/evaluate/table.hpp"
 #include "host-sim/observers.hpp"
 #include "host-sim/output_file.hpp"
@@ -22,6 +25,8 @@ struct Arguments {
   std::string out, report, markdown;
   bool json = false;
   bool closed_loop = false;
+  int random = 1000;
+  std::optional<std::uint64_t> random_seed;
 };
 
 /// A folder gets a file of the usual name.
@@ -51,6 +56,14 @@ class Stages {
   std::optional<Progress> line_;
 };
 
+/// One of the random scenarios, to look at.
+void run_random_scenario(const Arguments& a, std::uint64_t seed) {
+  const RandomScenario scenario =
+      random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
+  const LoopRunResult result = run_closed_loop(scenario.loop, {.out = a.out});
+  fmt::print(a.out == "-" ? stderr : stdout, "{}", summary(scenario.loop, result));
+}
+
 /// The other table: of control.
 void run_closed_loop(const Arguments& a, const std::string& out) {
   ClosedLoopOptions options;
@@ -59,6 +72,7 @@ void run_closed_loop(const Arguments& a, const std::string& out) {
   options.seed = a.options.seed;
   options.threads = a.options.threads;
   options.wires = a.options.wires;
+  options.random = a.random;
   Stages stages;
   options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
     stages.update(stage, done, total);
@@ -78,6 +92,10 @@ void run_closed_loop(const Arguments& a, const std::string& out) {
 }
 
 void run(Arguments& a) {
+  if (a.random_seed) {
+    run_random_scenario(a, *a.random_seed);
+    return;
+  }
   const std::string out = json_file(a.out);
   refuse_to_overwrite(out, a.report);
   refuse_to_overwrite(a.markdown, out);
@@ -152,6 +170,11 @@ void add_evaluate_command(CLI::App& app) {
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
       ->excludes("--row", "--observer", "--set", "--report");
+  command->add_option("--random", a->random, "random scenarios of the closed loop")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--random-seed", a->random_seed,
+                      "only this one of them; --out takes its trace");
   command->callback([a] { run(*a); });
 }
 

@@ -17,8 +17,8 @@ constexpr double rounding_s = 1e-9;
 constexpr std::array<std::string_view, 3> wire_states{"broken", "open", "shorted"};
 constexpr std::array<std::string_view, reading_count> readings{"current", "voltage", "load",
                                                                "supply",  "ambient", "driver"};
-constexpr std::array<std::string_view, 5> sensor_faults{"missing", "stuck", "offset", "noise",
-                                                        "value"};
+constexpr std::array<std::string_view, 6> sensor_faults{"missing", "stuck", "offset",
+                                                        "noise",   "value", "gain"};
 /// The greatest amount of a sensor's fault: A, V, N, V, K, K.
 constexpr std::array<double, reading_count> greatest_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
 
@@ -90,6 +90,7 @@ void SimEvents::change(double time_s, SimBoard& board) {
   SimSurroundings around = without_;
   FrontEndFaults faults{};
   late_ = false;
+  reboots_ = false;
   next_s_ = for_ever;
   for (const SimEvent& event : events_) {
     const double end_s = event.at_s + event.for_s;
@@ -116,6 +117,7 @@ void SimEvents::change(double time_s, SimBoard& board) {
     faults.emergency_stop = faults.emergency_stop || event.emergency_stop;
     faults.driver_fault = faults.driver_fault || event.driver_fault;
     late_ = late_ || event.late;
+    reboots_ = reboots_ || event.reboots;
   }
   board.surroundings = around;
   board.faults() = faults;

@@ -22,7 +22,8 @@ struct SimEvent {
   double lost_share = 0;
   bool emergency_stop = false;
   bool driver_fault = false;
-  bool late = false;  ///< the loop misses its deadline
+  bool late = false;     ///< the loop misses its deadline
+  bool reboots = false;  ///< the device has no power, and starts anew at the end
 };
 
 /// Throws UserError.
@@ -41,6 +42,7 @@ class SimEvents {
     }
   }
   bool late() const { return late_; }
+  bool reboots() const { return reboots_; }
 
  private:
   void change(double time_s, SimBoard& board);
@@ -49,6 +51,7 @@ class SimEvents {
   SimSurroundings without_;
   double next_s_;
   bool late_ = false;
+  bool reboots_ = false;
 };
 
 }  // namespace smaservo

@@ -2,7 +2,7 @@
 // Several filters that start from different ideas of where the wire is, until the resistance has
 // told which one is right. A single filter that starts from the wrong phase stays there.
 //
-// The work of a search is spread over many calls, so that each costs as much as one step of a
+// The work of a search is spread over many calls, so that none costs more than two steps of a
 // filter: observer/README.md, 'The bank'.
 
 #include <array>
@@ -46,17 +46,16 @@ struct KalmanBank {
     bool rest_slope_known;     ///< to the search
     S others_start;            ///< log-likelihood of the hypotheses that do not start at rest
     S start_ambient_K;
-    std::uint8_t call;  ///< of four, of a search
-    bool compared;      ///< there has been a valid resistance
-    S doubt_s;          ///< for how long the last filter has contradicted the resistance
+    bool compared;  ///< there has been a valid resistance
+    S doubt_s;      ///< for how long the last filter has contradicted the resistance
   };
 
   /// Cost: one start at rest, two steps of the filter.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
 
-  /// Cost: one step of one filter, or a part of the opening of a search, which is not dearer. As
-  /// long as several hypotheses are possible, they take turns, the most likely one every second
-  /// time; a step then goes over all that the filter has missed.
+  /// Cost: one step of a filter; during a search one step more, or a part of its opening that costs
+  /// as much. The most likely hypothesis makes a step in each call, for all that is guarded by it;
+  /// the others take turns, and their steps go over all that they have missed.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
 
   /// The most likely hypothesis.
@@ -113,8 +112,11 @@ struct KalmanBank {
   static Estimate<S> estimate(const State& s);
   static Estimate<S> estimate_one(const Params& p, const State& s, std::size_t i);
   static void begin_search(State& s, std::size_t to_open, const S& others_start);
-  static bool searching(const State& s) { return s.unopened > 0 || alive(s) > 1; }
+  static bool searching(const State& s) {
+    return s.unopened > 0 || (s.alive & (s.alive - 1U)) != 0;
+  }
   static void search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
+  static void search_further(const Params& p, State& s, const Measurement<S>& m);
   static void open_further(const Params& p, State& s, const Measurement<S>& m);
   static void look_for_r_phase(const Params& p, State& s, const S& stress_Pa);
   static void open(const Params& p, State& s, std::size_t i, const Measurement<S>& m);
@@ -178,28 +180,36 @@ void KalmanBank<S>::begin_search(State& s, std::size_t to_open, const S& others_
   s.doubt_s = S(0);
 }
 
-/// The leader makes a step in every second call, as long as the search opens in every fourth one.
-/// The other calls are for the opening, or a step of the filter whose turn it is.
+/// A step of the leader, then a part of the opening or a step of the filter whose turn it is. A
+/// step in which the leader turns from heating to cooling or back is so dear that the others wait.
 template <class S>
 void KalmanBank<S>::search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
   for (std::size_t i = 0; i < hypotheses; ++i) {
-    if (is_alive(s, i)) {
+    if (is_alive(s, i) && i != s.leader) {
       s.missed[i].time_s = s.missed[i].time_s + dt_s;
       s.missed[i].energy_J = s.missed[i].energy_J + m.power_W * dt_s;
     }
   }
-  const bool opens = s.unopened > 0 && m.resistance_valid;
-  s.call = static_cast<std::uint8_t>((s.call + 1U) % 4U);
-  if (s.call % (opens ? 4U : 2U) == 0) {
-    follow(p, s, s.leader, m, S(0));
-  } else if (opens) {
-    open_further(p, s, m);
-  } else {
-    s.follower = next_follower(s);
-    follow(p, s, s.follower, m, S(0));
+  const Heading heading = likeliest(s).kinetics.heading;
+  follow(p, s, s.leader, m, dt_s);
+  if (likeliest(s).kinetics.heading == heading) {
+    search_further(p, s, m);
   }
   if (s.unopened == 0) {
     choose(s);
+  }
+}
+
+template <class S>
+void KalmanBank<S>::search_further(const Params& p, State& s, const Measurement<S>& m) {
+  if (s.unopened > 0 && m.resistance_valid) {
+    open_further(p, s, m);
+    return;
+  }
+  const std::uint8_t next = next_follower(s);
+  if (next != s.leader) {
+    s.follower = next;
+    follow(p, s, next, m, S(0));
   }
 }
 

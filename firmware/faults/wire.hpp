@@ -18,6 +18,10 @@ inline constexpr FaultRow wire_faults[] = {
      "Current flows, but the sense leads read next to no voltage.",
      "A sense lead that is broken or not plugged in, both on one end, a dead short.",
      "Both sense leads from the wire's ends to the front end."},
+    {Fault::resistance_jump, FaultClass::F1, Clears::command, 0xFF2F, "resistance_jump", 0.002,
+     "The resistance has changed at once by more than 8 %, faster than any wire can transform.",
+     "A part of the wire that is bridged, a bad crimp, a reading whose gain has changed.",
+     "The wire's whole way and both crimps; the gains of voltage and current."},
     {Fault::no_response, FaultClass::F1, Clears::command, 0xFF22, "no_response", 0.005,
      "The wire has got more than enough power to contract, but its resistance says it has not.",
      "Sense leads on something else than the wire, readings that do not come from it, a wire that "
@@ -34,16 +38,17 @@ inline constexpr FaultRow wire_faults[] = {
      "A set-point out of reach, strong draught or a cold place, an estimate that is wrong.",
      "The estimated temperature and heat loss against what surrounds the wire."},
     {Fault::overheat_onset, FaultClass::L, Clears::itself, 0xFF23, "overheat_onset", 0.005,
-     "The resistance rises again while the wire is heated, as it does beyond the transformation; "
-     "the current is reduced.",
-     "More heat than the stroke needs: a set-point out of reach, a wrong estimate.",
-     "The set-point against what the wire reaches under this load."},
+     "By the rise of its resistance since the transformation ended, the wire is more than 2 K "
+     "above "
+     "limits.temperature_K, whatever the estimate says; the current is reduced.",
+     "Less cooling or warmer air than the observer believes: a draught has ended, a cover.",
+     "What surrounds the wire; wire.heat."},
     {Fault::overheat_signature, FaultClass::F1, Clears::command, 0xFF24, "overheat_signature",
      0.005,
-     "The resistance has risen far past its minimum while the wire is heated: it is much too hot, "
-     "whatever the model says.",
-     "Power that is measured too low, a wrong wire file, a wire that is shielded from the air.",
-     "The gains of voltage and current; identify the wire again."},
+     "By the rise of its resistance since the transformation ended, the wire is above "
+     "trips.temperature_K and still heated, whatever the estimate says.",
+     "A wire that is shielded from the air, power that is measured too low, a bad crimp.",
+     "What covers the wire; the gains of voltage and current; each crimp's resistance."},
     {Fault::heating_fast, FaultClass::W, Clears::itself, 0xFF25, "heating_fast", 0.002,
      "The wire heats faster than 70 % of trips.heating_rate_K_s.",
      "A current limit that is high for this wire.", "limits.current_A and limits.power_W."},

@@ -30,7 +30,8 @@ struct OpenHeat {
     const ThermalBody<S>& body = seen.prepared.observer.model.body;
     const Surface<S>& m2a = seen.prepared.observer.model.kinetics.m2a;
     const S coldest_K = f.start_ambient_K - colder_K;
-    const S air_K = f.ambient_K < coldest_K ? coldest_K : f.ambient_K;
+    const S believed_K = f.ambient_K < coldest_K ? coldest_K : f.ambient_K;
+    const S air_K = believed_K < seen.in.ambient_K ? seen.in.ambient_K : believed_K;
     const auto at = [&](const S(&c)[3]) {
       return c[0] + f.stress_Pa * (c[1] + f.stress_Pa * c[2]);
     };

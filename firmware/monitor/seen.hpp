@@ -36,6 +36,15 @@ struct Seen {
   }
   bool sure() const { return observing && estimate.health == Health::good; }
 
+  /// The resistance of this sample is known within 0.1 %: not so at the least current.
+  bool precise() const {
+    const Measuring<S>& q = prepared.settings.measuring;
+    const S by_V = q.voltage_noise_V * current_A;
+    const S by_I = q.current_noise_A * voltage_V;
+    const S most = S(1e-3) * voltage_V * current_A;
+    return measurement.resistance_valid && by_V * by_V + by_I * by_I < most * most;
+  }
+
   /// Off for so long that a wire has the air's temperature, whatever it was: ten time constants,
   /// and its latent heat at 5 K above the air.
   bool cold() const {

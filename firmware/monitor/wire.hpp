@@ -2,6 +2,7 @@
 // Detects faults of the wire, its leads, its clamps and its load.
 
 #include "firmware/monitor/drive.hpp"
+#include "firmware/monitor/hot_resistance.hpp"
 #include "firmware/monitor/open_heat.hpp"
 
 namespace smaservo {
@@ -11,18 +12,16 @@ struct WireMonitor {
   /// An empty one is all zero.
   struct State {
     OpenHeat<S> heat;
-    S unanswered_J;             ///< given to a wire that did not answer
-    S observed_before_J;        ///< OpenHeat's in the last step
-    S before_K;                 ///< the estimate in the last step
-    bool was_sure;              ///< and whether it was one
-    S power_W;                  ///< low-pass filtered
-    S least_ohm;                ///< while austenite is heated
-    S least_at_Pa, least_at_W;  ///< stress and power there
-    S least_at_cold;            ///< share of martensite and R-phase there
-    S innovation_ohm;           ///< low-pass filtered
-    S slips;                    ///< seen, forgotten within 10 s
-    bool slipping;              ///< the last step already was in one
-    bool contracted;            ///< the half of a cycle that it is in
+    HotResistance<S> hot;
+    S steady_ohm;          ///< low-pass filtered; 0: not known
+    S unanswered_J;        ///< given to a wire that did not answer
+    S observed_before_J;   ///< OpenHeat's in the last step
+    S before_K;            ///< the estimate in the last step
+    bool was_sure;         ///< and whether it was one
+    S innovation_ohm;      ///< low-pass filtered
+    S slips;               ///< seen, forgotten within 10 s
+    bool slipping;         ///< the last step already was in one
+    bool contracted;       ///< the half of a cycle that it is in
     std::uint32_t cycles;  ///< full ones; a machine that keeps count puts the stored number here
   };
 
@@ -36,11 +35,9 @@ struct WireMonitor {
   }
 
  private:
-  /// The overheating signature: R has risen by as much as pure austenite does over so many kelvins.
-  /// The wire is beyond its minimum by some 70 K then, since the last martensite still goes; less
-  /// would be found in a wire that is held at its end in a draught.
-  static constexpr S rise_K = S(40);
-  static constexpr S onset = S(0.8);
+  static constexpr S beyond_K = S(2);
+  static constexpr S jump = S(0.08);
+  static constexpr S jump_s = S(0.003);
   /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
   /// late.
   static constexpr S ahead_s = S(0.003);
@@ -48,6 +45,7 @@ struct WireMonitor {
 
   static void circuit(const Seen<S>& seen, FaultSet& now);
   static void temperature(const Seen<S>& seen, State& s, FaultSet& now);
+  static bool jumped(const Seen<S>& seen, State& s);
   static void signature(const Seen<S>& seen, State& s, FaultSet& now);
   static void mechanics(const Seen<S>& seen, State& s, FaultSet& now);
   static void age(const Seen<S>& seen, State& s, FaultSet& now);
@@ -58,6 +56,7 @@ FaultSet WireMonitor<S>::detect(const Seen<S>& seen, State& s) {
   FaultSet now;
   if (seen.in.fresh) {
     circuit(seen, now);
+    now.add(Fault::resistance_jump, jumped(seen, s));
   }
   if (seen.observing) {
     temperature(seen, s, now);
@@ -119,39 +118,41 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
   s.was_sure = sure;
 }
 
-/// Austenite's resistance rises with temperature. Its rise since the minimum, under the same
-/// stress, with no less power and no more of the cold phases, says how far the wire is beyond the
-/// transformation.
+/// No transformation changes the resistance faster than its latent heat comes, and under a steady
+/// load none comes without heat.
+template <class S>
+bool WireMonitor<S>::jumped(const Seen<S>& seen, State& s) {
+  const S R = seen.measurement.resistance_ohm;
+  const S sigma = seen.filter.stress_Pa;
+  const bool steady = seen.measurement.stress_valid &&
+                      magnitude(seen.measurement.stress_Pa - sigma) < S(0.05) * sigma + S(5e6);
+  if (!steady || !seen.observing || !seen.precise()) {
+    s.steady_ohm = S(0);
+    return false;
+  }
+  if (!(S(0) < s.steady_ohm)) {
+    s.steady_ohm = R;
+    return false;
+  }
+  const ThermalBody<S>& body = seen.prepared.observer.model.body;
+  // A quarter of the resistance by the whole transformation.
+  const S by_heat = S(0.25) * seen.measurement.power_W * jump_s;
+  const S most_J = jump * body.latent_m2a_J + by_heat;
+  if (most_J * s.steady_ohm < magnitude(R - s.steady_ohm) * body.latent_m2a_J) {
+    return true;
+  }
+  s.steady_ohm = s.steady_ohm + (R - s.steady_ohm) * (seen.dt_s / (seen.dt_s + jump_s));
+  return false;
+}
+
+/// The limit is kept by shaping the power; beyond it that was not enough.
 template <class S>
 void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
-  const Estimate<S>& e = seen.estimate;
-  const S share = S(50) * seen.dt_s < S(1) ? S(50) * seen.dt_s : S(1);
-  s.power_W = s.power_W + share * (seen.measurement.power_W - s.power_W);
-  const S R = seen.measurement.resistance_ohm;
-  if (!seen.measurement.resistance_valid) {
-    return;
-  }
-  const S sigma = seen.filter.stress_Pa;
-  const bool steady = S(20) * magnitude(sigma - s.least_at_Pa) <= s.least_at_Pa;
-  const S cold = e.martensite + e.r_phase;
-  const S loss_W =
-      seen.prepared.observer.model.body.loss_W(e.temperature_K - seen.filter.ambient_K);
-  const bool limited = seen.last.limited_by(LimitReason::protection);
-  const bool heated = limited || (S(0.5) * loss_W < s.power_W && S(0.9) * s.least_at_W < s.power_W);
-  const bool austenite = cold < S(0.25) && cold < s.least_at_cold + S(0.01);
-  if (!steady || !austenite || !heated || R < s.least_ohm) {
-    s.least_at_cold = cold;
-    s.least_ohm = R;
-    s.least_at_Pa = sigma;
-    s.least_at_W = s.power_W;
-    return;
-  }
-  const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
-  // ΔR/R = k/ρ ΔT
-  const S rise = (R - s.least_ohm) * a.resistivity_ohm_m;
-  const S limit = s.least_ohm * a.resistivity_ohm_m_K * rise_K;
-  now.add(Fault::overheat_onset, onset * limit < rise);
-  now.add(Fault::overheat_signature, limit < rise);
+  const Settings<S>& q = seen.prepared.settings;
+  s.hot.advance(seen);
+  const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
+  now.add(Fault::overheat_onset, q.limits.temperature_K + beyond_K < hottest_K);
+  now.add(Fault::overheat_signature, s.hot.heated && q.trips.temperature_K < hottest_K);
 }
 
 template <class S>

@@ -118,6 +118,9 @@ void FrontEnd::spoil(Frame& frame) {
       case SensorFault::value:
         value = sensor.amount;
         break;
+      case SensorFault::gain:
+        value *= sensor.amount;
+        break;
     }
   }
 }

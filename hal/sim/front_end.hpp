@@ -30,6 +30,7 @@ enum class SensorFault : unsigned char {
   offset,   ///< plus `amount`, in the reading's unit
   noise,    ///< plus white noise with the standard deviation `amount`
   value,    ///< says `amount` whatever there is: an open sense lead reads 0, or its rail
+  gain,     ///< times `amount`
 };
 
 struct SpoiltSensor {

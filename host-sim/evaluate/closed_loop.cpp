@@ -125,7 +125,7 @@ double LoopFigures::quantile_s(bool heats, double share) const {
 ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
   const std::vector<KnownUnit> units = known_units(options);
   ClosedLoopEvaluation result{
-      options.units, options.seed, units.front().wire.nominal_stroke, {}, {}};
+      options.units, options.seed, units.front().wire.nominal_stroke, {}, {}, {}};
   for (const LoopRow row : loop_rows) {
     result.rows.push_back(evaluate_row(row, units, options));
   }
@@ -141,6 +141,13 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
             loop_kinds.at(i % loop_kinds.size()), units[i / loop_kinds.size()], at, options.seed);
       },
       reporting(options, "sines", total));
+  std::vector<CalibratedUnit> calibrated;
+  for (const KnownUnit& known : units) {
+    calibrated.push_back({known.unit, known.wire});
+  }
+  const auto scenarios = static_cast<std::size_t>(options.random);
+  result.hottest = run_hottest(calibrated, 100'000 * options.seed, options.random, options.threads,
+                               reporting(options, "random scenarios", scenarios));
   return result;
 }
 

@@ -9,14 +9,16 @@
 #include <vector>
 
 #include "host-sim/error_statistics.hpp"
+#include "host-sim/evaluate/hottest.hpp"
 #include "host-sim/evaluate/loop_runs.hpp"
 
 namespace smaservo {
 
 struct ClosedLoopOptions {
-  int units = 3;   ///< of each family, with seeds from `seed` on
-  int runs = 18;   ///< of each row
-  int steps = 27;  ///< of each run
+  int units = 3;      ///< of each family, with seeds from `seed` on
+  int runs = 18;      ///< of each row
+  int steps = 27;     ///< of each run
+  int random = 1000;  ///< scenarios, see hottest.hpp
   std::uint64_t seed = 1000;
   int threads = 1;    ///< the result does not depend on them
   std::string wires;  ///< folder of the calibrated wires, as EvaluateOptions has it
@@ -56,6 +58,7 @@ struct ClosedLoopEvaluation {
   std::vector<LoopRowResult> rows;
   /// Of each unit, at 200 MPa, by controller.
   std::array<std::vector<double>, loop_kinds.size()> bandwidth_Hz;
+  std::vector<HottestRun> hottest;  ///< of the random scenarios
 };
 
 /// Throws UserError or WireError. Takes some 3 s a run, and the calibration of the units.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "firmware/faults/table.hpp"
+#include "host-sim/device_names.hpp"
 #include "host-sim/evaluate/closed_loop.hpp"
 
 namespace smaservo {
@@ -95,7 +96,7 @@ std::string closed_loop_markdown(const ClosedLoopEvaluation& e) {
                         marked(fmt::format("{:.2f} Hz", least), ours && least < 2.5), greatest,
                         ours ? "2.5 Hz" : "");
   }
-  return text;
+  return e.hottest.empty() ? text : text + "\n" + hottest_markdown(e.hottest);
 }
 
 std::string closed_loop_json(const ClosedLoopEvaluation& e) {
@@ -125,6 +126,16 @@ std::string closed_loop_json(const ClosedLoopEvaluation& e) {
   }
   for (std::size_t i = 0; i < loop_kinds.size(); ++i) {
     json["bandwidth_Hz"][std::string(loop_kind_name(loop_kinds.at(i)))] = e.bandwidth_Hz.at(i);
+  }
+  for (const HottestRun& run : e.hottest) {
+    json["random"].push_back({{"seed", run.seed},
+                              {"mode", mode_name(run.mode)},
+                              {"air", random_air_name(run.air)},
+                              {"trouble", random_trouble_name(run.trouble)},
+                              {"beyond", run.beyond},
+                              {"above_limit_K", run.above_limit_K},
+                              {"at_s", run.at_s},
+                              {"first_cause", fault_name(run.first_cause)}});
   }
   return json.dump(2) + "\n";
 }

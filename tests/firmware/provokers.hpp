@@ -87,6 +87,7 @@ inline std::vector<Provoker> circuit_provokers() {
        }},
       {Fault::wire_short, reading([](Readings& in) { in.sample.voltage_V *= 0.3; })},
       {Fault::sense_lead_open, reading([](Readings& in) { in.sample.voltage_V = 1e-4; })},
+      {Fault::resistance_jump, reading([](Readings& in) { in.sample.voltage_V *= 0.88; })},
       // The sense leads are on a resistor like the cold wire.
       {Fault::no_response,
        [](Rig& rig) {
@@ -103,18 +104,18 @@ inline std::vector<Provoker> circuit_provokers() {
   };
 }
 
-/// A wire that is hotter than its power says: both gains are low.
-inline void under_read(Readings& in) {
-  in.sample.current_A *= 0.87;
-  in.sample.voltage_V *= 0.87;
+/// All power, and once there is nothing but austenite its resistance rises at once.
+inline std::function<void(Rig&)> resistance_rises(double factor) {
+  return [factor](Rig& rig) {
+    give_power(rig, all_W);
+    rig.tamper_inputs = [&rig, factor, start = rig.steps](Readings& in) {
+      in.sample.voltage_V *= rig.steps - start > 350 ? factor : 1;
+    };
+  };
 }
 
 inline std::vector<Provoker> heat_provokers() {
   const auto contract = [](Rig& rig) { rig.command.setpoint = 0.004; };
-  const auto under_read_and_contract = [](Rig& rig) {
-    rig.tamper_inputs = under_read;
-    give_power(rig, all_W);
-  };
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
     s.limits.loss_margin = heats_for_long;
@@ -126,8 +127,7 @@ inline std::vector<Provoker> heat_provokers() {
     give_power(rig, all_W);
   };
   const auto allow_hotter = [](Settings<double>& s) {
-    s.limits.temperature_K = 490;
-    s.trips.temperature_K = 500;
+    s.limits.least_strain = -0.05;
     s.trips.following_error = 1;
   };
   return {
@@ -145,27 +145,17 @@ inline std::vector<Provoker> heat_provokers() {
          s.limits.least_strain = -0.05;
        },
        0.1},
-      {Fault::overheat_onset, under_read_and_contract,
-       [allow_hotter](Settings<double>& s) {
-         s.limits.current_A = 0.25;
-         allow_hotter(s);
-       },
-       2},
-      // And the driver stays at the greatest current that it was given.
+      {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.4},
+      // And the driver stays at the current that it was given.
       {Fault::overheat_signature,
-       [under_read_and_contract](Rig& rig) {
-         under_read_and_contract(rig);
+       [](Rig& rig) {
+         resistance_rises(1.013)(rig);
          rig.tamper_drive = [most_A = 0.0](double A) mutable {
-           most_A = std::max(most_A, A);
-           return while_given(A, most_A);
+           most_A = std::min(std::max(most_A, A), 0.15);
+           return while_given(A, std::max(A, most_A));
          };
        },
-       [allow_hotter](Settings<double>& s) {
-         allow_hotter(s);
-         s.limits.loss_margin = heats_for_long;
-         s.limits.least_strain = -0.05;
-       },
-       0.2},
+       allow_hotter, 0.4},
       {Fault::heating_fast, full_power, gentle, 0.06},
       {Fault::heating_rate, full_power,
        [gentle](Settings<double>& s) {
@@ -236,7 +226,10 @@ inline std::vector<Provoker> estimate_provokers() {
       {Fault::model_divergence,
        [](Rig& rig) {
          give_current(rig, rig.out.current_A);
-         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V *= 0.7; };
+         // Slowly enough to be no jump.
+         rig.tamper_inputs = [&rig, start = rig.steps](Readings& in) {
+           in.sample.voltage_V *= std::max(0.7, 1 - 0.004 * (rig.steps - start));
+         };
        },
        [](Settings<double>& s) {
          s.limits.temperature_K = 590;

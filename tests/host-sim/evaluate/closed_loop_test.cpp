@@ -15,6 +15,7 @@ ClosedLoopOptions golden_units() {
   options.units = 1;
   options.runs = 2;
   options.steps = 4;
+  options.random = 2;
   options.wires = SMASERVO_SOURCE_DIR "/tests/golden/evaluate";
   return options;
 }
