@@ -135,8 +135,9 @@ class CommandReader {
 /// The finite number that a text is, all of it; none for other texts.
 std::optional<double> number_in(std::string_view text) {
   double value = 0;
-  const char* const stop = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), stop, value);
+  const char* const begin = text.data();
+  const char* const stop = begin + text.size();
+  const auto [at, error] = std::from_chars(begin, stop, value);
   const bool whole = error == std::errc{} && at == stop && std::isfinite(value);
   return whole ? std::optional(value) : std::nullopt;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <limits>
 
 #include "hal/replay/temporary_folder.hpp"
 #include "host-sim/closed_loop_report.hpp"
@@ -160,8 +161,8 @@ TEST(DeviceReplay, FindsAnOutputThatWasChanged) {
 
 TEST(DeviceReplay, ToleratesAShareOfAnOutputsRange) {
   Recorded run;
-  double least = INFINITY;
-  double most = -INFINITY;
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
   for (std::size_t row = 1; row < run.lines().size(); ++row) {
     const double value = std::stod(run.field(row, "drive_current_A"));
     least = std::min(least, value);
