@@ -46,7 +46,8 @@ settle_sysroot() {
   for file in "$libraries"/{blas,lapack}/*.so*; do
     ln -srf "$file" "$libraries"
   done
-  sed -i -E "/INTERFACE_LINK_LIBRARIES/s#([;\"])/usr/lib/#\1$folder/usr/lib/#g" \
+  # shellcheck disable=SC2016 # CMake's variable
+  sed -i -E '/INTERFACE_LINK_LIBRARIES/s#([;"])/usr/lib/#\1${_IMPORT_PREFIX}/lib/#g' \
     "$libraries/cmake/Ceres/CeresTargets.cmake"
 }
 
