@@ -107,7 +107,7 @@ constexpr auto limit_rows() {
                                             live, 273.15F, 393.15F, 600,
                                             "of the wire's hottest spot"),
       real<Member<S, g, &G::hot_spot_K>>({0x2020, 5}, "limits.hot_spot_K",
-                                         kind::temperature_difference, live, 0, 15, 100,
+                                         kind::temperature_difference, live, 0, 18, 100,
                                          "how far the hottest spot may lie above the estimate"),
       real<Member<S, g, &G::least_strain>>({0x2020, 6}, "limits.least_strain", kind::number, live,
                                            -0.05F, 0, 0.2F, "of the shortest wire asked for"),

@@ -64,8 +64,24 @@ void run_random_scenario(const Arguments& a, std::uint64_t seed) {
   fmt::print(a.out == "-" ? stderr : stdout, "{}", summary(scenario.loop, result));
 }
 
+/// Where numbers and table go; opened first, for an evaluation may take an hour.
+struct Destination {
+  std::optional<OutputFile> json;
+  std::optional<TableFile> table;
+
+  void write(const std::string& numbers, const std::string& markdown) {
+    if (json) {
+      json->write(numbers);
+      json->commit();
+    }
+    if (table) {
+      table->rewrite(markdown);
+    }
+  }
+};
+
 /// The other table: of control.
-void run_closed_loop(const Arguments& a, const std::string& out) {
+void run_closed_loop(const Arguments& a, Destination& destination) {
   ClosedLoopOptions options;
   options.units = a.options.units;
   options.runs = a.options.runs > 0 ? a.options.runs : options.runs;
@@ -80,15 +96,8 @@ void run_closed_loop(const Arguments& a, const std::string& out) {
   const ClosedLoopEvaluation evaluation = evaluate_closed_loop(options);
   const std::string json = closed_loop_json(evaluation);
   const std::string markdown = closed_loop_markdown(evaluation);
-  if (!out.empty()) {
-    OutputFile file(out);
-    file.write(json);
-    file.commit();
-  }
-  if (!a.markdown.empty()) {
-    rewrite_table(a.markdown, markdown);
-  }
-  fmt::print(out == "-" ? stderr : stdout, "{}", a.json ? json : markdown);
+  destination.write(json, markdown);
+  fmt::print(a.out == "-" ? stderr : stdout, "{}", a.json ? json : markdown);
 }
 
 void run(Arguments& a) {
@@ -100,8 +109,15 @@ void run(Arguments& a) {
   refuse_to_overwrite(out, a.report);
   refuse_to_overwrite(a.markdown, out);
   refuse_to_overwrite(a.markdown, a.report);
+  Destination destination;
+  if (!out.empty()) {
+    destination.json.emplace(out);
+  }
+  if (!a.markdown.empty()) {
+    destination.table.emplace(a.markdown);
+  }
   if (a.closed_loop) {
-    run_closed_loop(a, out);
+    run_closed_loop(a, destination);
     return;
   }
   a.options.settings = parse_settings(a.settings);
@@ -113,16 +129,9 @@ void run(Arguments& a) {
     };
     evaluation = evaluate(a.options);
   }
-  if (!out.empty()) {
-    OutputFile file(out);
-    file.write(table_json(evaluation));
-    file.commit();
-  }
+  destination.write(table_json(evaluation), table_markdown(evaluation));
   if (!a.report.empty()) {
     write_table_report(a.report, evaluation);
-  }
-  if (!a.markdown.empty()) {
-    rewrite_table(a.markdown, table_markdown(evaluation));
   }
   fmt::print(out == "-" || a.report == "-" ? stderr : stdout, "{}",
              a.json ? table_json(evaluation) : table_text(evaluation));

@@ -142,6 +142,7 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
       },
       reporting(options, "sines", total));
   std::vector<CalibratedUnit> calibrated;
+  calibrated.reserve(units.size());
   for (const KnownUnit& known : units) {
     calibrated.push_back({known.unit, known.wire});
   }

@@ -52,7 +52,6 @@ Settings<double> loop_settings(const Wire<double>& wire) {
   s.limits.current_A = 0.4;
   s.limits.power_W = 10;
   s.limits.temperature_K = wire.limits.temperature_K;
-  s.limits.hot_spot_K = 18;
   s.limits.greatest_strain = 0.06;
   s.limits.stress_Pa = wire.limits.stress_Pa;
   s.trips.current_A = 0.45;

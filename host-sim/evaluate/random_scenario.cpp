@@ -91,7 +91,6 @@ class Draw {
     const double maker_A = known_.limits.current_A;
     const std::array<double, 3> currents_A{maker_A, 2 * maker_A, 0.4};
     s.limits.current_A = currents_A.at(choice(currents_A.size()));
-    s.limits.hot_spot_K = 18;
     s.limits.power_W = 10;
     s.limits.temperature_K = zero_degC_K + dice_.uniform(100, 140);
     s.limits.greatest_strain = 0.06;

@@ -310,16 +310,16 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   write_html(path, "Evaluation of observers", html + "</ul>\n");
 }
 
-void rewrite_table(const std::string& path, const std::string& markdown) {
+TableFile::TableFile(std::string path) : path_(std::move(path)) {
   constexpr std::string_view begin = "<!-- evaluate:";
   constexpr std::string_view end = "<!-- end of evaluate -->";
-  const std::ifstream input(path, std::ios::binary);
+  const std::ifstream input(path_, std::ios::binary);
   std::stringstream content;
   content << input.rdbuf();
   if (!input) {
-    throw UserError(fmt::format("--markdown {}: can not be read", path));
+    throw UserError(fmt::format("--markdown {}: can not be read", path_));
   }
-  std::string text = content.str();
+  const std::string text = content.str();
   const std::size_t head = text.find(begin);
   const std::size_t from = text.find('\n', head);
   const std::size_t to = text.find(end, head);
@@ -327,11 +327,15 @@ void rewrite_table(const std::string& path, const std::string& markdown) {
     throw UserError(
         fmt::format("--markdown {}: needs a line that begins with \"{}\", and \"{}\" "
                     "after it",
-                    path, begin, end));
+                    path_, begin, end));
   }
-  text.replace(from + 1, to - from - 1, "\n" + markdown + "\n");
-  OutputFile file(path);
-  file.write(text);
+  before_ = text.substr(0, from + 1);
+  after_ = text.substr(to);
+}
+
+void TableFile::rewrite(const std::string& markdown) const {
+  OutputFile file(path_);
+  file.write(before_ + "\n" + markdown + "\n" + after_);
   file.commit();
 }
 

@@ -15,8 +15,16 @@ std::string table_markdown(const Evaluation& evaluation);
 /// Throws UserError.
 void write_table_report(const std::string& path, const Evaluation& evaluation);
 
-/// Replaces what a Markdown file has between the lines that begin with "<!-- evaluate:" and
-/// "<!-- end of evaluate -->". Throws UserError when there are none.
-void rewrite_table(const std::string& path, const std::string& markdown);
+/// A Markdown file with a table between the lines that begin with "<!-- evaluate:" and
+/// "<!-- end of evaluate -->".
+class TableFile {
+ public:
+  /// Throws UserError when there is no such file, or no such line in it.
+  explicit TableFile(std::string path);
+  void rewrite(const std::string& markdown) const;
+
+ private:
+  std::string path_, before_, after_;
+};
 
 }  // namespace smaservo

@@ -38,7 +38,7 @@ double hottest_loss_W(const TuneTask& task, const Branches& b) {
 
 /// The end of the stroke, and what lets a wire be held at 90 % of it in the greatest draught: the
 /// device gives no more power for long than its file's wire takes at the limit, times the margin.
-double limit_K(const TuneTask& task, const Branches& b, double loss_margin) {
+double greatest_estimate_K(const TuneTask& task, const Branches& b, double loss_margin) {
   const LumpedModel::Params params = lumped_params(task.plant);
   double contracted_K = 0;
   for (const OperatingPoint& p : b.points) {
@@ -46,11 +46,11 @@ double limit_K(const TuneTask& task, const Branches& b, double loss_margin) {
   }
   const double ambient_K = task.plant.ambient_K;
   const double held_W = greatest_draught * params.body.loss_W(contracted_K + 2 - ambient_K);
-  double limit_K = b.hottest_K + 3;
-  while (loss_margin * params.body.loss_W(limit_K - ambient_K) < held_W) {
-    limit_K += 1;
+  double estimate_K = b.hottest_K + 3;
+  while (loss_margin * params.body.loss_W(estimate_K - ambient_K) < held_W) {
+    estimate_K += 1;
   }
-  return limit_K + hot_spot_K;
+  return estimate_K;
 }
 
 void choose_rates(const Branches& b, const TuneTask& task, Settings<double>& s) {
@@ -81,7 +81,6 @@ Settings<double> bare_settings(const Wire<double>& wire, double current_A) {
     loop->proportional = loop->integral_1_s = loop->derivative_s = loop->dead_band = 0;
   }
   s.limits.current_A = current_A;
-  s.limits.hot_spot_K = hot_spot_K;
   return s;
 }
 
@@ -122,7 +121,8 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   q.least_current_A = rounded_up(
       least_current_A(s.measuring, lumped_params(task.plant), cold_resistance_ohm(wire)));
   q.power_W = rounded_up(current_A * current_A * b.greatest_ohm);
-  q.temperature_K = std::min(wire.limits.temperature_K, std::ceil(limit_K(task, b, q.loss_margin)));
+  q.temperature_K = std::min(wire.limits.temperature_K,
+                             std::ceil(greatest_estimate_K(task, b, q.loss_margin) + q.hot_spot_K));
   q.least_strain = 1e-4 * std::floor(1e4 * (b.hot_strain + 0.01 * b.stroke()));
   q.greatest_strain = 1e-4 * std::ceil(1e4 * b.rest_strain);
   const double greatest_Pa = std::max(task.plant.load.low_Pa, b.hot_Pa);

@@ -5,9 +5,6 @@
 
 namespace smaservo {
 
-/// How far the wire's hottest spot may lie above the estimate.
-inline constexpr double hot_spot_K = 12;
-
 /// Standard deviation of one reading.
 double resistance_noise_ohm(const Measuring<double>& m, double ohm, double current_A);
 

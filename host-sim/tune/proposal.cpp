@@ -1,4 +1,3 @@
-#include "host-sim/tune/proposal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +5,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "firmware/parameters.hpp"
 #include "firmware/trajectory.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/tune/heat_law.hpp"
@@ -241,7 +241,8 @@ const char* loop_text(LoopName name) {
 
 Proposal propose(const TuneTask& task) {
   Proposal p{};
-  const double most_K = task.plant.wire.limits.temperature_K - hot_spot_K;
+  const double most_K =
+      task.plant.wire.limits.temperature_K - default_settings<double>().limits.hot_spot_K;
   const Branches fine = trace_branches(task.plant, most_K, law_stops);
   p.branches = trace_branches(task.plant, most_K);
   require_motion(task, p.branches);

@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <string>
 
+#include "tests/bench/main.hpp"
 #include "tests/bench/steps.hpp"
 #include "tests/bench/time_step.hpp"
 

@@ -48,10 +48,10 @@ extern "C" int listen_to_allocator(
     void (*freed)(const volatile void*)) asm("__sanitizer_install_malloc_and_free_hooks");
 namespace smaservo {
 namespace {
-void heard(const volatile void*, std::size_t) {
+void heard(const volatile void* /*block*/, std::size_t /*size*/) {
   allocating();
 }
-void heard_free(const volatile void*) {}
+void heard_free(const volatile void* /*block*/) {}
 const int listening = listen_to_allocator(heard, heard_free);
 }  // namespace
 }  // namespace smaservo

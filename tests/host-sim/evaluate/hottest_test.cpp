@@ -14,14 +14,14 @@ std::vector<CalibratedUnit> golden_units() {
 
 TEST(Hottest, NeverAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
   const std::vector<CalibratedUnit> units = golden_units();
-  const auto runs = run_hottest(units, 1, 30, 1, [](std::size_t) {});
+  const auto runs = run_hottest(units, 1, 60, 1, [](std::size_t) {});
   int hot = 0;
   for (const HottestRun& run : runs) {
     EXPECT_LE(run.above_limit_K, hottest_allowed_K) << "seed " << run.seed;
     hot += run.above_limit_K > -20 ? 1 : 0;
   }
   EXPECT_GE(hot, 5) << "scenarios that never come near the limit prove nothing";
-  const auto again = run_hottest(units, 1, 30, 2, [](std::size_t) {});
+  const auto again = run_hottest(units, 1, 60, 2, [](std::size_t) {});
   EXPECT_EQ(hottest_markdown(again), hottest_markdown(runs));
 }
 

@@ -131,12 +131,12 @@ TEST(Table, IsRewrittenBetweenItsMarks) {
   const std::string file = folder.write(
       "a.md",
       "before\n<!-- evaluate: host-sim evaluate -->\nold\n<!-- end of evaluate -->\nafter\n");
-  rewrite_table(file, table_markdown(evaluation()));
+  TableFile(file).rewrite(table_markdown(evaluation()));
   EXPECT_EQ(file_text(file), "before\n<!-- evaluate: host-sim evaluate -->\n\n" +
                                  table_markdown(evaluation()) +
                                  "\n<!-- end of evaluate -->\nafter\n");
   const std::string once = file_text(file);
-  rewrite_table(file, table_markdown(evaluation()));
+  TableFile(file).rewrite(table_markdown(evaluation()));
   EXPECT_EQ(file_text(file), once);
 }
 
@@ -145,10 +145,10 @@ TEST(Table, IsNotWrittenWithoutMarks) {
   for (const char* text :
        {"", "<!-- evaluate: x -->\n", "<!-- end of evaluate -->\n<!-- evaluate: x -->\n"}) {
     const std::string file = folder.write("a.md", text);
-    EXPECT_THROW(rewrite_table(file, table_markdown(evaluation())), UserError);
+    EXPECT_THROW(TableFile{file}, UserError);
     EXPECT_EQ(file_text(file), text);
   }
-  EXPECT_THROW(rewrite_table(folder / "missing.md", table_markdown(evaluation())), UserError);
+  EXPECT_THROW(TableFile{folder / "missing.md"}, UserError);
 }
 
 }  // namespace
