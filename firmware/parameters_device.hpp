@@ -263,7 +263,7 @@ constexpr auto trajectory_rows() {
   using G = TrajectorySettings<S>;
   return std::to_array<Parameter<S>>({
       real<Member<S, g, &G::heating_rate_1_s>>({0x2106, 1}, "trajectory.heating_rate_1_s",
-                                               kind::rate, Change::live, 1e-5F, 0.35F, 100,
+                                               kind::rate, Change::live, 1e-5F, 0.6F, 100,
                                                "greatest strain rate asked for, contracting"),
       real<Member<S, g, &G::cooling_rate_1_s>>({0x2106, 2}, "trajectory.cooling_rate_1_s",
                                                kind::rate, Change::live, 1e-5F, 1, 100,
