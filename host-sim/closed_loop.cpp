@@ -61,6 +61,10 @@ bool ClosedLoop::step() {
   if (events_.reboots()) {
     first_.device = Device<double>::start();
     first_.board.safe_off();
+    if (second_) {
+      second_->device = Device<double>::start();
+      second_->board.safe_off();
+    }
   }
   Frame frame{};
   Frame other_frame{};

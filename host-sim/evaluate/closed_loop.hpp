@@ -16,7 +16,7 @@ namespace smaservo {
 
 struct ClosedLoopOptions {
   int units = 3;      ///< of each family, with seeds from `seed` on
-  int runs = 108;      ///< of each row
+  int runs = 108;     ///< of each row
   int steps = 27;     ///< of each run
   int random = 1000;  ///< scenarios, see hottest.hpp
   std::uint64_t seed = 1000;

@@ -247,6 +247,31 @@ TEST(ClosedLoop, SameScenarioSameTrace) {
   EXPECT_TRUE(file_text(folder / "a.csv") == file_text(folder / "b.csv"));
 }
 
+TEST(ClosedLoop, WithoutPowerThereIsNoCurrentAndNoMemory) {
+  ClosedLoopScenario scenario = shipped_scenario("steps");
+  scenario.duration_s = 2;
+  SimEvent& power_cut = scenario.events.emplace_back();
+  power_cut.at_s = 1;
+  power_cut.for_s = 0.1;
+  power_cut.reboots = true;
+  ClosedLoop loop(scenario);
+  double before_A = 0;
+  while (loop.step()) {
+    const Turn& turn = loop.turn();
+    const double between_s = turn.time_s - 0.0005;  // events come between two steps
+    if (between_s < 1) {
+      before_A = std::max(before_A, turn.output.current_A);
+    } else if (between_s < 1.1) {
+      ASSERT_EQ(turn.output.current_A, 0) << turn.time_s;
+      ASSERT_LE(turn.output.time_us, 2000U) << "a new device's first step";
+    } else {
+      ASSERT_EQ(turn.output.first_cause, Fault::none) << turn.time_s;
+    }
+  }
+  EXPECT_GT(before_A, 0.05);
+  EXPECT_NEAR(static_cast<double>(loop.turn().output.time_us), 0.9e6, 2e3);
+}
+
 TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
   const TemporaryFolder folder;
   ClosedLoopScenario scenario = shipped_scenario("steps");

@@ -216,6 +216,7 @@ TEST(SimBoard, SensorsLieAsTheyAreTold) {
   EXPECT_EQ(voltage(SensorFault::stuck, 0), good.voltage_V);
   EXPECT_TRUE(std::isnan(voltage(SensorFault::missing, 0)));
   EXPECT_NEAR(voltage(SensorFault::offset, 0.5), 0.1 * board.wire().resistance_ohm() + 0.5, 1e-3);
+  EXPECT_NEAR(voltage(SensorFault::gain, 1.5), 0.15 * board.wire().resistance_ohm(), 1e-3);
   EXPECT_EQ(voltage(SensorFault::value, 0), 0);
   EXPECT_NE(voltage(SensorFault::noise, 1), voltage(SensorFault::noise, 1));
   EXPECT_NEAR(voltage(SensorFault::none, 0), 0.1 * board.wire().resistance_ohm(), 1e-3);
