@@ -32,7 +32,7 @@ inline constexpr auto parameters = joined(
     identity_rows<S>(), timing_rows<S>(), measuring_rows<S>(), observer_rows<S>(), limit_rows<S>(),
     trip_rows<S>(), safe_rows<S>(), axis_rows<S>(),
     loop_rows<S, &Settings<S>::strain>(0x2100, "strain", "W", kind::power, "", kind::number,
-                                       {0, 0, 1e-4F}),
+                                       {0, 0, 5e-5F}),
     drive_rows<S>(),
     loop_rows<S, &Settings<S>::temperature>(0x2103, "temperature", "W_K", kind::power_per_kelvin,
                                             "_K", kind::temperature_difference, {0.05F, 1, 0}),
