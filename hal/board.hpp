@@ -5,6 +5,8 @@
 #include <concepts>
 #include <cstdint>
 
+#include "firmware/canopen/frame.hpp"
+
 namespace smaservo {
 
 /// All readings of one instant. A reading that failed, or that the board can not take, is NaN,
@@ -42,6 +44,20 @@ concept Board = requires(B board, Frame& frame, const DriveCommand& command) {
   { board.drive(command) } -> std::same_as<void>;
   /// Current off; allowed in any state, any number of times.
   { board.safe_off() } -> std::same_as<void>;
+  /// Renews the lease of the hardware that cuts the drive off when it is not kicked for some
+  /// milliseconds (a retriggerable one-shot). Once per step that went well, and never else.
+  { board.kick() } -> std::same_as<void>;
+  /// The clock of Frame::time_ns.
+  { board.now_ns() } -> std::same_as<std::int64_t>;
+};
+
+/// A CAN controller with its queues. Neither call waits.
+template <class P>
+concept CanPort = requires(P port, CanFrame& in, const CanFrame& out) {
+  /// The oldest frame that has come and was not sent by this port; false: there is none.
+  { port.receive(in) } -> std::same_as<bool>;
+  /// False: the queue is full or the bus is down. The frame is dropped; the port counts it.
+  { port.send(out) } -> std::same_as<bool>;
 };
 
 }  // namespace smaservo

@@ -15,7 +15,8 @@ ReadStatus ReplayBoard::read(Frame& frame) {
   if (!trace_.next(row_)) {
     return ReadStatus::end;
   }
-  frame.time_ns = static_cast<std::int64_t>(std::llround(row_[Column::time] * 1e9));
+  now_ns_ = static_cast<std::int64_t>(std::llround(row_[Column::time] * 1e9));
+  frame.time_ns = now_ns_;
   if (trace_.has(Column::fresh) && row_[Column::fresh] == 0) {
     return ReadStatus::nothing;
   }
@@ -29,7 +30,7 @@ ReadStatus ReplayBoard::read(Frame& frame) {
   const auto sequence = trace_.has(Column::sequence)
                             ? row_[Column::sequence]
                             : static_cast<double>(trace_.rows() + trace_.skipped() - 1);
-  frame = {.time_ns = frame.time_ns,
+  frame = {.time_ns = now_ns_,
            .sequence = static_cast<std::uint32_t>(sequence),
            .current_A = row_[Column::current],
            .voltage_V = row_[Column::voltage],

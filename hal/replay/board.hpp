@@ -17,6 +17,9 @@ class ReplayBoard {
   ReadStatus read(Frame& frame);
   void drive(const DriveCommand& command) { last_command_ = command; }
   void safe_off() { last_command_ = {}; }
+  void kick() {}
+  /// Of the last row, 0 before the first.
+  std::int64_t now_ns() const { return now_ns_; }
 
   /// The row behind the last frame, with what only a trace knows: references and texts.
   const TraceRow& row() const { return row_; }
@@ -29,6 +32,7 @@ class ReplayBoard {
   double area_m2_;
   TraceRow row_{};
   DriveCommand last_command_{};
+  std::int64_t now_ns_ = 0;
 };
 
 static_assert(Board<ReplayBoard>);

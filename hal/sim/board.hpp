@@ -48,11 +48,12 @@ class SimBoard {
   ReadStatus read(Frame& frame);
   void drive(const DriveCommand& command) { command_ = command; }
   void safe_off() { command_ = {}; }
+  void kick() {}  // its lease is the drive command's
+  std::int64_t now_ns() const { return time_ns_; }
 
   SimSurroundings surroundings;
   FrontEndFaults& faults() { return front_end_.faults; }
 
-  std::int64_t time_ns() const { return time_ns_; }
   SimTruth truth() const;
   const SimulatedWire& wire() const { return *wire_; }
 

@@ -72,7 +72,7 @@ Inputs<double> LoopBench::read() {
 }
 
 void LoopBench::drive(double current_A) {
-  board_.drive({current_A, 0, board_.time_ns() + 3 * period_ns});
+  board_.drive({current_A, 0, board_.now_ns() + 3 * period_ns});
 }
 
 }  // namespace smaservo

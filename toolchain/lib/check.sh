@@ -72,7 +72,7 @@ tidy_key() {
   eval "parts=(${rule#*:})"
   {
     printf '%s\n' "$command"
-    clang-tidy-19 --version
+    clang-tidy-22 --version
     cat "$root/.clang-tidy" "$root/tests/.clang-tidy" "${parts[@]}"
   } | sha256sum
 }
@@ -85,7 +85,7 @@ tidy_one() {
   if [[ -n $key && -f $stamp && $(<"$stamp") == "$key" ]]; then
     return
   fi
-  clang-tidy-19 -p "$build" --quiet "$file" 2>&1 || return
+  clang-tidy-22 -p "$build" --quiet "$file" 2>&1 || return
   [[ -z $key ]] || printf '%s\n' "$key" >"$stamp"
 }
 

@@ -61,7 +61,7 @@ Frame driven(SimBoard& board, double current_A, int periods) {
   Frame frame{};
   for (int i = 0; i < periods; ++i) {
     board.drive(
-        {.current_A = current_A, .voltage_V = 0, .valid_until_ns = board.time_ns() + 3 * ms});
+        {.current_A = current_A, .voltage_V = 0, .valid_until_ns = board.now_ns() + 3 * ms});
     frame = next(board);
   }
   return frame;
@@ -268,10 +268,10 @@ TEST(SimBoard, LongPeriodsAreDivided) {
   EXPECT_EQ(coarse.parts(), 4);
   driven(fine, 0.15, 40);
   for (int i = 0; i < 10; ++i) {
-    coarse.drive({.current_A = 0.15, .voltage_V = 0, .valid_until_ns = coarse.time_ns() + 4 * ms});
+    coarse.drive({.current_A = 0.15, .voltage_V = 0, .valid_until_ns = coarse.now_ns() + 4 * ms});
     next(coarse);
   }
-  EXPECT_EQ(fine.time_ns(), coarse.time_ns());
+  EXPECT_EQ(fine.now_ns(), coarse.now_ns());
   EXPECT_EQ(fine.truth().hottest_K, coarse.truth().hottest_K);
 }
 

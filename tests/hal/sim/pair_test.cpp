@@ -27,8 +27,8 @@ class Antagonists {
     Frame a{};
     Frame b{};
     for (int i = 0; i < periods; ++i) {
-      first_.drive({first_A, 0, first_.time_ns() + 2 * ms});
-      second_.drive({second_A, 0, second_.time_ns() + 2 * ms});
+      first_.drive({first_A, 0, first_.now_ns() + 2 * ms});
+      second_.drive({second_A, 0, second_.now_ns() + 2 * ms});
       pair_.read(a, b);
     }
   }
