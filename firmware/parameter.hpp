@@ -52,6 +52,12 @@ struct Key {
   friend constexpr auto operator<=>(const Key&, const Key&) = default;
 };
 
+/// As std::isfinite, which no constant may call yet.
+constexpr bool is_finite(float x) {
+  constexpr float most = std::numeric_limits<float>::max();
+  return -most <= x && x <= most;
+}
+
 /// A path made of up to three parts, such as "strain" + ".proportional_" + "W".
 class Path {
  public:

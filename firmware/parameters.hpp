@@ -122,7 +122,7 @@ constexpr Fit fit(const Parameter<S>& row, Value value) {
                                                     : Fit::inside;
   }
   const float x = value.real();
-  if (!(x - x == 0.F)) {
+  if (!is_finite(x)) {
     return Fit::not_finite;
   }
   return x < row.least.real() ? Fit::below : row.greatest.real() < x ? Fit::above : Fit::inside;

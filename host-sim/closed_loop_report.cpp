@@ -168,7 +168,7 @@ class LoopPlots {
   std::string data_;
 };
 
-std::string cell(double value, int decimals) {
+std::string cell_html(double value, int decimals) {
   return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, decimals);
 }
 
@@ -204,7 +204,7 @@ std::string steps_html(const LoopRunResult& result) {
   for (const StepFigures& s : result.strain_steps) {
     html += row_html(
         {fmt::format("{:.3f}", s.from_s), fmt::format("{:.3f}", 100 * s.from),
-         fmt::format("{:.3f}", 100 * s.to), cell(s.rise_s, 3), cell(s.settling_s, 3),
+         fmt::format("{:.3f}", 100 * s.to), cell_html(s.rise_s, 3), cell_html(s.settling_s, 3),
          fmt::format("{:.2f}", s.overshoot_percent), fmt::format("{:.2f}", s.error_percent)},
         "td");
   }

@@ -186,7 +186,7 @@ class LoopFile {
   std::string further_;
 };
 
-std::string cell(double value, int decimals) {
+std::string cell_text(double value, int decimals) {
   return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
 }
 
@@ -246,8 +246,8 @@ std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& res
                       "rise s", "settling s", "overshoot %", "error %");
   for (const StepFigures& s : result.strain_steps) {
     text += fmt::format("{:>9.3f}{:>8.3f}{:>8.3f}{:>9}{:>11}{:>13.2f}{:>11.2f}\n", s.from_s,
-                        100 * s.from, 100 * s.to, cell(s.rise_s, 3), cell(s.settling_s, 3),
-                        s.overshoot_percent, s.error_percent);
+                        100 * s.from, 100 * s.to, cell_text(s.rise_s, 3),
+                        cell_text(s.settling_s, 3), s.overshoot_percent, s.error_percent);
   }
   return text + "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
 }

@@ -14,7 +14,6 @@
 namespace smaservo {
 namespace {
 
-constexpr double longest_s = 1e5;
 constexpr double MPa = 1e6;
 constexpr std::array<std::string_view, 2> drive_names{"current", "voltage"};
 constexpr std::array<std::string_view, 2> pair_names{"driven", "passive"};

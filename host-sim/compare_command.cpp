@@ -13,7 +13,7 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::vector<std::string> training, tests;
   std::string from{default_wire};
   std::vector<std::string> settings, columns;
@@ -24,12 +24,12 @@ struct Arguments {
 };
 
 /// What is being identified, as a line on the terminal.
-class Status {
+class CompareStatus {
  public:
-  ~Status() { show("\r\033[K"); }
-  Status() = default;
-  Status(const Status&) = delete;
-  Status& operator=(const Status&) = delete;
+  ~CompareStatus() { show("\r\033[K"); }
+  CompareStatus() = default;
+  CompareStatus(const CompareStatus&) = delete;
+  CompareStatus& operator=(const CompareStatus&) = delete;
 
   void name(std::string_view what) const { show(fmt::format("\r\033[K{} ...", what)); }
 
@@ -67,7 +67,7 @@ void require_writable(const std::string& path) {
   }
 }
 
-void check_files(const Arguments& a) {
+void check_files(const CompareArguments& a) {
   refuse_to_overwrite(a.out, a.report);
   for (const std::vector<std::string>* runs : {&a.training, &a.tests}) {
     for (const std::string& run : *runs) {
@@ -102,7 +102,7 @@ std::vector<Run> read_runs(const std::vector<std::string>& paths, const RunOptio
   return runs;
 }
 
-void run(const Arguments& a) {
+void run(const CompareArguments& a) {
   check_files(a);
   const WireDescription from = load_wire(a.from, parse_settings(a.settings));
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
@@ -119,7 +119,7 @@ void run(const Arguments& a) {
                           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Comparison comparison;
   {
-    const Status status;
+    const CompareStatus status;
     comparison = compare(from, std::move(training), std::move(tests), threads,
                          [&](std::string_view system) { status.name(system); });
   }
@@ -140,7 +140,7 @@ void run(const Arguments& a) {
 void add_compare_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "compare", "Identifies models and observers on some runs and asks them about others.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<CompareArguments>();
   command->add_option("--train", a->training, "CSV files to identify on, with commas between")
       ->required()
       ->delimiter(',');

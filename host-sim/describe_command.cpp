@@ -11,23 +11,23 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct DescribeArguments {
   std::string topic;
   std::string wire{default_wire};
 };
 
 struct Topic {
   std::string_view name, meaning;
-  std::string (*text)(const Arguments&);
+  std::string (*text)(const DescribeArguments&);
 };
 
 constexpr auto topics = std::to_array<Topic>({
     {"faults", "every fault of a device, in Markdown (firmware/FAULTS.md)",
-     [](const Arguments&) { return fault_reference(); }},
+     [](const DescribeArguments&) { return fault_reference(); }},
     {"parameters", "every parameter of a device, in Markdown (firmware/PARAMETERS.md)",
-     [](const Arguments&) { return parameter_reference(); }},
+     [](const DescribeArguments&) { return parameter_reference(); }},
     {"settings", "a settings file to start from, for the wire of --wire",
-     [](const Arguments& a) { return settings_template(a.wire); }},
+     [](const DescribeArguments& a) { return settings_template(a.wire); }},
 });
 
 std::string list_of_topics() {
@@ -38,7 +38,7 @@ std::string list_of_topics() {
   return list;
 }
 
-void describe(const Arguments& a) {
+void describe(const DescribeArguments& a) {
   for (const Topic& topic : topics) {
     if (topic.name == a.topic) {
       fmt::print("{}", topic.text(a));
@@ -54,7 +54,7 @@ void describe(const Arguments& a) {
 void add_describe_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "describe", "Prints what the device knows of itself; made from the firmware's own tables.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DescribeArguments>();
   command->add_option("TOPIC", a->topic, "one of:" + list_of_topics())->required();
   command->add_option("--wire", a->wire, "preset or file that ends in .toml; " + a->wire);
   command->callback([a] { describe(*a); });

@@ -10,7 +10,7 @@
 namespace smaservo {
 namespace {
 
-constexpr std::size_t buffer_size = std::size_t{1} << 18;
+constexpr std::size_t estimate_buffer_size = std::size_t{1} << 18;
 constexpr std::size_t longest_own_part = 512;
 constexpr double exact = 9007199254740992.0;  // 2^53
 
@@ -55,7 +55,7 @@ EstimateFile::EstimateFile(std::string path, bool has_reference,
     : file_(std::move(path)),
       has_reference_(has_reference),
       positions_(std::move(positions)),
-      buffer_(buffer_size) {
+      buffer_(estimate_buffer_size) {
   std::string header;
   for (const std::string_view name : own_columns) {
     header += header.empty() ? "" : ",";

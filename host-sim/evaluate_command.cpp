@@ -19,7 +19,7 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct EvaluateArguments {
   EvaluateOptions options;
   std::vector<std::string> settings;
   std::string out, report, markdown;
@@ -57,7 +57,7 @@ class Stages {
 };
 
 /// One of the random scenarios, to look at.
-void run_random_scenario(const Arguments& a, std::uint64_t seed) {
+void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   const RandomScenario scenario =
       random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
   const LoopRunResult result = run_closed_loop(scenario.loop, {.out = a.out});
@@ -81,7 +81,7 @@ struct Destination {
 };
 
 /// The other table: of control.
-void run_closed_loop(const Arguments& a, Destination& destination) {
+void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
   ClosedLoopOptions options;
   options.units = a.options.units;
   options.runs = a.options.runs > 0 ? a.options.runs : options.runs;
@@ -100,7 +100,7 @@ void run_closed_loop(const Arguments& a, Destination& destination) {
   fmt::print(a.out == "-" ? stderr : stdout, "{}", a.json ? json : markdown);
 }
 
-void run(Arguments& a) {
+void run(EvaluateArguments& a) {
   if (a.random_seed) {
     run_random_scenario(a, *a.random_seed);
     return;
@@ -142,7 +142,7 @@ void run(Arguments& a) {
 void add_evaluate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Judges observers by many simulated runs of wires that no observer knows.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<EvaluateArguments>();
   EvaluateOptions& options = a->options;
   options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::vector<std::string> observers;

@@ -7,13 +7,13 @@
 namespace smaservo {
 
 void add_figures_command(CLI::App& app) {
-  struct Arguments {
+  struct FiguresArguments {
     std::string out = "figures";
     std::vector<std::string> papers;
   };
   CLI::App* command = app.add_subcommand(
       "figures", "Draws the figures of the four papers again, from the project's models.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<FiguresArguments>();
   command->add_option("--out", a->out, "folder for the pictures and index.html")
       ->capture_default_str();
   command->add_option("--paper", a->papers, "000 to 003; all unless given; repeatable")

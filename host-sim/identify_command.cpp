@@ -16,7 +16,7 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct IdentifyArguments {
   std::vector<std::string> runs;
   std::string from{default_wire};
   std::vector<std::string> settings, columns;
@@ -51,12 +51,12 @@ class Interrupt {
 };
 
 /// Where the fit is, as a line on the terminal.
-class Status {
+class FitStatus {
  public:
-  ~Status() { clear(); }
-  Status() = default;
-  Status(const Status&) = delete;
-  Status& operator=(const Status&) = delete;
+  ~FitStatus() { clear(); }
+  FitStatus() = default;
+  FitStatus(const FitStatus&) = delete;
+  FitStatus& operator=(const FitStatus&) = delete;
 
   void show(const FitProgress& at) const {
     if (terminal_) {
@@ -74,7 +74,7 @@ class Status {
   bool terminal_ = isatty(STDERR_FILENO) == 1;
 };
 
-void check_files(const Arguments& a) {
+void check_files(const IdentifyArguments& a) {
   if (!a.out.ends_with(".toml")) {
     throw UserError(fmt::format("--out {}: the name of a wire file ends in .toml", a.out));
   }
@@ -92,7 +92,7 @@ void check_files(const Arguments& a) {
   refuse_to_overwrite(a.out, a.report);
 }
 
-std::vector<Run> read_runs(const Arguments& a, const Geometry<double>& geometry) {
+std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& geometry) {
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   require("--load-N", a.load_N, 0, 1e5);
   RunOptions options{geometry, {}, a.load_N, {}};
@@ -108,9 +108,9 @@ std::vector<Run> read_runs(const Arguments& a, const Geometry<double>& geometry)
   return runs;
 }
 
-FitResult fit(const Arguments& a, const Wire<double>& from, const std::vector<Run>& runs) {
+FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::vector<Run>& runs) {
   const Interrupt interrupt;
-  const Status status;
+  const FitStatus status;
   FitOptions options;
   options.circuit = a.circuit;
   options.threads = a.threads > 0
@@ -123,7 +123,7 @@ FitResult fit(const Arguments& a, const Wire<double>& from, const std::vector<Ru
   return fit_wire(from, runs, options);
 }
 
-void run(const Arguments& a) {
+void run(const IdentifyArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   check_files(a);
   const WireDescription from = load_wire(a.from, parse_settings(a.settings));
@@ -156,7 +156,7 @@ void run(const Arguments& a) {
 void add_identify_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("identify", "Fits a wire's parameters to measured runs of it.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<IdentifyArguments>();
   command
       ->add_option("RUN", a->runs,
                    "CSV files: in a bath, heated by current, settled states, calorimetry")

@@ -11,8 +11,6 @@
 
 namespace smaservo {
 
-using Measuring = MeasurementParams<double>;
-
 const std::vector<MeasurementSetting>& measurement_settings() {
   static const std::vector<MeasurementSetting> settings{
       {"measurement.current_offset_A", "read at zero current"},
@@ -24,19 +22,22 @@ const std::vector<MeasurementSetting>& measurement_settings() {
   return settings;
 }
 
-Measuring measuring_params(const Wire<double>& wire, const std::vector<Override>& settings) {
+MeasurementParams<double> measuring_params(const Wire<double>& wire,
+                                           const std::vector<Override>& settings) {
   const double ohm = cold_resistance_ohm(wire);
   const double limit_A = wire.limits.current_A;
-  Measuring p{wire.geometry.area_m2(), 0,         0,        1e-4 * limit_A, 1e-4 * limit_A * ohm, 0,
-              0.03 * limit_A,          0.5 * ohm, 2.0 * ohm};
+  MeasurementParams<double> p{
+      wire.geometry.area_m2(), 0,         0,        1e-4 * limit_A, 1e-4 * limit_A * ohm, 0,
+      0.03 * limit_A,          0.5 * ohm, 2.0 * ohm};
   for (const auto& [key, text] : settings) {
-    double Measuring::* field = nullptr;
-    if (key == "measurement.current_offset_A") field = &Measuring::current_offset_A;
-    if (key == "measurement.voltage_offset_V") field = &Measuring::voltage_offset_V;
-    if (key == "measurement.current_noise_A") field = &Measuring::current_noise_A;
-    if (key == "measurement.voltage_noise_V") field = &Measuring::voltage_noise_V;
-    if (key == "measurement.lead_resistance_ohm") field = &Measuring::lead_resistance_ohm;
-    if (key == "measurement.least_current_A") field = &Measuring::least_current_A;
+    double MeasurementParams<double>::* field = nullptr;
+    if (key == "measurement.current_offset_A") field = &MeasurementParams<double>::current_offset_A;
+    if (key == "measurement.voltage_offset_V") field = &MeasurementParams<double>::voltage_offset_V;
+    if (key == "measurement.current_noise_A") field = &MeasurementParams<double>::current_noise_A;
+    if (key == "measurement.voltage_noise_V") field = &MeasurementParams<double>::voltage_noise_V;
+    if (key == "measurement.lead_resistance_ohm")
+      field = &MeasurementParams<double>::lead_resistance_ohm;
+    if (key == "measurement.least_current_A") field = &MeasurementParams<double>::least_current_A;
     double value = 0;
     const char* stop = text.data() + text.size();
     const auto [at, error] = std::from_chars(text.data(), stop, value);

@@ -16,8 +16,8 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     file_ = stdout;
     return;
   }
-  std::error_code missing;
-  if (fs::exists(path_, missing) && !fs::is_regular_file(path_, missing)) {
+  std::error_code ignored;
+  if (fs::exists(path_, ignored) && !fs::is_regular_file(path_, ignored)) {
     // A device or a pipe has nothing to be replaced.
     file_ = std::fopen(path_.c_str(), "wb");
     if (file_ == nullptr) {
@@ -26,7 +26,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     return;
   }
   // What a link points to is replaced, not the link.
-  target_ = fs::is_symlink(path_, missing) ? fs::weakly_canonical(path_).string() : path_;
+  target_ = fs::is_symlink(path_, ignored) ? fs::weakly_canonical(path_).string() : path_;
   beside_ = fmt::format("{}.{}.part", target_, getpid());
   file_ = std::fopen(beside_.c_str(), "wbx");
   if (file_ == nullptr) {

@@ -15,7 +15,7 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct PlanArguments {
   std::string wire, out{"-"}, report;
   std::vector<std::string> settings;
   std::vector<double> loads_N, stresses_MPa;
@@ -26,7 +26,7 @@ struct Arguments {
 
 /// What all outputs are made of.
 struct Planned {
-  const Arguments& arguments;
+  const PlanArguments& arguments;
   Wire<double> wire;
   Plan plan;
 };
@@ -175,7 +175,7 @@ std::vector<Plot> plots(const Plan& plan) {
   return all;
 }
 
-Plan plan(const Arguments& a, const Wire<double>& wire) {
+Plan plan(const PlanArguments& a, const Wire<double>& wire) {
   PlanOptions options;
   options.duration_s = a.duration_s;
   options.threads = a.threads > 0
@@ -197,7 +197,7 @@ Plan plan(const Arguments& a, const Wire<double>& wire) {
   return plan_runs(wire, options);
 }
 
-void run(const Arguments& a) {
+void run(const PlanArguments& a) {
   require("--duration-s", a.duration_s, 10, 600);
   refuse_to_overwrite(a.out, a.report);
   if (a.out == "-" && a.report == "-") {
@@ -226,7 +226,7 @@ void run(const Arguments& a) {
 void add_calibrate_plan_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "calibrate-plan", "Computes currents to run on a bench, so that identify learns the most.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<PlanArguments>();
   command->add_option("WIRE", a->wire, "nearest preset, or file that ends in .toml")->required();
   command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
       ->allow_extra_args(false);

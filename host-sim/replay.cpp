@@ -15,8 +15,6 @@
 namespace smaservo {
 namespace {
 
-using Measuring = MeasurementParams<double>;
-
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double lost_percent = 20;
 constexpr double settling_s = 1;
@@ -211,8 +209,8 @@ Observers start_observers(const ReplayOptions& options, const std::vector<Overri
   return observers;
 }
 
-void replay_electrical(const ReplayOptions& options, const Measuring& measuring, TraceReader reader,
-                       ReplayResult& result) {
+void replay_electrical(const ReplayOptions& options, const MeasurementParams<double>& measuring,
+                       TraceReader reader, ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
   const std::vector<Override> observer_settings = split_settings(options.settings).observer;
   const double load_N = default_load_N(options, reader);
@@ -265,7 +263,8 @@ ReplayResult replay(const ReplayOptions& options) {
   const bool electrical = trace.has(Column::current) && trace.has(Column::voltage);
   const SplitSettings settings = split_settings(options.settings);
   check_observer_settings(options.wire.wire, settings.observer);
-  const Measuring measuring = measuring_params(options.wire.wire, settings.measurement);
+  const MeasurementParams<double> measuring =
+      measuring_params(options.wire.wire, settings.measurement);
   if (electrical && trace.timed()) {
     replay_electrical(options, measuring, std::move(trace), result);
   } else if (trace.has(Column::temperature) && !electrical) {

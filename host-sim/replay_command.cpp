@@ -13,7 +13,7 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct ReplayArguments {
   ReplayOptions options;
   std::string wire{default_wire};
   std::vector<std::string> settings;
@@ -26,7 +26,7 @@ struct Arguments {
   std::optional<double> period_s;
 };
 
-void run_device(const Arguments& a) {
+void run_device(const ReplayArguments& a) {
   require("--tolerance", a.tolerance, 0, 1);
   DeviceReplayOptions options{a.options.trace, a.options.trace_options,
                               load_settings_file(a.device), a.options.out, a.tolerance.value_or(0)};
@@ -41,7 +41,7 @@ void run_device(const Arguments& a) {
   }
 }
 
-void run(Arguments& a) {
+void run(ReplayArguments& a) {
   if (!a.device.empty()) {
     run_device(a);
     return;
@@ -88,7 +88,7 @@ void run(Arguments& a) {
 void add_replay_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "replay", "Runs the estimation loop on a recorded trace and prints its errors.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ReplayArguments>();
   std::vector<std::string> observers;
   for (const ObserverKind& kind : observer_kinds()) {
     observers.emplace_back(kind.name);

@@ -6,6 +6,9 @@
 
 namespace smaservo {
 
+/// No time of a scenario is beyond.
+inline constexpr double longest_s = 1e5;
+
 /// Throws UserError.
 Load read_load(Table table);
 

@@ -69,7 +69,7 @@ double two_digits(double x) {
   return std::stod(fmt::format("{:.2g}", x));
 }
 
-std::string_view change_text(Change change) {
+std::string_view change_note(Change change) {
   return change == Change::live          ? ""
          : change == Change::after_reset ? "; after a reset"
                                          : "; not while enabled";
@@ -92,7 +92,7 @@ std::string settings_template(const std::string& wire) {
       return "";
     }
     const auto [line, range] = in_common_unit(row, settings);
-    return fmt::format("{:<34}  # {}: {}{}", line, range, row.meaning, change_text(row.change));
+    return fmt::format("{:<34}  # {}: {}{}", line, range, row.meaning, change_note(row.change));
   });
   std::ostringstream name;
   name << toml::value<std::string>(wire);

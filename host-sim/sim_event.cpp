@@ -5,13 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "host-sim/toml_table.hpp"
+#include "host-sim/scenario_tables.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double for_ever = std::numeric_limits<double>::infinity();
-constexpr double longest_s = 1e5;
 constexpr double rounding_s = 1e-9;
 
 constexpr std::array<std::string_view, 3> wire_states{"broken", "open", "shorted"};

@@ -10,11 +10,11 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   std::string scenario, out, report;
 };
 
-void run_loop(const Arguments& a) {
+void run_loop(const SimulateArguments& a) {
   const ClosedLoopScenario scenario = load_closed_loop(a.scenario);
   const LoopRunResult result =
       run_closed_loop(scenario, {.out = a.out, .record = !a.report.empty()});
@@ -26,7 +26,7 @@ void run_loop(const Arguments& a) {
   fmt::print(taken ? stderr : stdout, "{}", summary(scenario, result));
 }
 
-void run(const Arguments& a) {
+void run(const SimulateArguments& a) {
   refuse_to_overwrite(a.scenario, a.out);
   refuse_to_overwrite(a.scenario, a.report);
   refuse_to_overwrite(a.out, a.report);
@@ -51,7 +51,7 @@ void run(const Arguments& a) {
 void add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "simulate", "Makes a trace with a plant that no observer knows, or runs a device on it.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<SimulateArguments>();
   command
       ->add_option("--scenario,SCENARIO", a->scenario, "TOML file; host-sim/README.md has the keys")
       ->required();

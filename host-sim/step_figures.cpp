@@ -7,7 +7,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double least_step_s = 0.2;
 constexpr double settled_percent = 2;
 constexpr double least_rise_percent = 2;
@@ -36,11 +36,11 @@ StepFigures StepJudge::judged() const {
   const auto at_s = [&](std::size_t i) { return static_cast<double>(i) * period_s_; };
   const std::size_t n = strains_.size();
   const std::size_t last = n / 4;
-  StepFigures f{from_s_, at_s(n), strains_.front(), setpoint_, nan, nan, 0, 0};
+  StepFigures f{from_s_, at_s(n), strains_.front(), setpoint_, unknown, unknown, 0, 0};
   const double way = f.to - f.from;
   const double sign = way < 0 ? -1 : 1;
   std::size_t outside = 0;  ///< behind the last sample outside of the band
-  double ten_s = nan;
+  double ten_s = unknown;
   for (std::size_t i = 0; i < n; ++i) {
     const double error_percent = 100 * (strains_[i] - f.to) / stroke_;
     outside = std::abs(error_percent) > settled_percent ? i + 1 : outside;
@@ -51,9 +51,9 @@ StepFigures StepJudge::judged() const {
     f.error_percent += i >= n - last ? std::abs(error_percent) : 0;
   }
   f.error_percent /= static_cast<double>(last);
-  f.settling_s = outside < n ? at_s(outside) : nan;
+  f.settling_s = outside < n ? at_s(outside) : unknown;
   if (100 * std::abs(way) < least_rise_percent * stroke_) {
-    f.rise_s = nan;
+    f.rise_s = unknown;
   }
   return f;
 }

@@ -13,7 +13,7 @@
 namespace smaservo {
 namespace {
 
-struct Arguments {
+struct TuneArguments {
   std::string wire{default_wire};
   std::vector<std::string> settings;
   std::optional<double> load_N, stress_MPa, current_A;
@@ -33,7 +33,7 @@ TunedLoad spring(const std::vector<double>& s) {
   return {1e6 * s[0], 1e6 * s[1], s[2]};
 }
 
-TunedLoad load(const Arguments& a, const Wire<double>& wire) {
+TunedLoad load(const TuneArguments& a, const Wire<double>& wire) {
   require("--load-N", a.load_N, 0, 1e5);
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   if (!a.spring.empty()) {
@@ -56,7 +56,7 @@ void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
 }
 
 /// The wire as the file of settings finds it.
-std::string based_on(const Arguments& a) {
+std::string based_on(const TuneArguments& a) {
   if (!a.settings.empty() || !a.wire.ends_with(".toml")) {
     return a.settings.empty() ? a.wire : "";
   }
@@ -64,7 +64,7 @@ std::string based_on(const Arguments& a) {
   return std::filesystem::proximate(a.wire, folder.empty() ? "." : folder).string();
 }
 
-void run(const Arguments& a) {
+void run(const TuneArguments& a) {
   refuse_to_overwrite(a.out, a.report);
   if (a.wire.ends_with(".toml")) {
     refuse_to_overwrite(a.wire, a.out);
@@ -101,7 +101,7 @@ void run(const Arguments& a) {
 void add_tune_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "tune", "Proposes gains and limits for a wire under a load, with margins and step response.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<TuneArguments>();
   command->add_option("--wire", a->wire, "preset, or file that ends in .toml")
       ->capture_default_str();
   command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")

@@ -20,13 +20,13 @@ void list_presets() {
 }  // namespace
 
 void add_wires_command(CLI::App& app) {
-  struct Arguments {
+  struct WiresArguments {
     std::string name;
     std::vector<std::string> settings;
   };
   CLI::App* command = app.add_subcommand(
       "wires", "Lists the wires that are built in, or prints one with all its parameters.");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<WiresArguments>();
   command->add_option("WIRE", a->name, "preset or file that ends in .toml");
   command->add_option("--set", a->settings, "key=value; repeatable")->allow_extra_args(false);
   command->callback([a] {

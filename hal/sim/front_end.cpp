@@ -7,7 +7,7 @@
 namespace smaservo {
 namespace {
 
-Grid grid(double full_scale, int bits) {
+Quantiser grid(double full_scale, int bits) {
   const double per_step = std::ldexp(1.0, bits - 1) / full_scale;
   return {1 / per_step, per_step, full_scale};
 }
@@ -16,7 +16,7 @@ constexpr std::array readings{&Frame::current_A, &Frame::voltage_V, &Frame::load
                               &Frame::supply_V,  &Frame::ambient_K, &Frame::driver_K};
 
 /// Never a negative zero: it would not survive a trace.
-double quantised(double value, const Grid& grid) {
+double quantised(double value, const Quantiser& grid) {
   if (std::isnan(value)) {
     return value;
   }

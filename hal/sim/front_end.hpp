@@ -77,7 +77,7 @@ struct FrontEndFaults {
 };
 
 /// A converter's steps, and its full scale.
-struct Grid {
+struct Quantiser {
   double step, per_step, full_scale;
 };
 
@@ -104,7 +104,7 @@ class FrontEnd {
 
   Converter converter_;
   Sensors sensors_;
-  Grid current_, voltage_, load_;
+  Quantiser current_, voltage_, load_;
   SensorNoise noise_, fault_noise_;
   double current_A_ = 0;
   double driven_V_ = 0;  ///< what the converter puts out

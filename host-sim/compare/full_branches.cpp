@@ -9,7 +9,7 @@ namespace smaservo {
 namespace {
 
 constexpr double outer = 0.9;
-constexpr double inner = 0.1;
+constexpr double inner_share = 0.1;
 constexpr double most_back = 0.05;
 
 /// How far a row is from the shortest to the longest wire.
@@ -30,7 +30,7 @@ class Stroke {
 class Bins {
  public:
   void add(double share, const ResistancePoint<double>& point) {
-    const double place = (share - inner) / (outer - inner) * static_cast<double>(count);
+    const double place = (share - inner_share) / (outer - inner_share) * static_cast<double>(count);
     const auto bin =
         static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(count) - 1));
     sum_[bin].strain += point.strain;
@@ -67,7 +67,7 @@ class Follower {
       farthest_ = std::max(farthest_, done);
       if (done < farthest_ - most_back) {
         on_the_way_ = false;
-      } else if (done >= 1 - inner) {
+      } else if (done >= 1 - inner_share) {
         add(stroke, begin_ + 1, row, points);
         on_the_way_ = false;
       }

@@ -11,8 +11,8 @@ namespace smaservo {
 namespace {
 
 using Path = Staircase<double, 64>;
-constexpr std::size_t nodes = std::tuple_size_v<PreisachNodes>;
-constexpr std::size_t cells = (nodes - 1) * nodes / 2;
+constexpr std::size_t node_count = std::tuple_size_v<PreisachNodes>;
+constexpr std::size_t cells = (node_count - 1) * node_count / 2;
 
 /// Behind the column of austenite
 constexpr Eigen::Index cell_index(std::size_t hot, std::size_t cold) {
@@ -31,14 +31,14 @@ std::vector<double> inputs(const Run& run, double shift_K_Pa) {
 /// The share of every cell that lies in the triangle, times the sign.
 void add_triangle(const PreisachNodes& node_K, double sign, double hot_K, double cold_K,
                   Eigen::Ref<Eigen::RowVectorXd> row) {
-  std::array<double, nodes - 1> below_hot{};
-  std::array<double, nodes - 1> above_cold{};
-  for (std::size_t i = 0; i + 1 < nodes; ++i) {
+  std::array<double, node_count - 1> below_hot{};
+  std::array<double, node_count - 1> above_cold{};
+  for (std::size_t i = 0; i + 1 < node_count; ++i) {
     const double width_K = node_K[i + 1] - node_K[i];
     below_hot[i] = std::clamp((hot_K - node_K[i]) / width_K, 0.0, 1.0);
     above_cold[i] = std::clamp((node_K[i + 1] - cold_K) / width_K, 0.0, 1.0);
   }
-  for (std::size_t hot = 0; hot + 1 < nodes; ++hot) {
+  for (std::size_t hot = 0; hot + 1 < node_count; ++hot) {
     for (std::size_t cold = 0; cold < hot; ++cold) {
       row[cell_index(hot, cold)] += sign * below_hot[hot] * above_cold[cold];
     }
@@ -81,8 +81,8 @@ PreisachNodes placed_nodes(const std::vector<Run>& runs, double shift_K_Pa) {
   double sum = 0;
   std::size_t next = 1;
   for (std::size_t bin = 0; bin < bins; ++bin) {
-    const auto goal = [&] { return 3.0 * static_cast<double>(next) / (nodes - 1); };
-    for (; next + 1 < nodes && sum + way[bin] >= goal(); ++next) {
+    const auto goal = [&] { return 3.0 * static_cast<double>(next) / (node_count - 1); };
+    for (; next + 1 < node_count && sum + way[bin] >= goal(); ++next) {
       node_K[next] = low_K + (static_cast<double>(bin) + (goal() - sum) / way[bin]) * bin_K;
     }
     sum += way[bin];
@@ -130,15 +130,15 @@ double sum_up(const Eigen::VectorXd& weights, PreisachParams<double>::Increments
   const auto F = [&](std::size_t hot, std::size_t cold) {
     return hot > cold ? increments[PreisachParams<double>::index(hot, cold)] : 0.0;
   };
-  for (std::size_t span = 1; span < nodes; ++span) {
-    for (std::size_t cold = 0; cold + span < nodes; ++cold) {
+  for (std::size_t span = 1; span < node_count; ++span) {
+    for (std::size_t cold = 0; cold + span < node_count; ++cold) {
       const std::size_t hot = cold + span;
       const double inner =
           span > 1 ? F(hot - 1, cold) + F(hot, cold + 1) - F(hot - 1, cold + 1) : 0;
       increments[PreisachParams<double>::index(hot, cold)] = inner + of(hot - 1, cold);
     }
   }
-  const double all = F(nodes - 1, 0);
+  const double all = F(node_count - 1, 0);
   for (double& increment : increments) increment /= all;
   return all;
 }

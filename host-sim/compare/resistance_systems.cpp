@@ -10,7 +10,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// The resistance by that of the first run's first rows: of the order of one.
 double unit_ohm(const std::vector<Run>& runs) {
@@ -40,7 +40,7 @@ class Direction {
 
  private:
   bool rises_ = false;
-  double far_ = nothing;
+  double far_ = no_value;
 };
 
 /// Polynomials of one order, one for each direction or one for both.
@@ -52,13 +52,13 @@ struct Polynomials {
 
   std::vector<double> strain(const Run& run) const {
     if (run.resistance_ohm.empty()) {
-      return std::vector<double>(run.strain.size(), nothing);
+      return std::vector<double>(run.strain.size(), no_value);
     }
     std::vector<double> all;
     all.reserve(run.resistance_ohm.size());
     Direction direction;
     for (const double reading : run.resistance_ohm) {
-      double sum = nothing;
+      double sum = no_value;
       if (std::isfinite(reading)) {
         const double share = reading / ohm;
         const Eigen::VectorXd& c = coefficients[two ? direction.next(share) : 0];

@@ -5,16 +5,16 @@
 
 #include "host-sim/evaluate/dice.hpp"
 #include "host-sim/evaluate/parallel.hpp"
+#include "host-sim/evaluate/runs.hpp"
 #include "host-sim/output_file.hpp"
 
 namespace smaservo {
 namespace {
 
-constexpr double MPa = 1e6;
 constexpr double in_time_s = 0.10;
 constexpr double in_time_ratio = 1.3;
-constexpr std::size_t ideal = 1;
-static_assert(loop_kinds[ideal] == LoopKind::ideal);
+constexpr std::size_t ideal_at = 1;
+static_assert(loop_kinds[ideal_at] == LoopKind::ideal);
 
 std::function<void(std::size_t)> reporting(const ClosedLoopOptions& options, std::string_view stage,
                                            std::size_t total) {
@@ -101,7 +101,7 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
   }
   for (const auto& run : results) {
     for (std::size_t kind = 0; kind < loop_kinds.size(); ++kind) {
-      count(result.kinds.at(kind), run.at(kind), run.at(ideal));
+      count(result.kinds.at(kind), run.at(kind), run.at(ideal_at));
     }
   }
   for (LoopFigures& figures : result.kinds) {
@@ -126,7 +126,7 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
   const std::vector<KnownUnit> units = known_units(options);
   ClosedLoopEvaluation result{
       options.units, options.seed, units.front().wire.nominal_stroke, {}, {}, {}};
-  for (const LoopRow row : loop_rows) {
+  for (const LoopRow row : closed_loop_rows) {
     result.rows.push_back(evaluate_row(row, units, options));
   }
   for (auto& of_kind : result.bandwidth_Hz) {

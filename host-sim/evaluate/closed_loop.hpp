@@ -31,7 +31,7 @@ enum class LoopRow : unsigned char {
   spring,   ///< 100..300 MPa
   light     ///< 50 MPa
 };
-inline constexpr std::array loop_rows{LoopRow::weights, LoopRow::spring, LoopRow::light};
+inline constexpr std::array closed_loop_rows{LoopRow::weights, LoopRow::spring, LoopRow::light};
 
 /// What one controller did in one row. Errors in per cent of the nominal stroke.
 struct LoopFigures {

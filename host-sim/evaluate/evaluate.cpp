@@ -27,7 +27,7 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
   return 100'000 * options.seed + run;
 }
 
-struct CalibratedUnit {
+struct JudgedUnit {
   WireUnit unit;
   Wire<double> type_file, calibrated;
 };
@@ -92,8 +92,8 @@ std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::
   };
 }
 
-std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
-  std::vector<CalibratedUnit> units;
+std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
+  std::vector<JudgedUnit> units;
   for (int i = 0; i < options.units; ++i) {
     for (const Family family : families) {
       const WireUnit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
@@ -114,7 +114,7 @@ std::vector<CalibratedUnit> make_units(const EvaluateOptions& options, bool cali
 
 /// Units in turn; conditions in turn when all units have had one; then disturbed and not.
 std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std::size_t>& rows,
-                           const std::vector<CalibratedUnit>& units) {
+                           const std::vector<JudgedUnit>& units) {
   std::vector<Job> jobs;
   for (const std::size_t index : rows) {
     const EvaluationRow& row = evaluation_rows()[index];
@@ -192,8 +192,8 @@ JudgedRun judge(const EvaluatedRun& run, const JouleScenario& joule,
 }
 
 /// Simulates a run once and shows it to all observers of its row.
-std::vector<JudgedRun> judge(const EvaluateOptions& options, const Job& job,
-                             const CalibratedUnit& unit, double stroke) {
+std::vector<JudgedRun> judge(const EvaluateOptions& options, const Job& job, const JudgedUnit& unit,
+                             double stroke) {
   const Scenario scenario = test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
   std::vector<SimulatedRow> rows;
   simulate_rows(scenario, [&](const SimulatedRow& row) { rows.push_back(row); });
@@ -227,7 +227,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
   const std::vector<std::size_t> rows = chosen_rows(options);
   const bool calibrated =
       std::ranges::any_of(rows, [](std::size_t row) { return evaluation_rows()[row].calibrated; });
-  const std::vector<CalibratedUnit> units = make_units(options, calibrated);
+  const std::vector<JudgedUnit> units = make_units(options, calibrated);
   const std::vector<Job> jobs = work_list(options, rows, units);
   const double stroke = units.front().type_file.nominal_stroke;
   std::vector<std::vector<JudgedRun>> judged(jobs.size());

@@ -7,7 +7,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double coarse_allowance_percent = 0.2;
 
 /// NaN where there is no target.
@@ -17,7 +17,7 @@ double most_mean(const ObserverEvaluation& observer, const RowResult& result) {
   }
   const auto standard = std::ranges::find_if(
       observer.rows, [](const RowResult& other) { return row_of(other).name == "standard"; });
-  return standard == observer.rows.end() ? none
+  return standard == observer.rows.end() ? undefined
                                          : standard->all.error.mean() + coarse_allowance_percent;
 }
 
@@ -29,27 +29,27 @@ const EvaluationRow& row_of(const RowResult& result) {
 
 std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& f, double most_mean) {
   const bool limited = !std::isnan(row.maximum);
-  std::vector<Figure> all{{"mean_percent", f.error.mean(), none, most_mean},
-                          {"p95_percent", f.error.quantile(0.95), none, row.p95},
-                          {"max_percent", f.error.maximum(), none, row.maximum},
-                          {"lost", static_cast<double>(f.lost), none, limited ? 0 : none},
+  std::vector<Figure> all{{"mean_percent", f.error.mean(), undefined, most_mean},
+                          {"p95_percent", f.error.quantile(0.95), undefined, row.p95},
+                          {"max_percent", f.error.maximum(), undefined, row.maximum},
+                          {"lost", static_cast<double>(f.lost), undefined, limited ? 0 : undefined},
                           {"within_2_sd_percent", 100 * f.within_2_sd, 90, 98}};
   if (std::isnan(f.within_2_sd)) {
-    all.back().least = all.back().most = none;
+    all.back().least = all.back().most = undefined;
   }
   const auto has = [&](Condition condition) {
     return std::ranges::count(row.conditions, condition) > 0;
   };
   if (has(Condition::hold_ripple)) {
-    all.push_back({"drift_mean_percent", f.drift_mean, none, none});
-    all.push_back({"drift_p95_percent", f.drift_p95, none, 0.5});
-    all.push_back({"drift_max_percent", f.drift_maximum, none, none});
+    all.push_back({"drift_mean_percent", f.drift_mean, undefined, undefined});
+    all.push_back({"drift_p95_percent", f.drift_p95, undefined, 0.5});
+    all.push_back({"drift_max_percent", f.drift_maximum, undefined, undefined});
   }
   if (has(Condition::unknown_start)) {
-    all.push_back({"found_median_s", f.found_median_s, none, 1});
-    all.push_back({"found_p90_s", f.found_p90_s, none, 3});
-    all.push_back({"locked", static_cast<double>(f.locked), none, 0});
-    all.push_back({"unsure", static_cast<double>(f.unsure), none, 0});
+    all.push_back({"found_median_s", f.found_median_s, undefined, 1});
+    all.push_back({"found_p90_s", f.found_p90_s, undefined, 3});
+    all.push_back({"locked", static_cast<double>(f.locked), undefined, 0});
+    all.push_back({"unsure", static_cast<double>(f.unsure), undefined, 0});
   }
   return all;
 }

@@ -40,8 +40,8 @@ class ResistanceLoop final : public LoopController {
         area_m2_(wire.geometry.area_m2()) {}
   double current_A(const Inputs<double>& in, double goal, double /*true_strain*/) override {
     using Line = LineObserver<double>;
-    const double room_K = 298.15;
-    const Line::State at{room_K, in.sample.load_N / area_m2_, 0};
+    const double air_K = 298.15;
+    const Line::State at{air_K, in.sample.load_N / area_m2_, 0};
     const Command<double> command{.fresh = true,
                                   .arm = true,
                                   .mode = Mode::resistance,

@@ -8,13 +8,13 @@
 #include "host-sim/device_names.hpp"
 #include "host-sim/evaluate/calibrate.hpp"
 #include "host-sim/evaluate/dice.hpp"
+#include "host-sim/evaluate/runs.hpp"
 #include "host-sim/settings_file.hpp"
 #include "model/plant.hpp"
 
 namespace smaservo {
 namespace {
 
-constexpr double MPa = 1e6;
 constexpr double duration_s = 20;
 constexpr double zero_degC_K = 273.15;
 

@@ -7,12 +7,12 @@
 namespace smaservo {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double nothing_known = std::numeric_limits<double>::quiet_NaN();
 
 /// The least value that a share of the values does not exceed.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
-    return nan;
+    return nothing_known;
   }
   std::ranges::sort(values);
   const double place = std::ceil(share * static_cast<double>(values.size()));
@@ -82,9 +82,9 @@ RowFigures together(const std::vector<JudgedRun>& runs) {
       row.unsure += run.start->sure ? 0 : 1;
     }
   }
-  row.within_2_sd =
-      with_sd == 0 ? nan : static_cast<double>(within_2_sd) / static_cast<double>(with_sd);
-  row.drift_mean = drifts.empty() ? nan
+  row.within_2_sd = with_sd == 0 ? nothing_known
+                                 : static_cast<double>(within_2_sd) / static_cast<double>(with_sd);
+  row.drift_mean = drifts.empty() ? nothing_known
                                   : std::accumulate(drifts.begin(), drifts.end(), 0.0) /
                                         static_cast<double>(drifts.size());
   row.drift_p95 = quantile(drifts, 0.95);

@@ -10,8 +10,6 @@
 namespace smaservo {
 namespace {
 
-constexpr double MPa = 1e6;
-
 using Steps = std::vector<DriveStep>;
 
 void full_cycles(Steps& drive, int count) {

@@ -11,6 +11,8 @@
 
 namespace smaservo {
 
+inline constexpr double MPa = 1e6;
+
 inline constexpr std::array calibration_stresses_MPa{10.0,  25.0,  50.0,  100.0,
                                                      150.0, 200.0, 300.0, 400.0};
 

@@ -14,7 +14,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_scale = std::numeric_limits<double>::quiet_NaN();
 
 using Figures = std::vector<Figure>;
 
@@ -22,7 +22,7 @@ struct Cell {
   std::string text;
   bool missed = false;
 };
-using Grid = std::vector<std::vector<Cell>>;  ///< the first line is the head
+using Cells = std::vector<std::vector<Cell>>;  ///< the first line is the head
 
 std::string number(double value, int digits = 2) {
   return std::isnan(value)   ? ""
@@ -56,8 +56,8 @@ void add_families(std::vector<Cell>& line) {
   }
 }
 
-Grid errors(const ObserverEvaluation& observer) {
-  Grid grid{{{"row"}, {"runs"}, {"mean"}, {"95 %"}, {"max"}, {"lost"}, {"in 2 sd"}, {"target"}}};
+Cells errors(const ObserverEvaluation& observer) {
+  Cells grid{{{"row"}, {"runs"}, {"mean"}, {"95 %"}, {"max"}, {"lost"}, {"in 2 sd"}, {"target"}}};
   add_families(grid.front());
   for (const RowResult& result : observer.rows) {
     const Figures f = row_figures(observer, result);
@@ -98,8 +98,8 @@ std::string meaning(std::string_view figure) {
 }
 
 /// What only some rows have; the head alone where none of these rows is there.
-Grid particulars(const ObserverEvaluation& observer) {
-  Grid grid{{{"row"}, {""}, {"value"}, {"target"}}};
+Cells particulars(const ObserverEvaluation& observer) {
+  Cells grid{{{"row"}, {""}, {"value"}, {"target"}}};
   add_families(grid.front());
   for (const RowResult& result : observer.rows) {
     const Figures all = row_figures(observer, result);
@@ -109,7 +109,7 @@ Grid particulars(const ObserverEvaluation& observer) {
                              {number(all[i]), all[i].missed()},
                              {target(all[i])}};
       for (const RowFigures& family : result.by_family) {
-        line.push_back({number(row_figures(row_of(result), family, none)[i])});
+        line.push_back({number(row_figures(row_of(result), family, no_scale)[i])});
       }
       grid.push_back(std::move(line));
     }
@@ -138,7 +138,7 @@ std::string worst(const RowResult& row) {
 }
 
 /// Columns of the width that they need; a number that misses its target has a star.
-std::string as_text(const Grid& grid) {
+std::string as_text(const Cells& grid) {
   std::vector<std::size_t> widths(grid.front().size());
   for (const auto& line : grid) {
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -159,7 +159,7 @@ std::string as_text(const Grid& grid) {
   return text;
 }
 
-std::string as_markdown(const Grid& grid) {
+std::string as_markdown(const Cells& grid) {
   std::string text;
   for (std::size_t row = 0; row < grid.size(); ++row) {
     text += "|";
@@ -177,7 +177,7 @@ std::string as_markdown(const Grid& grid) {
   return text;
 }
 
-std::string as_html(const Grid& grid) {
+std::string as_html(const Cells& grid) {
   std::string html = "<table>\n";
   for (std::size_t row = 0; row < grid.size(); ++row) {
     html += "<tr>";
@@ -242,7 +242,8 @@ nlohmann::ordered_json row_json(const ObserverEvaluation& observer, const RowRes
   nlohmann::ordered_json json{{"row", row_of(result).name}, {"all", numbers(all, result.all.runs)}};
   for (const Family family : families) {
     const RowFigures& f = result.by_family[static_cast<std::size_t>(family)];
-    json[std::string(family_name(family))] = numbers(row_figures(row_of(result), f, none), f.runs);
+    json[std::string(family_name(family))] =
+        numbers(row_figures(row_of(result), f, no_scale), f.runs);
   }
   json["targets"] = targets(all);
   for (const JudgedRun& run : result.runs) {
@@ -257,7 +258,7 @@ std::string table_text(const Evaluation& evaluation) {
   std::string text = title(evaluation) + "\n* misses its target\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
     text += fmt::format("\n{}\n{}", observer.observer, as_text(errors(observer)));
-    const Grid particular = particulars(observer);
+    const Cells particular = particulars(observer);
     text += particular.size() > 1 ? "\n" + as_text(particular) : "";
     text += "\nworst runs\n";
     for (const RowResult& row : observer.rows) {
@@ -285,7 +286,7 @@ std::string table_markdown(const Evaluation& evaluation) {
   std::string text = title(evaluation) + ". Bold: misses its target.\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
     text += fmt::format("\n`{}`\n\n{}", observer.observer, as_markdown(errors(observer)));
-    const Grid particular = particulars(observer);
+    const Cells particular = particulars(observer);
     text += particular.size() > 1 ? "\n" + as_markdown(particular) : "";
   }
   return text;
@@ -295,7 +296,7 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   std::string html = fmt::format("<p>{}.</p>\n", escaped(title(evaluation)));
   for (const ObserverEvaluation& observer : evaluation.observers) {
     html += fmt::format("<h2>{}</h2>\n{}", escaped(observer.observer), as_html(errors(observer)));
-    const Grid particular = particulars(observer);
+    const Cells particular = particulars(observer);
     html += particular.size() > 1 ? as_html(particular) : "";
     html += "<p class=\"caption\">Worst runs:</p><ul class=\"caption\">\n";
     for (const RowResult& row : observer.rows) {

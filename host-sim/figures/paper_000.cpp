@@ -8,10 +8,6 @@ namespace smaservo {
 namespace paper_000 {
 namespace {
 
-constexpr const char* temperature = "temperature in °C";
-constexpr const char* strain = "strain in %";
-constexpr const char* resistivity = "specific resistance in µΩm";
-
 PaperFigure figure_1() {
   const CalorimetryRun run = simulated_calorimetry();
   const Peaks at = peaks(run);
@@ -21,8 +17,8 @@ PaperFigure figure_1() {
   const struct {
     const char *title, *label, *column, *range;
   } rows[] = {{"heat flow", "heat flow in W/kg", "2", "[-260:260]"},
-              {"strain", strain, "3", "[-0.2:4.3]"},
-              {"specific resistance", resistivity, "4", "[0.89:1.03]"}};
+              {"strain", strain_axis, "3", "[-0.2:4.3]"},
+              {"specific resistance", resistivity_axis, "4", "[0.89:1.03]"}};
   PaperFigure figure{
       1,
       "Heat flow, strain and specific resistance",
@@ -34,13 +30,13 @@ PaperFigure figure_1() {
   for (const auto& row : rows) {
     const std::string range = fmt::format("set xrange [20:100]\nset yrange {}\n", row.range);
     figure.panels.push_back(
-        half_panel(fmt::format("{}, heating", row.title), "", temperature, row.label, data,
+        half_panel(fmt::format("{}, heating", row.title), "", temperature_axis, row.label, data,
                    range + marker(at.m2a_K),
                    {line("run", fmt::format("1:{} {}", row.column, heating_rows(run.hottest())),
                          heating_colour, "")},
                    260));
     figure.panels.push_back(
-        half_panel(fmt::format("{}, cooling", row.title), "", temperature, row.label, data,
+        half_panel(fmt::format("{}, cooling", row.title), "", temperature_axis, row.label, data,
                    range + marker(at.a2r_K) + marker(at.r2m_K),
                    {line("run", fmt::format("1:{} {}", row.column, cooling_rows(run.hottest())),
                          cooling_colour, "")},
@@ -56,11 +52,12 @@ PaperFigure figure_2() {
       "Simulated wire. At 250 MPa A2R no longer shows as a step of its own: martensite "
       "forms before R-phase can.",
       {}};
-  for (const auto& [column, label] : {std::pair{"1:2", strain}, std::pair{"1:3", resistivity}}) {
+  for (const auto& [column, label] :
+       {std::pair{"1:2", strain_axis}, std::pair{"1:3", resistivity_axis}}) {
     for (const double stress_MPa : {0.0, 250.0}) {
       const BathRun run = simulated_bath_run(stress_MPa);
       figure.panels.push_back(
-          half_panel(fmt::format("{:.0f} MPa", stress_MPa), "", temperature, label,
+          half_panel(fmt::format("{:.0f} MPa", stress_MPa), "", temperature_axis, label,
                      bath_block("run", run), "set xrange [20:150]\n",
                      {line("run", fmt::format("{} {}", column, heating_rows(run.hottest())),
                            heating_colour, "heating"),
@@ -92,15 +89,16 @@ PaperFigure figure_5() {
   }
   const std::string data = block("run", columns);
   const char* settings = "set xrange [75:130]\nset key outside right center vertical\n";
-  return {5,
-          "Transformation functions",
-          fmt::format("Each fitted to the same cycle of the simulated wire at {:.0f} MPa, heating "
-                      "is drawn. Errors in % of the stroke, root mean square: {}. (Cycles of "
-                      "measured Flexinol wires leave Bezier 0.8 to 1.1, ihyp 0.6 to 0.8.)",
-                      function_stress_MPa, errors),
-          {full_panel("strain on heating", "", temperature, strain, data, settings, curves),
-           full_panel("function - simulated wire", "", temperature, "error of the strain in %",
-                      data, settings, differences, 280)}};
+  return {
+      5,
+      "Transformation functions",
+      fmt::format("Each fitted to the same cycle of the simulated wire at {:.0f} MPa, heating "
+                  "is drawn. Errors in % of the stroke, root mean square: {}. (Cycles of "
+                  "measured Flexinol wires leave Bezier 0.8 to 1.1, ihyp 0.6 to 0.8.)",
+                  function_stress_MPa, errors),
+      {full_panel("strain on heating", "", temperature_axis, strain_axis, data, settings, curves),
+       full_panel("function - simulated wire", "", temperature_axis, "error of the strain in %",
+                  data, settings, differences, 280)}};
 }
 
 PaperFigure figure_6() {
@@ -130,7 +128,7 @@ PaperFigure figure_6() {
                   {line("parts", "1:2", cooling_colour, "initial end"),
                    line("parts", "1:3", heating_colour, "target end"),
                    line("parts", "1:4", r_phase_colour, "line")}),
-       half_panel("the sum", "", "converted fraction z", temperature, block("sum", {z, sum}),
+       half_panel("the sum", "", "converted fraction z", temperature_axis, block("sum", {z, sum}),
                   "set yrange [-60:160]\n", {line("sum", "1:2", model_colour, "ihyp")})}};
 }
 
@@ -142,7 +140,7 @@ PaperFigure figure_8() {
       "Scaling for an inner loop",
       "From the turning point on the outer cooling curve is scaled to the martensite that is "
       "there: it converts the same share of the austenite.",
-      {full_panel("martensite", "", temperature, "martensite fraction",
+      {full_panel("martensite", "", temperature_axis, "martensite fraction",
                   block("outer", {outer, loop.heating, loop.cooling}) +
                       block("back", {degC(loop.back_K), loop.back}),
                   "set xrange [20:100]\nset yrange [-0.02:1.02]\n" + marker(loop.back_K.front()),
@@ -185,15 +183,16 @@ PaperFigure figure_9() {
   const std::string data = bars_block(heating_bars(), [](const HeatingBar& b) {
     return Column{b.martensite, b.m2a, b.austenite, b.r2a, b.r_phase};
   });
-  return {9,
-          "Heating: M2A and R2A",
-          fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. Martensite counts from below, "
-                      "R-phase from above; the two processes do not compete.",
-                      bar_step_K, heating_bars_MPa),
-          {full_panel("fractions, step by step", "", temperature, "fraction", data, bar_settings,
-                      {boxes(6, r_phase_colour, "R-phase"), boxes(5, "'#f5b5a8'", "R2A"),
-                       boxes(4, austenite_colour, "austenite"), boxes(3, "'#e88a9a'", "M2A"),
-                       boxes(2, martensite_colour, "martensite")})}};
+  return {
+      9,
+      "Heating: M2A and R2A",
+      fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. Martensite counts from below, "
+                  "R-phase from above; the two processes do not compete.",
+                  bar_step_K, heating_bars_MPa),
+      {full_panel("fractions, step by step", "", temperature_axis, "fraction", data, bar_settings,
+                  {boxes(6, r_phase_colour, "R-phase"), boxes(5, "'#f5b5a8'", "R2A"),
+                   boxes(4, austenite_colour, "austenite"), boxes(3, "'#e88a9a'", "M2A"),
+                   boxes(2, martensite_colour, "martensite")})}};
 }
 
 PaperFigure figure_10() {
@@ -206,7 +205,7 @@ PaperFigure figure_10() {
       fmt::format("Each bar is a step of {:.0f} K at {:.0f} MPa. White is austenite that A2M and "
                   "A2R would both take; what R2M takes counts as martensite in the next bar.",
                   bar_step_K, cooling_bars_MPa),
-      {full_panel("fractions, step by step", "", temperature, "fraction", data,
+      {full_panel("fractions, step by step", "", temperature_axis, "fraction", data,
                   std::string(bar_settings) + "set xrange [75:36]\n",
                   {boxes(8, "'#5fc7c7'", "R2M"), boxes(7, r_phase_colour, "R-phase"),
                    boxes(6, "'#a8dcae'", "A2R"), boxes(5, austenite_colour, "austenite"),

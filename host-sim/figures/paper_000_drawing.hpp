@@ -18,6 +18,11 @@ inline constexpr const char* austenite_colour = "'#c8102e'";
 inline constexpr const char* r_phase_colour = "'#2e8b3d'";
 inline constexpr const char* model_colour = "'#111111'";
 
+inline constexpr const char* temperature_axis = "temperature in °C";
+inline constexpr const char* stress_axis = "stress in MPa";
+inline constexpr const char* strain_axis = "strain in %";
+inline constexpr const char* resistivity_axis = "specific resistance in µΩm";
+
 using Column = std::vector<double>;
 
 Column degC(const Column& kelvin);

@@ -9,11 +9,6 @@
 namespace smaservo::paper_000 {
 namespace {
 
-constexpr const char* temperature = "temperature in °C";
-constexpr const char* stress = "stress in MPa";
-constexpr const char* strain = "strain in %";
-constexpr const char* resistivity = "specific resistance in µΩm";
-
 PaperFigure figure_13() {
   Column T[2];
   Column sigma[2];
@@ -44,8 +39,9 @@ PaperFigure figure_13() {
     for (std::size_t k = 0; k < 2; ++k) {
       figure.panels.push_back(half_panel(
           fmt::format("{}, {}", of_strain ? "strain" : "specific resistance", names[k]), "",
-          temperature, stress, block("run", {T[k], sigma[k], of_strain ? eps[k] : rho[k]}),
-          settings + fmt::format("set cblabel '{}'\n", of_strain ? strain : resistivity),
+          temperature_axis, stress_axis,
+          block("run", {T[k], sigma[k], of_strain ? eps[k] : rho[k]}),
+          settings + fmt::format("set cblabel '{}'\n", of_strain ? strain_axis : resistivity_axis),
           {"$run using 1:2:3 with points pt 5 ps 0.45 lc palette notitle"}));
     }
   }
@@ -64,7 +60,7 @@ PaperFigure figure_14() {
       fmt::format("Simulated wire without stress. The first stage of the fit leaves {:.1f} % of "
                   "the greatest heat flow; it can not follow the grains of the simulated wire.",
                   100 * run.power.rms),
-      {full_panel("heat flow with specific heat", "", temperature, "heat flow in W/kg", data,
+      {full_panel("heat flow with specific heat", "", temperature_axis, "heat flow in W/kg", data,
                   "set xrange [20:100]\n",
                   {line("run", "1:2 every ::2::" + std::to_string(hottest), heating_colour,
                         "simulated wire, heating"),
@@ -111,8 +107,8 @@ PaperFigure figure_15() {
                                    look.first, look.second));
     }
     figure.panels.push_back(half_panel(of_strain ? "strain" : "specific resistance", "",
-                                       temperature, of_strain ? strain : resistivity, data,
-                                       "set xrange [20:150]\n", curves, 400));
+                                       temperature_axis, of_strain ? strain_axis : resistivity_axis,
+                                       data, "set xrange [20:150]\n", curves, 400));
   }
   return figure;
 }
@@ -153,7 +149,7 @@ Plot over_stress(const char* title, const char* label, const std::vector<OverStr
                                  i, value.look[0] == 'd' ? 6 : 7, value.colour));
     curves.push_back(line(fmt::format("line{}", i), "1:2", value.colour, value.name, value.look));
   }
-  return half_panel(title, "", stress, label, data, "set xrange [0:410]\nset key samplen 2\n",
+  return half_panel(title, "", stress_axis, label, data, "set xrange [0:410]\nset key samplen 2\n",
                     curves, 420);
 }
 
@@ -185,7 +181,7 @@ constexpr const char* dashed = "dt 2 lw 1.8";
 PaperFigure figure_16() {
   const auto start = [](const Isobar<double>& at) { return at.start_K - 273.15; };
   const auto finish = [](const Isobar<double>& at) { return at.start_K + 1 / at.per_K - 273.15; };
-  Plot plot = over_stress("transition temperatures", temperature,
+  Plot plot = over_stress("transition temperatures", temperature_axis,
                           {of_process(Process::m2a, "M2A/R2A start", solid, start),
                            of_process(Process::m2a, "M2A/R2A finish", dashed, finish),
                            of_process(Process::a2m, "A2M/R2M start", solid, start),
@@ -244,8 +240,8 @@ PaperFigure figure_18() {
       "The pure phases over stress",
       "Points: each level by itself, of R-phase up to 100 MPa; lines: all together. The slope of "
       "the strain is 1/E. Austenite's resistance rises with stress, martensite's does not.",
-      {over_stress("strain", strain, strains, 1),
-       over_stress("specific resistance at 20 °C", resistivity, resistivities, 1)}};
+      {over_stress("strain", strain_axis, strains, 1),
+       over_stress("specific resistance at 20 °C", resistivity_axis, resistivities, 1)}};
 }
 
 PaperFigure figure_19() {
@@ -270,8 +266,9 @@ PaperFigure figure_19() {
           "Simulated wire and model",
           "50 to 400 MPa in steps of 50 MPa, from left to right. The model was fitted to six of "
           "the fifteen levels; 150, 250 and 350 MPa are not among them.",
-          {full_panel("strain", "", temperature, strain, data, "set xrange [20:150]\n", curves[0]),
-           full_panel("specific resistance", "", temperature, resistivity, data,
+          {full_panel("strain", "", temperature_axis, strain_axis, data, "set xrange [20:150]\n",
+                      curves[0]),
+           full_panel("specific resistance", "", temperature_axis, resistivity_axis, data,
                       "set xrange [20:150]\n", curves[1])}};
 }
 

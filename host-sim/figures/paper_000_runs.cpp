@@ -14,9 +14,9 @@ namespace {
 
 using Model = Plant<ThreePhase<double>>;
 
-constexpr double cold_K = 293.15;
+constexpr double coldest_K = 293.15;
 constexpr double martensite_K = 213.15;       // where the wire is before: 'full martensite'
-constexpr double hot_K = 423.15;              // 'Experimental results': not above 150 °C
+constexpr double hottest_K = 423.15;          // 'Experimental results': not above 150 °C
 constexpr double calorimetry_hot_K = 373.15;  // figure 1
 constexpr double rate_K_s = 10.0 / 60;        // common in calorimetry; the paper does not say
 
@@ -26,11 +26,11 @@ std::unique_ptr<SimulatedWire> simulated_wire() {
 }
 
 /// From cold to hot and back; an odd number, the hottest is in the middle.
-std::vector<double> cycle_K(double hottest_K, double step_K) {
-  const auto steps = static_cast<int>(std::lround((hottest_K - cold_K) / step_K));
+std::vector<double> cycle_K(double most_K, double step_K) {
+  const auto steps = static_cast<int>(std::lround((most_K - coldest_K) / step_K));
   std::vector<double> all;
   for (int i = -steps; i <= steps; ++i) {
-    all.push_back(cold_K + step_K * (steps - std::abs(i)));
+    all.push_back(coldest_K + step_K * (steps - std::abs(i)));
   }
   return all;
 }
@@ -63,7 +63,7 @@ class BathModel {
 
 template <class AnyWire>
 BathRun bath_run(AnyWire& wire, double stress_MPa) {
-  BathRun run{stress_MPa, cycle_K(hot_K, 1), {}, {}, {}};
+  BathRun run{stress_MPa, cycle_K(hottest_K, 1), {}, {}, {}};
   for (const double T : run.temperature_K) {
     wire.soak(T, 1e6 * stress_MPa);
     run.strain.push_back(wire.strain());
@@ -101,9 +101,9 @@ CalorimetryRun simulated_calorimetry() {
   const HeatParams<double>& heat = paper_wire().heat;
   const auto wire = simulated_wire();
   wire->rest(martensite_K, 0);
-  wire->soak(cold_K, 0);
+  wire->soak(coldest_K, 0);
   CalorimetryRun run{cycle_K(calorimetry_hot_K, 0.5), {}, {}, {}, {}};
-  double before_K = cold_K - 1e-3;
+  double before_K = coldest_K - 1e-3;
   for (const double T : run.temperature_K) {
     const Phases<double> before = wire->phases();
     wire->soak(T, 0);

@@ -14,9 +14,9 @@ namespace {
 using Params = DuhemActuator<double>::Params;
 
 constexpr double celsius_K = 273.15;
-constexpr const char* colours = "heating = 0xb2182b\ncooling = 0x2166ac\n";
+constexpr const char* colours_001 = "heating = 0xb2182b\ncooling = 0x2166ac\n";
 
-/// A curve in the colours of its direction; column 8 is 1 while heating.
+/// A curve in the colours_001 of its direction; column 8 is 1 while heating.
 std::vector<std::string> by_direction(int x, int y) {
   return {fmt::format("$data using {}:($8 == 1 ? ${} : NaN) with lines lc rgb heating "
                       "title 'heating'",
@@ -44,7 +44,8 @@ PaperFigure single(int number, const char* title, const char* caption, const Axe
                    const std::string& data, const std::string& more,
                    const std::vector<std::string>& curves) {
   const bool half = axes.width <= 500;
-  return {number, title, caption, {{title, "", half, draw(axes, data, colours + more, curves)}}};
+  return {
+      number, title, caption, {{title, "", half, draw(axes, data, colours_001 + more, curves)}}};
 }
 
 /// Temperature over time with something else on an axis of its own.

@@ -32,7 +32,7 @@ std::vector<std::string> loop_curves(const std::string& name) {
 }
 
 PaperFigure figure_2() {
-  const std::vector<RigRow> rows = major_loop(family, 1);
+  const std::vector<RigRow> rows = major_loop(shown_family, 1);
   Rows over_time;
   for (const RigRow& row : rows) {
     over_time.push_back({row.time_s - rows.front().time_s, row.temperature_K - 273.15});
@@ -85,7 +85,7 @@ PaperFigure figure_5() {
   std::vector<std::string> curves;
   for (const double stress_MPa : {15.0, 55.0, 95.0, 135.0, 175.0}) {
     const std::string name = fmt::format("at{:.0f}", stress_MPa);
-    data += loop_blocks(name, major_loop(family, load_N(1e6 * stress_MPa)));
+    data += loop_blocks(name, major_loop(shown_family, load_N(1e6 * stress_MPa)));
     const auto shade = static_cast<int>(225 - stress_MPa);
     curves.push_back(fmt::format("${}_heating using 1:2 with lines lc rgb '#{:02x}3020' notitle",
                                  name, 255 - shade / 2));
@@ -135,7 +135,7 @@ PaperFigure figure_7(const StrainResistanceFit& fit) {
           "Lines for heating and cooling under 0.5 N",
           "The lines leave out both ends of the transformation.",
           {wide("Linear functions", ohm_label, mm_label,
-                loop_blocks("loop", major_loop(family, 0.5)) +
+                loop_blocks("loop", major_loop(shown_family, 0.5)) +
                     data_block("heating", ends(fit.params.heating)) +
                     data_block("cooling", ends(fit.params.cooling)),
                 curves)}};
@@ -192,8 +192,8 @@ Plot half(std::string title, const std::string& x, const std::string& y, const s
 }
 
 std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit) {
-  const MinorLoops cooling = minor_loops(family, 1.3, true);
-  const MinorLoops heating = minor_loops(family, 1.3, false);
+  const MinorLoops cooling = minor_loops(shown_family, 1.3, true);
+  const MinorLoops heating = minor_loops(shown_family, 1.3, false);
   return {figure_2(),    figure_4(),
           figure_5(),    figure_6(cooling, heating),
           figure_7(fit), figure_9(fit, cooling, heating)};
@@ -202,7 +202,7 @@ std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit
 }  // namespace bench_002
 
 std::vector<PaperFigure> figures_002() {
-  const StrainResistanceFit fit = bench_002::calibrate(bench_002::family);
+  const StrainResistanceFit fit = bench_002::calibrate(bench_002::shown_family);
   std::vector<PaperFigure> all = bench_002::characterisation_figures(fit);
   std::ranges::move(bench_002::model_figures(fit), std::back_inserter(all));
   std::ranges::sort(all, {}, &PaperFigure::number);

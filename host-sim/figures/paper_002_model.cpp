@@ -138,7 +138,7 @@ std::vector<PaperFigure> simulation_figures(const Simulation& s, int over_time, 
 }
 
 PaperFigure figure_21(const StrainResistanceFit& fit) {
-  const std::vector<LoopRow> loop = position_loop(family, fit.params, 10, 1);
+  const std::vector<LoopRow> loop = position_loop(shown_family, fit.params, 10, 1);
   Rows rows;
   double error = 0;
   for (const LoopRow& r : loop) {
@@ -205,11 +205,11 @@ std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit) {
     std::ranges::move(simulation_figures(s, over_time, over_ohm, what, caption),
                       std::back_inserter(all));
   };
-  add(validation_run(family, ConstantLoad{stress_Pa(0.49)}), 12, 16, "0.49 N",
+  add(validation_run(shown_family, ConstantLoad{stress_Pa(0.49)}), 12, 16, "0.49 N",
       "Good but for the coldest martensite.");
-  add(validation_run(family, ConstantLoad{stress_Pa(0.98)}), 13, 17, "0.98 N",
+  add(validation_run(shown_family, ConstantLoad{stress_Pa(0.98)}), 13, 17, "0.98 N",
       "Good but for the coldest martensite.");
-  const Run sprung = validation_run(family, spring());
+  const Run sprung = validation_run(shown_family, spring());
   add(sprung, 14, 18, "a spring", "The lines change while the wire moves.");
   add(with_constant_stress(sprung), 15, 19, "a spring, with a constant load assumed",
       "The model takes the spring's greatest load for granted and sees no hysteresis where it is "

@@ -14,7 +14,7 @@ std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit
 std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit);
 
 /// The wires of the figures.
-inline constexpr Family family = Family::ihyp;
+inline constexpr Family shown_family = Family::ihyp;
 
 /// Elongation, as displacement of the wire's end.
 double displacement_mm(double strain);

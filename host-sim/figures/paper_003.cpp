@@ -10,10 +10,10 @@
 namespace smaservo {
 namespace {
 
-constexpr double ice_K = 273.15;
+constexpr double ice_point_K = 273.15;
 using Lines = std::vector<std::string>;
 
-constexpr const char* colours = "heating = 0xcc0000\ncooling = 0x0044cc\n";
+constexpr const char* colours_003 = "heating = 0xcc0000\ncooling = 0x0044cc\n";
 
 // Figure 2
 
@@ -47,7 +47,7 @@ Plot relay_plot() {
       "set arrow from 50,0.6 to 50,0.4 lc rgb cooling lw 2\n";
   return {"one relay", "Austenite from α on, on heating; martensite again from β on, on cooling.",
           true,
-          draw({500, 400, "temperature", ""}, data, colours + settings,
+          draw({500, 400, "temperature", ""}, data, colours_003 + settings,
                {"$on with lines lc rgb heating lw 2 title 'heating'",
                 "$off with lines lc rgb cooling lw 2 title 'cooling'"})};
 }
@@ -60,7 +60,7 @@ Plot plane_plot() {
   return {"all relays",
           "After 120, 48, 100, 62, 90 and 72 °C: the staircase between the two is the memory.",
           true,
-          draw({500, 400, "β in °C", "α in °C"}, staircase_data(), colours + settings,
+          draw({500, 400, "β in °C", "α in °C"}, staircase_data(), colours_003 + settings,
                {"$all with filledcurves closed lc rgb '#f5d0c0' notitle",
                 "$martensite with filledcurves closed lc rgb band notitle",
                 "$staircase with lines lc rgb estimate lw 2 notitle",
@@ -88,9 +88,9 @@ PaperFigure loop_figure() {
   std::string data = "$data << EOD\n# time reference initial final\n";
   for (std::size_t i = 0; i < initial.size(); i += 4) {
     data += fmt::format("{} {} {} {}\n", plotted(initial[i].time_s),
-                        plotted(initial[i].reference.temperature_K - ice_K),
-                        plotted(initial[i].truth.temperature_K - ice_K),
-                        plotted(final_[i].truth.temperature_K - ice_K));
+                        plotted(initial[i].reference.temperature_K - ice_point_K),
+                        plotted(initial[i].truth.temperature_K - ice_point_K),
+                        plotted(final_[i].truth.temperature_K - ice_point_K));
   }
   data += "EOD\n";
   const auto error = [](const std::vector<LoopRow>& rows) { return tracking_error_K(rows, 2); };
@@ -123,8 +123,9 @@ Plot slice_plot(const PreisachWire& wire, double stress_Pa) {
   std::string data = "$data << EOD\n";
   for (int hot = 25; hot <= 125; hot += 2) {
     for (int cold = 25; cold <= 125; cold += 2) {
-      const double F = cold <= hot ? wire.increment(hot + ice_K, cold + ice_K, stress_Pa)
-                                   : std::numeric_limits<double>::quiet_NaN();
+      const double F = cold <= hot
+                           ? wire.increment(hot + ice_point_K, cold + ice_point_K, stress_Pa)
+                           : std::numeric_limits<double>::quiet_NaN();
       data += fmt::format("{} {} {}\n", cold, hot, plotted(100 * F));
     }
     data += "\n";
@@ -158,11 +159,12 @@ std::string validation_data(const Validation& v, const Validation& of_003) {
   std::string data = "$data << EOD\n# time RT TT RS TS strain model model_of_003\n";
   for (std::size_t i = 0; i < v.rows.size(); i += 5) {
     const LoopRow& row = v.rows[i];
-    data += fmt::format(
-        "{} {} {} {} {} {} {} {}\n", plotted(row.time_s),
-        plotted(row.reference.temperature_K - ice_K), plotted(row.truth.temperature_K - ice_K),
-        plotted(1e-6 * row.reference.stress_Pa), plotted(1e-6 * row.truth.stress_Pa),
-        plotted(100 * v.strain[i]), plotted(100 * v.model[i]), plotted(100 * of_003.model[i]));
+    data += fmt::format("{} {} {} {} {} {} {} {}\n", plotted(row.time_s),
+                        plotted(row.reference.temperature_K - ice_point_K),
+                        plotted(row.truth.temperature_K - ice_point_K),
+                        plotted(1e-6 * row.reference.stress_Pa),
+                        plotted(1e-6 * row.truth.stress_Pa), plotted(100 * v.strain[i]),
+                        plotted(100 * v.model[i]), plotted(100 * of_003.model[i]));
   }
   return data + "EOD\n";
 }

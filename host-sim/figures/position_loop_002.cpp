@@ -29,14 +29,14 @@ double PidController::current_A(double goal, double strain, double dt_s) {
 
 std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>::Params& estimator,
                                    int goals, std::uint64_t seed) {
-  using Observer = StrainResistance<double>;
+  using Estimator = StrainResistance<double>;
   constexpr int every = 20;
   constexpr double each_s = 22;
   const PidGains limits = gains();
   Rig rig(family, spring());
-  Observer::State s = Observer::start(estimator, rig.step(least_current_A), Rig::ambient_K);
+  Estimator::State s = Estimator::start(estimator, rig.step(least_current_A), Rig::ambient_K);
   const auto step = [&](double current_A) {
-    Observer::advance(estimator, s, rig.step(current_A), Rig::step_s);
+    Estimator::advance(estimator, s, rig.step(current_A), Rig::step_s);
   };
   while (rig.time_s() < 15) {
     step(rig.time_s() < 6 ? limits.greatest_current_A : limits.least_current_A);
@@ -49,7 +49,7 @@ std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>
   for (int i = 0; i < goals; ++i) {
     const double goal = position(random);
     for (const long stop = tick + std::lround(each_s / Rig::step_s); tick < stop; ++tick) {
-      const double estimate = Observer::estimate(estimator, s).strain;
+      const double estimate = Estimator::estimate(estimator, s).strain;
       const double current_A = controller.current_A(goal, estimate, Rig::step_s);
       if (tick % every == 0) {
         rows.push_back({static_cast<double>(tick) * Rig::step_s, goal, rig.strain(), estimate,

@@ -70,7 +70,7 @@ struct FitResult {
   std::vector<FittedParameter> parameters;
   std::vector<Correlation> correlations;  ///< of what is determined, the worst first
   std::vector<FittedRun> runs;
-  Circuit<double> circuit{};
+  CircuitGuess<double> circuit{};
   bool circuit_fitted = false;
   bool interrupted = false;
   int iterations = 0;

@@ -197,7 +197,7 @@ void Fit::uncertainty(FitResult& result) {
       }
     }
   }
-  std::ranges::stable_sort(result.correlations, [](const Correlation& a, const Correlation& b) {
+  std::ranges::sort(result.correlations, [](const Correlation& a, const Correlation& b) {
     return std::abs(a.value) > std::abs(b.value);
   });
 }

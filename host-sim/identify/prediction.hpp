@@ -50,7 +50,7 @@ struct Circumstances {
 
 /// What the readings of all runs have in common.
 template <class T>
-struct Circuit {
+struct CircuitGuess {
   T lead_ohm;   ///< in series with the wire between the sense leads
   T load_gain;  ///< reading by truth
 };
@@ -59,7 +59,7 @@ struct Circuit {
 template <class T>
 struct Assumed {
   Wire<T> wire;
-  Circuit<T> circuit;
+  CircuitGuess<T> circuit;
   Circumstances<T> here;
 };
 

@@ -36,10 +36,6 @@ bool is_heated(const Run& run, const Geometry<double>& geometry) {
   return most_W > measuring_W_m * geometry.length_m;
 }
 
-[[noreturn]] void fail(const Run& run, const std::string& what) {
-  throw UserError(fmt::format("{}: {}", run.name, what));
-}
-
 RunKind kind_of(const Run& run, bool heated) {
   if (!run.power_W_kg.empty()) {
     if (run.temperature_K.empty()) {

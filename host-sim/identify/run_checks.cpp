@@ -18,16 +18,12 @@ constexpr std::size_t least_rows = 20;
 constexpr double least_strain = 0.003;
 constexpr double least_resistance_change = 0.02;
 constexpr double least_temperature_span_K = 10;
-constexpr double most_strain = 0.2;
+constexpr double most_run_strain = 0.2;
 constexpr double most_stress_Pa = 1.5e9;
 constexpr double most_heating_K_s = 1e5;
 constexpr double density_kg_m3 = 6450, specific_heat_J_kgK = 450;
 constexpr double least_resistivity_ohm_m = 0.5e-6 / 5, most_resistivity_ohm_m = 1.5e-6 * 5;
 constexpr double coldest_K = 150, hottest_K = 500;  ///< no NiTi wire transforms beyond
-
-[[noreturn]] void fail(const Run& run, const std::string& what) {
-  throw UserError(fmt::format("{}: {}", run.name, what));
-}
 
 Values known(const Values& values) {
   Values some;
@@ -93,11 +89,11 @@ void check_content(const Run& run) {
 }
 
 void check_units(const Run& run, const Geometry<double>& geometry) {
-  if (const double span = span_of(run.strain); span > most_strain) {
+  if (const double span = span_of(run.strain); span > most_run_strain) {
     fail(run, fmt::format("strain spans {:.3g}, no wire survives more than {}; per cent are "
                           "strain_ref_percent, and a displacement needs the right unit and length "
                           "(of {:.4g} mm)",
-                          span, most_strain, 1e3 * geometry.length_m));
+                          span, most_run_strain, 1e3 * geometry.length_m));
   }
   const double stress_Pa = *std::ranges::max_element(run.stress_Pa);
   if (stress_Pa > most_stress_Pa) {
@@ -297,6 +293,10 @@ void check_clipped(const Run& run) {
 }
 
 }  // namespace
+
+void fail(const Run& run, const std::string& what) {
+  throw UserError(fmt::format("{}: {}", run.name, what));
+}
 
 void check_run(const Run& run, const Geometry<double>& geometry) {
   check_content(run);

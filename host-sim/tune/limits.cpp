@@ -22,7 +22,6 @@ constexpr double resistance_share = 1e-3;   ///< noise of the resistance at the 
 constexpr double sense_heating_K = 2;       ///< that the least current may cause
 constexpr double slack_Pa = 1e6;
 constexpr double least_limit_Pa = 10e6;  ///< of the stress, well above slack
-constexpr double greatest_draught = 1.5;
 
 /// The current that measures the resistance well, unless it warms the wire.
 double least_current_A(const Measuring<double>& m, const LumpedModel::Params& params, double ohm) {

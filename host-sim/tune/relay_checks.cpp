@@ -27,13 +27,14 @@ double variable(LoopName name, double temperature_K, double strain, double ohm, 
   return strain;
 }
 
-double slope_1_K(LoopName name, const OperatingPoint& p) {
+double variable_1_K(LoopName name, const OperatingPoint& p) {
   return variable(name, 1, p.strain_1_K, p.ohm_1_K, p.load_N_K);
 }
 
 /// The loop's linearisation at its point; the variable by power.
 LinearLoop linear(LoopName name, const OperatingPoint& p, double period_s) {
-  return {period_s, 1, p.capacity_J_K, p.loss_slope_W_K, std::abs(slope_1_K(name, p)), 0, 0, 1, {}};
+  return {period_s, 1, p.capacity_J_K, p.loss_slope_W_K, std::abs(variable_1_K(name, p)), 0, 0,
+          1,        {}};
 }
 
 RelayTask relay_task(LoopName name, const OperatingPoint& p, const Branches& b, double period_s) {
@@ -42,7 +43,7 @@ RelayTask relay_task(LoopName name, const OperatingPoint& p, const Branches& b, 
   const double wanted_W = p.capacity_J_K * warms_K / seconds;
   const bool heats = p.motion == Motion::heating;
   const double heat_W = heats ? wanted_W : -std::min(wanted_W, 0.5 * p.loss_W);
-  const double rate = slope_1_K(name, p) / p.capacity_J_K;
+  const double rate = variable_1_K(name, p) / p.capacity_J_K;
   RelayTask t{period_s,
               1,
               p.loss_W + heat_W,
@@ -107,11 +108,11 @@ class SegmentedWire {
   double rest_strain_;
 };
 
-constexpr double longest_s = 120;
+constexpr double longest_test_s = 120;
 
 /// Until the wire has become this much shorter, or longer again.
 bool drive_to(SegmentedWire& wire, double power_W, double shorter, bool heats, double period_s) {
-  for (double t = 0; t < longest_s; t += period_s) {
+  for (double t = 0; t < longest_test_s; t += period_s) {
     if ((shorter <= wire.shorter()) == heats) {
       return true;
     }

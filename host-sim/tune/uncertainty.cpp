@@ -8,7 +8,6 @@ namespace smaservo {
 namespace {
 
 constexpr double least_draught = 0.8;
-constexpr double greatest_draught = 1.5;
 
 /// A surface whose branch lies elsewhere, and is wider and otherwise curved.
 Surface<double> vary(Surface<double> surface, double known, Dice& dice) {

@@ -8,6 +8,9 @@
 
 namespace smaservo {
 
+/// Most convection that a tuned loop has to bear, by still air.
+inline constexpr double greatest_draught = 1.5;
+
 /// What identification leaves open, and what surroundings do. accuracy.strain e of a stroke s says
 /// how well the branches are known: their width and strain by e/s, their place by e/s of their
 /// width (twice that, cut at 2.5 deviations); latent heats by 6 %, the specific heat by 4 %, the

@@ -26,7 +26,7 @@ using ::testing::UnorderedElementsAre;
 using Texts = Program::Texts;
 
 /// A bath run without resistance.
-std::string bath_csv(double stress_MPa = 150) {
+std::string bath_file(double stress_MPa = 150) {
   const Recording r;
   return csv({{"temperature_degC", r.temperature_degC},
               {"strain_ref", r.strain},
@@ -44,13 +44,13 @@ std::string impossible_csv() {
               {"stress_MPa", std::vector<double>(r.strain.size(), 150.0)}});
 }
 
-/// The fit of bath_csv() as the program does it.
+/// The fit of bath_file() as the program does it.
 FitResult fitted(const std::function<bool(const FitProgress&)>& proceed = [](const auto&) {
   return true;
 }) {
   const TemporaryFolder folder;
   const WireDescription from = load_wire("smartflex-76um");
-  const Run run = read_run(folder.write("bath.csv", bath_csv()), {from.wire.geometry, {}, {}, {}});
+  const Run run = read_run(folder.write("bath.csv", bath_file()), {from.wire.geometry, {}, {}, {}});
   FitOptions options;
   options.proceed = proceed;
   FitResult fit = fit_wire(from.wire, {run}, options);
@@ -72,7 +72,7 @@ TEST(Identify, WrongArgumentsEndWith2) {
                          identify({"--observer", "kalman", "bath.csv"}),
                          identify({"--stress-MPa", "1", "--load-N", "1", "bath.csv"})};
   Program program;
-  program.folder().write("bath.csv", bath_csv());
+  program.folder().write("bath.csv", bath_file());
   for (const Texts& arguments : wrong) {
     EXPECT_EQ(program.run(arguments).status, 2) << ::testing::PrintToString(arguments);
   }
@@ -97,8 +97,8 @@ TEST(Identify, MistakesEndWith1AndNameWhatIsWrong) {
       {identify({"still.csv"}), "still.csv"},
   };
   Program program;
-  program.folder().write("bath.csv", bath_csv());
-  program.folder().write("run.toml", bath_csv());
+  program.folder().write("bath.csv", bath_file());
+  program.folder().write("run.toml", bath_file());
   program.folder().write("f.toml", to_toml(load_wire("smartflex-76um")));
   program.folder().write("still.csv", csv({{"temperature_degC", std::vector<double>(50, 25.0)},
                                            {"strain_ref", std::vector<double>(50, 0.04)},
@@ -134,7 +134,7 @@ bool same(const WireEntry& a, const WireEntry& b) {
 
 TEST(Identify, WritesTheWireThatWasFitted) {
   Program program;  // NOLINT(misc-const-correctness): run() changes it
-  program.folder().write("bath.csv", bath_csv());
+  program.folder().write("bath.csv", bath_file());
   const Finished f = program.run(identify({"--threads", "1", "bath.csv"}));
   ASSERT_EQ(f.status, 0) << f.err;
   const FitResult fit = fitted();
@@ -185,7 +185,7 @@ TEST(Identify, FiguresAreInTheUnitsOfMessages) {
 
 TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
   Program program;
-  program.folder().write("bath.csv", bath_csv());
+  program.folder().write("bath.csv", bath_file());
   const Finished f = program.run(identify({"--json", "bath.csv"}));
   ASSERT_EQ(f.status, 0) << f.err;
   const auto json = nlohmann::json::parse(f.out);
@@ -215,8 +215,8 @@ TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
 /// The wire file of two runs.
 std::string file_by(const char* threads) {
   Program program;
-  program.folder().write("a.csv", bath_csv(100));
-  program.folder().write("b.csv", bath_csv(120));
+  program.folder().write("a.csv", bath_file(100));
+  program.folder().write("b.csv", bath_file(120));
   const Finished f = program.run(identify({"--threads", threads, "a.csv", "b.csv"}));
   EXPECT_EQ(f.status, 0) << f.err;
   return file_text(program.folder() / "w.toml");
@@ -258,7 +258,7 @@ bool listens(pid_t process) {
 TEST(Identify, CtrlCKeepsTheBestSoFar) {
   std::signal(SIGINT, SIG_DFL);  // jobs in the background inherit that it is ignored
   Program program;
-  program.folder().write("bath.csv", bath_csv());
+  program.folder().write("bath.csv", bath_file());
   ASSERT_EQ(program.run({"identify", "--out", "near.toml", "bath.csv"}).status, 0);
   const pid_t child =
       program.start(identify({"--from", "near.toml", "bath.csv"}),
@@ -276,7 +276,7 @@ TEST(Identify, CtrlCKeepsTheBestSoFar) {
 
 TEST(Identify, TheReportHasTheNumbersAndPicturesOfEveryRun) {
   Program program;
-  program.folder().write("<b>.csv", bath_csv());
+  program.folder().write("<b>.csv", bath_file());
   const Finished f = program.run(identify({"--report", "r.html", "<b>.csv"}));
   ASSERT_EQ(f.status, 0) << f.err;
   const std::string html = file_text(program.folder() / "r.html");

@@ -60,20 +60,20 @@ std::vector<Predicted<double>> predicted(const FitRun& run, std::size_t by, doub
 }
 
 TEST(Prediction, IsThatOfThePlantInSmallSteps) {
-  using Model = Plant<ThreePhase<double>>;
+  using Reference = Plant<ThreePhase<double>>;
   const FitRun run_ = run();
   const auto params = plant_params(wire());
-  auto state = Model::rest(params, {room_K, stress_Pa});
+  auto state = Reference::rest(params, {room_K, stress_Pa});
   const std::vector<Predicted<double>> fit = predicted(run_, 0, 0);
   std::size_t at = 0;
   double worst = 0;
   constexpr int parts = 64;
   for (std::size_t i = 0; i < run_.power_W.size(); ++i) {
     for (int part = 0; part < parts; ++part) {
-      Model::advance(params, state, {run_.power_W[i], stress_Pa, room_K}, step_s / parts);
+      Reference::advance(params, state, {run_.power_W[i], stress_Pa, room_K}, step_s / parts);
     }
     if (run_.after[at] == i) {
-      worst = std::max(worst, std::abs(Model::strain(params, state) - fit[at].strain));
+      worst = std::max(worst, std::abs(Reference::strain(params, state) - fit[at].strain));
       ++at;
     }
   }

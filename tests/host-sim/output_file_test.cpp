@@ -18,7 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-std::string refusal(const std::string& path) {
+std::string refused(const std::string& path) {
   try {
     OutputFile file(path);
     file.write("text");
@@ -93,9 +93,9 @@ TEST(OutputFile, SaysWhatCannotBeWrittenAndWhy) {
   const std::string file = folder.write("file", "kept");
   fs::create_directory(folder / "folder");
   const std::string missing = folder / "missing/out.csv";
-  EXPECT_EQ(refusal(missing), missing + ": cannot be written: No such file or directory");
-  EXPECT_EQ(refusal(file + "/out.csv"), file + "/out.csv: cannot be written: Not a directory");
-  EXPECT_EQ(refusal(folder / "folder"), folder / "folder" + ": cannot be written: Is a directory");
+  EXPECT_EQ(refused(missing), missing + ": cannot be written: No such file or directory");
+  EXPECT_EQ(refused(file + "/out.csv"), file + "/out.csv: cannot be written: Not a directory");
+  EXPECT_EQ(refused(folder / "folder"), folder / "folder" + ": cannot be written: Is a directory");
   EXPECT_THAT(folder.names(), UnorderedElementsAre("file", "folder"));
   EXPECT_EQ(file_text(file), "kept");
 }
@@ -107,7 +107,7 @@ TEST(OutputFile, NeedsAFolderThatMayBeWritten) {
   const std::string path = folder / "out.csv";
   {
     const WithoutPrivileges nobody;
-    EXPECT_EQ(refusal(path), path + ": cannot be written: Permission denied");
+    EXPECT_EQ(refused(path), path + ": cannot be written: Permission denied");
   }
   fs::permissions(folder.path(), fs::perms::owner_all);
   EXPECT_THAT(folder.names(), IsEmpty());

@@ -52,12 +52,22 @@ sources_to_tidy() {
     return
   fi
   local database=$root/build/sanitize/compile_commands.json
+  # Folders that are compiled as one; then what is compiled by itself. Those that no target compiles
+  # have no flags.
+  sed -nE 's/^ *"file": "(.*\/Unity\/.*)",?$/\1/p' "$database" | tr '\n' '\0'
   our_files '*.cpp' | while IFS= read -r -d '' file; do
-    # Those that no target compiles have no flags.
     if grep -qF "\"file\": \"$root/$file\"" "$database"; then
       printf '%s\0' "$root/$file"
     fi
   done
+}
+
+# Checks that a source goes without, beside those of the .clang-tidy above it.
+tidy_except() {
+  case $1 in
+    */tests/*/Unity/*) sed -nE 's/^ *- (-.*)$/\1/p' "$root/tests/.clang-tidy" | tr '\n' ',' ;;
+  esac
+  [[ $1 != */Unity/* ]] || printf -- '-bugprone-suspicious-include'
 }
 
 # What clang-tidy's answer for a source depends on, as one number: its command, its text and that
@@ -85,7 +95,7 @@ tidy_one() {
   if [[ -n $key && -f $stamp && $(<"$stamp") == "$key" ]]; then
     return
   fi
-  clang-tidy-22 -p "$build" --quiet "$file" 2>&1 || return
+  clang-tidy-22 -p "$build" --quiet --checks="$(tidy_except "$file")" "$file" 2>&1 || return
   [[ -z $key ]] || printf '%s\n' "$key" >"$stamp"
 }
 
@@ -93,7 +103,7 @@ check_tidy() {
   configure sanitize || return
   local log=$logs/tidy.log
   mkdir -p "$root/build/tidy"
-  export -f tidy_one tidy_key
+  export -f tidy_one tidy_key tidy_except
   # shellcheck disable=SC2016 # expanded by the inner shell
   if ! sources_to_tidy "$@" |
     xargs -0 -r -n 1 -P "$(nproc)" bash -c 'tidy_one "$1"' - >"$log"; then

@@ -27,7 +27,7 @@ smaservo::Run joule_run(const std::string& name) {
   return run;
 }
 
-smaservo::Run bath_run(const std::string& name) {
+smaservo::Run named_bath_run(const std::string& name) {
   smaservo::Run run = joule_run(name);
   run.kind = RunKind::bath;
   run.resistance_ohm.clear();
@@ -59,7 +59,7 @@ Compared wrong_by(const Comparison& comparison, const char* name, double percent
 
 Comparison made_up() {
   Comparison comparison{"a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}, {}};
-  comparison.tests = {joule_run("folder/<b>&.csv"), bath_run("bath.csv")};
+  comparison.tests = {joule_run("folder/<b>&.csv"), named_bath_run("bath.csv")};
   comparison.free_zero = {false, true};
   comparison.beyond = {{0.125, 0}, {}};
   comparison.systems.push_back(wrong_by(comparison, "good", 0.5, true));

@@ -24,7 +24,7 @@ ClosedLoopOptions golden_units() {
 TEST(ClosedLoopEvaluation, TheDeviceHoldsWhatTheOthersDoNot) {
   ClosedLoopOptions options = golden_units();
   const ClosedLoopEvaluation evaluation = evaluate_closed_loop(options);
-  ASSERT_EQ(evaluation.rows.size(), loop_rows.size());
+  ASSERT_EQ(evaluation.rows.size(), closed_loop_rows.size());
   for (const LoopRowResult& row : evaluation.rows) {
     const auto& [device, ideal, resistance, position_002] = row.kinds;
     for (const LoopFigures& figures : row.kinds) {

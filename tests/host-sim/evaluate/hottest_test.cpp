@@ -8,12 +8,12 @@
 namespace smaservo {
 namespace {
 
-std::vector<CalibratedUnit> golden_units() {
+std::vector<CalibratedUnit> hottest_units() {
   return calibrated_units(1, 1000, SMASERVO_SOURCE_DIR "/tests/golden/evaluate");
 }
 
 TEST(Hottest, NeverAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
-  const std::vector<CalibratedUnit> units = golden_units();
+  const std::vector<CalibratedUnit> units = hottest_units();
   const auto runs = run_hottest(units, 1, 60, 1, [](std::size_t) {});
   int hot = 0;
   for (const HottestRun& run : runs) {
@@ -26,7 +26,7 @@ TEST(Hottest, NeverAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(RandomScenario, IsDrawnFromItsSeedAlone) {
-  const std::vector<CalibratedUnit> units = golden_units();
+  const std::vector<CalibratedUnit> units = hottest_units();
   const RandomScenario one = random_scenario(units, 7);
   random_scenario(units, 8);
   const RandomScenario same = random_scenario(units, 7);
@@ -35,7 +35,7 @@ TEST(RandomScenario, IsDrawnFromItsSeedAlone) {
 }
 
 TEST(RandomScenario, DrawsEverythingWithSettingsThatADeviceTakes) {
-  const std::vector<CalibratedUnit> units = golden_units();
+  const std::vector<CalibratedUnit> units = hottest_units();
   std::array<int, random_air_count> airs{};
   std::array<int, random_trouble_count> troubles{};
   std::array<int, mode_count> modes{};

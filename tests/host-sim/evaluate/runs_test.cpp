@@ -18,7 +18,7 @@ std::vector<SimulatedRow> rows(const Scenario& scenario) {
   return all;
 }
 
-double stroke(const std::vector<SimulatedRow>& run) {
+double stroke_of(const std::vector<SimulatedRow>& run) {
   const auto [low, high] = std::ranges::minmax(run, {}, &SimulatedRow::strain);
   return high.strain - low.strain;
 }
@@ -61,8 +61,8 @@ TEST_P(TestRun, IsPhysical) {
               coarse ? 100 : 1000, 1);
   // Where the air is warm and the load light, a part of the wire does not become martensite; a load
   // that swings stretches the wire, too.
-  EXPECT_GT(stroke(run), std::get<1>(GetParam()) == Condition::light ? 0.025 : 0.029);
-  EXPECT_LT(stroke(run), 0.050);
+  EXPECT_GT(stroke_of(run), std::get<1>(GetParam()) == Condition::light ? 0.025 : 0.029);
+  EXPECT_LT(stroke_of(run), 0.050);
   for (const SimulatedRow& row : run) {
     const double ohm = row.voltage_V / row.current_A;
     ASSERT_TRUE(ohm > 17 && ohm < 28) << row.time_s;
@@ -158,8 +158,8 @@ TEST(CalibrationRuns, CoverTheStressesForAMinuteFromRestAt25DegC) {
       EXPECT_EQ(joule.drive.front().level, 0);
       const std::vector<SimulatedRow> run = rows(scenario);
       EXPECT_EQ(run.size(), 60000U);
-      EXPECT_GT(stroke(run), 0.027);
-      EXPECT_LT(stroke(run), 0.050);
+      EXPECT_GT(stroke_of(run), 0.027);
+      EXPECT_LT(stroke_of(run), 0.050);
       const double stress_Pa =
           run[500].load_N / unit.wire.wire.geometry.area_m2() / joule.sensors.load_gain;
       EXPECT_NEAR(stress_Pa / 1e6, calibration_stresses_MPa.at(index), 2.5);

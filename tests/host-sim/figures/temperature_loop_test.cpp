@@ -60,7 +60,7 @@ TEST(TemperatureLoop, CurrentStaysBetweenNoneAndTheLimitAndTheLoopRecovers) {
     const auto rows = run_loop(weak, *controller, impossible());
     bool none = false;
     bool full = false;
-    for (const LoopRow& row : rows) {
+    for (const auto& row : rows) {
       ASSERT_GE(row.current_A, 0);
       ASSERT_LE(row.current_A, weak.limit_A);
       none = none || row.current_A == 0;

@@ -14,10 +14,10 @@
 namespace smaservo {
 namespace {
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
-TuneTask task(const char* wire, double stress_Pa) {
-  return {{load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, 298.15, 1}, unlimited, 6, 1};
+TuneTask task_for(const char* wire, double stress_Pa) {
+  return {{load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, 298.15, 1}, no_limit, 6, 1};
 }
 
 TEST(JudgeStep, OfALag) {
@@ -60,7 +60,7 @@ TEST(ExpectedSteps, OfTheFilesWireSettle) {
                {"flexinol-lt-0.10mm", 100e6}, {"flexinol-ht-0.20mm", 120e6},
                {"smartflex-500um", 150e6}};
   for (const auto& c : cases) {
-    const TuneTask t = task(c.wire, c.stress_Pa);
+    const TuneTask t = task_for(c.wire, c.stress_Pa);
     const Proposal p = propose(t);
     const ExpectedSteps e = expected_steps(t, p, {t.plant});
     EXPECT_EQ(restless_wires(e, p.settings), 0) << c.wire;
@@ -80,7 +80,7 @@ TEST(ExpectedSteps, OfTheFilesWireSettle) {
 }
 
 TEST(ExpectedSteps, OfUncertainWiresHold) {
-  const TuneTask t = task("smartflex-76um", 150e6);
+  const TuneTask t = task_for("smartflex-76um", 150e6);
   const Tuned tuned = tune("smartflex-76um", "smartflex-76um", t);
   EXPECT_EQ(tuned.expected.runs.size(), 12U);
   EXPECT_EQ(restless_wires(tuned.expected, tuned.proposal.settings), 0);
@@ -142,7 +142,7 @@ class SegmentedLoop {
 
 TEST(ExpectedSteps, ComeTrueOnAWireOfManySegments) {
   for (const char* name : {"smartflex-76um", "smartflex-150um"}) {
-    const TuneTask t = task(name, 150e6);
+    const TuneTask t = task_for(name, 150e6);
     const Proposal p = propose(t);
     SegmentedLoop loop(t, p.settings);
     const double rest = loop.strain();

@@ -14,13 +14,13 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-TuneTask task(const char* wire, double stress_MPa, double ambient_degC = 25) {
+TuneTask proposal_task(const char* wire, double stress_MPa, double ambient_degC = 25) {
   const double stress_Pa = 1e6 * stress_MPa;
   return {
       {load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, ambient_degC + 273.15, 1}, unlimited, 8, 1};
 }
 TuneTask spring(const char* wire, double low_MPa, double high_MPa) {
-  TuneTask t = task(wire, low_MPa);
+  TuneTask t = proposal_task(wire, low_MPa);
   t.plant.load = {1e6 * low_MPa, 1e6 * high_MPa, 0.04};
   return t;
 }
@@ -32,12 +32,12 @@ const DesignedLoop& loop(const Proposal& p, LoopName name) {
 TEST(Proposal, KeepsTheMarginsOfEveryWireInEveryState) {
   std::vector<TuneTask> tasks;
   for (const char* wire : {"smartflex-25um", "smartflex-76um", "smartflex-500um"}) {
-    tasks.push_back(task(wire, 60));
-    tasks.push_back(task(wire, 200));
+    tasks.push_back(proposal_task(wire, 60));
+    tasks.push_back(proposal_task(wire, 200));
   }
-  tasks.push_back(task("flexinol-lt-0.050mm", 100));
-  tasks.push_back(task("flexinol-ht-0.38mm", 150));
-  tasks.push_back(task("smartflex-76um", 400));
+  tasks.push_back(proposal_task("flexinol-lt-0.050mm", 100));
+  tasks.push_back(proposal_task("flexinol-ht-0.38mm", 150));
+  tasks.push_back(proposal_task("smartflex-76um", 400));
   tasks.push_back(spring("smartflex-76um", 100, 250));
   for (const TuneTask& t : tasks) {
     const Proposal p = propose(t);
@@ -66,8 +66,8 @@ TEST(Rounding, LeavesThreeDigits) {
 }
 
 TEST(Proposal, IsTheSameEachTime) {
-  const Proposal a = propose(task("smartflex-76um", 150));
-  const Proposal b = propose(task("smartflex-76um", 150));
+  const Proposal a = propose(proposal_task("smartflex-76um", 150));
+  const Proposal b = propose(proposal_task("smartflex-76um", 150));
   EXPECT_EQ(a.settings.temperature.proportional, b.settings.temperature.proportional);
   EXPECT_EQ(a.settings.strain.dead_band, b.settings.strain.dead_band);
   EXPECT_EQ(loop(a, LoopName::strain).worst.phase_rad, loop(b, LoopName::strain).worst.phase_rad);
@@ -79,7 +79,7 @@ TEST(Proposal, OfAThickerWireTakesMorePower) {
   double watts = 0, amperes = 0, seconds = 0, diameter_m = 0;
   for (const char* wire :
        {"smartflex-25um", "smartflex-76um", "smartflex-150um", "smartflex-400um"}) {
-    const TuneTask t = task(wire, 150);
+    const TuneTask t = proposal_task(wire, 150);
     const Proposal p = propose(t);
     const double d = t.plant.wire.geometry.diameter_m;
     if (diameter_m > 0) {
@@ -96,29 +96,30 @@ TEST(Proposal, OfAThickerWireTakesMorePower) {
 }
 
 TEST(Proposal, FollowsTheSurroundings) {
-  const Proposal cool = propose(task("smartflex-76um", 150, 10));
-  const Proposal warm = propose(task("smartflex-76um", 150, 40));
+  const Proposal cool = propose(proposal_task("smartflex-76um", 150, 10));
+  const Proposal warm = propose(proposal_task("smartflex-76um", 150, 40));
   EXPECT_GT(cool.settings.trajectory.cooling_rate_1_s, warm.settings.trajectory.cooling_rate_1_s);
   EXPECT_LT(cool.branches.cooling_s, warm.branches.cooling_s);
   EXPECT_GT(cool.holding_A, warm.holding_A);
-  const Proposal light = propose(task("smartflex-76um", 60));
-  const Proposal heavy = propose(task("smartflex-76um", 350));
+  const Proposal light = propose(proposal_task("smartflex-76um", 60));
+  const Proposal heavy = propose(proposal_task("smartflex-76um", 350));
   EXPECT_LT(light.settings.limits.temperature_K, heavy.settings.limits.temperature_K);
   EXPECT_LT(light.settings.limits.stress_Pa, heavy.settings.limits.stress_Pa);
 }
 
 TEST(Proposal, OfAWireThatIsKnownBetterHasASmallerDeadBand) {
-  TuneTask known = task("smartflex-76um", 150);
+  TuneTask known = proposal_task("smartflex-76um", 150);
   known.plant.wire.accuracy.strain = 5e-4;
   EXPECT_LT(propose(known).settings.strain.dead_band,
-            propose(task("smartflex-76um", 150)).settings.strain.dead_band);
+            propose(proposal_task("smartflex-76um", 150)).settings.strain.dead_band);
 }
 
 /// What parameters must fulfil, singly and as a set, in the floats of a device.
 TEST(Proposal, DoesNotContradictItself) {
   for (const TuneTask& t :
-       {task("smartflex-76um", 0), task("smartflex-25um", 100), task("flexinol-ht-0.51mm", 150),
-        task("smartflex-76um", 590), spring("smartflex-150um", 50, 250)}) {
+       {proposal_task("smartflex-76um", 0), proposal_task("smartflex-25um", 100),
+        proposal_task("flexinol-ht-0.51mm", 150), proposal_task("smartflex-76um", 590),
+        spring("smartflex-150um", 50, 250)}) {
     const Settings<double> s = stored_settings<double>(propose(t).settings);
     const Finding found = check(s);
     EXPECT_TRUE(found.ok()) << parameters<double>[found.parameter].path.text();
@@ -127,7 +128,7 @@ TEST(Proposal, DoesNotContradictItself) {
 }
 
 TEST(Proposal, StaysBelowAGivenCurrent) {
-  TuneTask t = task("smartflex-76um", 150);
+  TuneTask t = proposal_task("smartflex-76um", 150);
   t.most_current_A = 0.2;
   const Proposal p = propose(t);
   EXPECT_EQ(p.settings.limits.current_A, 0.2);
@@ -136,11 +137,11 @@ TEST(Proposal, StaysBelowAGivenCurrent) {
 }
 
 TEST(Proposal, RefusesAirInWhichTheWireDoesNotStretch) {
-  EXPECT_THROW(propose(task("smartflex-76um", 10, 70)), UserError);
+  EXPECT_THROW(propose(proposal_task("smartflex-76um", 10, 70)), UserError);
 }
 
 TEST(Uncertainty, IsDrawnAroundTheFile) {
-  const TunedPlant file = task("smartflex-76um", 150).plant;
+  const TunedPlant file = proposal_task("smartflex-76um", 150).plant;
   const auto all = uncertain_plants(file, 200, 7);
   ASSERT_EQ(all.size(), 200U);
   EXPECT_EQ(all[0].draught, 1);

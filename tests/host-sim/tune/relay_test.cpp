@@ -10,7 +10,7 @@ namespace smaservo {
 namespace {
 
 /// y' = k P, exactly.
-RelayPlant integrator(double k, double period_s) {
+RelayPlant relayed_integrator(double k, double period_s) {
   double y = 0;
   return {[=](double power_W) mutable { return y += k * power_W * period_s; }, 0};
 }
@@ -22,7 +22,7 @@ TEST(Relay, MakesATriangleOfAnIntegrator) {
   for (const int delay : {0, 1, 3}) {
     RelayTask t{period_s, delay, 0, 0, h, 0, 1, 0};
     t.hysteresis = (20.5 - delay) * h * k * period_s;
-    const Oscillation o = relay_test(t, integrator(k, period_s));
+    const Oscillation o = relay_test(t, relayed_integrator(k, period_s));
     EXPECT_TRUE(o.steady);
     EXPECT_NEAR(2 * std::numbers::pi / o.rad_s, 4 * 21 * period_s, 4 * period_s);
     EXPECT_NEAR(o.gain, k / o.rad_s, 0.01 * o.gain);
@@ -43,7 +43,8 @@ TEST(Relay, ExpectsWhatItsDescribingFunctionSays) {
 
 TEST(Relay, DoesNotCallSteadyWhatRunsAway) {
   const RelayTask t{1e-3, 1, 1, 0, 0.2, 0, 1, 0.01};
-  EXPECT_FALSE(relay_test(t, integrator(3, 1e-3)).steady) << "the base power is not balanced";
+  EXPECT_FALSE(relay_test(t, relayed_integrator(3, 1e-3)).steady)
+      << "the base power is not balanced";
 }
 
 /// The linearisation is right: a relay on the whole wire finds its frequency and gain.
