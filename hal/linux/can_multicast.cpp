@@ -81,7 +81,7 @@ int join(int socket, const MulticastAddress& group) {
 
 /// Hears the group and nothing else that comes to the port.
 int listen_to(int socket, const MulticastAddress& group) {
-  int error = set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  const int error = set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
   if (error != 0) return error;
   if (bind(socket, general(group.address), group.size) != 0) return errno;
   return join(socket, group);
