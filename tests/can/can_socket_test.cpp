@@ -16,7 +16,7 @@ namespace smaservo {
 namespace {
 
 void shell(const std::string& command) {
-  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(bugprone-command-processor)
 }
 
 /// Waits for a frame, at most two seconds.
