@@ -187,8 +187,9 @@ void step(Remote& remote, const StepArguments& a) {
 void record(Remote& remote, const can::RecordingPlan& plan, const std::string& out,
             double patience_s) {
   can::arm_recorder(remote, plan);
+  can::wait_for_recorder(remote, plan, patience_s);
   OutputFile file(out);
-  file.write(can::to_csv(can::read_recording(remote, plan, patience_s)));
+  file.write(can::to_csv(can::read_recording(remote, plan)));
   file.commit();
 }
 

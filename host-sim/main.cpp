@@ -29,6 +29,8 @@ int run(int argc, char** argv) {
   smaservo::add_wires_command(app);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& result) {
+    return result.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && *argv[1] != '-' && app.get_subcommands().empty()) {
       fmt::print(stderr, "host-sim: {}: no such command\n", argv[1]);

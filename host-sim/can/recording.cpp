@@ -94,23 +94,19 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   set(remote, "recorder.command", 1);
 }
 
-Recording read_recording(Remote& remote, const RecordingPlan& plan, double patience_s) {
+void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s) {
   Bus& bus = remote.bus();
-  Recording recording{plan.signals, remote.number("recorder.period_s"), {}};
-  const double wanted = std::ceil(plan.seconds / recording.period_s);
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
-  const double after_s = plan.seconds - plan.before_s;
+  const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
   std::int64_t triggered_us = 0;
-  // Full, or triggered for long enough: a large memory need not be filled.
+  // A large memory need not be filled.
   for (;;) {
     const RecorderState state = state_of(remote);
     const std::int64_t now_us = bus.now_us();
-    if (state == RecorderState::full || state == RecorderState::idle) break;
+    if (state == RecorderState::full || state == RecorderState::idle) return;
     if (state == RecorderState::triggered && triggered_us == 0) triggered_us = now_us;
-    if (triggered_us != 0 && now_us >= triggered_us + static_cast<std::int64_t>(after_s * 1e6)) {
-      break;
-    }
-    if (now_us >= until_us) {
+    if (triggered_us != 0 && now_us >= triggered_us + after_us) return;
+    if (triggered_us == 0 && now_us >= until_us) {
       set(remote, "recorder.command", 0);
       throw UserError(fmt::format("not triggered within {} s", patience_s));
     }
@@ -118,6 +114,10 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan, double patie
     while (bus.receive(passing, now_us + poll_us)) {
     }
   }
+}
+
+Recording read_recording(Remote& remote, const RecordingPlan& plan) {
+  Recording recording{plan.signals, remote.number("recorder.period_s"), {}};
   set(remote, "recorder.command", 0);
   const Bytes bytes = remote.client().upload_block(find_object("recorder.data").key);
   const std::size_t width = 4 * plan.signals.size();
@@ -130,10 +130,9 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan, double patie
     }
     recording.rows.push_back(std::move(row));
   }
-  // What came before, while it waited, was not asked for.
-  const auto most = static_cast<std::size_t>(wanted);
-  if (!plan.trigger.empty() || recording.rows.size() <= most) return recording;
-  recording.rows.resize(most);
+  // Some more came until it was stopped.
+  const auto most = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
+  if (plan.trigger.empty() && recording.rows.size() > most) recording.rows.resize(most);
   return recording;
 }
 

@@ -24,8 +24,12 @@ struct Recording {
 /// Chooses signals, rate and trigger, and arms. Throws UserError.
 void arm_recorder(Remote& remote, const RecordingPlan& plan);
 
-/// Waits until it is full, or until so much has passed, and reads it. Throws UserError.
-Recording read_recording(Remote& remote, const RecordingPlan& plan, double patience_s);
+/// Waits until it is full, or has gone on for so long after the trigger. Throws UserError where the
+/// trigger has not come in time.
+void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s);
+
+/// Stops the recorder and reads what it has. Throws UserError.
+Recording read_recording(Remote& remote, const RecordingPlan& plan);
 
 /// With a header; times from 0 on.
 std::string to_csv(const Recording& recording);

@@ -240,11 +240,20 @@ void Remote::reset_faults() {
   control(0);
 }
 
+void Remote::set_profile_position() {
+  set("6060", "1");
+  // The mode is in force when the display says so.
+  const auto shown = [this](unsigned) { return number("6061") == 1; };
+  if (!wait_for(shown, state_patience_s)) {
+    throw UserError(fmt::format("node {} does not change to Profile position", node()));
+  }
+}
+
 void Remote::move(std::int32_t target_um, double patience_s) {
   if ((status() & state_mask) != enabled_state) {
     throw UserError(fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
   }
-  set("6060", "1");
+  set_profile_position();
   set("607A", std::to_string(target_um));
   control(enable_operation);
   control(enable_operation | new_setpoint_at_once);

@@ -56,6 +56,8 @@ class Remote {
   void disable();
   /// Acknowledges faults. Throws where one stays.
   void reset_faults();
+  /// Mode 1 of CiA 402, in force.
+  void set_profile_position();
   /// In Profile position, which it sets. Waits until the target is reached, at most so long.
   void move(std::int32_t target_um, double patience_s);
   /// 1010h:1: parameters and communication.

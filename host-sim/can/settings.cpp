@@ -21,16 +21,17 @@ KnownObject object_of(const Parameter<double>& row) {
 Settings<double> read_settings(Remote& remote) {
   Settings<double> settings = default_settings<double>();
   for (const Parameter<double>& row : parameters<double>) {
-    const Value value = value_of(remote.read(object_of(row)));
-    if (fit(row, value) == Fit::not_finite) {
+    row.set(settings, value_of(remote.read(object_of(row))));
+  }
+  for (const Parameter<double>& row : parameters<double>) {
+    if (row.is_used(settings) && fit(row, row.get(settings)) == Fit::not_finite) {
       throw UserError(
           fmt::format("node {}: {} is not set: it has no wire yet; give it a whole "
                       "settings file with `host-sim can restore`",
                       remote.node(), row.path.text()));
     }
-    row.set(settings, value);
   }
-  return settings;
+  return stored_settings<double>(settings);
 }
 
 Settings<double> file_settings(const std::string& path, const Settings<double>& of_node) {

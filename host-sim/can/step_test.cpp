@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "firmware/command.hpp"
 #include "host-sim/can/text_plot.hpp"
 #include "host-sim/html.hpp"
 
@@ -35,6 +36,24 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
     const std::int64_t now_us = bus.now_us();
     if (now_us >= until_us) {
       throw UserError(fmt::format("the step has not ended within {} s", patience_s));
+    }
+    CanFrame passing;
+    while (bus.receive(passing, now_us + poll_us)) {
+    }
+  }
+}
+
+/// A step is judged from where the wire stands still.
+void wait_until_still(Remote& remote) {
+  constexpr double patience_s = 5;
+  constexpr double still_um_s = 100;
+  Bus& bus = remote.bus();
+  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
+  const auto running = static_cast<double>(DeviceState::running);
+  while (remote.number("device.state") != running || std::abs(remote.number("606C")) > still_um_s) {
+    const std::int64_t now_us = bus.now_us();
+    if (now_us >= until_us) {
+      throw UserError(fmt::format("the wire has not come to a rest within {} s", patience_s));
     }
     CanFrame passing;
     while (bus.receive(passing, now_us + poll_us)) {
@@ -125,11 +144,12 @@ StepRun run_step(Remote& remote, const StepPlan& plan) {
   remote.set("step.amplitude_um", std::to_string(plan.amplitude_um));
   remote.set("step.duration_ms", std::to_string(std::lround(1e3 * plan.seconds)));
   const EnabledForAWhile enabled(remote);
-  remote.set("6060", "1");
+  remote.set_profile_position();
+  wait_until_still(remote);
   arm_recorder(remote, recorded);
   remote.set("step.command", "1");
   wait_until_done(remote, plan);
-  return {plan, read_recording(remote, recorded, before_s)};
+  return {plan, read_recording(remote, recorded)};
 }
 
 StepResult judge(const StepRun& run) {
