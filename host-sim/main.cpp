@@ -16,6 +16,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", SMASERVO_VERSION);
   app.require_subcommand(1);
   smaservo::add_calibrate_plan_command(app);
+  smaservo::add_can_command(app);
   smaservo::add_compare_command(app);
   smaservo::add_describe_command(app);
   smaservo::add_evaluate_command(app);
@@ -28,6 +29,8 @@ int run(int argc, char** argv) {
   smaservo::add_wires_command(app);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& result) {
+    return result.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && *argv[1] != '-' && app.get_subcommands().empty()) {
       fmt::print(stderr, "host-sim: {}: no such command\n", argv[1]);
