@@ -85,13 +85,15 @@ constexpr bool in_order(std::span<const DescribedObject> rows) {
 }
 
 /// Finds a key in rows that stand in order. A sub-index 0 that has no row of its own says what the
-/// highest one is: its entry has `highest_sub` as handle and the number in `size`.
+/// highest one is.
 Abort find_object(std::span<const Object> rows, Key key, Entry& entry);
-inline constexpr std::uint16_t highest_sub = 0xFFFE;
 
-/// The entry of "highest sub-index", whoever has it.
+/// The entry of "highest sub-index", whoever has it: the number is in the handle.
 constexpr Entry highest_sub_entry(Key key, std::uint8_t highest) {
-  return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(highest_sub), highest};
+  return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(0xFF00U | highest), 1};
+}
+constexpr bool is_highest_sub(const Entry& entry) {
+  return entry.handle >> 8U == 0xFF;
 }
 
 /// Of a row whose value lives in `memory`.
