@@ -10,7 +10,7 @@ namespace {
 
 using enum DriveState;
 
-constexpr std::uint16_t shutdown = 0x06, switch_on = 0x07, enable = 0x0F, disable_voltage = 0,
+constexpr std::uint16_t shutdown = 0x06, switch_on = 0x07, operate = 0x0F, disable_voltage = 0,
                         quick = 0x02, fault_reset = 0x80, new_setpoint = 0x10, at_once = 0x20,
                         relative = 0x40, halt = 0x100;
 
@@ -55,7 +55,7 @@ class Drive : public ServoRig {
       word(switch_on);
     }
     if (wanted == enabled || wanted == quick_stop) {
-      word(enable, 100);
+      word(operate, 100);
     }
     if (wanted == quick_stop) {
       word(quick);
@@ -77,7 +77,7 @@ TEST(Axis, EveryTransitionAndNoOther) {
   const auto table = std::to_array<Transition>({
       {disabled, shutdown, ready},
       {disabled, switch_on, disabled},
-      {disabled, enable, disabled},
+      {disabled, operate, disabled},
       {disabled, disable_voltage, disabled},
       {disabled, quick, disabled},
       {disabled, fault_reset, disabled},
@@ -86,8 +86,8 @@ TEST(Axis, EveryTransitionAndNoOther) {
       {ready, disable_voltage, disabled},
       {ready, quick, disabled},
       {ready, shutdown, ready},
-      {ready, enable, enabled},
-      {on, enable, enabled},
+      {ready, operate, enabled},
+      {on, operate, enabled},
       {on, shutdown, ready},
       {on, disable_voltage, disabled},
       {on, quick, disabled},
@@ -96,8 +96,8 @@ TEST(Axis, EveryTransitionAndNoOther) {
       {enabled, shutdown, ready},
       {enabled, disable_voltage, disabled},
       {enabled, quick, quick_stop},
-      {enabled, enable, enabled},
-      {quick_stop, enable, enabled},
+      {enabled, operate, enabled},
+      {quick_stop, operate, enabled},
       {quick_stop, disable_voltage, disabled},
       {quick_stop, shutdown, quick_stop},
       {quick_stop, switch_on, quick_stop},
@@ -116,7 +116,7 @@ TEST(Axis, EveryTransitionAndNoOther) {
 TEST(Axis, NoStateIsJumpedOver) {
   Drive drive;
   drive.go_to(ready);
-  drive.control(enable);
+  drive.control(operate);
   drive.sent.clear();
   std::vector<DriveState> seen;
   for (int i = 0; i < 5; ++i) {
@@ -158,7 +158,7 @@ TEST(Axis, AFaultIsResetByARisingEdgeOnly) {
   EXPECT_FALSE(drive.heated());
   EXPECT_EQ(drive.get({0x603F, 0}),
             fault_rows[static_cast<std::size_t>(Fault::wire_short) - 1].code);
-  drive.word(enable, 20);
+  drive.word(operate, 20);
   EXPECT_EQ(drive.state(), fault);
   drive.word(fault_reset, 20);
   EXPECT_EQ(drive.state(), fault) << "its cause is there";
@@ -166,10 +166,10 @@ TEST(Axis, AFaultIsResetByARisingEdgeOnly) {
   drive.run(50);
   drive.word(fault_reset, 50);
   EXPECT_EQ(drive.state(), fault) << "no edge";
-  drive.word(enable);
-  drive.word(fault_reset | enable, 20);
+  drive.word(operate);
+  drive.word(fault_reset | operate, 20);
   EXPECT_EQ(drive.state(), disabled);
-  drive.word(enable, 100);
+  drive.word(operate, 100);
   EXPECT_EQ(drive.state(), disabled) << "and not enabled by what was left over";
   EXPECT_FALSE(drive.heated());
   EXPECT_EQ(drive.get({0x603F, 0}), 0U);
@@ -201,7 +201,7 @@ TEST(Axis, ADeviceThatDoesNotArmIsAFault) {
   drive.run(150);
   drive.word(shutdown);
   drive.word(switch_on);
-  drive.control(enable);
+  drive.control(operate);
   drive.run(150);
   EXPECT_EQ(drive.state(), fault);
   EXPECT_EQ(drive.get({0x603F, 0}), 0xFF50U);
@@ -216,7 +216,7 @@ TEST(Axis, WhatBlocksArmingKeepsItSwitchedOn) {
   drive.go_to(on);
   drive.device.faults = Fault::unclean_boot;
   drive.run(5);
-  drive.word(enable, 50);
+  drive.word(operate, 50);
   EXPECT_EQ(drive.state(), on);
   drive.device.faults = {};
   drive.run(50);
@@ -233,14 +233,14 @@ TEST(ProfilePosition, ASetPointIsTakenAcknowledgedAndReached) {
   drive.set({0x607A, 0}, 500, 4);
   drive.run(100);
   EXPECT_EQ(drive.get({0x6064, 0}), 0U) << "not before the edge";
-  drive.word(enable | new_setpoint, 3);
+  drive.word(operate | new_setpoint, 3);
   EXPECT_EQ(drive.status() & acknowledged, acknowledged);
   drive.run(100);
   EXPECT_EQ(drive.get({0x6064, 0}), 500U);
   EXPECT_EQ(drive.status() & reached, reached);
-  drive.word(enable, 3);
+  drive.word(operate, 3);
   EXPECT_EQ(drive.status() & acknowledged, 0U);
-  drive.word(enable | new_setpoint | relative, 100);
+  drive.word(operate | new_setpoint | relative, 100);
   EXPECT_EQ(drive.get({0x6064, 0}), 1000U);
   EXPECT_NEAR(drive.command.setpoint, 1e-3, 1e-9);
   EXPECT_EQ(drive.command.mode, Mode::position);
@@ -252,9 +252,9 @@ TEST(ProfilePosition, OneSetPointWaitsAndAThirdIsRefused) {
   drive.go_to(enabled);
   const auto send = [&](std::uint32_t target, unsigned bits = 0) {
     drive.set({0x607A, 0}, target, 4);
-    drive.word(static_cast<std::uint16_t>(enable | new_setpoint | bits), 3);
+    drive.word(static_cast<std::uint16_t>(operate | new_setpoint | bits), 3);
     const bool taken = (drive.status() & acknowledged) != 0;
-    drive.word(enable, 3);
+    drive.word(operate, 3);
     return taken;
   };
   EXPECT_TRUE(send(2000));
@@ -276,7 +276,7 @@ TEST(ProfilePosition, KeepsItsVelocity) {
   drive.set({0x6081, 0}, 5000, 4);
   drive.go_to(enabled);
   drive.set({0x607A, 0}, 2000, 4);
-  drive.word(enable | new_setpoint, 1);
+  drive.word(operate | new_setpoint, 1);
   drive.run(200);
   EXPECT_NEAR(static_cast<double>(drive.get({0x6064, 0})), 1000, 60);
   EXPECT_NEAR(static_cast<double>(drive.get({0x606C, 0})), 5000, 200);
@@ -287,16 +287,16 @@ TEST(ProfilePosition, HaltHoldsAndGoesOn) {
   drive.set({0x6081, 0}, 5000, 4);
   drive.go_to(enabled);
   drive.set({0x607A, 0}, 2000, 4);
-  drive.word(enable | new_setpoint, 100);
-  drive.word(enable | halt, 10);
+  drive.word(operate | new_setpoint, 100);
+  drive.word(operate | halt, 10);
   const auto held = drive.get({0x6064, 0});
   drive.run(100);
   EXPECT_EQ(drive.get({0x6064, 0}), held);
   EXPECT_TRUE(drive.heated());
-  drive.word(enable, 500);
+  drive.word(operate, 500);
   EXPECT_EQ(drive.get({0x6064, 0}), 2000U);
   drive.set({0x605D, 0}, 0, 2);
-  drive.word(enable | halt, 10);
+  drive.word(operate | halt, 10);
   EXPECT_EQ(drive.output.mode, Mode::off) << "heating off";
 }
 
@@ -306,13 +306,13 @@ TEST(ProfilePosition, LimitsHoldAndAFollowingErrorIsAFault) {
   drive.set({0x6066, 0}, 50, 2);
   drive.go_to(enabled);
   drive.set({0x607A, 0}, 2000, 4);
-  drive.word(enable | new_setpoint, 100);
+  drive.word(operate | new_setpoint, 100);
   EXPECT_EQ(drive.get({0x6064, 0}), 800U);
-  drive.word(enable);
+  drive.word(operate);
   drive.device.moves = false;
   drive.set({0x6065, 0}, 300, 4);
   drive.set({0x607A, 0}, 0, 4);
-  drive.word(enable | new_setpoint, 20);
+  drive.word(operate | new_setpoint, 20);
   EXPECT_EQ(drive.state(), enabled);
   drive.run(60);
   EXPECT_EQ(drive.state(), fault);
@@ -343,13 +343,13 @@ TEST(Homing, ThePresentPositionBecomesTheHome) {
   Drive drive;
   drive.go_to(enabled);
   drive.set({0x607A, 0}, 500, 4);
-  drive.word(enable | new_setpoint, 100);
+  drive.word(operate | new_setpoint, 100);
   drive.set({0x607C, 0}, 50, 4);
-  drive.word(enable);
+  drive.word(operate);
   drive.set({0x6060, 0}, 6, 1);
   drive.run(5);
   EXPECT_EQ(drive.status() & 0x1000U, 0U);
-  drive.word(enable | new_setpoint, 5);
+  drive.word(operate | new_setpoint, 5);
   EXPECT_EQ(drive.status() & 0x3400U, 0x1400U) << "attained, reached, no error";
   EXPECT_EQ(drive.get({0x6064, 0}), 50U);
   EXPECT_NEAR(drive.command.setpoint, 500e-6, 1e-9) << "the wire does not move";
