@@ -12,6 +12,8 @@
 // the main may put other settings into the Staging. The wire is heated only while command().arm is
 // set.
 
+#include <cmath>
+
 #include "firmware/canopen/servo_core.hpp"
 #include "firmware/canopen/tuning.hpp"
 #include "firmware/command.hpp"
@@ -106,7 +108,7 @@ void Servo<S>::publish(const Output<S>& out, const Inputs<S>& in, const S& dt_s)
     const float raw_m_s = (position_m - position_m_) / dt;
     velocity_m_s_ += dt / (dt + filter_s) * (raw_m_s - velocity_m_s_);
   }
-  has_position_ = position_m - position_m == 0.F;  // a number
+  has_position_ = std::isfinite(position_m);
   velocity_m_s_ = has_position_ ? velocity_m_s_ : 0;
   position_m_ = position_m;
 

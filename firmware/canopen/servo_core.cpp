@@ -79,15 +79,15 @@ Abort ServoCore::find(Key key, Entry& entry) const {
     return found;
   }
   const Abort parameter = parameters_.find(key, entry);
-  if (parameter == Abort::none && entry.handle != highest_sub) {
+  if (parameter == Abort::none && !is_highest_sub(entry)) {
     entry.handle = static_cast<std::uint16_t>(entry.handle + parameter_handle);
   }
   return parameter;
 }
 
 Abort ServoCore::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) {
-  if (entry.handle == highest_sub) {
-    put_number(to, entry.size);
+  if (is_highest_sub(entry)) {
+    put_number(to, entry.handle & 0xFFU);
   } else if (signal_handle <= entry.handle) {
     put_number(to, as_bits(signals_[static_cast<std::size_t>(entry.handle - signal_handle)]));
   } else if (parameter_handle <= entry.handle) {
