@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <linux/can.h>
 #include <linux/can/error.h>
@@ -23,7 +24,7 @@ namespace {
 /// The interface's number, flags and so on, by one of the kernel's questions. False: there is none.
 bool ask(int socket, const std::string& interface, unsigned long question, ifreq& answer) {
   answer = {};
-  std::copy(interface.begin(), interface.end(), std::begin(answer.ifr_name));
+  std::ranges::copy(interface, std::begin(answer.ifr_name));
   return ioctl(socket, question, &answer) == 0;
 }
 
@@ -44,28 +45,39 @@ constexpr int most_reads = 64;
 constexpr can_err_mask_t watched_errors =
     CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK;
 
-can_frame to_kernel(const CanFrame& frame) {
-  can_frame raw{};
+/// The kernel's can_frame without its unions.
+struct RawFrame {
+  canid_t can_id;
+  std::uint8_t length;
+  std::array<std::uint8_t, 3> reserved;
+  std::array<std::uint8_t, CAN_MAX_DLEN> data;
+};
+static_assert(sizeof(RawFrame) == CAN_MTU && offsetof(RawFrame, data) == offsetof(can_frame, data));
+
+RawFrame to_kernel(const CanFrame& frame) {
+  RawFrame raw{};
   raw.can_id = frame.extended ? (frame.id & CAN_EFF_MASK) | CAN_EFF_FLAG : frame.id & CAN_SFF_MASK;
   if (frame.remote) raw.can_id |= CAN_RTR_FLAG;
-  raw.len = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
-  std::copy_n(frame.data.begin(), raw.len, std::begin(raw.data));
+  raw.length = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
+  std::ranges::copy(std::span(frame.data).first(raw.length), raw.data.begin());
   return raw;
 }
 
-CanFrame from_kernel(const can_frame& raw) {
+CanFrame from_kernel(const RawFrame& raw) {
   CanFrame frame;
   frame.extended = (raw.can_id & CAN_EFF_FLAG) != 0;
   frame.remote = (raw.can_id & CAN_RTR_FLAG) != 0;
   frame.id = raw.can_id & (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
-  frame.length = raw.len;
-  if (!frame.remote) std::copy_n(std::begin(raw.data), raw.len, frame.data.begin());
+  frame.length = raw.length;
+  if (!frame.remote) {
+    std::ranges::copy(std::span(raw.data).first(raw.length), frame.data.begin());
+  }
   return frame;
 }
 
 /// One frame, and the kernel's count of those that it had no room for. As read() does, -1 and
 /// errno.
-ssize_t read_frame(int socket, can_frame& raw, std::uint32_t& overflow) {
+ssize_t read_frame(int socket, RawFrame& raw, std::uint32_t& overflow) {
   iovec place{&raw, sizeof raw};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof overflow)> control{};
   msghdr message{};
@@ -113,8 +125,8 @@ int CanSocket::bind_interface() {
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = answer.ifr_ifindex;
-  // The interface of bind() is a pointer to another type.
-  const auto* general = static_cast<const sockaddr*>(static_cast<const void*>(&address));
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bind() takes all families so
+  const auto* general = reinterpret_cast<const sockaddr*>(&address);
   return bind(descriptor(), general, sizeof address) == 0 ? 0 : errno;
 }
 
@@ -127,6 +139,7 @@ void CanSocket::accept(std::span<const std::uint32_t> ids) {
 
 int CanSocket::set_filters() {
   std::vector<can_filter> filters;
+  filters.reserve(accepted_.size() + 1);
   for (const std::uint32_t id : accepted_) {
     filters.push_back({id & CAN_SFF_MASK, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG});
   }
@@ -153,12 +166,11 @@ bool CanSocket::bring_back() {
 void CanSocket::failed(int error) {
   const bool was_there = state_ != CanState::down && state_ != CanState::gone;
   ifreq answer;
+  // ENODEV and ENXIO with an interface: it has come back already, under another number.
   if (error == ENETDOWN) {
     state_ = CanState::down;
-  } else if (!ask(descriptor(), interface_, SIOCGIFINDEX, answer)) {
-    state_ = CanState::gone;
-  } else if (error == ENODEV || error == ENXIO) {
-    // It has come back already, under another number.
+  } else if (error == ENODEV || error == ENXIO ||
+             !ask(descriptor(), interface_, SIOCGIFINDEX, answer)) {
     state_ = CanState::gone;
   } else {
     return;
@@ -169,7 +181,7 @@ void CanSocket::failed(int error) {
 bool CanSocket::receive(CanFrame& frame) {
   if (state_ == CanState::gone && !bring_back()) return false;
   for (int reads = 0; reads < most_reads; ++reads) {
-    can_frame raw;
+    RawFrame raw;
     const std::uint32_t before = overflow_;
     const ssize_t size = read_frame(descriptor(), raw, overflow_);
     if (size < 0) {
@@ -180,10 +192,10 @@ bool CanSocket::receive(CanFrame& frame) {
     }
     if (state_ == CanState::down) bring_back();
     statistics_.lost += overflow_ - before;
-    if (size != CAN_MTU || raw.len > CAN_MAX_DLEN) {
+    if (size != CAN_MTU || raw.length > CAN_MAX_DLEN) {
       ++statistics_.malformed;
     } else if ((raw.can_id & CAN_ERR_FLAG) != 0) {
-      note_error(raw);
+      note_error(raw.can_id, raw.data[1]);
     } else {
       frame = from_kernel(raw);
       ++statistics_.received;
@@ -193,16 +205,15 @@ bool CanSocket::receive(CanFrame& frame) {
   return false;
 }
 
-void CanSocket::note_error(const can_frame& frame) {
+void CanSocket::note_error(std::uint32_t classes, unsigned controller) {
   ++statistics_.error_frames;
-  if ((frame.can_id & CAN_ERR_RESTARTED) != 0) state_ = CanState::active;
-  if ((frame.can_id & CAN_ERR_CRTL) != 0 && state_ != CanState::bus_off) {
-    const unsigned controller = frame.data[1];
+  if ((classes & CAN_ERR_RESTARTED) != 0) state_ = CanState::active;
+  if ((classes & CAN_ERR_CRTL) != 0 && state_ != CanState::bus_off) {
     constexpr unsigned passive = CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE;
     if ((controller & passive) != 0) state_ = CanState::passive;
     if ((controller & CAN_ERR_CRTL_ACTIVE) != 0) state_ = CanState::active;
   }
-  if ((frame.can_id & CAN_ERR_BUSOFF) != 0) {
+  if ((classes & CAN_ERR_BUSOFF) != 0) {
     if (state_ != CanState::bus_off) ++statistics_.bus_offs;
     state_ = CanState::bus_off;
   }
@@ -213,8 +224,8 @@ bool CanSocket::send(const CanFrame& frame) {
     ++statistics_.dropped_down;
     return false;
   }
-  const can_frame raw = to_kernel(frame);
-  if (::send(descriptor(), &raw, sizeof raw, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof raw) {
+  const RawFrame raw = to_kernel(frame);
+  if (::send(descriptor(), &raw, sizeof raw, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) {
     ++statistics_.sent;
     return true;
   }

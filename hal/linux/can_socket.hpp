@@ -10,8 +10,6 @@
 #include "hal/linux/can_status.hpp"
 #include "hal/linux/descriptor.hpp"
 
-struct can_frame;
-
 namespace smaservo {
 
 /// A CanPort. The interface may go down, come up, disappear and come back: frames are dropped and
@@ -41,7 +39,7 @@ class CanSocket {
   int bind_interface();
   bool bring_back();
   void failed(int error);
-  void note_error(const can_frame& frame);
+  void note_error(std::uint32_t classes, unsigned controller);
   int set_filters();
 
   std::string interface_;
