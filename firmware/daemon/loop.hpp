@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "firmware/board_io.hpp"
-#include "hal/linux/clock.hpp"
 #include "firmware/daemon/links.hpp"
 #include "firmware/daemon/pace.hpp"
 #include "firmware/daemon/partner.hpp"
+#include "hal/linux/clock.hpp"
 
 namespace smaservo {
 

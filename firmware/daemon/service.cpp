@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <thread>
 
-#include "hal/linux/clock.hpp"
 #include "firmware/daemon/crash.hpp"
 #include "firmware/daemon/notify.hpp"
 #include "firmware/daemon/recorder.hpp"
+#include "hal/linux/clock.hpp"
 #include "host-sim/device_names.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_file.hpp"

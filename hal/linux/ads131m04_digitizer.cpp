@@ -18,9 +18,10 @@ Ads131m04Digitizer::Ads131m04Digitizer(std::unique_ptr<SpiPort> port, std::strin
   MonotonicClock::sleep_until(MonotonicClock::now_ns() + 1'000'000);
   const std::optional<std::uint16_t> id = get(Register::id);
   if (!id) {
-    throw DeviceError(fmt::format("{}: no answer with a right CRC; is it an ADS131M04, in SPI "
-                                  "mode 1, with its clock?",
-                                  name_));
+    throw DeviceError(
+        fmt::format("{}: no answer with a right CRC; is it an ADS131M04, in SPI "
+                    "mode 1, with its clock?",
+                    name_));
   }
   if ((*id & ads131m04::id_mask) != ads131m04::id) {
     throw DeviceError(
@@ -39,8 +40,7 @@ bool Ads131m04Digitizer::read(RawFrame& raw) {
   }
   bool fresh = false;
   for (int i = 0; i < 2; ++i) {
-    const std::optional<Reply> reply =
-        exchange(ads131m04::command_frame(ads131m04::null_command));
+    const std::optional<Reply> reply = exchange(ads131m04::command_frame(ads131m04::null_command));
     if (!reply) {
       continue;
     }
@@ -68,7 +68,7 @@ std::optional<Reply> Ads131m04Digitizer::exchange(const FrameBytes& out) {
     return std::nullopt;
   }
   const std::optional<Reply> reply = ads131m04::parse(in);
-  damaged_ += reply ? 0 : 1;
+  damaged_ += reply ? 0U : 1U;
   return reply;
 }
 
