@@ -223,9 +223,9 @@ std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoot
   return std::make_unique<IioDigitizer>(roots, std::get<IioSettings>(file.front_end));
 }
 
-std::unique_ptr<Drive> open_drive(const BoardFile& file, const LinuxRoots& roots) {
+std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots) {
   return std::visit(
-      [&](const auto& drive) -> std::unique_ptr<Drive> {
+      [&](const auto& drive) -> std::unique_ptr<OutputStage> {
         using T = std::decay_t<decltype(drive)>;
         if constexpr (std::is_same_v<T, IioDacSettings>) {
           return std::make_unique<IioDac>(roots, drive);

@@ -46,7 +46,7 @@ BoardFile load_board_file(const std::string& path);
 
 /// Each of these opens what the file names; all throw DeviceError.
 std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots);
-std::unique_ptr<Drive> open_drive(const BoardFile& file, const LinuxRoots& roots);
+std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots);
 
 /// Whether settings are within what the board can do.
 bool within(const BoardFile& file, const Settings<double>& settings);

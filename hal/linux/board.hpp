@@ -32,7 +32,7 @@ void apply(const Calibration& calibration, const RawFrame& raw, Frame& frame);
 
 struct LinuxBoardParts {
   std::unique_ptr<Digitizer> digitizer;
-  std::unique_ptr<Drive> drive;
+  std::unique_ptr<OutputStage> drive;
   std::unique_ptr<Lines> lines;
   std::unique_ptr<SlowSensors> slow;
   Calibration calibration;
