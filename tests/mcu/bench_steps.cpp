@@ -146,7 +146,10 @@ bool count_file(std::string_view name) {
   return true;
 }
 
+/// Behind the program's name.
 bool count_all(std::string_view names) {
+  names.remove_prefix(std::min(names.find(' '), names.size()));
+  names.remove_prefix(std::min(names.find_first_not_of(' '), names.size()));
   bool all = !names.empty();
   while (!names.empty()) {
     const std::size_t blank = std::min(names.find(' '), names.size());

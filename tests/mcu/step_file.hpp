@@ -13,9 +13,13 @@
 
 namespace smaservo::mcu {
 
+/// How far each number of the outputs goes in a file; never 0.
+using Ranges = std::array<float, 11>;
+
 struct StepFileHeader {
   static constexpr std::uint32_t own_magic = 0x50455453;  // "STEP"
   std::uint32_t magic, image_bytes, steps;
+  Ranges ranges;
 };
 
 enum StepFlag : std::uint32_t {
@@ -42,9 +46,15 @@ struct StepOutputs {
   float resistance_ohm, strain, strain_sd, temperature_K, martensite, ambient_K, hot_spot_K;
   std::uint32_t state, mode, limit_reasons;
   std::uint32_t latched_low, latched_high;
-
-  static constexpr std::size_t numbers = 11;
 };
+
+/// The same by their kind: numbers, and what is equal or not.
+struct StepNumbers {
+  static constexpr std::size_t strain = 5;
+  Ranges number;
+  std::array<std::uint32_t, 5> words;
+};
+static_assert(sizeof(StepNumbers) == sizeof(StepOutputs));
 
 struct StepRecord {
   StepInputs inputs;

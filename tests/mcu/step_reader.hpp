@@ -47,7 +47,7 @@ class StepReader {
   StepReader(StepReader&&) = delete;
   StepReader& operator=(StepReader&&) = delete;
 
-  std::uint32_t steps() const { return header_.steps; }
+  const Ranges& ranges() const { return header_.ranges; }
 
   template <class S>
   std::optional<Settings<S>> settings() {

@@ -1,5 +1,5 @@
 // Writes what the microcontrollers replay: every shipped trace as the device sees it when it only
-// watches, every shipped closed loop, and random use.
+// watches, every shipped closed loop, and random use. answer_steps says what should come out.
 //   write_steps FOLDER
 
 #include <algorithm>
@@ -45,7 +45,7 @@ class Recorder {
       return true;
     });
     const StepFileHeader header{StepFileHeader::own_magic, static_cast<std::uint32_t>(image.size()),
-                                static_cast<std::uint32_t>(records_.size())};
+                                static_cast<std::uint32_t>(records_.size()), {}};
     std::ofstream file(path, std::ios::binary);
     const auto put = [&](std::span<const std::byte> bytes) {
       file.write(reinterpret_cast<const char*>(bytes.data()),
