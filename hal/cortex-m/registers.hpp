@@ -23,13 +23,23 @@ struct SysTick {
   volatile std::uint32_t value;
   volatile std::uint32_t calibration;
 };
-inline SysTick& sys_tick() { return at<SysTick>(0xE000E010); }
+inline SysTick& sys_tick() {
+  return at<SysTick>(0xE000E010);
+}
 
 /// Coprocessor access control: who may use the floating-point unit.
-inline volatile std::uint32_t& cpacr() { return at<volatile std::uint32_t>(0xE000ED88); }
+inline volatile std::uint32_t& cpacr() {
+  return at<volatile std::uint32_t>(0xE000ED88);
+}
 
-inline void data_barrier() { asm volatile("dsb" ::: "memory"); }
-inline void instruction_barrier() { asm volatile("isb" ::: "memory"); }
-inline void wait_for_interrupt() { asm volatile("wfi" ::: "memory"); }
+inline void data_barrier() {
+  asm volatile("dsb" ::: "memory");
+}
+inline void instruction_barrier() {
+  asm volatile("isb" ::: "memory");
+}
+inline void wait_for_interrupt() {
+  asm volatile("wfi" ::: "memory");
+}
 
 }  // namespace smaservo::cortex_m

@@ -26,7 +26,9 @@ std::int32_t call(Call which, const void* argument) {
   return static_cast<std::int32_t>(r0);
 }
 
-std::uintptr_t word(const void* pointer) { return reinterpret_cast<std::uintptr_t>(pointer); }
+std::uintptr_t word(const void* pointer) {
+  return reinterpret_cast<std::uintptr_t>(pointer);
+}
 
 }  // namespace
 
@@ -63,7 +65,9 @@ void File::close() {
   handle_ = -1;
 }
 
-void print(const char* text) { call(Call::write_text, text); }
+void print(const char* text) {
+  call(Call::write_text, text);
+}
 
 void print(std::string_view text) {
   std::array<char, 64> part{};
@@ -77,9 +81,8 @@ void print(std::string_view text) {
 
 std::string_view command_line(std::span<char> buffer) {
   Words words{word(buffer.data()), buffer.size(), 0};
-  return call(Call::command_line, words.data()) == 0
-             ? std::string_view(buffer.data(), words[1])
-             : std::string_view{};
+  return call(Call::command_line, words.data()) == 0 ? std::string_view(buffer.data(), words[1])
+                                                     : std::string_view{};
 }
 
 void leave(int status) {

@@ -70,29 +70,36 @@ void reset() {
 }
 
 // What the C library calls when it gives up, and where a static object would be destroyed.
-[[noreturn]] void abort() { fault(); }
-[[noreturn]] void __cxa_pure_virtual() { fault(); }
-int __aeabi_atexit(void* /*object*/, void (* /*destroy*/)(void*), void* /*module*/) { return 0; }
+[[noreturn]] void abort() {
+  fault();
+}
+[[noreturn]] void __cxa_pure_virtual() {
+  fault();
+}
+int __aeabi_atexit(void* /*object*/, void (* /*destroy*/)(void*), void* /*module*/) {
+  return 0;
+}
 void* __dso_handle = nullptr;
 
 [[gnu::weak]] void sys_tick_interrupt() {}
 
 using Vector = void (*)();
-[[gnu::section(".vectors"), gnu::used]] const Vector vectors[16] = {reinterpret_cast<Vector>(stack_top),
-                            reset,
-                            fault,
-                            fault,
-                            fault,
-                            fault,
-                            fault,
-                            fault,
-                            nullptr,
-                            nullptr,
-                            nullptr,
-                            fault,
-                            fault,
-                            nullptr,
-                            fault,
-                            sys_tick_interrupt};
+[[gnu::section(".vectors"), gnu::used]] const Vector vectors[16] = {
+    reinterpret_cast<Vector>(stack_top),
+    reset,
+    fault,
+    fault,
+    fault,
+    fault,
+    fault,
+    fault,
+    nullptr,
+    nullptr,
+    nullptr,
+    fault,
+    fault,
+    nullptr,
+    fault,
+    sys_tick_interrupt};
 
 }  // extern "C"

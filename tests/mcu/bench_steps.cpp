@@ -61,8 +61,8 @@ struct Counts {
                                    const Command<S>& command, const S& dt_s) {
   Device<S>::step(p, s, in, command, dt_s);
 }
-[[gnu::noinline]] void observer_step(const Prepared<S>& p, Device<S>::State& s,
-                                     const Inputs<S>& in, const S& dt_s) {
+[[gnu::noinline]] void observer_step(const Prepared<S>& p, Device<S>::State& s, const Inputs<S>& in,
+                                     const S& dt_s) {
   Device<S>::observe(p, s, in, dt_s);
 }
 [[gnu::noinline]] void model_step(const ThreePhase<S>::Params& p, const ThreePhase<S>::Cut& cut,

@@ -50,8 +50,7 @@ void fractions_are_fractions(const Settings<S>& settings, Verdict& verdict) {
   Dice dice;
   Model::State s = Model::rest(settings.wire.kinetics, {room_K, load_Pa});
   for (int i = 0; i < 3000; ++i) {
-    Model::advance(settings.wire.kinetics, s,
-                   {dice.between(250, 450), dice.between(0, 400e6F)});
+    Model::advance(settings.wire.kinetics, s, {dice.between(250, 450), dice.between(0, 400e6F)});
     const Phases<S> z = Model::phases(s);
     verdict.expect(0 <= z.martensite && 0 <= z.r_phase && -1e-6F <= z.austenite(),
                    "a fraction is negative");
@@ -144,8 +143,9 @@ void the_observer_follows(const Settings<S>& settings, Verdict& verdict) {
     for (std::size_t k = 0; k < 6; ++k) {
       verdict.expect(0 <= P[k][k], "a variance is negative");
     }
-    verdict.expect(i < 100 || std::abs(e.strain - wire.strain()) < 0.01F * settings.wire.nominal_stroke,
-                   "the estimate is 1 % of the stroke off");
+    verdict.expect(
+        i < 100 || std::abs(e.strain - wire.strain()) < 0.01F * settings.wire.nominal_stroke,
+        "the estimate is 1 % of the stroke off");
   }
 }
 
@@ -171,15 +171,17 @@ void run_loop(const Settings<S>& settings, int steps, F f) {
 
 void the_loop_holds_a_strain(const Settings<S>& settings, Verdict& verdict) {
   S begin = 0;
-  run_loop(settings, 2000, [&](int i, const Inputs<S>&, const SimpleWire& wire, const Output<S>& out) {
-    begin = i == 0 ? wire.strain() : begin;
-    verdict.expect(0 <= out.current_A && out.current_A <= settings.trips.current_A,
-                   "the current is out of its range");
-    verdict.expect(out.latched.empty(), "there is a fault");
-    const S target = begin - 0.5F * settings.wire.nominal_stroke;
-    verdict.expect(i < 1500 || std::abs(wire.strain() - target) < 0.01F * settings.wire.nominal_stroke,
-                   "the strain is 1 % of the stroke off");
-  });
+  run_loop(
+      settings, 2000, [&](int i, const Inputs<S>&, const SimpleWire& wire, const Output<S>& out) {
+        begin = i == 0 ? wire.strain() : begin;
+        verdict.expect(0 <= out.current_A && out.current_A <= settings.trips.current_A,
+                       "the current is out of its range");
+        verdict.expect(out.latched.empty(), "there is a fault");
+        const S target = begin - 0.5F * settings.wire.nominal_stroke;
+        verdict.expect(
+            i < 1500 || std::abs(wire.strain() - target) < 0.01F * settings.wire.nominal_stroke,
+            "the strain is 1 % of the stroke off");
+      });
 }
 
 void an_emergency_stop_ends_heat(const Settings<S>& settings, Verdict& verdict) {
@@ -232,7 +234,8 @@ void readings_may_be_anything(const Settings<S>& settings, Verdict& verdict) {
 class Memory {
  public:
   bool read(unsigned slot, std::size_t offset, std::span<std::byte> to) const {
-    std::copy_n(slots_.at(slot).begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
+    std::copy_n(slots_.at(slot).begin() + static_cast<std::ptrdiff_t>(offset), to.size(),
+                to.begin());
     return true;
   }
   bool erase(unsigned slot) {
@@ -240,7 +243,8 @@ class Memory {
     return true;
   }
   bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from) {
-    std::copy(from.begin(), from.end(), slots_.at(slot).begin() + static_cast<std::ptrdiff_t>(offset));
+    std::copy(from.begin(), from.end(),
+              slots_.at(slot).begin() + static_cast<std::ptrdiff_t>(offset));
     return true;
   }
   static bool sync() { return true; }
@@ -260,12 +264,13 @@ void settings_survive(const Settings<S>& settings, Verdict& verdict) {
   changed.safe.hold_s = 2;
   const Saved second = save_settings(memory, changed);
   verdict.expect(second.ok(), "the second image is not kept");
-  verdict.expect(load_settings<S>(memory).settings.safe.hold_s == 2, "the newer image is not taken");
+  verdict.expect(load_settings<S>(memory).settings.safe.hold_s == 2,
+                 "the newer image is not taken");
   memory.damage(second.slot, 100);
   const Loaded<S> loaded = load_settings<S>(memory);
-  verdict.expect(loaded.reason == LoadReason::other_bad &&
-                     loaded.settings.safe.hold_s == settings.safe.hold_s,
-                 "a damaged image is taken");
+  verdict.expect(
+      loaded.reason == LoadReason::other_bad && loaded.settings.safe.hold_s == settings.safe.hold_s,
+      "a damaged image is taken");
 }
 
 constexpr auto all = std::to_array<Check>({
@@ -282,6 +287,8 @@ constexpr auto all = std::to_array<Check>({
 
 }  // namespace
 
-std::span<const Check> checks() { return all; }
+std::span<const Check> checks() {
+  return all;
+}
 
 }  // namespace smaservo::mcu

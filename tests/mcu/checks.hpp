@@ -1,6 +1,6 @@
 #pragma once
-// Properties of model, observer, controller, device and store in the scalar of the targets. The same
-// source runs under GoogleTest on a PC and by itself on a microcontroller.
+// Properties of model, observer, controller, device and store in the scalar of the targets. The
+// same source runs under GoogleTest on a PC and by itself on a microcontroller.
 
 #include <span>
 #include <string_view>

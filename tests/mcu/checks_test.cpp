@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "tests/firmware/test_device.hpp"
 #include "firmware/parameters.hpp"
+#include "tests/firmware/test_device.hpp"
 
 namespace smaservo::mcu {
 namespace {

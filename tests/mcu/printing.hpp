@@ -10,7 +10,9 @@
 
 namespace smaservo::mcu {
 
-inline void put(std::string_view text) { semihosting::print(text); }
+inline void put(std::string_view text) {
+  semihosting::print(text);
+}
 
 inline void put(std::integral auto number) {
   std::array<char, 24> text{};

@@ -62,8 +62,12 @@ struct StepRecord {
 };
 static_assert(sizeof(StepRecord) == 128 && std::is_trivially_copyable_v<StepRecord>);
 
-constexpr std::uint32_t low(std::uint64_t bits) { return static_cast<std::uint32_t>(bits); }
-constexpr std::uint32_t high(std::uint64_t bits) { return static_cast<std::uint32_t>(bits >> 32U); }
+constexpr std::uint32_t low(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(bits);
+}
+constexpr std::uint32_t high(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(bits >> 32U);
+}
 
 template <class S>
 StepInputs pack(const Inputs<S>& in, const Command<S>& command, S dt_s, bool starts) {
@@ -146,8 +150,7 @@ StepOutputs step(const Prepared<S>& prepared, typename Device<S>::State& state,
   if ((r.flags & restart) != 0) {
     state = Device<S>::start();
   }
-  return pack(
-      Device<S>::step(prepared, state, inputs_of<S>(r), command_of<S>(r), S(r.dt_s)));
+  return pack(Device<S>::step(prepared, state, inputs_of<S>(r), command_of<S>(r), S(r.dt_s)));
 }
 
 }  // namespace smaservo::mcu

@@ -22,7 +22,8 @@ class ImageSlot {
     return file_.seek(sizeof(StepFileHeader) + offset) && file_.read(to) == to.size();
   }
   static bool erase(unsigned /*slot*/) { return false; }
-  static bool write(unsigned /*slot*/, std::size_t /*offset*/, std::span<const std::byte> /*from*/) {
+  static bool write(unsigned /*slot*/, std::size_t /*offset*/,
+                    std::span<const std::byte> /*from*/) {
     return false;
   }
   static bool sync() { return false; }

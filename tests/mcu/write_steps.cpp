@@ -44,8 +44,10 @@ class Recorder {
       image.insert(image.end(), chunk.begin(), chunk.end());
       return true;
     });
-    const StepFileHeader header{StepFileHeader::own_magic, static_cast<std::uint32_t>(image.size()),
-                                static_cast<std::uint32_t>(records_.size()), {}};
+    const StepFileHeader header{StepFileHeader::own_magic,
+                                static_cast<std::uint32_t>(image.size()),
+                                static_cast<std::uint32_t>(records_.size()),
+                                {}};
     std::ofstream file(path, std::ios::binary);
     const auto put = [&](std::span<const std::byte> bytes) {
       file.write(reinterpret_cast<const char*>(bytes.data()),
@@ -68,8 +70,7 @@ class Recorder {
 
 /// The device watches: it is never armed.
 Recorder trace(const fs::path& scenario, TraceReader reader) {
-  const Settings<double> settings =
-      settings_for(load_scenario(scenario).wire.wire);
+  const Settings<double> settings = settings_for(load_scenario(scenario).wire.wire);
   Recorder recorder(stored_settings<float>(settings));
   ReplayBoard board(std::move(reader), 0, settings.wire.geometry.area_m2());
   Frame frame{};

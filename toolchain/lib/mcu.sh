@@ -14,7 +14,7 @@ mcu_steps() { printf '%s\n' "$root/build/mcu/steps"; }
 write_mcu_steps() {
   local bin=$root/build/release/tests/mcu steps
   steps=$(mcu_steps)
-  build release write_steps answer_steps || return
+  build release write_steps answer_steps hold_strain || return
   if [[ -f $steps/made && $steps/made -nt $bin/write_steps && $steps/made -nt $bin/answer_steps ]]; then
     return
   fi
