@@ -47,10 +47,11 @@ struct Rule {
 
 namespace detail {
 
+std::size_t no_such_parameter();  // has no body
+
 /// A path that is not in the table does not compile.
 consteval std::size_t row_of(std::string_view path) {
-  return find_parameter(path) < parameter_count ? find_parameter(path)
-                                                : throw "no such parameter";  // NOLINT
+  return find_parameter(path) < parameter_count ? find_parameter(path) : no_such_parameter();
 }
 
 consteval Rule rule(std::string_view a, Relation relation, std::string_view b,

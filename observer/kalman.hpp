@@ -65,8 +65,9 @@ struct KalmanObserver {
   /// The filter's states: temperature, martensite and R-phase of the wire's middle; slowly
   /// varying: ambient temperature, a factor on the heat loss, a factor on the resistance.
   enum Index { iT, iM, iR, iAmbient, iLoss, iResistance, size };
-  /// Rows are padded to whole vector registers; the padding stays zero.
-  static constexpr int width = sizeof(S) == sizeof(float) ? 8 : size;
+  /// Where there are vector registers, rows are padded to whole ones; the padding stays zero.
+  static constexpr bool has_vectors = EIGEN_MAX_STATIC_ALIGN_BYTES > 0;
+  static constexpr int width = has_vectors && sizeof(S) == sizeof(float) ? 8 : size;
   using Vector = Eigen::Matrix<S, 1, width>;
   using Matrix = Eigen::Matrix<S, size, width, Eigen::RowMajor>;
 

@@ -17,6 +17,16 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(smaservo_options INTERFACE -Wno-restrict)
 endif()
 
+# Without an operating system there is nothing that could catch, and nothing to take memory from.
+if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+  target_compile_options(smaservo_options INTERFACE
+    -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-unwind-tables
+    -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections -fstack-usage)
+  target_compile_definitions(smaservo_options INTERFACE EIGEN_NO_MALLOC EIGEN_DONT_VECTORIZE)
+  target_link_options(smaservo_options INTERFACE -Wl,--gc-sections -Wl,--fatal-warnings
+    -Wl,--no-warn-rwx-segments)
+endif()
+
 if(SMASERVO_SANITIZE)
   target_compile_options(smaservo_options INTERFACE
     -fsanitize=${SMASERVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

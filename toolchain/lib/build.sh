@@ -151,17 +151,16 @@ test_arm64() {
 run_test() {
   local preset
   case ${1:-all} in
-    all) set -- release sanitize arm64 ;;
-    dev | release | sanitize | arm64) ;;
-    *) die "test: unknown preset: $1 (dev, release, sanitize, arm64)" ;;
+    all) set -- release sanitize arm64 mcu ;;
+    dev | release | sanitize | arm64 | mcu) ;;
+    *) die "test: unknown preset: $1 (dev, release, sanitize, arm64, mcu)" ;;
   esac
   timed setup run_setup
   for preset in "$@"; do
-    if [[ $preset == arm64 ]]; then
-      timed arm64 test_arm64
-    else
-      timed "$preset" test_preset "$preset"
-    fi
+    case $preset in
+      arm64 | mcu) timed "$preset" "test_$preset" ;;
+      *) timed "$preset" test_preset "$preset" ;;
+    esac
   done
   if (($# > 1)); then
     timed check run_check

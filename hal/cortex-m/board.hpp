@@ -1,0 +1,155 @@
+#pragma once
+// A board of a microcontroller: SysTick makes the loop's period; converter, output stage and CAN
+// controller are at the other end of pipes, which semihosting opens. A real board has registers in
+// place of the pipes: README.md says what to change.
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "hal/board.hpp"
+#include "hal/cortex-m/registers.hpp"
+#include "hal/cortex-m/semihosting.hpp"
+#include "hal/cortex-m/wire_link.hpp"
+
+namespace smaservo::cortex_m {
+
+/// Interrupts of the timer since its start.
+inline volatile std::uint32_t ticks = 0;
+
+class PipeBoard {
+ public:
+  /// The processor's clock, and the loop's period: up to 16.7 million clocks.
+  PipeBoard(std::uint32_t clock_Hz, std::uint32_t period_us)
+      : period_ns_(std::int64_t{period_us} * 1000), clocks_(clock_Hz / 1'000'000 * period_us) {}
+
+  bool is_open() const { return to_.is_open() && from_.is_open(); }
+
+  /// The first period begins.
+  void start() const {
+    sys_tick().reload = clocks_ - 1;
+    sys_tick().value = 0;
+    sys_tick().control = SysTick::enable | SysTick::interrupt | SysTick::processor_clock;
+  }
+
+  /// Sleeps until the timer's next tick. As the pipe brings the readings at once, there is nothing
+  /// more to wait for; a converter is started by the tick, and its interrupt ends the sleep.
+  ReadStatus read(Frame& frame) {
+    while (ticks == served_) {
+      wait_for_interrupt();
+    }
+    missed_ = ticks - served_ - 1;
+    served_ = ticks;
+    send();
+    link::Readings now{};
+    if (from_.read(std::as_writable_bytes(std::span(&now, 1))) != sizeof now) {
+      return ReadStatus::end;
+    }
+    frame = {.time_ns = std::int64_t{served_} * period_ns_,
+             .sequence = now.sequence,
+             .current_A = double{now.current_A},
+             .voltage_V = double{now.voltage_V},
+             .load_N = double{now.load_N},
+             .supply_V = double{now.supply_V},
+             .ambient_K = double{now.ambient_K},
+             .driver_K = double{now.driver_K},
+             .emergency_stop = (now.flags & link::emergency_stop) != 0,
+             .driver_fault = (now.flags & link::driver_fault) != 0};
+    return (now.flags & link::fresh) != 0 ? ReadStatus::frame : ReadStatus::nothing;
+  }
+  /// Periods that went by unseen before the last frame.
+  std::uint32_t missed() const { return missed_; }
+
+  void drive(const DriveCommand& command) {
+    next_.current_A = static_cast<float>(command.current_A);
+    next_.voltage_V = static_cast<float>(command.voltage_V);
+    next_.lease_us = static_cast<std::int32_t>((command.valid_until_ns - now_ns()) / 1000);
+  }
+  void kick() { next_.kicked = 1; }
+  void safe_off() {
+    next_ = {};
+    send();
+  }
+  std::int64_t now_ns() const {
+    const std::int64_t gone = clocks_ - 1 - sys_tick().value;
+    return std::int64_t{ticks} * period_ns_ + gone * period_ns_ / clocks_;
+  }
+
+ private:
+  void send() {
+    to_.write(std::as_bytes(std::span(&next_, 1)));
+    next_ = {};
+  }
+
+  std::int64_t period_ns_;
+  std::uint32_t clocks_;
+  std::uint32_t served_ = 0, missed_ = 0;
+  link::Drive next_{};
+  semihosting::File to_{"drive", semihosting::Open::write};
+  semihosting::File from_{"readings", semihosting::Open::read};
+};
+static_assert(Board<PipeBoard>);
+
+/// Asks the other end for what has come.
+class PipeCan {
+ public:
+  bool is_open() const { return to_.is_open() && from_.is_open(); }
+
+  bool receive(CanFrame& in) {
+    link::Can ask{};
+    to_.write(std::as_bytes(std::span(&ask, 1)));
+    link::Can answer{};
+    if (from_.read(std::as_writable_bytes(std::span(&answer, 1))) != sizeof answer ||
+        answer.frames == 0) {
+      return false;
+    }
+    in = {.id = answer.id, .length = answer.length, .data = answer.data};
+    return true;
+  }
+  bool send(const CanFrame& out) {
+    const link::Can frame{1, out.id, out.length, {}, out.data};
+    return to_.write(std::as_bytes(std::span(&frame, 1)));
+  }
+
+ private:
+  semihosting::File to_{"can-out", semihosting::Open::write};
+  semihosting::File from_{"can-in", semihosting::Open::read};
+};
+static_assert(CanPort<PipeCan>);
+
+/// Two slots of settings as files.
+class SlotFiles {
+ public:
+  bool read(unsigned slot, std::size_t offset, std::span<std::byte> to) {
+    semihosting::File file(names.at(slot), semihosting::Open::read);
+    const bool all = file.is_open() && file.seek(offset) && file.read(to) == to.size();
+    file.close();
+    return all;
+  }
+  bool erase(unsigned slot) {
+    semihosting::File file(names.at(slot), semihosting::Open::write);
+    file.close();
+    at_ = 0;
+    return true;
+  }
+  /// From the slot's beginning on, one piece after the other.
+  bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from) {
+    if (offset != at_) {
+      return false;
+    }
+    semihosting::File file(names.at(slot), semihosting::Open::append);
+    const bool all = file.is_open() && file.write(from);
+    file.close();
+    at_ += from.size();
+    return all;
+  }
+  static bool sync() { return true; }
+
+ private:
+  static constexpr std::array<std::string_view, 2> names{"slot-0", "slot-1"};
+  std::size_t at_ = 0;
+};
+
+}  // namespace smaservo::cortex_m

@@ -1,0 +1,10 @@
+#include "hal/cortex-m/device.hpp"
+
+namespace smaservo {
+
+Output<float> step_device(const Prepared<float>& prepared, Device<float>::State& state,
+                          const Inputs<float>& in, const Command<float>& command, float dt_s) {
+  return Device<float>::step(prepared, state, in, command, dt_s);
+}
+
+}  // namespace smaservo

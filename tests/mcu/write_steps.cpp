@@ -1,0 +1,167 @@
+// Writes what the microcontrollers replay: every shipped trace as the device sees it when it only
+// watches, every shipped closed loop, and random use. answer_steps says what should come out.
+//   write_steps FOLDER
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "firmware/board_io.hpp"
+#include "hal/replay/board.hpp"
+#include "host-sim/closed_loop.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/scenario.hpp"
+#include "host-sim/settings_file.hpp"
+#include "tests/firmware/random_settings.hpp"
+#include "tests/firmware/random_use.hpp"
+#include "tests/mcu/step_file.hpp"
+
+namespace smaservo::mcu {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Steps on this machine, and their file.
+class Recorder {
+ public:
+  explicit Recorder(const Settings<float>& settings) : settings_(settings) {}
+
+  const Output<float>& add(const StepInputs& inputs) {
+    records_.push_back({inputs, step(prepared_, state_, inputs)});
+    return state_.last;
+  }
+  bool empty() const { return records_.empty(); }
+
+  void write(const fs::path& path) const {
+    std::vector<std::byte> image;
+    image::write(own_schema<float>, settings_, 1, [&](std::span<const std::byte> chunk) {
+      image.insert(image.end(), chunk.begin(), chunk.end());
+      return true;
+    });
+    const StepFileHeader header{StepFileHeader::own_magic,
+                                static_cast<std::uint32_t>(image.size()),
+                                static_cast<std::uint32_t>(records_.size()),
+                                {}};
+    std::ofstream file(path, std::ios::binary);
+    const auto put = [&](std::span<const std::byte> bytes) {
+      file.write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size()));
+    };
+    put(std::as_bytes(std::span(&header, 1)));
+    put(image);
+    put(std::as_bytes(std::span(records_)));
+    if (!file.flush()) {
+      throw UserError(path.string() + ": can not be written");
+    }
+  }
+
+ private:
+  Settings<float> settings_;
+  Prepared<float> prepared_ = prepare(settings_);
+  Device<float>::State state_ = Device<float>::start();
+  std::vector<StepRecord> records_;
+};
+
+/// The device watches: it is never armed.
+Recorder trace(const fs::path& scenario, TraceReader reader) {
+  const Settings<double> settings = settings_for(load_scenario(scenario).wire.wire);
+  Recorder recorder(stored_settings<float>(settings));
+  ReplayBoard board(std::move(reader), 0, settings.wire.geometry.area_m2());
+  Frame frame{};
+  std::int64_t last_ns = 0;
+  for (ReadStatus status = board.read(frame); status != ReadStatus::end;
+       status = board.read(frame)) {
+    const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
+    last_ns = frame.time_ns;
+    Command<float> command;
+    command.fresh = true;
+    recorder.add(pack(smaservo::inputs_of<float>(frame, status), command,
+                      static_cast<float>(std::clamp(dt_s, 1e-4, 20e-3)), recorder.empty()));
+  }
+  return recorder;
+}
+
+Recorder closed_loop(const fs::path& path) {
+  const ClosedLoopScenario scenario = load_closed_loop(path);
+  Recorder recorder(stored_settings<float>(scenario.settings));
+  ClosedLoop loop(scenario);
+  double last_s = -scenario.settings.timing.period_s;
+  while (loop.step()) {
+    const Turn& turn = loop.turn();
+    recorder.add(pack(turn.inputs, turn.command, turn.time_s - last_s, recorder.empty()));
+    last_s = turn.time_s;
+  }
+  return recorder;
+}
+
+/// Random settings and a device that is closed on its own wire, in every trouble there is.
+Recorder random_use(std::uint32_t seed, std::size_t steps) {
+  std::mt19937 random(seed);
+  const Settings<float> usual = test_settings<float>();
+  Settings<float> settings = random_settings<float>(random);
+  settings.wire = usual.wire;
+  settings.measuring = usual.measuring;
+  settings.trips = usual.trips;
+  Recorder recorder(stored_settings<float>(settings));
+  RandomUse<float> use(seed);
+  Output<float> last{};
+  bool starts = true;
+  for (std::size_t i = 0; i < steps; ++i) {
+    use.next(last);
+    last = recorder.add(pack(use.inputs, use.command, use.dt_s, starts));
+    starts = use.idle();
+    if (starts) {
+      use.rest();
+      last = {};
+    }
+  }
+  return recorder;
+}
+
+void write_all(const fs::path& folder) {
+  const fs::path root = SMASERVO_SOURCE_DIR;
+  fs::create_directories(folder);
+  for (const fs::directory_entry& entry : fs::directory_iterator(root / "host-sim/traces")) {
+    fs::path csv = entry.path();
+    if (csv.extension() != ".toml" || !fs::exists(csv.replace_extension(".csv"))) {
+      continue;
+    }
+    TraceReader reader(csv.string(), {});
+    if (reader.has(Column::voltage)) {  // a bath has neither voltage nor current
+      trace(entry.path(), std::move(reader))
+          .write(folder / fmt::format("trace-{}.steps", csv.stem().string()));
+    }
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(root / "host-sim/scenarios")) {
+    if (entry.path().extension() == ".toml") {
+      closed_loop(entry.path())
+          .write(folder / fmt::format("loop-{}.steps", entry.path().stem().string()));
+    }
+  }
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    random_use(seed, 10000).write(folder / fmt::format("random-{}.steps", seed));
+  }
+}
+
+}  // namespace
+}  // namespace smaservo::mcu
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: write_steps FOLDER\n", stderr);
+    return 2;
+  }
+  try {
+    smaservo::mcu::write_all(argv[1]);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "write_steps: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
