@@ -85,9 +85,9 @@ class Fixed {
     // The nearest; a tie upwards
     const std::int64_t twice = 2 * (dividend % divisor);
     const std::int64_t towards_zero = dividend / divisor;
-    const std::int64_t nearest = twice >= divisor    ? towards_zero + 1
+    const std::int64_t nearest = twice >= divisor   ? towards_zero + 1
                                  : twice < -divisor ? towards_zero - 1
-                                                     : towards_zero;
+                                                    : towards_zero;
     return within(nearest, a.overflowed() || b.overflowed());
   }
 
@@ -131,9 +131,7 @@ class Fixed {
     const std::int64_t log_x = integer_math::rounded_shift(logarithm(x), 6);
     const std::int64_t log_power = moved(log_x * y.raw_, fraction_bits + 26, 26);
     constexpr std::int64_t most = std::int64_t{64} << 26;
-    const std::int64_t bounded = log_power < -most  ? -most
-                                 : most < log_power ? most
-                                                    : log_power;
+    const std::int64_t bounded = log_power < -most ? -most : most < log_power ? most : log_power;
     return powered(moved(bounded * integer_math::per_ln_2, 56, 32), either(x, y));
   }
 
@@ -165,7 +163,11 @@ class Fixed {
     if (up > 1) {
       return Fixed(greatest, true);
     }
-    return within(moved(power.mantissa, up < -40 ? 40 : up < 0 ? -up : 0, up < 0 ? 0 : up),
+    return within(moved(power.mantissa,
+                        up < -40 ? 40
+                        : up < 0 ? -up
+                                 : 0,
+                        up < 0 ? 0 : up),
                   overflowed);
   }
   static constexpr std::int64_t logarithm(const Fixed& x) {

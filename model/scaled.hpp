@@ -1,8 +1,8 @@
 #pragma once
 // A fixed-point number whose point moves with it: a 30-bit mantissa and a power of two, both in
 // integer registers. For processors that have no floating point, where a range is too wide for one
-// Q format; FIXED.md says where that is. Six more bits than a float, and on such processors cheaper:
-// nothing is packed, and there are no denormal numbers.
+// Q format; FIXED.md says where that is. Six more bits than a float, and on such processors
+// cheaper: nothing is packed, and there are no denormal numbers.
 
 #include <bit>
 #include <concepts>
@@ -37,7 +37,8 @@ class Scaled {
     using Bits = std::conditional_t<sizeof(F) == sizeof(float), std::uint32_t, std::uint64_t>;
     constexpr int below = std::numeric_limits<F>::digits - 1;
     const auto bits = std::bit_cast<Bits>(x);
-    const int exponent = static_cast<int>(bits >> below & (sizeof(F) == sizeof(float) ? 0xffU : 0x7ffU));
+    const int exponent =
+        static_cast<int>(bits >> below & (sizeof(F) == sizeof(float) ? 0xffU : 0x7ffU));
     if (exponent == 0) {
       return zero();
     }
@@ -62,7 +63,9 @@ class Scaled {
     const auto unit = static_cast<std::uint64_t>(power() + 1023) << 52U;
     return mantissa_ == 0 ? 0.0 : mantissa_ * std::bit_cast<double>(unit);
   }
-  explicit constexpr operator float() const { return static_cast<float>(static_cast<double>(*this)); }
+  explicit constexpr operator float() const {
+    return static_cast<float>(static_cast<double>(*this));
+  }
   /// Towards zero; |x| < 2^31.
   explicit constexpr operator int() const {
     const std::int32_t magnitude = mantissa_ < 0 ? -mantissa_ : mantissa_;
@@ -116,8 +119,9 @@ class Scaled {
     const auto mantissa = static_cast<std::uint64_t>(x.mantissa_);
     const int odd = x.power() & 1;
     const std::uint32_t root = integer_math::root(mantissa << (30 + odd));
-    return x.mantissa_ == 0 ? x
-                            : normal(static_cast<std::int32_t>(root), (x.power() - odd) / 2 - 15 + bias);
+    return x.mantissa_ == 0
+               ? x
+               : normal(static_cast<std::int32_t>(root), (x.power() - odd) / 2 - 15 + bias);
   }
   /// Relative error 2e-9 (1 + |x|).
   friend constexpr Scaled exp(const Scaled& x) {
@@ -144,7 +148,8 @@ class Scaled {
     const std::int64_t size = log_x < 0 ? -log_x : log_x;
     const int used = 64 - std::countl_zero(static_cast<std::uint64_t>(size));
     const int down = used > 30 ? used - 30 : 0;
-    return normal(static_cast<std::int32_t>(integer_math::rounded_shift(log_x, down)), down - 32 + bias);
+    return normal(static_cast<std::int32_t>(integer_math::rounded_shift(log_x, down)),
+                  down - 32 + bias);
   }
   /// For x > 0. Relative error 1e-7 (1 + |y log x|).
   friend constexpr Scaled pow(const Scaled& x, const Scaled& y) { return exp(y * log(x)); }
@@ -217,7 +222,9 @@ class Scaled {
     if (a.mantissa_ == 0) {
       return a;
     }
-    const auto magnitude = [](std::int32_t x) { return static_cast<std::uint32_t>(x < 0 ? -x : x); };
+    const auto magnitude = [](std::int32_t x) {
+      return static_cast<std::uint32_t>(x < 0 ? -x : x);
+    };
     const integer_math::Quotient q =
         integer_math::quotient(magnitude(a.mantissa_), magnitude(b.mantissa_));
     const auto mantissa = static_cast<std::int32_t>(q.mantissa);
@@ -239,4 +246,8 @@ struct std::numeric_limits<smaservo::Scaled> {
   static constexpr bool is_exact = false;
   static constexpr int radix = 2;
   static constexpr int digits = 30;
+  static constexpr bool has_quiet_NaN = true;
+  static constexpr smaservo::Scaled quiet_NaN() noexcept {
+    return smaservo::Scaled::of(std::numeric_limits<float>::quiet_NaN());
+  }
 };
