@@ -24,12 +24,14 @@ class Scaled {
   Scaled() = default;
   explicit consteval Scaled(double literal) : Scaled(of(literal)) {
     if (!isfinite(*this)) {
-      throw "the literal does not fit the format";
+      literal_does_not_fit();
     }
   }
+  explicit constexpr Scaled(float x) : Scaled(of(x)) {}
   explicit constexpr Scaled(int whole)
-      : Scaled(-least_mantissa < whole && whole < least_mantissa ? normal(whole, bias)
-                                                                 : normal(whole / 4, bias + 2)) {}
+      : Scaled(-2 * least_mantissa < whole && whole < 2 * least_mantissa
+                   ? normal(whole, bias)
+                   : normal((whole >> 2) + (whole >> 1 & 1), bias + 2)) {}
 
   /// From a number that is known only at run time; in integer arithmetic, too.
   template <std::floating_point F>
@@ -63,8 +65,20 @@ class Scaled {
     const auto unit = static_cast<std::uint64_t>(power() + 1023) << 52U;
     return mantissa_ == 0 ? 0.0 : mantissa_ * std::bit_cast<double>(unit);
   }
+  /// Within the range of a float.
   explicit constexpr operator float() const {
-    return static_cast<float>(static_cast<double>(*this));
+    if (!isfinite(*this)) {
+      return std::numeric_limits<float>::quiet_NaN();
+    }
+    const std::int32_t magnitude = mantissa_ < 0 ? -mantissa_ : mantissa_;
+    const auto rounded = static_cast<std::uint32_t>(integer_math::rounded_shift(magnitude, 6));
+    const int exponent = power() + 29 + 127;
+    if (exponent < 1) {
+      return 0.F;
+    }
+    // A mantissa that was rounded up to 2^24 carries into the exponent.
+    const auto bits = (static_cast<std::uint32_t>(exponent - 1) << 23U) + rounded;
+    return std::bit_cast<float>(mantissa_ < 0 ? bits | 1U << 31U : bits);
   }
   /// Towards zero; |x| < 2^31.
   explicit constexpr operator int() const {
@@ -156,6 +170,8 @@ class Scaled {
   friend constexpr Scaled cosh(const Scaled& x) { return (exp(x) + exp(-x)) / Scaled(2); }
 
  private:
+  static void literal_does_not_fit();  // has no body, and is not constexpr
+
   // Zero is all bits zero, as a State{} has it. It and what is not finite have exponents so far
   // from every number's that sum() returns the greater one.
   static constexpr std::int32_t bias = 1 << 10;
@@ -184,10 +200,10 @@ class Scaled {
     }
     return exponent > greatest_exponent ? invalid() : Scaled(mantissa, exponent);
   }
-  /// |mantissa| <= 2^31 - 2
+  /// |mantissa| <= 2^31 - 2, exponent no more than 30 beyond the range, or invalid.
   static constexpr Scaled normal(std::int32_t mantissa, std::int32_t exponent) {
     if (mantissa == 0) {
-      return zero();
+      return exponent <= greatest_exponent ? zero() : invalid();
     }
     const auto magnitude = static_cast<std::uint32_t>(mantissa < 0 ? -mantissa : mantissa);
     const int up = std::countl_zero(magnitude) - 2;
