@@ -42,32 +42,29 @@ constexpr std::uint32_t root(std::uint64_t x) {
 }
 
 /// n 2^30/d or, where that is not less than 2^30, half of it: to the nearest, at least 2^29. For n
-/// and d in 2^29..2^30 - 1. Cost: one division of 32 bits, 5 products.
+/// and d in 2^29..2^30 - 1. Cost: one division of 32 bits, 4 products.
 struct Quotient {
   std::uint32_t mantissa;
   bool halved;
 };
 constexpr Quotient quotient(std::uint32_t n, std::uint32_t d) {
+  // 2^60/d, good to 15 bits, and Newton's step, which never gives more than that.
+  const std::uint32_t rough = (0xffff'ffffU / (d >> 14U)) << 14U;
+  const auto missing =
+      static_cast<std::int64_t>((std::uint64_t{1} << 60U) - static_cast<std::uint64_t>(rough) * d);
+  const auto share = static_cast<std::int32_t>(missing >> 28);
+  const auto more = static_cast<std::int32_t>(std::int64_t{share} * rough >> 32);
+  const std::uint32_t reciprocal = rough + static_cast<std::uint32_t>(more);
   const bool halved = d <= n;
-  const auto wide = static_cast<std::int64_t>(n) << (halved ? 29 : 30);
-  // 2^46/d, good to 15 bits; each step gains as many.
-  const std::int64_t reciprocal = 0xffff'ffffU / (d >> 14U);
-  const std::int64_t divisor = d;
-  std::int64_t q = (wide >> 30) * reciprocal >> 16;
-  std::int64_t rest = wide - q * divisor;
-  for (int i = 0; i < 2; ++i) {
-    const std::int64_t more = (rest >> 16) * reciprocal >> 30;
-    q += more;
-    rest -= more * divisor;
-  }
-  if (rest < 0) {
-    --q;
-    rest += divisor;
-  } else if (rest >= divisor) {
+  const std::uint64_t wide = static_cast<std::uint64_t>(n) * reciprocal;
+  auto q = static_cast<std::uint32_t>(halved ? wide >> 31U : wide >> 30U);
+  // What is left of the dividend is less than 4 d.
+  std::uint32_t rest = (halved ? n << 29U : n << 30U) - q * d;
+  while (d <= rest) {
+    rest -= d;
     ++q;
-    rest -= divisor;
   }
-  return {static_cast<std::uint32_t>(q + (2 * rest >= divisor ? 1 : 0)), halved};
+  return {d <= rest + rest ? q + 1 : q, halved};
 }
 
 /// mantissa 2^exponent

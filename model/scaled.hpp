@@ -89,11 +89,17 @@ class Scaled {
     return mantissa_ < 0 ? -whole : whole;
   }
 
-  friend constexpr Scaled operator+(const Scaled& a, const Scaled& b) { return sum(a, b); }
-  friend constexpr Scaled operator-(const Scaled& a, const Scaled& b) { return sum(a, -b); }
+  friend constexpr Scaled operator+(const Scaled& a, const Scaled& b) {
+    return unpacked(sum(a.packed(), b.packed()));
+  }
+  friend constexpr Scaled operator-(const Scaled& a, const Scaled& b) { return a + -b; }
   friend constexpr Scaled operator-(const Scaled& a) { return {-a.mantissa_, a.exponent_}; }
-  friend constexpr Scaled operator*(const Scaled& a, const Scaled& b) { return product(a, b); }
-  friend constexpr Scaled operator/(const Scaled& a, const Scaled& b) { return ratio(a, b); }
+  friend constexpr Scaled operator*(const Scaled& a, const Scaled& b) {
+    return unpacked(product(a.packed(), b.packed()));
+  }
+  friend constexpr Scaled operator/(const Scaled& a, const Scaled& b) {
+    return unpacked(ratio(a.packed(), b.packed()));
+  }
   constexpr Scaled& operator+=(const Scaled& b) { return *this = *this + b; }
   constexpr Scaled& operator-=(const Scaled& b) { return *this = *this - b; }
   constexpr Scaled& operator*=(const Scaled& b) { return *this = *this * b; }
@@ -195,10 +201,11 @@ class Scaled {
       mantissa = (mantissa + 1) >> 1;
       ++exponent;
     }
-    if (exponent < least_exponent) {
-      return zero();
+    constexpr auto range = static_cast<std::uint32_t>(greatest_exponent - least_exponent);
+    if (static_cast<std::uint32_t>(exponent - least_exponent) <= range) {
+      return {mantissa, exponent};
     }
-    return exponent > greatest_exponent ? invalid() : Scaled(mantissa, exponent);
+    return exponent < least_exponent ? zero() : invalid();
   }
   /// |mantissa| <= 2^31 - 2, exponent no more than 30 beyond the range, or invalid.
   static constexpr Scaled normal(std::int32_t mantissa, std::int32_t exponent) {
@@ -211,41 +218,65 @@ class Scaled {
                   : Scaled(mantissa * (1 << up), exponent - up);
   }
 
-  static constexpr Scaled sum(const Scaled& a, const Scaled& b) {
-    const bool first = b.exponent_ <= a.exponent_;
-    const Scaled& big = first ? a : b;
-    const Scaled& small = first ? b : a;
-    const int down = big.exponent_ - small.exponent_;
-    if (down > 30) {
-      return big;
-    }
-    const std::int32_t moved =
-        down == 0 ? small.mantissa_ : ((small.mantissa_ >> (down - 1)) + 1) >> 1;
-    return normal(big.mantissa_ + moved, big.exponent_);
+  /// As a pair of registers: a class of this size would be given and taken in memory.
+  using Packed = std::uint64_t;
+  constexpr Packed packed() const {
+    return static_cast<std::uint32_t>(mantissa_) |
+           static_cast<Packed>(static_cast<std::uint32_t>(exponent_)) << 32U;
   }
-  static constexpr Scaled product(const Scaled& a, const Scaled& b) {
+  static constexpr Scaled unpacked(Packed x) {
+    return {static_cast<std::int32_t>(static_cast<std::uint32_t>(x)),
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(x >> 32U))};
+  }
+
+  // Out of line: a filter has a thousand of them.
+  [[gnu::noinline]] static constexpr Packed sum(Packed x, Packed y) {
+    const Scaled a = unpacked(x);
+    const Scaled b = unpacked(y);
+    std::int32_t great = a.mantissa_;
+    std::int32_t small = b.mantissa_;
+    std::int32_t exponent = a.exponent_;
+    std::int32_t down = a.exponent_ - b.exponent_;
+    if (down < 0) {
+      great = b.mantissa_;
+      small = a.mantissa_;
+      exponent = b.exponent_;
+      down = -down;
+    }
+    if (down > 30) {
+      return Scaled(great, exponent).packed();
+    }
+    return normal(great + (((small * 2 >> down) + 1) >> 1), exponent).packed();
+  }
+  [[gnu::noinline]] static constexpr Packed product(Packed x, Packed y) {
+    const Scaled a = unpacked(x);
+    const Scaled b = unpacked(y);
     const std::int64_t wide = std::int64_t{a.mantissa_} * b.mantissa_;
     if (wide == 0) {
-      return isfinite(a) && isfinite(b) ? zero() : invalid();
+      return (isfinite(a) && isfinite(b) ? zero() : invalid()).packed();
     }
     return carried(static_cast<std::int32_t>((wide + (1 << 28)) >> 29),
-                   a.exponent_ + b.exponent_ + 29 - bias);
+                   a.exponent_ + b.exponent_ + 29 - bias)
+        .packed();
   }
-  static constexpr Scaled ratio(const Scaled& a, const Scaled& b) {
+  [[gnu::noinline]] static constexpr Packed ratio(Packed x, Packed y) {
+    const Scaled a = unpacked(x);
+    const Scaled b = unpacked(y);
     if (!isfinite(a) || b.mantissa_ == 0) {
-      return invalid();
+      return invalid().packed();
     }
     if (a.mantissa_ == 0) {
-      return a;
+      return x;
     }
-    const auto magnitude = [](std::int32_t x) {
-      return static_cast<std::uint32_t>(x < 0 ? -x : x);
+    const auto magnitude = [](std::int32_t m) {
+      return static_cast<std::uint32_t>(m < 0 ? -m : m);
     };
     const integer_math::Quotient q =
         integer_math::quotient(magnitude(a.mantissa_), magnitude(b.mantissa_));
     const auto mantissa = static_cast<std::int32_t>(q.mantissa);
     return carried((a.mantissa_ ^ b.mantissa_) < 0 ? -mantissa : mantissa,
-                   a.exponent_ - b.exponent_ - (q.halved ? 29 : 30) + bias);
+                   a.exponent_ - b.exponent_ - (q.halved ? 29 : 30) + bias)
+        .packed();
   }
 
   std::int32_t mantissa_;  ///< 0 or of a magnitude of 2^29 to 2^30 - 1
