@@ -12,6 +12,7 @@
 #include "firmware/profile.hpp"
 #include "firmware/soft_limits.hpp"
 #include "firmware/trajectory.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -282,7 +283,7 @@ S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mod
   const Settings<S>& q = p.settings;
   const S wanted_W = wanted.forward_W + wanted.feedback_W;
   const S allowed_W = range.apply(wanted_W, reasons);
-  if (!std::isfinite(wanted_W)) {
+  if (!isfinite(wanted_W)) {
     const S duty = s.duty;
     s = State{};
     s.duty = duty;
@@ -310,7 +311,7 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
                                                    : known.estimate.resistance_model_ohm;
   const S loss_W = FeedForward<S>::loss_W(p, known.filter);
   const bool known_wire =
-      std::isfinite(ohm + loss_W + known.estimate.strain + known.estimate.temperature_K);
+      isfinite(ohm + loss_W + known.estimate.strain + known.estimate.temperature_K);
   if (demand.mode == Mode::off || !known_wire) {
     rest(p, s, dt_s);
     return {};
@@ -340,7 +341,7 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
           reference,
           s.power_W,
           reasons.bits(),
-          !std::isfinite(want.forward_W + want.feedback_W)};
+          !isfinite(want.forward_W + want.feedback_W)};
 }
 
 }  // namespace smaservo

@@ -2,9 +2,8 @@
 // From a wanted current to what the output stage is told: feed-forward, and a PI loop on the
 // measured current that takes out the stage's own gain and offset.
 
-#include <cmath>
-
 #include "firmware/settings.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -25,7 +24,7 @@ struct CurrentLoop {
   /// `measured_A` is the answer to the last step's current; it may be NaN. Cost: 12 flops.
   static Result step(const DriveSettings<S>& q, State& s, const S& asked_A, const S& measured_A,
                      const S& ohm, const S& dt_s) {
-    const S error = std::isfinite(measured_A) ? s.asked_A - measured_A : S(0);
+    const S error = isfinite(measured_A) ? s.asked_A - measured_A : S(0);
     const S bound = most * asked_A;
     s.trim_A = within(s.trim_A + q.integral_1_s * error * dt_s, bound);
     s.asked_A = asked_A;

@@ -5,6 +5,7 @@
 
 #include "firmware/faults/table.hpp"
 #include "firmware/settings.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -27,7 +28,7 @@ constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
     case Fault::command_timeout:
       return settings.timing.command_timeout_s;
     default:
-      return static_cast<S>(fault_deglitch_s[static_cast<std::size_t>(fault)]);
+      return scalar<S>(fault_deglitch_s[static_cast<std::size_t>(fault)]);
   }
 }
 
@@ -43,7 +44,7 @@ struct Deglitch {
   FaultSet step(FaultSet now, const S& dt_s) {
     for_each_fault(now | pending, [&](Fault fault) {
       const auto i = static_cast<std::size_t>(fault);
-      const S limit_s = static_cast<S>(fault_deglitch_s[i]);
+      const S limit_s = scalar<S>(fault_deglitch_s[i]);
       S& held = held_s[i];
       if (!now.has(fault)) {
         held = held - dt_s;

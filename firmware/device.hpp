@@ -6,7 +6,6 @@
 // No I/O, clock, heap or exception; the state is a trivially copyable value, and the inputs of the
 // steps are the log: given again, they give the same outputs.
 
-#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -14,6 +13,7 @@
 #include "firmware/control.hpp"
 #include "firmware/prepared.hpp"
 #include "firmware/supervisor.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -88,8 +88,7 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
     Observer::advance(p.observer, s.observer, m, dt_s);
   } else if (m.stress_valid) {
     const S room_K = S(298.15);
-    s.observer =
-        Observer::start(p.observer, m, std::isfinite(in.ambient_K) ? in.ambient_K : room_K);
+    s.observer = Observer::start(p.observer, m, isfinite(in.ambient_K) ? in.ambient_K : room_K);
     s.observing = true;
   }
   return m;
@@ -164,7 +163,7 @@ template <class S>
 void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& command,
                            const S& dt_s) {
   // Seconds in a float would stand still after some hours.
-  s.time_us += static_cast<std::uint32_t>(dt_s * S(1e6) + S(0.5));
+  s.time_us += static_cast<std::uint32_t>(static_cast<int>(dt_s * S(1e6) + S(0.5)));
   s.since_sample_s = in.fresh ? S(0) : s.since_sample_s + dt_s;
   s.since_command_s = command.fresh ? S(0) : s.since_command_s + dt_s;
   s.off_s = s.last.current_A == S(0) ? s.off_s + dt_s : S(0);
@@ -173,7 +172,7 @@ void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& comm
 template <class S>
 auto Device<S>::protect(const Seen<S>& seen, State& s) -> Verdict {
   const FaultSet active = Monitor<S>::step(seen, s.monitor);
-  if (s.observing && !std::isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
+  if (s.observing && !isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
     s.observing = false;  // it would never come back by itself: the next sample starts it anew
   }
   return Supervisor<S>::step(seen, s.supervisor, active, s.time_us);
@@ -198,7 +197,7 @@ void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, 
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
   const bool usable = !c.invalid && S(0) <= c.current_A &&
                       c.current_A <= seen.prepared.settings.trips.current_A &&
-                      std::isfinite(c.voltage_V);
+                      isfinite(c.voltage_V);
   s.monitor.machine.control_invalid = !usable;
   if (!usable) {
     return;

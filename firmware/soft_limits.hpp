@@ -1,12 +1,12 @@
 #pragma once
 // Limits that shape the power. None of them is a fault; each has its own reason.
 
-#include <cmath>
 #include <limits>
 
 #include "firmware/command.hpp"
 #include "firmware/feed_forward.hpp"
 #include "firmware/prepared.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -96,7 +96,7 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& 
        loss_W +
            FeedForward<S>::power_W(p.observer.model.body.capacity_J_K * below_K, approach_s, dt_s));
   limit_sustained(p, known, sustained_W);
-  if (std::isfinite(known.supply_V)) {
+  if (isfinite(known.supply_V)) {
     most(LimitReason::supply, known.supply_V * known.supply_V / ohm);
   }
   limit_duty(q, duty, greatest_W);

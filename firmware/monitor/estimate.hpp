@@ -1,9 +1,8 @@
 #pragma once
 // Detects that the estimate, or the loop closed over it, is not to be trusted.
 
-#include <cmath>
-
 #include "firmware/monitor/seen.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -41,7 +40,7 @@ FaultSet EstimateMonitor<S>::detect(const Seen<S>& seen, State& s) {
   }
   const Estimate<S>& e = seen.estimate;
   now.add(Fault::estimate_invalid,
-          !std::isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
+          !isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
   // Without heat nothing is learnt: a cold wire may wait for its first command.
   const bool heated = S(2) * seen.prepared.settings.limits.least_current_A < seen.last.current_A;
   now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running && heated &&
@@ -94,7 +93,7 @@ void EstimateMonitor<S>::surroundings(const Seen<S>& seen, FaultSet& now) {
             edge * t.loss_range < f.loss || t.loss_range * f.loss * edge < S(1) ||
                 edge * t.ambient_range_K < magnitude(f.ambient_K - f.start_ambient_K));
   }
-  const S air_K = std::isfinite(seen.in.ambient_K) ? seen.in.ambient_K : f.ambient_K;
+  const S air_K = isfinite(seen.in.ambient_K) ? seen.in.ambient_K : f.ambient_K;
   now.add(Fault::ambient_range,
           air_K < q.trips.least_ambient_K || q.trips.greatest_ambient_K < air_K);
   if (seen.heated()) {

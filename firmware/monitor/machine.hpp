@@ -1,9 +1,8 @@
 #pragma once
 // Detects faults of the machine: readings, timing, commands, and what the caller reports.
 
-#include <cmath>
-
 #include "firmware/monitor/seen.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -33,9 +32,9 @@ FaultSet MachineMonitor<S>::detect(const Seen<S>& seen, State& s) {
   const Settings<S>& q = seen.prepared.settings;
   const Inputs<S>& in = seen.in;
   FaultSet now = in.external;
-  const bool load = !q.measuring.has_load_cell || std::isfinite(in.sample.load_N);
+  const bool load = !q.measuring.has_load_cell || isfinite(in.sample.load_N);
   now.add(Fault::sensor_invalid,
-          in.fresh && !(std::isfinite(in.sample.current_A + in.sample.voltage_V) && load));
+          in.fresh && !(isfinite(in.sample.current_A + in.sample.voltage_V) && load));
   now.add(Fault::sample_stale, q.timing.sample_timeout_s <= seen.since_sample_s);
   now.add(Fault::sample_frozen, in.fresh && frozen(seen, s));
   now.add(Fault::control_invalid, s.control_invalid);

@@ -3,9 +3,8 @@
 // the device is off, since such offsets wander with temperature. A sense current of a few percent
 // of the greatest one could not do without.
 
-#include <cmath>
-
 #include "firmware/monitor/seen.hpp"
+#include "model/scalar.hpp"
 
 namespace smaservo {
 
@@ -33,7 +32,7 @@ struct ZeroCurrent {
     const S I = sample.current_A - q.current_offset_A;
     const S V = sample.voltage_V - q.voltage_offset_V;
     const bool plausible = magnitude(I) < S(4) * p.settings.trips.current_offset_A;
-    if (!plausible || !std::isfinite(V)) {
+    if (!plausible || !isfinite(V)) {
       return;
     }
     samples = samples < most_samples ? samples + S(1) : samples;

@@ -2,6 +2,7 @@
 // The model's parameters in another scalar.
 
 #include "model/plant.hpp"
+#include "model/scalar.hpp"
 #include "model/wire.hpp"
 
 namespace smaservo::bench {
@@ -9,31 +10,31 @@ namespace smaservo::bench {
 template <class To>
 Material<To> convert(const Material<double>& from) {
   const auto phase = [](const Phase<double>& p) {
-    return Phase<To>{static_cast<To>(p.strain), static_cast<To>(p.modulus_Pa),
-                     static_cast<To>(p.resistivity_ohm_m), static_cast<To>(p.resistivity_ohm_m_K),
-                     static_cast<To>(p.resistivity_ohm_m_Pa)};
+    return Phase<To>{scalar<To>(p.strain), scalar<To>(p.modulus_Pa),
+                     scalar<To>(p.resistivity_ohm_m), scalar<To>(p.resistivity_ohm_m_K),
+                     scalar<To>(p.resistivity_ohm_m_Pa)};
   };
   return {phase(from.martensite), phase(from.r_phase), phase(from.austenite),
-          static_cast<To>(from.reference_K), from.mixture};
+          scalar<To>(from.reference_K), from.mixture};
 }
 
 template <class To>
 typename ThreePhase<To>::Params convert(const ThreePhase<double>::Params& from) {
   const auto surface = [](const auto& s) {
-    return convert_surface<To>(s, [](double c) { return static_cast<To>(c); });
+    return convert_surface<To>(s, [](double c) { return scalar<To>(c); });
   };
   return {surface(from.m2a),
           convert_surface<Pair<To>>(from.a2m_a2r,
                                     [](const Pair<double>& c) {
-                                      return Pair<To>(static_cast<To>(c.first()),
-                                                      static_cast<To>(c.second()));
+                                      return Pair<To>(scalar<To>(c.first()),
+                                                      scalar<To>(c.second()));
                                     }),
           surface(from.r2a),
           surface(from.r2m),
           from.separate_r2a,
           from.separate_r2m,
           from.memory,
-          static_cast<To>(from.smallest_reversal_K)};
+          scalar<To>(from.smallest_reversal_K)};
 }
 
 template <class To>
@@ -42,17 +43,16 @@ typename Plant<ThreePhase<To>>::Params convert(const Plant<ThreePhase<double>>::
   const ColdEnds<double>& ends = from.ends;
   return {convert<To>(from.kinetics),
           convert<To>(from.material),
-          {static_cast<To>(body.capacity_J_K), static_cast<To>(body.latent_m2a_J),
-           static_cast<To>(body.latent_r2a_J), static_cast<To>(body.loss_W_K),
-           static_cast<To>(body.loss_W_K2)},
-          {static_cast<To>(ends.share),
-           {static_cast<To>(ends.phases.martensite), static_cast<To>(ends.phases.r_phase)}},
-          static_cast<To>(from.length_per_area_1_m)};
+          {scalar<To>(body.capacity_J_K), scalar<To>(body.latent_m2a_J),
+           scalar<To>(body.latent_r2a_J), scalar<To>(body.loss_W_K), scalar<To>(body.loss_W_K2)},
+          {scalar<To>(ends.share),
+           {scalar<To>(ends.phases.martensite), scalar<To>(ends.phases.r_phase)}},
+          scalar<To>(from.length_per_area_1_m)};
 }
 
 template <class To>
 Wire<To> convert(const Wire<double>& from) {
-  const auto to = [](double value) { return static_cast<To>(value); };
+  const auto to = [](double value) { return scalar<To>(value); };
   const HeatParams<double>& heat = from.heat;
   return {{to(from.geometry.length_m), to(from.geometry.diameter_m)},
           {to(from.limits.current_A), to(from.limits.stress_Pa), to(from.limits.temperature_K)},

@@ -51,7 +51,7 @@ class Recording {
         now.command = {.fresh = true,
                        .arm = true,
                        .mode = Mode::strain,
-                       .setpoint = static_cast<S>(longest - contraction)};
+                       .setpoint = scalar<S>(longest - contraction)};
         const Output<S> out = Device<S>::step(prepared, state, now.inputs, now.command, S(1e-3));
         now.measurement = out.measurement;
         now.estimate = out.estimate;

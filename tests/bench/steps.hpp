@@ -37,8 +37,8 @@ std::vector<Drive<S>> triangle(double spring_Pa) {
   std::vector<Drive<S>> drives;
   for (int i = 1; i <= 2 * half; ++i) {
     const double share = static_cast<double>(i <= half ? i : 2 * half - i) / half;
-    drives.push_back({static_cast<S>(293.15 + 90 * share),
-                      static_cast<S>(stress_Pa + spring_Pa * (share - 0.5))});
+    drives.push_back(
+        {scalar<S>(293.15 + 90 * share), scalar<S>(stress_Pa + spring_Pa * (share - 0.5))});
   }
   return drives;
 }
@@ -74,8 +74,8 @@ template <class S>
 typename Cosine<S>::Params cosine_params() {
   const ThreePhase<double>::Params& p = default_plant().kinetics;
   const auto process = [](const Surface<double>& s) {
-    return CosineProcess<S>{static_cast<S>(s.start_K[0]), static_cast<S>(s.finish_K[0]),
-                            static_cast<S>(1 / s.start_K[1])};
+    return CosineProcess<S>{scalar<S>(s.start_K[0]), scalar<S>(s.finish_K[0]),
+                            scalar<S>(1 / s.start_K[1])};
   };
   return {process(p.m2a), process(first_surface(p.a2m_a2r))};
 }
@@ -87,7 +87,7 @@ std::vector<Drive<S>> converting_only() {
   std::vector<Drive<S>> drives;
   for (const CosineProcess<S>& process : {p.m2a, p.a2m}) {
     constexpr int steps = 1800;
-    const auto stress = static_cast<S>(stress_Pa);
+    const auto stress = scalar<S>(stress_Pa);
     const S start_K = process.start_K + stress / process.stress_Pa_K;
     for (int i = 1; i <= steps; ++i) {
       const S share = static_cast<S>(i) / static_cast<S>(steps + 1);
@@ -127,7 +127,7 @@ class CutStep {
  private:
   using K = ThreePhase<S>;
   typename K::Params params_ = convert<S>(default_plant().kinetics);
-  typename K::Cut cut_ = K::cut(params_, static_cast<S>(stress_Pa));
+  typename K::Cut cut_ = K::cut(params_, scalar<S>(stress_Pa));
   Cycle<Drive<S>> drives_{triangle<S>(0)};
   typename K::State state_ = K::rest(params_, drives_.first());
 };
@@ -157,8 +157,8 @@ template <class S>
 std::vector<Measurement<S>> measurements() {
   std::vector<Measurement<S>> all;
   for (const Measurement<double>& m : measurements()) {
-    all.push_back({static_cast<S>(m.resistance_ohm), static_cast<S>(m.resistance_sd_ohm),
-                   static_cast<S>(m.power_W), static_cast<S>(m.stress_Pa), true, true, true});
+    all.push_back({scalar<S>(m.resistance_ohm), scalar<S>(m.resistance_sd_ohm),
+                   scalar<S>(m.power_W), scalar<S>(m.stress_Pa), true, true, true});
   }
   return all;
 }
@@ -170,15 +170,14 @@ class PlantStep {
   std::size_t period() const { return inputs_.size(); }
   void operator()() {
     const Measurement<S>& m = inputs_.next();
-    Model::advance(params_, state_, {m.power_W, m.stress_Pa, static_cast<S>(ambient_K)}, S(1e-3));
+    Model::advance(params_, state_, {m.power_W, m.stress_Pa, scalar<S>(ambient_K)}, S(1e-3));
   }
 
  private:
   using Model = Plant<ThreePhase<S>>;
   typename Model::Params params_ = convert<S>(default_plant());
   Cycle<Measurement<S>> inputs_{measurements<S>()};
-  typename Model::State state_ =
-      Model::rest(params_, {static_cast<S>(ambient_K), static_cast<S>(stress_Pa)});
+  typename Model::State state_ = Model::rest(params_, {scalar<S>(ambient_K), scalar<S>(stress_Pa)});
 };
 
 template <StrainObserver O>
@@ -192,7 +191,7 @@ class ObserverStep {
  private:
   typename O::Params params_;
   Cycle<Measurement<S>> inputs_{measurements<S>()};
-  typename O::State state_ = O::start(params_, inputs_.first(), static_cast<S>(ambient_K));
+  typename O::State state_ = O::start(params_, inputs_.first(), scalar<S>(ambient_K));
 };
 
 /// Calls f(name, make) for every kind of step of our own; make() builds it.

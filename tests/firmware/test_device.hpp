@@ -16,45 +16,45 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
   s.identity = {1, 1};
   s.timing = {S(1e-3), S(0.1), S(0.005)};
   s.wire = bench::convert<S>(wire);
-  s.measuring = {.current_offset_A = 0,
-                 .voltage_offset_V = 0,
-                 .load_offset_N = 0,
-                 .load_gain = 1,
+  s.measuring = {.current_offset_A = S(0),
+                 .voltage_offset_V = S(0),
+                 .load_offset_N = S(0),
+                 .load_gain = S(1),
                  .current_noise_A = S(1e-5),
                  .voltage_noise_V = S(3e-4),
-                 .lead_resistance_ohm = 0,
-                 .constant_load_N = 0,
+                 .lead_resistance_ohm = S(0),
+                 .constant_load_N = S(0),
                  .has_load_cell = true,
                  .current_full_scale_A = S(0.5),
-                 .voltage_full_scale_V = 20};
+                 .voltage_full_scale_V = S(20)};
   s.observer = {S(18), S(0.3)};
-  s.drive = {DriveKind::current, 0, 0, 5, 30};
-  s.strain = {.proportional = 0,
-              .integral_1_s = 0,
-              .derivative_s = 0,
+  s.drive = {DriveKind::current, S(0), S(0), S(5), S(30)};
+  s.strain = {.proportional = S(0),
+              .integral_1_s = S(0),
+              .derivative_s = S(0),
               .derivative_filter_s = S(0.005),
-              .setpoint_weight = 1,
-              .derivative_weight = 0,
+              .setpoint_weight = S(1),
+              .derivative_weight = S(0),
               .tracking_s = S(0.05),
-              .cooling_factor = 1,
+              .cooling_factor = S(1),
               .dead_band = S(1e-4)};
-  s.temperature = {S(0.05), 1, 0, S(0.005), 1, 0, 1, 1, 0};
-  s.resistance = {1, 1, 0, S(0.005), 1, 0, 1, 1, 0};
-  s.force = {20, 1, 0, S(0.005), 1, 0, 1, 1, 0};
+  s.temperature = {S(0.05), S(1), S(0), S(0.005), S(1), S(0), S(1), S(1), S(0)};
+  s.resistance = {S(1), S(1), S(0), S(0.005), S(1), S(0), S(1), S(1), S(0)};
+  s.force = {S(20), S(1), S(0), S(0.005), S(1), S(0), S(1), S(1), S(0)};
   s.feed_forward_s = S(0.01);
   s.transfer_s = S(0.01);
-  s.trajectory = {S(0.35), 1, S(0.03)};
+  s.trajectory = {S(0.35), S(1), S(0.03)};
   s.limits = {.least_current_A = S(0.012),
               .current_A = S(0.4),
-              .power_W = 10,
+              .power_W = S(10),
               .temperature_K = S(423.15),
-              .hot_spot_K = 12,
-              .least_strain = 0,
+              .hot_spot_K = S(12),
+              .least_strain = S(0),
               .greatest_strain = S(0.05),
               .stress_Pa = S(500e6),
               .loss_margin = S(1.15),
-              .duty = 1,
-              .duty_window_s = 10};
+              .duty = S(1),
+              .duty_window_s = S(10)};
   s.trips = {.current_A = S(0.45),
              .temperature_K = S(433.15),
              .stress_Pa = S(600e6),
@@ -62,7 +62,7 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
              .least_strain = S(-0.005),
              .greatest_strain = S(0.06),
              .following_error = S(0.01),
-             .following_s = 2,
+             .following_s = S(2),
              .heating_rate_K_s = S(1e4),
              .resistance_low = S(0.8),
              .resistance_high = S(1.2),
@@ -72,8 +72,8 @@ Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um")
              .driver_K = S(358.15),
              .drift = S(0.05),
              .cycles = 100000};
-  s.safe = {SafeState::off, 0, S(0.01)};
-  s.profile = {12, 5, S(1.5)};
+  s.safe = {SafeState::off, S(0), S(0.01)};
+  s.profile = {S(12), S(5), S(1.5)};
   s.axis = {S(0.04)};
   return s;
 }
@@ -96,8 +96,8 @@ class TestBench {
     Inputs<S> in{};
     in.fresh = true;
     in.sequence = sequence_++;
-    in.sample = {static_cast<S>(current_A_), static_cast<S>(current_A_ * resistance_ohm()),
-                 static_cast<S>(stress_Pa_ * area_m2_)};
+    in.sample = {scalar<S>(current_A_), scalar<S>(current_A_ * resistance_ohm()),
+                 scalar<S>(stress_Pa_ * area_m2_)};
     in.supply_V = S(24);
     in.ambient_K = nan;
     in.driver_K = nan;
