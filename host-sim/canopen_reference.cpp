@@ -188,7 +188,7 @@ Line2=REAL32 objects have neither default nor limits here: see OBJECTS.md.
 
 // DBC.
 
-struct Frame {
+struct BusFrame {
   std::uint32_t id;
   std::string name;
   bool from_device;
@@ -228,7 +228,7 @@ struct DbcFrame {
   std::string message, types;
 };
 
-DbcFrame dbc_frame(const std::vector<ListedIndex>& all, const Frame& frame) {
+DbcFrame dbc_frame(const std::vector<ListedIndex>& all, const BusFrame& frame) {
   DbcFrame text;
   unsigned bit = 0;
   for (const std::uint32_t mapped : frame.map) {

@@ -111,7 +111,7 @@ std::vector<std::string> close_names(std::string_view name) {
     const int needed = static_cast<int>(name.size()) / 2;
     if (name.size() > 2 && score >= needed) scored.emplace_back(-score, object.name);
   }
-  std::ranges::stable_sort(scored, {}, &std::pair<int, std::string>::first);
+  std::ranges::sort(scored);
   std::vector<std::string> names;
   for (const auto& [score, close] : scored) {
     if (names.size() < 3) names.push_back(close);

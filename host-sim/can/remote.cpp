@@ -25,7 +25,7 @@ constexpr unsigned new_setpoint_at_once = 0x30;
 constexpr unsigned fault_reset = 0x80;
 
 constexpr double state_patience_s = 3;
-constexpr std::int64_t poll_us = 10'000;
+constexpr std::int64_t listen_us = 10'000;
 
 struct StateName {
   unsigned bits, mask;
@@ -186,7 +186,7 @@ bool Remote::wait_for(const std::function<bool(unsigned)>& reached, double patie
     const std::int64_t now_us = bus().now_us();
     if (now_us >= until_us) return false;
     CanFrame passing;
-    while (bus().receive(passing, now_us + poll_us)) {
+    while (bus().receive(passing, now_us + listen_us)) {
     }
   }
 }
@@ -212,8 +212,8 @@ void Remote::enable() {
       {shutdown, 0x21}, {switch_on, 0x23}, {enable_operation, enabled_state}};
   for (const auto& [word, state] : steps) {
     control(word);
-    const auto reached = [state = state](unsigned status) {
-      return (status & state_mask) == state;
+    const auto reached = [expected = state](unsigned status) {
+      return (status & state_mask) == expected;
     };
     if (!wait_for(reached, state_patience_s)) {
       throw UserError(

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double before_s = 0.1;
 constexpr double celsius_K = 273.15;
-constexpr std::int64_t poll_us = 20'000;
+constexpr std::int64_t step_poll_us = 20'000;
 
 enum class StepState : std::uint8_t { none, running, done, broken_off };
 
@@ -38,7 +38,7 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
       throw UserError(fmt::format("the step has not ended within {} s", patience_s));
     }
     CanFrame passing;
-    while (bus.receive(passing, now_us + poll_us)) {
+    while (bus.receive(passing, now_us + step_poll_us)) {
     }
   }
 }
@@ -56,7 +56,7 @@ void wait_until_still(Remote& remote) {
       throw UserError(fmt::format("the wire has not come to a rest within {} s", patience_s));
     }
     CanFrame passing;
-    while (bus.receive(passing, now_us + poll_us)) {
+    while (bus.receive(passing, now_us + step_poll_us)) {
     }
   }
 }

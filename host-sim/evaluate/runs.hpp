@@ -29,7 +29,7 @@ enum class Condition : unsigned char {
   hold_ripple,    ///< held in mid-transformation for 20 s, power +-50 % at 2 Hz; weight or spring
   coarse          ///< constant, by converters of 12 bits at 100 Hz
 };
-inline constexpr std::array conditions{
+inline constexpr std::array all_conditions{
     Condition::constant,      Condition::spring,      Condition::varying, Condition::light,
     Condition::unknown_start, Condition::hold_ripple, Condition::coarse};
 std::string_view condition_name(Condition condition);

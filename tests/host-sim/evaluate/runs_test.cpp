@@ -41,7 +41,7 @@ class TestRun : public ::testing::TestWithParam<Case> {
 
 INSTANTIATE_TEST_SUITE_P(Conditions, TestRun,
                          ::testing::Combine(::testing::ValuesIn(families),
-                                            ::testing::ValuesIn(conditions), ::testing::Bool()),
+                                            ::testing::ValuesIn(all_conditions), ::testing::Bool()),
                          [](const auto& tested) {
                            std::string name{family_name(std::get<0>(tested.param))};
                            name += "_" + std::string(condition_name(std::get<1>(tested.param)));
