@@ -164,6 +164,7 @@ run_test() {
     fi
   done
   if (($# > 1)); then
+    timed fuzz run_fuzz
     timed check run_check
   fi
   printf '\n'
