@@ -8,7 +8,7 @@ fuzz_one() {
   local name=$1 seconds=$2 found=$root/build/fuzz/$1
   mkdir -p "$found" "$found.crashes"
   ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1 UBSAN_OPTIONS=print_stacktrace=1 \
-    "$root/build/sanitize/tests/fuzz/${name}_fuzz" -max_total_time="$seconds" -max_len=4096 \
+    "$root/build/sanitize/tests/fuzz/${name}_fuzz" -max_total_time="$seconds" -max_len=1024 \
     -timeout=10 -print_final_stats=1 -artifact_prefix="$found.crashes/" \
     "$found" "$root/tests/fuzz/corpus/$name"
 }
