@@ -93,7 +93,8 @@ Abort PlainNode::read(const Entry& entry, std::uint32_t offset, std::span<std::u
   return Abort::none;
 }
 
-Abort PlainNode::write(const Entry& entry, std::span<const std::uint8_t> from, canopen::Source) {
+Abort PlainNode::write(const Entry& entry, std::span<const std::uint8_t> from,
+                       canopen::Source /*source*/) {
   const auto at = std::ranges::lower_bound(eds_.objects, entry.key, {}, &EdsObject::key);
   if (at->has_limits) {
     const std::uint32_t bits = canopen::take_value(at->type, from);
@@ -108,7 +109,7 @@ Abort PlainNode::write(const Entry& entry, std::span<const std::uint8_t> from, c
   return Abort::none;
 }
 
-void PlainNode::started(std::uint8_t) {
+void PlainNode::started(std::uint8_t /*node_id*/) {
   values_ = stored_values_;
   if (values_.empty()) {
     for (const EdsObject& object : eds_.objects) {

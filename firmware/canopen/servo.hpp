@@ -64,6 +64,8 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   /// What the step came to, and what it was made from. Once per step.
   void publish(const Output<S>& output, const Inputs<S>& inputs, const S& dt_s);
   using ServoCore::set_bus;
+  /// The bus is off, by the port: EMCY code 8140h. What 6007h says follows.
+  using ServoCore::connection_lost;
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }

@@ -163,6 +163,7 @@ run_test() {
     esac
   done
   if (($# > 1)); then
+    timed fuzz run_fuzz
     timed check run_check
   fi
   printf '\n'
