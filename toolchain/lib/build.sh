@@ -151,9 +151,9 @@ test_arm64() {
 run_test() {
   local preset
   case ${1:-all} in
-    all) set -- release sanitize arm64 mcu ;;
-    dev | release | sanitize | arm64 | mcu) ;;
-    *) die "test: unknown preset: $1 (dev, release, sanitize, arm64, mcu)" ;;
+    all) set -- release sanitize tsan arm64 mcu ;;
+    dev | release | sanitize | tsan | arm64 | mcu) ;;
+    *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64, mcu)" ;;
   esac
   timed setup run_setup
   for preset in "$@"; do
