@@ -10,13 +10,20 @@ namespace smaservo {
 
 namespace detail {
 
+/// Of measuring.* or wire.*
+constexpr bool is_observed(Key key) {
+  return key.index == 0x2010 || (0x2110 <= key.index && key.index <= 0x211C);
+}
+static_assert(std::ranges::all_of(parameters<float>, [](const Parameter<float>& row) {
+  const std::string_view path = row.path.text();
+  return is_observed(row.key) == (path.starts_with("wire.") || path.starts_with("measuring."));
+}));
+
 /// Whether the observer may go on with its state: it sees the same wire through the same sensors.
 template <class S>
 bool same_plant(const Settings<S>& a, const Settings<S>& b) {
-  return std::ranges::all_of(parameters<S>, [&](const Parameter<S>& row) {
-    const std::string_view path = row.path.text();
-    const bool observed = path.starts_with("wire.") || path.starts_with("measuring.");
-    return !observed || row.get(a) == row.get(b);
+  return std::ranges::all_of(parameter_rows<S>, [&](const ParameterRow<S>& row) {
+    return !is_observed(row.key) || row.get(a) == row.get(b);
   });
 }
 

@@ -69,18 +69,14 @@ class Path {
   std::size_t size_ = 0;
 };
 
-/// One row. Ranges are inclusive and, as the default, values of `type`. A real whose default is NaN
-/// has none: the device is not configured before it is set.
+/// What a device needs of a row. Ranges are inclusive and, as the default, values of `type`. A real
+/// whose default is NaN has none: the device is not configured before it is set.
 template <class S>
-struct Parameter {
+struct ParameterRow {
   Key key;
-  Path path;  ///< table and name, with the SI unit as suffix
   ValueType type;
-  Kind kind;                                  ///< of a real: its units
-  std::span<const std::string_view> choices;  ///< of a choice: names by value
   Change change;
   Value least, standard, greatest;
-  std::string_view meaning;
   Value (*read)(const Settings<S>&);
   void (*assign)(Settings<S>&, Value);
   bool (*used)(const Settings<S>&);  ///< whether it has a meaning with the others; nullptr: always
@@ -94,6 +90,15 @@ struct Parameter {
   constexpr bool has_default() const {
     return type != ValueType::real || standard.real() == standard.real();
   }
+};
+
+/// A row with its words.
+template <class S>
+struct Parameter : ParameterRow<S> {
+  Path path;                                  ///< table and name, with the SI unit as suffix
+  Kind kind;                                  ///< of a real: its units
+  std::span<const std::string_view> choices;  ///< of a choice: names by value
+  std::string_view meaning;
 };
 
 // How a row reaches its member: through pointers to members, from Settings<S> down.
@@ -138,38 +143,28 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float least,
                             float standard, float greatest, std::string_view meaning,
                             bool (*used)(const Settings<S>&) = nullptr) {
-  return {key,
+  return {{key, ValueType::real, change, Value::real(least), Value::real(standard),
+           Value::real(greatest),
+           [](const Settings<S>& s) { return Value::real(static_cast<float>(Access::get(s))); },
+           [](Settings<S>& s, Value value) { Access::set(s, S(value.real())); }, used},
           path,
-          ValueType::real,
           kind,
           {},
-          change,
-          Value::real(least),
-          Value::real(standard),
-          Value::real(greatest),
-          meaning,
-          [](const Settings<S>& s) { return Value::real(static_cast<float>(Access::get(s))); },
-          [](Settings<S>& s, Value value) { Access::set(s, S(value.real())); },
-          used};
+          meaning};
 }
 
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t least,
                               std::uint32_t standard, std::uint32_t greatest,
                               std::string_view meaning) {
-  return {key,
-          path,
-          ValueType::number,
-          kind::number,
-          {},
-          change,
-          Value::number(least),
-          Value::number(standard),
-          Value::number(greatest),
-          meaning,
-          [](const Settings<S>& s) { return Value::number(Access::get(s)); },
-          [](Settings<S>& s, Value value) { Access::set(s, value.number()); },
-          nullptr};
+  return {
+      {key, ValueType::number, change, Value::number(least), Value::number(standard),
+       Value::number(greatest), [](const Settings<S>& s) { return Value::number(Access::get(s)); },
+       [](Settings<S>& s, Value value) { Access::set(s, value.number()); }, nullptr},
+      path,
+      kind::number,
+      {},
+      meaning};
 }
 
 /// `choices` names the enumerators, from 0 on.
@@ -177,41 +172,33 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> choice(Key key, Path path, std::span<const std::string_view> choices,
                               Change change, typename Access::Type standard,
                               std::string_view meaning) {
-  return {key,
+  return {{key, ValueType::choice, change, Value::number(0),
+           Value::number(static_cast<std::uint32_t>(standard)),
+           Value::number(static_cast<std::uint32_t>(choices.size() - 1)),
+           [](const Settings<S>& s) {
+             return Value::number(static_cast<std::uint32_t>(Access::get(s)));
+           },
+           [](Settings<S>& s, Value value) {
+             Access::set(s, static_cast<typename Access::Type>(value.number()));
+           },
+           nullptr},
           path,
-          ValueType::choice,
           kind::number,
           choices,
-          change,
-          Value::number(0),
-          Value::number(static_cast<std::uint32_t>(standard)),
-          Value::number(static_cast<std::uint32_t>(choices.size() - 1)),
-          meaning,
-          [](const Settings<S>& s) {
-            return Value::number(static_cast<std::uint32_t>(Access::get(s)));
-          },
-          [](Settings<S>& s, Value value) {
-            Access::set(s, static_cast<typename Access::Type>(value.number()));
-          },
-          nullptr};
+          meaning};
 }
 
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> boolean(Key key, Path path, Change change, bool standard,
                                std::string_view meaning) {
-  return {key,
-          path,
-          ValueType::boolean,
-          kind::number,
-          {},
-          change,
-          Value::number(0),
-          Value::number(standard ? 1 : 0),
-          Value::number(1),
-          meaning,
-          [](const Settings<S>& s) { return Value::number(Access::get(s) ? 1 : 0); },
-          [](Settings<S>& s, Value value) { Access::set(s, value.number() != 0); },
-          nullptr};
+  return {
+      {key, ValueType::boolean, change, Value::number(0), Value::number(standard ? 1 : 0),
+       Value::number(1), [](const Settings<S>& s) { return Value::number(Access::get(s) ? 1 : 0); },
+       [](Settings<S>& s, Value value) { Access::set(s, value.number() != 0); }, nullptr},
+      path,
+      kind::number,
+      {},
+      meaning};
 }
 
 }  // namespace smaservo

@@ -36,13 +36,15 @@ enum class Relation : std::uint8_t {
 };
 
 /// Rows of parameters in a relation. It holds while one of them is not set, or has no meaning.
-struct Rule {
-  std::size_t a;
+struct RuleRow {
+  std::uint16_t a, b;
+  std::uint16_t plus;  ///< no_parameter: none
   Relation relation;
-  std::size_t b;
-  std::string_view meaning;
   float factor;
-  std::size_t plus;  ///< no_parameter: none
+};
+
+struct Rule : RuleRow {
+  std::string_view meaning;
 };
 
 namespace detail {
@@ -50,14 +52,15 @@ namespace detail {
 std::size_t no_such_parameter();  // has no body
 
 /// A path that is not in the table does not compile.
-consteval std::size_t row_of(std::string_view path) {
-  return find_parameter(path) < parameter_count ? find_parameter(path) : no_such_parameter();
+consteval std::uint16_t row_of(std::string_view path) {
+  return static_cast<std::uint16_t>(find_parameter(path) < parameter_count ? find_parameter(path)
+                                                                           : no_such_parameter());
 }
 
 consteval Rule rule(std::string_view a, Relation relation, std::string_view b,
                     std::string_view meaning, float factor = 1, std::string_view plus = "") {
-  return {row_of(a), relation, row_of(b),
-          meaning,   factor,   plus.empty() ? no_parameter : row_of(plus)};
+  constexpr auto none = static_cast<std::uint16_t>(no_parameter);
+  return {{row_of(a), row_of(b), plus.empty() ? none : row_of(plus), relation, factor}, meaning};
 }
 
 inline constexpr std::string_view heats =
@@ -164,8 +167,8 @@ bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress
 }
 
 template <class S>
-bool process_holds(const Rule& rule, const Wire<S>& wire) {
-  const Surface<S> surface = surface_of(wire.kinetics, parameters<S>[rule.a].key.index);
+bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
+  const Surface<S> surface = surface_of(wire.kinetics, parameter_rows<S>[rule.a].key.index);
   constexpr int parts = 20;
   for (int i = 0; i <= parts; ++i) {
     if (!surface_holds(surface, rule.relation, wire.limits.stress_Pa * S(i) / S(parts))) {
@@ -179,9 +182,16 @@ bool process_holds(const Rule& rule, const Wire<S>& wire) {
 
 inline constexpr auto parameter_rules = detail::all_rules();
 
+/// The same without their words.
+inline constexpr auto rule_rows = [] {
+  std::array<RuleRow, parameter_rules.size()> rows{};
+  std::ranges::copy(parameter_rules, rows.begin());
+  return rows;
+}();
+
 /// Whether this parameter has been set: its value is one.
 template <class S>
-bool is_set(const Parameter<S>& row, const Settings<S>& settings) {
+bool is_set(const ParameterRow<S>& row, const Settings<S>& settings) {
   return row.has_default() || !std::isnan(row.get(settings).real());
 }
 
@@ -189,7 +199,7 @@ bool is_set(const Parameter<S>& row, const Settings<S>& settings) {
 template <class S>
 std::size_t first_missing(const Settings<S>& settings) {
   for (std::size_t i = 0; i < parameter_count; ++i) {
-    const Parameter<S>& row = parameters<S>[i];
+    const ParameterRow<S>& row = parameter_rows<S>[i];
     if (row.is_used(settings) && !is_set(row, settings)) {
       return i;
     }
@@ -198,12 +208,12 @@ std::size_t first_missing(const Settings<S>& settings) {
 }
 
 template <class S>
-bool holds(const Rule& rule, const Settings<S>& settings) {
+bool holds(const RuleRow& rule, const Settings<S>& settings) {
   const auto known = [&](std::size_t i) {
     return i == no_parameter ||
-           (parameters<S>[i].is_used(settings) && is_set(parameters<S>[i], settings));
+           (parameter_rows<S>[i].is_used(settings) && is_set(parameter_rows<S>[i], settings));
   };
-  const auto value = [&](std::size_t i) { return parameters<S>[i].get(settings).real(); };
+  const auto value = [&](std::size_t i) { return parameter_rows<S>[i].get(settings).real(); };
   if (!known(rule.a) || !known(rule.b) || !known(rule.plus)) {
     return true;
   }
@@ -228,7 +238,7 @@ constexpr Problem problem_of(Fit fit) {
 template <class S>
 Finding check(const Settings<S>& settings) {
   for (std::size_t i = 0; i < parameter_count; ++i) {
-    const Parameter<S>& row = parameters<S>[i];
+    const ParameterRow<S>& row = parameter_rows<S>[i];
     if (!row.is_used(settings) || !is_set(row, settings)) {
       continue;
     }
@@ -237,9 +247,9 @@ Finding check(const Settings<S>& settings) {
       return {problem_of(value), i};
     }
   }
-  for (std::size_t i = 0; i < parameter_rules.size(); ++i) {
-    if (!holds(parameter_rules[i], settings)) {
-      return {Problem::contradiction, parameter_rules[i].a, parameter_rules[i].b, i};
+  for (std::size_t i = 0; i < rule_rows.size(); ++i) {
+    if (!holds(rule_rows[i], settings)) {
+      return {Problem::contradiction, rule_rows[i].a, rule_rows[i].b, i};
     }
   }
   return {};

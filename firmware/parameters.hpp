@@ -52,11 +52,19 @@ inline constexpr auto parameters = joined(
     heat_rows<S>(), accuracy_rows<S>(), wire_limit_rows<S>());
 
 inline constexpr std::size_t parameter_count = parameters<float>.size();
+
+/// The same without their words, which a device has no memory for.
+template <class S>
+inline constexpr auto parameter_rows = [] {
+  std::array<ParameterRow<S>, parameter_count> rows{};
+  std::ranges::copy(parameters<S>, rows.begin());
+  return rows;
+}();
 inline constexpr std::size_t no_parameter = parameter_count;
 
 /// The row of a key in rows that stand in the order of their keys; nullptr where there is none.
 template <class S>
-constexpr const Parameter<S>* find_row(std::span<const Parameter<S>> rows, Key key) {
+constexpr const ParameterRow<S>* find_row(std::span<const ParameterRow<S>> rows, Key key) {
   while (!rows.empty()) {
     const std::size_t middle = rows.size() / 2;
     if (rows[middle].key == key) {
@@ -69,8 +77,9 @@ constexpr const Parameter<S>* find_row(std::span<const Parameter<S>> rows, Key k
 
 /// Row of a key or a path; no_parameter where there is none.
 constexpr std::size_t find_parameter(Key key) {
-  const Parameter<float>* row = find_row<float>(parameters<float>, key);
-  return row == nullptr ? no_parameter : static_cast<std::size_t>(row - parameters<float>.data());
+  const ParameterRow<float>* row = find_row<float>(parameter_rows<float>, key);
+  return row == nullptr ? no_parameter
+                        : static_cast<std::size_t>(row - parameter_rows<float>.data());
 }
 constexpr std::size_t find_parameter(std::string_view path) {
   for (std::size_t i = 0; i < parameter_count; ++i) {
@@ -85,7 +94,7 @@ constexpr std::size_t find_parameter(std::string_view path) {
 template <class S>
 Settings<S> default_settings() {
   Settings<S> settings{};
-  for (const Parameter<S>& row : parameters<S>) {
+  for (const ParameterRow<S>& row : parameter_rows<S>) {
     row.set(settings, row.standard);
   }
   return settings;
@@ -97,8 +106,8 @@ template <class To, class From>
 Settings<To> stored_settings(const Settings<From>& settings) {
   Settings<To> to{};
   for (std::size_t i = 0; i < parameter_count; ++i) {
-    const Parameter<From>& row = parameters<From>[i];
-    parameters<To>[i].set(to, row.is_used(settings) ? row.get(settings) : row.standard);
+    const ParameterRow<From>& row = parameter_rows<From>[i];
+    parameter_rows<To>[i].set(to, row.is_used(settings) ? row.get(settings) : row.standard);
   }
   return to;
 }
@@ -106,7 +115,7 @@ Settings<To> stored_settings(const Settings<From>& settings) {
 /// Whether every parameter that has a meaning with the others has the same bits.
 template <class S>
 bool same_settings(const Settings<S>& a, const Settings<S>& b) {
-  return std::ranges::all_of(parameters<S>, [&](const Parameter<S>& row) {
+  return std::ranges::all_of(parameter_rows<S>, [&](const ParameterRow<S>& row) {
     return row.is_used(a) == row.is_used(b) && (!row.is_used(a) || row.get(a) == row.get(b));
   });
 }
@@ -115,7 +124,7 @@ bool same_settings(const Settings<S>& a, const Settings<S>& b) {
 enum class Fit : std::uint8_t { inside, not_finite, below, above };
 
 template <class S>
-constexpr Fit fit(const Parameter<S>& row, Value value) {
+constexpr Fit fit(const ParameterRow<S>& row, Value value) {
   if (row.type != ValueType::real) {
     return value.number() < row.least.number()      ? Fit::below
            : row.greatest.number() < value.number() ? Fit::above

@@ -78,9 +78,9 @@ constexpr std::uint32_t schema_hash(std::span<const SchemaObject> objects) {
 }
 
 template <class S>
-constexpr std::uint32_t schema_hash(std::span<const Parameter<S>> rows) {
+constexpr std::uint32_t schema_hash(std::span<const ParameterRow<S>> rows) {
   SchemaHash hash;
-  for (const Parameter<S>& row : rows) {
+  for (const ParameterRow<S>& row : rows) {
     hash.add(row.key, letter(row.type));
   }
   return hash.value();

@@ -66,7 +66,7 @@ class Staging {
     if (i == no_parameter) {
       return StageResult::unknown_parameter;
     }
-    const Parameter<S>& row = parameters<S>[i];
+    const ParameterRow<S>& row = parameter_rows<S>[i];
     switch (fit(row, value)) {
       case Fit::not_finite:
         return StageResult::not_finite;
@@ -107,7 +107,7 @@ class Staging {
       return {ApplyProblem::duration};
     }
     for (std::size_t i = 0; i < parameter_count; ++i) {
-      const Parameter<S>& row = parameters<S>[i];
+      const ParameterRow<S>& row = parameter_rows<S>[i];
       if (row.change != Change::live && row.get(staged_) != row.get(configured_)) {
         return {ApplyProblem::only_live, i};
       }
@@ -153,7 +153,7 @@ class Staging {
  private:
   Applied may_apply(bool enabled) const {
     for (std::size_t i = 0; enabled && i < parameter_count; ++i) {
-      const Parameter<S>& row = parameters<S>[i];
+      const ParameterRow<S>& row = parameter_rows<S>[i];
       if (row.change == Change::without_current && row.get(staged_) != row.get(active_)) {
         return {ApplyProblem::while_enabled, i};
       }
@@ -169,7 +169,7 @@ class Staging {
   }
 
   static Settings<S> with_after_reset(Settings<S> settings, const Settings<S>& from) {
-    for (const Parameter<S>& row : parameters<S>) {
+    for (const ParameterRow<S>& row : parameter_rows<S>) {
       if (row.change == Change::after_reset) {
         row.set(settings, row.get(from));
       }

@@ -22,11 +22,11 @@ namespace smaservo {
 /// than the real one are for tests.
 template <class S>
 struct StoreSchema {
-  std::span<const Parameter<S>> rows;
+  std::span<const ParameterRow<S>> rows;
   std::span<const Moved> moved;
 };
 template <class S>
-inline constexpr StoreSchema<S> own_schema{parameters<S>, moved_parameters};
+inline constexpr StoreSchema<S> own_schema{parameter_rows<S>, moved_parameters};
 
 class Crc32 {
  public:
@@ -149,11 +149,11 @@ bool write(const StoreSchema<S>& schema, const Settings<S>& settings, std::uint3
     out.template add<std::uint8_t>(static_cast<std::uint8_t>(type));
     out.template add<std::uint32_t>(value.bits);
   };
-  for (const Parameter<S>& row : schema.rows) {
+  for (const ParameterRow<S>& row : schema.rows) {
     entry(row.key, row.type, row.get(settings));
   }
   for (const Moved& row : schema.moved) {
-    const Parameter<S>& now = *find_row(schema.rows, row.to);
+    const ParameterRow<S>& now = *find_row(schema.rows, row.to);
     const Value value = now.get(settings);
     entry(row.from, now.type,
           now.type == ValueType::real ? Value::real(value.real() / row.factor) : value);
@@ -172,7 +172,7 @@ class Reader {
     const Key key{take<std::uint16_t>(bytes), take<std::uint8_t>(bytes.subspan(2))};
     const auto type = static_cast<ValueType>(take<std::uint8_t>(bytes.subspan(3)));
     const Value value{take<std::uint32_t>(bytes.subspan(4))};
-    if (const Parameter<S>* row = find_row(schema_.rows, key);
+    if (const ParameterRow<S>* row = find_row(schema_.rows, key);
         row != nullptr && row->type == type) {
       set(*row, value);
       own_.set(position(*row));
@@ -197,10 +197,10 @@ class Reader {
   Finding finding() const { return finding_.ok() ? check(settings_) : finding_; }
 
  private:
-  std::size_t position(const Parameter<S>& row) const {
+  std::size_t position(const ParameterRow<S>& row) const {
     return static_cast<std::size_t>(&row - schema_.rows.data());
   }
-  void set(const Parameter<S>& row, Value value) {
+  void set(const ParameterRow<S>& row, Value value) {
     // Reals are checked as a set: whether one has a meaning depends on others.
     const Fit inside = row.type == ValueType::real ? Fit::inside : fit(row, value);
     if (inside == Fit::inside) {
@@ -211,7 +211,7 @@ class Reader {
   }
   /// Under its own key a parameter may have come already, or may come yet.
   void take_moved(const Moved& old, ValueType type, Value value) {
-    const Parameter<S>* row = find_row(schema_.rows, old.to);
+    const ParameterRow<S>* row = find_row(schema_.rows, old.to);
     if (row == nullptr || row->type != type) {
       ++unknown_;
     } else if (!own_.test(position(*row))) {

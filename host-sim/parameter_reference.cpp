@@ -68,7 +68,7 @@ std::string parameter_reference() {
       "the path; a file\nmay use another unit of the same kind. *Not enabled*: refused while there "
       "may be current. *After\nreset*: stored, in force after the next start. The wire has no "
       "defaults: without one the device is\nnot configured.\n",
-      released_schemas.back().version, schema_hash<double>(parameters<double>));
+      released_schemas.back().version, schema_hash<double>(parameter_rows<double>));
   std::string_view open;
   for (const Row& row : parameters<double>) {
     const std::string_view path = row.path.text();

@@ -14,10 +14,10 @@ class Tuning final : public ParameterAccess {
 
   Abort find(Key key, Entry& entry) const override;
   std::uint32_t read(std::uint16_t row) const override {
-    return parameters<S>[row].get(staging_.staged()).bits;
+    return parameter_rows<S>[row].get(staging_.staged()).bits;
   }
   bool is_live(std::uint16_t row) const override {
-    return parameters<S>[row].change == Change::live;
+    return parameter_rows<S>[row].change == Change::live;
   }
   Abort write(std::uint16_t row, std::uint32_t value, bool enabled) override;
   Abort tune(TuningCommand command, float trial_s, bool enabled) override;
@@ -49,8 +49,8 @@ class Tuning final : public ParameterAccess {
 
 template <class S>
 Abort Tuning<S>::find(Key key, Entry& entry) const {
-  const auto rows = std::span(parameters<S>);
-  const auto at = std::ranges::lower_bound(rows, key, {}, &Parameter<S>::key);
+  const auto rows = std::span(parameter_rows<S>);
+  const auto at = std::ranges::lower_bound(rows, key, {}, &ParameterRow<S>::key);
   if (at != rows.end() && at->key == key) {
     constexpr std::array types{Type::real, Type::u32, Type::u8, Type::boolean};
     const Type type = types[static_cast<std::size_t>(at->type)];
@@ -97,7 +97,7 @@ Abort Tuning<S>::abort_of(StageResult result) {
 template <class S>
 Abort Tuning<S>::done(const Applied& applied) {
   const auto key = [](std::size_t row) {
-    return row < parameter_count ? parameters<S>[row].key : Key{};
+    return row < parameter_count ? parameter_rows<S>[row].key : Key{};
   };
   refused_ = key(applied.parameter);
   refused_other_ = key(applied.finding.other);
@@ -116,7 +116,7 @@ Abort Tuning<S>::done(const Applied& applied) {
 
 template <class S>
 Abort Tuning<S>::write(std::uint16_t row, std::uint32_t value, bool enabled) {
-  const Parameter<S>& parameter = parameters<S>[row];
+  const ParameterRow<S>& parameter = parameter_rows<S>[row];
   const Value before = parameter.get(staging_.staged());
   const Abort staged = abort_of(staging_.stage(parameter.key, {value}, enabled));
   if (staged != Abort::none || state() != TuningState::none) {

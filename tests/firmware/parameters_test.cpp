@@ -159,20 +159,21 @@ std::string objects_of(std::span<const Parameter<float>> rows) {
 }
 
 TEST(Schemas, LastOneIsTheTable) {
-  EXPECT_EQ(schema_hash<float>(parameters<float>), schema_hash(released_schemas.back().objects))
+  EXPECT_EQ(schema_hash<float>(parameter_rows<float>), schema_hash(released_schemas.back().objects))
       << "The parameter table has changed. If release " << released_schemas.back().version
       << " is out, add a schema with the next version to firmware/schemas.hpp; its objects are\n"
       << objects_of(parameters<float>);
-  EXPECT_EQ(schema_version(schema_hash<float>(parameters<float>)), released_schemas.back().version);
+  EXPECT_EQ(schema_version(schema_hash<float>(parameter_rows<float>)),
+            released_schemas.back().version);
   EXPECT_EQ(schema_version(1), "");
 }
 
 TEST(Schemas, HashTellsKeysAndTypesApart) {
   std::set<std::uint32_t> hashes;
-  auto rows = parameters<float>;
+  auto rows = parameter_rows<float>;
   hashes.insert(schema_hash<float>(rows));
-  for (Parameter<float>& row : rows) {
-    const Parameter<float> before = row;
+  for (ParameterRow<float>& row : rows) {
+    const ParameterRow<float> before = row;
     row.key.sub = static_cast<std::uint8_t>(row.key.sub + 100);
     hashes.insert(schema_hash<float>(rows));
     row = before;

@@ -258,8 +258,8 @@ TEST(Store, AFailingStorageIsNoticed) {
 constexpr Key old_key{0x2020, 2};
 constexpr Key new_key{0x2020, 20};
 
-std::vector<Parameter<float>> older_rows() {
-  std::vector<Parameter<float>> rows;
+std::vector<ParameterRow<float>> older_rows() {
+  std::vector<ParameterRow<float>> rows;
   for (const Parameter<float>& row : parameters<float>) {
     const std::string_view path = row.path.text();
     if (path != "trips.following_s" && path != "drive.integral_1_s") {
@@ -269,8 +269,8 @@ std::vector<Parameter<float>> older_rows() {
   return rows;
 }
 
-std::vector<Parameter<float>> newer_rows() {
-  std::vector<Parameter<float>> rows;
+std::vector<ParameterRow<float>> newer_rows() {
+  std::vector<ParameterRow<float>> rows;
   for (Parameter<float> row : parameters<float>) {
     if (row.path.text() == "axis.zero_strain") {
       continue;
@@ -282,14 +282,14 @@ std::vector<Parameter<float>> newer_rows() {
     }
     rows.push_back(row);
   }
-  std::ranges::sort(rows, {}, &Parameter<float>::key);
+  std::ranges::sort(rows, {}, &ParameterRow<float>::key);
   return rows;
 }
 
 constexpr Moved to_mA[] = {{old_key, new_key, 1000}};
 
 struct Releases {
-  std::vector<Parameter<float>> older = older_rows(), newer = newer_rows();
+  std::vector<ParameterRow<float>> older = older_rows(), newer = newer_rows();
   StoreSchema<float> old_schema{older, {}}, new_schema{newer, to_mA};
 };
 
@@ -354,7 +354,7 @@ TEST(Store, AChangeThatIsOutOfRangeForTheOtherReleaseIsRefused) {
   settings.trips.current_A = 0.25F;
   MemoryStorage storage;
   forge(storage, 0, settings, 1);
-  const auto narrow = std::ranges::find(r.older, Key{0x2022, 1}, &Parameter<float>::key);
+  const auto narrow = std::ranges::find(r.older, Key{0x2022, 1}, &ParameterRow<float>::key);
   settings.safe.state = SafeState::release;
   ASSERT_TRUE(save_settings(storage, settings, r.new_schema).ok());
   narrow->greatest = Value::number(1);

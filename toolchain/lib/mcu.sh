@@ -84,7 +84,7 @@ over_budget() {
 }
 
 # The budget of a target, to be copied when it is meant to change.
-budget_lines() { awk -v target="$1" '{ printf "%-4s %-18s %d\n", target, $1, $2 }' "$2"; }
+budget_lines() { awk -v target="$1" '{ printf "%-4s %-22s %d\n", target, $1, $2 }' "$2"; }
 
 check_mcu_budget() {
   local target=$1 measured=$root/build/mcu/$1.measured
