@@ -5,10 +5,8 @@
 // cheaper: nothing is packed, and there are no denormal numbers.
 
 #include <bit>
-#include <concepts>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
 #include "model/integer_math.hpp"
 
@@ -34,28 +32,28 @@ class Scaled {
                    : normal((whole >> 2) + (whole >> 1 & 1), bias + 2)) {}
 
   /// From a number that is known only at run time; in integer arithmetic, too.
-  template <std::floating_point F>
-  static constexpr Scaled of(F x) {
-    using Bits = std::conditional_t<sizeof(F) == sizeof(float), std::uint32_t, std::uint64_t>;
-    constexpr int below = std::numeric_limits<F>::digits - 1;
-    const auto bits = std::bit_cast<Bits>(x);
-    const int exponent =
-        static_cast<int>(bits >> below & (sizeof(F) == sizeof(float) ? 0xffU : 0x7ffU));
-    if (exponent == 0) {
-      return zero();
-    }
-    if (exponent == 2 * std::numeric_limits<F>::max_exponent - 1) {
+  static constexpr Scaled of(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const auto exponent = static_cast<int>(bits >> 52U & 0x7ffU);
+    const auto mantissa = static_cast<std::int64_t>(bits & 0xf'ffff'ffff'ffffU) | 1LL << 52U;
+    if (exponent == 0x7ff) {
       return invalid();
     }
-    const auto mantissa =
-        static_cast<std::int64_t>((bits & ((Bits{1} << below) - 1)) | Bits{1} << below);
-    constexpr int drop = below - 29;
-    const auto rounded = static_cast<std::int32_t>(
-        drop > 0 ? integer_math::rounded_shift(mantissa, drop > 0 ? drop : 0)
-                 : mantissa << (drop < 0 ? -drop : 0));
-    const bool negative = bits >> (8 * sizeof(F) - 1) != 0;
-    return carried(negative ? -rounded : rounded,
-                   exponent - std::numeric_limits<F>::max_exponent + 1 - 29 + bias);
+    const auto rounded = static_cast<std::int32_t>(integer_math::rounded_shift(mantissa, 23));
+    return exponent == 0
+               ? zero()
+               : carried(bits >> 63U != 0 ? -rounded : rounded, exponent - 1023 - 29 + bias);
+  }
+  static constexpr Scaled of(float x) {
+    const auto bits = std::bit_cast<std::uint32_t>(x);
+    const auto exponent = static_cast<int>(bits >> 23U & 0xffU);
+    const auto mantissa = static_cast<std::int32_t>((bits & 0x7f'ffffU) | 1U << 23U) << 6;
+    if (exponent == 0xff) {
+      return invalid();
+    }
+    return exponent == 0
+               ? zero()
+               : carried(bits >> 31U != 0 ? -mantissa : mantissa, exponent - 127 - 29 + bias);
   }
 
   explicit constexpr operator double() const {

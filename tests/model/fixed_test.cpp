@@ -137,12 +137,12 @@ TYPED_TEST(FixedTest, NumbersOfTheRunRoundAndSaturate) {
   std::uniform_real_distribution<double> exponent(-40, 40);
   for (int i = 0; i < repeats; ++i) {
     const double x = (random() % 2 == 0 ? 1 : -1) * std::exp2(exponent(random));
-    this->expect_result(TypeParam::of(x), x);
+    this->expect_result(TypeParam::of(x), static_cast<long double>(x));
     const TypeParam a = any<TypeParam::fraction>(random);
     ASSERT_EQ(TypeParam::of(static_cast<double>(a)), a);
     ASSERT_EQ(static_cast<int>(a), static_cast<int>(static_cast<double>(a)));
     const double up = std::ceil(static_cast<double>(a));
-    if (this->fits(up)) {
+    if (this->fits(static_cast<long double>(up))) {
       ASSERT_EQ(static_cast<double>(ceil(a)), up);
     }
   }

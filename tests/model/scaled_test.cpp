@@ -90,9 +90,11 @@ TEST(Scaled, WhatHasNoValueStaysWithout) {
   const Scaled one(1);
   const Scaled none(0);
   const Scaled nan = one / none;
+  const Scaled another_nan = -one / none;
+  const Scaled nothing(0);
   for (const Scaled& x :
-       {nan, none / none, nan + one, one - nan, nan * none, none / nan, one / nan, sqrt(nan), -nan,
-        abs(nan), sqrt(-one), log(none), log(-one), exp(Scaled(1000)), nan - nan,
+       {nan, none / nothing, nan + one, one - nan, nan * none, none / nan, one / nan, sqrt(nan),
+        -nan, abs(nan), sqrt(-one), log(none), log(-one), exp(Scaled(1000)), nan - another_nan,
         std::numeric_limits<Scaled>::quiet_NaN(), Scaled(1e50) * Scaled(1e50)}) {
     EXPECT_FALSE(isfinite(x));
     EXPECT_TRUE(std::isnan(static_cast<double>(x)));
