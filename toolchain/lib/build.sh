@@ -164,6 +164,7 @@ run_test() {
     fi
   done
   if (($# > 1)); then
+    timed can-test run_can-test
     timed check run_check
   fi
   printf '\n'
