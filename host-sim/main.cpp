@@ -23,6 +23,7 @@ int run(int argc, char** argv) {
   smaservo::add_explain_command(app);
   smaservo::add_figures_command(app);
   smaservo::add_identify_command(app);
+  smaservo::add_node_command(app);
   smaservo::add_replay_command(app);
   smaservo::add_simulate_command(app);
   smaservo::add_tune_command(app);

@@ -233,9 +233,7 @@ void Axis::command() {
     }
   } else if ((word & switch_on) == 0) {
     enter(ready);
-  } else if (state_ == ready) {
-    enter(on);
-  } else if ((word & enable_operation) == 0) {
+  } else if (state_ == ready || (word & enable_operation) == 0) {
     enter(on);
   } else if (state_ == on && in_.device == DeviceState::ready && !in_.blocked) {
     enter(enabled);

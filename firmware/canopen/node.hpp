@@ -47,18 +47,19 @@ struct ObjectTable {
 class Application : public Dictionary {
  public:
   /// Whether a communication object exists here.
-  virtual bool offers(Key) const { return true; }
+  virtual bool offers(Key /*key*/) const { return true; }
   /// Objects with fixed defaults, some of them `stored` in the image.
   virtual ObjectTable table() { return {}; }
   /// After every start: objects have their defaults, or what the image says.
   virtual void started(std::uint8_t node_id) = 0;
-  virtual void nmt_changed(Nmt) {}
+  virtual void nmt_changed(Nmt /*state*/) {}
   /// The partner has gone: EMCY code.
-  virtual void connection_lost(std::uint16_t) {}
+  virtual void connection_lost(std::uint16_t /*code*/) {}
   /// Whether that may be asked of the owner now: Abort::none, or why not.
-  virtual Abort may_request(Request) const { return Abort::none; }
+  virtual Abort may_request(Request /*request*/) const { return Abort::none; }
   /// An object that is stored has changed.
-  virtual void written(Key, std::uint32_t /*old_value*/, std::uint32_t /*value*/, Source) {}
+  virtual void written(Key /*key*/, std::uint32_t /*old_value*/, std::uint32_t /*value*/,
+                       Source /*source*/) {}
 
  protected:
   ~Application() = default;

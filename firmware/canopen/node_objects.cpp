@@ -55,11 +55,11 @@ std::string_view Node::text_of(std::uint16_t index) const {
 }
 
 Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) {
-  if (!is_ours(entry.key) || (entry.handle != highest_sub && rows.size() <= entry.handle)) {
+  if (!is_ours(entry.key) || (!is_highest_sub(entry) && rows.size() <= entry.handle)) {
     return application_.read(entry, offset, to);
   }
-  if (entry.handle == highest_sub) {
-    put_number(to, entry.size);
+  if (is_highest_sub(entry)) {
+    put_number(to, entry.handle & 0xFFU);
     return Abort::none;
   }
   const Object& object = rows[entry.handle];

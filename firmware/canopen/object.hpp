@@ -12,6 +12,7 @@ namespace smaservo::canopen {
 
 /// The numbers are those of CiA 301's data types.
 enum class Type : std::uint8_t {
+  none = 0,
   boolean = 0x01,
   i8 = 0x02,
   i16 = 0x03,
@@ -46,6 +47,7 @@ constexpr std::uint32_t size_of(Type type) {
     case Type::i64:
     case Type::u64:
       return 8;
+    case Type::none:
     case Type::text:
     case Type::octets:
     case Type::domain:
@@ -166,17 +168,18 @@ constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t
 constexpr Abort check_range(Type type, std::uint32_t value, std::uint32_t least,
                             std::uint32_t greatest) {
   if (type == Type::real) {
+    constexpr std::uint32_t exponent = 0x7F80'0000;  // all ones: no number
     const float x = as_real(value);
-    return !(x - x == 0.F)         ? Abort::value
-           : x < as_real(least)    ? Abort::too_low
-           : as_real(greatest) < x ? Abort::too_high
-                                   : Abort::none;
+    return (value & exponent) == exponent ? Abort::value
+           : x < as_real(least)           ? Abort::too_low
+           : as_real(greatest) < x        ? Abort::too_high
+                                          : Abort::none;
   }
   if (is_signed(type)) {
     const auto x = static_cast<std::int32_t>(value);
-    return x < static_cast<std::int32_t>(least)      ? Abort::too_low
-           : static_cast<std::int32_t>(greatest) < x ? Abort::too_high
-                                                     : Abort::none;
+    const auto low = static_cast<std::int32_t>(least);
+    const auto high = static_cast<std::int32_t>(greatest);
+    return x < low ? Abort::too_low : high < x ? Abort::too_high : Abort::none;
   }
   return value < least ? Abort::too_low : greatest < value ? Abort::too_high : Abort::none;
 }

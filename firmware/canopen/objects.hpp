@@ -33,21 +33,21 @@ struct IndexName {
 };
 
 constexpr std::uint32_t least_of(Type type) {
-  return type == Type::i8     ? as_bits(std::int32_t{-128})
-         : type == Type::i16  ? as_bits(std::int32_t{-32768})
-         : type == Type::i32  ? 0x8000'0000U
-         : type == Type::real ? as_bits(-3.4e38F)
-                              : 0;
+  if (type == Type::real) {
+    return as_bits(-3.4e38F);
+  }
+  return is_signed(type) ? ~0U << (8 * size_of(type) - 1) : 0;
 }
 constexpr std::uint32_t greatest_of(Type type) {
-  return type == Type::boolean ? 1
-         : type == Type::i8    ? 127
-         : type == Type::u8    ? 255
-         : type == Type::i16   ? 32767
-         : type == Type::u16   ? 65535
-         : type == Type::i32   ? 0x7FFF'FFFFU
-         : type == Type::real  ? as_bits(3.4e38F)
-                               : 0xFFFF'FFFFU;
+  if (type == Type::real) {
+    return as_bits(3.4e38F);
+  }
+  if (type == Type::boolean) {
+    return 1;
+  }
+  const std::uint32_t size = size_of(type) == 0 ? 4 : size_of(type);
+  const std::uint32_t all = ~0U >> (32 - 8 * size);
+  return is_signed(type) ? all >> 1U : all;
 }
 
 /// A row without limits but those of its type.
@@ -85,13 +85,15 @@ constexpr bool in_order(std::span<const DescribedObject> rows) {
 }
 
 /// Finds a key in rows that stand in order. A sub-index 0 that has no row of its own says what the
-/// highest one is: its entry has `highest_sub` as handle and the number in `size`.
+/// highest one is.
 Abort find_object(std::span<const Object> rows, Key key, Entry& entry);
-inline constexpr std::uint16_t highest_sub = 0xFFFE;
 
-/// The entry of "highest sub-index", whoever has it.
+/// The entry of "highest sub-index", whoever has it: the number is in the handle.
 constexpr Entry highest_sub_entry(Key key, std::uint8_t highest) {
-  return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(highest_sub), highest};
+  return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(0xFF00U | highest), 1};
+}
+constexpr bool is_highest_sub(const Entry& entry) {
+  return entry.handle >> 8U == 0xFF;
 }
 
 /// Of a row whose value lives in `memory`.

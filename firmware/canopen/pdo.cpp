@@ -84,7 +84,7 @@ Abort Pdos::check(Key key, std::uint32_t value) const {
                                : check_params(params, key, value);
 }
 
-Abort Pdos::check_params(const PdoParams& params, Key key, std::uint32_t value) const {
+Abort Pdos::check_params(const PdoParams& params, Key key, std::uint32_t value) {
   switch (key.sub) {
     case 1: {
       constexpr std::uint32_t unused = ~(cob_invalid | cob_no_remote | id_mask);

@@ -61,7 +61,7 @@ class Pdos {
     bool late;
   };
 
-  Abort check_params(const PdoParams& params, Key key, std::uint32_t value) const;
+  static Abort check_params(const PdoParams& params, Key key, std::uint32_t value);
   Abort check_mapping(const PdoParams& params, const Mapping& map, Key key,
                       std::uint32_t value) const;
   Abort check_object(std::uint32_t object, bool transmit) const;

@@ -64,7 +64,7 @@ class SdoServer {
   void answer_upload();
   bool store(std::span<const std::uint8_t> data);
   bool fetch(std::uint32_t offset, std::span<std::uint8_t> to);
-  void segment_of_block(std::span<std::uint8_t, 8> answer);
+  void segment_of_block(std::span<std::uint8_t, 8> to);
   void abort(Abort code);
   std::span<std::uint8_t, 8> answer(std::uint8_t command);
   void keyed(std::uint8_t command);

@@ -12,6 +12,8 @@
 // the main may put other settings into the Staging. The wire is heated only while command().arm is
 // set.
 
+#include <cmath>
+
 #include "firmware/canopen/servo_core.hpp"
 #include "firmware/canopen/tuning.hpp"
 #include "firmware/command.hpp"
@@ -62,6 +64,8 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   /// What the step came to, and what it was made from. Once per step.
   void publish(const Output<S>& output, const Inputs<S>& inputs, const S& dt_s);
   using ServoCore::set_bus;
+  /// The bus is off, by the port: EMCY code 8140h. What 6007h says follows.
+  using ServoCore::connection_lost;
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }
@@ -106,7 +110,7 @@ void Servo<S>::publish(const Output<S>& out, const Inputs<S>& in, const S& dt_s)
     const float raw_m_s = (position_m - position_m_) / dt;
     velocity_m_s_ += dt / (dt + filter_s) * (raw_m_s - velocity_m_s_);
   }
-  has_position_ = position_m - position_m == 0.F;  // a number
+  has_position_ = std::isfinite(position_m);
   velocity_m_s_ = has_position_ ? velocity_m_s_ : 0;
   position_m_ = position_m;
 

@@ -13,7 +13,7 @@ constexpr std::uint16_t parameter_handle = 0x4000;
 constexpr std::uint16_t signal_handle = 0x8000;
 
 constexpr Key access_key{0x2003, 2}, tuning_key{0x2102, 1}, log_key{0x2220, 2},
-    recorder_key{0x2300, 1}, data_key{0x2300, 11}, step_key{0x2400, 1};
+    recorder_key{0x2300, 1}, data_key{0x2300, 11};
 constexpr Key node_id_key{0x2000, 2};
 
 constexpr auto fault_codes = [] {
@@ -79,15 +79,15 @@ Abort ServoCore::find(Key key, Entry& entry) const {
     return found;
   }
   const Abort parameter = parameters_.find(key, entry);
-  if (parameter == Abort::none && entry.handle != highest_sub) {
+  if (parameter == Abort::none && !is_highest_sub(entry)) {
     entry.handle = static_cast<std::uint16_t>(entry.handle + parameter_handle);
   }
   return parameter;
 }
 
 Abort ServoCore::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) {
-  if (entry.handle == highest_sub) {
-    put_number(to, entry.size);
+  if (is_highest_sub(entry)) {
+    put_number(to, entry.handle & 0xFFU);
   } else if (signal_handle <= entry.handle) {
     put_number(to, as_bits(signals_[static_cast<std::size_t>(entry.handle - signal_handle)]));
   } else if (parameter_handle <= entry.handle) {
@@ -245,7 +245,7 @@ void ServoCore::log(Key key, std::uint32_t before, std::uint32_t value, Source s
 
 // The bus.
 
-void ServoCore::started(std::uint8_t) {
+void ServoCore::started(std::uint8_t /*node_id*/) {
   revert_tuning(Source::device);
   axis_.reset(parameters_.has_load_cell());
   recorder_.reset(config_.step_s);

@@ -1,6 +1,7 @@
 #pragma once
 // The parameters of a device as objects: staged, tried, in force as a set (staging.hpp).
 
+#include "firmware/canopen/objects.hpp"
 #include "firmware/canopen/parameter_access.hpp"
 #include "firmware/staging.hpp"
 
@@ -69,7 +70,7 @@ Abort Tuning<S>::find(Key key, Entry& entry) const {
   while (last + 1 != rows.end() && (last + 1)->key.index == key.index) {
     ++last;
   }
-  entry = {key, Type::u8, readable, static_cast<std::uint16_t>(0xFFFE), last->key.sub};
+  entry = highest_sub_entry(key, last->key.sub);
   return Abort::none;
 }
 

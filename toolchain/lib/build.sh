@@ -165,6 +165,7 @@ run_test() {
   done
   if (($# > 1)); then
     timed can-test run_can-test
+    timed fuzz run_fuzz
     timed check run_check
   fi
   printf '\n'
