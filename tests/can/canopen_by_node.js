@@ -4,8 +4,7 @@
 
 const assert = require('node:assert');
 const { setTimeout: sleep } = require('node:timers/promises');
-const { Device, DataType, Eds } = require('canopen');
-const { NmtState, LssMode } = require('canopen');
+const { DataType, Device, Eds, LssMode, NmtState } = require('canopen');
 const socketcan = require('socketcan');
 
 const [interfaceName, nodeText, edsFile] = process.argv.slice(2);
@@ -131,10 +130,10 @@ async function main() {
     for (const sub of [1, 2, 3, 4]) identity.push(await read(0x1018, sub, DataType.UNSIGNED32));
     device.nmt.stopNode(node);
     const [vendorId, productCode, revisionNumber, serialNumber] = identity;
-    device.lss.switchModeSelective({ vendorId, productCode, revisionNumber, serialNumber });
-    await sleep(300);
+    const identified = { vendorId, productCode, revisionNumber, serialNumber };
+    await device.lss.switchModeSelective({ ...identified, timeout });
     assert.equal(await device.lss.inquireSerialNumber(timeout), serialNumber);
-    device.lss.switchModeGlobal(LssMode ? LssMode.OPERATION : 0);
+    device.lss.switchModeGlobal(LssMode.OPERATION);
     device.nmt.startNode(node);
   });
 
