@@ -12,7 +12,7 @@ import traceback
 import can
 
 NAN, INFINITY = float("nan"), float("inf")
-TIMEOUT_S = 2
+TIMEOUT_S = 5
 
 
 class Failure(AssertionError):

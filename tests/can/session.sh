@@ -41,7 +41,7 @@ can_utils() {
 }
 
 tool() {
-  local ours=("$host_sim" can --can vcan0 --node 5 --timeout 3)
+  local ours=("$host_sim" can --can vcan0 --node 5 --timeout 10)
   "${ours[@]}" scan --listen 2 | grep -E '^ *5 .*smaservo' || return
   "${ours[@]}" info || return
   "${ours[@]}" set limits.current_mA=350 strain.proportional_W=6 || return
