@@ -83,9 +83,12 @@ std::string variable_text(const std::string& section, const ListedObject& listed
     text += fmt::format("DefaultValue={}\n", standard);
   }
   text += limits_text(object);
-  text +=
-      fmt::format("PDOMapping={}\n\n", may(object, canopen::in_rpdo | canopen::in_tpdo) ? 1 : 0);
-  return text;
+  // Readers refuse the key for a domain, even as 0.
+  if (!is_domain) {
+    text +=
+        fmt::format("PDOMapping={}\n", may(object, canopen::in_rpdo | canopen::in_tpdo) ? 1 : 0);
+  }
+  return text + '\n';
 }
 
 std::string index_text(const ListedIndex& listed) {

@@ -148,12 +148,17 @@ void Remote::commit(const std::vector<Change>& changes) {
       explain_refusal(error);
     }
   } catch (...) {
-    try {
-      set("tuning.command", "4");
-    } catch (const UserError&) {
-      // Without an answer the node goes back by itself.
-    }
+    revert();
     throw;
+  }
+}
+
+/// Without an answer the node goes back by itself.
+void Remote::revert() {
+  try {
+    set("tuning.command", "4");
+  } catch (const UserError& error) {
+    fmt::print(stderr, "host-sim: {}\n", error.what());
   }
 }
 

@@ -65,6 +65,7 @@ class Remote {
 
  private:
   void commit(const std::vector<Change>& changes);
+  void revert();
   [[noreturn]] void explain_refusal(const SdoError& error);
   bool wait_for(const std::function<bool(unsigned)>& reached, double patience_s);
   void control(unsigned word) { set("6040", std::to_string(word)); }

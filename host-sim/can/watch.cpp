@@ -1,6 +1,7 @@
 #include "host-sim/can/watch.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,7 +14,7 @@ constexpr std::size_t plot_width = 64;
 constexpr std::size_t plot_height = 12;
 constexpr const char* to_the_top = "\x1b[H\x1b[J";
 
-const std::vector<std::string> usual{
+constexpr std::array<const char*, 8> usual{
     "6041",           "live.position_m", "live.setpoint",       "live.temperature_K",
     "live.current_A", "live.power_W",    "live.resistance_ohm", "live.stress_Pa"};
 
@@ -30,27 +31,39 @@ std::string table(const std::vector<KnownObject>& objects, const Row& row) {
   return text;
 }
 
+std::vector<KnownObject> chosen_objects(const std::vector<std::string>& names) {
+  std::vector<KnownObject> objects;
+  for (const std::string& name : names) {
+    objects.push_back(find_object(name));
+    if (objects.back().name.empty()) objects.back().name = name;
+  }
+  return objects;
+}
+
+/// Where the plotted one stands, added where it is missing; the number of objects: none.
+std::size_t place_of_plot(const std::string& name, std::vector<KnownObject>& objects) {
+  if (name.empty()) return objects.size();
+  const KnownObject wanted = find_object(name);
+  const auto found = std::ranges::find(objects, wanted.key, &KnownObject::key);
+  const auto place = static_cast<std::size_t>(found - objects.begin());
+  if (place == objects.size()) objects.push_back(wanted);
+  return place;
+}
+
+std::string header(const std::vector<KnownObject>& objects) {
+  std::string text = "time_s";
+  for (const KnownObject& object : objects) text += "," + object.name;
+  return text + '\n';
+}
+
 }  // namespace
 
 void watch(Remote& remote, const WatchPlan& plan, bool in_place,
            const std::function<void(const std::string&)>& show) {
-  std::vector<KnownObject> objects;
-  for (const std::string& name : plan.names.empty() ? usual : plan.names) {
-    objects.push_back(find_object(name));
-    if (objects.back().name.empty()) objects.back().name = name;
-  }
-  std::size_t plotted = objects.size();
-  if (!plan.plot.empty()) {
-    objects.push_back(find_object(plan.plot));
-    const auto first = std::ranges::find(objects, objects.back().key, &KnownObject::key);
-    plotted = static_cast<std::size_t>(first - objects.begin());
-    if (plotted + 1 < objects.size()) objects.pop_back();
-  }
-  if (!in_place) {
-    std::vector<std::string> names;
-    for (const KnownObject& object : objects) names.push_back(object.name);
-    show(fmt::format("time_s,{}\n", fmt::join(names, ",")));
-  }
+  std::vector<KnownObject> objects = chosen_objects(
+      plan.names.empty() ? std::vector<std::string>(usual.begin(), usual.end()) : plan.names);
+  const std::size_t plotted = place_of_plot(plan.plot, objects);
+  if (!in_place) show(header(objects));
   std::vector<double> history;
   const std::int64_t start_us = remote.bus().now_us();
   const auto period_us = static_cast<std::int64_t>(plan.period_s * 1e6);

@@ -163,6 +163,7 @@ run_test() {
     esac
   done
   if (($# > 1)); then
+    timed can-test run_can-test
     timed fuzz run_fuzz
     timed check run_check
   fi

@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# session.sh BUILD CLIENTS: independent clients talk to servos on a kernel's CAN. Runs in a guest
+# (toolchain/can/uml), from the project's folder. BUILD has our programs, CLIENTS node_modules.
+set -uo pipefail
+
+build=$1
+clients=$2
+servo=$build/tests/can/can_servo
+host_sim=$build/host-sim/host-sim
+sheet=firmware/canopen/smaservo.eds
+log=$(mktemp -d)
+trap 'rm -rf "$log"' EXIT
+failed=0
+
+# step NAME COMMAND...
+step() {
+  local name=$1
+  shift
+  if "$@" >"$log/out" 2>&1; then
+    printf 'ok      %s\n' "$name"
+  else
+    printf 'FAILED  %s\n' "$name"
+    sed 's/^/        /' "$log/out"
+    failed=1
+  fi
+}
+
+can_utils() {
+  # The lines of the README, as they stand.
+  sed -n '/executed by tests\/can\/session.sh/,/^```$/p' host-sim/can/README.md |
+    sed '/^```/d; /^<!--/d' >"$log/one-liners.sh"
+  [[ -s $log/one-liners.sh ]] || return
+  bash "$log/one-liners.sh" | tee "$log/answers"
+  grep -q '43 00 21 01' "$log/answers" || return
+  grep -q '60 00 21 01 00 00 00 00' "$log/answers" || return
+  local bytes
+  bytes=$(sed -nE 's/.* 43 64 60 00 (..) (..) (..) (..).*/\4\3\2\1/p' "$log/answers")
+  local position=$((0x${bytes:-0}))
+  printf 'position %d um\n' "$position"
+  ((position > 650 && position < 950))
+}
+
+tool() {
+  local ours=("$host_sim" can --can vcan0 --node 5 --timeout 10)
+  "${ours[@]}" scan --listen 2 | grep -E '^ *5 .*smaservo' || return
+  "${ours[@]}" info || return
+  "${ours[@]}" set limits.current_mA=350 strain.proportional_W=6 || return
+  [[ $("${ours[@]}" get strain.proportional_W) == 6 ]] || return
+  "${ours[@]}" dump "$log/dump.toml" || return
+  "${ours[@]}" set strain.proportional_W=8 || return
+  ! "${ours[@]}" diff "$log/dump.toml" || return
+  "${ours[@]}" restore "$log/dump.toml" || return
+  "${ours[@]}" diff "$log/dump.toml" || return
+  "${ours[@]}" enable && "${ours[@]}" move 600 --patience 40 && "${ours[@]}" disable || return
+  "${ours[@]}" record --seconds 0.2 --out "$log/recording.csv" || return
+  (($(wc -l <"$log/recording.csv") > 100)) || return
+  ! "${ours[@]}" set limits.current_A=99 2>"$log/refusal" || return
+  grep 'must be 0.001 to 20 A' "$log/refusal"
+}
+
+decoded() {
+  tshark -r "$1" -d can.subdissector,canopen 2>/dev/null >"$log/decoded" || return
+  local frames malformed
+  frames=$(wc -l <"$log/decoded")
+  malformed=$(grep -ciE 'malformed|unknown or malformed' "$log/decoded")
+  printf '%d frames, %d malformed\n' "$frames" "$malformed"
+  grep -E 'SDO|NMT|PDO|EMCY' "$log/decoded" | head -n 3
+  ((frames > 50 && malformed == 0))
+}
+
+main() {
+  ip link add can0 type vcan && ip link set can0 up
+  "$servo" can0 1 "$sheet" &
+  "$servo" vcan0 5 "$sheet" &
+  "$servo" vcan1 6 "$sheet" &
+  sleep 2
+  candump -L can0 >"$log/can0.log" &
+  step 'can-utils, as the README prints it' can_utils
+  step 'host-sim can' tool
+  candump -L vcan1 >"$log/vcan1.log" &
+  NODE_PATH=$clients/node_modules step 'canopen (npm)' \
+    node tests/can/canopen_by_node.js vcan1 6 "$sheet"
+  step 'canmatrix' tests/can/live_by_dbc.py can0 1 firmware/canopen/smaservo.dbc "$host_sim"
+  step 'tshark, can-utils session' decoded "$log/can0.log"
+  step 'tshark, npm session' decoded "$log/vcan1.log"
+  step 'conformance, python-can' tests/can/conformance.py vcan0 5
+  sed -n '/^conformance/p' "$log/out"
+  return "$failed"
+}
+
+main

@@ -1,0 +1,216 @@
+#include <cmath>
+#include <gmock/gmock.h>
+
+#include "host-sim/can/network.hpp"
+#include "host-sim/can/recording.hpp"
+#include "host-sim/can/settings.hpp"
+#include "host-sim/can/status.hpp"
+#include "host-sim/can/step_test.hpp"
+#include "host-sim/can/text_plot.hpp"
+#include "host-sim/can/watch.hpp"
+#include "host-sim/output_file.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/host-sim/can/simulated_bus.hpp"
+
+namespace smaservo::can {
+namespace {
+
+using test::SimulatedBus;
+using testing::HasSubstr;
+
+constexpr Key gain{0x2100, 1};
+
+struct CanClient : testing::Test {
+  SimulatedBus bus;
+  SdoClient client{bus, SimulatedBus::node};
+  Remote remote{client};
+
+  void run(double seconds) {
+    CanFrame passing;
+    const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(seconds * 1e6);
+    while (bus.receive(passing, until_us)) {
+    }
+  }
+  template <class F>
+  static std::string refusal(F f) {
+    try {
+      f();
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+Bytes real_bytes(float value) {
+  Bytes bytes(4);
+  canopen::put_number(bytes, canopen::as_bits(value));
+  return bytes;
+}
+
+TEST_F(CanClient, AllKindsOfTransfersGiveTheSame) {
+  const Bytes name = client.upload({0x1008, 0});
+  EXPECT_EQ(std::string(name.begin(), name.end()), "smaservo");
+  EXPECT_EQ(client.upload_block({0x1008, 0}), name);
+  client.download(gain, real_bytes(3));
+  EXPECT_EQ(client.upload(gain), real_bytes(3));
+  client.download_segmented(gain, real_bytes(4));
+  EXPECT_EQ(client.upload(gain), real_bytes(4));
+  client.download_block(gain, real_bytes(5));
+  EXPECT_EQ(client.upload_block(gain), real_bytes(5));
+}
+
+TEST_F(CanClient, SaysWhatTheNodeRefuses) {
+  EXPECT_THAT(refusal([&] { client.upload({0x1FFF, 0}); }),
+              HasSubstr("1FFFh:0: refused: no such object (abort 06020000h)"));
+  EXPECT_THAT(refusal([&] { remote.set("limits.current_mA", "99000"); }),
+              HasSubstr("value too high (abort 06090031h); must be 1 to 20000 mA"));
+  EXPECT_EQ(remote.number("limits.current_A"), static_cast<double>(0.4F));
+  SdoClient nobody(bus, 9);
+  EXPECT_THAT(refusal([&] { nobody.upload({0x1000, 0}); }),
+              HasSubstr("node 9 on sim: 1000h:0: no answer within 0.5 s"));
+}
+
+// An answer that is lost costs this transfer, not the next one.
+TEST_F(CanClient, GoesOnAfterALostAnswer) {
+  for (int lost = 1; lost <= 3; ++lost) {
+    bus.lose_answer(lost);
+    EXPECT_THROW(client.upload({0x1008, 0}), SdoError) << lost;
+    bus.lose_answer(0);
+    EXPECT_EQ(client.upload({0x1008, 0}).size(), 8U);
+  }
+}
+
+// A segment of a block that is lost is asked for again.
+TEST_F(CanClient, BlocksRepeatWhatWasLost) {
+  const RecordingPlan plan{{"temperature_K", "position_m"}, 0.5, 0, ""};
+  arm_recorder(remote, plan);
+  run(0.6);
+  remote.set("recorder.command", "0");
+  const Bytes whole = client.upload_block({0x2300, 11});
+  ASSERT_GT(whole.size(), 4000U);
+  for (const int lost : {2, 60, 128, 129, 300}) {
+    bus.lose_answer(lost);
+    EXPECT_EQ(client.upload_block({0x2300, 11}), whole) << lost;
+  }
+}
+
+TEST_F(CanClient, SetsAreInForceTogetherOrNotAtAll) {
+  const auto change = [](const char* name, const char* value) {
+    const KnownObject object = find_object(name);
+    return Change(object, value_bytes(object, value));
+  };
+  remote.change({change("limits.current_mA", "300"), change("strain.proportional_W", "6")});
+  EXPECT_EQ(remote.text("limits.current_mA"), "300");
+  EXPECT_EQ(remote.number("strain.proportional_W"), 6);
+  const std::string why = refusal([&] {
+    remote.change({change("limits.current_A", "0.55"), change("trips.current_A", "0.3")});
+  });
+  EXPECT_THAT(why, HasSubstr("nothing has changed: limits.current_A (2020h:2) = 0.55"));
+  EXPECT_EQ(remote.text("limits.current_mA"), "300");
+  EXPECT_EQ(remote.text("tuning.state"), "0");
+}
+
+TEST_F(CanClient, SettingsComeBackFromAFile) {
+  const Settings<double> before = read_settings(remote);
+  EXPECT_TRUE(same_settings(before, stored_settings<double>(bus.servo().servo().settings())));
+  remote.set("limits.power_W", "1.25");
+  const auto all = differences(before, read_settings(remote));
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].row->path.text(), "limits.power_W");
+  restore(remote, all);
+  EXPECT_TRUE(differences(before, read_settings(remote)).empty());
+}
+
+TEST_F(CanClient, MovesAndStops) {
+  run(0.5);
+  EXPECT_THAT(refusal([&] { remote.move(800, 5); }), HasSubstr("is not enabled"));
+  remote.enable();
+  remote.move(800, 5);
+  EXPECT_NEAR(remote.number("6064"), 800, 120);
+  EXPECT_GT(bus.servo().rig().flowing_A, 0);
+  remote.disable();
+  run(0.01);
+  EXPECT_EQ(bus.servo().rig().flowing_A, 0);
+}
+
+TEST_F(CanClient, JudgesAStep) {
+  run(0.5);
+  const StepRun step = run_step(remote, {.amplitude_um = 600, .seconds = 1});
+  const StepResult result = judge(step);
+  EXPECT_GT(result.figures.rise_s, 0.005);
+  EXPECT_LT(result.figures.rise_s, 0.5);
+  EXPECT_LT(result.figures.error_percent, 10);
+  EXPECT_GT(result.peak_K, 320);
+  // It was off before.
+  EXPECT_EQ(static_cast<unsigned>(remote.number("6041")) & 0x4FU, 0x40U);
+  // What a file keeps gives the same figures.
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("step.csv", to_csv(step.recording));
+  const StepResult again = judge(load_step(file));
+  EXPECT_NEAR(again.figures.rise_s, result.figures.rise_s, 1e-6);
+  EXPECT_NEAR(again.figures.error_percent, result.figures.error_percent, 0.01);
+  EXPECT_THAT(step_text({step}, {"now"}), HasSubstr("now"));
+}
+
+TEST_F(CanClient, FindsWhoIsThere) {
+  const FoundNodes found = scan(bus, 200'000);
+  ASSERT_EQ(found.nodes.size(), 1U);
+  EXPECT_EQ(found.nodes[0].node, SimulatedBus::node);
+  EXPECT_EQ(found.nodes[0].device_type & 0xFFFFU, 402U);
+  EXPECT_FALSE(found.without_id);
+  EXPECT_THAT(info_text(remote), HasSubstr("Switch on disabled"));
+  EXPECT_THAT(faults_text(remote), HasSubstr("latched       none"));
+}
+
+TEST_F(CanClient, WatchShowsRows) {
+  std::string text;
+  watch(remote, {{"live.temperature_K", "6041"}, 0.05, 3, "live.temperature_K"}, false,
+        [&](const std::string& part) { text += part; });
+  EXPECT_TRUE(text.starts_with("time_s,live.temperature_K,Statusword\n0.0"));
+  EXPECT_THAT(text, HasSubstr("\n0.10"));
+}
+
+TEST(CanObjects, AreFoundByNameUnitAndKey) {
+  EXPECT_EQ(find_object("strain.proportional_W").key, gain);
+  EXPECT_EQ(find_object("2100:1").name, "strain.proportional_W");
+  EXPECT_EQ(find_object("0x2100:1").key, gain);
+  EXPECT_EQ(find_object("2100h:1").key, gain);
+  EXPECT_EQ(value_bytes(find_object("limits.current_mA"), "250"), real_bytes(0.25F));
+  EXPECT_EQ(value_text(find_object("limits.current_mA"), real_bytes(0.25F)), "250");
+  EXPECT_EQ(find_object("5FFF:2").type, canopen::Type::octets);
+  EXPECT_THROW(find_object("limits.currnt_A"), UserError);
+  EXPECT_THROW(value_bytes(find_object("6040"), "65536"), UserError);
+  EXPECT_THROW(value_bytes(find_object("6060"), "-129"), UserError);
+  EXPECT_THROW(value_bytes(find_object("limits.current_A"), "0.1x"), UserError);
+}
+
+// Every object reads back what it writes as text.
+TEST(CanObjects, TextsComeBack) {
+  for (const KnownObject& object : known_objects()) {
+    const std::size_t size = canopen::size_of(object.type);
+    if (size == 0) continue;
+    const Bytes one = object.type == canopen::Type::real ? real_bytes(1.5F) : Bytes(size, 0);
+    const std::string text = value_text(object, one);
+    EXPECT_EQ(value_bytes(object, text), one) << object.name << ' ' << text;
+  }
+}
+
+TEST(CanTextPlot, DrawsARise) {
+  const std::vector<double> values{0, 1, 2, std::nan("")};
+  EXPECT_EQ(text_plot(values, 10, 3), "         2 |  *\n           | *\n         0 |*\n");
+  EXPECT_EQ(text_plot({}, 10, 3), "");
+}
+
+TEST(CanFrames, AreSaidInWords) {
+  EXPECT_EQ(frame_text({.id = 0, .length = 2, .data = {1, 5}}), "NMT: start, node 5");
+  EXPECT_EQ(frame_text({.id = 0x705, .length = 1, .data = {0x7F}}),
+            "heartbeat of 5: pre-operational");
+  EXPECT_THAT(frame_text({.id = 0x85, .length = 8, .data = {0x30, 0x81, 0x11}}),
+              HasSubstr("EMCY of 5: 8130h"));
+  EXPECT_THAT(frame_text({.id = 0x585, .length = 8, .data = {0x80, 0, 0x10, 0, 0, 0, 2, 6}}),
+              HasSubstr("06020000h no such object"));
+}
+
+}  // namespace
+}  // namespace smaservo::can
