@@ -164,6 +164,7 @@ run_test() {
     fi
   done
   if (($# > 1)); then
+    timed board board_all
     timed check run_check
   fi
   printf '\n'
