@@ -216,6 +216,7 @@ image() {
 # guest ARCHITECTURE real|virtual IMAGE NAME SECONDS SCRIPT [ARGUMENT,...] [-- KERNEL'S PARAMETERS]:
 # boots it, ends with its exit code; 124: hung, 125: it has not said how it went. In virtual time an
 # instruction takes 2 ns, idle time passes at once, and the same image does the same to the bit.
+# $board_devices: more of qemu's arguments.
 guest() {
   local architecture=$1 time=$2 image=$3 name=$4 limit=$5 script=$6 arguments=${7:-} extra=${8:-}
   local folder=$board/guests/$name kernel=$board/$architecture code
@@ -240,7 +241,8 @@ guest() {
       line+=' nokaslr norandmaps randomize_kstack_offset=off'
       ;;
   esac
-  timeout -k 5 "$limit" "${qemu[@]}" -m 512 -nodefaults -no-user-config -display none -no-reboot \
+  # shellcheck disable=SC2086 # several arguments
+  timeout -k 5 "$limit" "${qemu[@]}" ${board_devices:-} -m 512 -nodefaults -no-user-config -display none -no-reboot \
     -kernel "$kernel/boot/vmlinuz-$(<"$kernel/RELEASE")" -initrd "$board/guests/$image/root.img" \
     -append "$line" -serial "file:$folder/console.log" >"$folder/qemu.log" 2>&1
   code=$?

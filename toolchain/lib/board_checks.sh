@@ -4,11 +4,24 @@
 # NAME|what it is; the longest first, as two run at a time
 board_checks() {
   cat <<'END'
+can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
 guest|exit codes come back, a hang and silence are failures
 END
 }
 
 build_for_board() { build release board_programs; }
+
+programs=$root/build/release/tests/board
+
+board_check_can() {
+  local tools
+  tools="$(command -v candump):/usr/bin/candump $(command -v cansend):/usr/bin/cansend"
+  # shellcheck disable=SC2086 # two files
+  image amd64 can 'vcan can-raw kvaser_pci' "$programs/board_tests:/board_tests" $tools \
+    "$(command -v ip):/usr/sbin/ip" || return
+  board_devices='-object can-bus,id=bus -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus' \
+    guest amd64 real can can 60 tests Can
+}
 
 board_check_guest() {
   local expected code
