@@ -7,17 +7,9 @@
 #include "firmware/device.hpp"
 #include "hal/sim/pair.hpp"
 #include "host-sim/closed_loop_scenario.hpp"
+#include "host-sim/turn.hpp"
 
 namespace smaservo {
-
-/// One step: what went in, what came out, and what was true when the sample was taken.
-struct Turn {
-  double time_s;
-  Inputs<double> inputs;
-  Command<double> command;
-  Output<double> output;
-  SimTruth truth;
-};
 
 /// The second wire of a pair, at the same instant.
 struct OtherWire {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "host-sim/commands.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/scenario_tables.hpp"
 #include "host-sim/settings_file.hpp"

@@ -7,18 +7,6 @@
 
 namespace smaservo {
 
-std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
-  std::vector<Override> settings;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw UserError(fmt::format("--set {}: must be key=value", text));
-    }
-    settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
-  }
-  return settings;
-}
-
 void require(const char* option, const std::optional<double>& value, double low, double high) {
   if (value && !(*value >= low && *value <= high)) {
     throw UserError(fmt::format("{} {}: must be between {} and {}", option, *value, low, high));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "model/wires/wire_file.hpp"
+#include "host-sim/settings_file.hpp"
 
 namespace smaservo {
 
@@ -21,9 +21,6 @@ void add_replay_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_tune_command(CLI::App& app);
 void add_wires_command(CLI::App& app);
-
-/// The meaning of --set in all of them: "key=value" split. Throws UserError.
-std::vector<Override> parse_settings(const std::vector<std::string>& texts);
 
 /// A number that an option may give, by its range. Throws UserError.
 void require(const char* option, const std::optional<double>& value, double low, double high);

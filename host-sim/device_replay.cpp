@@ -11,10 +11,12 @@
 #include <optional>
 #include <string_view>
 
+#include "firmware/adopt.hpp"
 #include "firmware/board_io.hpp"
 #include "hal/replay/board.hpp"
-#include "host-sim/device_names.hpp"
+#include "host-sim/device_log.hpp"
 #include "host-sim/device_trace.hpp"
+#include "host-sim/output_file.hpp"
 #include "host-sim/progress.hpp"
 
 namespace smaservo {
@@ -22,115 +24,6 @@ namespace {
 
 constexpr double shortest_step_s = 1e-4;
 constexpr double longest_step_s = 20e-3;
-
-/// The texts of a row's fields.
-void split(std::string_view row, std::vector<std::string_view>& fields) {
-  fields.clear();
-  for (;;) {
-    const std::size_t comma = row.find(',');
-    fields.push_back(row.substr(0, comma));
-    if (comma == std::string_view::npos) {
-      return;
-    }
-    row.remove_prefix(comma + 1);
-  }
-}
-
-constexpr std::size_t missing = std::numeric_limits<std::size_t>::max();
-
-/// Commands from a trace's columns.
-class CommandReader {
- public:
-  CommandReader(const std::string& trace, const std::vector<std::string>& names) : trace_(trace) {
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const auto found = std::ranges::find(names, columns.at(i));
-      positions_.at(i) =
-          found == names.end() ? missing : static_cast<std::size_t>(found - names.begin());
-    }
-    for (const Which which : {mode, setpoint, arm}) {
-      if (positions_.at(which) == missing) {
-        throw UserError(fmt::format(
-            "{}: has no column {}; a device is replayed from command_mode, command_setpoint and "
-            "command_arm, as simulate writes them",
-            trace, columns.at(which)));
-      }
-    }
-  }
-
-  Command<double> read(const std::vector<std::string_view>& fields, double time_s) const {
-    const auto number = [&](Which which, double otherwise) {
-      return positions_.at(which) == missing
-                 ? otherwise
-                 : parse(fields.at(positions_.at(which)), which, time_s);
-    };
-    Command<double> command;
-    const std::string_view name = fields.at(positions_.at(mode));
-    const std::optional<Mode> known = mode_of(name);
-    if (!known) {
-      fail(mode, name, "is no mode", time_s);
-    }
-    command.mode = *known;
-    command.setpoint = number(setpoint, 0);
-    command.fresh = number(fresh, 1) != 0;
-    command.arm = number(arm, 0) != 0;
-    command.clear_faults = number(clear, 0) != 0;
-    command.scale = {number(proportional, 1), number(integral, 1), number(derivative, 1)};
-    return command;
-  }
-  FaultSet external(const std::vector<std::string_view>& fields, double time_s) const {
-    if (positions_.at(faults) == missing) {
-      return {};
-    }
-    const std::string_view names = fields.at(positions_.at(faults));
-    const std::optional<FaultSet> known = named_faults(names);
-    if (!known) {
-      fail(faults, names, "has a fault that firmware/FAULTS.md does not know", time_s);
-    }
-    return *known;
-  }
-  bool late(const std::vector<std::string_view>& fields, double time_s) const {
-    return positions_.at(deadline) != missing &&
-           parse(fields.at(positions_.at(deadline)), deadline, time_s) != 0;
-  }
-
- private:
-  enum Which : unsigned char {
-    mode,
-    setpoint,
-    arm,
-    fresh,
-    clear,
-    proportional,
-    integral,
-    derivative,
-    deadline,
-    faults
-  };
-  static constexpr std::array<std::string_view, 10> columns{
-      "command_mode",    "command_setpoint",     "command_arm",      "command_fresh",
-      "command_clear",   "command_proportional", "command_integral", "command_derivative",
-      "deadline_missed", "external_faults"};
-
-  [[noreturn]] void fail(Which which, std::string_view field, const char* what,
-                         double time_s) const {
-    throw UserError(
-        fmt::format("{}: at {} s: {} = '{}' {}", trace_, time_s, columns.at(which), field, what));
-  }
-
-  double parse(std::string_view field, Which which, double time_s) const {
-    double value = 0;
-    const char* const begin = field.data();
-    const char* const stop = begin + field.size();
-    const auto [at, error] = std::from_chars(begin, stop, value);
-    if (error != std::errc{} || at != stop || !std::isfinite(value)) {
-      fail(which, field, "is not a finite number", time_s);
-    }
-    return value;
-  }
-
-  const std::string& trace_;
-  std::array<std::size_t, columns.size()> positions_{};
-};
 
 /// The finite number that a text is, all of it; none for other texts.
 std::optional<double> number_in(std::string_view text) {
@@ -267,6 +160,16 @@ double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std
   return dt_s;
 }
 
+void change_parameters(const DeviceLog& log, const std::vector<std::string_view>& fields,
+                       double time_s, Prepared<double>& prepared, Device<double>::State& device) {
+  Settings<double> settings = prepared.settings;
+  if (log.change(fields, time_s, settings)) {
+    const Prepared<double> next = prepare(settings);
+    adopt(prepared, next, device);
+    prepared = next;
+  }
+}
+
 }  // namespace
 
 DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
@@ -274,7 +177,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   trace_options.device = true;
   TraceReader reader(options.trace, trace_options);
   const std::vector<std::string> names = reader.names();
-  const CommandReader commands(options.trace, names);
+  const DeviceLog log(options.trace, names);
   Comparison comparison(names, options.tolerance);
   std::unique_ptr<ReplayFile> file;
   if (!options.out.empty()) {
@@ -283,7 +186,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   Progress progress("replay", reader.file_size());
   ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
                     options.settings.wire.geometry.area_m2());
-  const Prepared<double> prepared = prepare(options.settings);
+  const auto prepared = std::make_unique<Prepared<double>>(prepare(options.settings));
   Device<double>::State device = Device<double>::start();
   DeviceReplayResult result;
   std::vector<std::string_view> fields;
@@ -297,12 +200,13 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
                             : step_s(options.trace, turn.time_s, last_ns, frame.time_ns);
     last_ns = frame.time_ns;
     turn.time_s = static_cast<double>(frame.time_ns) / 1e9;
-    split(board.row().text, fields);
+    split_fields(board.row().text, fields);
+    change_parameters(log, fields, turn.time_s, *prepared, device);
     turn.inputs = inputs_of<double>(frame, status);
-    turn.inputs.deadline_missed = commands.late(fields, turn.time_s);
-    turn.inputs.external = commands.external(fields, turn.time_s);
-    turn.command = commands.read(fields, turn.time_s);
-    turn.output = Device<double>::step(prepared, device, turn.inputs, turn.command, dt_s);
+    turn.inputs.deadline_missed = log.late(fields, turn.time_s);
+    turn.inputs.external = log.external(fields, turn.time_s);
+    turn.command = log.command(fields, turn.time_s);
+    turn.output = Device<double>::step(*prepared, device, turn.inputs, turn.command, dt_s);
     comparison.add(turn, fields);
     if (file) {
       file->add(turn, fields);

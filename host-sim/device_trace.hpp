@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host-sim/closed_loop.hpp"
 #include "host-sim/output_file.hpp"
+#include "host-sim/turn.hpp"
 
 namespace smaservo {
 

@@ -291,6 +291,18 @@ Settings<double> parse_settings_file(std::string_view text, const std::string& o
   return settings;
 }
 
+std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
+  std::vector<Override> settings;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw UserError(fmt::format("--set {}: must be key=value", text));
+    }
+    settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return settings;
+}
+
 Settings<double> load_settings_file(const std::string& path,
                                     const std::vector<Override>& overrides) {
   const std::ifstream in(path, std::ios::binary);

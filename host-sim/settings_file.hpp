@@ -32,6 +32,9 @@ Settings<double> parse_settings_file(std::string_view text, const std::string& o
                                      const std::vector<Override>& overrides = {},
                                      const std::filesystem::path& folder = ".");
 
+/// The meaning of --set: "key=value" split. Throws UserError.
+std::vector<Override> parse_settings(const std::vector<std::string>& texts);
+
 /// Every parameter, in SI; read back it gives the same floats. Settings must have a wire.
 std::string to_toml(const Settings<double>& settings);
 

@@ -1,7 +1,11 @@
 #include "host-sim/settings_text.hpp"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <optional>
 
 namespace smaservo {
 namespace {
@@ -12,6 +16,29 @@ std::string shortest(float value) {
   return static_cast<float>(std::stod(text)) == value
              ? text
              : fmt::format("{}", static_cast<double>(value));
+}
+
+std::optional<Value> value_of(const Parameter<double>& row, std::string_view text) {
+  const auto stop = text.data() + text.size();
+  if (row.type == ValueType::real) {
+    float value = 0;
+    const auto [at, error] = std::from_chars(text.data(), stop, value);
+    return error == std::errc{} && at == stop ? std::optional(Value::real(value)) : std::nullopt;
+  }
+  if (row.type == ValueType::number) {
+    std::uint32_t value = 0;
+    const auto [at, error] = std::from_chars(text.data(), stop, value);
+    return error == std::errc{} && at == stop ? std::optional(Value::number(value)) : std::nullopt;
+  }
+  static constexpr std::array<std::string_view, 2> flags{"false", "true"};
+  const std::span<const std::string_view> names =
+      row.type == ValueType::choice ? row.choices : std::span<const std::string_view>(flags);
+  for (std::uint32_t i = 0; i < names.size(); ++i) {
+    if (names[i] == text) {
+      return Value::number(i);
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -54,6 +81,39 @@ std::string range_text(const Parameter<double>& row) {
       break;
   }
   return fmt::format("{} to {}", value_text(row, row.least), value_text(row, row.greatest));
+}
+
+std::string changes_text(const Settings<double>& from, const Settings<double>& to) {
+  std::string text;
+  for (const Parameter<double>& row : parameters<double>) {
+    const Value value = row.get(to);
+    if (row.get(from) != value) {
+      text +=
+          fmt::format("{}{}={}", text.empty() ? "" : ";", row.path.text(), value_text(row, value));
+    }
+  }
+  return text;
+}
+
+std::string apply_changes(std::string_view text, Settings<double>& settings) {
+  Settings<double> changed = settings;
+  while (!text.empty()) {
+    const std::string_view one = text.substr(0, text.find(';'));
+    text.remove_prefix(std::min(text.size(), one.size() + 1));
+    const std::size_t equals = std::min(one.find('='), one.size());
+    const std::size_t i = find_parameter(one.substr(0, equals));
+    if (i == no_parameter) {
+      return fmt::format("has an unknown parameter '{}'", one.substr(0, equals));
+    }
+    const std::string_view said = one.substr(std::min(equals + 1, one.size()));
+    const std::optional<Value> value = value_of(parameters<double>[i], said);
+    if (!value) {
+      return fmt::format("has a value that {} can not have: '{}'", one.substr(0, equals), said);
+    }
+    parameters<double>[i].set(changed, *value);
+  }
+  settings = changed;
+  return {};
 }
 
 }  // namespace smaservo
