@@ -5,6 +5,7 @@
 board_checks() {
   cat <<'END'
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
+silicon|the test module: one-shot, PWM, enable line, ADC
 guest|exit codes come back, a hang and silence are failures
 END
 }
@@ -20,7 +21,24 @@ board_check_can() {
   image amd64 can 'vcan can-raw kvaser_pci' "$programs/board_tests:/board_tests" $tools \
     "$(command -v ip):/usr/sbin/ip" || return
   board_devices='-object can-bus,id=bus -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus' \
-    guest amd64 real can can 60 tests Can
+    guest amd64 virtual can can 60 tests Can
+}
+
+# loop_image NAME FILE:PLACE...: with what a closed loop needs.
+loop_image() {
+  local name=$1 tool
+  local -a files=()
+  shift
+  for tool in candump cansend cangen gpioset gpioget gpiodetect cyclictest; do
+    files+=("$(command -v "$tool"):/usr/bin/$tool")
+  done
+  image amd64 "$name" 'configfs vcan can-raw gpio-sim testboard iio-trig-hrtimer' \
+    "$programs/plant:/plant" "$root/host-sim/scenarios:/scenario" \
+    "$(command -v ip):/usr/sbin/ip" "${files[@]}" "$@"
+}
+
+board_check_silicon() {
+  loop_image silicon && guest amd64 virtual silicon silicon 60 silicon
 }
 
 board_check_guest() {

@@ -232,9 +232,6 @@ static int drive_probe(struct platform_device *p)
 		return -ENOMEM;
 	if (IS_ERR(c))
 		return PTR_ERR(c);
-	r = devm_add_action(&p->dev, heat_off, NULL);
-	if (r)
-		return r;
 	*g = (struct gpio_chip){ .label = "testboard", .parent = &p->dev, .owner = THIS_MODULE, .base = -1,
 				 .ngpio = LINES, .names = names, .get_direction = line_direction,
 				 .direction_output = line_out, .get = line_get, .set = line_set };
@@ -242,7 +239,8 @@ static int drive_probe(struct platform_device *p)
 	if (r)
 		return r;
 	c->ops = &pwm_ops;
-	return devm_pwmchip_add(&p->dev, c);
+	r = devm_pwmchip_add(&p->dev, c);
+	return r ?: devm_add_action(&p->dev, heat_off, NULL);
 }
 
 /* ---- /dev/testboard: the plant's side ---- */
