@@ -94,6 +94,20 @@ bool is_closed_loop(const std::filesystem::path& path) {
   return TomlFile(path).root().has("device");
 }
 
+ClosedLoopScenario standard_closed_loop(const Settings<double>& settings) {
+  static const toml::table empty;
+  const std::string name = "standard";
+  Table root(empty, "", name);
+  Table plant(empty, "", name);
+  ClosedLoopScenario scenario{};
+  scenario.name = name;
+  scenario.seed = 1;
+  scenario.settings = settings;
+  scenario.plant = {PlantFamily::ihyp, load_wire(std::string(default_wire)), 0.5, {}, 1};
+  scenario.board = read_board(root, plant, scenario);
+  return scenario;
+}
+
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path) {
   const TomlFile file(path);
   Table root = file.root();

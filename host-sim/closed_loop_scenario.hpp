@@ -39,6 +39,10 @@ struct ClosedLoopScenario {
 /// Whether a scenario file is one of these: it has a [device] table. Throws UserError.
 bool is_closed_loop(const std::filesystem::path& path);
 
+/// This device on a wire of the default kind, with a good front end, under 150 MPa, without a
+/// program.
+ClosedLoopScenario standard_closed_loop(const Settings<double>& settings);
+
 /// Throws UserError or WireError: names file, line, key, value and what is allowed.
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path);
 

@@ -112,31 +112,40 @@ std::span<const DeviceColumn> truth_columns() {
   return truths;
 }
 
-DeviceTraceFile::DeviceTraceFile(const std::string& path, Columns columns,
-                                 const std::vector<std::string>& further)
-    : file_(path), columns_(std::move(columns)) {
+DeviceRows::DeviceRows(Columns columns, const std::vector<std::string>& further)
+    : columns_(std::move(columns)) {
   for (const DeviceColumn& column : columns_) {
-    buffer_ += buffer_.empty() ? "" : ",";
-    buffer_ += column.name;
+    header_ += header_.empty() ? "" : ",";
+    header_ += column.name;
   }
   for (const std::string& name : further) {
-    buffer_ += ',' + name;
+    header_ += ',' + name;
   }
-  buffer_ += '\n';
+  header_ += '\n';
+}
+
+void DeviceRows::append(std::string& to, const Turn& turn, std::string_view further) const {
+  bool first = true;
+  for (const DeviceColumn& column : columns_) {
+    if (!first) {
+      to += ',';
+    }
+    first = false;
+    column.write(to, turn);
+  }
+  to += further;
+  to += '\n';
+}
+
+DeviceTraceFile::DeviceTraceFile(const std::string& path, Columns columns,
+                                 const std::vector<std::string>& further)
+    : file_(path), rows_(std::move(columns), further) {
+  buffer_ = rows_.header();
   buffer_.reserve(2 * buffer_size);
 }
 
 void DeviceTraceFile::add(const Turn& turn, std::string_view further) {
-  bool first = true;
-  for (const DeviceColumn& column : columns_) {
-    if (!first) {
-      buffer_ += ',';
-    }
-    first = false;
-    column.write(buffer_, turn);
-  }
-  buffer_ += further;
-  buffer_ += '\n';
+  rows_.append(buffer_, turn, further);
   if (buffer_.size() >= buffer_size) {
     file_.write(buffer_);
     buffer_.clear();

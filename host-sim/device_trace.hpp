@@ -28,10 +28,22 @@ std::span<const DeviceColumn> truth_columns();
 
 void append_number(std::string& to, double value);
 
-/// Writes rows of such columns.
+/// Rows of such columns as text. Further columns come as texts, each with a comma before it.
+class DeviceRows {
+ public:
+  DeviceRows(std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
+
+  const std::string& header() const { return header_; }
+  void append(std::string& to, const Turn& turn, std::string_view further) const;
+
+ private:
+  std::vector<DeviceColumn> columns_;
+  std::string header_;
+};
+
+/// Writes them.
 class DeviceTraceFile {
  public:
-  /// Further columns come as texts, each with a comma before it.
   DeviceTraceFile(const std::string& path, std::vector<DeviceColumn> columns,
                   const std::vector<std::string>& further);
 
@@ -40,7 +52,7 @@ class DeviceTraceFile {
 
  private:
   OutputFile file_;
-  std::vector<DeviceColumn> columns_;
+  DeviceRows rows_;
   std::string buffer_;
 };
 

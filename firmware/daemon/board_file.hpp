@@ -1,0 +1,54 @@
+#pragma once
+// The board file: which devices a Linux board has, and what their codes mean. README.md has the
+// keys, hal/linux/boards/ has examples.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "firmware/daemon/realtime.hpp"
+#include "firmware/settings.hpp"
+#include "hal/linux/ads131m04_digitizer.hpp"
+#include "hal/linux/board.hpp"
+#include "hal/linux/iio.hpp"
+
+namespace smaservo {
+
+struct Ads131m04FrontEnd {
+  SpiSettings spi;
+  Ads131m04Settings settings;
+};
+
+struct BusSettings {
+  std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
+  unsigned node_id;
+  double partner_timeout_s;  ///< without a frame of the partner for so long: bus_lost
+};
+
+struct BoardFile {
+  std::string name;
+  std::string device;  ///< settings file
+  std::string folder;  ///< of the store
+  RealTimeSettings thread;
+  double greatest_current_A;  ///< the hardware's own limit
+  std::variant<Ads131m04FrontEnd, IioSettings> front_end;
+  Calibration calibration;
+  std::array<SlowSensor, SlowSensors::count> slow;
+  std::variant<IioDacSettings, SpiDacSettings, PwmSettings> drive;
+  LinesSettings lines;
+  std::optional<BusSettings> bus;
+};
+
+/// Throws UserError: file, line, key, value and what is allowed.
+BoardFile load_board_file(const std::string& path);
+
+/// Each of these opens what the file names; all throw DeviceError.
+std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots);
+std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots);
+
+/// Whether settings are within what the board can do.
+bool within(const BoardFile& file, const Settings<double>& settings);
+
+}  // namespace smaservo

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+namespace smaservo {
+
+/// Of the command line.
+struct DaemonOptions {
+  std::string board = "/etc/smaservo/board.toml";  ///< file, "sim", "sim=FILE" or "replay=TRACE"
+  std::string device;                              ///< settings file; empty: the board's
+  std::string settings;                            ///< folder of the store; empty: the board's
+  std::string record;
+  std::string status;
+  double for_s = 0;  ///< 0: no end
+  bool check = false;
+  bool off = false;
+  bool json = false;
+  bool at_once = false;  ///< simulated time runs as fast as it can
+  bool real_time = true;
+};
+
+/// True: run; false: the exit code is in `code`.
+bool parse_options(int argc, char** argv, DaemonOptions& options, int& code);
+
+}  // namespace smaservo

@@ -1,0 +1,54 @@
+#pragma once
+// When the next turn of the loop is.
+
+#include <cstdint>
+
+namespace smaservo {
+
+struct Woke {
+  std::int64_t late_ns = 0;  ///< after the turn's time
+  std::uint64_t missed = 0;  ///< turns whose time passed while the one before still ran
+};
+
+/// Turns at multiples of the period from the first wait() on. Those that were missed are counted,
+/// never caught up. A clock has now_ns() and sleep_until(ns), both monotonic.
+template <class Clock>
+class Pace {
+ public:
+  static constexpr bool in_time = true;
+
+  explicit Pace(std::int64_t period_ns, Clock clock = {}) : clock_(clock), period_ns_(period_ns) {}
+
+  Woke wait() {
+    Woke woke;
+    const std::int64_t now_ns = clock_.now_ns();
+    if (!began_) {
+      began_ = true;
+      next_ns_ = now_ns;
+    }
+    next_ns_ += period_ns_;
+    if (next_ns_ <= now_ns) {
+      const std::int64_t missed = (now_ns - next_ns_) / period_ns_ + 1;
+      woke.missed = static_cast<std::uint64_t>(missed);
+      next_ns_ += missed * period_ns_;
+    }
+    clock_.sleep_until(next_ns_);
+    woke.late_ns = clock_.now_ns() - next_ns_;
+    return woke;
+  }
+
+ private:
+  Clock clock_;
+  std::int64_t period_ns_;
+  std::int64_t next_ns_ = 0;
+  bool began_ = false;
+};
+
+/// Of a recording, or of a simulation in its own time: at once.
+struct NoPace {
+  static constexpr bool in_time = false;  ///< who listens may keep the loop waiting
+
+  static Woke wait() { return {}; }
+};
+
+}  // namespace smaservo

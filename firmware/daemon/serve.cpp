@@ -1,0 +1,81 @@
+#include "firmware/daemon/serve.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+#include "firmware/daemon/replaying.hpp"
+#include "firmware/daemon/simulation.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/settings_file.hpp"
+
+namespace smaservo {
+namespace {
+
+std::string after_equals(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  return equals == std::string::npos ? "" : text.substr(equals + 1);
+}
+
+}  // namespace
+
+LoopTiming timing_of(const Settings<double>& settings, double for_s) {
+  const double period_s = settings.timing.period_s;
+  const std::int64_t period_ns = std::llround(period_s * 1e9);
+  return {.period_ns = period_ns,
+          .lease_ns = leased_periods * period_ns,
+          .from_zero = true,
+          .most_turns = static_cast<std::uint64_t>(std::llround(for_s / period_s))};
+}
+
+ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings) {
+  return {.board = options.board,
+          .settings = settings,
+          .settings_file = options.device,
+          .folder = options.settings,
+          .record = options.record,
+          .status = options.status,
+          .json = options.json,
+          .real_time = options.real_time,
+          .paced = true,
+          .thread = {}};
+}
+
+int serve_simulation(const DaemonOptions& options) {
+  const std::string file = after_equals(options.board);
+  ClosedLoopScenario scenario =
+      file.empty()
+          ? standard_closed_loop(options.device.empty()
+                                     ? settings_for(load_wire(std::string(default_wire)).wire)
+                                     : load_settings_file(options.device))
+          : load_closed_loop(file);
+  if (!file.empty() && !options.device.empty()) {
+    scenario.settings = load_settings_file(options.device);
+  }
+  const KeptSettings kept = keep_settings(options.settings, scenario.settings, true);
+  ServiceSetup setup = service_setup(options, kept.settings);
+  setup.real_time = options.real_time && !options.at_once;
+  setup.paced = !options.at_once;
+  Service service(std::move(setup));
+  service.links().faults.fetch_or(kept.faults.bits());
+  Simulation board(scenario);
+  Demonstration demonstration(kept.settings);
+  Partner& partner = scenario.program.empty() ? static_cast<Partner&>(demonstration) : board;
+  return serve(service, board, partner, timing_of(kept.settings, options.for_s), !options.at_once);
+}
+
+int serve_replay(const DaemonOptions& options) {
+  const std::string trace = after_equals(options.board);
+  const Settings<double> settings =
+      load_settings_file(options.device.empty() ? trace + ".toml" : options.device);
+  ServiceSetup setup = service_setup(options, settings);
+  setup.settings_file.clear();
+  setup.folder.clear();  // a recorded run leaves no mark, and takes no settings but its own
+  setup.real_time = setup.paced = false;
+  Service service(std::move(setup));
+  Replaying board(trace, settings, service.desk());
+  LoopTiming timing = timing_of(settings, options.for_s);
+  timing.from_zero = false;
+  return serve(service, board, board, timing, false);
+}
+
+}  // namespace smaservo

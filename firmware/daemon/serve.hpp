@@ -1,0 +1,36 @@
+#pragma once
+// From a command line to a board and its service.
+
+#include "firmware/daemon/kept_settings.hpp"
+#include "firmware/daemon/loop.hpp"
+#include "firmware/daemon/off_actions.hpp"
+#include "firmware/daemon/options.hpp"
+#include "firmware/daemon/service.hpp"
+
+namespace smaservo {
+
+/// Heat ends with the loop, but not with one lost turn of it.
+inline constexpr std::int64_t leased_periods = 3;
+
+/// Runs this board with this partner.
+template <Board B>
+int serve(Service& service, B& board, Partner& partner, const LoopTiming& timing, bool paced) {
+  const auto run = [&](auto pacing) {
+    Loop loop(board, pacing, service.axis(), partner, service.links(), service.figures(), timing);
+    return service.run(
+        {[&] { return loop.turn(); }, [&] { board.safe_off(); }, off_actions_of(board)});
+  };
+  return paced ? run(Pace<MonotonicClock>(timing.period_ns)) : run(NoPace{});
+}
+
+LoopTiming timing_of(const Settings<double>& settings, double for_s);
+ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings);
+
+/// All throw UserError, TraceError or WireError; the exit code.
+int serve_simulation(const DaemonOptions& options);
+int serve_replay(const DaemonOptions& options);
+int serve_board(const DaemonOptions& options);
+int check_board(const DaemonOptions& options);
+int switch_board_off(const DaemonOptions& options);
+
+}  // namespace smaservo

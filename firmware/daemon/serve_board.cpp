@@ -1,0 +1,138 @@
+#include <cstdlib>
+#include <fmt/format.h>
+#include <functional>
+
+#include "firmware/daemon/board_file.hpp"
+#include "firmware/daemon/serve.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/settings_file.hpp"
+
+namespace smaservo {
+namespace {
+
+/// Elsewhere for a test, which brings its own tree.
+LinuxRoots roots() {
+  LinuxRoots roots;
+  if (const char* const root = std::getenv("SMASERVO_ROOT")) {
+    roots = {std::string(root) + "/sys", std::string(root) + "/dev", std::string(root) + "/config"};
+  }
+  return roots;
+}
+
+Settings<double> unconfigured() {
+  return settings_for(load_wire(std::string(default_wire)).wire);
+}
+
+LinuxBoardParts open_parts(const BoardFile& file) {
+  const LinuxRoots where = roots();
+  LinuxBoardParts parts;
+  // Outputs first: they are off before anything else can fail.
+  parts.drive = open_drive(file, where);
+  parts.lines = open_lines(where, file.lines);
+  parts.slow = std::make_unique<SlowSensors>(where, file.slow);
+  parts.digitizer = open_front_end(file, where);
+  parts.calibration = file.calibration;
+  return parts;
+}
+
+/// One line of the report; false: it can not be opened.
+bool tried(const char* what, const std::function<void()>& open) {
+  try {
+    open();
+    fmt::print("{:<16} ok\n", what);
+    return true;
+  } catch (const DeviceError& error) {
+    fmt::print("{:<16} {}\n", what, error.what());
+    return false;
+  }
+}
+
+bool line_tried(const char* what, const LineSettings& line, LineSettings LinesSettings::* which) {
+  if (line.name.empty()) {
+    fmt::print("{:<16} the board has none\n", what);
+    return true;
+  }
+  LinesSettings one;
+  one.*which = line;
+  return tried(what, [&] { open_lines(roots(), one); });
+}
+
+}  // namespace
+
+int check_board(const DaemonOptions& options) {
+  const BoardFile file = load_board_file(options.board);
+  fmt::print("{}: {}\n", options.board, file.name);
+  bool ok = tried("drive", [&] { open_drive(file, roots()); });
+  ok = tried("front end", [&] { open_front_end(file, roots()); }) && ok;
+  ok = tried("sensors", [&] { const SlowSensors all(roots(), file.slow); }) && ok;
+  ok = line_tried("enable", file.lines.enable, &LinesSettings::enable) && ok;
+  ok = line_tried("kick", file.lines.kick, &LinesSettings::kick) && ok;
+  ok =
+      line_tried("emergency stop", file.lines.emergency_stop, &LinesSettings::emergency_stop) && ok;
+  ok = line_tried("driver fault", file.lines.driver_fault, &LinesSettings::driver_fault) && ok;
+  if (!file.device.empty()) {
+    try {
+      const Settings<double> settings = load_settings_file(file.device);
+      const bool fits = within(file, settings);
+      fmt::print("{:<16} {}\n", "settings",
+                 fits ? "ok" : "beyond the board: limits.current, drive.kind or a load cell");
+      ok = ok && fits;
+    } catch (const std::exception& error) {
+      fmt::print("{:<16} {}\n", "settings", error.what());
+      ok = false;
+    }
+  }
+  return ok ? 0 : 1;
+}
+
+int switch_board_off(const DaemonOptions& options) {
+  const BoardFile file = load_board_file(options.board);
+  const std::string folder = options.settings.empty() ? file.folder : options.settings;
+  // What systemd tells an ExecStopPost.
+  if (const char* const result = std::getenv("SERVICE_RESULT");
+      result != nullptr && std::string(result) != "success") {
+    try {
+      keep_service_result(folder, result);
+    } catch (const UserError& error) {
+      fmt::print(stderr, "smaservod: {}\n", error.what());
+    }
+  }
+  // Each by itself: what fails must not keep the other one on. To open them is to switch them off.
+  bool ok = true;
+  const auto off = [&](const std::function<void()>& open) {
+    try {
+      open();
+    } catch (const DeviceError& error) {
+      fmt::print(stderr, "smaservod: {}\n", error.what());
+      ok = false;
+    }
+  };
+  off([&] { open_drive(file, roots()); });
+  LinesSettings outputs;
+  outputs.enable = file.lines.enable;
+  outputs.kick = file.lines.kick;
+  off([&] { open_lines(roots(), outputs); });
+  return ok ? 0 : 1;
+}
+
+int serve_board(const DaemonOptions& options) {
+  const BoardFile file = load_board_file(options.board);
+  DaemonOptions with = options;
+  with.device = options.device.empty() ? file.device : options.device;
+  with.settings = options.settings.empty() ? file.folder : options.settings;
+  const bool configured = !with.device.empty();
+  KeptSettings kept = keep_settings(
+      with.settings, configured ? load_settings_file(with.device) : unconfigured(), configured);
+  fmt::print(stderr, "smaservod: {}\n", kept.said);
+  kept.faults.set(Fault::bad_configuration, !within(file, kept.settings));
+  LinuxBoard board(open_parts(file));
+  ServiceSetup setup = service_setup(with, kept.settings);
+  setup.board = file.name;
+  setup.thread = file.thread;
+  Service service(std::move(setup));
+  service.links().faults.fetch_or(kept.faults.bits());
+  NoPartner partner;
+  return serve(service, board, partner, timing_of(kept.settings, options.for_s), true);
+}
+
+}  // namespace smaservo

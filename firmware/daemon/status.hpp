@@ -1,0 +1,38 @@
+#pragma once
+// What a daemon says of itself: to a file once a second, and at its end.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/daemon/last_run.hpp"
+#include "firmware/daemon/links.hpp"
+#include "firmware/daemon/realtime.hpp"
+
+namespace smaservo {
+
+struct RecordingStatus {
+  std::string path;
+  std::uint64_t rows;
+  std::string problem;
+};
+
+struct Status {
+  std::string board;
+  std::int64_t period_ns;
+  const LoopFigures& figures;
+  const Output<double>& output;           ///< the newest
+  std::optional<PageFaults> page_faults;  ///< in the loop
+  std::optional<double> instructions;     ///< per turn
+  std::uint64_t guard_stops;              ///< times that the guard had to switch off
+  std::optional<RecordingStatus> recording;
+  std::string last_run;               ///< empty: nothing is kept
+  std::vector<std::string> warnings;  ///< of the machine
+};
+
+/// One line; names carry their units, null is what is not known.
+std::string status_json(const Status& status);
+/// For people.
+std::string status_text(const Status& status);
+
+}  // namespace smaservo

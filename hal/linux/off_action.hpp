@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace smaservo {
+
+/// One system call that switches an output off. Its data lives as long as the board.
+struct OffAction {
+  int descriptor;
+  unsigned long request;  ///< of ioctl(); 0: pwrite() at the beginning
+  void* data;
+  std::size_t size;  ///< of what is written
+};
+
+/// All of them, whatever fails. Safe in a signal handler.
+inline void switch_off(std::span<const OffAction> actions) {
+  for (const OffAction& action : actions) {
+    if (action.request != 0) {
+      ioctl(action.descriptor, action.request, action.data);
+    } else if (pwrite(action.descriptor, action.data, action.size, 0) < 0) {
+      continue;
+    }
+  }
+}
+
+}  // namespace smaservo
