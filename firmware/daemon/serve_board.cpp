@@ -3,7 +3,9 @@
 #include <functional>
 
 #include "firmware/daemon/board_file.hpp"
+#include "firmware/daemon/programmed.hpp"
 #include "firmware/daemon/serve.hpp"
+#include "host-sim/closed_loop_scenario.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_file.hpp"
 
@@ -131,8 +133,11 @@ int serve_board(const DaemonOptions& options) {
   setup.thread = file.thread;
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
-  NoPartner partner;
-  return serve(service, board, partner, timing_of(kept.settings, options.for_s), true);
+  std::unique_ptr<Partner> partner = std::make_unique<NoPartner>();
+  if (!options.program.empty()) {
+    partner = std::make_unique<Programmed>(load_closed_loop(options.program).program);
+  }
+  return serve(service, board, *partner, timing_of(kept.settings, options.for_s), true);
 }
 
 }  // namespace smaservo

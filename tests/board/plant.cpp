@@ -83,9 +83,12 @@ class Tail {
 
 class Plant {
  public:
+  /// Its drive chops the supply.
   explicit Plant(const ClosedLoopScenario& scenario)
       : file_(open("/dev/testboard", O_RDWR | O_CLOEXEC)),
-        board_(make_plant(scenario.plant), scenario.board) {
+        board_(make_plant(scenario.plant), scenario.board),
+        ambient_K_(scenario.board.surroundings.ambient_K),
+        supply_V_(scenario.board.surroundings.supply_V) {
     if (file_ < 0) throw std::runtime_error("no /dev/testboard");
   }
   ~Plant() { close(file_); }
@@ -100,7 +103,7 @@ class Plant {
     const double duty = output_.period_ns == 0 ? 0
                                                : static_cast<double>(output_.effective_ns) /
                                                      static_cast<double>(output_.period_ns);
-    board_.drive({duty * board_full_duty_A, 0, board_.now_ns() + 2 * step_ns});
+    board_.drive({0, duty * supply_V_, board_.now_ns() + 2 * step_ns});
     Frame frame{};
     if (board_.read(frame) == ReadStatus::frame) give(frame);
     const SimTruth truth = board_.truth();
@@ -120,7 +123,7 @@ class Plant {
     using namespace board_channels;
     const BoardCodes codes{{current.code(frame.current_A), voltage.code(frame.voltage_V),
                             load.code(frame.load_N), supply.code(frame.supply_V),
-                            ambient.code(frame.ambient_K), driver.code(frame.driver_K), 0, 0}};
+                            ambient.code(ambient_K_), driver.code(frame.driver_K), 0, 0}};
     if (write(file_, &codes, sizeof codes) != sizeof codes) {
       throw std::runtime_error("can not write /dev/testboard");
     }
@@ -128,6 +131,7 @@ class Plant {
 
   int file_;
   SimBoard board_;
+  double ambient_K_, supply_V_;
   BoardOutput output_{};
   double hottest_K_ = 0;
   Tail tail_;

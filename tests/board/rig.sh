@@ -1,17 +1,17 @@
 # Sourced by the scripts of guests: what stands on a board beside the daemon.
 # shellcheck shell=sh
 
-# Inputs of the board on gpio-sim, pulled up: the e-stop's loop is closed, the driver reports no fault.
+# Inputs of the board on gpio-sim, pulled down: the e-stop's loop is closed, the driver has no fault.
 make_inputs() {
   sim=/sys/kernel/config/gpio-sim/inputs
   mkdir -p $sim/bank0/line0 $sim/bank0/line1
   echo 2 >$sim/bank0/num_lines
   echo e-stop >$sim/bank0/line0/name
-  echo drive-ok >$sim/bank0/line1/name
+  echo drive-fault >$sim/bank0/line1/name
   echo 1 >$sim/live
   inputs=/sys/devices/platform/$(cat $sim/dev_name)/$(cat $sim/bank0/chip_name)
-  echo pull-up >"$inputs/sim_gpio0/pull"
-  echo pull-up >"$inputs/sim_gpio1/pull"
+  echo pull-down >"$inputs/sim_gpio0/pull"
+  echo pull-down >"$inputs/sim_gpio1/pull"
   export estop="$inputs/sim_gpio0/pull"
 }
 

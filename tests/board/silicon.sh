@@ -7,23 +7,23 @@ expect 'channels of the ADC' "$(find "$(iio_device)/" -name "in_voltage*_raw" | 
 pwm=$(pwm_chip)/pwm0
 echo 0 >"$(pwm_chip)/export"
 echo 50000 >"$pwm/period"
-echo 20000 >"$pwm/duty_cycle"
+echo 10000 >"$pwm/duty_cycle"
 echo 1 >"$pwm/enable"
 gpioset heat-enable=1 &
 echo $! >/tmp/enable
 gpioset --toggle 1ms heat-kick=1 &
 echo $! >/tmp/kick
-/plant /scenario/steps.toml 1 0.5 pid:/tmp/kick 9 >/tmp/plant
+/plant hold.toml 1 0.5 pid:/tmp/kick 9 >/tmp/plant
 cat /tmp/plant
 within 'the one-shot cuts' "$(sed -n 's/OFF after_us=\(.*\) by=one-shot.*/\1/p' /tmp/plant)" 6000 8000
 gpioset --toggle 1ms heat-kick=1 2>/dev/null &
 ends_at_once() {
-  /plant /scenario/steps.toml 0.8 0.2 "$2" "$3" >/tmp/plant
+  /plant hold.toml 0.8 0.2 "$2" "$3" >/tmp/plant
   cat /tmp/plant
   within "$1 ends it at once" "$(sed -n 's/OFF after_us=\(.*\) by=program.*/\1/p' /tmp/plant)" 0 200
 }
 ends_at_once 'the duty' "$pwm/duty_cycle" 0
-echo 20000 >"$pwm/duty_cycle"
+echo 10000 >"$pwm/duty_cycle"
 ends_at_once 'the PWM' "$pwm/enable" 0
 echo 1 >"$pwm/enable"
 ends_at_once 'the device that goes' /sys/bus/platform/drivers/testboard-drive/unbind testboard-drive

@@ -43,7 +43,4 @@ inline constexpr BoardChannel ambient{12, 100, 250};  // K
 inline constexpr BoardChannel driver{15, 100, 250};   // K
 }  // namespace board_channels
 
-/// The sink's current at full duty.
-inline constexpr double board_full_duty_A = 0.5;
-
 }  // namespace smaservo

@@ -47,7 +47,7 @@ image() {
   local kernel=$board/$architecture
   folder=$(mktemp -d)
   release=$(<"$kernel/RELEASE")
-  mkdir -p "$folder"/{bin,sbin,usr/{bin,sbin,lib},proc,sys,dev,tmp,run,etc,modules,board}
+  mkdir -p "$folder"/{bin,sbin,usr/{bin,sbin,lib},proc,sys,dev,tmp,run,etc,modules,tests/board}
   ln -s usr/lib "$folder/lib"
   ln -s usr/lib "$folder/lib64"
   busybox=$(command -v busybox)
@@ -69,7 +69,7 @@ image() {
     esac >"$folder/modules/$module.ko"
   done
   cp "$root/toolchain/board/init" "$folder/init"
-  cp "$root"/tests/board/*.sh "$folder/board/"
+  cp "$root"/tests/board/*.{sh,toml} "$folder/tests/board/"
   for file; do
     place=${file#*:}
     file=${file%%:*}

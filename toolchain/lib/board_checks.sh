@@ -5,6 +5,7 @@
 board_checks() {
   cat <<'END'
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
+loop|smaservod holds a strain through IIO, PWM and GPIO; stops; bad boards
 silicon|the test module: one-shot, PWM, enable line, ADC
 guest|exit codes come back, a hang and silence are failures
 END
@@ -33,8 +34,13 @@ loop_image() {
     files+=("$(command -v "$tool"):/usr/bin/$tool")
   done
   image amd64 "$name" 'configfs vcan can-raw gpio-sim testboard iio-trig-hrtimer' \
-    "$programs/plant:/plant" "$root/host-sim/scenarios:/scenario" \
+    "$programs/plant:/plant" "$programs/../../firmware/daemon/smaservod:/smaservod" \
+    "$root/host-sim/scenarios:/host-sim/scenarios" \
     "$(command -v ip):/usr/sbin/ip" "${files[@]}" "$@"
+}
+
+board_check_loop() {
+  loop_image loop && guest amd64 virtual loop loop 200 loop
 }
 
 board_check_silicon() {
