@@ -13,6 +13,7 @@ make_inputs() {
   echo pull-down >"$inputs/sim_gpio0/pull"
   echo pull-down >"$inputs/sim_gpio1/pull"
   export estop="$inputs/sim_gpio0/pull"
+  export driver_fault="$inputs/sim_gpio1/pull"
 }
 
 # Samples of the ADC's buffer at this rate.

@@ -20,5 +20,6 @@ servo() {
 }
 
 held_strain() { sed -n 's/^PLANT strain_percent=\([^ ]*\).*/\1/p' /tmp/plant.log; }
-stop_us() { sed -n "s/^OFF after_us=\([^ ]*\) by=${1:-[a-z-]*}: .*/\1/p" /tmp/plant.log; }
+stop_us() { sed -n 's/^OFF after_us=\([^ ]*\) .*/\1/p' /tmp/plant.log; }
+stopped_by() { sed -n 's/^OFF .* by=\([a-z-]*\): .*/\1/p' /tmp/plant.log; }
 first_cause() { sed -n 's/.*"first_cause":"\([a-z_]*\)".*/\1/p' /tmp/figures.json; }

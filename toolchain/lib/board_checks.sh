@@ -5,6 +5,8 @@
 board_checks() {
   cat <<'END'
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
+realtime|1 kHz on PREEMPT_RT in virtual time, twice the same; beside cyclictest
+overload|negative control: with artificial work in its way the same loop misses
 loop|smaservod holds a strain through IIO, PWM and GPIO; stops; bad boards
 silicon|the test module: one-shot, PWM, enable line, ADC
 guest|exit codes come back, a hang and silence are failures
@@ -34,13 +36,37 @@ loop_image() {
     files+=("$(command -v "$tool"):/usr/bin/$tool")
   done
   image amd64 "$name" 'configfs vcan can-raw gpio-sim testboard iio-trig-hrtimer' \
-    "$programs/plant:/plant" "$programs/../../firmware/daemon/smaservod:/smaservod" \
+    "$programs/plant:/plant" "$programs/busy:/busy" "$programs/../../firmware/daemon/smaservod:/smaservod" \
     "$root/host-sim/scenarios:/host-sim/scenarios" \
     "$(command -v ip):/usr/sbin/ip" "${files[@]}" "$@"
 }
 
 board_check_loop() {
-  loop_image loop && guest amd64 virtual loop loop 200 loop
+  loop_image loop && guest amd64 virtual loop loop 580 loop && keep_table loop
+}
+
+# The lines of a guest that are a table.
+keep_table() {
+  sed -n 's/^TABLE //p' "$board/guests/$1/console.log" >"$board/results/$1.txt"
+}
+
+board_check_realtime() {
+  loop_image realtime || return
+  guest amd64 virtual realtime realtime 580 realtime &
+  local first=$!
+  guest amd64 virtual realtime realtime-again 580 realtime
+  local again=$?
+  wait "$first" && ((again == 0)) || return
+  keep_table realtime
+  if ! cmp "$board"/guests/realtime{,-again}/console.log; then
+    say 'two runs of one image differ'
+    diff "$board"/guests/realtime{,-again}/console.log
+    return 1
+  fi
+}
+
+board_check_overload() {
+  loop_image overload && guest amd64 virtual overload overload 580 realtime 1500
 }
 
 board_check_silicon() {
