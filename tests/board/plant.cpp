@@ -185,6 +185,7 @@ int simulate(const std::vector<std::string>& arguments) {
   for (std::int64_t i = 0; i < steps; ++i) {
     sleep_until(begin_ns + i * step_ns);
     plant.step();
+    if (i == 0) std::puts("READY");
     watch.count(plant.output());
     watch.look(plant.output());
     if (next < happenings.size() &&

@@ -5,12 +5,16 @@
 # /tmp/daemon.log, /tmp/plant.log, /tmp/status.json and the daemon's exit code.
 servo() {
   rm -f /tmp/status.json
+  /plant hold.toml "$@" >/tmp/plant.log &
+  plant=$!
+  # The daemon's first readings are of this wire.
+  while ! grep -q READY /tmp/plant.log && kill -0 $plant; do sleep 0.01; done
   # shellcheck disable=SC2086 # several arguments
   /smaservod --board board.toml --program hold.toml --status /tmp/status.json --json \
     ${daemon_arguments:-} >/tmp/figures.json 2>/tmp/daemon.log &
   daemon=$!
   echo "$daemon" >/tmp/daemon
-  /plant hold.toml "$@" >/tmp/plant.log
+  wait $plant
   kill -CONT "$daemon" 2>/dev/null
   kill "$daemon" 2>/dev/null
   wait "$daemon"

@@ -6,6 +6,7 @@ board_checks() {
   cat <<'END'
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
 realtime|1 kHz on PREEMPT_RT in virtual time, twice the same; beside cyclictest
+hardship|kill -9, crash, SIGSTOP, full disk, no memory in mid-heating
 overload|negative control: with artificial work in its way the same loop misses
 loop|smaservod holds a strain through IIO, PWM and GPIO; stops; bad boards
 silicon|the test module: one-shot, PWM, enable line, ADC
@@ -43,6 +44,10 @@ loop_image() {
 
 board_check_loop() {
   loop_image loop && guest amd64 virtual loop loop 580 loop && keep_table loop
+}
+
+board_check_hardship() {
+  loop_image hardship && guest amd64 virtual hardship hardship 580 hardship && keep_table hardship
 }
 
 # The lines of a guest that are a table.
