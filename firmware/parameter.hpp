@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "firmware/key.hpp"
 #include "firmware/settings.hpp"
 #include "model/units.hpp"
 
@@ -42,14 +42,6 @@ struct Value {
   constexpr std::uint32_t number() const { return bits; }
 
   friend constexpr bool operator==(const Value&, const Value&) = default;
-};
-
-/// Where a parameter is found, by CANopen and in a stored image.
-struct Key {
-  std::uint16_t index;
-  std::uint8_t sub;
-
-  friend constexpr auto operator<=>(const Key&, const Key&) = default;
 };
 
 /// A path made of up to three parts, such as "strain" + ".proportional_" + "W".

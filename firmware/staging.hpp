@@ -54,6 +54,8 @@ class Staging {
   const Settings<S>& staged() const { return staged_; }
 
   bool on_trial() const { return S(0) < trial_s_; }
+  /// What is left of a trial; nothing without one.
+  S trial_left_s() const { return trial_s_; }
   bool waits_for_reset() const {
     return !same_settings(configured_, with_boot_values(configured_));
   }

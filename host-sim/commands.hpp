@@ -11,6 +11,7 @@
 namespace smaservo {
 
 void add_calibrate_plan_command(CLI::App& app);
+void add_can_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_describe_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);

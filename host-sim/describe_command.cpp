@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <memory>
 
+#include "host-sim/canopen_reference.hpp"
 #include "host-sim/commands.hpp"
 #include "host-sim/fault_reference.hpp"
 #include "host-sim/output_file.hpp"
@@ -22,8 +23,14 @@ struct Topic {
 };
 
 constexpr auto topics = std::to_array<Topic>({
+    {"dbc", "the frames of node 1 on CAN (firmware/canopen/smaservo.dbc)",
+     [](const Arguments&) { return dbc_text(); }},
+    {"eds", "electronic data sheet of the CANopen node (firmware/canopen/smaservo.eds)",
+     [](const Arguments&) { return eds_text(); }},
     {"faults", "every fault of a device, in Markdown (firmware/FAULTS.md)",
      [](const Arguments&) { return fault_reference(); }},
+    {"objects", "every object of the CANopen node, in Markdown (firmware/canopen/OBJECTS.md)",
+     [](const Arguments&) { return object_reference(); }},
     {"parameters", "every parameter of a device, in Markdown (firmware/PARAMETERS.md)",
      [](const Arguments&) { return parameter_reference(); }},
     {"settings", "a settings file to start from, for the wire of --wire",

@@ -16,6 +16,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", SMASERVO_VERSION);
   app.require_subcommand(1);
   smaservo::add_calibrate_plan_command(app);
+  smaservo::add_can_command(app);
   smaservo::add_compare_command(app);
   smaservo::add_describe_command(app);
   smaservo::add_evaluate_command(app);

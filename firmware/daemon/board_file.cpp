@@ -178,8 +178,8 @@ SlowSensor read_slow(Table& slow, std::string_view key, bool temperature) {
 }
 
 BusSettings read_bus(Table table) {
-  const BusSettings bus{table.text("interface"), whole(table, "node_id", 1, 127, 1),
-                        1e-3 * table.number("partner_timeout_ms", 1, 6e4, 100)};
+  const BusSettings bus{table.text("interface"), whole(table, "node_id", 0, 127, 0),
+                        1e-3 * table.number("partner_timeout_ms", 0, 6e4, 0)};
   table.finish();
   return bus;
 }

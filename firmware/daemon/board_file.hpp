@@ -22,9 +22,9 @@ struct Ads131m04FrontEnd {
 };
 
 struct BusSettings {
-  std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  unsigned node_id;
-  double partner_timeout_s;  ///< without a frame of the partner for so long: bus_lost
+  std::string interface;     ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
+  unsigned node_id;          ///< 0: that of the settings
+  double partner_timeout_s;  ///< without any frame for so long: bus_lost; 0: never
 };
 
 struct BoardFile {

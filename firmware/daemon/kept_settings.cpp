@@ -1,6 +1,7 @@
 #include "firmware/daemon/kept_settings.hpp"
 
 #include <array>
+#include <filesystem>
 #include <fmt/format.h>
 #include <string_view>
 
@@ -58,6 +59,17 @@ std::string store_settings(const std::string& folder, const Settings<double>& se
                                                      "reading back fails",
                                                      "it keeps something else"};
   return std::string(problems.at(static_cast<std::size_t>(saved.problem)));
+}
+
+std::string forget_settings(const std::string& folder) {
+  for (unsigned slot = 0; slot < slot_count; ++slot) {
+    std::error_code error;
+    std::filesystem::remove(fmt::format("{}/settings.{}", folder, slot), error);
+    if (error) {
+      return error.message();
+    }
+  }
+  return {};
 }
 
 }  // namespace smaservo

@@ -23,4 +23,7 @@ KeptSettings keep_settings(const std::string& folder, const Settings<double>& ot
 /// Writes them to the store in this folder. Empty, or what went wrong.
 std::string store_settings(const std::string& folder, const Settings<double>& settings);
 
+/// Leaves the store empty. Empty, or what went wrong.
+std::string forget_settings(const std::string& folder);
+
 }  // namespace smaservo

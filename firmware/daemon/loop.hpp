@@ -94,7 +94,7 @@ bool Loop<B, Pacing>::turn() {
   turn.output = axis_.step(turn.inputs, turn.command, dt_s);
   drive(status);
   const std::int64_t driven_ns = monotonic_ns();
-  partner_.tell(turn.output);
+  partner_.tell(turn, dt_s);
   links_.output.put(turn.output);
   note_stop(before, sampled_ns, driven_ns);
   leave_record();

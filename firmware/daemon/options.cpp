@@ -31,6 +31,8 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
                  "or the board file's");
   app.add_option("--program", options.program,
                  "do what this scenario's commands say, in the place of a partner on the bus");
+  app.add_option("--bus", options.bus,
+                 "of a simulated wire: a CAN interface, or udp, udp:GROUP, udp:GROUP:PORT");
   app.add_option("--record", options.record,
                  "write a trace that host-sim replay --device takes; in a folder it is named by "
                  "the time");

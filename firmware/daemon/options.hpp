@@ -10,6 +10,7 @@ struct DaemonOptions {
   std::string device;                              ///< settings file; empty: the board's
   std::string settings;                            ///< folder of the store; empty: the board's
   std::string program;                             ///< scenario file, in a partner's place
+  std::string bus;                                 ///< of a simulated wire
   std::string record;
   std::string status;
   double for_s = 0;  ///< 0: no end

@@ -1,7 +1,7 @@
 #pragma once
 // Who tells the device what to do: a bus, a program of commands, a recording.
 
-#include "firmware/command.hpp"
+#include "host-sim/turn.hpp"
 
 namespace smaservo {
 
@@ -21,7 +21,8 @@ class Partner {
   Partner& operator=(const Partner&) = delete;
 
   virtual Heard listen(double time_s) = 0;
-  virtual void tell(const Output<double>& /*output*/) {}
+  /// What came of it.
+  virtual void tell(const Turn& /*turn*/, double /*dt_s*/) {}
 };
 
 /// Nobody: the device stays off.

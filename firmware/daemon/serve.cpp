@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "firmware/daemon/bus_service.hpp"
 #include "firmware/daemon/replaying.hpp"
 #include "firmware/daemon/simulation.hpp"
 #include "host-sim/output_file.hpp"
@@ -59,7 +60,15 @@ int serve_simulation(const DaemonOptions& options) {
   service.links().faults.fetch_or(kept.faults.bits());
   Simulation board(scenario);
   Demonstration demonstration(kept.settings);
-  Partner& partner = scenario.program.empty() ? static_cast<Partner&>(demonstration) : board;
+  std::unique_ptr<BusService> bus;
+  if (!options.bus.empty()) {
+    bus =
+        std::make_unique<BusService>(BusSetup{options.bus, 0, options.settings, 0}, service.desk());
+    bus->start();
+  }
+  Partner& partner = bus                        ? bus->partner()
+                     : scenario.program.empty() ? static_cast<Partner&>(demonstration)
+                                                : board;
   return serve(service, board, partner, timing_of(kept.settings, options.for_s), !options.at_once);
 }
 

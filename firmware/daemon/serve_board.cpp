@@ -3,8 +3,10 @@
 #include <functional>
 
 #include "firmware/daemon/board_file.hpp"
+#include "firmware/daemon/bus_service.hpp"
 #include "firmware/daemon/programmed.hpp"
 #include "firmware/daemon/serve.hpp"
+#include "hal/linux/open_can.hpp"
 #include "host-sim/closed_loop_scenario.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_file.hpp"
@@ -43,7 +45,7 @@ bool tried(const char* what, const std::function<void()>& open) {
     open();
     fmt::print("{:<16} ok\n", what);
     return true;
-  } catch (const DeviceError& error) {
+  } catch (const std::runtime_error& error) {
     fmt::print("{:<16} {}\n", what, error.what());
     return false;
   }
@@ -72,6 +74,9 @@ int check_board(const DaemonOptions& options) {
   ok =
       line_tried("emergency stop", file.lines.emergency_stop, &LinesSettings::emergency_stop) && ok;
   ok = line_tried("driver fault", file.lines.driver_fault, &LinesSettings::driver_fault) && ok;
+  if (file.bus) {
+    ok = tried("bus", [&] { open_can(file.bus->interface); }) && ok;
+  }
   if (!file.device.empty()) {
     try {
       const Settings<double> settings = load_settings_file(file.device);
@@ -126,6 +131,9 @@ int serve_board(const DaemonOptions& options) {
   KeptSettings kept = keep_settings(
       with.settings, configured ? load_settings_file(with.device) : unconfigured(), configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
+  if (file.bus && file.bus->node_id != 0) {
+    kept.settings.identity.node_id = file.bus->node_id;
+  }
   kept.faults.set(Fault::bad_configuration, !within(file, kept.settings));
   LinuxBoard board(open_parts(file));
   ServiceSetup setup = service_setup(with, kept.settings);
@@ -133,11 +141,20 @@ int serve_board(const DaemonOptions& options) {
   setup.thread = file.thread;
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
-  std::unique_ptr<Partner> partner = std::make_unique<NoPartner>();
   if (!options.program.empty()) {
-    partner = std::make_unique<Programmed>(load_closed_loop(options.program).program);
+    Programmed programmed(load_closed_loop(options.program).program);
+    return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);
   }
-  return serve(service, board, *partner, timing_of(kept.settings, options.for_s), true);
+  NoPartner nobody;
+  std::unique_ptr<BusService> bus;
+  if (file.bus) {
+    bus = std::make_unique<BusService>(BusSetup{file.bus->interface, file.bus->partner_timeout_s,
+                                                with.settings, file.greatest_current_A},
+                                       service.desk());
+    bus->start();
+  }
+  Partner& partner = bus ? bus->partner() : nobody;
+  return serve(service, board, partner, timing_of(kept.settings, options.for_s), true);
 }
 
 }  // namespace smaservo

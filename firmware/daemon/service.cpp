@@ -9,6 +9,7 @@
 #include "firmware/daemon/crash.hpp"
 #include "firmware/daemon/notify.hpp"
 #include "firmware/daemon/recorder.hpp"
+#include "firmware/daemon/sandbox.hpp"
 #include "hal/linux/clock.hpp"
 #include "host-sim/device_names.hpp"
 #include "host-sim/output_file.hpp"
@@ -22,6 +23,11 @@ constexpr std::int64_t status_every_ns = 1000 * ms;
 constexpr std::int64_t idle_after_ns = 1000 * ms;
 constexpr std::int64_t look_every_ns = 20 * ms;
 constexpr std::int64_t guard_every_ns = 2 * ms;
+#ifdef SMASERVO_SANDBOX
+constexpr bool sandboxed = true;
+#else
+constexpr bool sandboxed = false;
+#endif
 constexpr double recorded_s = 16;  ///< room of the ring
 
 sigset_t own_signals() {
@@ -128,14 +134,19 @@ void Service::loop(const Served& served) {
   }
   watched_ = std::make_unique<WatchedThread>();
   thread_.store(watched_.get(), std::memory_order_release);
+  if (sandboxed) {
+    error_ = allow_loop_calls_only();
+  }
   try {
-    while (served.turn()) {
+    while (error_.empty() && served.turn()) {
     }
   } catch (const std::exception& error) {
     error_ = error.what();
     served.safe_off();
   }
-  count();
+  if (!sandboxed) {
+    count();
+  }
   loop_over_.store(true);
 }
 

@@ -159,6 +159,10 @@ bool CanSocket::bring_back() {
     state_ = CanState::down;
   }
   if (!is_up(descriptor(), interface_)) return false;
+  // What the socket still has to say of the time before would fail the next call.
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
   state_ = CanState::active;
   return true;
 }

@@ -151,9 +151,9 @@ test_arm64() {
 run_test() {
   local preset
   case ${1:-all} in
-    all) set -- release sanitize arm64 ;;
-    dev | release | sanitize | arm64) ;;
-    *) die "test: unknown preset: $1 (dev, release, sanitize, arm64)" ;;
+    all) set -- release sanitize tsan arm64 ;;
+    dev | release | sanitize | tsan | arm64) ;;
+    *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64)" ;;
   esac
   timed setup run_setup
   for preset in "$@"; do

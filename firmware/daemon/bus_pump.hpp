@@ -1,0 +1,109 @@
+#pragma once
+// The bus beside the loop: frames to a node and back, its commands to the loop, the loop's outputs
+// to it. A node is canopen::Servo, or whatever has its members.
+
+#include <atomic>
+#include <cstdint>
+
+#include "firmware/command.hpp"
+#include "firmware/daemon/partner.hpp"
+#include "firmware/daemon/ring.hpp"
+#include "hal/board.hpp"
+
+namespace smaservo {
+
+/// What a turn of the loop tells the node.
+struct TurnReport {
+  Output<double> output;
+  Inputs<double> inputs;
+  double dt_s;
+};
+
+/// What the node tells the loop.
+struct NodeSays {
+  Command<double> command;
+  FaultSet external;
+};
+
+/// The loop's side. A command that has come once is fresh once; after `lease_s` without a sign of
+/// life of the bus's thread the partner counts as lost: heat does not outlive who asks for it.
+class BusPartner : public Partner {
+ public:
+  explicit BusPartner(double lease_s) : lease_s_(lease_s) {}
+
+  Heard listen(double time_s) override;
+  void tell(const Turn& turn, double dt_s) override {
+    reports_.push({turn.output, turn.inputs, dt_s});
+  }
+
+  // The bus's side.
+  void say(const NodeSays& says) { says_.put(says); }
+  bool next(TurnReport& report) { return reports_.pop(report); }
+
+ private:
+  double lease_s_;
+  Latest<NodeSays> says_;
+  Ring<TurnReport> reports_{256};  ///< full: the node misses some, which it does not mind
+  NodeSays last_{};
+  double said_s_ = 0;
+  bool said_ = false;
+};
+
+inline Heard BusPartner::listen(double time_s) {
+  const bool fresh = says_.take(last_);
+  if (fresh || !said_) {
+    said_ = said_ || fresh;
+    said_s_ = time_s;
+  }
+  last_.command.fresh = fresh && last_.command.fresh;
+  const bool lost = said_ && time_s - said_s_ > lease_s_;
+  FaultSet external = last_.external;
+  external.add(Fault::bus_lost, lost);
+  return {last_.command, external};
+}
+
+/// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
+/// the loop's turns since. Calls `changed()` where the node has put other settings in force.
+template <CanPort Port, class Node>
+class BusPump {
+ public:
+  BusPump(Port& port, Node& node, BusPartner& partner)
+      : port_(port), node_(node), partner_(partner) {}
+
+  template <class Changed>
+  void round(std::uint64_t now_us, FaultSet port_faults, Changed changed) {
+    CanFrame frame;
+    for (int i = 0; i < most_frames && port_.receive(frame); ++i) {
+      node_.receive(frame, now_us);
+      ++frames_;
+    }
+    TurnReport report{};
+    while (partner_.next(report)) {
+      node_.publish(report.output, report.inputs, report.dt_s);
+    }
+    node_.advance(now_us);
+    if (changes_ != node_.settings_changes()) {
+      changes_ = node_.settings_changes();
+      changed();
+    }
+    partner_.say({node_.command(), node_.external() | port_faults});
+    while (node_.take(frame)) {
+      // What a full queue does not take is dropped and counted by the port; nobody waits for it.
+      port_.send(frame);
+    }
+  }
+
+  std::uint64_t frames() const { return frames_; }
+
+ private:
+  // A flood on the bus must not keep the node from its time.
+  static constexpr int most_frames = 256;
+
+  Port& port_;
+  Node& node_;
+  BusPartner& partner_;
+  std::uint32_t changes_ = 0;
+  std::uint64_t frames_ = 0;
+};
+
+}  // namespace smaservo

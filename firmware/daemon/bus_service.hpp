@@ -1,0 +1,38 @@
+#pragma once
+// The CANopen node of a daemon, in a thread of its own.
+
+#include <memory>
+#include <string>
+
+#include "firmware/daemon/bus_pump.hpp"
+#include "firmware/daemon/desk.hpp"
+
+namespace smaservo {
+
+struct BusSetup {
+  std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
+  double partner_timeout_s = 0;
+  std::string folder;  ///< of the store; empty: nothing can be stored
+  double greatest_current_A =
+      0;  ///< of the hardware: no parameter over the bus goes beyond; 0: none
+};
+
+/// Takes the device's settings from the desk and gives changed ones back to it.
+class BusService {
+ public:
+  /// Throws CanError.
+  BusService(const BusSetup& setup, ParameterDesk& desk);
+  ~BusService();
+  BusService(const BusService&) = delete;
+  BusService& operator=(const BusService&) = delete;
+
+  Partner& partner();
+  /// From now on, until it is destroyed.
+  void start();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace smaservo::can {
+
+/// What an SDO abort code of CiA 301 means; "" for one that is unknown.
+std::string_view abort_text(std::uint32_t code);
+
+}  // namespace smaservo::can

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "hal/linux/open_can.hpp"
+#include "host-sim/can/bus.hpp"
+
+namespace smaservo::can {
+
+/// A bus of this machine, in real time.
+class PortBus final : public Bus {
+ public:
+  /// As open_can() takes it. Throws UserError.
+  explicit PortBus(const std::string& name);
+
+  void send(const CanFrame& frame) override;
+  bool receive(CanFrame& frame, std::int64_t until_us) override;
+  std::int64_t now_us() const override;
+  std::string name() const override { return port_.name(); }
+
+ private:
+  LinuxCan port_;
+};
+
+}  // namespace smaservo::can

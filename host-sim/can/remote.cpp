@@ -1,0 +1,274 @@
+#include "host-sim/can/remote.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+#include "host-sim/device_names.hpp"
+
+namespace smaservo::can {
+namespace {
+
+// Statusword.
+constexpr unsigned state_mask = 0x6F;
+constexpr unsigned fault_mask = 0x4F;
+constexpr unsigned fault_state = 0x08;
+constexpr unsigned enabled_state = 0x27;
+constexpr unsigned reached_bit = 0x400;
+constexpr unsigned acknowledged_bit = 0x1000;
+
+// Controlword.
+constexpr unsigned shutdown = 0x06;
+constexpr unsigned switch_on = 0x07;
+constexpr unsigned enable_operation = 0x0F;
+constexpr unsigned new_setpoint_at_once = 0x30;
+constexpr unsigned fault_reset = 0x80;
+
+constexpr double state_patience_s = 3;
+constexpr std::int64_t poll_us = 10'000;
+
+struct StateName {
+  unsigned bits, mask;
+  const char* name;
+};
+constexpr auto drive_states = std::to_array<StateName>({
+    {0x00, 0x4F, "Not ready to switch on"},
+    {0x40, 0x4F, "Switch on disabled"},
+    {0x21, 0x6F, "Ready to switch on"},
+    {0x23, 0x6F, "Switched on"},
+    {0x27, 0x6F, "Operation enabled"},
+    {0x07, 0x6F, "Quick stop active"},
+    {0x0F, 0x4F, "Fault reaction active"},
+    {0x08, 0x4F, "Fault"},
+});
+
+/// What may help, beside what the node said.
+std::string hint(const KnownObject& object, std::uint32_t code) {
+  const std::string allowed = allowed_text(object);
+  switch (code) {
+    case 0x06090030:
+    case 0x06090031:
+    case 0x06090032:
+      return allowed.empty() ? "" : fmt::format("; must be {}", allowed);
+    case 0x08000021:
+      return "; --key gives the key of the access level";
+    case 0x08000022:
+      return object.parameter != nullptr &&
+                     object.parameter->change == smaservo::Change::without_current
+                 ? "; it may change only while not enabled: `host-sim can disable`"
+                 : "";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+std::string nmt_state_text(unsigned state) {
+  switch (state) {
+    case 0x00:
+      return "boot-up";
+    case 0x04:
+      return "stopped";
+    case 0x05:
+      return "operational";
+    case 0x7F:
+      return "pre-operational";
+    default:
+      return fmt::format("unknown state {:02X}h", state);
+  }
+}
+
+std::string drive_state_text(unsigned statusword) {
+  const auto* const found = std::ranges::find_if(
+      drive_states, [&](const StateName& s) { return (statusword & s.mask) == s.bits; });
+  return found == drive_states.end() ? fmt::format("unknown state {:04X}h", statusword)
+                                     : found->name;
+}
+
+Bytes Remote::read(const KnownObject& object) {
+  try {
+    // What has no fixed size may be long.
+    return canopen::size_of(object.type) == 0 && object.type == canopen::Type::domain
+               ? client_.upload_block(object.key)
+               : client_.upload(object.key);
+  } catch (const SdoError& error) {
+    if (object.name.empty()) throw;
+    throw SdoError(fmt::format("{}: {}", object.name, error.what()), error.code());
+  }
+}
+
+void Remote::write(const KnownObject& object, const Bytes& value) {
+  try {
+    client_.download(object.key, value);
+  } catch (const SdoError& error) {
+    throw SdoError(fmt::format("{} = {}: {}{}", title(object), value_text(object, value),
+                               error.what(), hint(object, error.code())),
+                   error.code());
+  }
+}
+
+std::string Remote::text(const std::string& name) {
+  const KnownObject object = find_object(name);
+  return value_text(object, read(object));
+}
+
+double Remote::number(const std::string& name) {
+  const KnownObject object = find_object(name);
+  return value_number(object, read(object));
+}
+
+void Remote::set(const std::string& name, const std::string& value) {
+  const KnownObject object = find_object(name);
+  write(object, value_bytes(object, value));
+}
+
+void Remote::change(const std::vector<Change>& changes) {
+  const bool as_set = changes.size() > 1 && std::ranges::all_of(changes, [](const Change& change) {
+                        return change.first.parameter != nullptr;
+                      });
+  if (as_set) {
+    commit(changes);
+    return;
+  }
+  for (const auto& [object, value] : changes) {
+    write(object, value);
+  }
+}
+
+void Remote::commit(const std::vector<Change>& changes) {
+  set("tuning.command", "1");
+  try {
+    for (const auto& [object, value] : changes) {
+      write(object, value);
+    }
+    try {
+      set("tuning.command", "3");
+    } catch (const SdoError& error) {
+      explain_refusal(error);
+    }
+  } catch (...) {
+    try {
+      set("tuning.command", "4");
+    } catch (const UserError&) {
+      // Without an answer the node goes back by itself.
+    }
+    throw;
+  }
+}
+
+/// Of a whole set: which parameters contradict each other.
+void Remote::explain_refusal(const SdoError& error) {
+  const auto named = [&](const char* object) {
+    const auto bits = static_cast<std::uint32_t>(number(object));
+    return find_object(fmt::format("{:04X}:{}", bits >> 16U, bits >> 8U & 0xFFU));
+  };
+  const KnownObject one = named("tuning.refused");
+  const KnownObject other = named("tuning.refused_other");
+  if (one.key.index == 0) throw error;
+  throw UserError(fmt::format(
+      "nothing has changed: {} = {} {}", title(one), value_text(one, read(one)),
+      other.key.index == 0
+          ? fmt::format("is refused: {}", error.what())
+          : fmt::format("contradicts {} = {}", title(other), value_text(other, read(other)))));
+}
+
+void Remote::nmt(NmtCommand command) {
+  bus().send({.id = 0,
+              .length = 2,
+              .data = {static_cast<std::uint8_t>(command), static_cast<std::uint8_t>(node())}});
+}
+
+bool Remote::wait_for(const std::function<bool(unsigned)>& reached, double patience_s) {
+  const std::int64_t until_us = bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6);
+  for (;;) {
+    if (reached(status())) return true;
+    const std::int64_t now_us = bus().now_us();
+    if (now_us >= until_us) return false;
+    CanFrame passing;
+    while (bus().receive(passing, now_us + poll_us)) {
+    }
+  }
+}
+
+std::string Remote::reasons() {
+  const auto set_of = [&](const char* low, const char* high) {
+    return FaultSet::from_bits(static_cast<std::uint64_t>(number(low)) |
+                               static_cast<std::uint64_t>(number(high)) << 32U);
+  };
+  const FaultSet all = set_of("faults.blocks_low", "faults.blocks_high") |
+                       set_of("faults.latched_low", "faults.latched_high");
+  return all.empty() ? "" : fmt::format(": {}; `host-sim can faults` says more", names_of(all));
+}
+
+void Remote::enable() {
+  if ((status() & fault_mask) == fault_state) {
+    throw UserError(fmt::format(
+        "node {} has a fault{}; `host-sim can reset-faults` acknowledges it", node(), reasons()));
+  }
+  if ((status() & state_mask) == enabled_state) return;
+  nmt(NmtCommand::start);
+  const std::pair<unsigned, unsigned> steps[] = {
+      {shutdown, 0x21}, {switch_on, 0x23}, {enable_operation, enabled_state}};
+  for (const auto& [word, state] : steps) {
+    control(word);
+    const auto reached = [state = state](unsigned status) {
+      return (status & state_mask) == state;
+    };
+    if (!wait_for(reached, state_patience_s)) {
+      throw UserError(
+          fmt::format("node {} stays in \"{}\"{}", node(), drive_state_text(status()), reasons()));
+    }
+  }
+}
+
+void Remote::disable() {
+  control(0);
+  const auto off = [](unsigned status) { return (status & state_mask) != enabled_state; };
+  if (!wait_for(off, state_patience_s)) {
+    throw UserError(fmt::format("node {} stays in \"{}\"", node(), drive_state_text(status())));
+  }
+}
+
+void Remote::reset_faults() {
+  control(0);
+  control(fault_reset);
+  const auto gone = [](unsigned status) { return (status & fault_mask) != fault_state; };
+  if (!wait_for(gone, state_patience_s)) {
+    throw UserError(fmt::format("node {}: the fault stays{}", node(), reasons()));
+  }
+  control(0);
+}
+
+void Remote::move(std::int32_t target_um, double patience_s) {
+  if ((status() & state_mask) != enabled_state) {
+    throw UserError(fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
+  }
+  set("6060", "1");
+  set("607A", std::to_string(target_um));
+  control(enable_operation);
+  control(enable_operation | new_setpoint_at_once);
+  const auto taken = [](unsigned status) { return (status & acknowledged_bit) != 0; };
+  if (!wait_for(taken, state_patience_s)) {
+    throw UserError(fmt::format("node {} does not take the set-point{}", node(), reasons()));
+  }
+  control(enable_operation);
+  const auto there = [](unsigned status) {
+    return (status & reached_bit) != 0 || (status & state_mask) != enabled_state;
+  };
+  const bool ended = wait_for(there, patience_s);
+  if (!ended || (status() & state_mask) != enabled_state) {
+    throw UserError(
+        fmt::format("node {} has not reached {} um within {} s: it is at {} um, \"{}\"{}", node(),
+                    target_um, patience_s, text("6064"), drive_state_text(status()), reasons()));
+  }
+}
+
+void Remote::store() {
+  const KnownObject object = find_object("1010:1");
+  client_.set_timeout(SdoClient::store_timeout_us);
+  write(object, {'s', 'a', 'v', 'e'});
+  client_.set_timeout(SdoClient::usual_timeout_us);
+}
+
+}  // namespace smaservo::can

@@ -1,0 +1,280 @@
+#include "host-sim/can/sdo_client.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+#include "firmware/canopen/object.hpp"
+#include "host-sim/can/abort_text.hpp"
+
+namespace smaservo::can {
+namespace {
+
+using canopen::put_number;
+using canopen::take_number;
+
+constexpr std::uint32_t request_base = 0x600;
+constexpr std::uint32_t answer_base = 0x580;
+constexpr std::size_t most_in_segment = 7;
+
+// Commands of the first byte, its three highest bits (CiA 301, 7.2.4.3).
+constexpr std::uint8_t start_download = 0x20;
+constexpr std::uint8_t start_upload = 0x40;
+constexpr std::uint8_t upload_segment = 0x60;
+constexpr std::uint8_t aborted = 0x80;
+constexpr std::uint8_t upload_answer = 0x40;
+constexpr std::uint8_t download_answer = 0x60;
+constexpr std::uint8_t segment_answer = 0x20;
+constexpr std::uint8_t toggle_bit = 0x10;
+constexpr std::uint8_t expedited_bit = 0x02;
+constexpr std::uint8_t size_bit = 0x01;
+constexpr std::uint8_t last_bit = 0x01;
+
+constexpr std::uint8_t command_of(std::uint8_t byte) {
+  return byte & 0xE0U;
+}
+
+std::uint32_t size_in(std::span<const std::uint8_t, 8> data) {
+  return static_cast<std::uint32_t>(take_number(data.subspan(4)));
+}
+
+}  // namespace
+
+std::string key_text(Key key) {
+  return fmt::format("{:04X}h:{}", key.index, key.sub);
+}
+
+void SdoClient::send(const Data& data) {
+  bus_.send({.id = request_base + node_, .length = 8, .data = data});
+}
+
+bool SdoClient::next_answer(Data& data, std::int64_t until_us) {
+  CanFrame frame;
+  while (bus_.receive(frame, until_us)) {
+    if (frame.id == answer_base + node_ && !frame.extended && !frame.remote && frame.length == 8) {
+      data = frame.data;
+      return true;
+    }
+  }
+  return false;
+}
+
+SdoClient::Data SdoClient::answer(Key key) {
+  Data data{};
+  if (!next_answer(data, bus_.now_us() + timeout_us_)) silent(key);
+  if (data[0] == aborted) refused(key, size_in(data));
+  return data;
+}
+
+/// Sends what starts a transfer. An answer to another object is late for one that was given up.
+SdoClient::Data SdoClient::request(Key key, const Data& data) {
+  // Answers that wait already are of transfers that were given up.
+  CanFrame old;
+  while (bus_.receive(old, 0)) {
+  }
+  Data first = data;
+  put_number(std::span(first).subspan(1, 2), key.index);
+  first[3] = key.sub;
+  send(first);
+  const std::int64_t until_us = bus_.now_us() + timeout_us_;
+  Data got{};
+  do {
+    if (!next_answer(got, until_us)) silent(key);
+  } while (!std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3)));
+  if (got[0] == aborted) refused(key, size_in(got));
+  return got;
+}
+
+void SdoClient::silent(Key key) const {
+  throw SdoError(fmt::format("node {} on {}: {}: no answer within {} s", node_, bus_.name(),
+                             key_text(key), static_cast<double>(timeout_us_) * 1e-6),
+                 0);
+}
+
+void SdoClient::refused(Key key, std::uint32_t code) const {
+  const std::string_view text = abort_text(code);
+  throw SdoError(fmt::format("node {}: {}: refused: {} (abort {:08X}h)", node_, key_text(key),
+                             text.empty() ? "for a reason of its own" : text, code),
+                 code);
+}
+
+void SdoClient::abort(Key key, std::uint32_t code) {
+  Data data{aborted};
+  put_number(std::span(data).subspan(1, 2), key.index);
+  data[3] = key.sub;
+  put_number(std::span(data).subspan(4), code);
+  send(data);
+  throw SdoError(fmt::format("node {}: {}: broken off: {} (abort {:08X}h)", node_, key_text(key),
+                             abort_text(code), code),
+                 code);
+}
+
+Bytes SdoClient::upload(Key key) {
+  const Data first = request(key, {start_upload});
+  if (command_of(first[0]) != upload_answer) abort(key, 0x05040001);
+  if ((first[0] & expedited_bit) == 0) return receive_segments(key, first);
+  const std::size_t unused = (first[0] & size_bit) != 0 ? (first[0] >> 2U) & 3U : 0;
+  const auto value = std::span(first).subspan(4, 4 - unused);
+  return {value.begin(), value.end()};
+}
+
+Bytes SdoClient::receive_segments(Key key, const Data& first) {
+  Bytes value;
+  std::uint8_t toggle = 0;
+  for (bool last = false; !last; toggle ^= toggle_bit) {
+    send({static_cast<std::uint8_t>(upload_segment | toggle)});
+    const Data data = answer(key);
+    if (command_of(data[0]) != 0) abort(key, 0x05040001);
+    if ((data[0] & toggle_bit) != toggle) abort(key, 0x05030000);
+    const std::size_t unused = (data[0] >> 1U) & 7U;
+    const auto part = std::span(data).subspan(1, most_in_segment - unused);
+    value.insert(value.end(), part.begin(), part.end());
+    last = (data[0] & last_bit) != 0;
+  }
+  if ((first[0] & size_bit) != 0 && size_in(first) != value.size()) abort(key, 0x06070010);
+  return value;
+}
+
+void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
+  if (value.empty() || value.size() > 4) {
+    download_segmented(key, value);
+    return;
+  }
+  Data data{static_cast<std::uint8_t>(start_download | (4 - value.size()) << 2U | expedited_bit |
+                                      size_bit)};
+  std::ranges::copy(value, data.begin() + 4);
+  if (command_of(request(key, data)[0]) != download_answer) abort(key, 0x05040001);
+}
+
+void SdoClient::download_segmented(Key key, std::span<const std::uint8_t> value) {
+  Data data{start_download | size_bit};
+  put_number(std::span(data).subspan(4), value.size());
+  if (command_of(request(key, data)[0]) != download_answer) abort(key, 0x05040001);
+  send_segments(key, value);
+}
+
+void SdoClient::send_segments(Key key, std::span<const std::uint8_t> value) {
+  std::uint8_t toggle = 0;
+  for (bool last = false; !last; toggle ^= toggle_bit) {
+    const std::size_t size = std::min(value.size(), most_in_segment);
+    last = size == value.size();
+    Data data{static_cast<std::uint8_t>(toggle | (most_in_segment - size) << 1U |
+                                        (last ? last_bit : 0U))};
+    std::ranges::copy(value.first(size), data.begin() + 1);
+    value = value.subspan(size);
+    send(data);
+    const Data got = answer(key);
+    if (command_of(got[0]) != segment_answer) abort(key, 0x05040001);
+    if ((got[0] & toggle_bit) != toggle) abort(key, 0x05030000);
+  }
+}
+
+// Blocks.
+
+namespace {
+
+constexpr std::uint8_t block_upload = 0xA0;    ///< both ways: request, and acknowledgement
+constexpr std::uint8_t block_download = 0xC0;  ///< request, end
+constexpr std::uint8_t block_upload_answer = 0xC0;
+constexpr std::uint8_t block_download_answer = 0xA0;
+constexpr std::uint8_t with_crc = 0x04;
+constexpr std::uint8_t with_size = 0x02;
+constexpr std::uint8_t part_mask = 0x03;
+constexpr std::uint8_t part_end = 1;
+constexpr std::uint8_t part_acknowledged = 2;
+constexpr std::uint8_t part_start = 3;
+constexpr std::uint8_t last_segment = 0x80;
+constexpr std::uint8_t most_segments = 127;
+
+}  // namespace
+
+Bytes SdoClient::upload_block(Key key) {
+  const Data first =
+      request(key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, most_segments, 0});
+  if (command_of(first[0]) != block_upload_answer) abort(key, 0x05040001);
+  send({block_upload | part_start});
+  Bytes value;
+  receive_blocks(key, value);
+  const Data end = answer(key);
+  if (command_of(end[0]) != block_upload_answer || (end[0] & part_mask) != part_end) {
+    abort(key, 0x05040001);
+  }
+  value.resize(value.size() - ((end[0] >> 2U) & 7U));
+  const bool checked = (first[0] & with_crc) != 0;
+  if (checked && take_number(std::span(end).subspan(1, 2)) != canopen::crc16(value)) {
+    abort(key, 0x05040004);
+  }
+  if ((first[0] & with_size) != 0 && size_in(first) != value.size()) abort(key, 0x06070010);
+  send({block_upload | part_end});
+  return value;
+}
+
+/// Segments in whole; the last one is filled up. One that is lost is asked for again.
+void SdoClient::receive_blocks(Key key, Bytes& value) {
+  unsigned silences = 0;
+  for (bool last = false; !last;) {
+    std::uint8_t good = 0;
+    std::uint8_t number = 0;
+    bool ends = false;
+    while (number < most_segments && !ends) {
+      Data data{};
+      if (!next_answer(data, bus_.now_us() + timeout_us_)) {
+        if (++silences > 2) silent(key);
+        break;
+      }
+      if (data[0] == aborted) refused(key, size_in(data));
+      number = data[0] & static_cast<std::uint8_t>(~last_segment);
+      ends = (data[0] & last_segment) != 0;
+      if (number == good + 1) {
+        good = number;
+        value.insert(value.end(), data.begin() + 1, data.end());
+        last = ends;
+        silences = 0;
+      }
+    }
+    send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, most_segments});
+  }
+}
+
+void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
+  Data data{static_cast<std::uint8_t>(block_download | with_crc | with_size)};
+  put_number(std::span(data).subspan(4), value.size());
+  const Data first = request(key, data);
+  if (command_of(first[0]) != block_download_answer) abort(key, 0x05040001);
+  if (first[4] == 0 || first[4] > most_segments) abort(key, 0x05040002);
+  send_blocks(key, value, first[4]);
+  const std::size_t unused = (most_in_segment - value.size() % most_in_segment) % most_in_segment;
+  Data end{static_cast<std::uint8_t>(block_download | unused << 2U | part_end)};
+  put_number(std::span(end).subspan(1, 2), canopen::crc16(value));
+  send(end);
+  const Data got = answer(key);
+  if (command_of(got[0]) != block_download_answer || (got[0] & part_mask) != part_end) {
+    abort(key, 0x05040001);
+  }
+}
+
+void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsigned block_size) {
+  while (!value.empty()) {
+    const std::size_t segments =
+        std::min<std::size_t>((value.size() + most_in_segment - 1) / most_in_segment, block_size);
+    for (std::size_t i = 0; i < segments; ++i) {
+      const auto rest = value.subspan(i * most_in_segment);
+      const auto part = rest.first(std::min(rest.size(), most_in_segment));
+      const bool last = part.size() == rest.size();
+      Data data{static_cast<std::uint8_t>((last ? last_segment : 0U) | (i + 1))};
+      std::ranges::copy(part, data.begin() + 1);
+      send(data);
+    }
+    const Data got = answer(key);
+    if (command_of(got[0]) != block_download_answer || (got[0] & part_mask) != part_acknowledged ||
+        got[1] > segments) {
+      abort(key, 0x05040001);
+    }
+    // What the node did not get in a row comes again.
+    value = value.subspan(std::min(value.size(), got[1] * most_in_segment));
+    block_size = got[2];
+    if (block_size == 0 || block_size > most_segments) abort(key, 0x05040002);
+  }
+}
+
+}  // namespace smaservo::can

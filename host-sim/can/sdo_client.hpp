@@ -1,0 +1,75 @@
+#pragma once
+// Reading and writing objects of a node: SDO transfers of CiA 301, all kinds.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "firmware/key.hpp"
+#include "host-sim/can/bus.hpp"
+#include "host-sim/output_file.hpp"
+
+namespace smaservo::can {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// A transfer that the node refused, or that it did not answer.
+class SdoError : public UserError {
+ public:
+  SdoError(const std::string& text, std::uint32_t code) : UserError(text), code_(code) {}
+
+  /// The abort code; 0: no answer.
+  std::uint32_t code() const { return code_; }
+
+ private:
+  std::uint32_t code_;
+};
+
+/// "2100h:1"
+std::string key_text(Key key);
+
+/// All calls throw SdoError.
+class SdoClient {
+ public:
+  static constexpr std::int64_t usual_timeout_us = 500'000;
+  /// Of what has to be durable before it is answered.
+  static constexpr std::int64_t store_timeout_us = 10'000'000;
+
+  /// Node 1 to 127.
+  SdoClient(Bus& bus, unsigned node) : bus_(bus), node_(node) {}
+
+  unsigned node() const { return node_; }
+  Bus& bus() { return bus_; }
+  void set_timeout(std::int64_t microseconds) { timeout_us_ = microseconds; }
+
+  /// Expedited or segmented, as the node wants it.
+  Bytes upload(Key key);
+  /// Expedited up to four bytes, else segmented.
+  void download(Key key, std::span<const std::uint8_t> value);
+  /// Segmented, whatever the length.
+  void download_segmented(Key key, std::span<const std::uint8_t> value);
+  Bytes upload_block(Key key);
+  void download_block(Key key, std::span<const std::uint8_t> value);
+
+ private:
+  using Data = std::array<std::uint8_t, 8>;
+
+  Data request(Key key, const Data& data);
+  Data answer(Key key);
+  bool next_answer(Data& data, std::int64_t until_us);
+  void send(const Data& data);
+  void send_segments(Key key, std::span<const std::uint8_t> value);
+  void send_blocks(Key key, std::span<const std::uint8_t> value, unsigned block_size);
+  Bytes receive_segments(Key key, const Data& first);
+  void receive_blocks(Key key, Bytes& value);
+  [[noreturn]] void abort(Key key, std::uint32_t code);
+  [[noreturn]] void refused(Key key, std::uint32_t code) const;
+  [[noreturn]] void silent(Key key) const;
+
+  Bus& bus_;
+  unsigned node_;
+  std::int64_t timeout_us_ = usual_timeout_us;
+};
+
+}  // namespace smaservo::can

@@ -1,0 +1,72 @@
+#include "host-sim/can/settings.hpp"
+
+#include <fmt/format.h>
+
+#include "host-sim/settings_file.hpp"
+#include "host-sim/settings_text.hpp"
+
+namespace smaservo::can {
+namespace {
+
+Value value_of(const Bytes& bytes) {
+  return {static_cast<std::uint32_t>(canopen::take_number(bytes))};
+}
+
+KnownObject object_of(const Parameter<double>& row) {
+  return find_object(std::string(row.path.text()));
+}
+
+}  // namespace
+
+Settings<double> read_settings(Remote& remote) {
+  Settings<double> settings = default_settings<double>();
+  for (const Parameter<double>& row : parameters<double>) {
+    const Value value = value_of(remote.read(object_of(row)));
+    if (fit(row, value) == Fit::not_finite) {
+      throw UserError(
+          fmt::format("node {}: {} is not set: it has no wire yet; give it a whole "
+                      "settings file with `host-sim can restore`",
+                      remote.node(), row.path.text()));
+    }
+    row.set(settings, value);
+  }
+  return settings;
+}
+
+Settings<double> file_settings(const std::string& path, const Settings<double>& of_node) {
+  Settings<double> settings = load_settings_file(path);
+  settings.identity = of_node.identity;
+  return settings;
+}
+
+std::vector<Difference> differences(const Settings<double>& file, const Settings<double>& node) {
+  std::vector<Difference> all;
+  for (const Parameter<double>& row : parameters<double>) {
+    const Value here = row.get(file);
+    const Value there = row.get(node);
+    if (row.is_used(file) && here != there) all.push_back({&row, here, there});
+  }
+  return all;
+}
+
+std::string differences_text(const std::vector<Difference>& differences) {
+  std::string text;
+  for (const Difference& d : differences) {
+    text += fmt::format("{:<36} {:<14} {}\n", d.row->path.text(), value_text(*d.row, d.here),
+                        value_text(*d.row, d.there));
+  }
+  return text;
+}
+
+void restore(Remote& remote, const std::vector<Difference>& differences) {
+  std::vector<Change> changes;
+  for (const Difference& d : differences) {
+    const KnownObject object = object_of(*d.row);
+    Bytes bytes(canopen::size_of(object.type));
+    canopen::put_number(bytes, d.here.bits);
+    changes.emplace_back(object, std::move(bytes));
+  }
+  remote.change(changes);
+}
+
+}  // namespace smaservo::can

@@ -1,0 +1,26 @@
+#pragma once
+// All parameters of a servo as a settings file, and back.
+
+#include "host-sim/can/remote.hpp"
+
+namespace smaservo::can {
+
+/// What the node has. Throws UserError where it has no wire yet.
+Settings<double> read_settings(Remote& remote);
+
+/// What a file says of this node: its serial number and node-id stay the node's own.
+Settings<double> file_settings(const std::string& path, const Settings<double>& of_node);
+
+struct Difference {
+  const Parameter<double>* row;
+  Value here, there;  ///< in the file, in the node
+};
+std::vector<Difference> differences(const Settings<double>& file, const Settings<double>& node);
+
+/// One line each: path, the file's value, the node's.
+std::string differences_text(const std::vector<Difference>& differences);
+
+/// Writes what differs, as one set. Throws UserError; then nothing has changed.
+void restore(Remote& remote, const std::vector<Difference>& differences);
+
+}  // namespace smaservo::can

@@ -1,0 +1,18 @@
+#pragma once
+// What a servo says of itself, as text for people.
+
+#include "firmware/faults.hpp"
+#include "host-sim/can/remote.hpp"
+
+namespace smaservo::can {
+
+/// Identity, versions, states, loop and bus.
+std::string info_text(Remote& remote);
+
+/// Faults that are active or latched, the first cause, what blocks and limits, the error history.
+std::string faults_text(Remote& remote);
+
+/// The first cause of the latched faults; Fault::none where there is none.
+Fault first_cause(Remote& remote);
+
+}  // namespace smaservo::can

@@ -1,0 +1,200 @@
+#include "host-sim/can/step_test.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host-sim/can/text_plot.hpp"
+#include "host-sim/html.hpp"
+
+namespace smaservo::can {
+namespace {
+
+constexpr double before_s = 0.1;
+constexpr double celsius_K = 273.15;
+constexpr std::int64_t poll_us = 20'000;
+
+enum class StepState : std::uint8_t { none, running, done, broken_off };
+
+bool is_enabled(Remote& remote) {
+  return (static_cast<unsigned>(remote.number("6041")) & 0x6FU) == 0x27;
+}
+
+void wait_until_done(Remote& remote, const StepPlan& plan) {
+  Bus& bus = remote.bus();
+  const double patience_s = 2 * plan.seconds + 5;
+  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
+  for (;;) {
+    const auto state = static_cast<StepState>(remote.number("step.state"));
+    if (state == StepState::done) return;
+    if (state == StepState::broken_off || state == StepState::none) {
+      throw UserError(
+          fmt::format("the step was broken off: \"{}\"; `host-sim can faults` says more",
+                      drive_state_text(static_cast<unsigned>(remote.number("6041")))));
+    }
+    const std::int64_t now_us = bus.now_us();
+    if (now_us >= until_us) {
+      throw UserError(fmt::format("the step has not ended within {} s", patience_s));
+    }
+    CanFrame passing;
+    while (bus.receive(passing, now_us + poll_us)) {
+    }
+  }
+}
+
+/// Disables again what was disabled before, whatever happens.
+class EnabledForAWhile {
+ public:
+  explicit EnabledForAWhile(Remote& remote) : remote_(remote), was_enabled_(is_enabled(remote)) {
+    if (!was_enabled_) remote_.enable();
+  }
+  ~EnabledForAWhile() {
+    try {
+      if (!was_enabled_) remote_.disable();
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "host-sim: {}\n", error.what());
+    }
+  }
+  EnabledForAWhile(const EnabledForAWhile&) = delete;
+  EnabledForAWhile& operator=(const EnabledForAWhile&) = delete;
+
+ private:
+  Remote& remote_;
+  bool was_enabled_;
+};
+
+/// Where the set-point leaves its first value, and where it comes back.
+struct Edges {
+  std::size_t there, back;
+};
+Edges edges_of(const std::vector<double>& setpoints, double amplitude_m) {
+  const auto moved = [&](double value) {
+    return std::abs(value - setpoints.front()) > std::abs(amplitude_m) / 10;
+  };
+  const auto there = std::ranges::find_if(setpoints, moved);
+  const auto back = std::find_if_not(there, setpoints.end(), moved);
+  return {static_cast<std::size_t>(there - setpoints.begin()),
+          static_cast<std::size_t>(back - setpoints.begin())};
+}
+
+/// The greatest way that the set-point goes from its first value.
+double amplitude_of(const std::vector<double>& setpoints) {
+  double amplitude = 0;
+  for (const double value : setpoints) {
+    const double way = value - setpoints.front();
+    if (std::abs(way) > std::abs(amplitude)) amplitude = way;
+  }
+  return amplitude;
+}
+
+/// Time from the step on, way from where it began, set-point, temperature, current.
+std::string data_block(const StepRun& run, std::size_t number) {
+  const auto setpoints = run.recording.column("setpoint");
+  const auto positions = run.recording.column("position_m");
+  const auto temperatures = run.recording.column("temperature_K");
+  const auto currents = run.recording.column("current_A");
+  const Edges edges = edges_of(setpoints, amplitude_of(setpoints));
+  std::string text = fmt::format("$run{} << EOD\n", number);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const double time_s =
+        (static_cast<double>(i) - static_cast<double>(edges.there)) * run.recording.period_s;
+    text += plotted_row(std::array{time_s, 1e6 * (positions[i] - positions.front()),
+                                   1e6 * (setpoints[i] - setpoints.front()),
+                                   temperatures[i] - celsius_K, 1e3 * currents[i]});
+  }
+  return text + "EOD\n";
+}
+
+std::string row_of(const std::string& name, const StepResult& result) {
+  const StepFigures& f = result.figures;
+  const auto number = [](double value, int digits) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-");
+  };
+  return fmt::format("{:<24}{:>8}{:>12}{:>10}{:>10}{:>10}\n", name, number(f.rise_s, 3),
+                     number(f.overshoot_percent, 1), number(f.settling_s, 3),
+                     number(f.error_percent, 2), number(result.peak_K - celsius_K, 1));
+}
+
+}  // namespace
+
+StepRun run_step(Remote& remote, const StepPlan& plan) {
+  if (plan.amplitude_um == 0) throw UserError("--amplitude-um 0: must be other than 0");
+  // The memory is filled at the end of the step back, and not much later.
+  const RecordingPlan recorded{
+      {"setpoint", "position_m", "temperature_K", "current_A"}, 2 * plan.seconds + before_s, 0, ""};
+  remote.set("step.amplitude_um", std::to_string(plan.amplitude_um));
+  remote.set("step.duration_ms", std::to_string(std::lround(1e3 * plan.seconds)));
+  const EnabledForAWhile enabled(remote);
+  remote.set("6060", "1");
+  arm_recorder(remote, recorded);
+  remote.set("step.command", "1");
+  wait_until_done(remote, plan);
+  return {plan, read_recording(remote, recorded, before_s)};
+}
+
+StepResult judge(const StepRun& run) {
+  const auto setpoints = run.recording.column("setpoint");
+  const auto positions = run.recording.column("position_m");
+  const auto temperatures = run.recording.column("temperature_K");
+  const double amplitude_m = setpoints.empty() ? 0 : amplitude_of(setpoints);
+  const Edges edges = setpoints.empty() ? Edges{} : edges_of(setpoints, amplitude_m);
+  StepJudge judge(std::abs(amplitude_m), run.recording.period_s);
+  for (std::size_t i = edges.there; i < edges.back; ++i) {
+    judge.add(static_cast<double>(i) * run.recording.period_s, setpoints.front() + amplitude_m,
+              positions[i]);
+  }
+  judge.finish();
+  if (amplitude_m == 0 || judge.steps().empty()) {
+    throw UserError("the recording has no step of 0.2 s and more");
+  }
+  return {judge.steps().front(), std::ranges::max(temperatures)};
+}
+
+StepRun load_step(const std::string& path) {
+  StepRun run{{}, load_recording(path)};
+  const auto setpoints = run.recording.column("setpoint");
+  if (setpoints.empty()) throw UserError(fmt::format("{}: has no rows", path));
+  run.plan.amplitude_um = static_cast<std::int32_t>(std::lround(1e6 * amplitude_of(setpoints)));
+  return run;
+}
+
+std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
+  std::string text = fmt::format("{:<24}{:>8}{:>12}{:>10}{:>10}{:>10}\n", "", "rise s",
+                                 "overshoot %", "settled s", "error %", "peak degC");
+  for (std::size_t i = 0; i < runs.size(); ++i) text += row_of(names[i], judge(runs[i]));
+  std::vector<double> way_um = runs.front().recording.column("position_m");
+  const double start = way_um.front();
+  for (double& value : way_um) value = 1e6 * (value - start);
+  return text + "\ncontraction, um, of the newest\n" + text_plot(way_um, 64, 12);
+}
+
+void write_step_report(const std::string& path, const std::vector<StepRun>& runs,
+                       const std::vector<std::string>& names) {
+  std::string data;
+  std::vector<std::string> positions{
+      "$run0 using 1:3 with lines lc rgb reference title 'set-point'"};
+  std::vector<std::string> temperatures;
+  std::vector<std::string> currents;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    data += data_block(runs[i], i);
+    const char* colour = i == 0 ? "estimate" : "measured";
+    const auto curve = [&](int column) {
+      return fmt::format("$run{} using 1:{} with lines lc rgb {} title '{}'", i, column, colour,
+                         names[i]);
+    };
+    positions.push_back(curve(2));
+    temperatures.push_back(curve(4));
+    currents.push_back(curve(5));
+  }
+  const std::vector<Plot> plots{
+      {"Contraction", "The newest in blue, the runs before in grey.", false,
+       draw({960, 380, "time / s", "contraction / um"}, data, "", positions)},
+      {"Temperature", "As the device estimates it.", true,
+       draw({480, 300, "time / s", "temperature / degC"}, data, "", temperatures)},
+      {"Current", "As the device gives it.", true,
+       draw({480, 300, "time / s", "current / mA"}, data, "", currents)}};
+  write_html(path, "Step test",
+             plots_html(plots) + listing_html("Figures", step_text(runs, names)));
+}
+
+}  // namespace smaservo::can

@@ -1,0 +1,196 @@
+// Needs a kernel with CAN, vcan0 and the right to change interfaces: runs in a guest
+// (toolchain/can/uml).
+
+#include "hal/linux/can_socket.hpp"
+
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <poll.h>
+#include <thread>
+
+#include "hal/linux/open_can.hpp"
+
+namespace smaservo {
+namespace {
+
+void shell(const std::string& command) {
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(bugprone-command-processor)
+}
+
+/// Waits for a frame, at most two seconds.
+bool next(CanSocket& port, CanFrame& frame) {
+  pollfd waiting{port.descriptor(), POLLIN, 0};
+  return port.receive(frame) || (poll(&waiting, 1, 2000) > 0 && port.receive(frame));
+}
+
+/// Looks at the port until it is in this state, at most two seconds.
+bool becomes(CanSocket& port, CanState state) {
+  CanFrame frame;
+  for (int i = 0; i < 200 && port.state() != state; ++i) {
+    port.receive(frame);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return port.state() == state;
+}
+
+constexpr CanFrame hello{.id = 0x123, .length = 3, .data = {1, 2, 3}};
+
+std::string refusal(const std::string& name) {
+  try {
+    open_can(name);
+  } catch (const CanError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CanSocket, SaysWhyItCanNotBeOpened) {
+  EXPECT_EQ(refusal("can7"), "can7: no such interface");
+  EXPECT_EQ(refusal("lo"), "lo: is no CAN interface");
+  EXPECT_EQ(refusal("vcan0"), "");
+}
+
+TEST(CanSocket, OthersHearAndTheSenderDoesNot) {
+  CanSocket one("vcan0");
+  CanSocket other("vcan0");
+  CanSocket elsewhere("vcan1");
+  const CanFrame frames[] = {
+      hello,
+      {.id = 0x1ABCDEF0, .extended = true, .length = 8, .data = {8, 7, 6, 5, 4, 3, 2, 1}},
+      {.id = 0x701, .remote = true, .length = 4},
+      {.id = 0},
+  };
+  for (const CanFrame& frame : frames) {
+    ASSERT_TRUE(one.send(frame));
+    CanFrame got;
+    ASSERT_TRUE(next(other, got));
+    EXPECT_EQ(got, frame);
+    EXPECT_FALSE(one.receive(got));
+    EXPECT_FALSE(elsewhere.receive(got));
+  }
+  EXPECT_EQ(one.statistics().sent, 4U);
+  EXPECT_EQ(other.statistics().received, 4U);
+}
+
+TEST(CanSocket, AcceptsOnlyDataFramesWithTheseIdentifiers) {
+  CanSocket sender("vcan0");
+  CanSocket port("vcan0");
+  const std::uint32_t ids[] = {0x000, 0x123, 0x601};
+  port.accept(ids);
+  for (const CanFrame& other : {CanFrame{.id = 0x124}, CanFrame{.id = 0x123, .extended = true},
+                                CanFrame{.id = 0x123, .remote = true}, CanFrame{.id = 0x723}}) {
+    ASSERT_TRUE(sender.send(other));
+  }
+  for (const std::uint32_t id : ids) {
+    ASSERT_TRUE(sender.send({.id = id}));
+    CanFrame got;
+    ASSERT_TRUE(next(port, got));
+    EXPECT_EQ(got, CanFrame{.id = id});
+  }
+}
+
+TEST(CanSocket, OutlivesAnInterfaceThatGoesDown) {
+  CanSocket port("vcan0");
+  CanSocket other("vcan0");
+  shell("ip link set vcan0 down");
+  EXPECT_FALSE(port.send(hello));
+  EXPECT_TRUE(becomes(other, CanState::down));
+  EXPECT_EQ(port.state(), CanState::down);
+  EXPECT_EQ(port.statistics().dropped_down, 1U);
+  shell("ip link set vcan0 up");
+  EXPECT_TRUE(port.send(hello));
+  CanFrame got;
+  EXPECT_TRUE(next(other, got));
+  EXPECT_TRUE(becomes(other, CanState::active));
+  EXPECT_EQ(port.statistics().downs, 1U);
+  EXPECT_EQ(other.statistics().downs, 1U);
+}
+
+TEST(CanSocket, StartsOnAnInterfaceThatIsDown) {
+  shell("ip link set vcan0 down");
+  CanSocket port("vcan0");
+  EXPECT_EQ(port.state(), CanState::down);
+  EXPECT_FALSE(port.send(hello));
+  shell("ip link set vcan0 up");
+  EXPECT_TRUE(port.send(hello));
+  EXPECT_TRUE(becomes(port, CanState::active));
+}
+
+TEST(CanSocket, ComesBackWithItsInterfaceAndItsFilters) {
+  shell("ip link add vcan7 type vcan && ip link set vcan7 up");
+  CanSocket port("vcan7");
+  const int descriptor = port.descriptor();
+  const std::uint32_t ids[] = {0x123};
+  port.accept(ids);
+  for (int i = 1; i <= 3; ++i) {
+    shell("ip link delete vcan7");
+    EXPECT_TRUE(becomes(port, CanState::gone));
+    EXPECT_FALSE(port.send(hello));
+    shell("ip link add vcan7 type vcan && ip link set vcan7 up");
+    EXPECT_TRUE(port.send(hello));
+    CanSocket other("vcan7");
+    EXPECT_TRUE(other.send({.id = 0x124}));
+    EXPECT_TRUE(other.send(hello));
+    CanFrame got;
+    ASSERT_TRUE(next(port, got));
+    EXPECT_EQ(got, hello);
+    EXPECT_FALSE(port.receive(got));
+    EXPECT_EQ(port.state(), CanState::active);
+    EXPECT_EQ(port.statistics().reopens, static_cast<std::uint64_t>(i));
+  }
+  // It went and came while nobody looked.
+  shell("ip link delete vcan7 && ip link add vcan7 type vcan && ip link set vcan7 up");
+  EXPECT_TRUE(becomes(port, CanState::gone) || port.send(hello));
+  EXPECT_TRUE(becomes(port, CanState::active));
+  EXPECT_EQ(port.descriptor(), descriptor);
+  shell("ip link delete vcan7");
+}
+
+/// As a controller's driver reports it.
+void inject(std::uint32_t classes, const char* data) {
+  std::array<char, 80> command;
+  std::snprintf(command.data(), command.size(), "cansend vcan0 %08X#%s", classes | CAN_ERR_FLAG,
+                data);
+  shell(command.data());
+}
+
+TEST(CanSocket, FollowsTheControllersErrorStates) {
+  CanSocket port("vcan0");
+  CanFrame frame;
+  inject(CAN_ERR_CRTL, "0020000000000000");
+  EXPECT_TRUE(becomes(port, CanState::passive));
+  inject(CAN_ERR_CRTL, "0040000000000000");
+  EXPECT_TRUE(becomes(port, CanState::active));
+  inject(CAN_ERR_BUSOFF, "0000000000000000");
+  EXPECT_TRUE(becomes(port, CanState::bus_off));
+  inject(CAN_ERR_RESTARTED, "0000000000000000");
+  EXPECT_TRUE(becomes(port, CanState::active));
+  EXPECT_FALSE(port.receive(frame));
+  EXPECT_EQ(port.statistics().error_frames, 4U);
+  EXPECT_EQ(port.statistics().bus_offs, 1U);
+  EXPECT_EQ(port.statistics().received, 0U);
+}
+
+// A queue that is full, here that of the receiver.
+TEST(CanSocket, CountsWhatItWasTooSlowFor) {
+  CanSocket sender("vcan0");
+  CanSocket port("vcan0");
+  constexpr std::uint64_t sent = 5000;
+  for (std::uint64_t i = 0; i < sent; ++i) {
+    ASSERT_TRUE(sender.send(hello));
+  }
+  CanFrame got;
+  std::uint64_t received = 0;
+  while (port.receive(got)) {
+    ++received;
+  }
+  ASSERT_TRUE(sender.send(hello));
+  ASSERT_TRUE(next(port, got));
+  EXPECT_LT(received, sent);
+  EXPECT_EQ(received + port.statistics().lost, sent);
+}
+
+}  // namespace
+}  // namespace smaservo

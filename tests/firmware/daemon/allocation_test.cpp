@@ -1,0 +1,161 @@
+// The loop's thread takes no memory from the heap and makes no system call but those of a loop.
+
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+#include "firmware/daemon/bus_pump.hpp"
+#include "firmware/daemon/desk.hpp"
+#include "firmware/daemon/loop.hpp"
+#include "firmware/daemon/sandbox.hpp"
+#include "firmware/daemon/simulation.hpp"
+#include "host-sim/settings_file.hpp"
+
+namespace smaservo {
+namespace {
+
+/// Of this thread.
+struct Trap {
+  bool armed;
+  int caught;
+};
+Trap& trap() {
+  thread_local Trap state{};
+  return state;
+}
+void allocating() {
+  trap().caught += trap().armed ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace smaservo
+
+#ifdef SMASERVO_SANITIZED
+extern "C" int listen_to_allocator(
+    void (*allocated)(const volatile void*, std::size_t),
+    void (*freed)(const volatile void*)) asm("__sanitizer_install_malloc_and_free_hooks");
+namespace smaservo {
+namespace {
+void heard(const volatile void* /*block*/, std::size_t /*size*/) {
+  allocating();
+}
+void heard_free(const volatile void* /*block*/) {}
+const int listening = listen_to_allocator(heard, heard_free);
+}  // namespace
+}  // namespace smaservo
+#else
+extern "C" {
+void* c_library_malloc(std::size_t size) asm("__libc_malloc");
+void* c_library_calloc(std::size_t count, std::size_t size) asm("__libc_calloc");
+void* c_library_realloc(void* block, std::size_t size) asm("__libc_realloc");
+
+void* malloc(std::size_t size) noexcept {
+  smaservo::allocating();
+  return c_library_malloc(size);
+}
+void* calloc(std::size_t nmemb, std::size_t size) noexcept {
+  smaservo::allocating();
+  return c_library_calloc(nmemb, size);
+}
+void* realloc(void* ptr, std::size_t size) noexcept {
+  smaservo::allocating();
+  return c_library_realloc(ptr, size);
+}
+}
+#endif
+
+namespace smaservo {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+struct Bench {
+  Bench()
+      : desk(settings_for(load_wire(std::string(default_wire)).wire), links),
+        simulation(standard_closed_loop(desk.settings())),
+        demonstration(desk.settings()),
+        axis(desk.first()) {
+    links.record = &ring;
+  }
+  LoopLinks links;
+  LoopFigures figures;
+  ParameterDesk desk;
+  Simulation simulation;
+  Demonstration demonstration;
+  Axis axis;
+  Ring<TurnRecord> ring{256};
+};
+
+TEST(LoopAllocation, None) {
+  Bench bench;
+  Loop loop(bench.simulation, NoPace{}, bench.axis, bench.demonstration, bench.links, bench.figures,
+            {ms, 3 * ms, true});
+  Settings<double> settings = bench.desk.settings();
+  TurnRecord record{};
+  bool heated = false;
+  for (int i = 0; i < 5000; ++i) {
+    if (i % 500 == 100) {
+      settings.strain.proportional *= 0.99;
+      settings = stored_settings<double>(settings);
+      ASSERT_TRUE(bench.desk.change(settings));
+    }
+    trap() = {true, 0};
+    loop.turn();
+    trap().armed = false;
+    ASSERT_EQ(trap().caught, 0) << "turn " << i;
+    bench.ring.pop(record);
+    heated = heated || record.turn.output.current_A > 0.1;
+  }
+  EXPECT_TRUE(heated);
+  trap() = {true, 0};
+  delete new int(5);
+  // NOLINTNEXTLINE(*-no-malloc): what is caught
+  free(malloc(static_cast<std::size_t>(1 + trap().caught)));
+  trap().armed = false;
+  EXPECT_GE(trap().caught, 1) << "the trap catches what there is to catch";
+}
+
+#ifndef SMASERVO_SANITIZED
+/// How a child ends whose loop's thread may make a loop's calls only, and then does this.
+int end_of(void (*then)()) {
+  const pid_t child = fork();
+  if (child == 0) {
+    auto bench = std::make_unique<Bench>();
+    std::thread([&] {
+      Loop loop(bench->simulation, Pace<MonotonicClock>(ms), bench->axis, bench->demonstration,
+                bench->links, bench->figures, {ms, 3 * ms, true});
+      if (!allow_loop_calls_only().empty()) {
+        _exit(77);
+      }
+      for (int i = 0; i < 200; ++i) {
+        loop.turn();
+      }
+      then();
+    }).join();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(LoopCalls, AreThoseOfALoop) {
+  const int status = end_of([] {});
+  ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  if (WEXITSTATUS(status) == 77) {
+    GTEST_SKIP() << "SKIPPED: the kernel has no seccomp filters";
+  }
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const int caught = end_of([] { close(open("/dev/null", O_RDONLY)); });
+  EXPECT_TRUE(WIFSIGNALED(caught));
+  EXPECT_EQ(WTERMSIG(caught), SIGSYS);
+}
+#endif
+
+}  // namespace
+}  // namespace smaservo

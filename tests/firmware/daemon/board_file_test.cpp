@@ -1,0 +1,96 @@
+#include "firmware/daemon/board_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "hal/replay/temporary_folder.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/settings_file.hpp"
+
+namespace smaservo::test {
+namespace {
+
+const std::string& boards() {
+  static const std::string folder = SMASERVO_SOURCE_DIR "/hal/linux/boards";
+  return folder;
+}
+
+TEST(BoardFile, TheExamplesAreWhole) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(boards())) {
+    if (!entry.is_regular_file()) {
+      continue;
+    }
+    const BoardFile file = load_board_file(entry.path());
+    EXPECT_FALSE(file.name.empty());
+    const Settings<double> settings = load_settings_file(file.device);
+    EXPECT_TRUE(within(file, settings)) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 2);
+}
+
+TEST(BoardFile, CodesMeanWhatTheConvertersDataSheetSays) {
+  const BoardFile file = load_board_file(boards() + "/reference.toml");
+  // A full-scale code of 2^23 is 1.2 V at the pins, by gain.
+  const Channel& current = file.calibration.current;
+  EXPECT_NEAR(current.scale * 0x1p23, 1.2 / 1.0, 1e-12);
+  EXPECT_EQ(file.thread.priority, 80);
+  EXPECT_EQ(file.lines.kick.name, "smaservo-kick");
+  EXPECT_NEAR(
+      (20'000 + file.slow[SlowSensors::ambient].offset) * file.slow[SlowSensors::ambient].scale,
+      293.15, 1e-9);
+}
+
+/// What is said of the reference board with one line changed.
+std::string refusal(const std::string& from, const std::string& to) {
+  const TemporaryFolder folder;
+  std::string text = file_text(boards() + "/reference.toml");
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  const std::string path = folder / "board.toml";
+  std::ofstream(path) << text;
+  try {
+    load_board_file(path);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
+  struct Case {
+    const char *from, *to, *says;
+  };
+  const Case cases[] = {
+      {"priority = 80", "priority = 99", "loop.priority = 99: must be a number between 1 and 98"},
+      {"priority = 80", "priority = 80.5", "loop.priority = 80.5: must be a whole number"},
+      {"oversampling = 1024", "oversampling = 1000", "front_end.oversampling = 1000"},
+      {"channel = 0", "channel = 4", "front_end.current.channel = 4"},
+      {"per_volt = 1.0", "per_volt = 0", "per_volt = 0: must not be zero"},
+      {"type = \"spi-dac\"", "type = \"dac\"", "must be one of: iio-dac, spi-dac, pwm"},
+      {"greatest_mA", "greatest_A", "drive.greatest_mA: is missing"},
+      {"[lines.kick]", "[lines.kock]", "lines.kock"},
+  };
+  for (const Case& c : cases) {
+    const std::string said = refusal(c.from, c.to);
+    EXPECT_NE(said.find(c.says), std::string::npos) << c.to << ": " << said;
+    EXPECT_NE(said.find("board.toml:"), std::string::npos) << said;
+  }
+}
+
+TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
+  const BoardFile file = load_board_file(boards() + "/reference.toml");
+  Settings<double> settings = load_settings_file(file.device);
+  ASSERT_TRUE(within(file, settings));
+  settings.limits.current_A = 2 * file.greatest_current_A;
+  EXPECT_FALSE(within(file, settings));
+  settings = load_settings_file(file.device);
+  settings.drive.kind = DriveKind::voltage;
+  EXPECT_FALSE(within(file, settings));
+}
+
+}  // namespace
+}  // namespace smaservo::test

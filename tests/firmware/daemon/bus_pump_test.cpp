@@ -1,0 +1,134 @@
+// Frames, commands and outputs between a port, a node and the loop.
+
+#include "firmware/daemon/bus_pump.hpp"
+
+#include <deque>
+#include <gtest/gtest.h>
+
+namespace smaservo::test {
+namespace {
+
+class FakePort {
+ public:
+  std::deque<CanFrame> in, out;
+  bool full = false;
+  bool receive(CanFrame& frame) {
+    if (in.empty()) {
+      return false;
+    }
+    frame = in.front();
+    in.pop_front();
+    return true;
+  }
+  bool send(const CanFrame& frame) {
+    if (!full) {
+      out.push_back(frame);
+    }
+    return !full;
+  }
+};
+
+/// Answers each frame with one of the next identifier; its set-point is the last identifier.
+struct FakeNode {
+  std::deque<CanFrame> answers;
+  double setpoint = 0;
+  std::uint64_t now_us = 0;
+  std::uint32_t changes = 0;
+  int published = 0;
+  double published_A = 0;
+
+  void receive(const CanFrame& frame, std::uint64_t /*now_us*/) {
+    setpoint = frame.id;
+    CanFrame answer = frame;
+    ++answer.id;
+    answers.push_back(answer);
+  }
+  void advance(std::uint64_t time_us) { now_us = time_us; }
+  bool take(CanFrame& frame) {
+    if (answers.empty()) {
+      return false;
+    }
+    frame = answers.front();
+    answers.pop_front();
+    return true;
+  }
+  Command<double> command() const {
+    return {.fresh = true, .arm = true, .mode = Mode::current, .setpoint = setpoint};
+  }
+  static FaultSet external() { return Fault::duplicate_node; }
+  void publish(const Output<double>& output, const Inputs<double>& /*inputs*/, double /*dt_s*/) {
+    ++published;
+    published_A = output.current_A;
+  }
+  std::uint32_t settings_changes() const { return changes; }
+};
+
+struct Rig {
+  FakePort port;
+  FakeNode node;
+  BusPartner partner{0.1};
+  BusPump<FakePort, FakeNode> pump{port, node, partner};
+  int changed = 0;
+  void round(std::uint64_t now_us, FaultSet faults = {}) {
+    pump.round(now_us, faults, [&] { ++changed; });
+  }
+};
+
+TEST(BusPump, CarriesBothWays) {
+  Rig rig;
+  rig.port.in = {{.id = 5}, {.id = 7}};
+  Turn turn{};
+  turn.output.current_A = 0.25;
+  rig.partner.tell(turn, 1e-3);
+  rig.partner.tell(turn, 1e-3);
+  rig.round(1000);
+  ASSERT_EQ(rig.port.out.size(), 2U);
+  EXPECT_EQ(rig.port.out[1].id, 8U);
+  EXPECT_EQ(rig.node.published, 2);
+  EXPECT_EQ(rig.node.published_A, 0.25);
+  EXPECT_EQ(rig.node.now_us, 1000U);
+  const Heard heard = rig.partner.listen(0);
+  EXPECT_EQ(heard.command.setpoint, 7);
+  EXPECT_TRUE(heard.command.fresh);
+  EXPECT_TRUE(heard.external.has(Fault::duplicate_node));
+}
+
+TEST(BusPump, ACommandIsFreshOnceAndNobodyIsALostPartner) {
+  Rig rig;
+  EXPECT_FALSE(rig.partner.listen(0).command.arm) << "before anybody has said so";
+  rig.round(0);
+  EXPECT_TRUE(rig.partner.listen(0.001).command.fresh);
+  EXPECT_FALSE(rig.partner.listen(0.002).command.fresh);
+  EXPECT_FALSE(rig.partner.listen(0.1).external.has(Fault::bus_lost));
+  EXPECT_TRUE(rig.partner.listen(0.102).external.has(Fault::bus_lost));
+  rig.round(200'000, Fault::bus_lost);
+  EXPECT_TRUE(rig.partner.listen(0.2).external.has(Fault::bus_lost)) << "as the port says";
+  rig.round(201'000);
+  EXPECT_FALSE(rig.partner.listen(0.201).external.has(Fault::bus_lost));
+}
+
+TEST(BusPump, NeitherAFullQueueNorAFloodHoldsItUp) {
+  Rig rig;
+  rig.port.full = true;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    rig.port.in.push_back({.id = i});
+  }
+  rig.round(0);
+  EXPECT_EQ(rig.pump.frames(), 256U);
+  EXPECT_TRUE(rig.node.answers.empty());
+  rig.round(1);
+  EXPECT_EQ(rig.node.now_us, 1U);
+  EXPECT_EQ(rig.pump.frames(), 512U);
+}
+
+TEST(BusPump, TellsOfNewSettingsOncePerChange) {
+  Rig rig;
+  rig.round(0);
+  rig.node.changes = 3;
+  rig.round(1);
+  rig.round(2);
+  EXPECT_EQ(rig.changed, 1);
+}
+
+}  // namespace
+}  // namespace smaservo::test

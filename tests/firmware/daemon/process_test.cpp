@@ -1,0 +1,236 @@
+// The real program, from outside: how it ends, and what the next one says of it.
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include "firmware/daemon/last_run.hpp"
+#include "hal/linux/descriptor.hpp"
+#include "hal/replay/temporary_folder.hpp"
+
+namespace smaservo::test {
+namespace {
+
+struct Ended {
+  int status;
+  std::string out, errors;
+
+  bool exited_with(int code) const { return WIFEXITED(status) && WEXITSTATUS(status) == code; }
+};
+
+/// smaservod with these arguments, its output in files of a folder.
+class Program {
+ public:
+  Program(const TemporaryFolder& folder, std::vector<std::string> arguments,
+          const std::string& socket = "")
+      : out_(folder / "out"), errors_(folder / "errors") {
+    process_ = fork();
+    if (process_ == 0) {
+      run(std::move(arguments), socket);
+    }
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  ~Program() {
+    if (process_ > 0) {
+      ::kill(process_, SIGKILL);
+      waitpid(process_, nullptr, 0);
+    }
+  }
+  void kill(int signal) const { ::kill(process_, signal); }
+  Ended wait() {
+    Ended ended{};
+    waitpid(process_, &ended.status, 0);
+    process_ = -1;
+    ended.out = file_text(out_);
+    ended.errors = file_text(errors_);
+    return ended;
+  }
+
+ private:
+  [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket) const {
+    arguments.insert(arguments.begin(), SMASERVO_DAEMON);
+    std::vector<char*> list;
+    for (std::string& argument : arguments) {
+      list.push_back(argument.data());
+    }
+    list.push_back(nullptr);
+    if (!socket.empty()) {
+      setenv("NOTIFY_SOCKET", socket.c_str(), 1);
+      setenv("WATCHDOG_USEC", "200000", 1);
+    }
+    if (std::freopen(out_.c_str(), "w", stdout) != nullptr &&
+        std::freopen(errors_.c_str(), "w", stderr) != nullptr) {
+      execv(list.front(), list.data());
+    }
+    _exit(127);
+  }
+
+  std::string out_, errors_;
+  pid_t process_ = -1;
+};
+
+/// Until it is so; a minute at most.
+template <class Condition>
+bool becomes(Condition condition) {
+  for (int i = 0; i < 6000 && !condition(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return condition();
+}
+
+std::vector<std::string> in_time(const std::string& state) {
+  return {"--board", "sim", "--no-real-time", "--settings", state};
+}
+std::vector<std::string> at_once(const std::string& state) {
+  return {"--board", "sim", "--at-once", "--for", "1", "--json", "--settings", state};
+}
+
+/// Heats, is ended by this signal, and starts again: what is said then.
+nlohmann::json after(int signal, bool unclean) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  {
+    Program program(folder, in_time(state));
+    EXPECT_TRUE(becomes([&] { return file_text(state + "/run").starts_with("heated"); }));
+    program.kill(signal);
+    const Ended ended = program.wait();
+    EXPECT_EQ(WIFSIGNALED(ended.status), unclean) << ended.errors;
+    EXPECT_EQ(ended.exited_with(0), !unclean) << ended.errors;
+  }
+  Program again(folder, at_once(state));
+  const Ended ended = again.wait();
+  EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+  nlohmann::json said = nlohmann::json::parse(ended.out);
+  const bool blocked = said.at("blocks").dump().find("unclean_boot") != std::string::npos;
+  EXPECT_EQ(blocked, unclean) << ended.out;
+  if (unclean) {
+    EXPECT_EQ(said.at("current_A"), 0) << "not before it is acknowledged";
+    EXPECT_NE(file_text(state + "/history"), "");
+  }
+  return said;
+}
+
+TEST(Process, SaysThatItWasKilled) {
+  EXPECT_EQ(after(SIGKILL, true).at("last_run"),
+            "the last run was killed while the wire was heated");
+}
+
+TEST(Process, SaysThatItCrashed) {
+  const std::string said = after(SIGSEGV, true).at("last_run");
+  EXPECT_TRUE(said.starts_with("the last run crashed with signal 11")) << said;
+  EXPECT_TRUE(said.ends_with("while the wire was heated")) << said;
+}
+
+TEST(Process, EndsCleanlyWhenItIsAskedTo) {
+  const nlohmann::json said = after(SIGTERM, false);
+  EXPECT_EQ(said.at("last_run"), "the last run ended cleanly");
+  EXPECT_EQ(said.at("turns"), 1000);
+  EXPECT_EQ(said.at("state"), "running");
+  EXPECT_GT(said.at("current_A"), 0);
+}
+
+TEST(Process, TellsTheServiceManagerHowItIs) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "notify";
+  const Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  ASSERT_EQ(bind(socket.number(), reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  const timeval longest{30, 0};
+  setsockopt(socket.number(), SOL_SOCKET, SO_RCVTIMEO, &longest, sizeof(longest));
+  const auto next = [&] {
+    std::array<char, 256> text{};
+    const ssize_t size = recv(socket.number(), text.data(), text.size(), 0);
+    return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "nothing";
+  };
+  Program program(folder, in_time(folder / "state"), path);
+  EXPECT_EQ(next(), "READY=1");
+  int alive = 0;
+  bool status = false;
+  while (alive < 3) {
+    const std::string text = next();
+    ASSERT_NE(text, "nothing");
+    alive += text == "WATCHDOG=1" ? 1 : 0;
+    status = status || text.starts_with("STATUS=");
+  }
+  EXPECT_TRUE(status);
+  program.kill(SIGTERM);
+  std::string text = next();
+  while (text != "STOPPING=1" && text != "nothing") {
+    text = next();
+  }
+  EXPECT_EQ(text, "STOPPING=1");
+  EXPECT_TRUE(program.wait().exited_with(0));
+}
+
+TEST(Process, RefusesWhatItDoesNotUnderstand) {
+  const TemporaryFolder folder;
+  struct Case {
+    std::vector<std::string> arguments;
+    int code;
+    const char* says;
+  };
+  const std::string board = folder / "board.toml";
+  std::ofstream(board) << "name = \"a\"\n[front_end]\ntype = \"adc\"\n";
+  const Case cases[] = {
+      {{"--bord", "sim"}, 2, "--bord"},
+      {{"--board", folder / "none.toml"}, 1, "none.toml: cannot be read"},
+      {{"--board", board},
+       1,
+       "board.toml:3: front_end.type = 'adc': must be one of: ads131m04, iio"},
+      {{"--board", "replay=" + folder / "none.csv"}, 1, "none.csv"},
+      {{"--board", "sim", "--at-once", "--for", "0.1", "--record", board}, 1, "never overwritten"},
+  };
+  for (const Case& c : cases) {
+    const Ended ended = Program(folder, c.arguments).wait();
+    EXPECT_TRUE(ended.exited_with(c.code)) << c.says;
+    EXPECT_NE(ended.errors.find(c.says), std::string::npos) << ended.errors;
+  }
+}
+
+TEST(LastRun, KnowsAPowerCutByTheMachinesStart) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  {
+    RunMark(state, "boot-1").set(RunMark::State::heated);
+  }
+  const RunMark mark(state, "boot-2");
+  EXPECT_EQ(mark.last().ending, Ending::power);
+  EXPECT_TRUE(mark.last().heated);
+  EXPECT_EQ(describe(mark.last()),
+            "the machine lost its power or was reset while the wire was heated");
+}
+
+TEST(LastRun, KeepsWhatTheServiceManagerSays) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  {
+    EXPECT_EQ(RunMark(state, "boot").last().ending, Ending::none);
+  }
+  keep_service_result(state, "watchdog");
+  {
+    const RunMark mark(state, "boot");
+    EXPECT_EQ(describe(mark.last()),
+              "the last run was killed while the wire was off; service result: watchdog");
+  }
+  RunMark(state, "boot").set(RunMark::State::ended);
+  EXPECT_FALSE(RunMark(state, "boot").last().unclean());
+}
+
+}  // namespace
+}  // namespace smaservo::test

@@ -1,0 +1,229 @@
+// What is recorded replays to the same bits; what goes wrong on the disk disturbs nothing else.
+
+#include "firmware/daemon/recorder.hpp"
+
+#include <csignal>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "firmware/daemon/loop.hpp"
+#include "firmware/daemon/replaying.hpp"
+#include "firmware/daemon/simulation.hpp"
+#include "hal/replay/temporary_folder.hpp"
+#include "host-sim/device_replay.hpp"
+#include "host-sim/output_file.hpp"
+#include "host-sim/settings_file.hpp"
+
+namespace smaservo::test {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+Settings<double> test_settings() {
+  return settings_for(load_wire(std::string(default_wire)).wire);
+}
+
+/// A run of a device that is recorded.
+template <class B>
+class Recorded {
+ public:
+  template <class MakeBoard>
+  Recorded(const std::string& path, const Settings<double>& settings, MakeBoard make_board,
+           bool from_zero, std::size_t room = 4096)
+      : desk(settings, links),
+        board(make_board(desk)),
+        demonstration(settings),
+        ring(room),
+        recorder(path, settings, ring, desk),
+        axis_(desk.first()),
+        loop_(*board, NoPace{}, axis_, partner(), links, figures_, {ms, 3 * ms, from_zero}) {
+    links.record = &ring;
+  }
+  bool turn() { return loop_.turn(); }
+
+  LoopLinks links;
+  ParameterDesk desk;
+  std::unique_ptr<B> board;
+  Demonstration demonstration;
+  Ring<TurnRecord> ring;
+  Recorder recorder;
+
+ private:
+  Partner& partner() {
+    if constexpr (std::is_same_v<B, Replaying>) {
+      return *board;
+    } else {
+      return demonstration;
+    }
+  }
+
+  LoopFigures figures_;
+  Axis axis_;
+  Loop<B, NoPace> loop_;
+};
+
+auto simulated() {
+  return [](ParameterDesk& desk) {
+    return std::make_unique<Simulation>(standard_closed_loop(desk.settings()));
+  };
+}
+
+/// 4 s with changes of parameters in between.
+void record(const std::string& path) {
+  Recorded<Simulation> run(path, test_settings(), simulated(), true);
+  for (int i = 0; i < 4000; ++i) {
+    if (i == 1500 || i == 2200) {
+      Settings<double> settings = run.desk.settings();
+      settings.strain.proportional *= i == 1500 ? 2 : 0.3;
+      settings.limits.temperature_K -= 5;
+      settings.trips.following_s *= 1.5;
+      ASSERT_TRUE(run.desk.change(stored_settings<double>(settings)));
+    }
+    ASSERT_TRUE(run.turn());
+    if (i % 50 == 0) {
+      run.recorder.pump();
+    }
+  }
+  run.recorder.finish();
+  EXPECT_EQ(run.recorder.rows(), 4000U);
+  EXPECT_EQ(run.recorder.problem(), "");
+}
+
+DeviceReplayResult replayed(const std::string& path) {
+  DeviceReplayOptions options;
+  options.trace = path;
+  options.settings = load_settings_file(path + ".toml");
+  return replay_device(options);
+}
+
+TEST(Recorder, ReplaysToTheSameBitsWithItsParameterChanges) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.csv";
+  record(path);
+  const DeviceReplayResult result = replayed(path);
+  EXPECT_EQ(result.rows, 4000U);
+  EXPECT_EQ(result.differing_rows, 0U);
+  EXPECT_TRUE(agrees(result));
+
+  // The daemon itself on its own recording writes the same file.
+  const std::string again = folder / "again.csv";
+  {
+    Recorded<Replaying> run(
+        again, load_settings_file(path + ".toml"),
+        [&](ParameterDesk& desk) {
+          return std::make_unique<Replaying>(path, desk.settings(), desk);
+        },
+        false);
+    while (run.turn()) {
+      run.recorder.pump();
+      run.desk.tidy();
+    }
+    run.recorder.finish();
+  }
+  EXPECT_EQ(file_text(again), file_text(path));
+
+  // Without the changes it is another run: the comparison has something to find.
+  std::string text = file_text(path);
+  const std::size_t change = text.find("strain.proportional");
+  ASSERT_NE(change, std::string::npos);
+  text.erase(change, text.find('\n', change) - change);
+  std::ofstream(path, std::ios::trunc) << text;
+  EXPECT_GT(replayed(path).differing_rows, 100U);
+}
+
+TEST(Recorder, NeverOverwrites) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.csv";
+  std::ofstream(path) << "precious\n";
+  EXPECT_THROW(Recorded<Simulation>(path, test_settings(), simulated(), true), UserError);
+  EXPECT_EQ(file_text(path), "precious\n");
+  EXPECT_THROW(Recorded<Simulation>(folder / "no/run.csv", test_settings(), simulated(), true),
+               UserError);
+}
+
+/// Files of this process can not grow beyond this as long as it lives.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.csv";
+  std::uint64_t rows = 0;
+  {
+    Recorded<Simulation> run(path, test_settings(), simulated(), true);
+    const FullDisk full(200'000);
+    for (int i = 0; i < 3000; ++i) {
+      ASSERT_TRUE(run.turn());
+      if (i % 20 == 0) {
+        run.recorder.pump();
+      }
+    }
+    run.recorder.finish();
+    EXPECT_NE(run.recorder.problem(), "");
+    rows = run.recorder.rows();
+  }
+  EXPECT_GT(rows, 100U);
+  EXPECT_LT(rows, 3000U);
+  EXPECT_TRUE(file_text(path).ends_with('\n'));
+  const DeviceReplayResult result = replayed(path);
+  EXPECT_EQ(result.rows, rows);
+  EXPECT_EQ(result.differing_rows, 0U);
+}
+
+TEST(Recorder, ASlowDiskEndsTheRecordingAtTheGap) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.csv";
+  Ring<TurnRecord> ring(64);
+  LoopLinks links;
+  ParameterDesk desk(test_settings(), links);
+  Recorder recorder(path, test_settings(), ring, desk);
+  TurnRecord turn{};
+  const auto turns = [&](std::uint64_t from, std::uint64_t to) {
+    for (turn.number = from; turn.number <= to; ++turn.number) {
+      turn.turn.time_s = 1e-3 * static_cast<double>(turn.number);
+      ring.push(turn);
+    }
+  };
+  turns(1, 40);
+  recorder.pump();
+  turns(41, 200);  // nobody takes them: 64 stay
+  recorder.pump();
+  turns(201, 210);
+  recorder.finish();
+  EXPECT_EQ(recorder.rows(), 104U);
+  EXPECT_NE(recorder.problem().find("too slow"), std::string::npos) << recorder.problem();
+}
+
+TEST(Recorder, APowerCutCostsTheRowsThatAreNotWritten) {
+  // What is in the file at any time is a trace, even if nobody finishes it.
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.csv";
+  Recorded<Simulation> run(path, test_settings(), simulated(), true);
+  for (int i = 0; i < 700; ++i) {
+    ASSERT_TRUE(run.turn());
+  }
+  run.recorder.pump();
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(run.turn());
+  }
+  const DeviceReplayResult result = replayed(path);
+  EXPECT_EQ(result.rows, 700U);
+  EXPECT_EQ(result.differing_rows, 0U);
+}
+
+}  // namespace
+}  // namespace smaservo::test

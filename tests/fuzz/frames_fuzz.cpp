@@ -1,0 +1,16 @@
+// One target for each service: SMASERVO_FUZZ names it.
+
+#include <cstdlib>
+
+#include "tests/firmware/canopen/frame_feeder.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace smaservo::canopen;
+  static const smaservo::Settings<double> settings = smaservo::reference_settings();
+  ServoRig rig({}, settings);
+  FrameFeeder feeder(rig, Service::SMASERVO_FUZZ);
+  if (!feeder.feed({data, size}) || !feeder.comes_back()) {
+    std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,506 @@
+// Linux devices on a made-up tree of the kernel's files, and on converters of the test's.
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "firmware/store.hpp"
+#include "hal/linux/ads131m04_digitizer.hpp"
+#include "hal/linux/board.hpp"
+#include "hal/linux/file_store.hpp"
+#include "hal/linux/iio.hpp"
+#include "hal/replay/temporary_folder.hpp"
+#include "model/wires/wire_file.hpp"
+
+namespace smaservo::test {
+namespace {
+
+namespace fs = std::filesystem;
+namespace ads = ads131m04;
+
+TEST(Ads131m04, CommandsAndRegistersAreThoseOfTheDataSheet) {
+  // Table 8-11: 101a aaaa annn nnnn reads, 011a aaaa annn nnnn writes; reset values of the
+  // registers.
+  EXPECT_EQ(ads::read_command(ads::Register::id), 0xA000);
+  EXPECT_EQ(ads::read_command(ads::Register::clock), 0xA180);
+  EXPECT_EQ(ads::write_command(ads::Register::mode), 0x6100);
+  EXPECT_EQ(ads::write_response(ads::Register::gain), 0x4200);
+  EXPECT_EQ(ads::clock_register(3), 0x0F0E);
+  EXPECT_EQ(ads::gain_register({0, 1, 2, 7}), 0x7210);
+  const ads::FrameBytes bytes = ads::command_frame(0x6180, 0x0F0E);
+  EXPECT_EQ(bytes, (ads::FrameBytes{0x61, 0x80, 0, 0x0F, 0x0E, 0}));
+  EXPECT_LE(ads::frame_bytes, 64U);
+}
+
+TEST(Ads131m04, TheCrcIsThatOfTheCcitt) {
+  // The check value of CRC-16/IBM-3740, polynomial 1021h from FFFFh.
+  constexpr std::array<std::uint8_t, 9> digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+  EXPECT_EQ(ads::crc16(digits), 0x29B1);
+}
+
+ads::FrameBytes reply_of(std::uint16_t response, const std::array<std::int32_t, 4>& codes) {
+  ads::FrameBytes bytes{};
+  bytes[0] = static_cast<std::uint8_t>(response >> 8U);
+  bytes[1] = static_cast<std::uint8_t>(response);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto word = static_cast<std::uint32_t>(codes.at(i));
+    for (std::size_t b = 0; b < 3; ++b) {
+      bytes.at(3 * (i + 1) + b) = static_cast<std::uint8_t>(word >> (16 - 8 * b));
+    }
+  }
+  const std::uint16_t crc = ads::crc16(std::span(bytes).first(15));
+  bytes[15] = static_cast<std::uint8_t>(crc >> 8U);
+  bytes[16] = static_cast<std::uint8_t>(crc);
+  return bytes;
+}
+
+TEST(Ads131m04, EveryFlippedBitIsFound) {
+  const std::array<std::int32_t, 4> codes{0x7FFFFF, -0x800000, -1, 1};
+  const ads::FrameBytes good = reply_of(0x050F, codes);
+  ASSERT_TRUE(ads::parse(good));
+  EXPECT_EQ(ads::parse(good)->codes, codes);
+  EXPECT_EQ(ads::parse(good)->response, 0x050F);
+  for (std::size_t bit = 0; bit < 17 * 8; ++bit) {
+    ads::FrameBytes bad = good;
+    bad.at(bit / 8) ^= static_cast<std::uint8_t>(1U << bit % 8);
+    EXPECT_FALSE(ads::parse(bad)) << bit;
+  }
+}
+
+/// The converter's side of the wires.
+class FakeAds : public SpiPort {
+ public:
+  struct State {
+    std::uint16_t id = 0x2403;
+    std::array<std::uint16_t, 16> registers{0, 0, 0x0510, 0x0F0E};
+    std::array<std::int32_t, 4> codes{};
+    bool fresh = true, was_reset = true, dead = false, garbled = false;
+    std::uint16_t answer = 0xFF24;
+    int frames = 0;
+  };
+  explicit FakeAds(State& state) : s_(state) {}
+
+  bool transfer(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) override {
+    if (s_.dead) {
+      return false;
+    }
+    ++s_.frames;
+    const ads::FrameBytes reply = reply_of(s_.answer, s_.codes);
+    std::ranges::copy(reply, in.begin());
+    in[7] ^= s_.garbled ? 0x10 : 0;
+    obey(static_cast<std::uint16_t>(out[0] << 8U | out[1]),
+         static_cast<std::uint16_t>(out[3] << 8U | out[4]));
+    return true;
+  }
+
+ private:
+  void obey(std::uint16_t command, std::uint16_t value) {
+    const std::size_t r = command >> 7U & 0x3FU;
+    if (command >> 13U == 5) {
+      s_.answer = r == 0 ? s_.id : s_.registers.at(r);
+    } else if (command >> 13U == 3) {
+      s_.registers.at(r) = value;
+      s_.was_reset = r == 2 ? (value & 0x0400U) != 0 : s_.was_reset;
+      s_.answer = static_cast<std::uint16_t>(0x4000U | r << 7U);
+    } else {
+      s_.answer = static_cast<std::uint16_t>(0x0100U | (s_.was_reset ? 0x0400U : 0U) |
+                                             (s_.fresh ? 0xFU : 0U));
+    }
+  }
+  State& s_;
+};
+
+TEST(Ads131m04Digitizer, SetsUpReadsAndRecovers) {
+  FakeAds::State state;
+  Ads131m04Digitizer digitizer(std::make_unique<FakeAds>(state), "spi", {2, {0, 3, 0, 0}});
+  EXPECT_EQ(state.registers[3], 0x0F0A);
+  EXPECT_EQ(state.registers[4], 0x0030);
+  EXPECT_EQ(state.registers[2], 0x0110);
+  state.codes = {100, -200, 0x7FFFFF, -0x800000};
+  RawFrame raw{};
+  ASSERT_TRUE(digitizer.read(raw));
+  EXPECT_EQ(raw.codes[1], -200);
+  EXPECT_EQ(raw.codes[3], -0x800000);
+  const std::uint32_t sequence = raw.sequence;
+  ASSERT_TRUE(digitizer.read(raw));
+  EXPECT_EQ(raw.sequence, sequence + 1);
+  state.garbled = true;
+  EXPECT_FALSE(digitizer.read(raw));
+  EXPECT_EQ(digitizer.damaged(), 2U);
+  state.garbled = false;
+  state.fresh = false;
+  digitizer.read(raw);
+  EXPECT_FALSE(digitizer.read(raw));
+  state.fresh = true;
+  // A dip of its supply: the settings have gone, and come back before a sample counts.
+  digitizer.read(raw);
+  state.was_reset = true;
+  state.registers = {0, 0, 0x0510, 0x0F0E};
+  digitizer.read(raw);
+  for (int i = 0; i < 3 && !digitizer.read(raw); ++i) {
+  }
+  EXPECT_TRUE(digitizer.read(raw));
+  EXPECT_EQ(state.registers[4], 0x0030);
+  state.dead = true;
+  EXPECT_FALSE(digitizer.read(raw));
+}
+
+TEST(Ads131m04Digitizer, RefusesWhatIsNone) {
+  FakeAds::State other;
+  other.id = 0x2203;
+  EXPECT_THROW(Ads131m04Digitizer(std::make_unique<FakeAds>(other), "spi", {}), DeviceError);
+  FakeAds::State dead;
+  dead.dead = true;
+  EXPECT_THROW(Ads131m04Digitizer(std::make_unique<FakeAds>(dead), "spi", {}), DeviceError);
+}
+
+TEST(IioScan, ReadsTheTypesThatTheKernelWrites) {
+  EXPECT_EQ(parse_scan_type("le:s24/32>>8"), (ScanType{false, true, 24, 32, 8}));
+  EXPECT_EQ(parse_scan_type("be:u12/16>>4"), (ScanType{true, false, 12, 16, 4}));
+  EXPECT_EQ(parse_scan_type("le:s64/64>>0"), (ScanType{false, true, 64, 64, 0}));
+  for (const char* bad : {"", "le:s24/32", "le:x24/32>>8", "s24/32>>8", "le:s24/24>>0",
+                          "le:s33/32>>0", "le:s24/32>>9", "le:s16/16X2>>0", "le:s24/32>>8 "}) {
+    EXPECT_FALSE(parse_scan_type(bad)) << bad;
+  }
+}
+
+TEST(IioScan, FindsEverySampleAgain) {
+  // An independent writer of scans, on random types, orders and values.
+  std::mt19937_64 random(11);
+  constexpr std::array storages{8U, 16U, 32U, 64U};
+  for (int round = 0; round < 500; ++round) {
+    std::vector<ScanElement> elements;
+    std::vector<std::int64_t> values;
+    const std::size_t count = 1 + random() % 6;
+    std::vector<unsigned> indices(count);
+    for (unsigned i = 0; i < count; ++i) {
+      indices[i] = i;
+    }
+    std::ranges::shuffle(indices, random);
+    for (std::size_t i = 0; i < count; ++i) {
+      const unsigned storage = storages.at(random() % 4);
+      const unsigned bits = 1 + static_cast<unsigned>(random() % storage);
+      const unsigned shift = static_cast<unsigned>(random() % (storage - bits + 1));
+      elements.push_back(
+          {"e", indices[i], {random() % 2 == 0, random() % 2 == 0, bits, storage, shift}});
+      const std::uint64_t raw = random() >> (64 - bits);
+      const bool negative = elements[i].type.is_signed && (raw >> (bits - 1) & 1U) != 0;
+      values.push_back(negative && bits < 64
+                           ? static_cast<std::int64_t>(raw) - (std::int64_t{1} << bits)
+                           : static_cast<std::int64_t>(raw));
+    }
+    const ScanLayout layout = lay_out(elements);
+    std::vector<std::byte> scan(layout.size);
+    for (std::byte& byte : scan) {
+      byte = static_cast<std::byte>(random());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const ScanType& t = elements[i].type;
+      EXPECT_EQ(layout.elements[i].offset % (t.storage / 8), 0U);
+      std::uint64_t word =
+          t.bits == 64 ? static_cast<std::uint64_t>(values[i])
+                       : static_cast<std::uint64_t>(values[i]) & ((std::uint64_t{1} << t.bits) - 1);
+      word <<= t.shift;
+      for (unsigned b = 0; b < t.storage / 8; ++b) {
+        const unsigned at = t.big_endian ? t.storage / 8 - 1 - b : b;
+        scan[layout.elements[i].offset + at] = static_cast<std::byte>(word >> (8 * b));
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(sample_of(layout.elements[i], scan), values[i]) << round;
+    }
+  }
+}
+
+/// The kernel's files as far as they are needed.
+class Tree {
+ public:
+  void put(const std::string& path, const std::string& text) const {
+    fs::create_directories(fs::path(folder_ / path).parent_path());
+    std::ofstream(folder_ / path) << text;
+  }
+  std::string text(const std::string& path) const { return file_text(folder_ / path); }
+  LinuxRoots roots() const { return {folder_ / "sys", folder_ / "dev", folder_ / "config"}; }
+
+  void adc() const {
+    const std::string base = "sys/bus/iio/devices/iio:device3/";
+    put(base + "name", "ad7606\n");
+    for (int i = 0; i < 3; ++i) {
+      const std::string element = base + "scan_elements/in_voltage" + std::to_string(i);
+      put(element + "_en", "1");
+      put(element + "_index", std::to_string(i));
+      put(element + "_type", "be:s16/16>>0\n");
+    }
+    put(base + "in_voltage_scale", "0.152587890\n");
+    put(base + "buffer/enable", "1");
+    put(base + "buffer/length", "2");
+    put(base + "trigger/current_trigger", "");
+    put("dev/iio:device3", std::string("\x00\x01\xFF\xFE\x00\x03\xFF\xFC", 8));
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST(Iio, SetsTheBufferUpAndTakesTheNewestScan) {
+  const Tree tree;
+  tree.adc();
+  IioSettings settings;
+  settings.device = "ad7606";
+  settings.channels = {"in_voltage2", "in_voltage0"};
+  settings.trigger = "smaservo";
+  IioDigitizer digitizer(tree.roots(), settings);
+  const std::string base = "sys/bus/iio/devices/iio:device3/";
+  EXPECT_EQ(tree.text(base + "scan_elements/in_voltage1_en"), "0");
+  EXPECT_EQ(tree.text(base + "scan_elements/in_voltage2_en"), "1");
+  EXPECT_EQ(tree.text(base + "trigger/current_trigger"), "smaservo");
+  EXPECT_EQ(tree.text(base + "buffer/length"), "16");
+  EXPECT_EQ(tree.text(base + "buffer/enable"), "1");
+  EXPECT_NEAR(digitizer.meanings().at(0).scale, 0.15258789, 1e-12);
+  RawFrame raw{};
+  ASSERT_TRUE(digitizer.read(raw));
+  EXPECT_EQ(raw.codes[1], 3);   // in_voltage0, the second scan
+  EXPECT_EQ(raw.codes[0], -4);  // in_voltage2
+  EXPECT_EQ(raw.sequence, 2U);
+  EXPECT_FALSE(digitizer.read(raw)) << "no scan comes twice";
+}
+
+template <class Open>
+std::string refusal(Open open) {
+  try {
+    open();
+  } catch (const DeviceError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Iio, SaysWhatIsNotThere) {
+  const Tree tree;
+  tree.adc();
+  const auto says = [&](IioSettings settings) {
+    return refusal([&] { IioDigitizer(tree.roots(), settings); });
+  };
+  IioSettings settings;
+  settings.device = "mcp3911";
+  settings.channels = {"in_voltage0"};
+  EXPECT_NE(says(settings).find("none is called 'mcp3911'; there is: ad7606"), std::string::npos);
+  settings.device = "ad7606";
+  settings.channels = {"in_voltage9"};
+  EXPECT_NE(says(settings).find("has no scan element in_voltage9"), std::string::npos);
+  tree.put("sys/bus/iio/devices/iio:device3/scan_elements/in_voltage0_type", "le:s24\n");
+  settings.channels = {"in_voltage0"};
+  EXPECT_NE(says(settings).find("'le:s24' is no type"), std::string::npos);
+}
+
+TEST(OutputStage, NothingButAPositiveNumberGivesACurrent) {
+  const DacScale scale{10'000, 100, 4095};
+  EXPECT_EQ(dac_code(scale, {0.2, 0, 0}), 2100);
+  EXPECT_EQ(dac_code(scale, {9, 0, 0}), 4095);
+  for (const double off : {0.0, -1.0, std::nan(""), -std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(dac_code(scale, {off, 5, 0}), 100);
+  }
+}
+
+TEST(OutputStage, ThreeKindsAreToldAndSwitchedOff) {
+  const Tree tree;
+  tree.put("sys/bus/iio/devices/iio:device0/name", "ad5686\n");
+  tree.put("sys/bus/iio/devices/iio:device0/out_voltage0_raw", "4444");
+  IioDac dac(tree.roots(), {"ad5686", "out_voltage0", {10'000, 0, 65535}});
+  const std::string raw = "sys/bus/iio/devices/iio:device0/out_voltage0_raw";
+  EXPECT_EQ(tree.text(raw).front(), '0') << "off before anything else";
+  EXPECT_TRUE(dac.put({0.4321, 0, 0}));
+  EXPECT_EQ(tree.text(raw), "4321");
+  const OffAction off = dac.off_action();
+  switch_off({&off, 1});
+  EXPECT_EQ(tree.text(raw).front(), '0');
+
+  tree.put("sys/class/pwm/pwmchip0/pwm1/duty_cycle", "99999");
+  tree.put("sys/class/pwm/pwmchip0/pwm1/period", "");
+  tree.put("sys/class/pwm/pwmchip0/pwm1/enable", "");
+  PwmDrive pwm(tree.roots(), {"pwmchip0", 1, 50'000, 24, 0.9});
+  EXPECT_EQ(tree.text("sys/class/pwm/pwmchip0/pwm1/period"), "50000");
+  const std::string duty = "sys/class/pwm/pwmchip0/pwm1/duty_cycle";
+  EXPECT_TRUE(pwm.put({0, 12, 0}));
+  EXPECT_EQ(tree.text(duty), "25000");
+  EXPECT_TRUE(pwm.put({0, 24, 0}));
+  EXPECT_EQ(tree.text(duty), "45000");
+  EXPECT_TRUE(pwm.off());
+  EXPECT_EQ(tree.text(duty).front(), '0');
+
+  SpiDacSettings spi{};
+  spi.command = 0x300000;
+  spi.shift = 4;
+  EXPECT_EQ(dac_frame(spi, 0xABC), (std::array<std::uint8_t, 3>{0x30, 0xAB, 0xC0}));
+  spi.frame_bytes = 2;
+  EXPECT_EQ(dac_frame(spi, 0xABC), (std::array<std::uint8_t, 3>{0xAB, 0xC0, 0}));
+}
+
+// A board of parts that a test holds in its hands.
+
+struct Hands {
+  bool comes = true, takes = true, stop = false, fault = false, enabled = false, line_dead = false;
+  int kicks = 0;
+  double current_A = 0;
+  std::vector<std::string> order;
+};
+class HandDigitizer : public Digitizer {
+ public:
+  explicit HandDigitizer(Hands& hands) : hands_(hands) {}
+  bool read(RawFrame& raw) override {
+    raw.codes = {1000, 2000, 3000};
+    return hands_.comes;
+  }
+
+ private:
+  Hands& hands_;
+};
+class HandDrive : public OutputStage {
+ public:
+  explicit HandDrive(Hands& hands) : hands_(hands) {}
+  bool put(const DriveCommand& command) override {
+    hands_.order.emplace_back("put");
+    hands_.current_A = hands_.takes ? command.current_A : hands_.current_A;
+    return hands_.takes;
+  }
+  bool off() override { return put({}); }
+  OffAction off_action() override { return {-1, 0, nullptr, 0}; }
+
+ private:
+  Hands& hands_;
+};
+class HandLines : public Lines {
+ public:
+  explicit HandLines(Hands& hands) : hands_(hands) {}
+  bool emergency_stop() override { return hands_.stop; }
+  bool driver_fault() override { return hands_.fault; }
+  bool enable(bool on) override {
+    hands_.order.emplace_back(on ? "on" : "off");
+    hands_.enabled = hands_.line_dead ? hands_.enabled : on;
+    return !hands_.line_dead;
+  }
+  bool kick() override {
+    ++hands_.kicks;
+    return true;
+  }
+  std::vector<OffAction> off_actions() override { return {}; }
+
+ private:
+  Hands& hands_;
+};
+
+LinuxBoardParts parts(Hands& hands) {
+  LinuxBoardParts all;
+  all.digitizer = std::make_unique<HandDigitizer>(hands);
+  all.drive = std::make_unique<HandDrive>(hands);
+  all.lines = std::make_unique<HandLines>(hands);
+  all.slow = std::make_unique<SlowSensors>(LinuxRoots{}, std::array<SlowSensor, 3>{});
+  all.calibration = {{0, 1e-4, 0}, {1, 1e-3, 500}, true, {2, 0.01, 3000}};
+  return all;
+}
+
+TEST(LinuxBoard, CodesBecomeReadingsByTheCalibration) {
+  Hands hands;
+  LinuxBoard board(parts(hands));
+  Frame frame{};
+  ASSERT_EQ(board.read(frame), ReadStatus::frame);
+  EXPECT_DOUBLE_EQ(frame.current_A, 0.1);
+  EXPECT_DOUBLE_EQ(frame.voltage_V, 1.5);
+  EXPECT_DOUBLE_EQ(frame.load_N, 0);
+  EXPECT_TRUE(std::isnan(frame.supply_V));
+}
+
+TEST(LinuxBoard, TheSwitchClosesLastAndOpensFirst) {
+  Hands hands;
+  LinuxBoard board(parts(hands));
+  hands.order.clear();
+  board.drive({0.1, 0, 0});
+  EXPECT_EQ(hands.order, (std::vector<std::string>{"put", "on"}));
+  hands.order.clear();
+  board.drive({0.2, 0, 0});
+  EXPECT_EQ(hands.order, (std::vector<std::string>{"put"}));
+  hands.order.clear();
+  board.drive({});
+  EXPECT_EQ(hands.order, (std::vector<std::string>{"off", "put"}));
+}
+
+TEST(LinuxBoard, WhatFailsEndsTheHeatAndTheKicks) {
+  Hands hands;
+  LinuxBoard board(parts(hands));
+  Frame frame{};
+  board.read(frame);
+  board.drive({0.1, 0, 0});
+  board.kick();
+  EXPECT_EQ(hands.kicks, 1);
+  hands.takes = false;
+  board.drive({0.3, 0, 0});
+  board.kick();
+  EXPECT_FALSE(hands.enabled) << "the second switch, where the first one does not answer";
+  EXPECT_EQ(hands.kicks, 1);
+  EXPECT_EQ(board.read(frame), ReadStatus::frame);
+  EXPECT_TRUE(frame.driver_fault);
+  hands.takes = true;
+  board.drive({0.1, 0, 0});
+  EXPECT_TRUE(hands.enabled);
+  hands.stop = true;
+  hands.comes = false;
+  EXPECT_EQ(board.read(frame), ReadStatus::nothing);
+  board.drive({0.1, 0, 0});
+  board.kick();
+  EXPECT_EQ(hands.current_A, 0) << "the stop does not wait for a frame";
+  EXPECT_FALSE(hands.enabled);
+  EXPECT_EQ(hands.kicks, 1);
+}
+
+TEST(SlowSensors, AFileThatGoesIsNoNumber) {
+  const Tree tree;
+  tree.put("sys/class/hwmon/hwmon0/temp1_input", "25000\n");
+  const SlowSensor air{"class/hwmon/hwmon0/temp1_input", 1e-3, 273150};
+  const SlowSensors sensors(tree.roots(), {SlowSensor{}, air, SlowSensor{}});
+  EXPECT_DOUBLE_EQ(sensors.value(SlowSensors::ambient), 298.15);
+  EXPECT_TRUE(std::isnan(sensors.value(SlowSensors::supply)));
+  const SlowSensor missing{"class/hwmon/hwmon9/temp1_input", 1, 0};
+  EXPECT_NE(refusal([&] { SlowSensors(tree.roots(), {missing, air, air}); }).find("hwmon9"),
+            std::string::npos);
+}
+
+TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
+  static_assert(Storage<FileStore>);
+  const TemporaryFolder folder;
+  Settings<double> settings = default_settings<double>();
+  settings.wire = load_wire(std::string(default_wire)).wire;
+  settings = stored_settings<double>(settings);
+  {
+    FileStore store(folder / "");
+    EXPECT_EQ(load_settings<double>(store).reason, LoadReason::none);
+    EXPECT_EQ(load_settings<double>(store).slots[0].state, SlotState::empty);
+    ASSERT_TRUE(save_settings(store, settings).ok());
+    settings.limits.duty *= 0.5;
+    settings = stored_settings<double>(settings);
+    ASSERT_TRUE(save_settings(store, settings).ok());
+  }
+  FileStore store(folder / "");
+  const Loaded<double> loaded = load_settings<double>(store);
+  EXPECT_EQ(loaded.reason, LoadReason::newer);
+  EXPECT_EQ(loaded.slot, 1U);
+  EXPECT_TRUE(same_settings(loaded.settings, settings));
+  EXPECT_FALSE(fs::exists(folder / "settings.1.part"));
+  // Erased and written without sync(), as where power goes: the slot is what it was.
+  ASSERT_TRUE(store.erase(0));
+  FileStore after(folder / "");
+  EXPECT_EQ(load_settings<double>(after).slots[0].state, SlotState::valid);
+  for (const std::uintmax_t size : {0U, 10U, 100U}) {
+    fs::resize_file(folder / "settings.1", size);
+    FileStore damaged(folder / "");
+    const Loaded<double> other = load_settings<double>(damaged);
+    EXPECT_EQ(other.slot, 0U);
+    EXPECT_EQ(other.reason, LoadReason::other_bad) << size;
+  }
+  FileStore nowhere(folder / "no");
+  EXPECT_EQ(save_settings(nowhere, settings).problem, SaveProblem::sync);
+}
+
+}  // namespace
+}  // namespace smaservo::test
