@@ -136,8 +136,8 @@ TEST_F(Can, ErrorFramesTellBusOffAndRestart) {
 TEST_F(Can, NamesWhatItCanNotOpen) {
   EXPECT_THROW(CanSocket("vcan7"), CanError);
   try {
-    CanSocket("lo");
-    FAIL();
+    const CanSocket port("lo");
+    FAIL() << port.name();
   } catch (const CanError& error) {
     EXPECT_STREQ(error.what(), "lo: is no CAN interface");
   }

@@ -119,7 +119,7 @@ class Plant {
   }
 
  private:
-  void give(const Frame& frame) {
+  void give(const Frame& frame) const {
     using namespace board_channels;
     const BoardCodes codes{{current.code(frame.current_A), voltage.code(frame.voltage_V),
                             load.code(frame.load_N), supply.code(frame.supply_V),
