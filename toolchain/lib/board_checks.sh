@@ -10,6 +10,7 @@ hardship|kill -9, crash, SIGSTOP, full disk, no memory in mid-heating
 overload|negative control: with artificial work in its way the same loop misses
 loop|smaservod holds a strain through IIO, PWM and GPIO; stops; bad boards
 silicon|the test module: one-shot, PWM, enable line, ADC
+arm64|Debian's arm64 kernel on the virt board, with the same module
 guest|exit codes come back, a hang and silence are failures
 END
 }
@@ -68,6 +69,11 @@ board_check_realtime() {
     diff "$board"/guests/realtime{,-again}/console.log
     return 1
   fi
+}
+
+board_check_arm64() {
+  image arm64 arm64 'configfs vcan can-raw gpio-sim testboard iio-trig-hrtimer' &&
+    guest arm64 virtual arm64 arm64 580 kernel
 }
 
 board_check_overload() {
