@@ -4,8 +4,10 @@
 
 #include "firmware/daemon/board_file.hpp"
 #include "firmware/daemon/bus_service.hpp"
+#include "firmware/daemon/programmed.hpp"
 #include "firmware/daemon/serve.hpp"
 #include "hal/linux/open_can.hpp"
+#include "host-sim/closed_loop_scenario.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_file.hpp"
 
@@ -139,6 +141,10 @@ int serve_board(const DaemonOptions& options) {
   setup.thread = file.thread;
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
+  if (!options.program.empty()) {
+    Programmed programmed(load_closed_loop(options.program).program);
+    return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);
+  }
   NoPartner nobody;
   std::unique_ptr<BusService> bus;
   if (file.bus) {

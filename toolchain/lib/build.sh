@@ -163,8 +163,9 @@ run_test() {
     esac
   done
   if (($# > 1)); then
-    timed can-test run_can-test
+    timed can-test run_can_test
     timed fuzz run_fuzz
+    timed board board_all
     timed check run_check
   fi
   printf '\n'

@@ -23,7 +23,7 @@ can_session() {
   (cd "$root" && toolchain/can/uml 600 tests/can/session.sh "$root/build/release" "$1")
 }
 
-run_can-test() {
+run_can_test() {
   run_setup
   local clients=$root/build/can-clients
   build release host-sim can_servo || return

@@ -143,7 +143,7 @@ bss|bss
 END
 }
 
-run_bench-mcu() {
+run_bench_mcu() {
   run_setup
   write_mcu_steps
   local target

@@ -1,17 +1,27 @@
 # shellcheck shell=bash disable=SC2154 # root and logs are set by toolchain/dev
 # The libraries of another architecture, unpacked below build/. Sourced by toolchain/dev.
 
-# apt_for ARCHITECTURE FOLDER ARGUMENTS...: apt-get that knows nothing of this system but how to reach
-# the archive, and changes nothing outside of the folder.
-apt_for() {
-  local architecture=$1 folder=$2
-  shift 2
-  apt-get -y -q \
+# apt_with TOOL ARCHITECTURE FOLDER ARGUMENTS...: an apt tool that knows nothing of this system but how
+# to reach the archive, and changes nothing outside of the folder.
+apt_with() {
+  local tool=$1 architecture=$2 folder=$3
+  shift 3
+  "$tool" -q \
     -o APT::Architecture="$architecture" -o APT::Architectures="$architecture" \
     -o APT::Install-Recommends=false -o APT::Sandbox::User=root \
     -o Dir::State="$folder" -o Dir::State::status="$folder/status" -o Dir::Cache="$folder" \
     -o Dir::Etc::SourceList="$folder/sources.list" -o Dir::Etc::SourceParts=/dev/null \
     -o Dir::Etc::Preferences=/dev/null -o Dir::Etc::PreferencesParts=/dev/null "$@"
+}
+
+# apt_for ARCHITECTURE FOLDER ARGUMENTS...: its apt-get.
+apt_for() { apt_with apt-get "$@" -y; }
+
+# start_apt FOLDER: an apt of no packages, whose sources come from the standard input.
+start_apt() {
+  mkdir -p "$1/lists/partial" "$1/archives/partial"
+  : >"$1/status"
+  cat >"$1/sources.list"
 }
 
 # The libraries that packages.txt lists, as apt-get wants them, and what these leave open.
@@ -61,10 +71,9 @@ unpack_sysroot() {
   fi
   mapfile -t packages < <(sysroot_packages)
   rm -rf "$folder"
-  mkdir -p "$folder/apt/lists/partial" "$folder/apt/archives/partial" "$folder/usr/lib"
+  mkdir -p "$folder/usr/lib"
   ln -s usr/lib "$folder/lib"
-  : >"$folder/apt/status"
-  sysroot_sources "$codename" >"$folder/apt/sources.list"
+  sysroot_sources "$codename" | start_apt "$folder/apt"
   apt_for "$architecture" "$folder/apt" update || return
   apt_for "$architecture" "$folder/apt" install --download-only "${packages[@]}" || return
   for package in "$folder"/apt/archives/*.deb; do

@@ -1,0 +1,71 @@
+#!/bin/sh
+# What may befall the daemon in mid-heating: heat ends within the lease of the one-shot or at once,
+# and the next start says what has happened.
+. ./rig.sh
+. ./servo.sh
+make_inputs
+# The one-shot's time, and a period: the last kick may come after the blow.
+lease_us=9000
+
+# next_start_says PATTERN
+next_start_says() {
+  servo 0.2
+  within "the next start says: $1" "$(grep -c "$1" /tmp/daemon.log)" 1 3
+}
+row() { echo "| $1 | $(stopped_by) | $(stop_us) |" >>/tmp/stops; }
+
+echo '-- kill -9'
+servo 2.1 1.9 pid:/tmp/daemon 9
+row 'kill -9'
+within 'off after kill -9, us' "$(stop_us)" 1 $lease_us
+expect 'by' "$(stopped_by)" one-shot
+next_start_says 'killed'
+
+echo '-- SIGSEGV'
+servo 2.1 1.9 pid:/tmp/daemon 11
+row 'a crash (SIGSEGV)'
+within 'off after a crash, us' "$(stop_us)" 1 $lease_us
+expect 'by' "$(stopped_by)" program
+next_start_says 'crash'
+
+echo '-- SIGSTOP'
+servo 2.1 1.9 pid:/tmp/daemon 19
+row 'SIGSTOP'
+within 'off after SIGSTOP, us' "$(stop_us)" 1 $lease_us
+expect 'by' "$(stopped_by)" one-shot
+
+echo '-- SIGTERM'
+servo 2.1 1.9 pid:/tmp/daemon 15
+row 'SIGTERM'
+within 'off after SIGTERM, us' "$(stop_us)" 1 $lease_us
+expect 'exit code' "$daemon_code" 0
+
+echo '-- full disk'
+mkdir -p /tmp/small
+mount -t tmpfs -o size=200k t /tmp/small
+daemon_arguments='--record /tmp/small/trace.csv'
+servo 3.5
+daemon_arguments=''
+within 'strain held, %' "$(held_strain)" 1.9 2.1
+expect 'no fault' "$(first_cause)" none
+expect 'ticks missed' "$(sed -n 's/.*"missed":\([0-9]*\).*/\1/p' /tmp/figures.json)" 0
+within 'it says why it does not record' "$(grep -c 'No space left' /tmp/figures.json)" 1 1
+
+echo '-- memory pressure'
+echo 1 >/proc/sys/vm/overcommit_memory
+(
+  echo 1000 >/proc/self/oom_score_adj
+  sleep 1.2
+  exec awk 'BEGIN { s = "x"; while (1) s = s s }'
+) &
+servo 3.5
+within 'strain held, %' "$(held_strain)" 1.9 2.1
+expect 'no fault' "$(first_cause)" none
+expect 'ticks missed' "$(sed -n 's/.*"missed":\([0-9]*\).*/\1/p' /tmp/figures.json)" 0
+# The hog has not made the kernel kill yet: this shows less than it should.
+echo "MEMORY kills: $(dmesg | grep -c 'Out of memory: Killed process')"
+
+echo 'TABLE | what | ended by | heat off after, us |'
+echo 'TABLE |---|---|--:|'
+sed 's/^/TABLE /' /tmp/stops
+finish
