@@ -72,7 +72,7 @@ void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
   const can::FoundNodes found = can::scan(bus, static_cast<std::int64_t>(listen_s * 1e6));
   for (const can::FoundNode& node : found.nodes) {
-    can::SdoClient client(bus, node.node);
+    const can::SdoClient client(bus, node.node);
     Remote remote(client);
     fmt::print("{:>3}  {:<16}  {}\n", node.node,
                node.nmt_state ? can::nmt_state_text(*node.nmt_state) : "",
