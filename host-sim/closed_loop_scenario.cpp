@@ -93,6 +93,20 @@ bool is_closed_loop(const std::filesystem::path& path) {
   return TomlFile(path).root().has("device");
 }
 
+Settings<double> standard_settings() {
+  Settings<double> settings = settings_for(load_wire(std::string(default_wire)).wire);
+  settings.measuring.current_full_scale_A = 0.5;
+  settings.limits.least_current_A = 0.02;
+  settings.limits.current_A = 0.4;
+  settings.limits.power_W = 10;
+  settings.limits.stress_Pa = 300e6;
+  settings.trips.current_A = 0.45;
+  settings.trips.stress_Pa = 400e6;
+  settings.trips.least_strain = -0.005;
+  settings.trips.greatest_strain = 0.07;
+  return stored_settings<double>(settings);
+}
+
 ClosedLoopScenario standard_closed_loop(const Settings<double>& settings) {
   static const toml::table empty;
   const std::string name = "standard";

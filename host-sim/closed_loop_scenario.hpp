@@ -39,6 +39,10 @@ struct ClosedLoopScenario {
 /// Whether a scenario file is one of these: it has a [device] table. Throws UserError.
 bool is_closed_loop(const std::filesystem::path& path);
 
+/// The default wire's settings for short heating: four times its maker's continuous current, with
+/// which it would not contract in a room.
+Settings<double> standard_settings();
+
 /// This device on a wire of the default kind, with a good front end, under 150 MPa, without a
 /// program.
 ClosedLoopScenario standard_closed_loop(const Settings<double>& settings);

@@ -45,9 +45,8 @@ int serve_simulation(const DaemonOptions& options) {
   const std::string file = after_equals(options.board);
   ClosedLoopScenario scenario =
       file.empty()
-          ? standard_closed_loop(options.device.empty()
-                                     ? settings_for(load_wire(std::string(default_wire)).wire)
-                                     : load_settings_file(options.device))
+          ? standard_closed_loop(options.device.empty() ? standard_settings()
+                                                        : load_settings_file(options.device))
           : load_closed_loop(file);
   if (!file.empty() && !options.device.empty()) {
     scenario.settings = load_settings_file(options.device);

@@ -76,7 +76,7 @@ constexpr std::int64_t ms = 1'000'000;
 
 struct Bench {
   Bench()
-      : desk(settings_for(load_wire(std::string(default_wire)).wire), links),
+      : desk(standard_settings(), links),
         simulation(standard_closed_loop(desk.settings())),
         demonstration(desk.settings()),
         axis(desk.first()) {
@@ -100,7 +100,7 @@ TEST(LoopAllocation, None) {
   bool heated = false;
   for (int i = 0; i < 5000; ++i) {
     if (i % 500 == 100) {
-      settings.strain.proportional *= 0.99;
+      settings.strain.proportional += 0.01;
       settings = stored_settings<double>(settings);
       ASSERT_TRUE(bench.desk.change(settings));
     }

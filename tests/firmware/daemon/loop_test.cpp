@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 
 Settings<double> test_settings() {
-  return settings_for(load_wire(std::string(default_wire)).wire);
+  return standard_settings();
 }
 
 TEST(Ring, GivesEverythingInItsOrder) {
@@ -265,7 +265,7 @@ TEST(Loop, ParametersComeIntoForceAsAWholeAndAtOnce) {
   for (int i = 0; i < 40; ++i) {
     if (i % 10 == 5) {
       settings.limits.current_A *= 0.9;
-      settings.strain.proportional *= 1.1;
+      settings.strain.proportional += 0.1;
       settings = stored_settings<double>(settings);
       ASSERT_TRUE(bench.desk.change(settings));
     }

@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 
 Settings<double> test_settings() {
-  return settings_for(load_wire(std::string(default_wire)).wire);
+  return standard_settings();
 }
 
 /// A run of a device that is recorded.
@@ -73,9 +73,9 @@ auto simulated() {
 void record(const std::string& path) {
   Recorded<Simulation> run(path, test_settings(), simulated(), true);
   for (int i = 0; i < 4000; ++i) {
-    if (i == 1500 || i == 2200) {
+    if (i == 600 || i == 2200) {
       Settings<double> settings = run.desk.settings();
-      settings.strain.proportional *= i == 1500 ? 2 : 0.3;
+      settings.strain.proportional = i == 600 ? 200 : 30;
       settings.limits.temperature_K -= 5;
       settings.trips.following_s *= 1.5;
       ASSERT_TRUE(run.desk.change(stored_settings<double>(settings)));

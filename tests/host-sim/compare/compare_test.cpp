@@ -117,7 +117,10 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
   for (const auto& [name, error] : expected) {
     const Compared& one = named(all, name);
     ASSERT_EQ(one.runs.size(), 3U) << one.system.remark;
-    EXPECT_NEAR(one.runs[0].error.mean(), error.spring, 0.2 * error.spring) << name;
+    // Where the fit of ihyp alone ends depends on the last bits of the C library's functions, which
+    // differ by processor: 3.58 on an AMD EPYC, 2.84 on an Intel Xeon.
+    const double slack = name == "ihyp" ? 0.3 : 0.2;
+    EXPECT_NEAR(one.runs[0].error.mean(), error.spring, slack * error.spring) << name;
     EXPECT_NEAR(one.runs[1].error.mean(), error.disturbed, 0.2 * error.disturbed) << name;
     EXPECT_EQ(one.error.count(),
               one.runs[0].error.count() + one.runs[1].error.count() + one.runs[2].error.count());
