@@ -139,8 +139,7 @@ void DeviceRows::append(std::string& to, const Turn& turn, std::string_view furt
 
 DeviceTraceFile::DeviceTraceFile(const std::string& path, Columns columns,
                                  const std::vector<std::string>& further)
-    : file_(path), rows_(std::move(columns), further) {
-  buffer_ = rows_.header();
+    : file_(path), rows_(std::move(columns), further), buffer_(rows_.header()) {
   buffer_.reserve(2 * buffer_size);
 }
 

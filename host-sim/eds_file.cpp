@@ -219,7 +219,7 @@ EdsObject object_of(const Section& section, Key key, std::uint8_t node_id) {
     const auto signed_number = [&](std::string_view name, std::int64_t missing) {
       const std::int64_t value = section.number(name, node_id, missing);
       // A negative limit may be written as its bits.
-      const unsigned bits = 8 * canopen::size_of(object.type);
+      const auto bits = std::max(8U, unsigned{8} * canopen::size_of(object.type));
       const std::int64_t half = std::int64_t{1} << (bits - 1);
       return is_signed && half <= value && value < 2 * half ? value - 2 * half : value;
     };
@@ -288,7 +288,7 @@ Eds parse_eds(std::string_view text, const std::string& file, std::uint8_t node_
 }
 
 Eds load_eds(const std::string& file, std::uint8_t node_id) {
-  std::ifstream in(file, std::ios::binary);
+  const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
     throw UserError(fmt::format("{}: can not be read", file));

@@ -43,6 +43,7 @@ class List {
   void name(std::uint16_t index, const std::string& name) { all_[index].name = name; }
   std::vector<ListedIndex> take() {
     std::vector<ListedIndex> list;
+    list.reserve(all_.size());
     for (auto& [index, listed] : all_) {
       list.push_back(std::move(listed));
     }

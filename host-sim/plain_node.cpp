@@ -191,7 +191,7 @@ std::uint64_t now_us() {
 }
 
 std::string read_file(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
+  const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
     throw UserError(fmt::format("{}: can not be read", file));

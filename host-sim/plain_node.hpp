@@ -14,6 +14,7 @@ class PlainNode final : private canopen::Application {
   PlainNode(Eds eds, std::string eds_text, std::uint8_t node_id);
   PlainNode(const PlainNode&) = delete;
   PlainNode& operator=(const PlainNode&) = delete;
+  ~PlainNode() = default;
 
   void receive(const CanFrame& frame, std::uint64_t now_us) { node_.receive(frame, now_us); }
   /// Answers requests of the node by itself: what it stores lasts as long as this object.

@@ -19,15 +19,16 @@ std::string shortest(float value) {
 }
 
 std::optional<Value> value_of(const Parameter<double>& row, std::string_view text) {
-  const auto stop = text.data() + text.size();
+  const char* const start = text.data();
+  const char* const stop = start + text.size();
   if (row.type == ValueType::real) {
     float value = 0;
-    const auto [at, error] = std::from_chars(text.data(), stop, value);
+    const auto [at, error] = std::from_chars(start, stop, value);
     return error == std::errc{} && at == stop ? std::optional(Value::real(value)) : std::nullopt;
   }
   if (row.type == ValueType::number) {
     std::uint32_t value = 0;
-    const auto [at, error] = std::from_chars(text.data(), stop, value);
+    const auto [at, error] = std::from_chars(start, stop, value);
     return error == std::errc{} && at == stop ? std::optional(Value::number(value)) : std::nullopt;
   }
   static constexpr std::array<std::string_view, 2> flags{"false", "true"};

@@ -105,12 +105,12 @@ void SimEvents::change(double time_s, SimBoard& board) {
     around.added_stress_Pa += event.added_stress_Pa.value_or(0);
     around.slip += event.slip.value_or(0);
     around.driver_above_K = event.driver_above_K.value_or(around.driver_above_K);
-    if (event.circuit) {
-      faults.circuit = *event.circuit;
+    if (const auto& circuit = event.circuit) {
+      faults.circuit = *circuit;
       faults.bridged_share = event.bridged_share;
     }
-    if (event.sensor) {
-      faults.sensors[static_cast<std::size_t>(event.sensor->first)] = event.sensor->second;
+    if (const auto& sensor = event.sensor) {
+      faults.sensors[static_cast<std::size_t>(sensor->first)] = sensor->second;
     }
     faults.lost_share = std::max(faults.lost_share, event.lost_share);
     faults.emergency_stop = faults.emergency_stop || event.emergency_stop;

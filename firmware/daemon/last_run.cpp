@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
@@ -38,7 +39,8 @@ LastRun parse(const std::string& text, const std::string& boot) {
     last.ending = Ending::clean;
   } else if (state.starts_with("crashed:")) {
     last.ending = Ending::crashed;
-    last.signal = std::atoi(state.c_str() + std::strlen("crashed:"));  // NOLINT(cert-err34-c)
+    const char* const number = state.c_str() + std::strlen("crashed:");
+    std::from_chars(number, state.c_str() + state.size(), last.signal);
     last.heated = state.ends_with(":heated");
   } else {
     last.ending = its_boot == boot ? Ending::killed : Ending::power;

@@ -1,5 +1,6 @@
 #include "firmware/daemon/service.hpp"
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -90,9 +91,9 @@ int Service::run(const Served& served) {
   ServiceManager manager;
   {
     const CrashGuard crash(served.off, mark_.get(), links_.heated);
-    std::jthread loop_thread([&] { loop(served); });
-    std::jthread guard_thread([&] { guard(served.off); });
-    std::jthread record_thread([&] { record(); });
+    const std::jthread loop_thread([&] { loop(served); });
+    const std::jthread guard_thread([&] { guard(served.off); });
+    const std::jthread record_thread([&] { record(); });
     manager.ready();
     std::int64_t alive_ns = 0;
     std::int64_t status_ns = 0;
@@ -190,7 +191,7 @@ void Service::watch() {
   links_.output.take(output_);
   desk_.tidy();
   log_faults();
-  WatchedThread* const thread = thread_.load(std::memory_order_acquire);
+  const WatchedThread* const thread = thread_.load(std::memory_order_acquire);
   if (thread == nullptr) {
     return;
   }
@@ -277,7 +278,7 @@ void Service::warn(const std::string& text) {
 
 Status Service::status() {
   Status now{.board = setup_.board,
-             .period_ns = static_cast<std::int64_t>(setup_.settings.timing.period_s * 1e9 + 0.5),
+             .period_ns = std::llround(setup_.settings.timing.period_s * 1e9),
              .figures = *figures_,
              .output = output_,
              .page_faults = {},

@@ -84,7 +84,7 @@ void LinuxBoard::kick() {
   }
 }
 
-std::int64_t LinuxBoard::now_ns() const {
+std::int64_t LinuxBoard::now_ns() {
   return monotonic_ns();
 }
 

@@ -54,7 +54,7 @@ class LinuxBoard {
   void safe_off();
   /// None after a command that the drive did not take.
   void kick();
-  std::int64_t now_ns() const;
+  static std::int64_t now_ns();
 
   /// Valid as long as the board.
   std::vector<OffAction> off_actions() const { return off_; }

@@ -44,7 +44,7 @@ struct IioDacSettings {
   DacScale scale;
 };
 
-class IioDac : public OutputStage {
+class IioDac final : public OutputStage {
  public:
   IioDac(const LinuxRoots& roots, const IioDacSettings& settings);
   bool put(const DriveCommand& command) override;
@@ -68,7 +68,7 @@ struct SpiDacSettings {
 /// The bytes of a code.
 std::array<std::uint8_t, 3> dac_frame(const SpiDacSettings& settings, std::int64_t code);
 
-class SpiDac : public OutputStage {
+class SpiDac final : public OutputStage {
  public:
   /// Without a port one is opened; a test brings its own.
   SpiDac(const LinuxRoots& roots, const SpiDacSettings& settings,
@@ -98,7 +98,7 @@ struct PwmSettings {
 };
 
 /// sysfs, with the duty cycle's descriptor kept.
-class PwmDrive : public OutputStage {
+class PwmDrive final : public OutputStage {
  public:
   PwmDrive(const LinuxRoots& roots, const PwmSettings& settings);
   bool put(const DriveCommand& command) override;

@@ -84,7 +84,7 @@ std::string find_by_name(const std::string& parent, const std::string& prefix,
 
 bool put_number(int descriptor, std::int64_t number) {
   std::array<char, 24> text{};
-  char* const end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
+  const char* const end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
   const auto size = static_cast<std::size_t>(end - text.data());
   return pwrite(descriptor, text.data(), size, 0) == static_cast<ssize_t>(size);
 }

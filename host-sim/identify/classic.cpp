@@ -154,8 +154,8 @@ Parameters<shape> start_parameters(const Cycle& cycle, double start_width_K) {
   for (const double centre_K : centres_K) {
     branch[centre] = centre_K;
     branch[width] = start_width_K;
-    for (double* own = branch + form; const FormLimits& limits : form_limits<shape>()) {
-      *own++ = limits.start;
+    for (std::size_t own = form; const FormLimits& limits : form_limits<shape>()) {
+      branch[own++] = limits.start;
     }
     branch += cooling(shape);
   }

@@ -89,7 +89,7 @@ void note(Ranges& ranges, const KalmanObserver<S>::State& f) {
   ranges.add("heat carried, J", f.heat_J);
   ranges.add("innovation, ohm", f.innovation_ohm);
   ranges.add("variance of the innovation, ohm2", f.innovation_variance);
-  const char* names[] = {"T", "M", "R", "ambient", "loss", "resistance"};
+  const char* const names[] = {"T", "M", "R", "ambient", "loss", "resistance"};
   for (int i = 0; i < Filter::size; ++i) {
     for (int j = 0; j <= i; ++j) {
       ranges.add(std::string("covariance ") + names[j] + ", " + names[i], f.covariance[i][j]);

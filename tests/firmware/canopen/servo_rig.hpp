@@ -179,7 +179,10 @@ class ServoRig {
     std::uint8_t toggle = 0;
     for (;;) {
       const auto segment = ask({static_cast<std::uint8_t>(0x60U | toggle)});
-      const Bytes& s = segment.value();
+      if (!segment) {
+        return {};
+      }
+      const Bytes& s = *segment;
       if (s[0] == 0x80) {
         return {{}, static_cast<Abort>(take_number(std::span(s).subspan(4)))};
       }

@@ -115,7 +115,7 @@ TEST(LoopAllocation, None) {
   trap() = {true, 0};
   delete new int(5);
   // NOLINTNEXTLINE(*-no-malloc): what is caught
-  free(malloc(static_cast<std::size_t>(1 + trap().caught)));
+  free(malloc(static_cast<std::size_t>(trap().caught) + 1));
   trap().armed = false;
   EXPECT_GE(trap().caught, 1) << "the trap catches what there is to catch";
 }

@@ -28,7 +28,7 @@ TEST(Ring, GivesEverythingInItsOrder) {
   Ring<std::uint64_t> ring(5);
   EXPECT_EQ(ring.room(), 8U);
   constexpr std::uint64_t count = 200'000;
-  std::jthread writer([&] {
+  const std::jthread writer([&] {
     for (std::uint64_t i = 1; i <= count;) {
       if (ring.push(i)) {
         ++i;
@@ -66,7 +66,7 @@ TEST(Latest, NeverTearsAndNeverGoesBack) {
   Value seen{};
   EXPECT_FALSE(latest.take(seen));
   constexpr std::uint64_t count = 200'000;
-  std::jthread writer([&] {
+  const std::jthread writer([&] {
     Value value{};
     for (std::uint64_t i = 1; i <= count; ++i) {
       value.a = i;
@@ -316,7 +316,7 @@ class TimesBoard {
 TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
   LoopLinks links;
   LoopFigures figures;
-  ParameterDesk desk(test_settings(), links);
+  const ParameterDesk desk(test_settings(), links);
   Axis axis(desk.first());
   NoPartner nobody;
   TimesBoard board;

@@ -64,6 +64,7 @@ class Program {
   [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket) const {
     arguments.insert(arguments.begin(), SMASERVO_DAEMON);
     std::vector<char*> list;
+    list.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) {
       list.push_back(argument.data());
     }

@@ -39,7 +39,9 @@ class SimulatedBus final : public can::Bus {
   void collect() {
     CanFrame frame;
     while (servo_.take(frame)) {
-      const bool lost = frame.id == 0x580 + node && to_lose_ > 0 && --to_lose_ == 0;
+      const bool answer = frame.id == 0x580 + node && to_lose_ > 0;
+      to_lose_ -= answer ? 1 : 0;
+      const bool lost = answer && to_lose_ == 0;
       if (!lost) frames_.push_back(frame);
     }
   }
