@@ -163,7 +163,7 @@ void run_loop(const Settings<S>& settings, int steps, F f) {
   SimpleWire wire(settings);
   const S target = wire.strain() - 0.5F * settings.wire.nominal_stroke;
   for (int i = 0; i < steps; ++i) {
-    Inputs<S> in = wire.inputs();
+    const Inputs<S> in = wire.inputs();
     f(i, in, wire, Device<S>::step(p, s, in, hold(target), 1e-3F));
     wire.advance(s.last.current_A);
   }

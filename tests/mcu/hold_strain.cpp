@@ -25,8 +25,6 @@
 #include "host-sim/closed_loop_scenario.hpp"
 #include "host-sim/output_file.hpp"
 
-extern char** environ;
-
 namespace smaservo::mcu {
 namespace {
 
@@ -160,7 +158,8 @@ class Bench {
     }
     const std::int64_t until_ns =
         std::min(kicked_until_ns_, board_.now_ns() + std::int64_t{drive.lease_us} * 1000);
-    board_.drive({double{drive.current_A}, double{drive.voltage_V}, until_ns});
+    board_.drive(
+        {static_cast<double>(drive.current_A), static_cast<double>(drive.voltage_V), until_ns});
   }
   link::Readings read() {
     Frame frame{};

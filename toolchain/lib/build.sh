@@ -151,7 +151,7 @@ test_arm64() {
 run_test() {
   local preset
   case ${1:-all} in
-    all) set -- release sanitize tsan arm64 mcu ;;
+    all) set -- release sanitize tsan arm64 ;;
     dev | release | sanitize | tsan | arm64 | mcu) ;;
     *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64, mcu)" ;;
   esac
@@ -163,9 +163,6 @@ run_test() {
     esac
   done
   if (($# > 1)); then
-    timed can-test run_can_test
-    timed fuzz run_fuzz
-    timed board board_all
     timed check run_check
   fi
   printf '\n'

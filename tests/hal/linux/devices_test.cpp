@@ -62,7 +62,7 @@ TEST(Ads131m04, EveryFlippedBitIsFound) {
   ASSERT_TRUE(ads::parse(good));
   EXPECT_EQ(ads::parse(good)->codes, codes);
   EXPECT_EQ(ads::parse(good)->response, 0x050F);
-  for (std::size_t bit = 0; bit < 17 * 8; ++bit) {
+  for (std::size_t bit = 0; bit < std::size_t{17} * 8; ++bit) {
     ads::FrameBytes bad = good;
     bad.at(bit / 8) ^= static_cast<std::uint8_t>(1U << bit % 8);
     EXPECT_FALSE(ads::parse(bad)) << bit;
@@ -166,6 +166,19 @@ TEST(IioScan, ReadsTheTypesThatTheKernelWrites) {
   }
 }
 
+/// As a converter does it.
+void write_sample(const PlacedElement& element, std::int64_t value, std::span<std::byte> scan) {
+  const ScanType& t = element.type;
+  std::uint64_t word = t.bits == 64
+                           ? static_cast<std::uint64_t>(value)
+                           : static_cast<std::uint64_t>(value) & ((std::uint64_t{1} << t.bits) - 1);
+  word <<= t.shift;
+  for (unsigned b = 0; b < t.storage / 8; ++b) {
+    const unsigned at = t.big_endian ? t.storage / 8 - 1 - b : b;
+    scan[element.offset + at] = static_cast<std::byte>(word >> (8 * b));
+  }
+}
+
 TEST(IioScan, FindsEverySampleAgain) {
   // An independent writer of scans, on random types, orders and values.
   std::mt19937_64 random(11);
@@ -197,16 +210,8 @@ TEST(IioScan, FindsEverySampleAgain) {
       byte = static_cast<std::byte>(random());
     }
     for (std::size_t i = 0; i < count; ++i) {
-      const ScanType& t = elements[i].type;
-      EXPECT_EQ(layout.elements[i].offset % (t.storage / 8), 0U);
-      std::uint64_t word =
-          t.bits == 64 ? static_cast<std::uint64_t>(values[i])
-                       : static_cast<std::uint64_t>(values[i]) & ((std::uint64_t{1} << t.bits) - 1);
-      word <<= t.shift;
-      for (unsigned b = 0; b < t.storage / 8; ++b) {
-        const unsigned at = t.big_endian ? t.storage / 8 - 1 - b : b;
-        scan[layout.elements[i].offset + at] = static_cast<std::byte>(word >> (8 * b));
-      }
+      EXPECT_EQ(layout.elements[i].offset % (elements[i].type.storage / 8), 0U);
+      write_sample(layout.elements[i], values[i], scan);
     }
     for (std::size_t i = 0; i < count; ++i) {
       ASSERT_EQ(sample_of(layout.elements[i], scan), values[i]) << round;
