@@ -201,7 +201,7 @@ TEST(IioScan, FindsEverySampleAgain) {
       const std::uint64_t raw = random() >> (64 - bits);
       const bool negative = elements[i].type.is_signed && (raw >> (bits - 1) & 1U) != 0;
       values.push_back(negative && bits < 64
-                           ? static_cast<std::int64_t>(raw) - (std::int64_t{1} << bits)
+                           ? static_cast<std::int64_t>(raw - (std::uint64_t{1} << bits))
                            : static_cast<std::int64_t>(raw));
     }
     const ScanLayout layout = lay_out(elements);
