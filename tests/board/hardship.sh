@@ -1,7 +1,9 @@
 #!/bin/sh
 # What may befall the daemon in mid-heating: heat ends within the lease of the one-shot or at once,
 # and the next start says what has happened.
+# shellcheck source=tests/board/rig.sh
 . ./rig.sh
+# shellcheck source=tests/board/servo.sh
 . ./servo.sh
 make_inputs
 # The one-shot's time, and a period: the last kick may come after the blow.

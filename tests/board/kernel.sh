@@ -1,5 +1,6 @@
 #!/bin/sh
 # The rig on another architecture's kernel: converter, PWM, GPIO and CAN are there and answer.
+# shellcheck source=tests/board/rig.sh
 . ./rig.sh
 make_inputs
 make_trigger 1000

@@ -1,6 +1,8 @@
 #!/bin/sh
 # The daemon on the kernel's own IIO, PWM and GPIO, with a simulated wire behind them.
+# shellcheck source=tests/board/rig.sh
 . ./rig.sh
+# shellcheck source=tests/board/servo.sh
 . ./servo.sh
 make_inputs
 adc=/sys/bus/platform/drivers/testboard-adc

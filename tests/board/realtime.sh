@@ -1,7 +1,9 @@
 #!/bin/sh
 # The loop at 1 kHz with observer, bus traffic and recording, beside cyclictest under the same load.
 # realtime.sh [BUSY_US]: that much artificial work of a higher priority in each millisecond.
+# shellcheck source=tests/board/rig.sh
 . ./rig.sh
+# shellcheck source=tests/board/servo.sh
 . ./servo.sh
 make_inputs
 ip=/usr/sbin/ip

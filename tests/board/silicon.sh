@@ -1,5 +1,6 @@
 #!/bin/sh
 # The rig itself, without a daemon: heat ends with the kicks, the enable line, the PWM, its device.
+# shellcheck source=tests/board/rig.sh
 . ./rig.sh
 make_inputs
 make_trigger 1000
