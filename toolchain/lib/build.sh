@@ -151,7 +151,7 @@ test_arm64() {
 run_test() {
   local preset
   case ${1:-all} in
-    all) set -- release sanitize tsan arm64 ;;
+    all) set -- release sanitize arm64 ;;
     dev | release | sanitize | tsan | arm64 | mcu) ;;
     *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64, mcu)" ;;
   esac
