@@ -63,7 +63,8 @@ inline Heard BusPartner::listen(double time_s) {
 }
 
 /// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
-/// the loop's turns since. Calls `changed()` where the node has put other settings in force.
+/// the loop's turns since. Calls `changed()` where the node has put other settings in force, in
+/// each round again until it says that the loop will have them; the node refuses others meanwhile.
 template <CanPort Port, class Node>
 class BusPump {
  public:
@@ -82,9 +83,11 @@ class BusPump {
       node_.publish(report.output, report.inputs, report.dt_s);
     }
     node_.advance(now_us);
-    if (changes_ != node_.settings_changes()) {
-      changes_ = node_.settings_changes();
-      changed();
+    const std::uint32_t changes = node_.settings_changes();
+    if (changes_ != changes) {
+      const bool taken = changed();
+      changes_ = taken ? changes : changes_;
+      node_.hold_settings(!taken);
     }
     partner_.say({node_.command(), node_.external() | port_faults});
     while (node_.take(frame)) {
