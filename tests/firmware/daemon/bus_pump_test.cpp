@@ -35,6 +35,7 @@ struct FakeNode {
   std::uint64_t now_us = 0;
   std::uint32_t changes = 0;
   int published = 0;
+  bool held = false;
   double published_A = 0;
 
   void receive(const CanFrame& frame, std::uint64_t /*now_us*/) {
@@ -61,6 +62,7 @@ struct FakeNode {
     published_A = output.current_A;
   }
   std::uint32_t settings_changes() const { return changes; }
+  void hold_settings(bool held_) { held = held_; }
 };
 
 struct Rig {
@@ -69,8 +71,12 @@ struct Rig {
   BusPartner partner{0.1};
   BusPump<FakePort, FakeNode> pump{port, node, partner};
   int changed = 0;
+  bool room = true;
   void round(std::uint64_t now_us, FaultSet faults = {}) {
-    pump.round(now_us, faults, [&] { ++changed; });
+    pump.round(now_us, faults, [&] {
+      ++changed;
+      return room;
+    });
   }
 };
 
@@ -128,6 +134,22 @@ TEST(BusPump, TellsOfNewSettingsOncePerChange) {
   rig.round(1);
   rig.round(2);
   EXPECT_EQ(rig.changed, 1);
+}
+
+TEST(BusPump, ANewSettingIsOfferedUntilItIsTaken) {
+  Rig rig;
+  rig.node.changes = 1;
+  rig.room = false;
+  rig.round(0);
+  EXPECT_TRUE(rig.node.held);
+  rig.round(1);
+  EXPECT_EQ(rig.changed, 2);
+  EXPECT_TRUE(rig.node.held) << "no further ones meanwhile";
+  rig.room = true;
+  rig.round(2);
+  rig.round(3);
+  EXPECT_EQ(rig.changed, 3);
+  EXPECT_FALSE(rig.node.held);
 }
 
 }  // namespace
