@@ -64,12 +64,8 @@ canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
 canopen::LoopTiming timing_of(const LoopFigures& f) {
   const auto count = [](const auto& x) { return static_cast<std::uint32_t>(x.load()); };
   const auto s = [](auto ns) { return 1e-9F * static_cast<float>(ns); };
-  return {count(f.turns),
-          count(f.missed),
-          s(f.wake.mean_ns()),
-          s(f.wake.greatest_ns()),
-          s(f.execution.mean_ns()),
-          s(f.execution.greatest_ns())};
+  return {count(f.turns),          count(f.missed),          s(f.wake.mean_ns()),
+          s(f.wake.greatest_ns()), s(f.execution.mean_ns()), s(f.execution.greatest_ns())};
 }
 
 }  // namespace
@@ -163,10 +159,9 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
 }
 
 void BusService::Parts::show_figures() {
-  const CanStatistics& s = port.statistics();
   servo.set_timing(timing_of(figures));
-  servo.set_bus(static_cast<std::uint32_t>(s.dropped_full + s.dropped_down),
-                static_cast<std::uint32_t>(s.bus_offs));
+  servo.set_bus(static_cast<std::uint32_t>(pump.dropped()),
+                static_cast<std::uint32_t>(port.statistics().bus_offs));
 }
 
 /// A disk may take its time: the bus goes on meanwhile, and the answer follows.

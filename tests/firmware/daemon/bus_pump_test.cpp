@@ -12,6 +12,8 @@ class FakePort {
  public:
   std::deque<CanFrame> in, out;
   bool full = false;
+  CanState now = CanState::active;
+  CanState state() const { return now; }
   bool receive(CanFrame& frame) {
     if (in.empty()) {
       return false;
@@ -121,10 +123,39 @@ TEST(BusPump, NeitherAFullQueueNorAFloodHoldsItUp) {
   }
   rig.round(0);
   EXPECT_EQ(rig.pump.frames(), 256U);
-  EXPECT_TRUE(rig.node.answers.empty());
   rig.round(1);
   EXPECT_EQ(rig.node.now_us, 1U);
   EXPECT_EQ(rig.pump.frames(), 512U);
+}
+
+TEST(BusPump, WhatAFullQueueDoesNotTakeComesLaterInItsOrder) {
+  Rig rig;
+  rig.port.full = true;
+  rig.port.in = {{.id = 1}, {.id = 3}, {.id = 5}};
+  rig.round(0);
+  EXPECT_EQ(rig.node.answers.size(), 2U) << "the node makes no more meanwhile";
+  rig.round(10'000);
+  EXPECT_EQ(rig.pump.dropped(), 0U);
+  rig.port.full = false;
+  rig.round(11'000);
+  ASSERT_EQ(rig.port.out.size(), 3U);
+  EXPECT_EQ(rig.port.out[0].id, 2U);
+  EXPECT_EQ(rig.port.out[2].id, 6U);
+  EXPECT_EQ(rig.pump.dropped(), 0U);
+}
+
+TEST(BusPump, ADeadBusDropsOldFramesAndOneThatIsDownAll) {
+  Rig rig;
+  rig.port.full = true;
+  rig.port.in = {{.id = 1}, {.id = 3}, {.id = 5}};
+  for (std::uint64_t t = 0; t <= 20'000; t += 1000) {
+    rig.round(t);
+  }
+  EXPECT_EQ(rig.pump.dropped(), 1U);
+  rig.port.now = CanState::down;
+  rig.round(21'000);
+  EXPECT_EQ(rig.pump.dropped(), 3U);
+  EXPECT_TRUE(rig.node.answers.empty());
 }
 
 TEST(BusPump, TellsOfNewSettingsOncePerChange) {
