@@ -34,7 +34,7 @@ cansend can1 7E5#04.00.00.00.00.00.00.00
 echo '-- a full queue'
 expect 'its length' "$(cat /sys/class/net/can0/tx_queue_len)" 10
 ask can1 1 A4.21.10.00.7F.00.00.00 >/dev/null
-candump -T 1000 -n 127 can1,581:7FF >/tmp/block &
+candump -T 500 -n 127 can1,581:7FF >/tmp/block &
 block=$!
 sleep 0.1
 sent=/sys/class/net/can0/statistics/tx_packets
