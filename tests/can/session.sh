@@ -64,7 +64,10 @@ tool() {
   "${ours[@]}" diff "$log/dump.toml" || return
   "${ours[@]}" enable && "${ours[@]}" move 600 --patience 40 && "${ours[@]}" disable || return
   "${ours[@]}" record --seconds 0.2 --out "$log/recording.csv" || return
-  (($(wc -l <"$log/recording.csv") > 100)) || return
+  local rows
+  rows=$(wc -l <"$log/recording.csv")
+  printf 'recording of %d rows\n' "$rows"
+  ((rows > 100)) || return
   # A reset is a new start: what is stored is in force, nothing else, and its loop counts anew.
   "${ours[@]}" set strain.proportional_W=9 && "${ours[@]}" store || return
   "${ours[@]}" set strain.proportional_W=5 && "${ours[@]}" reset && sleep 2 || return
