@@ -95,17 +95,23 @@ class BusPump {
   }
 
   std::uint64_t frames() const { return frames_; }
+  /// Whether the next round shall come at once: the node may have more to send.
+  bool has_more() const { return has_more_; }
   /// Frames that were not sent.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
+  // Nor must a block of SDO keep it from listening: a SYNC would meet the next one.
+  static constexpr int most_sent = 4;
   // A slow bus has carried ten frames away by then.
   static constexpr std::uint64_t patience_us = 20'000;
 
   /// The kernel's queue holds ten frames, a block of SDO has 127. What it does not take is tried
   /// again in the next rounds, the node's next frames are made when it has gone; nobody waits.
   void send(std::uint64_t now_us) {
-    while (waits_ || node_.take(next_)) {
+    has_more_ = false;
+    int tries = 0;
+    for (; tries < most_sent && (waits_ || node_.take(next_)); ++tries) {
       since_us_ = waits_ ? since_us_ : now_us;
       const bool sent = port_.send(next_);
       const CanState state = port_.state();
@@ -118,6 +124,7 @@ class BusPump {
         return;
       }
     }
+    has_more_ = tries == most_sent;
   }
 
   // A flood on the bus must not keep the node from its time.
@@ -128,6 +135,7 @@ class BusPump {
   BusPartner& partner_;
   CanFrame next_{};
   bool waits_ = false;  ///< next_ for room in the queue
+  bool has_more_ = false;
   std::uint64_t since_us_ = 0;
   std::uint32_t changes_ = 0;
   std::uint64_t frames_ = 0, dropped_ = 0;

@@ -133,7 +133,7 @@ void BusService::Parts::run(const std::stop_token& stop) {
   heard_us = now();
   while (!stop.stop_requested()) {
     pollfd readable{port.descriptor(), POLLIN, 0};
-    poll(&readable, 1, round_ms);
+    poll(&readable, 1, pump.has_more() ? 0 : round_ms);
     const std::uint64_t now_us = now();
     show_figures();
     pump.round(now_us, faults(now_us), [&] { return desk.change(staging.active()); });

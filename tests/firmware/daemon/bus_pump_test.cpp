@@ -2,6 +2,7 @@
 
 #include "firmware/daemon/bus_pump.hpp"
 
+#include <array>
 #include <deque>
 #include <gtest/gtest.h>
 
@@ -141,6 +142,23 @@ TEST(BusPump, WhatAFullQueueDoesNotTakeComesLaterInItsOrder) {
   ASSERT_EQ(rig.port.out.size(), 3U);
   EXPECT_EQ(rig.port.out[0].id, 2U);
   EXPECT_EQ(rig.port.out[2].id, 6U);
+  EXPECT_EQ(rig.pump.dropped(), 0U);
+}
+
+// Between four frames that it sends it listens.
+TEST(BusPump, MuchToSendIsSentInSeveralRounds) {
+  Rig rig;
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    rig.port.in.push_back({.id = 2 * i});
+  }
+  for (const std::size_t sent : std::array<std::size_t, 3>{4, 8, 10}) {
+    rig.round(0);
+    EXPECT_EQ(rig.port.out.size(), sent);
+    EXPECT_EQ(rig.pump.has_more(), sent != 10);
+  }
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(rig.port.out[i].id, 2 * i + 1);
+  }
   EXPECT_EQ(rig.pump.dropped(), 0U);
 }
 
