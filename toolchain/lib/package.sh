@@ -19,8 +19,8 @@ package_file() { printf '%s\n' "$root"/build/packages/smaservo_*_"$1".deb | tail
 library_packages() {
   local tree=$1 triplet=$2 sysroot=$root/build/sysroot/$2
   local -a where=()
-  [[ -z $triplet ]] || where=("-l$sysroot/usr/lib/$triplet" "-l$sysroot/usr/lib/$triplet/blas"
-    "-l$sysroot/usr/lib/$triplet/lapack" "-L$sysroot/shlibs")
+  [[ -z $triplet ]] || where=("-l$sysroot/usr/lib/$triplet" "-l$sysroot/lib/$triplet" "-l$sysroot/lib"
+    "-L$sysroot/shlibs")
   mkdir -p "$tree/shlibs/debian"
   printf 'Source: smaservo\n\nPackage: smaservo\nArchitecture: any\n' >"$tree/shlibs/debian/control"
   (cd "$tree/shlibs" && dpkg-shlibdeps -O --warnings=0 "${where[@]}" \
