@@ -5,7 +5,7 @@
 #include <deque>
 #include <gtest/gtest.h>
 
-namespace smaservo::test {
+namespace smaservo::test::bus_pump_test {
 namespace {
 
 class FakePort {
@@ -131,4 +131,4 @@ TEST(BusPump, TellsOfNewSettingsOncePerChange) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::bus_pump_test
