@@ -181,6 +181,8 @@ Abort ServoCore::write_parameter(const Entry& entry, std::uint32_t value, Source
   Abort result = Abort::none;
   if (objects_.level < needed) {
     result = Abort::local;
+  } else if (held_) {
+    result = Abort::transfer;
   } else if (entry.type == Type::real && ceiling_of(config_.ceilings, entry.key) < as_real(value)) {
     result = Abort::too_high;
   } else {
@@ -200,6 +202,9 @@ Abort ServoCore::write_parameter(const Entry& entry, std::uint32_t value, Source
 Abort ServoCore::tune(TuningCommand command) {
   if (objects_.level == 0) {
     return Abort::local;
+  }
+  if (held_) {
+    return Abort::transfer;
   }
   const Abort result = parameters_.tune(command, objects_.trial_s, axis_.may_heat());
   tuned_us_ = now_us_;

@@ -145,6 +145,14 @@ int CanSocket::set_filters() {
                                                                                           : errno;
 }
 
+/// What the socket still has to say of the time before would fail the next call: the interface
+/// that has come back would count as gone again.
+void CanSocket::forget_error() const {
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
+}
+
 /// After a failure: whether frames may pass again.
 bool CanSocket::bring_back() {
   if (state_ == CanState::gone) {
@@ -153,12 +161,10 @@ bool CanSocket::bring_back() {
     if (set_filters() != 0) return false;
     ++statistics_.reopens;
     state_ = CanState::down;
+    forget_error();
   }
   if (!is_up(descriptor(), interface_)) return false;
-  // What the socket still has to say of the time before would fail the next call.
-  int error = 0;
-  socklen_t size = sizeof error;
-  getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
+  forget_error();
   state_ = CanState::active;
   return true;
 }

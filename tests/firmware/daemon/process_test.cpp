@@ -17,6 +17,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "bus_client.hpp"
+#include "firmware/canopen/communication.hpp"
 #include "firmware/daemon/last_run.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/replay/temporary_folder.hpp"
@@ -178,6 +180,42 @@ TEST(Process, TellsTheServiceManagerHowItIs) {
   }
   EXPECT_EQ(text, "STOPPING=1");
   EXPECT_TRUE(program.wait().exited_with(0));
+}
+
+// Over the bus: heat off, what is stored in force, nothing of the run before.
+TEST(Process, AResetOfTheNodeIsANewStart) {
+  using canopen::as_bits;
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  constexpr canopen::Key gain{0x2100, 1}, turns{0x2210, 1}, current{0x2200, 10};
+  BusClient client;
+  Program program(folder, {"--board", "sim", "--no-real-time", "--settings", state, "--bus",
+                           BusClient::name(), "--record", folder / "run.csv"});
+  ASSERT_TRUE(client.wait(0x701, 60'000)) << "boot-up";
+  const auto gets_warm = [&] {
+    for (const std::uint16_t word : {6, 7, 15}) {
+      client.set({0x6040, 0}, word, 2);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return becomes([&] { return canopen::as_real(client.get(current)) > 0; });
+  };
+  EXPECT_EQ(client.set(gain, as_bits(9)), canopen::Abort::none);
+  EXPECT_EQ(client.set({0x1010, 1}, canopen::store_signature), canopen::Abort::none);
+  EXPECT_EQ(client.set(gain, as_bits(4)), canopen::Abort::none);
+  client.nmt(1);
+  EXPECT_TRUE(gets_warm());
+  EXPECT_TRUE(becomes([&] { return client.get(turns) > 500; }));
+  client.nmt(129);
+  ASSERT_TRUE(client.wait(0x701)) << "boot-up within 5 s";
+  EXPECT_FALSE(client.wait(0x701, 200)) << "once";
+  EXPECT_EQ(client.get(gain), as_bits(9));
+  EXPECT_EQ(canopen::as_real(client.get(current)), 0);
+  EXPECT_EQ(client.get({0x6041, 0}) & 0x4FU, 0x40U) << "Switch on disabled";
+  program.kill(SIGTERM);
+  const Ended ended = program.wait();
+  EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+  EXPECT_NE(ended.errors.find("reset over the bus"), std::string::npos) << ended.errors;
+  EXPECT_NE(ended.errors.find("the recording has ended"), std::string::npos) << ended.errors;
 }
 
 TEST(Process, RefusesWhatItDoesNotUnderstand) {
