@@ -111,7 +111,9 @@ class BusPump {
       const CanState state = port_.state();
       const bool reachable = state != CanState::down && state != CanState::gone;
       waits_ = !sent && reachable && now_us - since_us_ < patience_us;
-      dropped_ += sent || waits_ ? 0 : 1;
+      if (!sent && !waits_) {
+        ++dropped_;
+      }
       if (!sent && reachable) {
         return;
       }

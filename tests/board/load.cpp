@@ -16,7 +16,6 @@
 namespace smaservo {
 namespace {
 
-using canopen::Key;
 using canopen::put_number;
 using canopen::take_number;
 
@@ -130,7 +129,7 @@ class Master {
     }
     port_.send({.id = 0, .length = 2, .data = {1, static_cast<std::uint8_t>(node_)}});
     set({0x6060, 0}, 8, 1);
-    for (const std::uint16_t word : {6, 7, 15}) {
+    for (const std::uint16_t word : std::array<std::uint16_t, 3>{6, 7, 15}) {
       set({0x6040, 0}, word, 2);
       rest(300 * ms);
     }

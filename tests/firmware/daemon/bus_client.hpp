@@ -50,7 +50,7 @@ class BusClient {
   }
 
   /// The answer's bytes; all FFh: none came.
-  Bytes ask(std::uint8_t command, canopen::Key key, std::uint32_t value = 0) {
+  Bytes ask(std::uint8_t command, Key key, std::uint32_t value = 0) {
     Bytes request{command, static_cast<std::uint8_t>(key.index),
                   static_cast<std::uint8_t>(key.index >> 8U), key.sub};
     canopen::put_number(std::span(request).subspan(4), value);
@@ -59,9 +59,9 @@ class BusClient {
     const auto answer = wait(0x581);
     return answer ? answer->data : silence;
   }
-  std::uint32_t get(canopen::Key key) { return number_of(ask(0x40, key)); }
+  std::uint32_t get(Key key) { return number_of(ask(0x40, key)); }
   /// Of four bytes: none, or the abort.
-  canopen::Abort set(canopen::Key key, std::uint32_t value, unsigned size = 4) {
+  canopen::Abort set(Key key, std::uint32_t value, unsigned size = 4) {
     const Bytes answer = ask(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), key, value);
     return answer[0] == 0x60 ? canopen::Abort::none
                              : static_cast<canopen::Abort>(number_of(answer));

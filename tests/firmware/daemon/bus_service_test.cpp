@@ -15,7 +15,6 @@ namespace {
 using canopen::Abort;
 using canopen::as_bits;
 using canopen::as_real;
-using canopen::Key;
 
 constexpr Key gain{0x2100, 1};
 
@@ -39,7 +38,14 @@ struct Rig {
   LoopLinks links;
   LoopFigures figures;
   ParameterDesk desk;
-  BusService service{{.interface = BusClient::name(), .board = "bench"}, desk, links, figures};
+  BusService service{{.interface = BusClient::name(),
+                      .partner_timeout_s = 0,
+                      .folder = {},
+                      .greatest_current_A = 0,
+                      .board = "bench"},
+                     desk,
+                     links,
+                     figures};
 };
 
 TEST(BusService, TellsTheNodeOfLoopAndBoard) {

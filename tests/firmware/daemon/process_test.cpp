@@ -187,13 +187,13 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   using canopen::as_bits;
   const TemporaryFolder folder;
   const std::string state = folder / "state";
-  constexpr canopen::Key gain{0x2100, 1}, turns{0x2210, 1}, current{0x2200, 10};
+  constexpr Key gain{0x2100, 1}, turns{0x2210, 1}, current{0x2200, 10};
   BusClient client;
   Program program(folder, {"--board", "sim", "--no-real-time", "--settings", state, "--bus",
                            BusClient::name(), "--record", folder / "run.csv"});
   ASSERT_TRUE(client.wait(0x701, 60'000)) << "boot-up";
   const auto gets_warm = [&] {
-    for (const std::uint16_t word : {6, 7, 15}) {
+    for (const std::uint16_t word : std::array<std::uint16_t, 3>{6, 7, 15}) {
       client.set({0x6040, 0}, word, 2);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -202,9 +202,9 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   EXPECT_EQ(client.set(gain, as_bits(9)), canopen::Abort::none);
   EXPECT_EQ(client.set({0x1010, 1}, canopen::store_signature), canopen::Abort::none);
   EXPECT_EQ(client.set(gain, as_bits(4)), canopen::Abort::none);
-  client.nmt(1);
+  EXPECT_EQ(client.set({0x6060, 0}, 1, 1), canopen::Abort::none);
+  EXPECT_TRUE(becomes([&] { return client.get(turns) > 500; })) << "it has started";
   EXPECT_TRUE(gets_warm());
-  EXPECT_TRUE(becomes([&] { return client.get(turns) > 500; }));
   client.nmt(129);
   ASSERT_TRUE(client.wait(0x701)) << "boot-up within 5 s";
   EXPECT_FALSE(client.wait(0x701, 200)) << "once";
