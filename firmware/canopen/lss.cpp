@@ -69,7 +69,7 @@ LssAction Lss::configure(Request request) {
       return LssAction::none;
     case activate_timing:
       delay_ms_ = static_cast<std::uint16_t>(take_number(request.subspan(1, 2)));
-      return LssAction::activate;
+      return bit_rates_ == 0 ? LssAction::none : LssAction::activate;
     case store_all:
       return LssAction::store;
     default:

@@ -22,7 +22,8 @@ enum class LssAction : std::uint8_t {
 
 class Lss {
  public:
-  /// bit_rates: bit i allows CiA 305's table entry i (0: 1 Mbit/s .. 8: 10 kbit/s).
+  /// bit_rates: bit i allows CiA 305's table entry i (0: 1 Mbit/s .. 8: 10 kbit/s). Of others it
+  /// says that they are not supported; with none there is nothing to activate.
   Lss(std::array<std::uint32_t, 4> identity, std::uint16_t bit_rates)
       : identity_(identity), bit_rates_(bit_rates) {}
 

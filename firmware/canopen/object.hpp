@@ -79,7 +79,6 @@ enum class Abort : std::uint32_t {
   sequence = 0x05040003,
   crc = 0x05040004,
   memory = 0x05040005,
-  access = 0x06010000,
   write_only = 0x06010001,
   read_only = 0x06010002,
   no_object = 0x06020000,
@@ -93,7 +92,6 @@ enum class Abort : std::uint32_t {
   value = 0x06090030,
   too_high = 0x06090031,
   too_low = 0x06090032,
-  general = 0x08000000,
   transfer = 0x08000020,
   local = 0x08000021,  ///< by local control: the access level does not allow it
   state = 0x08000022,  ///< in the present state of the device

@@ -5,27 +5,9 @@
 namespace smaservo::canopen {
 
 Abort find_object(std::span<const Object> rows, Key key, Entry& entry) {
-  const auto at = std::ranges::lower_bound(rows, key, {}, &Object::key);
-  if (at != rows.end() && at->key == key) {
-    const auto handle = static_cast<std::uint16_t>(at - rows.begin());
-    entry = {key, at->type, at->access, handle, size_of(at->type)};
-    return Abort::none;
-  }
-  // Rows of the same index stand beside the place where this one would be.
-  const bool before = at != rows.begin() && (at - 1)->key.index == key.index;
-  const bool after = at != rows.end() && at->key.index == key.index;
-  if (!before && !after) {
-    return Abort::no_object;
-  }
-  if (key.sub != 0) {
-    return Abort::no_sub;
-  }
-  auto last = at;
-  while (last + 1 != rows.end() && (last + 1)->key.index == key.index) {
-    ++last;
-  }
-  entry = highest_sub_entry(key, last->key.sub);
-  return Abort::none;
+  return find_row<Object>(
+      rows, key, entry, [](const Object& row) { return row.type; },
+      [](const Object& row) { return row.access; });
 }
 
 std::uint32_t load(const Object& object, std::span<const std::byte> memory) {

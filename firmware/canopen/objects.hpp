@@ -84,10 +84,6 @@ constexpr bool in_order(std::span<const DescribedObject> rows) {
   return true;
 }
 
-/// Finds a key in rows that stand in order. A sub-index 0 that has no row of its own says what the
-/// highest one is.
-Abort find_object(std::span<const Object> rows, Key key, Entry& entry);
-
 /// The entry of "highest sub-index", whoever has it: the number is in the handle.
 constexpr Entry highest_sub_entry(Key key, std::uint8_t highest) {
   return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(0xFF00U | highest), 1};
@@ -95,6 +91,36 @@ constexpr Entry highest_sub_entry(Key key, std::uint8_t highest) {
 constexpr bool is_highest_sub(const Entry& entry) {
   return entry.handle >> 8U == 0xFF;
 }
+
+/// Finds a key in rows that stand in the order of their keys; the handle is the row's number. A
+/// sub-index 0 that has no row of its own says what the highest one is.
+template <class Row>
+Abort find_row(std::span<const Row> rows, Key key, Entry& entry, Type (*type_of)(const Row&),
+               std::uint16_t (*access_of)(const Row&)) {
+  const auto at = std::ranges::lower_bound(rows, key, {}, &Row::key);
+  if (at != rows.end() && at->key == key) {
+    const Type type = type_of(*at);
+    entry = {key, type, access_of(*at), static_cast<std::uint16_t>(at - rows.begin()),
+             size_of(type)};
+    return Abort::none;
+  }
+  // Rows of the same index stand beside the place where this one would be.
+  const bool before = at != rows.begin() && (at - 1)->key.index == key.index;
+  const bool after = at != rows.end() && at->key.index == key.index;
+  if (!before && !after) {
+    return Abort::no_object;
+  }
+  if (key.sub != 0) {
+    return Abort::no_sub;
+  }
+  auto last = at;
+  while (last + 1 != rows.end() && (last + 1)->key.index == key.index) {
+    ++last;
+  }
+  entry = highest_sub_entry(key, last->key.sub);
+  return Abort::none;
+}
+Abort find_object(std::span<const Object> rows, Key key, Entry& entry);
 
 /// Of a row whose value lives in `memory`.
 std::uint32_t load(const Object& object, std::span<const std::byte> memory);

@@ -66,6 +66,7 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::set_bus;
   /// The bus is off, by the port: EMCY code 8140h. What 6007h says follows.
   using ServoCore::connection_lost;
+  using ServoCore::hold_settings;
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }

@@ -61,6 +61,9 @@ class ServoCore : public Application {
   void publish(const StepReport& report);
   void set_timing(const LoopTiming& timing);
   void set_bus(std::uint32_t dropped, std::uint32_t off) { objects_.bus = {dropped, off}; }
+  /// The loop has no room for further settings now: writes of parameters, and what would put some
+  /// in force, are refused.
+  void hold_settings(bool held) { held_ = held; }
 
   AxisDemand demand() const { return axis_.demand(); }
   /// The partner is there, or nobody asked for one (6007h = 0).
@@ -115,6 +118,7 @@ class ServoCore : public Application {
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
   std::uint8_t errors_ = 0;  ///< 1001h, of the device's faults
+  bool held_ = false;
 };
 
 }  // namespace smaservo::canopen

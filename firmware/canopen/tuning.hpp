@@ -49,29 +49,14 @@ class Tuning final : public ParameterAccess {
 
 template <class S>
 Abort Tuning<S>::find(Key key, Entry& entry) const {
-  const auto rows = std::span(parameter_rows<S>);
-  const auto at = std::ranges::lower_bound(rows, key, {}, &ParameterRow<S>::key);
-  if (at != rows.end() && at->key == key) {
+  constexpr auto type_of = [](const ParameterRow<S>& row) {
     constexpr std::array types{Type::real, Type::u32, Type::u8, Type::boolean};
-    const Type type = types[static_cast<std::size_t>(at->type)];
-    entry = {key, type, readable | writable, static_cast<std::uint16_t>(at - rows.begin()),
-             size_of(type)};
-    return Abort::none;
-  }
-  const bool before = at != rows.begin() && (at - 1)->key.index == key.index;
-  const bool after = at != rows.end() && at->key.index == key.index;
-  if (!before && !after) {
-    return Abort::no_object;
-  }
-  if (key.sub != 0) {
-    return Abort::no_sub;
-  }
-  auto last = at;
-  while (last + 1 != rows.end() && (last + 1)->key.index == key.index) {
-    ++last;
-  }
-  entry = highest_sub_entry(key, last->key.sub);
-  return Abort::none;
+    return types[static_cast<std::size_t>(row.type)];
+  };
+  constexpr auto access_of = [](const ParameterRow<S>&) -> std::uint16_t {
+    return readable | writable;
+  };
+  return find_row<ParameterRow<S>>(parameter_rows<S>, key, entry, type_of, access_of);
 }
 
 template <class S>

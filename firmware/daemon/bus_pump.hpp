@@ -9,6 +9,7 @@
 #include "firmware/daemon/partner.hpp"
 #include "firmware/daemon/ring.hpp"
 #include "hal/board.hpp"
+#include "hal/linux/can_status.hpp"
 
 namespace smaservo {
 
@@ -63,7 +64,8 @@ inline Heard BusPartner::listen(double time_s) {
 }
 
 /// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
-/// the loop's turns since. Calls `changed()` where the node has put other settings in force.
+/// the loop's turns since. Calls `changed()` where the node has put other settings in force, in
+/// each round again until it says that the loop will have them; the node refuses others meanwhile.
 template <CanPort Port, class Node>
 class BusPump {
  public:
@@ -82,28 +84,53 @@ class BusPump {
       node_.publish(report.output, report.inputs, report.dt_s);
     }
     node_.advance(now_us);
-    if (changes_ != node_.settings_changes()) {
-      changes_ = node_.settings_changes();
-      changed();
+    const std::uint32_t changes = node_.settings_changes();
+    if (changes_ != changes) {
+      const bool taken = changed();
+      changes_ = taken ? changes : changes_;
+      node_.hold_settings(!taken);
     }
     partner_.say({node_.command(), node_.external() | port_faults});
-    while (node_.take(frame)) {
-      // What a full queue does not take is dropped and counted by the port; nobody waits for it.
-      port_.send(frame);
-    }
+    send(now_us);
   }
 
   std::uint64_t frames() const { return frames_; }
+  /// Frames that were not sent.
+  std::uint64_t dropped() const { return dropped_; }
 
  private:
+  // A slow bus has carried ten frames away by then.
+  static constexpr std::uint64_t patience_us = 20'000;
+
+  /// The kernel's queue holds ten frames, a block of SDO has 127. What it does not take is tried
+  /// again in the next rounds, the node's next frames are made when it has gone; nobody waits.
+  void send(std::uint64_t now_us) {
+    while (waits_ || node_.take(next_)) {
+      since_us_ = waits_ ? since_us_ : now_us;
+      const bool sent = port_.send(next_);
+      const CanState state = port_.state();
+      const bool reachable = state != CanState::down && state != CanState::gone;
+      waits_ = !sent && reachable && now_us - since_us_ < patience_us;
+      if (!sent && !waits_) {
+        ++dropped_;
+      }
+      if (!sent && reachable) {
+        return;
+      }
+    }
+  }
+
   // A flood on the bus must not keep the node from its time.
   static constexpr int most_frames = 256;
 
   Port& port_;
   Node& node_;
   BusPartner& partner_;
+  CanFrame next_{};
+  bool waits_ = false;  ///< next_ for room in the queue
+  std::uint64_t since_us_ = 0;
   std::uint32_t changes_ = 0;
-  std::uint64_t frames_ = 0;
+  std::uint64_t frames_ = 0, dropped_ = 0;
 };
 
 }  // namespace smaservo

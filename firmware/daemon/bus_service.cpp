@@ -16,6 +16,7 @@
 #include "firmware/daemon/kept_settings.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/open_can.hpp"
+#include "host-sim/canopen_reference.hpp"
 #include "host-sim/output_file.hpp"
 
 namespace smaservo {
@@ -46,9 +47,12 @@ std::string write_image(const std::string& path, const Image& image) {
   }
 }
 
-canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder) {
+canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
+                               std::string_view eds) {
   canopen::ServoConfig config{};
   config.node.device_name = "smaservo";
+  config.node.hardware_version = setup.board;
+  config.node.eds = eds;
   config.node.software_version = SMASERVO_VERSION;
   config.recorder = recorder;
   if (setup.greatest_current_A > 0) {
@@ -57,20 +61,27 @@ canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder)
   return config;
 }
 
-bool is_reset(Request request) {
-  return request == Request::reset_node || request == Request::reset_communication;
+canopen::LoopTiming timing_of(const LoopFigures& f) {
+  const auto count = [](const auto& x) { return static_cast<std::uint32_t>(x.load()); };
+  const auto s = [](auto ns) { return 1e-9F * static_cast<float>(ns); };
+  return {count(f.turns),          count(f.missed),          s(f.wake.mean_ns()),
+          s(f.wake.greatest_ns()), s(f.execution.mean_ns()), s(f.execution.greatest_ns())};
 }
 
 }  // namespace
 
 struct BusService::Parts {
-  Parts(const BusSetup& setup_, ParameterDesk& desk_)
+  Parts(const BusSetup& setup_, ParameterDesk& desk_, LoopLinks& links_,
+        const LoopFigures& figures_)
       : setup(setup_),
         desk(desk_),
+        links(links_),
+        figures(figures_),
         port(open_can(setup_.interface)),
         recorder(recorder_values),
+        eds(eds_text()),
         staging(desk_.settings()),
-        servo(config_of(setup_, recorder), staging),
+        servo(config_of(setup, recorder, eds), staging),
         partner(thread_lease_s),
         pump(port, servo, partner) {}
 
@@ -83,13 +94,17 @@ struct BusService::Parts {
   }
   void run(const std::stop_token& stop);
   FaultSet faults(std::uint64_t now_us);
+  void show_figures();
   void answer(Request request, std::uint64_t now_us);
   std::string keep(Request request, const Settings<double>& settings, const Image& image) const;
 
   BusSetup setup;
   ParameterDesk& desk;
+  LoopLinks& links;
+  const LoopFigures& figures;
   LinuxCan port;
   std::vector<float> recorder;
+  std::string eds;
   Staging<double> staging;
   canopen::Servo<double> servo;
   BusPartner partner;
@@ -99,8 +114,9 @@ struct BusService::Parts {
   std::jthread thread;  // last: it ends before what it uses
 };
 
-BusService::BusService(const BusSetup& setup, ParameterDesk& desk)
-    : parts_(std::make_unique<Parts>(setup, desk)) {}
+BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
+                       const LoopFigures& figures)
+    : parts_(std::make_unique<Parts>(setup, desk, links, figures)) {}
 BusService::~BusService() = default;
 
 Partner& BusService::partner() {
@@ -119,7 +135,8 @@ void BusService::Parts::run(const std::stop_token& stop) {
     pollfd readable{port.descriptor(), POLLIN, 0};
     poll(&readable, 1, round_ms);
     const std::uint64_t now_us = now();
-    pump.round(now_us, faults(now_us), [&] { desk.change(staging.active()); });
+    show_figures();
+    pump.round(now_us, faults(now_us), [&] { return desk.change(staging.active()); });
     const Request request = servo.request();
     if (request != Request::none) {
       answer(request, now_us);
@@ -141,10 +158,22 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
   return set;
 }
 
+void BusService::Parts::show_figures() {
+  servo.set_timing(timing_of(figures));
+  servo.set_bus(static_cast<std::uint32_t>(pump.dropped()),
+                static_cast<std::uint32_t>(port.statistics().bus_offs));
+}
+
 /// A disk may take its time: the bus goes on meanwhile, and the answer follows.
 void BusService::Parts::answer(Request request, std::uint64_t now_us) {
-  if (is_reset(request)) {
+  if (request == Request::reset_communication) {
     begin(now_us);
+    return;
+  }
+  if (request == Request::reset_node) {
+    // The node is silent and takes its arm command back; the loop's next turn is its last.
+    links.restart.store(true);
+    links.stop.store(true);
     return;
   }
   if (!storing.valid()) {

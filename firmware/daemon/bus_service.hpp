@@ -13,15 +13,19 @@ struct BusSetup {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
   double partner_timeout_s = 0;
   std::string folder;  ///< of the store; empty: nothing can be stored
-  double greatest_current_A =
-      0;  ///< of the hardware: no parameter over the bus goes beyond; 0: none
+  /// Of the hardware: no parameter over the bus goes beyond; 0: none.
+  double greatest_current_A = 0;
+  std::string board;  ///< as 1009h calls it
 };
 
-/// Takes the device's settings from the desk and gives changed ones back to it.
+/// Takes the device's settings from the desk and gives changed ones back to it. A reset of the node
+/// ends the loop, with LoopLinks::restart; from then on the bus is silent. The bit rate is the
+/// interface's own: LSS may not choose another one.
 class BusService {
  public:
   /// Throws CanError.
-  BusService(const BusSetup& setup, ParameterDesk& desk);
+  BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
+             const LoopFigures& figures);
   ~BusService();
   BusService(const BusService&) = delete;
   BusService& operator=(const BusService&) = delete;

@@ -24,6 +24,7 @@ struct LoopLinks {
   Ring<ParameterSet*> old_sets{32};      ///< from it, to be deleted
   std::atomic<std::uint64_t> faults{0};  ///< FaultSet::bits() of what other threads have found
   std::atomic<bool> stop{false};
+  std::atomic<bool> restart{false};  ///< with stop: everything anew, as after switching on
   Latest<Output<double>> output;
   Ring<TurnRecord>* record = nullptr;        ///< null: nothing is recorded
   std::atomic<std::uint64_t> unrecorded{0};  ///< turns for which the ring had no room

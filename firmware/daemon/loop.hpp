@@ -20,7 +20,8 @@ struct LoopTiming {
   std::uint64_t most_turns = 0;  ///< 0: no end
 };
 
-/// A board whose frames have times of CLOCK_MONOTONIC says so.
+/// A board whose frames have times of CLOCK_MONOTONIC says so. The time of any other stands still
+/// while a turn is late.
 template <class B>
 inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
 
@@ -88,7 +89,7 @@ bool Loop<B, Pacing>::turn() {
   Turn& turn = now_.turn;
   turn.command = heard.command;
   turn.inputs = inputs_of<double>(frame_, status);
-  turn.inputs.deadline_missed = woke.missed > 0 || heard.late;
+  turn.inputs.deadline_missed = (in_monotonic_time<B> && woke.missed > 0) || heard.late;
   turn.inputs.external = heard.external | FaultSet::from_bits(links_.faults.load());
   const Output<double> before = turn.output;
   turn.output = axis_.step(turn.inputs, turn.command, dt_s);

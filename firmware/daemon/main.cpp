@@ -29,7 +29,12 @@ int main(int argc, char** argv) {
     return code;
   }
   try {
-    return run(options);
+    code = run(options);
+    while (code == smaservo::start_anew) {
+      smaservo::prepare_next_run(options);
+      code = run(options);
+    }
+    return code;
   } catch (const std::exception& error) {
     std::fputs("smaservod: ", stderr);
     std::fputs(error.what(), stderr);

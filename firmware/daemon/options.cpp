@@ -1,7 +1,9 @@
 #include "firmware/daemon/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 namespace smaservo {
 namespace {
@@ -60,6 +62,15 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
     options.status = runtime + "/status.json";
   }
   return true;
+}
+
+void prepare_next_run(DaemonOptions& options) {
+  std::fputs("smaservod: reset over the bus\n", stderr);
+  if (!options.record.empty() && !std::filesystem::is_directory(options.record)) {
+    std::fputs("smaservod: the recording has ended: only in a folder the next run gets one\n",
+               stderr);
+    options.record.clear();
+  }
 }
 
 }  // namespace smaservo

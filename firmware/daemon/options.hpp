@@ -24,4 +24,7 @@ struct DaemonOptions {
 /// True: run; false: the exit code is in `code`.
 bool parse_options(int argc, char** argv, DaemonOptions& options, int& code);
 
+/// A run within the same process: a recording in a file of its own has ended with the one before.
+void prepare_next_run(DaemonOptions& options);
+
 }  // namespace smaservo

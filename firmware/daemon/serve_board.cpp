@@ -149,8 +149,8 @@ int serve_board(const DaemonOptions& options) {
   std::unique_ptr<BusService> bus;
   if (file.bus) {
     bus = std::make_unique<BusService>(BusSetup{file.bus->interface, file.bus->partner_timeout_s,
-                                                with.settings, file.greatest_current_A},
-                                       service.desk());
+                                                with.settings, file.greatest_current_A, file.name},
+                                       service.desk(), service.links(), service.figures());
     bus->start();
   }
   Partner& partner = bus ? bus->partner() : nobody;

@@ -105,6 +105,7 @@ int Service::run(const Served& served) {
         reload();
       } else if (signal != 0) {
         manager.stopping();
+        asked_to_end_ = true;
         links_.stop.store(true);
       }
       watch();
@@ -125,6 +126,11 @@ int Service::run(const Served& served) {
     }
   }
   served.safe_off();
+  const bool anew = links_.restart.load() && !asked_to_end_ && error_.empty();
+  if (anew) {
+    end_mark();
+    return start_anew;
+  }
   say_end();
   return error_.empty() && (!recorder_ || recorder_->problem().empty()) ? 0 : 1;
 }
@@ -322,12 +328,16 @@ void Service::write_status() {
   }
 }
 
-void Service::say_end() {
+void Service::end_mark() {
   watch();
   write_status();
   if (mark_) {
     mark_->set(RunMark::State::ended);
   }
+}
+
+void Service::say_end() {
+  end_mark();
   const Status now = status();
   std::fputs((setup_.json ? status_json(now) : status_text(now)).c_str(), stdout);
   if (!error_.empty()) {

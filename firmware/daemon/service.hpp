@@ -28,6 +28,9 @@ struct ServiceSetup {
   RealTimeSettings thread;
 };
 
+/// No exit code: the device is to be made anew from what is stored, as after switching on.
+inline constexpr int start_anew = -1;
+
 /// What a board and its loop give to the service. All of it is called by the loop's thread, but
 /// safe_off() once more after its end.
 struct Served {
@@ -52,7 +55,7 @@ class Service {
   Axis& axis() { return *axis_; }
 
   /// Until turn() says no, or a signal comes. The exit code: 1 where the board or the recording
-  /// failed.
+  /// failed; start_anew where the links asked for it.
   int run(const Served& served);
 
  private:
@@ -67,6 +70,7 @@ class Service {
   void warn(const std::string& text);
   Status status();
   void write_status();
+  void end_mark();
   void say_end();
 
   ServiceSetup setup_;
@@ -92,7 +96,7 @@ class Service {
   std::optional<std::uint64_t> last_instructions_;
   std::atomic<std::uint64_t> guard_stops_{0};
   std::atomic<bool> loop_over_{false};
-  bool marked_heated_ = false, status_fails_ = false;
+  bool marked_heated_ = false, status_fails_ = false, asked_to_end_ = false;
   std::int64_t cold_since_ns_ = 0;
 };
 

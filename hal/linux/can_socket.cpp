@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "hal/board.hpp"
+#include "hal/linux/socket_option.hpp"
 
 namespace smaservo {
 
@@ -31,11 +32,6 @@ bool ask(int socket, const std::string& interface, unsigned long question, ifreq
 bool is_up(int socket, const std::string& interface) {
   ifreq answer;
   return ask(socket, interface, SIOCGIFFLAGS, answer) && (answer.ifr_flags & IFF_UP) != 0;
-}
-
-template <class Value>
-int set_option(int socket, int level, int option, const Value& value) {
-  return setsockopt(socket, level, option, &value, sizeof value) == 0 ? 0 : errno;
 }
 
 /// Error frames in a row that one call passes over.
@@ -149,6 +145,14 @@ int CanSocket::set_filters() {
                                                                                           : errno;
 }
 
+/// What the socket still has to say of the time before would fail the next call: the interface
+/// that has come back would count as gone again.
+void CanSocket::forget_error() const {
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
+}
+
 /// After a failure: whether frames may pass again.
 bool CanSocket::bring_back() {
   if (state_ == CanState::gone) {
@@ -157,12 +161,10 @@ bool CanSocket::bring_back() {
     if (set_filters() != 0) return false;
     ++statistics_.reopens;
     state_ = CanState::down;
+    forget_error();
   }
   if (!is_up(descriptor(), interface_)) return false;
-  // What the socket still has to say of the time before would fail the next call.
-  int error = 0;
-  socklen_t size = sizeof error;
-  getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
+  forget_error();
   state_ = CanState::active;
   return true;
 }

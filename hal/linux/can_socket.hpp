@@ -38,6 +38,7 @@ class CanSocket {
  private:
   int bind_interface();
   bool bring_back();
+  void forget_error() const;
   void failed(int error);
   void note_error(std::uint32_t classes, unsigned controller);
   int set_filters();

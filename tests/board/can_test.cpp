@@ -4,6 +4,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sched.h>
 #include <string>
 
 #include "hal/linux/can_socket.hpp"
@@ -161,6 +162,30 @@ TEST(CanController, FramesGoBothWays) {
   run("/usr/sbin/ip link set can0 down");
   EXPECT_FALSE(port.send(some_frame()));
   EXPECT_EQ(port.state(), CanState::down);
+}
+
+// The controller's interrupt waits for a processor that is busy sending: one frame is under way,
+// ten wait in the queue.
+TEST(CanController, AFullQueueRefusesAndWaitsForNobody) {
+  for (const char* interface : {"can0", "can1"}) {
+    run("/usr/sbin/ip link set " + std::string(interface) + " down; /usr/sbin/ip link set " +
+        interface + " up type can bitrate 500000");
+  }
+  CanSocket port("can0");
+  const sched_param above{.sched_priority = 90};
+  const sched_param ordinary{.sched_priority = 0};
+  ASSERT_EQ(sched_setscheduler(0, SCHED_FIFO, &above), 0);
+  constexpr int frames = 50;
+  int refused = 0;
+  for (int i = 0; i < frames; ++i) {
+    refused += port.send(some_frame()) ? 0 : 1;
+  }
+  ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &ordinary), 0);
+  EXPECT_EQ(refused, frames - 11);
+  EXPECT_EQ(port.statistics().dropped_full, static_cast<std::uint64_t>(refused));
+  EXPECT_EQ(port.state(), CanState::active);
+  run("sleep 0.1");
+  EXPECT_TRUE(port.send(some_frame())) << "it has emptied";
 }
 
 }  // namespace

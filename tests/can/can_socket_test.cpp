@@ -148,6 +148,27 @@ TEST(CanSocket, ComesBackWithItsInterfaceAndItsFilters) {
   shell("ip link delete vcan7");
 }
 
+// What the kernel still has to say of the interface that was does not make the new one disappear.
+TEST(CanSocket, AnInterfaceThatComesBackDownHasGoneOnce) {
+  shell("ip link add vcan7 type vcan && ip link set vcan7 up");
+  CanSocket port("vcan7");
+  shell("ip link delete vcan7");
+  EXPECT_FALSE(port.send(hello));  // leaves the error to be read
+  shell("ip link add vcan7 type vcan");
+  CanFrame got;
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_FALSE(port.receive(got));
+    EXPECT_FALSE(port.send(hello));
+    EXPECT_NE(port.state(), CanState::active);
+  }
+  EXPECT_EQ(port.state(), CanState::down);
+  shell("ip link set vcan7 up");
+  EXPECT_TRUE(port.send(hello));
+  EXPECT_EQ(port.statistics().downs, 1U);
+  EXPECT_EQ(port.statistics().reopens, 1U);
+  shell("ip link delete vcan7");
+}
+
 /// As a controller's driver reports it.
 void inject(std::uint32_t classes, const char* data) {
   std::array<char, 80> command;

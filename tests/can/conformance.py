@@ -633,6 +633,48 @@ def verify_configuration(n):
     n.set_u(0x1015, 0, 0, 2)
 
 
+# LSS, and what the loop tells.
+
+
+@check
+def lss_bit_timing(n):
+    """LSS: a bit rate that is not supported is refused, and nothing changes."""
+    n.send(0x7E5, [0x04, 1, 0, 0, 0, 0, 0, 0])
+    n.flush()
+    n.send(0x7E5, [0x13, 0, 2, 0, 0, 0, 0, 0])
+    expect(n.wait(0x7E4) == bytes([0x13, 1, 0, 0, 0, 0, 0, 0]), "error 1: not supported")
+    n.send(0x7E5, [0x5E, 0, 0, 0, 0, 0, 0, 0])
+    expect(n.wait(0x7E4) == bytes([0x5E, n.node, 0, 0, 0, 0, 0, 0]), "the node-id is asked for")
+    n.send(0x7E5, [0x11, 128, 0, 0, 0, 0, 0, 0])
+    expect(n.wait(0x7E4) == bytes([0x11, 1, 0, 0, 0, 0, 0, 0]), "node-id 128 is out of range")
+    n.send(0x7E5, [0x04, 0, 0, 0, 0, 0, 0, 0])
+    expect(n.u(0x1000) & 0xFFFF == 402, "it goes on")
+
+
+@check
+def lss_selective(n):
+    """LSS: only the node with this identity is switched to configuration."""
+    identity = [n.u(0x1018, sub) for sub in (1, 2, 3, 4)]
+    for wrong in (1, 0):
+        n.flush()
+        for part, value in enumerate(identity):
+            value += wrong if part == 3 else 0
+            n.send(0x7E5, struct.pack("<BI3x", 0x40 + part, value))
+        answer = n.wait(0x7E4, 0.3 if wrong else TIMEOUT_S)
+        expect((answer is None) == bool(wrong), "another serial number is not it")
+    expect(answer[0] == 0x44, "44h says that it is selected")
+    n.send(0x7E5, [0x04, 0, 0, 0, 0, 0, 0, 0])
+
+
+@check
+def loop_timing(n):
+    """2210h tells of the loop: its steps go on."""
+    before = n.u(0x2210, 1)
+    time.sleep(0.3)
+    expect(n.u(0x2210, 1) > before, "steps are counted")
+    expect(n.real(0x2210, 5) > 0, "and how long they take")
+
+
 # The drive.
 
 

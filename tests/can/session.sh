@@ -1,25 +1,36 @@
 #!/usr/bin/env bash
-# session.sh BUILD CLIENTS: independent clients talk to servos on a kernel's CAN. Runs in a guest
-# (toolchain/can/uml), from the project's folder. BUILD has our programs, CLIENTS node_modules.
+# session.sh BUILD CLIENTS: independent clients talk to the daemon, its wires simulated, on a kernel's
+# CAN. Runs in a guest (toolchain/can/uml), from the project's folder. BUILD has our programs,
+# CLIENTS node_modules.
 set -uo pipefail
 
 build=$1
 clients=$2
-servo=$build/tests/can/can_servo
 host_sim=$build/host-sim/host-sim
 sheet=firmware/canopen/smaservo.eds
 log=$(mktemp -d)
 trap 'rm -rf "$log"' EXIT
 failed=0
 
+# servo INTERFACE NODE
+servo() {
+  mkdir "$log/store$2"
+  {
+    cat tests/can/device.toml
+    printf '\n[identity]\nnode_id = %d\nserial_number = %d\n' "$2" $((1000 + $2))
+  } >"$log/$2.toml"
+  "$build/firmware/daemon/smaservod" --board sim --bus "$1" --device "$log/$2.toml" \
+    --settings "$log/store$2" --no-real-time >"$log/servo$2" 2>&1 &
+}
+
 # step NAME COMMAND...
 step() {
-  local name=$1
+  local name=$1 start=$SECONDS
   shift
   if "$@" >"$log/out" 2>&1; then
-    printf 'ok      %s\n' "$name"
+    printf 'ok      %s, %d s\n' "$name" $((SECONDS - start))
   else
-    printf 'FAILED  %s\n' "$name"
+    printf 'FAILED  %s, %d s\n' "$name" $((SECONDS - start))
     sed 's/^/        /' "$log/out"
     failed=1
   fi
@@ -54,6 +65,12 @@ tool() {
   "${ours[@]}" enable && "${ours[@]}" move 600 --patience 40 && "${ours[@]}" disable || return
   "${ours[@]}" record --seconds 0.2 --out "$log/recording.csv" || return
   (($(wc -l <"$log/recording.csv") > 100)) || return
+  # A reset is a new start: what is stored is in force, nothing else, and its loop counts anew.
+  "${ours[@]}" set strain.proportional_W=9 && "${ours[@]}" store || return
+  "${ours[@]}" set strain.proportional_W=5 && "${ours[@]}" reset && sleep 2 || return
+  [[ $("${ours[@]}" get strain.proportional_W) == 9 ]] || return
+  "${ours[@]}" info | tee "$log/info" || return
+  grep -E '^loop +[1-9][0-9]{0,3} steps' "$log/info" || return
   ! "${ours[@]}" set limits.current_A=99 2>"$log/refusal" || return
   grep 'must be 0.001 to 20 A' "$log/refusal"
 }
@@ -70,9 +87,9 @@ decoded() {
 
 main() {
   ip link add can0 type vcan && ip link set can0 up
-  "$servo" can0 1 "$sheet" &
-  "$servo" vcan0 5 "$sheet" &
-  "$servo" vcan1 6 "$sheet" &
+  servo can0 1
+  servo vcan0 5
+  servo vcan1 6
   sleep 2
   candump -L can0 >"$log/can0.log" &
   step 'can-utils, as the README prints it' can_utils
@@ -85,6 +102,7 @@ main() {
   step 'tshark, npm session' decoded "$log/vcan1.log"
   step 'conformance, python-can' tests/can/conformance.py vcan0 5
   sed -n '/^conformance/p' "$log/out"
+  ((failed == 0)) || tail -n 20 "$log"/servo?
   return "$failed"
 }
 

@@ -1,14 +1,15 @@
-// One target for each service: SMASERVO_FUZZ names it.
+// Arbitrary frames of one service, to a servo before a device without physics.
 
 #include <cstdlib>
 
+#include "fuzzed_service.hpp"
 #include "tests/firmware/canopen/frame_feeder.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace smaservo::canopen;
   static const smaservo::Settings<double> settings = smaservo::reference_settings();
   ServoRig rig({}, settings);
-  FrameFeeder feeder(rig, Service::SMASERVO_FUZZ);
+  FrameFeeder feeder(rig, fuzzed_service);
   if (!feeder.feed({data, size}) || !feeder.comes_back()) {
     std::abort();
   }

@@ -4,6 +4,8 @@
 # NAME|what it is; the longest first, as two run at a time
 board_checks() {
   cat <<'END'
+load|SYNC at 1 kHz with 4 + 4 PDOs and SDO blocks at once for 60 s
+bus|daemons on two SJA1000: full queue, bus-off, down and up, duplicate node
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
 realtime|1 kHz on PREEMPT_RT in virtual time, twice the same; beside cyclictest
 hardship|kill -9, crash, SIGSTOP, full disk, no memory in mid-heating
@@ -25,8 +27,32 @@ board_check_can() {
   # shellcheck disable=SC2086 # two files
   image amd64 can 'vcan can-raw kvaser_pci' "$programs/board_tests:/board_tests" $tools \
     "$(command -v ip):/usr/sbin/ip" || return
-  board_devices='-object can-bus,id=bus -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus' \
-    guest amd64 virtual can can 60 tests Can
+  board_devices=$two_controllers guest amd64 virtual can can 60 tests Can
+}
+
+two_controllers='-object can-bus,id=bus -device kvaser_pci,canbus=bus -device kvaser_pci,canbus=bus'
+
+# bus_image NAME MODULES FILE:PLACE...: the daemon with its simulated wire.
+bus_image() {
+  local name=$1 modules=$2 tool
+  local -a files=()
+  shift 2
+  for tool in candump cansend chrt; do
+    files+=("$(command -v "$tool"):/usr/bin/$tool")
+  done
+  image amd64 "$name" "$modules" "$programs/../../firmware/daemon/smaservod:/smaservod" \
+    "$root/tests/can/device.toml:/tests/can/device.toml" "$(command -v ip):/usr/sbin/ip" \
+    "${files[@]}" "$@"
+}
+
+board_check_bus() {
+  bus_image bus 'can-raw kvaser_pci' || return
+  board_devices=$two_controllers guest amd64 virtual bus bus 300 bus
+}
+
+board_check_load() {
+  bus_image load 'vcan can-raw' "$programs/load:/load" &&
+    guest amd64 virtual load load 580 load 60 && keep_table load
 }
 
 # loop_image NAME FILE:PLACE...: with what a closed loop needs.

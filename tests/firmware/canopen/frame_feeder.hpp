@@ -2,11 +2,10 @@
 // Bytes as a bus of arbitrary frames: for random tests and fuzz targets. A byte below 32 lets as
 // many steps pass; any other begins a frame of the service.
 
+#include "tests/firmware/canopen/service.hpp"
 #include "tests/firmware/canopen/servo_rig.hpp"
 
 namespace smaservo::canopen {
-
-enum class Service : std::uint8_t { sdo, pdo, lss, nmt, all };
 
 class FrameFeeder {
  public:

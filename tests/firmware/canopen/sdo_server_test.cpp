@@ -5,7 +5,7 @@
 
 #include "tests/firmware/canopen/servo_rig.hpp"
 
-namespace smaservo::canopen {
+namespace smaservo::canopen::sdo_server_test {
 namespace {
 
 constexpr Key heartbeat{0x1017, 0}, name{0x1008, 0}, eds{0x1021, 0}, gain{0x2100, 1},
@@ -142,6 +142,84 @@ TEST(Sdo, ATransferTimesOutAfterASecond) {
   EXPECT_TRUE(rig.take(0x581).empty()) << "once";
 }
 
+TEST(Sdo, BlocksTimeOutInEachOfTheirStates) {
+  const Bytes download{0xC6, 0x00, 0x21, 1, 4}, upload{0xA4, 0x21, 0x10, 0, 2, 0};
+  const std::vector<std::vector<Bytes>> left_alone{
+      {download},       {download, {0x81, 0, 0, 0x00, 0x40}}, {upload},
+      {upload, {0xA3}}, {upload, {0xA3}, {0xA2, 2, 127}},
+  };
+  for (std::size_t i = 0; i < left_alone.size(); ++i) {
+    ServoRig rig;
+    for (const Bytes& request : left_alone[i]) {
+      rig.ask(request);
+    }
+    rig.sent.clear();
+    rig.run(1010);
+    const auto answers = rig.take(0x581);
+    ASSERT_EQ(answers.size(), 1U) << i;
+    EXPECT_EQ(static_cast<Abort>(take_number(std::span(answers[0].data).subspan(4))),
+              Abort::timeout)
+        << i;
+    EXPECT_EQ(rig.get({0x1000, 0}), servo_device_type);
+  }
+}
+
+TEST(Sdo, SegmentsOutsideOfTheirBlockEndIt) {
+  ServoRig rig;
+  rig.ask({0xC6, 0x00, 0x21, 1, 4});
+  EXPECT_EQ(abort_in(rig.ask({0x00, 1, 2, 3, 4})), Abort::sequence) << "they count from 1";
+  rig.ask({0xA4, 0x21, 0x10, 0, 2, 0});
+  rig.send(0x601, {0xA3, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_EQ(abort_in(rig.ask({0xA2, 3, 2})), Abort::sequence) << "two were sent";
+  EXPECT_EQ(rig.get_real(gain), 0.F);
+}
+
+/// One object of any length, that a client may write.
+class Notes final : public Dictionary {
+ public:
+  Bytes bytes;
+  Abort find(Key /*key*/, Entry& entry) const override {
+    entry = {{0x2000, 0},
+             Type::domain,
+             readable | writable,
+             0,
+             static_cast<std::uint32_t>(bytes.size())};
+    return Abort::none;
+  }
+  Abort read(const Entry& /*entry*/, std::uint32_t /*offset*/,
+             std::span<std::uint8_t> /*to*/) override {
+    return Abort::no_data;
+  }
+  Abort write(const Entry& /*entry*/, std::span<const std::uint8_t> from,
+              Source /*source*/) override {
+    bytes.assign(from.begin(), from.end());
+    return Abort::none;
+  }
+};
+
+TEST(Sdo, WhatIsLongerThanTheBufferIsRefused) {
+  using Request = std::array<std::uint8_t, 8>;
+  Notes notes;
+  std::array<std::uint8_t, 16> buffer{};
+  SdoServer server(notes, buffer);
+  const auto ask = [&](const Request& request) {
+    Request answer{};
+    server.receive(request, 0);
+    server.take(answer);
+    return abort_in(Bytes(answer.begin(), answer.end()));
+  };
+  EXPECT_EQ(ask({0x21, 0, 0x20, 0, 17}), Abort::memory) << "by segments, announced";
+  EXPECT_EQ(ask({0xC2, 0, 0x20, 0, 17}), Abort::memory) << "as a block, announced";
+  EXPECT_EQ(ask({0x20, 0, 0x20, 0}), Abort::none) << "without saying how long";
+  EXPECT_EQ(ask({0x00}), Abort::none);
+  EXPECT_EQ(ask({0x10}), Abort::none);
+  EXPECT_EQ(ask({0x00}), Abort::memory) << "the 21st byte";
+  EXPECT_TRUE(notes.bytes.empty());
+  EXPECT_EQ(ask({0x21, 0, 0x20, 0, 7}), Abort::none);
+  EXPECT_EQ(ask({0x01, 1, 2, 3, 4, 5, 6, 7}), Abort::none);
+  EXPECT_EQ(notes.bytes, (Bytes{1, 2, 3, 4, 5, 6, 7}));
+}
+
 TEST(Sdo, AnAbortOfTheClientIsNotAnswered) {
   ServoRig rig;
   rig.ask(ServoRig::named(0x40, name));
@@ -235,4 +313,4 @@ TEST(Sdo, AStoreIsAnsweredWhenItIsDurable) {
 }
 
 }  // namespace
-}  // namespace smaservo::canopen
+}  // namespace smaservo::canopen::sdo_server_test

@@ -5,13 +5,15 @@
 #include <deque>
 #include <gtest/gtest.h>
 
-namespace smaservo::test {
+namespace smaservo::test::bus_pump_test {
 namespace {
 
 class FakePort {
  public:
   std::deque<CanFrame> in, out;
   bool full = false;
+  CanState now = CanState::active;
+  CanState state() const { return now; }
   bool receive(CanFrame& frame) {
     if (in.empty()) {
       return false;
@@ -35,6 +37,7 @@ struct FakeNode {
   std::uint64_t now_us = 0;
   std::uint32_t changes = 0;
   int published = 0;
+  bool held = false;
   double published_A = 0;
 
   void receive(const CanFrame& frame, std::uint64_t /*now_us*/) {
@@ -61,6 +64,7 @@ struct FakeNode {
     published_A = output.current_A;
   }
   std::uint32_t settings_changes() const { return changes; }
+  void hold_settings(bool held_) { held = held_; }
 };
 
 struct Rig {
@@ -69,8 +73,12 @@ struct Rig {
   BusPartner partner{0.1};
   BusPump<FakePort, FakeNode> pump{port, node, partner};
   int changed = 0;
+  bool room = true;
   void round(std::uint64_t now_us, FaultSet faults = {}) {
-    pump.round(now_us, faults, [&] { ++changed; });
+    pump.round(now_us, faults, [&] {
+      ++changed;
+      return room;
+    });
   }
 };
 
@@ -115,10 +123,39 @@ TEST(BusPump, NeitherAFullQueueNorAFloodHoldsItUp) {
   }
   rig.round(0);
   EXPECT_EQ(rig.pump.frames(), 256U);
-  EXPECT_TRUE(rig.node.answers.empty());
   rig.round(1);
   EXPECT_EQ(rig.node.now_us, 1U);
   EXPECT_EQ(rig.pump.frames(), 512U);
+}
+
+TEST(BusPump, WhatAFullQueueDoesNotTakeComesLaterInItsOrder) {
+  Rig rig;
+  rig.port.full = true;
+  rig.port.in = {{.id = 1}, {.id = 3}, {.id = 5}};
+  rig.round(0);
+  EXPECT_EQ(rig.node.answers.size(), 2U) << "the node makes no more meanwhile";
+  rig.round(10'000);
+  EXPECT_EQ(rig.pump.dropped(), 0U);
+  rig.port.full = false;
+  rig.round(11'000);
+  ASSERT_EQ(rig.port.out.size(), 3U);
+  EXPECT_EQ(rig.port.out[0].id, 2U);
+  EXPECT_EQ(rig.port.out[2].id, 6U);
+  EXPECT_EQ(rig.pump.dropped(), 0U);
+}
+
+TEST(BusPump, ADeadBusDropsOldFramesAndOneThatIsDownAll) {
+  Rig rig;
+  rig.port.full = true;
+  rig.port.in = {{.id = 1}, {.id = 3}, {.id = 5}};
+  for (std::uint64_t t = 0; t <= 20'000; t += 1000) {
+    rig.round(t);
+  }
+  EXPECT_EQ(rig.pump.dropped(), 1U);
+  rig.port.now = CanState::down;
+  rig.round(21'000);
+  EXPECT_EQ(rig.pump.dropped(), 3U);
+  EXPECT_TRUE(rig.node.answers.empty());
 }
 
 TEST(BusPump, TellsOfNewSettingsOncePerChange) {
@@ -130,5 +167,21 @@ TEST(BusPump, TellsOfNewSettingsOncePerChange) {
   EXPECT_EQ(rig.changed, 1);
 }
 
+TEST(BusPump, ANewSettingIsOfferedUntilItIsTaken) {
+  Rig rig;
+  rig.node.changes = 1;
+  rig.room = false;
+  rig.round(0);
+  EXPECT_TRUE(rig.node.held);
+  rig.round(1);
+  EXPECT_EQ(rig.changed, 2);
+  EXPECT_TRUE(rig.node.held) << "no further ones meanwhile";
+  rig.room = true;
+  rig.round(2);
+  rig.round(3);
+  EXPECT_EQ(rig.changed, 3);
+  EXPECT_FALSE(rig.node.held);
+}
+
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::bus_pump_test

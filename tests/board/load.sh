@@ -1,0 +1,30 @@
+#!/bin/sh
+# load.sh SECONDS: what a servo answers while its master asks much of it, and whether its loop minds.
+# shellcheck source=tests/board/rig.sh
+. ./rig.sh
+# shellcheck source=tests/board/sim_servo.sh
+. ./sim_servo.sh
+/usr/sbin/ip link add vcan0 type vcan
+/usr/sbin/ip link set vcan0 up
+sim_servo vcan0 1
+sleep 1
+chrt -f 60 /load vcan0 1 "$1" >/tmp/load
+expect 'answers in time, nothing lost' $? 0
+cat /tmp/load
+kill "$servo"
+wait "$servo"
+figures=/tmp/figures.vcan0
+count() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" $figures; }
+figure() { sed -n "s/.*\"$1\":{[^}]*\"$2\":\([0-9.]*\).*/\1/p" $figures; }
+expect 'ticks of the loop that were missed' "$(count missed)" 0
+word() { sed -n "s/.* $1 \([0-9]*\).*/\1/p" /tmp/load; }
+echo "TABLE | SYNC at 1 kHz, 4 + 4 PDOs, SDO at once, $1 s of virtual time | |"
+echo "TABLE |---|--:|"
+echo "TABLE | SDO answers | $(word answers) |"
+echo "TABLE | time of an answer, 50 / 99 / 99.9 % / greatest | $(word p50) / $(word p99) / $(word p99_9) / $(word max) us |"
+echo "TABLE | data sheets read by blocks | $(word sheets), $(word bytes) bytes |"
+echo "TABLE | set-points: sent, lost, seen late by the loop | $(word setpoints), $(word lost), $(word skipped_by_the_loop) |"
+echo "TABLE | ticks of the loop, missed | $(count turns), $(count missed) |"
+echo "TABLE | execution of a tick, 50 / 99.9 % / greatest | $(figure execution_us p50) / $(figure execution_us p99_9) / $(figure execution_us max) us |"
+cat $figures /tmp/daemon.vcan0
+finish
