@@ -1,13 +1,14 @@
 # shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
 # Debian packages, and what is checked of them. Sourced by toolchain/dev.
 
-# architecture|preset|triplet of the foreign libraries|program that runs its programs
+# architecture|preset|triplet of the foreign libraries|program that runs its programs; without the
+# last two: what this machine is.
 package_targets() {
   local native
   native=$(dpkg --print-architecture)
-  printf '%s\n' 'amd64|release||' 'arm64|arm64|aarch64-linux-gnu|qemu-aarch64' \
-    'armhf|armhf|arm-linux-gnueabihf|qemu-arm' |
-    awk -F'|' -v OFS='|' -v native="$native" '$1 == native { $2 = "release"; $3 = $4 = "" } 1'
+  printf '%s|release||\n' "$native"
+  printf '%s\n' 'arm64|arm64|aarch64-linux-gnu|qemu-aarch64' 'armhf|armhf|arm-linux-gnueabihf|qemu-arm' |
+    grep -v "^$native|"
 }
 
 package_target() { package_targets | grep "^$1|"; }
@@ -40,18 +41,16 @@ make_package() {
 }
 
 run_package() {
-  local architecture target preset triplet
-  (($#)) || set -- amd64 arm64 armhf
+  local architecture preset triplet
+  # shellcheck disable=SC2046 # several architectures
+  (($#)) || set -- $(package_targets | cut -d'|' -f1)
   for architecture in "$@"; do
     package_target "$architecture" >/dev/null ||
-      die "package: unknown architecture: $architecture (amd64, arm64, armhf)"
+      die "package: $architecture can not be made here ($(package_targets | cut -d'|' -f1 | xargs))"
   done
   run_setup
   for architecture in "$@"; do
     IFS='|' read -r _ preset triplet _ < <(package_target "$architecture")
-    if [[ -z $triplet && $preset != release ]]; then
-      die "package: $architecture can be made on itself, not here"
-    fi
     [[ -z $triplet ]] || sysroot "$architecture" "$triplet" || return
     # The arm64 tree also has tests, which compare with what this machine's host-sim says.
     [[ $preset != arm64 ]] || build release host-sim || return
@@ -131,10 +130,12 @@ check_programs() {
     completes "$folder" 'host-sim simulate' --scen --scenario
 }
 
-# What it prints where nothing of a board is there: what is missing, by name.
+# check_says FOLDER COMMAND...: what smaservod prints where nothing of a board is there names what is
+# missing.
 check_says() {
-  local code=0 said
-  said=$("$@" --board "$folder/usr/share/smaservo/boards/reference.toml" --check 2>&1) || code=$?
+  local folder=$1 code=0 said
+  shift
+  said=$("$@" "$folder/usr/sbin/smaservod" --board "$folder/usr/share/smaservo/boards/reference.toml" --check 2>&1) || code=$?
   printf '%s\n' "$said"
   [[ $code == 1 && $said == *spidev0.1* && $said == *smaservo-kick* && $said == *'settings'*ok* ]]
 }
@@ -145,7 +146,7 @@ check_running() {
   shift
   scratch=$(mktemp -d)
   "$@" "$folder/usr/sbin/smaservod" --version &&
-    check_says "$@" "$folder/usr/sbin/smaservod" &&
+    check_says "$folder" "$@" &&
     "$@" "$folder/usr/bin/host-sim" --version &&
     # Simulated by this machine's own, replayed to 1e-5 of each column's range.
     "$root/build/release/host-sim/host-sim" simulate --scenario "$share/scenarios/steps.toml" \
@@ -181,7 +182,8 @@ check_package() {
 # test_package [ARCHITECTURE...]: makes the packages, looks at them, installs and runs what is in them.
 test_package() {
   local architecture
-  (($#)) || set -- amd64 arm64 armhf
+  # shellcheck disable=SC2046 # several architectures
+  (($#)) || set -- $(package_targets | cut -d'|' -f1)
   run_package "$@" || return
   build release host-sim || return
   for architecture in "$@"; do
