@@ -91,6 +91,10 @@ main() {
   servo vcan0 5
   servo vcan1 6
   sleep 2
+  if (($(jobs -rp | wc -l) < 3)); then
+    tail -n 20 "$log"/servo?
+    return 1
+  fi
   candump -L can0 >"$log/can0.log" &
   step 'can-utils, as the README prints it' can_utils
   step 'host-sim can' tool

@@ -80,11 +80,11 @@ TEST(BusService, RefusesWhatTheLoopHasNoRoomFor) {
   EXPECT_EQ(rig.client.set({0x2102, 1}, 1, 1), Abort::transfer);
   EXPECT_EQ(rig.take_sets(), 8);
   // The ninth had been promised: it comes by itself.
-  for (int i = 0; i < 500 && rig.desk.settings().strain.proportional != static_cast<double>(said);
-       ++i) {
+  const auto promised = static_cast<double>(said);
+  for (int i = 0; i < 500 && rig.desk.settings().strain.proportional != promised; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  EXPECT_EQ(rig.desk.settings().strain.proportional, said);
+  EXPECT_EQ(rig.desk.settings().strain.proportional, promised);
   EXPECT_EQ(rig.client.set(gain, as_bits(6)), Abort::none);
 }
 
