@@ -151,7 +151,7 @@ test_arm64() {
 run_test() {
   local part
   case ${1:-all} in
-    all) set -- release can board mcu arm64 sanitize fuzz check ;;
+    all) set -- release can board mcu arm64 package sanitize fuzz check ;;
     dev | release | sanitize | tsan | arm64 | mcu) ;;
     *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64, mcu)" ;;
   esac
@@ -161,6 +161,7 @@ run_test() {
       arm64 | mcu) timed "$part" "test_$part" ;;
       can) timed can-test can_test ;;
       board) timed board-test board_all ;;
+      package) timed package test_package ;;
       fuzz) timed fuzz fuzz_all 60 ;;
       check) timed check run_check ;;
       *) timed "$part" test_preset "$part" ;;
