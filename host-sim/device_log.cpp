@@ -14,7 +14,7 @@
 namespace smaservo {
 namespace {
 
-constexpr std::size_t missing = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t no_column = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
@@ -35,10 +35,10 @@ DeviceLog::DeviceLog(const std::string& trace, const std::vector<std::string>& n
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto found = std::ranges::find(names, columns.at(i));
     positions_.at(i) =
-        found == names.end() ? missing : static_cast<std::size_t>(found - names.begin());
+        found == names.end() ? no_column : static_cast<std::size_t>(found - names.begin());
   }
   for (const Which which : {mode, setpoint, arm}) {
-    if (positions_.at(which) == missing) {
+    if (positions_.at(which) == no_column) {
       throw UserError(fmt::format(
           "{}: has no column {}; a device is replayed from command_mode, command_setpoint and "
           "command_arm, as simulate writes them",
@@ -50,8 +50,9 @@ DeviceLog::DeviceLog(const std::string& trace, const std::vector<std::string>& n
 Command<double> DeviceLog::command(const std::vector<std::string_view>& fields,
                                    double time_s) const {
   const auto number = [&](Which which, double otherwise) {
-    return positions_.at(which) == missing ? otherwise
-                                           : parse(fields.at(positions_.at(which)), which, time_s);
+    return positions_.at(which) == no_column
+               ? otherwise
+               : parse(fields.at(positions_.at(which)), which, time_s);
   };
   Command<double> command;
   const std::string_view name = fields.at(positions_.at(mode));
@@ -69,7 +70,7 @@ Command<double> DeviceLog::command(const std::vector<std::string_view>& fields,
 }
 
 FaultSet DeviceLog::external(const std::vector<std::string_view>& fields, double time_s) const {
-  if (positions_.at(faults) == missing) {
+  if (positions_.at(faults) == no_column) {
     return {};
   }
   const std::string_view names = fields.at(positions_.at(faults));
@@ -81,13 +82,13 @@ FaultSet DeviceLog::external(const std::vector<std::string_view>& fields, double
 }
 
 bool DeviceLog::late(const std::vector<std::string_view>& fields, double time_s) const {
-  return positions_.at(deadline) != missing &&
+  return positions_.at(deadline) != no_column &&
          parse(fields.at(positions_.at(deadline)), deadline, time_s) != 0;
 }
 
 bool DeviceLog::change(const std::vector<std::string_view>& fields, double time_s,
                        Settings<double>& settings) const {
-  if (positions_.at(changes) == missing || fields.at(positions_.at(changes)).empty()) {
+  if (positions_.at(changes) == no_column || fields.at(positions_.at(changes)).empty()) {
     return false;
   }
   const std::string_view text = fields.at(positions_.at(changes));

@@ -87,7 +87,7 @@ Abort PlainNode::read(const Entry& entry, std::uint32_t offset, std::span<std::u
   const auto at = std::ranges::lower_bound(eds_.objects, entry.key, {}, &EdsObject::key);
   const auto& value = values_[static_cast<std::size_t>(at - eds_.objects.begin())];
   if (value.size() < offset + to.size()) {
-    return Abort::general;  // it has been written since
+    return Abort::transfer;  // it has been written since
   }
   std::ranges::copy(std::span(value).subspan(offset, to.size()), to.begin());
   return Abort::none;

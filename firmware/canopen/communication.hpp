@@ -41,6 +41,7 @@ struct Communication {
 };
 
 inline constexpr std::uint32_t cob_invalid = 0x8000'0000;
+inline constexpr std::uint32_t cob_id_mask = 0x7FF;
 inline constexpr std::uint32_t cob_no_remote = 0x4000'0000;
 inline constexpr std::uint32_t store_signature = 0x65766173;    ///< "save"
 inline constexpr std::uint32_t restore_signature = 0x64616F6C;  ///< "load"

@@ -10,7 +10,6 @@ constexpr std::uint32_t nmt_id = 0x000;
 constexpr std::uint32_t sdo_answer_id = 0x580;
 constexpr std::uint32_t sdo_request_id = 0x600;
 constexpr std::uint32_t heartbeat_id = 0x700;
-constexpr std::uint32_t id_mask = 0x7FF;
 
 constexpr std::uint8_t generic_error = 0x01;
 constexpr std::uint8_t communication_error = 0x10;
@@ -143,7 +142,7 @@ void Node::receive(const CanFrame& frame, std::uint64_t now_us) {
     receive_heartbeat(frame);
     return;
   }
-  if (frame.id == (objects_.sync_cob & id_mask) && !frame.remote) {
+  if (frame.id == (objects_.sync_cob & cob_id_mask) && !frame.remote) {
     receive_sync(frame);
     return;
   }
@@ -380,7 +379,7 @@ bool Node::take_emergency(CanFrame& frame) {
   const Emergency e = emergencies_[0];
   std::ranges::copy(std::span(emergencies_).subspan(1), emergencies_.begin());
   --emergencies_waiting_;
-  frame = frame_of(objects_.emergency_cob & id_mask, 8);
+  frame = frame_of(objects_.emergency_cob & cob_id_mask, 8);
   put_number(std::span(frame.data).first(2), e.code);
   frame.data[2] = e.errors;
   put_number(std::span(frame.data).subspan(3), e.info);

@@ -5,8 +5,7 @@
 namespace smaservo::canopen {
 namespace {
 
-constexpr auto rows = without_texts(communication_rows);
-constexpr std::uint32_t id_mask = 0x7FF;
+constexpr auto own_rows = without_texts(communication_rows);
 
 bool is_pdo(std::uint16_t index) {
   return 0x1400 <= index && index <= 0x1BFF;
@@ -34,7 +33,7 @@ Abort Node::find(Key key, Entry& entry) const {
   if (!is_ours(key)) {
     return application_.find(key, entry);
   }
-  const Abort found = find_object(rows, key, entry);
+  const Abort found = find_object(own_rows, key, entry);
   if (found == Abort::no_object) {
     return application_.find(key, entry);
   }
@@ -55,14 +54,14 @@ std::string_view Node::text_of(std::uint16_t index) const {
 }
 
 Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) {
-  if (!is_ours(entry.key) || (!is_highest_sub(entry) && rows.size() <= entry.handle)) {
+  if (!is_ours(entry.key) || (!is_highest_sub(entry) && own_rows.size() <= entry.handle)) {
     return application_.read(entry, offset, to);
   }
   if (is_highest_sub(entry)) {
     put_number(to, entry.handle & 0xFFU);
     return Abort::none;
   }
-  const Object& object = rows[entry.handle];
+  const Object& object = own_rows[entry.handle];
   if (object.key != entry.key) {
     return application_.read(entry, offset, to);
   }
@@ -82,10 +81,11 @@ Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_
 }
 
 Abort Node::write(const Entry& entry, std::span<const std::uint8_t> from, Source source) {
-  if (!is_ours(entry.key) || rows.size() <= entry.handle || rows[entry.handle].key != entry.key) {
+  if (!is_ours(entry.key) || own_rows.size() <= entry.handle ||
+      own_rows[entry.handle].key != entry.key) {
     return application_.write(entry, from, source);
   }
-  const Object& object = rows[entry.handle];
+  const Object& object = own_rows[entry.handle];
   const std::uint32_t value = take_value(object.type, from);
   if (entry.key.index == 0x1010 || entry.key.index == 0x1011) {
     return check_signature(entry.key, value);
@@ -120,16 +120,16 @@ Abort Node::check(Key key, std::uint32_t value) const {
     case 0x1003:
       return value == 0 ? Abort::none : Abort::value;
     case 0x1005: {
-      const bool plain = (value & ~id_mask & ~cob_invalid) == 0;
-      return plain && !is_restricted(value & id_mask) ? Abort::none : Abort::value;
+      const bool plain = (value & ~cob_id_mask & ~cob_invalid) == 0;
+      return plain && !is_restricted(value & cob_id_mask) ? Abort::none : Abort::value;
     }
     case 0x1014: {
-      if ((value & frame_29_bits) != 0 || is_restricted(value & id_mask)) {
+      if ((value & frame_29_bits) != 0 || is_restricted(value & cob_id_mask)) {
         return Abort::value;
       }
       const bool stays_valid = ((objects_.emergency_cob | value) & cob_invalid) == 0;
-      return stays_valid && ((value ^ objects_.emergency_cob) & id_mask) != 0 ? Abort::state
-                                                                              : Abort::none;
+      return stays_valid && ((value ^ objects_.emergency_cob) & cob_id_mask) != 0 ? Abort::state
+                                                                                  : Abort::none;
     }
     case 0x1016:
       return check_consumer(key, value);
@@ -217,7 +217,7 @@ std::size_t Node::image(std::span<std::uint8_t> to) const {
       at += image_entry;
     }
   };
-  append(rows, std::as_bytes(std::span(&objects_, 1)));
+  append(own_rows, std::as_bytes(std::span(&objects_, 1)));
   const ObjectTable other = application_.table();
   append(other.rows, other.memory);
   put_number(to.subspan(at, image_crc), crc16(to.first(at)));
@@ -238,7 +238,7 @@ bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
 
   const std::span own(memory(), sizeof objects_);
   const ObjectTable other = application_.table();
-  reset_objects(rows, own, node_id_);
+  reset_objects(own_rows, own, node_id_);
   reset_objects(other.rows, other.memory, node_id_);
   objects_.device_type = config_.device_type;
   objects_.identity = config_.identity;
@@ -246,7 +246,7 @@ bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
        at += image_entry) {
     const Key key{static_cast<std::uint16_t>(take_number(image.subspan(at, 2))), image[at + 2]};
     const auto value = static_cast<std::uint32_t>(take_number(image.subspan(at + 3, 4)));
-    const Object* object = row_of(rows, key);
+    const Object* object = row_of(own_rows, key);
     const bool ours = object != nullptr;
     object = ours ? object : row_of(other.rows, key);
     if (object != nullptr && (object->access & stored) != 0 &&

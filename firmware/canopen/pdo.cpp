@@ -5,7 +5,6 @@ namespace {
 
 constexpr std::uint8_t most_syncs = 240;
 constexpr std::uint8_t first_event_type = 254;
-constexpr std::uint32_t id_mask = 0x7FF;
 
 bool is_valid(const PdoParams& params) {
   return (params.cob & cob_invalid) == 0;
@@ -60,7 +59,7 @@ void Pdos::reset() {
     if (mapped_count < map.count || check_count(map, map.count, transmit) != Abort::none) {
       map.count = 0;
     }
-    if (is_restricted(params.cob & id_mask) || !is_type(params.type)) {
+    if (is_restricted(params.cob & cob_id_mask) || !is_type(params.type)) {
       params.cob |= cob_invalid;
     }
   };
@@ -87,15 +86,15 @@ Abort Pdos::check(Key key, std::uint32_t value) const {
 Abort Pdos::check_params(const PdoParams& params, Key key, std::uint32_t value) {
   switch (key.sub) {
     case 1: {
-      constexpr std::uint32_t unused = ~(cob_invalid | cob_no_remote | id_mask);
+      constexpr std::uint32_t unused = ~(cob_invalid | cob_no_remote | cob_id_mask);
       if ((value & unused) != 0) {
         return Abort::value;
       }
       const bool stays_valid = is_valid(params) && (value & cob_invalid) == 0;
-      if (stays_valid && ((value ^ params.cob) & id_mask) != 0) {
+      if (stays_valid && ((value ^ params.cob) & cob_id_mask) != 0) {
         return Abort::state;
       }
-      return is_restricted(value & id_mask) ? Abort::value : Abort::none;
+      return is_restricted(value & cob_id_mask) ? Abort::value : Abort::none;
     }
     case 2:
       return is_type(value) ? Abort::none : Abort::value;
@@ -164,7 +163,7 @@ PdoEvent Pdos::receive(const CanFrame& frame, std::uint64_t now_us) {
   if (frame.remote) {
     for (std::size_t i = 0; i < pdo_count; ++i) {
       const PdoParams& params = objects_.tpdo[i];
-      if (is_valid(params) && (params.cob & id_mask) == frame.id &&
+      if (is_valid(params) && (params.cob & cob_id_mask) == frame.id &&
           (params.cob & cob_no_remote) == 0) {
         tx_[i].due = true;
         return PdoEvent::none;
@@ -175,7 +174,7 @@ PdoEvent Pdos::receive(const CanFrame& frame, std::uint64_t now_us) {
   PdoEvent event = PdoEvent::ignored;
   for (std::size_t i = 0; i < pdo_count; ++i) {
     const PdoParams& params = objects_.rpdo[i];
-    if (!is_valid(params) || (params.cob & id_mask) != frame.id) {
+    if (!is_valid(params) || (params.cob & cob_id_mask) != frame.id) {
       continue;
     }
     Receive& rx = rx_[i];
@@ -307,7 +306,7 @@ bool Pdos::take(CanFrame& frame, std::uint64_t now_us) {
     tx.due = false;
     tx.ever = true;
     frame = {};
-    frame.id = params.cob & id_mask;
+    frame.id = params.cob & cob_id_mask;
     frame.length = tx.length;
     frame.data = tx.data;
     return true;

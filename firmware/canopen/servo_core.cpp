@@ -5,7 +5,7 @@
 namespace smaservo::canopen {
 namespace {
 
-constexpr auto rows = without_texts(drive_object_rows);
+constexpr auto drive_rows = without_texts(drive_object_rows);
 
 constexpr std::uint16_t live_values = 0x2200;
 // Handles tell whose an entry is.
@@ -55,7 +55,7 @@ std::byte* ServoCore::memory() {
 }
 
 ObjectTable ServoCore::table() {
-  return {rows, {memory(), sizeof objects_}};
+  return {drive_rows, {memory(), sizeof objects_}};
 }
 
 // Objects.
@@ -70,7 +70,7 @@ Abort ServoCore::find(Key key, Entry& entry) const {
     }
     return key.sub <= signal_count ? Abort::none : Abort::no_sub;
   }
-  const Abort found = find_object(rows, key, entry);
+  const Abort found = find_object(drive_rows, key, entry);
   if (found != Abort::no_object) {
     entry.size = key == log_key && found == Abort::none
                      ? log_.kept() * static_cast<std::uint32_t>(ChangeLog::bytes)
@@ -97,7 +97,7 @@ Abort ServoCore::read(const Entry& entry, std::uint32_t offset, std::span<std::u
   } else if (entry.key == data_key) {
     return recorder_.read(offset, to);
   } else {
-    const Object& object = rows[entry.handle];
+    const Object& object = drive_rows[entry.handle];
     put_number(to, object.at == nowhere ? object.standard
                                         : load(object, std::as_bytes(std::span(&objects_, 1))));
   }
@@ -111,7 +111,7 @@ Abort ServoCore::write(const Entry& entry, std::span<const std::uint8_t> from, S
 }
 
 Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source source) {
-  const Object& object = rows[entry.handle];
+  const Object& object = drive_rows[entry.handle];
   Abort refused = check_range(object.type, value, object.least, object.greatest);
   refused = refused == Abort::none ? check(entry.key, value) : refused;
   const bool is_kept = (object.access & stored) != 0;

@@ -10,6 +10,7 @@
 
 #include "hal/board.hpp"
 #include "hal/linux/can_datagram.hpp"
+#include "hal/linux/socket_option.hpp"
 
 namespace smaservo {
 
@@ -21,7 +22,7 @@ namespace {
 constexpr std::size_t longest_datagram = 4096;
 
 /// Datagrams in a row that one call passes over.
-constexpr int most_reads = 64;
+constexpr int most_datagrams = 64;
 
 template <class Address>
 Address as(const sockaddr_storage& general) {
@@ -59,12 +60,6 @@ bool is_multicast(const sockaddr_storage& address) {
     return IN_MULTICAST(ntohl(as<sockaddr_in>(address).sin_addr.s_addr));
   }
   return as<sockaddr_in6>(address).sin6_addr.s6_addr[0] == 0xFF;
-}
-
-/// As setsockopt(), but the error is the result; 0: none.
-template <class Value>
-int set_option(int socket, int level, int option, const Value& value) {
-  return setsockopt(socket, level, option, &value, sizeof value) == 0 ? 0 : errno;
 }
 
 Descriptor udp_socket(int family) {
@@ -161,7 +156,7 @@ void CanMulticast::connect_sender() {
 }
 
 bool CanMulticast::receive(CanFrame& frame) {
-  for (int reads = 0; reads < most_reads; ++reads) {
+  for (int reads = 0; reads < most_datagrams; ++reads) {
     std::array<std::uint8_t, longest_datagram> datagram;
     sockaddr_storage from{};
     socklen_t from_size = sizeof from;

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "hal/board.hpp"
+#include "hal/linux/socket_option.hpp"
 
 namespace smaservo {
 
@@ -31,11 +32,6 @@ bool ask(int socket, const std::string& interface, unsigned long question, ifreq
 bool is_up(int socket, const std::string& interface) {
   ifreq answer;
   return ask(socket, interface, SIOCGIFFLAGS, answer) && (answer.ifr_flags & IFF_UP) != 0;
-}
-
-template <class Value>
-int set_option(int socket, int level, int option, const Value& value) {
-  return setsockopt(socket, level, option, &value, sizeof value) == 0 ? 0 : errno;
 }
 
 /// Error frames in a row that one call passes over.

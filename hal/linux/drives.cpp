@@ -8,8 +8,6 @@
 #include <linux/spi/spidev.h>
 #include <utility>
 
-#include "hal/linux/clock.hpp"
-
 namespace smaservo {
 
 std::int64_t dac_code(const DacScale& scale, const DriveCommand& command) {
@@ -93,10 +91,7 @@ PwmDrive::PwmDrive(const LinuxRoots& roots, const PwmSettings& settings) : setti
   if (!exists(folder)) {
     write_text(chip + "/export", std::to_string(settings.channel));
   }
-  // udev gives the files to the group a moment after they appear.
-  for (int i = 0; i < 100 && access((folder + "/duty_cycle").c_str(), W_OK) != 0; ++i) {
-    MonotonicClock::sleep_until(MonotonicClock::now_ns() + 5'000'000);
-  }
+  wait_until_writable(folder + "/duty_cycle");
   duty_ = open_file(folder + "/duty_cycle", O_WRONLY);
   // A period may not be below the duty cycle, which another program may have left.
   if (!off()) {

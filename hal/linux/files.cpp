@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fmt/format.h>
 
+#include "hal/linux/clock.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -58,6 +60,12 @@ void write_text(const std::string& path, std::string_view text) {
 
 bool exists(const std::string& path) {
   return access(path.c_str(), F_OK) == 0;
+}
+
+void wait_until_writable(const std::string& path) {
+  for (int i = 0; i < 100 && access(path.c_str(), W_OK) != 0; ++i) {
+    MonotonicClock::sleep_until(MonotonicClock::now_ns() + 5'000'000);
+  }
 }
 
 std::string find_by_name(const std::string& parent, const std::string& prefix,

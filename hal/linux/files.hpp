@@ -31,6 +31,8 @@ std::string read_text(const std::string& path);
 double read_number(const std::string& path);
 void write_text(const std::string& path, std::string_view text);
 bool exists(const std::string& path);
+/// udev gives a file to its user a moment after it has appeared; half a second at most.
+void wait_until_writable(const std::string& path);
 /// The folder in `parent` whose name begins with `prefix` and whose attribute `name` says this.
 std::string find_by_name(const std::string& parent, const std::string& prefix,
                          const std::string& name);

@@ -53,6 +53,7 @@ void make_trigger(const LinuxRoots& roots, const IioSettings& settings) {
   }
   const std::string trigger =
       find_by_name(roots.sys + "/bus/iio/devices", "trigger", settings.trigger);
+  wait_until_writable(trigger + "/sampling_frequency");
   write_text(trigger + "/sampling_frequency", fmt::format("{}", settings.hrtimer_Hz));
 }
 

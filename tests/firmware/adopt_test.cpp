@@ -5,7 +5,7 @@
 
 #include "tests/firmware/test_device.hpp"
 
-namespace smaservo {
+namespace smaservo::adopt_test {
 namespace {
 
 /// A device on its way to a shorter wire, 50 ms after it has begun to run.
@@ -70,4 +70,4 @@ TEST(Adopt, AnotherWireIsObservedFromTheStart) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::adopt_test

@@ -4,7 +4,7 @@
 
 #include "tests/firmware/provokers.hpp"
 
-namespace smaservo {
+namespace smaservo::black_box_test {
 namespace {
 
 using Box = BlackBox<double>;
@@ -88,4 +88,4 @@ TEST(BlackBox, HasItsRateByItsSize) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::black_box_test

@@ -8,7 +8,7 @@
 
 #include "tests/firmware/closed_loop.hpp"
 
-namespace smaservo {
+namespace smaservo::control_strain_test {
 namespace {
 
 constexpr double stroke = 0.04;
@@ -104,4 +104,4 @@ TEST(Controller, RestsWhereTheObserverSeesIt) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::control_strain_test

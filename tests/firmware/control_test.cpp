@@ -9,7 +9,7 @@
 
 #include "tests/firmware/closed_loop.hpp"
 
-namespace smaservo {
+namespace smaservo::control_test {
 namespace {
 
 constexpr double stroke = 0.04;
@@ -321,4 +321,4 @@ TEST(Controller, FloatFollowsDouble) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::control_test

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::current_loop_test {
 namespace {
 
 using Loop = CurrentLoop<double>;
@@ -84,4 +84,4 @@ TEST(CurrentLoop, WhatIsNotMeasuredIsNotCorrected) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::current_loop_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace smaservo {
+namespace smaservo::deglitch_test {
 namespace {
 
 constexpr double dt_s = 1e-3;
@@ -60,4 +60,4 @@ TEST(Deglitch, OneDoesNotChangeAnother) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::deglitch_test

@@ -11,6 +11,9 @@ namespace smaservo {
 // On the boards it runs in single precision: that must compile without a warning as well.
 template struct Device<float>;
 
+}  // namespace smaservo
+
+namespace smaservo::device_test {
 namespace {
 
 TEST(Device, HoldsAStrain) {
@@ -58,4 +61,4 @@ TEST(Device, FloatFollowsDouble) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::device_test

@@ -3,7 +3,7 @@
 #include <array>
 #include <gtest/gtest.h>
 
-namespace smaservo {
+namespace smaservo::failsafe_test {
 namespace {
 
 constexpr std::array states{DeviceState::starting, DeviceState::ready,    DeviceState::arming,
@@ -187,4 +187,4 @@ TEST(Failsafe, LatchingInEveryCombination) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::failsafe_test

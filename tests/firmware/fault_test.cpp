@@ -5,7 +5,7 @@
 
 #include "tests/firmware/provokers.hpp"
 
-namespace smaservo {
+namespace smaservo::fault_test {
 namespace {
 
 class Provoked : public ::testing::TestWithParam<Fault> {
@@ -144,4 +144,4 @@ INSTANTIATE_TEST_SUITE_P(All, MildFault,
                          test_name);
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::fault_test

@@ -7,7 +7,7 @@
 
 #include "tests/firmware/test_device.hpp"
 
-namespace smaservo {
+namespace smaservo::feed_forward_test {
 namespace {
 
 using Filter = KalmanObserver<double>;
@@ -111,4 +111,4 @@ TEST(FeedForward, ASlowLoopTakesItsTime) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::feed_forward_test

@@ -6,7 +6,7 @@
 
 #include "tests/firmware/rig.hpp"
 
-namespace smaservo {
+namespace smaservo::hot_resistance_test {
 namespace {
 
 /// Held at its temperature limit by all the power that it gets, 40 K beyond its last martensite.
@@ -53,4 +53,4 @@ TEST(HotResistance, DoesNotTakeMartensiteForHeat) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::hot_resistance_test

@@ -7,7 +7,7 @@
 
 #include "tests/firmware/rig.hpp"
 
-namespace smaservo {
+namespace smaservo::monitor_test {
 namespace {
 
 /// A wire, its air and its load drawn at random, within what a calibrated unit leaves.
@@ -81,4 +81,4 @@ INSTANTIATE_TEST_SUITE_P(Distributed, HealthyWire,
                                             ::testing::Values(true)));
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::monitor_test

@@ -8,7 +8,7 @@
 #include "tests/firmware/random_settings.hpp"
 #include "tests/firmware/test_device.hpp"
 
-namespace smaservo {
+namespace smaservo::parameter_check_test {
 namespace {
 
 using Rows = std::pair<std::string, std::string>;
@@ -173,4 +173,4 @@ TEST(ParameterCheck, RandomSettingsDifferAndPass) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::parameter_check_test

@@ -10,7 +10,7 @@
 #include "tests/firmware/random_settings.hpp"
 #include "tests/firmware/test_device.hpp"
 
-namespace smaservo {
+namespace smaservo::parameters_test {
 namespace {
 
 /// Another value of the row's range.
@@ -195,4 +195,4 @@ TEST(Schemas, WhatHasMovedHasLeftItsKey) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::parameters_test

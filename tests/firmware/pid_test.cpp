@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::pid_test {
 namespace {
 
 using Loop = Pid<double>;
@@ -223,4 +223,4 @@ TEST(Pid, ResumesWithItsIntegralAndWithoutAKick) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::pid_test

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::profile_test {
 namespace {
 
 constexpr ProfileSettings<double> settings{12, 5, 1.5};
@@ -52,4 +52,4 @@ TEST(Profile, EndsAndStaysThere) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::profile_test

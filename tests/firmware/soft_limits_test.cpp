@@ -8,7 +8,7 @@
 
 #include "tests/firmware/closed_loop.hpp"
 
-namespace smaservo {
+namespace smaservo::soft_limits_test {
 namespace {
 
 constexpr double dt_s = 1e-3;
@@ -250,4 +250,4 @@ TEST(SoftLimits, TheWholeCurrentAllTheTimeIsADutyOfOne) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::soft_limits_test

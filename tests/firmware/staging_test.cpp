@@ -6,7 +6,7 @@
 
 #include "tests/firmware/random_settings.hpp"
 
-namespace smaservo {
+namespace smaservo::staging_test {
 namespace {
 
 constexpr bool enabled = true;
@@ -249,4 +249,4 @@ TEST(Staging, StaysConsistentThroughRandomCalls) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::staging_test

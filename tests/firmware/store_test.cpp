@@ -6,7 +6,7 @@
 #include "tests/firmware/memory_storage.hpp"
 #include "tests/firmware/random_settings.hpp"
 
-namespace smaservo {
+namespace smaservo::store_test {
 namespace {
 
 struct TwoSets {
@@ -366,4 +366,4 @@ TEST(Store, AChangeThatIsOutOfRangeForTheOtherReleaseIsRefused) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::store_test

@@ -6,7 +6,7 @@
 
 #include "tests/firmware/provokers.hpp"
 
-namespace smaservo {
+namespace smaservo::supervisor_test {
 namespace {
 
 Rig running_rig(const Settings<double>& settings = test_settings()) {
@@ -282,4 +282,4 @@ TEST(Supervisor, DependsOnItsInputsOnly) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::supervisor_test

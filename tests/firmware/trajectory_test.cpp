@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::trajectory_test {
 namespace {
 
 using Path = Trajectory<double>;
@@ -88,4 +88,4 @@ TEST(Trajectory, AnEstimateThatJumpsTakesTheReferenceAlong) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::trajectory_test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace smaservo::test {
+namespace smaservo::test::convection_test {
 namespace {
 
 TEST(SixthRoot, IsTheRoot) {
@@ -79,4 +79,4 @@ TEST(ConvectionTable, StaysDefinedFarOutside) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::convection_test

@@ -9,7 +9,7 @@
 #include "model/sublayers.hpp"
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::distributed_test {
 namespace {
 
 constexpr double ambient_K = 298.15;
@@ -216,4 +216,4 @@ TEST(DistributedPlant, SteadyTemperatureBetweenClampsIsTheFinProfile) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::distributed_test

@@ -7,7 +7,7 @@
 
 #include "model/actuators/actuator_file.hpp"
 
-namespace smaservo {
+namespace smaservo::duhem_actuator_test {
 namespace {
 
 using Model = DuhemActuator<double>;
@@ -299,4 +299,4 @@ TEST_F(DuhemActuatorTest, FlagsWhatThePaperDoesNotCover) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::duhem_actuator_test

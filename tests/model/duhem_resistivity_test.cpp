@@ -5,7 +5,7 @@
 
 #include "model/actuators/actuator_file.hpp"
 
-namespace smaservo {
+namespace smaservo::duhem_resistivity_test {
 namespace {
 
 constexpr double celsius_K = 273.15;
@@ -56,4 +56,4 @@ TEST_F(DuhemResistivityTest, RangeIsThatOfThePolynomial) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::duhem_resistivity_test

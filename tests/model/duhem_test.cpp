@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::duhem_test {
 namespace {
 
 using Model = Duhem<double>;
@@ -203,4 +203,4 @@ TEST(Duhem, DifferentiatesAutomatically) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::duhem_test

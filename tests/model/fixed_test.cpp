@@ -8,7 +8,7 @@
 #include <random>
 #include <type_traits>
 
-namespace smaservo {
+namespace smaservo::fixed_test {
 namespace {
 
 constexpr int repeats = 200'000;
@@ -211,4 +211,4 @@ TEST(Fixed, FormatsMeetWithoutAStepInBetween) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::fixed_test

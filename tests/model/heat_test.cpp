@@ -8,7 +8,7 @@
 
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::heat_test {
 namespace {
 
 constexpr double room_K = 298.15;
@@ -103,4 +103,4 @@ TEST(ThermalBody, LossSlopeIsTheDerivativeAndLatentHeatOnlyAdds) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::heat_test

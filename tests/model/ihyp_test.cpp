@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::ihyp_test {
 namespace {
 
 /// tau(x) as science.md section 1 has it, before it was simplified.
@@ -260,4 +260,4 @@ TYPED_TEST(Ihyp, StaysBetweenNoneAndAllFarOutsideItsRange) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::ihyp_test

@@ -12,7 +12,7 @@
 #include "model/test_wires.hpp"
 #include "tests/bench/convert.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::inverse_test {
 namespace {
 
 using K = ThreePhase<double>;
@@ -206,4 +206,4 @@ TEST(Inverse, FloatAgreesWithDouble) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::inverse_test

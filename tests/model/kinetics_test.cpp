@@ -7,7 +7,7 @@
 #include "model/test_wires.hpp"
 #include "model/three_phase.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::kinetics_test {
 namespace {
 
 struct ThreePhaseDouble {
@@ -114,4 +114,4 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, BranchRates, InDouble, SubjectName);
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, ReturnPoints, WithMemory, SubjectName);
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::kinetics_test

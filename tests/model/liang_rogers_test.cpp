@@ -11,7 +11,7 @@
 
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::liang_rogers_test {
 namespace {
 
 using K = LiangRogers<double>;
@@ -194,4 +194,4 @@ TEST(MixedModulusStrain, IsThatOfTheMaterialInPurePhasesAndStifferBetween) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::liang_rogers_test

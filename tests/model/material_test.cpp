@@ -6,7 +6,7 @@
 
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::material_test {
 namespace {
 
 /// Round numbers, so that a mixture can be worked out by hand.
@@ -93,4 +93,4 @@ TEST(Material, AWireThatStretchesKeepsItsVolume) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::material_test

@@ -8,7 +8,7 @@
 
 #include "model/ihyp.hpp"
 
-namespace smaservo {
+namespace smaservo::pair_test {
 namespace {
 
 template <class S>
@@ -96,4 +96,4 @@ TEST(PairOfPairs, FourCurvesAtOnceAreTheFourCurves) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::pair_test

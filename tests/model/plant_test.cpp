@@ -7,7 +7,7 @@
 
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::plant_test {
 namespace {
 
 using Wire76 = Plant<ThreePhase<double>>;
@@ -147,4 +147,4 @@ TEST(Plant, ColdEndsKeepTheirShareOfStrainAndResistance) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::plant_test

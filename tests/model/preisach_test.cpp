@@ -3,7 +3,7 @@
 #include "model/kinetics_suite.hpp"
 #include "model/preisach_relays.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::preisach_test {
 namespace {
 
 struct PreisachDouble {
@@ -251,4 +251,4 @@ TEST_F(PreisachTest, OutsideOfWhatWasIdentifiedItIsFlaggedAndClamped) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::preisach_test

@@ -4,7 +4,7 @@
 
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::resistance_lines_test {
 namespace {
 
 using K = LiangRogers<double>;
@@ -89,4 +89,4 @@ TEST(ResistanceLines, SayWhereTheLineIsUpright) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::resistance_lines_test

@@ -8,7 +8,7 @@
 
 #include "model/ihyp.hpp"
 
-namespace smaservo {
+namespace smaservo::scaled_test {
 namespace {
 
 constexpr int repeats = 300'000;
@@ -174,4 +174,4 @@ TEST(Scaled, TheTransformationCurve) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::scaled_test

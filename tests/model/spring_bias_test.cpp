@@ -7,7 +7,7 @@
 
 #include "model/actuators/actuator_file.hpp"
 
-namespace smaservo {
+namespace smaservo::spring_bias_test {
 namespace {
 
 SpringBias<double> table_1() {
@@ -122,4 +122,4 @@ TEST(SpringBias, PolynomialFollowsTheBalance) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::spring_bias_test

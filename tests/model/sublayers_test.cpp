@@ -2,7 +2,7 @@
 
 #include "model/kinetics_suite.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::sublayers_test {
 namespace {
 
 /// About what the 76 um wire's surfaces give.
@@ -189,4 +189,4 @@ TEST_F(SublayersTest, RanksOfColdThresholdsAreCorrelatedAsAsked) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::sublayers_test

@@ -5,7 +5,7 @@
 
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::three_phase_row_test {
 namespace {
 
 using K = ThreePhase<double>;
@@ -84,4 +84,4 @@ TEST(ThreePhaseRow, EachIsWhatItWouldBeAloneToTheBit) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::three_phase_row_test

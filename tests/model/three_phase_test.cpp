@@ -12,7 +12,7 @@
 #include "model/loop.hpp"
 #include "model/test_wires.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::three_phase_test {
 namespace {
 
 using K = ThreePhase<double>;
@@ -378,4 +378,4 @@ TEST_F(ThreePhaseTest, AFullMemoryForgetsTheOutermostLoopAndNoOther) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::three_phase_test

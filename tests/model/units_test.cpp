@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace smaservo {
+namespace smaservo::units_test {
 namespace {
 
 double si(std::string_view name, std::string_view base, Kind kind, double value) {
@@ -42,4 +42,4 @@ TEST(Units, ThereAndBackIsTheSameValue) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::units_test

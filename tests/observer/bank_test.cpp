@@ -12,7 +12,7 @@
 #include "observer/measurement.hpp"
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::bank_test {
 namespace {
 
 using Bank = KalmanBank<double>;
@@ -417,4 +417,4 @@ TEST(Bank, ResistanceJumpsNeverMakeItSayNaN) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::bank_test

@@ -9,7 +9,7 @@
 #include "observer/kalman.hpp"
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::divided_test {
 namespace {
 
 using Filter = KalmanObserver<double>;
@@ -102,4 +102,4 @@ TEST(Divided, AMinuteIsBoundedWork) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::divided_test

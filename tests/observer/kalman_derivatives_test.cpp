@@ -10,7 +10,7 @@
 #include "tests/observer/model_jet.hpp"
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::kalman_derivatives_test {
 namespace {
 
 using Filter = KalmanObserver<double>;
@@ -352,4 +352,4 @@ TEST(KalmanDerivatives, CovarianceAgainstDenseAlgebra) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::kalman_derivatives_test

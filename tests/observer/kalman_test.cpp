@@ -8,7 +8,7 @@
 
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::kalman_test {
 namespace {
 
 using Filter = KalmanObserver<double>;
@@ -308,4 +308,4 @@ TEST(Kalman, ErrorsAreAsLargeAsItSays) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::kalman_test

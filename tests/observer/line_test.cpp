@@ -5,7 +5,7 @@
 
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::line_test {
 namespace {
 
 using Line = LineObserver<double>;
@@ -69,4 +69,4 @@ TEST(Line, ErrsByTheHysteresis) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::line_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::measurement_test {
 namespace {
 
 template <class S>
@@ -201,4 +201,4 @@ TEST(MeasureNoise, DeviationIsThatOfManySamples) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::measurement_test

@@ -5,7 +5,7 @@
 
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::open_loop_test {
 namespace {
 
 using OpenLoop = OpenLoopObserver<double>;
@@ -67,4 +67,4 @@ TEST(OpenLoop, KeepsTheLastStress) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::open_loop_test

@@ -16,7 +16,7 @@
 #include "tests/bench/convert_observer.hpp"
 #include "tests/observer/shipped_traces.hpp"
 
-namespace smaservo {
+namespace smaservo::scaled_test {
 namespace {
 
 using bench::convert;
@@ -164,4 +164,4 @@ TEST(ScaledTraces, TheObserverIsThatOfADouble) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::scaled_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::strain_resistance_test {
 namespace {
 
 using Observer = StrainResistance<double>;
@@ -215,4 +215,4 @@ TEST(StrainResistance, FloatIsAsGoodAsDouble) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::strain_resistance_test

@@ -35,9 +35,30 @@ if(SMASERVO_SANITIZE)
   target_link_options(smaservo_options INTERFACE -fsanitize=${SMASERVO_SANITIZE})
 endif()
 
-# Compiles the sources of each folder as one: what they include takes longer than they do, the
-# command line's library above all. Their folder's own sources in three parts.
+# What sources include takes longer than they do. Those of a target that are compiled as one see
+# each other's names: one without linkage stands for one thing in the whole target, and a test's
+# namespace has the name of its file.
+set(SMASERVO_TOGETHER 8 CACHE STRING
+    "sources of a target that are compiled as one; 1: each by itself, for a quick change of one")
+
+# g++ takes what a source includes for a header, which might be included elsewhere, too.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND SMASERVO_TOGETHER GREATER 1)
+  target_compile_options(smaservo_options INTERFACE -Wno-subobject-linkage)
+endif()
+
+function(smaservo_compile_together target)
+  if(SMASERVO_TOGETHER GREATER 1)
+    set_target_properties(${target} PROPERTIES
+      UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SMASERVO_TOGETHER})
+  endif()
+endfunction()
+
+# The same by folders, a target's own sources in three parts: the command line's library takes
+# longer than all else.
 function(smaservo_compile_by_folders target)
+  if(SMASERVO_TOGETHER LESS_EQUAL 1)
+    return()
+  endif()
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     if(source MATCHES "^(.+)/")

@@ -149,22 +149,24 @@ test_arm64() {
 }
 
 run_test() {
-  local preset
+  local part
   case ${1:-all} in
-    all) set -- release sanitize arm64 ;;
+    all) set -- release can board mcu arm64 package sanitize fuzz check ;;
     dev | release | sanitize | tsan | arm64 | mcu) ;;
     *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64, mcu)" ;;
   esac
   timed setup run_setup
-  for preset in "$@"; do
-    case $preset in
-      arm64 | mcu) timed "$preset" "test_$preset" ;;
-      *) timed "$preset" test_preset "$preset" ;;
+  for part in "$@"; do
+    case $part in
+      arm64 | mcu) timed "$part" "test_$part" ;;
+      can) timed can-test can_test ;;
+      board) timed board-test board_all ;;
+      package) timed package test_package ;;
+      fuzz) timed fuzz fuzz_all 60 ;;
+      check) timed check run_check ;;
+      *) timed "$part" test_preset "$part" ;;
     esac
   done
-  if (($# > 1)); then
-    timed check run_check
-  fi
   printf '\n'
   printf '%s\n' "${summary[@]}"
   if ((failures)); then

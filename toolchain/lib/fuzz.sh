@@ -13,11 +13,10 @@ fuzz_one() {
     "$found" "$root/tests/fuzz/corpus/$name"
 }
 
-run_fuzz() {
-  local seconds=${1:-60} name failed=''
-  [[ $seconds =~ ^[0-9]+$ && $seconds -gt 0 ]] || die "fuzz: seconds must be a whole number above 0: $seconds"
-  run_setup
-  build sanitize fuzz_targets
+# fuzz_all SECONDS: two at a time.
+fuzz_all() {
+  local seconds=$1 name failed='' inputs=0 count
+  build sanitize fuzz_targets || return
   mkdir -p "$logs"
   export -f fuzz_one
   say "fuzzing ${fuzz_targets[*]}: $seconds s each"
@@ -26,8 +25,9 @@ run_fuzz() {
     SECONDS_EACH=$seconds xargs -P 2 -I{} bash -c \
       'fuzz_one "$1" "$SECONDS_EACH" >"$logs/fuzz-$1.log" 2>&1 || touch "$logs/fuzz-$1.failed"' - {}
   for name in "${fuzz_targets[@]}"; do
-    printf '%-4s %s inputs\n' "$name" \
-      "$(sed -nE 's/^stat::number_of_executed_units: *//p' "$logs/fuzz-$name.log")"
+    count=$(sed -nE 's/^stat::number_of_executed_units: *//p' "$logs/fuzz-$name.log")
+    printf '%-4s %s inputs\n' "$name" "$count"
+    inputs=$((inputs + ${count:-0}))
     if [[ -e $logs/fuzz-$name.failed ]]; then
       rm -f "$logs/fuzz-$name.failed"
       failed+=" $name"
@@ -38,4 +38,13 @@ run_fuzz() {
     say "failed:$failed; the inputs are in $(near "$root/build/fuzz")"
     return 1
   }
+  # shellcheck disable=SC2034 # for the summary
+  counted="$inputs inputs"
+}
+
+run_fuzz() {
+  local seconds=${1:-60}
+  [[ $seconds =~ ^[0-9]+$ && $seconds -gt 0 ]] || die "fuzz: seconds must be a whole number above 0: $seconds"
+  run_setup
+  fuzz_all "$seconds"
 }

@@ -61,6 +61,11 @@ settle_sysroot() {
     "$libraries/cmake/Ceres/CeresTargets.cmake"
 }
 
+# What a package says of its shared libraries and who depends on them; most have none.
+shlibs_of() {
+  dpkg-deb --ctrl-tarfile "$1" | tar -x --to-stdout --wildcards './shlibs' 2>/dev/null || true
+}
+
 # unpack_sysroot ARCHITECTURE TRIPLET FOLDER
 unpack_sysroot() {
   local architecture=$1 triplet=$2 folder=$3 codename packages package
@@ -78,6 +83,7 @@ unpack_sysroot() {
   apt_for "$architecture" "$folder/apt" install --download-only "${packages[@]}" || return
   for package in "$folder"/apt/archives/*.deb; do
     dpkg-deb --extract "$package" "$folder" || return
+    shlibs_of "$package" >>"$folder/shlibs"
   done
   rm -rf "$folder/apt"
   settle_sysroot "$folder" "$triplet"

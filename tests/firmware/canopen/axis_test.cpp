@@ -5,7 +5,7 @@
 
 #include "tests/firmware/canopen/servo_rig.hpp"
 
-namespace smaservo::canopen {
+namespace smaservo::canopen::axis_test {
 namespace {
 
 using enum DriveState;
@@ -438,4 +438,4 @@ TEST(Partner, StoppingTheNodeOrResettingItEndsTheHeat) {
 }
 
 }  // namespace
-}  // namespace smaservo::canopen
+}  // namespace smaservo::canopen::axis_test

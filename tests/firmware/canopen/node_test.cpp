@@ -5,7 +5,7 @@
 
 #include "tests/firmware/canopen/servo_rig.hpp"
 
-namespace smaservo::canopen {
+namespace smaservo::canopen::node_test {
 namespace {
 
 using testing::ElementsAre;
@@ -584,4 +584,4 @@ TEST(Lss, IdentificationAsksForRanges) {
 }
 
 }  // namespace
-}  // namespace smaservo::canopen
+}  // namespace smaservo::canopen::node_test

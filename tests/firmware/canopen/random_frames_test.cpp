@@ -5,7 +5,7 @@
 
 #include "tests/firmware/canopen/frame_feeder.hpp"
 
-namespace smaservo::canopen {
+namespace smaservo::canopen::random_frames_test {
 namespace {
 
 #ifdef SMASERVO_SANITIZED
@@ -107,4 +107,4 @@ TEST(RandomFrames, AConversationWithFlippedBitsLossAndRepetition) {
 }
 
 }  // namespace
-}  // namespace smaservo::canopen
+}  // namespace smaservo::canopen::random_frames_test

@@ -5,7 +5,7 @@
 
 #include "tests/firmware/canopen/servo_rig.hpp"
 
-namespace smaservo::canopen {
+namespace smaservo::canopen::sdo_server_test {
 namespace {
 
 constexpr Key heartbeat{0x1017, 0}, name{0x1008, 0}, eds{0x1021, 0}, gain{0x2100, 1},
@@ -313,4 +313,4 @@ TEST(Sdo, AStoreIsAnsweredWhenItIsDurable) {
 }
 
 }  // namespace
-}  // namespace smaservo::canopen
+}  // namespace smaservo::canopen::sdo_server_test

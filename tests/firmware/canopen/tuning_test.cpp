@@ -6,7 +6,7 @@
 
 #include "tests/firmware/canopen/servo_rig.hpp"
 
-namespace smaservo::canopen {
+namespace smaservo::canopen::tuning_test {
 namespace {
 
 constexpr Key gain{0x2100, 1}, rate{0x2100, 2}, current_limit{0x2020, 2}, current_trip{0x2021, 1},
@@ -278,4 +278,4 @@ TEST(LiveValues, AreThoseOfTheStep) {
 }
 
 }  // namespace
-}  // namespace smaservo::canopen
+}  // namespace smaservo::canopen::tuning_test

@@ -8,7 +8,7 @@
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::board_file_test {
 namespace {
 
 const std::string& boards() {
@@ -93,4 +93,4 @@ TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::board_file_test

@@ -6,7 +6,7 @@
 #include <deque>
 #include <gtest/gtest.h>
 
-namespace smaservo::test {
+namespace smaservo::test::bus_pump_test {
 namespace {
 
 class FakePort {
@@ -202,4 +202,4 @@ TEST(BusPump, ANewSettingIsOfferedUntilItIsTaken) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::bus_pump_test

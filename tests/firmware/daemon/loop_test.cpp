@@ -15,7 +15,7 @@
 #include "host-sim/closed_loop.hpp"
 #include "host-sim/settings_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::loop_test {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -337,4 +337,4 @@ TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::loop_test

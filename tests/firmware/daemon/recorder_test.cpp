@@ -15,7 +15,7 @@
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::recorder_test {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -226,4 +226,4 @@ TEST(Recorder, APowerCutCostsTheRowsThatAreNotWritten) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::recorder_test

@@ -5,7 +5,7 @@
 #include <random>
 #include <string_view>
 
-namespace smaservo {
+namespace smaservo::can_datagram_test {
 namespace {
 
 using nlohmann::json;
@@ -134,4 +134,4 @@ TEST(CanDatagram, SurvivesBrokenDatagrams) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::can_datagram_test

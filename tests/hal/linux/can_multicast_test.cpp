@@ -5,7 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace smaservo {
+namespace smaservo::can_multicast_test {
 namespace {
 
 /// Of this machine alone.
@@ -89,4 +89,4 @@ TEST(CanMulticast, SaysWhatIsWrongWithAGroup) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::can_multicast_test

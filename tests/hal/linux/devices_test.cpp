@@ -14,7 +14,7 @@
 #include "hal/replay/temporary_folder.hpp"
 #include "model/wires/wire_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::devices_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -508,4 +508,4 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::devices_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace smaservo {
+namespace smaservo::open_can_test {
 namespace {
 
 using testing::HasSubstr;
@@ -35,4 +35,4 @@ TEST(OpenCan, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::open_can_test

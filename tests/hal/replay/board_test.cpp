@@ -6,7 +6,7 @@
 
 #include "hal/replay/traces.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::replay_board_test {
 namespace {
 
 constexpr double area_m2 = 2e-8;
@@ -156,4 +156,4 @@ TEST(ReplayBoard, ASkippedRowIsALostFrame) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::replay_board_test

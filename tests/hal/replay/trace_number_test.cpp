@@ -8,7 +8,7 @@
 
 #include "hal/replay/traces.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::trace_number_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -170,4 +170,4 @@ TEST(TraceNumbers, ANulByteIsNoEndOfNumber) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::trace_number_test

@@ -14,7 +14,7 @@
 
 #include "hal/replay/traces.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::trace_stream_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -278,4 +278,4 @@ TEST(TraceStream, DamagedTracesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::trace_stream_test

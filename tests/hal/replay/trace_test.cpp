@@ -6,7 +6,7 @@
 
 #include "hal/replay/traces.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::trace_test {
 namespace {
 
 using ::testing::AllOf;
@@ -271,4 +271,4 @@ TEST(TraceRows, PeriodAlsoPassesInRowsThatAreSkipped) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::trace_test

@@ -11,7 +11,7 @@
 #include "hal/sim/lumped_wire.hpp"
 #include "model/wires/wire_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::sim_board_test {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -276,4 +276,4 @@ TEST(SimBoard, LongPeriodsAreDivided) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::sim_board_test

@@ -8,7 +8,7 @@
 #include "hal/sim/lumped_wire.hpp"
 #include "model/wires/wire_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::pair_test {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -124,4 +124,4 @@ INSTANTIATE_TEST_SUITE_P(Plants, SimPairs, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "Sublayers" : "Lumped"; });
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::pair_test

@@ -8,7 +8,7 @@
 
 #include "model/wires/wire_file.hpp"
 
-namespace smaservo::test {
+namespace smaservo::test::simulated_wire_test {
 namespace {
 
 constexpr double celsius_K = 273.15;
@@ -117,4 +117,4 @@ TEST(SimulatedWires, FamiliesDifferInMoreThanNoise) {
 }
 
 }  // namespace
-}  // namespace smaservo::test
+}  // namespace smaservo::test::simulated_wire_test
