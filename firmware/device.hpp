@@ -88,7 +88,7 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
     Observer::advance(p.observer, s.observer, m, dt_s);
   } else if (m.stress_valid) {
     const S room_K = S(298.15);
-    s.observer = Observer::start(p.observer, m, isfinite(in.ambient_K) ? in.ambient_K : room_K);
+    Observer::start(p.observer, s.observer, m, isfinite(in.ambient_K) ? in.ambient_K : room_K);
     s.observing = true;
   }
   return m;

@@ -51,7 +51,13 @@ struct KalmanBank {
   };
 
   /// Cost: one start at rest, two steps of the filter.
-  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K);
+  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
+    State s{};
+    start(p, s, m, ambient_K);
+    return s;
+  }
+  /// The same in place: a state takes kilobytes, which a small stack has not.
+  static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K);
 
   /// Cost: one step of a filter; during a search one step more, or a part of its opening that costs
   /// as much. The most likely hypothesis makes a step in each call, for all that is guarded by it;
@@ -138,8 +144,8 @@ struct KalmanBank {
 };
 
 template <class S>
-auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K) -> State {
-  State s{};
+void KalmanBank<S>::start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K) {
+  s = {};
   s.start_ambient_K = ambient_K;
   s.rest_slope = Filter::rest_slope(p, m.stress_Pa, ambient_K);
   open(p, s, 0, m);
@@ -147,7 +153,6 @@ auto KalmanBank<S>::start(const Params& p, const Measurement<S>& m, const S& amb
   if (s.compared) {
     begin_search(s, hypotheses - 1, other_starts);
   }
-  return s;
 }
 
 template <class S>
@@ -288,26 +293,27 @@ void KalmanBank<S>::place(const Params& p, State& s, std::size_t i, const Measur
     const S r = least(share * r_phase, s.most_r_phase);
     return Phases<S>{S(0.03) + (S(1) - r / r_phase) * least(martensite, S(0.95)) * S(0.97), r};
   };
-  const auto start = [&](const S& temperature_K, const Phases<S>& z) {
-    s.filter[i] = Filter::start(p, m, s.start_ambient_K, temperature_K, z, S(0.15), S(8));
+  struct Guess {
+    S temperature_K;
+    Phases<S> phases;
   };
-  switch (i) {
-    case 1:
-      start(at.heats_K - S(5), {martensite, S(0.01)});
-      break;
-    case 2:
-      start(at.cools_K + S(3), mixture(S(0.4)));
-      break;
-    case 3:
-      start(at.between_K, {martensite, S(0.01)});
-      break;
-    case 4:
-      start(at.between_K, mixture(S(1)));
-      break;
-    default:
-      start(at.heats_K + S(25), {least(martensite, S(0.3)), S(0.01)});
-      break;
-  }
+  const auto guess = [&]() -> Guess {
+    switch (i) {
+      case 1:
+        return {at.heats_K - S(5), {martensite, S(0.01)}};
+      case 2:
+        return {at.cools_K + S(3), mixture(S(0.4))};
+      case 3:
+        return {at.between_K, {martensite, S(0.01)}};
+      case 4:
+        return {at.between_K, mixture(S(1))};
+      default:
+        return {at.heats_K + S(25), {least(martensite, S(0.3)), S(0.01)}};
+    }
+  };
+  const Guess first = guess();
+  s.filter[i] =
+      Filter::start(p, m, s.start_ambient_K, first.temperature_K, first.phases, S(0.15), S(8));
   auto& P = s.filter[i].covariance;
   P[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
   P[Filter::iResistance][Filter::iResistance] = moving_resistance_sd * moving_resistance_sd;

@@ -27,6 +27,11 @@ struct Divided {
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
     return {O::start(p, m, ambient_K), m};
   }
+  /// In place, where the observer can.
+  static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K) {
+    O::start(p, s.observer, m, ambient_K);
+    s.last = m;
+  }
 
   /// dt_s up to a minute. Cost: one step of the observer for each 5 ms.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {

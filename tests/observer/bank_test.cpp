@@ -186,6 +186,27 @@ TEST(Bank, TheStateIsAllThereIs) {
   }
 }
 
+TEST(Bank, AStartInPlaceLeavesNothingOfWhatWasThere) {
+  const Bank::Params p = tuned();
+  LumpedWire wire({}, 150e6, 1);
+  Profile profile(150e6, 2);
+  Bank::State used = Bank::start(p, wire.step(0.01), 320.0);
+  for (int i = 0; i < 1000; ++i) {
+    Bank::advance(p, used, wire.step(profile.power_W(i * sample_s)), sample_s);
+  }
+  const Measurement<double> first = wire.step(0.01);
+  Bank::State fresh = Bank::start(p, first, told_ambient_K);
+  ASSERT_NE(bits(Bank::estimate(p, used)), bits(Bank::estimate(p, fresh)));
+  Bank::start(p, used, first, told_ambient_K);
+  for (int i = 0; i < 1000; ++i) {
+    const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
+    Bank::advance(p, used, m, sample_s);
+    Bank::advance(p, fresh, m, sample_s);
+    ASSERT_EQ(bits(Bank::estimate(p, used)), bits(Bank::estimate(p, fresh))) << "step " << i;
+    ASSERT_EQ(Bank::alive(used), Bank::alive(fresh)) << "step " << i;
+  }
+}
+
 /// Neither a step nor a start of this filter: both leave another covariance.
 bool untouched(const Bank::State& before, const Bank::State& after, std::size_t i) {
   const auto& a = before.filter[i].covariance;
