@@ -143,12 +143,13 @@ class Master {
     const std::int64_t cycles = 1000L * seconds;
     std::int64_t at_ns = monotonic_ns() + 2 * ms;
     transferring_ = true;
+    tpdos_ = 0;
     transfers_.begin();
     for (std::int64_t k = 0; k < cycles; ++k, at_ns += ms) {
       listen_until(at_ns);
       send(0x80, 0, 0);
-      // In the middle between two SYNCs: which of them shows a set-point is certain.
-      listen_until(at_ns + ms / 2);
+      // Between two SYNCs: which of them shows a set-point is certain.
+      listen_until(at_ns + 3 * ms / 4);
       check_answers();
       target_ = zigzag(k);
       send(0x200 + node_, 3, 0x08'000FU);
@@ -283,7 +284,7 @@ class Master {
   std::uint16_t status_ = 0;
   std::int32_t target_ = 0, shown_ = 0;
   float in_force_um_ = 0, before_um_ = 0;
-  int tpdos_ = 4;
+  int tpdos_ = 0;
   std::int64_t checked_ = 0, lost_ = 0, lost_tpdos_ = 0, skipped_ = 0;
 };
 

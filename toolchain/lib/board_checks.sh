@@ -4,7 +4,7 @@
 # NAME|what it is; the longest first, as two run at a time
 board_checks() {
   cat <<'END'
-load|SYNC at 1 kHz with 4 + 4 PDOs and SDO blocks at once for 60 s
+load|SYNC at 1 kHz with 4 + 4 PDOs and SDO blocks at once, 20 s ($SMASERVO_LOAD_S)
 bus|daemons on two SJA1000: full queue, bus-off, down and up, duplicate node
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
 realtime|1 kHz on PREEMPT_RT in virtual time, twice the same; beside cyclictest
@@ -52,7 +52,7 @@ board_check_bus() {
 
 board_check_load() {
   bus_image load 'vcan can-raw' "$programs/load:/load" &&
-    guest amd64 virtual load load 580 load 60 && keep_table load
+    guest amd64 virtual load load 1500 load "${SMASERVO_LOAD_S:-20}" && keep_table load
 }
 
 # loop_image NAME FILE:PLACE...: with what a closed loop needs.
