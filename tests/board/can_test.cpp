@@ -181,7 +181,9 @@ TEST(CanController, AFullQueueRefusesAndWaitsForNobody) {
     refused += port.send(some_frame()) ? 0 : 1;
   }
   ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &ordinary), 0);
-  EXPECT_EQ(refused, frames - 11);
+  // Ten are in the queue, one or two are the controller's.
+  EXPECT_LE(frames - 12, refused);
+  EXPECT_LE(refused, frames - 11);
   EXPECT_EQ(port.statistics().dropped_full, static_cast<std::uint64_t>(refused));
   EXPECT_EQ(port.state(), CanState::active);
   run("sleep 0.1");

@@ -190,5 +190,6 @@ test_package() {
     say "checking the package for $architecture"
     step "package-check-$architecture" check_package "$architecture" || return
   done
+  # shellcheck disable=SC2034 # for the summary
   counted="$# packages"
 }
