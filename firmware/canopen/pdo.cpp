@@ -240,9 +240,11 @@ void Pdos::sync(std::uint8_t counter) {
       continue;
     }
     if (params.type == 0) {
-      std::array<std::uint8_t, 8> data{};
-      const std::uint8_t length = pack(objects_.tpdo_map[i], data);
-      tx.due = tx.due || !tx.ever || length != tx.length || data != tx.data;
+      const std::array<std::uint8_t, 8> before = tx.data;
+      const std::uint8_t length = tx.length;
+      sample(i);
+      tx.due = tx.due || !tx.ever || length != tx.length || before != tx.data;
+      tx.sampled = tx.due;
       continue;
     }
     if (counter != 0 && params.sync_start != 0 && !tx.started && counter != params.sync_start) {
@@ -255,9 +257,17 @@ void Pdos::sync(std::uint8_t counter) {
     tx.started = true;
     if (params.type <= tx.syncs) {
       tx.syncs = 0;
+      sample(i);
       tx.due = true;
     }
   }
+}
+
+/// What is sent is what the SYNC has found, even if frames after it come first.
+void Pdos::sample(std::size_t i) {
+  Transmit& tx = tx_[i];
+  tx.length = pack(objects_.tpdo_map[i], tx.data);
+  tx.sampled = true;
 }
 
 PdoEvent Pdos::advance(std::uint64_t now_us) {
@@ -301,7 +311,10 @@ bool Pdos::take(CanFrame& frame, std::uint64_t now_us) {
     if (inhibited) {
       continue;
     }
-    tx.length = pack(objects_.tpdo_map[i], tx.data);
+    if (!tx.sampled) {
+      tx.length = pack(objects_.tpdo_map[i], tx.data);
+    }
+    tx.sampled = false;
     tx.sent_us = now_us;
     tx.due = false;
     tx.ever = true;

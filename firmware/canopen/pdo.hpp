@@ -51,7 +51,8 @@ class Pdos {
     std::uint8_t syncs;  ///< since the last one
     bool started;        ///< the SYNC with the start value has come
     bool due;
-    bool ever;  ///< sent since the start
+    bool sampled;  ///< its data are those of the SYNC
+    bool ever;     ///< sent since the start
   };
   struct Receive {
     std::uint64_t came_us;
@@ -68,6 +69,7 @@ class Pdos {
   Abort check_count(const Mapping& map, std::uint32_t count, bool transmit) const;
   void apply(const Mapping& map, std::span<const std::uint8_t> data);
   std::uint8_t pack(const Mapping& map, std::array<std::uint8_t, 8>& data);
+  void sample(std::size_t i);
   void look(std::size_t i, std::uint64_t now_us);
 
   Dictionary& dictionary_;

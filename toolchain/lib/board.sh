@@ -155,6 +155,8 @@ board_obstacle() {
     printf 'kernels are taken from Debian 12 or 13 only\n'
   elif [[ $(dpkg --print-architecture) != amd64 ]]; then
     printf 'the emulated boards are made on amd64 only\n'
+  elif [[ $root == *[[:space:]]* ]]; then
+    printf "Linux's make builds no module below a path with blanks: %s\\n" "$root"
   fi
 }
 

@@ -290,6 +290,29 @@ TEST(Pdo, ASynchronousSetPointWaitsForTheSync) {
   EXPECT_EQ(rig.get({0x607A, 0}), 7U);
 }
 
+TEST(Pdo, WhatIsSentIsWhatTheSyncHasFound) {
+  ServoRig rig;
+  for (const std::uint8_t type : Bytes{0, 1}) {
+    rig.set({0x1801, 1}, 0xC000'0281, 4);
+    rig.set({0x1A01, 0}, 0, 1);
+    rig.set({0x1A01, 1}, 0x607A'0020, 4);
+    rig.set({0x1A01, 0}, 1, 1);
+    rig.set({0x1801, 2}, type, 1);
+    ASSERT_EQ(rig.set({0x1801, 1}, 0x4000'0281, 4), Abort::none);
+    rig.nmt(1);
+    rig.send(0x301, {static_cast<std::uint8_t>(type + 7), 0, 0, 0, 0, 0, 0, 0});
+    rig.sent.clear();
+    // All three have come before the node's answer can leave.
+    rig.servo.receive(frame(0x80, {}), rig.now_us);
+    rig.servo.receive(frame(0x301, {99, 0, 0, 0, 0, 0, 0, 0}), rig.now_us);
+    rig.step();
+    const auto frames = rig.take(tpdo2);
+    ASSERT_THAT(frames, SizeIs(1));
+    EXPECT_EQ(frames[0].data[0], type + 7);
+    rig.nmt(128);
+  }
+}
+
 TEST(Pdo, InhibitAndEventTimersHold) {
   ServoRig rig;
   rig.set({0x1800, 1}, 0xC000'0181, 4);
