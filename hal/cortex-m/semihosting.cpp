@@ -79,10 +79,16 @@ void print(std::string_view text) {
   }
 }
 
-std::string_view command_line(std::span<char> buffer) {
+std::string_view arguments(std::span<char> buffer) {
   Words words{word(buffer.data()), buffer.size(), 0};
-  return call(Call::command_line, words.data()) == 0 ? std::string_view(buffer.data(), words[1])
-                                                     : std::string_view{};
+  if (call(Call::command_line, words.data()) != 0) {
+    return {};
+  }
+  // The program's path may have blanks of its own.
+  constexpr std::string_view behind = ".elf ";
+  const std::string_view line(buffer.data(), words[1]);
+  const std::size_t at = line.find(behind);
+  return at == std::string_view::npos ? std::string_view{} : line.substr(at + behind.size());
 }
 
 void leave(int status) {

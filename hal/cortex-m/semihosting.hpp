@@ -34,8 +34,9 @@ class File {
 void print(const char* text);
 void print(std::string_view text);
 
-/// The arguments that the emulator was given, one blank between them; empty where they do not fit.
-std::string_view command_line(std::span<char> buffer);
+/// The arguments that the emulator was given behind the program, a *.elf, with one blank between them;
+/// empty where they do not fit.
+std::string_view arguments(std::span<char> buffer);
 
 [[noreturn]] void leave(int status);
 

@@ -146,10 +146,7 @@ bool count_file(std::string_view name) {
   return true;
 }
 
-/// Behind the program's name.
 bool count_all(std::string_view names) {
-  names.remove_prefix(std::min(names.find(' '), names.size()));
-  names.remove_prefix(std::min(names.find_first_not_of(' '), names.size()));
   bool all = !names.empty();
   while (!names.empty()) {
     const std::size_t blank = std::min(names.find(' '), names.size());
@@ -168,5 +165,5 @@ int application() {
   using namespace smaservo;
   mcu::start_counter();
   static std::array<char, 4096> line{};
-  return mcu::count_all(semihosting::command_line(line)) ? 0 : 1;
+  return mcu::count_all(semihosting::arguments(line)) ? 0 : 1;
 }

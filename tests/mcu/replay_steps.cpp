@@ -23,14 +23,13 @@ std::optional<StepReader> reader;
 Prepared<S> prepared;
 Device<S>::State state;
 
-/// Behind the program's name: how many steps of each file, and the files.
+/// How many steps of each file, and the files.
 struct Arguments {
   std::uint32_t most_steps = 0;
   std::string_view files;
 };
 Arguments arguments(std::string_view line) {
   Arguments all;
-  line.remove_prefix(std::min(line.find(' ') + 1, line.size()));
   const auto end = std::from_chars(line.data(), line.data() + line.size(), all.most_steps).ptr;
   all.files = line.substr(static_cast<std::size_t>(end - line.data()));
   return all;
@@ -115,5 +114,5 @@ bool replay_all(const Arguments& all) {
 int application() {
   using namespace smaservo;
   static std::array<char, 4096> line{};
-  return mcu::replay_all(mcu::arguments(semihosting::command_line(line))) ? 0 : 1;
+  return mcu::replay_all(mcu::arguments(semihosting::arguments(line))) ? 0 : 1;
 }
