@@ -7,7 +7,7 @@ board_checks() {
 load|SYNC at 1 kHz with 4 + 4 PDOs and SDO blocks at once, 20 s ($SMASERVO_LOAD_S)
 bus|daemons on two SJA1000: full queue, bus-off, down and up, duplicate node
 can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
-realtime|1 kHz on PREEMPT_RT in virtual time, twice the same; beside cyclictest
+realtime|1 kHz on PREEMPT_RT in virtual time, twice; beside cyclictest
 hardship|kill -9, crash, SIGSTOP, full disk, no memory in mid-heating
 overload|negative control: with artificial work in its way the same loop misses
 loop|smaservod holds a strain through IIO, PWM and GPIO; stops; bad boards
