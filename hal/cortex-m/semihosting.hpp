@@ -34,8 +34,8 @@ class File {
 void print(const char* text);
 void print(std::string_view text);
 
-/// The arguments that the emulator was given behind the program, a *.elf, with one blank between them;
-/// empty where they do not fit.
+/// The arguments that the emulator was given behind the program, a *.elf, with one blank between
+/// them; empty where they do not fit.
 std::string_view arguments(std::span<char> buffer);
 
 [[noreturn]] void leave(int status);

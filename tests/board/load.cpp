@@ -3,10 +3,10 @@
 // blocks. Prints how long answers take, and ends with 1 where a set-point or a TPDO has been lost.
 
 #include <array>
-#include <cstdlib>
 #include <exception>
 #include <fmt/format.h>
 #include <poll.h>
+#include <string>
 
 #include "firmware/canopen/object.hpp"
 #include "firmware/daemon/histogram.hpp"
@@ -297,9 +297,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    smaservo::Master master(argv[1], static_cast<std::uint32_t>(std::atoi(argv[2])));
+    smaservo::Master master(argv[1], static_cast<std::uint32_t>(std::stoul(argv[2])));
     master.set_up();
-    master.run(std::atoi(argv[3]));
+    master.run(std::stoi(argv[3]));
     return master.report() ? 0 : 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "load: {}\n", error.what());
