@@ -161,7 +161,7 @@ run_test() {
       arm64 | mcu) timed "$part" "test_$part" ;;
       can) timed can-test can_test ;;
       board) timed board-test board_all ;;
-      package) timed package test_package amd64 arm64 ;;
+      package) timed package test_package amd64 arm64 ;; # armhf has not been built to its end yet
       fuzz) timed fuzz fuzz_all 60 ;;
       check) timed check run_check ;;
       *) timed "$part" test_preset "$part" ;;
