@@ -10,8 +10,8 @@
 namespace smaservo {
 
 /// Where no frame came nothing was read.
-template <class S>
-Inputs<S> inputs_of(const Frame& frame, ReadStatus status) {
+template <class S, class Board>
+Inputs<S> inputs_of(const FrameOf<Board>& frame, ReadStatus status) {
   const S none = std::numeric_limits<S>::quiet_NaN();
   Inputs<S> in{};
   in.sample = {none, none, none};
@@ -31,9 +31,10 @@ Inputs<S> inputs_of(const Frame& frame, ReadStatus status) {
 }
 
 /// Heat is a lease: it ends `lease_ns` after this instant, unless the next step renews it.
-template <class S>
-DriveCommand drive_of(const Output<S>& output, std::int64_t now_ns, std::int64_t lease_ns) {
-  return {static_cast<double>(output.current_A), static_cast<double>(output.voltage_V),
+template <class Board = double, class S>
+DriveCommandOf<Board> drive_of(const Output<S>& output, std::int64_t now_ns,
+                               std::int64_t lease_ns) {
+  return {static_cast<Board>(output.current_A), static_cast<Board>(output.voltage_V),
           now_ns + lease_ns};
 }
 

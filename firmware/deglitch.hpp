@@ -5,14 +5,13 @@
 
 #include "firmware/faults/table.hpp"
 #include "firmware/settings.hpp"
-#include "model/scalar.hpp"
 
 namespace smaservo {
 
 inline constexpr auto fault_deglitch_s = [] {
-  std::array<double, fault_count> times{};
+  std::array<float, fault_count> times{};
   for (const FaultRow& row : fault_rows) {
-    times[static_cast<std::size_t>(row.fault)] = row.deglitch_s;
+    times[static_cast<std::size_t>(row.fault)] = static_cast<float>(row.deglitch_s);
   }
   return times;
 }();
@@ -28,7 +27,7 @@ constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
     case Fault::command_timeout:
       return settings.timing.command_timeout_s;
     default:
-      return scalar<S>(fault_deglitch_s[static_cast<std::size_t>(fault)]);
+      return S(fault_deglitch_s[static_cast<std::size_t>(fault)]);
   }
 }
 
@@ -44,7 +43,7 @@ struct Deglitch {
   FaultSet step(FaultSet now, const S& dt_s) {
     for_each_fault(now | pending, [&](Fault fault) {
       const auto i = static_cast<std::size_t>(fault);
-      const S limit_s = scalar<S>(fault_deglitch_s[i]);
+      const S limit_s = S(fault_deglitch_s[i]);
       S& held = held_s[i];
       if (!now.has(fault)) {
         held = held - dt_s;

@@ -119,26 +119,25 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                      s.observing,
                      s.monitor.zero.known()};
   const Verdict v = protect(seen, s);
-  Output<S> out{};
-  out.current_A = S(0);
-  out.voltage_V = S(0);
-  out.state = v.state;
-  out.mode = Mode::off;
-  out.setpoint = S(0);
-  out.reference = S(0);
-  out.power_W = S(0);
-  out.measurement = m;
-  out.estimate = e;
-  out.ambient_K = filter.ambient_K;
-  out.hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K;
-  out.limit_reasons = 0;
-  out.active = v.active;
-  out.latched = v.latched;
-  out.first_cause = s.supervisor.first_cause;
-  out.warnings = v.warnings;
-  out.blocks = v.blocks;
-  out.time_us = s.time_us;
-  out.first_cause_us = s.supervisor.first_cause_us;
+  Output<S> out{.current_A = S(0),
+                .voltage_V = S(0),
+                .state = v.state,
+                .mode = Mode::off,
+                .setpoint = S(0),
+                .reference = S(0),
+                .power_W = S(0),
+                .measurement = m,
+                .estimate = e,
+                .ambient_K = filter.ambient_K,
+                .hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K,
+                .limit_reasons = 0,
+                .active = v.active,
+                .latched = v.latched,
+                .first_cause = s.supervisor.first_cause,
+                .warnings = v.warnings,
+                .blocks = v.blocks,
+                .time_us = s.time_us,
+                .first_cause_us = s.supervisor.first_cause_us};
   const bool safe = v.heat == Heat::hold || v.heat == Heat::release;
   if (v.heat == Heat::sense) {
     sense(p, out);

@@ -69,6 +69,12 @@ class Path {
   std::size_t size_ = 0;
 };
 
+/// Without which a parameter has no meaning.
+enum class Needs : std::uint8_t { nothing, own_r2a, own_r2m };
+
+/// Where a real is part of a Pair.
+enum class Lane : std::uint8_t { none, first, second };
+
 /// What a device needs of a row. Ranges are inclusive and, as the default, values of `type`. A real
 /// whose default is NaN has none: the device is not configured before it is set.
 template <class S>
@@ -76,19 +82,69 @@ struct ParameterRow {
   Key key;
   ValueType type;
   Change change;
+  Needs needs;
+  Lane lane;
   Value least, standard, greatest;
-  Value (*read)(const Settings<S>&);
-  void (*assign)(Settings<S>&, Value);
-  bool (*used)(const Settings<S>&);  ///< whether it has a meaning with the others; nullptr: always
+  /// An S or a Pair<S>, an unsigned number of 32 bits, an enumerator of 8, a bool.
+  const void* (*at)(const Settings<S>&);
 
-  constexpr Value get(const Settings<S>& settings) const { return read(settings); }
+  Value get(const Settings<S>& settings) const {
+    const void* from = at(settings);
+    switch (type) {
+      case ValueType::real:
+        return Value::real(static_cast<float>(load<S>(from)));
+      case ValueType::number:
+        return Value::number(*static_cast<const std::uint32_t*>(from));
+      case ValueType::choice:
+        return Value::number(*static_cast<const std::uint8_t*>(from));
+      case ValueType::boolean:
+        break;
+    }
+    return Value::number(*static_cast<const bool*>(from) ? 1 : 0);
+  }
   /// A real may be anything; a choice must be one.
-  constexpr void set(Settings<S>& settings, Value value) const { assign(settings, value); }
+  void set(Settings<S>& settings, Value value) const {
+    void* to = const_cast<void*>(at(settings));  // NOLINT(*-const-cast)
+    switch (type) {
+      case ValueType::real:
+        keep(to, S(value.real()));
+        break;
+      case ValueType::number:
+        *static_cast<std::uint32_t*>(to) = value.number();
+        break;
+      case ValueType::choice:
+        *static_cast<std::uint8_t*>(to) = static_cast<std::uint8_t>(value.number());
+        break;
+      case ValueType::boolean:
+        *static_cast<bool*>(to) = value.number() != 0;
+        break;
+    }
+  }
   constexpr bool is_used(const Settings<S>& settings) const {
-    return used == nullptr || used(settings);
+    const ThreePhaseParams<S>& p = settings.wire.kinetics;
+    return needs == Needs::nothing || (needs == Needs::own_r2a ? p.separate_r2a : p.separate_r2m);
   }
   constexpr bool has_default() const {
     return type != ValueType::real || standard.real() == standard.real();
+  }
+
+ private:
+  template <class T>
+  T load(const void* from) const {
+    if (lane == Lane::none) {
+      return *static_cast<const T*>(from);
+    }
+    const Pair<T>& both = *static_cast<const Pair<T>*>(from);
+    return lane == Lane::first ? both.first() : both.second();
+  }
+  template <class T>
+  void keep(void* to, const T& value) const {
+    if (lane == Lane::none) {
+      *static_cast<T*>(to) = value;
+      return;
+    }
+    Pair<T>& both = *static_cast<Pair<T>*>(to);
+    both = lane == Lane::first ? Pair<T>(value, both.second()) : Pair<T>(both.first(), value);
   }
 };
 
@@ -107,8 +163,8 @@ template <class S, auto... members>
 struct Member {
   using Scalar = S;
   using Type = std::remove_cvref_t<decltype((std::declval<Settings<S>&>().*....*members))>;
-  static Type get(const Settings<S>& s) { return (s.*....*members); }
-  static void set(Settings<S>& s, const Type& value) { (s.*....*members) = value; }
+  static constexpr Lane lane = Lane::none;
+  static const void* at(const Settings<S>& s) { return &(s.*....*members); }
 };
 
 /// The i-th coefficient of a surface's polynomial.
@@ -116,25 +172,17 @@ template <class S, auto surface, auto polynomial, std::size_t i>
 struct Coefficient {
   using Scalar = S;
   using Type = S;
-  static S get(const Settings<S>& s) { return (s.wire.kinetics.*surface.*polynomial)[i]; }
-  static void set(Settings<S>& s, const S& value) {
-    (s.wire.kinetics.*surface.*polynomial)[i] = value;
-  }
+  static constexpr Lane lane = Lane::none;
+  static const void* at(const Settings<S>& s) { return &(s.wire.kinetics.*surface.*polynomial)[i]; }
 };
 
 /// The same of one of the two surfaces that stand side by side.
-template <class S, int lane, auto polynomial, std::size_t i>
+template <class S, Lane which, auto polynomial, std::size_t i>
 struct LaneCoefficient {
   using Scalar = S;
   using Type = S;
-  static S get(const Settings<S>& s) {
-    const Pair<S>& both = (s.wire.kinetics.a2m_a2r.*polynomial)[i];
-    return lane == 0 ? both.first() : both.second();
-  }
-  static void set(Settings<S>& s, const S& value) {
-    Pair<S>& both = (s.wire.kinetics.a2m_a2r.*polynomial)[i];
-    both = lane == 0 ? Pair<S>(value, both.second()) : Pair<S>(both.first(), value);
-  }
+  static constexpr Lane lane = which;
+  static const void* at(const Settings<S>& s) { return &(s.wire.kinetics.a2m_a2r.*polynomial)[i]; }
 };
 
 inline constexpr float no_default = std::numeric_limits<float>::quiet_NaN();
@@ -142,11 +190,10 @@ inline constexpr float no_default = std::numeric_limits<float>::quiet_NaN();
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float least,
                             float standard, float greatest, std::string_view meaning,
-                            bool (*used)(const Settings<S>&) = nullptr) {
-  return {{key, ValueType::real, change, Value::real(least), Value::real(standard),
-           Value::real(greatest),
-           [](const Settings<S>& s) { return Value::real(static_cast<float>(Access::get(s))); },
-           [](Settings<S>& s, Value value) { Access::set(s, S(value.real())); }, used},
+                            Needs needs = Needs::nothing) {
+  static_assert(std::is_same_v<typename Access::Type, S>);
+  return {{key, ValueType::real, change, needs, Access::lane, Value::real(least),
+           Value::real(standard), Value::real(greatest), Access::at},
           path,
           kind,
           {},
@@ -157,14 +204,13 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t least,
                               std::uint32_t standard, std::uint32_t greatest,
                               std::string_view meaning) {
-  return {
-      {key, ValueType::number, change, Value::number(least), Value::number(standard),
-       Value::number(greatest), [](const Settings<S>& s) { return Value::number(Access::get(s)); },
-       [](Settings<S>& s, Value value) { Access::set(s, value.number()); }, nullptr},
-      path,
-      kind::number,
-      {},
-      meaning};
+  static_assert(std::is_same_v<typename Access::Type, std::uint32_t>);
+  return {{key, ValueType::number, change, Needs::nothing, Access::lane, Value::number(least),
+           Value::number(standard), Value::number(greatest), Access::at},
+          path,
+          kind::number,
+          {},
+          meaning};
 }
 
 /// `choices` names the enumerators, from 0 on.
@@ -172,16 +218,10 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> choice(Key key, Path path, std::span<const std::string_view> choices,
                               Change change, typename Access::Type standard,
                               std::string_view meaning) {
-  return {{key, ValueType::choice, change, Value::number(0),
+  static_assert(std::is_enum_v<typename Access::Type> && sizeof(typename Access::Type) == 1);
+  return {{key, ValueType::choice, change, Needs::nothing, Access::lane, Value::number(0),
            Value::number(static_cast<std::uint32_t>(standard)),
-           Value::number(static_cast<std::uint32_t>(choices.size() - 1)),
-           [](const Settings<S>& s) {
-             return Value::number(static_cast<std::uint32_t>(Access::get(s)));
-           },
-           [](Settings<S>& s, Value value) {
-             Access::set(s, static_cast<typename Access::Type>(value.number()));
-           },
-           nullptr},
+           Value::number(static_cast<std::uint32_t>(choices.size() - 1)), Access::at},
           path,
           kind::number,
           choices,
@@ -191,14 +231,13 @@ constexpr Parameter<S> choice(Key key, Path path, std::span<const std::string_vi
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> boolean(Key key, Path path, Change change, bool standard,
                                std::string_view meaning) {
-  return {
-      {key, ValueType::boolean, change, Value::number(0), Value::number(standard ? 1 : 0),
-       Value::number(1), [](const Settings<S>& s) { return Value::number(Access::get(s) ? 1 : 0); },
-       [](Settings<S>& s, Value value) { Access::set(s, value.number() != 0); }, nullptr},
-      path,
-      kind::number,
-      {},
-      meaning};
+  static_assert(std::is_same_v<typename Access::Type, bool>);
+  return {{key, ValueType::boolean, change, Needs::nothing, Access::lane, Value::number(0),
+           Value::number(standard ? 1 : 0), Value::number(1), Access::at},
+          path,
+          kind::number,
+          {},
+          meaning};
 }
 
 }  // namespace smaservo

@@ -5,15 +5,6 @@
 
 namespace smaservo {
 
-template <class S>
-constexpr bool has_own_r2a(const Settings<S>& settings) {
-  return settings.wire.kinetics.separate_r2a;
-}
-template <class S>
-constexpr bool has_own_r2m(const Settings<S>& settings) {
-  return settings.wire.kinetics.separate_r2m;
-}
-
 inline constexpr std::string_view memory_names[] = {"plain", "return-point"};
 inline constexpr std::string_view mixture_names[] = {"series", "parallel"};
 
@@ -54,7 +45,7 @@ struct OwnSurface {
   template <auto polynomial, std::size_t i>
   using At = Coefficient<S, surface, polynomial, i>;
 };
-template <class S, int lane>
+template <class S, Lane lane>
 struct PairLane {
   using Scalar = S;
   using Of = Surface<Pair<S>>;
@@ -64,15 +55,14 @@ struct PairLane {
 
 template <class Where, auto polynomial, std::size_t i, class S = typename Where::Scalar>
 constexpr Parameter<S> coefficient(Key key, Path path, Kind kind, float least, float greatest,
-                                   std::string_view meaning, bool (*used)(const Settings<S>&)) {
+                                   std::string_view meaning, Needs needs) {
   return real<typename Where::template At<polynomial, i>>(
-      key, path, kind, Change::without_current, least, no_default, greatest, meaning, used);
+      key, path, kind, Change::without_current, least, no_default, greatest, meaning, needs);
 }
 
 /// The ten coefficients of one transformation process, by power of the stress in Pa.
 template <class Where, class S = typename Where::Scalar>
-constexpr auto process_rows(std::uint16_t x, const char* p,
-                            bool (*used)(const Settings<S>&) = nullptr) {
+constexpr auto process_rows(std::uint16_t x, const char* p, Needs needs = Needs::nothing) {
   using Q = typename Where::Of;
   constexpr Kind K = kind::temperature;
   constexpr Kind K_Pa = kind::kelvin_per_stress;
@@ -83,24 +73,24 @@ constexpr auto process_rows(std::uint16_t x, const char* p,
   constexpr auto curvature = &Q::curvature;
   constexpr auto turning = &Q::turning;
   return std::to_array<Parameter<S>>({
-      coefficient<Where, start, 0>({x, 1}, {p, ".start_0_K"}, K, 150, 600, "T_s at 0 Pa", used),
+      coefficient<Where, start, 0>({x, 1}, {p, ".start_0_K"}, K, 150, 600, "T_s at 0 Pa", needs),
       coefficient<Where, start, 1>({x, 2}, {p, ".start_1_K_Pa"}, K_Pa, -1e-5F, 1e-5F,
-                                   "T_s, by stress", used),
+                                   "T_s, by stress", needs),
       coefficient<Where, start, 2>({x, 3}, {p, ".start_2_K_Pa2"}, K_Pa2, -1e-13F, 1e-13F,
-                                   "T_s, by its square", used),
-      coefficient<Where, finish, 0>({x, 4}, {p, ".finish_0_K"}, K, 150, 600, "T_f at 0 Pa", used),
+                                   "T_s, by its square", needs),
+      coefficient<Where, finish, 0>({x, 4}, {p, ".finish_0_K"}, K, 150, 600, "T_f at 0 Pa", needs),
       coefficient<Where, finish, 1>({x, 5}, {p, ".finish_1_K_Pa"}, K_Pa, -1e-5F, 1e-5F,
-                                    "T_f, by stress", used),
+                                    "T_f, by stress", needs),
       coefficient<Where, finish, 2>({x, 6}, {p, ".finish_2_K_Pa2"}, K_Pa2, -1e-13F, 1e-13F,
-                                    "T_f, by its square", used),
+                                    "T_f, by its square", needs),
       coefficient<Where, curvature, 0>({x, 7}, {p, ".curvature_0"}, kind::number, 1e-3F, 30,
-                                       "curvature at 0 Pa", used),
+                                       "curvature at 0 Pa", needs),
       coefficient<Where, curvature, 1>({x, 8}, {p, ".curvature_1_1_Pa"}, per_Pa, -1e-6F, 1e-6F,
-                                       "curvature, by stress", used),
+                                       "curvature, by stress", needs),
       coefficient<Where, turning, 0>({x, 9}, {p, ".turning_0"}, kind::number, 0.05F, 0.95F,
-                                     "fraction at the turning point, at 0 Pa", used),
+                                     "fraction at the turning point, at 0 Pa", needs),
       coefficient<Where, turning, 1>({x, 10}, {p, ".turning_1_1_Pa"}, per_Pa, -1e-7F, 1e-7F,
-                                     "fraction at the turning point, by stress", used),
+                                     "fraction at the turning point, by stress", needs),
   });
 }
 

@@ -10,19 +10,21 @@
 namespace smaservo {
 
 /// All readings of one instant. A reading that failed, or that the board can not take, is NaN,
-/// never an old or invented number.
-struct Frame {
+/// never an old or invented number. In the board's own precision.
+template <class S>
+struct FrameOf {
   std::int64_t time_ns;    ///< monotonic
   std::uint32_t sequence;  ///< counts up by one; a jump is a lost frame
-  double current_A;
-  double voltage_V;  ///< between the sense leads
-  double load_N;
-  double supply_V;   ///< of the drive
-  double ambient_K;  ///< of the air
-  double driver_K;   ///< of the output stage
+  S current_A;
+  S voltage_V;  ///< between the sense leads
+  S load_N;
+  S supply_V;   ///< of the drive
+  S ambient_K;  ///< of the air
+  S driver_K;   ///< of the output stage
   bool emergency_stop;
   bool driver_fault;
 };
+using Frame = FrameOf<double>;
 
 enum class ReadStatus : unsigned char {
   frame,    ///< a new frame was written
@@ -31,14 +33,16 @@ enum class ReadStatus : unsigned char {
 };
 
 /// Heat is a lease: past its time the board switches off by itself.
-struct DriveCommand {
-  double current_A;  ///< for a drive that takes a current
-  double voltage_V;  ///< for one that takes a voltage; a board has one or the other
+template <class S>
+struct DriveCommandOf {
+  S current_A;  ///< for a drive that takes a current
+  S voltage_V;  ///< for one that takes a voltage; a board has one or the other
   std::int64_t valid_until_ns;
 };
+using DriveCommand = DriveCommandOf<double>;
 
-template <class B>
-concept Board = requires(B board, Frame& frame, const DriveCommand& command) {
+template <class B, class S = double>
+concept Board = requires(B board, FrameOf<S>& frame, const DriveCommandOf<S>& command) {
   /// Waits for the next frame, at most for the board's period and a bit.
   { board.read(frame) } -> std::same_as<ReadStatus>;
   { board.drive(command) } -> std::same_as<void>;

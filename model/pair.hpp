@@ -47,16 +47,16 @@ class Pair {
     friend constexpr bool any(const Mask& mask) { return any(mask.first) || any(mask.second); }
   };
 
-  friend constexpr Pair operator+(const Pair& a, const Pair& b) {
+  [[gnu::always_inline]] friend constexpr Pair operator+(const Pair& a, const Pair& b) {
     return {a.first_ + b.first_, a.second_ + b.second_};
   }
-  friend constexpr Pair operator-(const Pair& a, const Pair& b) {
+  [[gnu::always_inline]] friend constexpr Pair operator-(const Pair& a, const Pair& b) {
     return {a.first_ - b.first_, a.second_ - b.second_};
   }
-  friend constexpr Pair operator*(const Pair& a, const Pair& b) {
+  [[gnu::always_inline]] friend constexpr Pair operator*(const Pair& a, const Pair& b) {
     return {a.first_ * b.first_, a.second_ * b.second_};
   }
-  friend constexpr Pair operator/(const Pair& a, const Pair& b) {
+  [[gnu::always_inline]] friend constexpr Pair operator/(const Pair& a, const Pair& b) {
     return {a.first_ / b.first_, a.second_ / b.second_};
   }
   friend constexpr Mask operator<(const Pair& a, const Pair& b) {

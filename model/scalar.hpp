@@ -18,4 +18,31 @@ constexpr S scalar(double x) {
   }
 }
 
+template <class S>
+struct Product {
+  S a, b;
+};
+
+/// start + Σ a b, from left to right; a scalar that has a cheaper way takes it.
+template <class S, class... More>
+constexpr S sum_of_products(const S& start, const Product<S>& first, const More&... more) {
+  if constexpr (requires { S::add_products(start, first, more...); }) {
+    return S::add_products(start, first, more...);
+  } else if constexpr (sizeof...(more) == 0) {
+    return start + first.a * first.b;
+  } else {
+    return sum_of_products(start + first.a * first.b, more...);
+  }
+}
+/// Σ a b
+template <class S, class... More>
+constexpr S sum_of_products(const Product<S>& first, const Product<S>& second,
+                            const More&... more) {
+  if constexpr (requires { S::add_products(first, second, more...); }) {
+    return S::add_products(first, second, more...);
+  } else {
+    return sum_of_products(first.a * first.b, second, more...);
+  }
+}
+
 }  // namespace smaservo

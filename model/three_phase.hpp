@@ -76,28 +76,34 @@ struct ThreePhase {
   };
 
   static State rest(const Params& p, const Drive<S>& u) {
-    State s = with_phases(p, u, {S(0), S(0)});
+    State s;
+    start(p, s, u, {S(0), S(0)});
     const Forward now = s.forward;
     // In one step from infinite temperature: exact when R2M shares A2M's surface, and with a
     // surface of its own close enough for a state that nothing is known about.
     s.forward = {Pair<S>(S(1)), S(1)};
-    cool<false>(p, s, now);
+    cool<true>(p, s, now);
     return s;
   }
 
   /// A state with given fractions (on the simplex), as if cooled to this drive.
   static State with_phases(const Params& p, const Drive<S>& u, const Phases<S>& phases) {
-    State s{};
-    s.hot = TurningPoints<HotTurn, memory_depth>({{S(0), S(0)}, S(0), S(0)});
-    s.cold = TurningPoints<ColdTurn, memory_depth>({{Pair<S>(S(0)), S(0)}, S(0), S(0), S(0)});
+    State s;
+    start(p, s, u, phases);
+    return s;
+  }
+  /// The same in place: a small stack has no room for states.
+  static void start(const Params& p, State& s, const Drive<S>& u, const Phases<S>& phases) {
+    s.hot.start({{S(0), S(0)}, S(0), S(0)});
+    s.cold.start({{Pair<S>(S(0)), S(0)}, S(0), S(0), S(0)});
     s.drive = u;
     s.reached = u;
     s.martensite = phases.martensite;
     s.r_phase = phases.r_phase;
     s.returning = S(0);
     s.heading = Heading::cooling;
+    s.reverse = {S(0), S(0)};
     s.forward = Curves::forward_left(p, u);
-    return s;
   }
 
   /// Exact for any step size at one stress when the processes share their surfaces as in 000; with
@@ -324,7 +330,7 @@ struct ThreePhase {
     const Reverse now = Curves::reverse_left(p, at, s.drive.temperature_K);
     const bool moves = Curves::falls(p, now, s.reverse);
     if (moves) {
-      heat<false>(p, s, now);
+      heat<true>(p, s, now);
     }
     return moves;
   }
@@ -351,10 +357,13 @@ struct ThreePhase {
     const Forward now = Curves::forward_left(p, at, s.drive.temperature_K);
     const bool moves = Curves::falls(p, now, s.forward);
     if (moves) {
-      cool<false>(p, s, now);
+      cool<true>(p, s, now);
     }
     return moves;
   }
+
+  // What turns or starts takes the step with derivatives as well: a microcontroller's observer then
+  // has no second one in its memory.
 
   // 000, 'Heating process for three phase fractions': M2A and R2A are independent.
   template <bool linearise>

@@ -14,7 +14,12 @@ template <class Turn, std::size_t depth>
 class TurningPoints {
  public:
   TurningPoints() = default;
-  explicit constexpr TurningPoints(const Turn& at_infinity) { turns_[0] = at_infinity; }
+  /// Forgets all of them, with this one at infinity.
+  constexpr void start(const Turn& at_infinity) {
+    turns_ = {};
+    turns_[0] = at_infinity;
+    top_ = 0;
+  }
 
   constexpr const Turn& newest() const { return turns_[top_]; }
   constexpr Turn& newest() { return turns_[top_]; }

@@ -98,12 +98,15 @@ ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
 /// cooler than without them by the factor 1 - 1/cosh(L/2λ); the loss is raised by the inverse.
 template <class S>
 ThermalBody<S> thermal_body(const Geometry<S>& geometry, const HeatParams<S>& heat) {
-  using std::cosh;
+  using std::exp;
   const S mass_kg = heat.density_kg_m3 * geometry.area_m2() * geometry.length_m;
   S clamps = S(1);
   if (S(0) < heat.clamp_conductivity_W_mK) {
     const S half = geometry.length_m / (S(2) * clamp_reach_m(geometry, heat));
-    clamps = half < S(20) ? S(1) / (S(1) - S(1) / cosh(half)) : S(1);
+    // 1 - 1/cosh x = (1 - e^-x)²/(1 + e^-2x)
+    const S cold = exp(S(0) - half);
+    const S warm = S(1) - cold;
+    clamps = half < S(20) ? (S(1) + cold * cold) / (warm * warm) : S(1);
   }
   return {mass_kg * heat.specific_heat_J_kgK, mass_kg * heat.latent_m2a_J_kg,
           mass_kg * heat.latent_r2a_J_kg, clamps * geometry.surface_m2() * heat.convection_W_m2K,

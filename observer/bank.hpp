@@ -270,7 +270,7 @@ auto KalmanBank<S>::loop(const Params& p, const S& stress_Pa) -> Loop {
 template <class S>
 void KalmanBank<S>::open(const Params& p, State& s, std::size_t i, const Measurement<S>& m) {
   if (i == 0) {
-    s.filter[i] = Filter::start_at_rest(p, m, s.start_ambient_K, s.rest_slope);
+    Filter::start_at_rest(p, s.filter[i], m, s.start_ambient_K, s.rest_slope);
   } else {
     place(p, s, i, m);
   }
@@ -312,8 +312,8 @@ void KalmanBank<S>::place(const Params& p, State& s, std::size_t i, const Measur
     }
   };
   const Guess first = guess();
-  s.filter[i] =
-      Filter::start(p, m, s.start_ambient_K, first.temperature_K, first.phases, S(0.15), S(8));
+  Filter::start(p, s.filter[i], m, s.start_ambient_K, first.temperature_K, first.phases, S(0.15),
+                S(8));
   auto& P = s.filter[i].covariance;
   P[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
   P[Filter::iResistance][Filter::iResistance] = moving_resistance_sd * moving_resistance_sd;
@@ -436,7 +436,7 @@ Estimate<S> KalmanBank<S>::estimate(const State& s) {
     if (!is_alive(s, i)) {
       continue;
     }
-    const S w = exp(s.log_weight[i]);
+    const S w = i == s.leader ? S(1) : exp(s.log_weight[i]);  // relative to the leader
     const Estimate<S>& e = s.last[i];
     weights = weights + w;
     mean.strain = mean.strain + w * e.strain;

@@ -5,8 +5,10 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <type_traits>
 
 #include "model/plant.hpp"
+#include "model/scalar.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {
@@ -90,16 +92,18 @@ struct KalmanObserver {
 
   /// At rest at ambient temperature, cooled there.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
-    return start_at_rest(p, m, ambient_K, rest_slope(p, m.stress_Pa, ambient_K));
+    State s;
+    start_at_rest(p, s, m, ambient_K, rest_slope(p, m.stress_Pa, ambient_K));
+    return s;
   }
   /// What a warmer room makes of the phases at rest: half of the cost of a start there.
   static PhaseRates<S> rest_slope(const Params& p, const S& stress_Pa, const S& ambient_K);
-  static State start_at_rest(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                             const PhaseRates<S>& rest_slope);
+  static void start_at_rest(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
+                            const PhaseRates<S>& rest_slope);
   /// From a guess of temperature and phases.
-  static State start(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                     const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
-                     const S& temperature_sd_K);
+  static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
+                    const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
+                    const S& temperature_sd_K);
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static Estimate<S> estimate(const Params& p, const State& s);
   /// For seconds the resistance has not been what the model expects.
@@ -135,6 +139,46 @@ struct KalmanObserver {
  private:
   using Covariance = Eigen::Map<Matrix, Eigen::Aligned16>;
 
+  /// Whole rows at once; elsewhere element by element, each pair of equal ones once.
+  static constexpr bool by_rows = has_vectors && std::is_floating_point_v<S>;
+
+  /// Σ factor row
+  template <int... rows, class... Factors>
+  static Vector combined(const Covariance& P, const Factors&... factors) {
+    if constexpr (by_rows) {
+      return (... + (factors * P.row(rows)));
+    } else {
+      Vector sum;
+      for (int j = 0; j < size; ++j) {
+        sum[j] = sum_of_products(Product<S>{factors, P(rows, j)}...);
+      }
+      return sum;
+    }
+  }
+  /// The other elements are zero in one of them.
+  template <int... at>
+  static S dot(const Vector& a, const Vector& b) {
+    if constexpr (by_rows) {
+      return a.dot(b);
+    } else {
+      return sum_of_products(Product<S>{a[at], b[at]}...);
+    }
+  }
+  static void subtract_outer(Covariance& P, const Vector& a, const Vector& b) {
+    if constexpr (by_rows) {
+      for (int i = 0; i < size; ++i) {
+        P.row(i) -= a[i] * b;
+      }
+    } else {
+      for (int i = 0; i < size; ++i) {
+        const S less = S(0) - a[i];
+        for (int j = i; j < size; ++j) {
+          P(i, j) = P(j, i) = sum_of_products(P(i, j), Product<S>{less, b[j]});
+        }
+      }
+    }
+  }
+
   static void predict_covariance(const Params& p, Covariance P, const Linear& f, const S& dt_s);
   static void keep_on_simplex(const Covariance& P, const Phases<S>& z, Vector& change);
   static void correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
@@ -160,12 +204,12 @@ PhaseRates<S> KalmanObserver<S>::rest_slope(const Params& p, const S& stress_Pa,
 }
 
 template <class S>
-auto KalmanObserver<S>::start_at_rest(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                                      const PhaseRates<S>& rest_slope) -> State {
+void KalmanObserver<S>::start_at_rest(const Params& p, State& s, const Measurement<S>& m,
+                                      const S& ambient_K, const PhaseRates<S>& rest_slope) {
   const KalmanTuning<S>& t = p.tuning;
   const Phases<S> rest =
       Kinetics::phases(Kinetics::rest(p.model.kinetics, {ambient_K, m.stress_Pa}));
-  State s = start(p, m, ambient_K, ambient_K, rest, t.start_fraction_sd, t.start_temperature_sd_K);
+  start(p, s, m, ambient_K, ambient_K, rest, t.start_fraction_sd, t.start_temperature_sd_K);
   // In a warmer room the wire would be warmer and rest with other phases.
   const S along[] = {S(1), rest_slope.martensite_1_K, rest_slope.r_phase_1_K, S(1)};
   const S variance = t.start_ambient_sd_K * t.start_ambient_sd_K;
@@ -175,16 +219,15 @@ auto KalmanObserver<S>::start_at_rest(const Params& p, const Measurement<S>& m, 
       s.covariance[i][j] = s.covariance[i][j] + along[i] * along[j] * variance;
     }
   }
-  return s;
 }
 
 template <class S>
-auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                              const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
-                              const S& temperature_sd_K) -> State {
+void KalmanObserver<S>::start(const Params& p, State& s, const Measurement<S>& m,
+                              const S& ambient_K, const S& temperature_K, const Phases<S>& phases,
+                              const S& fraction_sd, const S& temperature_sd_K) {
   const KalmanTuning<S>& t = p.tuning;
-  State s{};
-  s.kinetics = Kinetics::with_phases(p.model.kinetics, {temperature_K, m.stress_Pa}, phases);
+  s = {};
+  Kinetics::start(p.model.kinetics, s.kinetics, {temperature_K, m.stress_Pa}, phases);
   s.rates = Kinetics::rates(p.model.kinetics, s.kinetics, Heading::cooling);
   s.ambient_K = ambient_K;
   s.start_ambient_K = ambient_K;
@@ -197,7 +240,6 @@ auto KalmanObserver<S>::start(const Params& p, const Measurement<S>& m, const S&
     s.covariance[i][i] = sd[i] * sd[i];
   }
   s.model_ohm = expected(p, s).ohm;
-  return s;
 }
 
 template <class S>
@@ -297,15 +339,18 @@ void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const 
   // Three rows: tau of the temperature; m and r of the phases at a given temperature after.
   const typename Kinetics::Transfer& t = f.tangent.transfer;
   const Vector& a = f.temperature;
-  const Vector tau = a[iT] * P.row(iT) + a[iM] * P.row(iM) + a[iR] * P.row(iR) +
-                     a[iAmbient] * P.row(iAmbient) + a[iLoss] * P.row(iLoss);
-  const Vector m = t.m_m * P.row(iM) + t.m_r * P.row(iR) - f.moved.martensite_1_K * P.row(iT);
-  const Vector r = t.r_m * P.row(iM) + t.r_r * P.row(iR) - f.moved.r_phase_1_K * P.row(iT);
+  const S against_m = S(0) - f.moved.martensite_1_K;
+  const S against_r = S(0) - f.moved.r_phase_1_K;
+  const Vector tau =
+      combined<iT, iM, iR, iAmbient, iLoss>(P, a[iT], a[iM], a[iR], a[iAmbient], a[iLoss]);
+  const Vector m = combined<iM, iR, iT>(P, t.m_m, t.m_r, against_m);
+  const Vector r = combined<iM, iR, iT>(P, t.r_m, t.r_r, against_r);
+  using Term = Product<S>;
   const auto along_m = [&](const Vector& v) {
-    return t.m_m * v[iM] + t.m_r * v[iR] - f.moved.martensite_1_K * v[iT];
+    return sum_of_products(Term{t.m_m, v[iM]}, Term{t.m_r, v[iR]}, Term{against_m, v[iT]});
   };
   const auto along_r = [&](const Vector& v) {
-    return t.r_m * v[iM] + t.r_r * v[iR] - f.moved.r_phase_1_K * v[iT];
+    return sum_of_products(Term{t.r_m, v[iM]}, Term{t.r_r, v[iR]}, Term{against_r, v[iT]});
   };
 
   // Heat that the balance does not know of moves temperature and phases together.
@@ -315,17 +360,25 @@ void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const 
   const S per_fraction = q.fraction_noise * q.fraction_noise;
   const S noise_m = per_fraction * f.converted_m;
   const S noise_r = per_fraction * f.converted_r;
-  const S TT = a.dot(tau) + f.noise_K2;
+  const S TT = dot<iT, iM, iR, iAmbient, iLoss>(a, tau) + f.noise_K2;
   const S Tm = along_m(tau);
   const S Tr = along_r(tau);
-  const S TM = Tm + z_m * TT;
-  const S TR = Tr + z_r * TT;
-  const S MM = along_m(m) + z_m * (Tm + TM) + noise_m;
-  const S MR = along_r(m) + z_m * Tr + z_r * TM;
-  const S RR = along_r(r) + z_r * (Tr + TR) + noise_r;
-  P.row(iT) = tau;
-  P.row(iM) = m + z_m * tau;
-  P.row(iR) = r + z_r * tau;
+  const S TM = sum_of_products(Tm, Term{z_m, TT});
+  const S TR = sum_of_products(Tr, Term{z_r, TT});
+  const S MM = sum_of_products(along_m(m), Term{z_m, Tm + TM}) + noise_m;
+  const S MR = sum_of_products(along_r(m), Term{z_m, Tr}, Term{z_r, TM});
+  const S RR = sum_of_products(along_r(r), Term{z_r, Tr + TR}) + noise_r;
+  if constexpr (by_rows) {
+    P.row(iT) = tau;
+    P.row(iM) = m + z_m * tau;
+    P.row(iR) = r + z_r * tau;
+  } else {
+    for (int j = iAmbient; j < size; ++j) {
+      P(iT, j) = tau[j];
+      P(iM, j) = sum_of_products(m[j], Term{z_m, tau[j]});
+      P(iR, j) = sum_of_products(r[j], Term{z_r, tau[j]});
+    }
+  }
   P(iT, iT) = TT;
   P(iT, iM) = P(iM, iT) = TM;
   P(iT, iR) = P(iR, iT) = TR;
@@ -389,16 +442,15 @@ void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>&
   const KalmanTuning<S>& q = p.tuning;
   Covariance P(&s.covariance[0][0]);
   const Vector& H = expect.slope;
-  const Vector PH = H[iT] * P.row(iT) + H[iM] * P.row(iM) + H[iR] * P.row(iR) +
-                    H[iAmbient] * P.row(iAmbient) + H[iResistance] * P.row(iResistance);
+  const Vector PH = combined<iT, iM, iR, iAmbient, iResistance>(P, H[iT], H[iM], H[iR], H[iAmbient],
+                                                                H[iResistance]);
   const S model_sd = q.resistance_model_sd * expect.ohm;
-  const S variance = H.dot(PH) + model_sd * model_sd * (S(1e-3) / dt_s) +
+  const S variance = dot<iT, iM, iR, iAmbient, iResistance>(H, PH) +
+                     model_sd * model_sd * (S(1e-3) / dt_s) +
                      m.resistance_sd_ohm * m.resistance_sd_ohm;
   const S innovation = m.resistance_ohm - expect.ohm;
   const Vector K = (S(1) / variance) * PH;
-  for (int i = 0; i < size; ++i) {
-    P.row(i) -= K[i] * PH;
-  }
+  subtract_outer(P, K, PH);
   Vector change = innovation * K;
   const Phases<S> z = Kinetics::phases(s.kinetics);
   keep_on_simplex(P, z, change);

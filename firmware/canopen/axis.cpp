@@ -3,6 +3,8 @@
 #include <cmath>
 #include <memory>
 
+#include "firmware/canopen/duration.hpp"
+
 namespace smaservo::canopen {
 namespace {
 
@@ -147,7 +149,7 @@ std::uint16_t Axis::take_own_fault() {
 }
 
 void Axis::advance(std::uint64_t now_us) {
-  const float dt_s = std::fmin(1e-6F * static_cast<float>(now_us - now_us_), 0.1F);
+  const float dt_s = std::fmin(seconds_of(now_us - now_us_), 0.1F);
   now_us_ = now_us;
   transition();
   set_mode();
@@ -300,6 +302,21 @@ bool Axis::may_heat() const {
 bool Axis::moves_position() const {
   return mode() == DriveMode::profile_position || mode() == DriveMode::homing ||
          mode() == DriveMode::cyclic_position || state_ == DriveState::quick_stop;
+}
+
+bool Axis::follows(Key key) const {
+  switch (mode()) {
+    case DriveMode::cyclic_position:
+      return key == Key{0x607A, 0};
+    case DriveMode::cyclic_force:
+      return key == Key{0x6071, 0};
+    case DriveMode::current:
+    case DriveMode::power:
+    case DriveMode::temperature:
+      return key == Key{0x2201, static_cast<std::uint8_t>(-o_.mode_display)};
+    default:
+      return false;
+  }
 }
 
 void Axis::set_mode() {

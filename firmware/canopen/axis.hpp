@@ -63,6 +63,8 @@ class Axis {
   DriveState state() const { return state_; }
   AxisDemand demand() const;
   bool is_enabled() const { return state_ == DriveState::enabled; }
+  /// In this mode the object is the set-point that the axis follows at once.
+  bool follows(Key key) const;
   /// The device may be armed, and some settings must not change.
   bool may_heat() const;
   /// The master has gone and 6007h makes a fault of it, until that is reset.

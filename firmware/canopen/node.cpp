@@ -153,6 +153,7 @@ void Node::receive(const CanFrame& frame, std::uint64_t now_us) {
   if (event != PdoEvent::ignored && !frame.remote) {
     traffic_us_ = now_us;
     spoken_to_ = true;
+    find_again();
   }
   if (event == PdoEvent::too_short || event == PdoEvent::too_long) {
     emergency(static_cast<std::uint16_t>(event), frame.id);
@@ -188,6 +189,11 @@ void Node::receive_heartbeat(const CanFrame& frame) {
       consumers_[i] = {now_us_, true, false};
     }
   }
+  find_again();
+}
+
+/// The communication error of 1001h ends when everybody who is watched has come back.
+void Node::find_again() {
   const bool any_lost =
       std::ranges::any_of(consumers_, [](const Consumer& consumer) { return consumer.lost; });
   if (lost_ && !any_lost && pdos_.on_time()) {

@@ -39,7 +39,7 @@ enum class Request : std::uint8_t {
 
 /// A table of objects and the plain struct that they live in.
 struct ObjectTable {
-  std::span<const Object> rows;
+  ObjectRows rows;
   std::span<std::byte> memory;
 };
 
@@ -158,6 +158,7 @@ class Node final : public Dictionary {
   void watch_consumers();
   void watch_sync();
   void lose(std::uint16_t code, std::uint8_t who);
+  void find_again();
   void show_errors();
   bool take_heartbeat(CanFrame& frame);
   bool take_emergency(CanFrame& frame);

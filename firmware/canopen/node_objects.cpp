@@ -5,10 +5,15 @@
 namespace smaservo::canopen {
 namespace {
 
-constexpr auto own_rows = without_texts(communication_rows);
+constexpr const ObjectRows& own_rows = without_texts<communication_rows>;
 
 bool is_pdo(std::uint16_t index) {
   return 0x1400 <= index && index <= 0x1BFF;
+}
+
+/// An identifier of 11 bits that may be given, and nothing else but the bit that it does not count.
+bool is_plain_cob(std::uint32_t value) {
+  return (value & ~cob_id_mask & ~cob_invalid) == 0 && !is_restricted(value & cob_id_mask);
 }
 
 Request request_of(Key key) {
@@ -61,7 +66,7 @@ Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_
     put_number(to, entry.handle & 0xFFU);
     return Abort::none;
   }
-  const Object& object = own_rows[entry.handle];
+  const Object object = own_rows[entry.handle];
   if (object.key != entry.key) {
     return application_.read(entry, offset, to);
   }
@@ -82,10 +87,10 @@ Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_
 
 Abort Node::write(const Entry& entry, std::span<const std::uint8_t> from, Source source) {
   if (!is_ours(entry.key) || own_rows.size() <= entry.handle ||
-      own_rows[entry.handle].key != entry.key) {
+      own_rows.key(entry.handle) != entry.key) {
     return application_.write(entry, from, source);
   }
-  const Object& object = own_rows[entry.handle];
+  const Object object = own_rows[entry.handle];
   const std::uint32_t value = take_value(object.type, from);
   if (entry.key.index == 0x1010 || entry.key.index == 0x1011) {
     return check_signature(entry.key, value);
@@ -115,16 +120,14 @@ Abort Node::check_signature(Key key, std::uint32_t value) {
 }
 
 Abort Node::check(Key key, std::uint32_t value) const {
-  constexpr std::uint32_t frame_29_bits = 0x2000'0000;
   switch (key.index) {
     case 0x1003:
       return value == 0 ? Abort::none : Abort::value;
     case 0x1005: {
-      const bool plain = (value & ~cob_id_mask & ~cob_invalid) == 0;
-      return plain && !is_restricted(value & cob_id_mask) ? Abort::none : Abort::value;
+      return is_plain_cob(value) ? Abort::none : Abort::value;
     }
     case 0x1014: {
-      if ((value & frame_29_bits) != 0 || is_restricted(value & cob_id_mask)) {
+      if (!is_plain_cob(value)) {
         return Abort::value;
       }
       const bool stays_valid = ((objects_.emergency_cob | value) & cob_invalid) == 0;
@@ -188,11 +191,6 @@ constexpr std::size_t image_head = 6;
 constexpr std::size_t image_entry = 7;
 constexpr std::size_t image_crc = 2;
 
-const Object* row_of(std::span<const Object> table, Key key) {
-  const auto at = std::ranges::lower_bound(table, key, {}, &Object::key);
-  return at != table.end() && at->key == key ? &*at : nullptr;
-}
-
 }  // namespace
 
 std::size_t Node::image(std::span<std::uint8_t> to) const {
@@ -202,8 +200,9 @@ std::size_t Node::image(std::span<std::uint8_t> to) const {
   to[4] = lss_bit_rate_;
   to[5] = 0;
   std::size_t at = image_head;
-  const auto append = [&](std::span<const Object> table, std::span<const std::byte> memory) {
-    for (const Object& object : table) {
+  const auto append = [&](const ObjectRows& table, std::span<const std::byte> memory) {
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      const Object object = table[i];
       if ((object.access & stored) == 0) {
         continue;
       }
@@ -246,12 +245,16 @@ bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
        at += image_entry) {
     const Key key{static_cast<std::uint16_t>(take_number(image.subspan(at, 2))), image[at + 2]};
     const auto value = static_cast<std::uint32_t>(take_number(image.subspan(at + 3, 4)));
-    const Object* object = row_of(own_rows, key);
-    const bool ours = object != nullptr;
-    object = ours ? object : row_of(other.rows, key);
-    if (object != nullptr && (object->access & stored) != 0 &&
-        check_range(object->type, value, object->least, object->greatest) == Abort::none) {
-      keep(*object, ours ? own : other.memory, value);
+    const bool ours = own_rows.find(key) < own_rows.size();
+    const ObjectRows& rows = ours ? own_rows : other.rows;
+    const std::size_t row = rows.find(key);
+    if (row == rows.size()) {
+      continue;
+    }
+    const Object object = rows[row];
+    if ((object.access & stored) != 0 &&
+        check_range(object.type, value, object.least, object.greatest) == Abort::none) {
+      keep(object, ours ? own : other.memory, value);
     }
   }
   return good || image.empty();

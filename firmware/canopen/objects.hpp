@@ -69,12 +69,97 @@ constexpr DescribedObject row(Key key, Type type, unsigned access, std::size_t a
           meaning};
 }
 
+/// A row as a node keeps it: of few bytes, its range by number.
+struct ObjectRow {
+  std::uint16_t index;
+  std::uint8_t sub;
+  Type type;
+  std::uint8_t access;
+  std::uint8_t range;
+  std::uint16_t at;
+  std::uint32_t standard;
+};
+struct ObjectRange {
+  std::uint32_t least, greatest;
+  friend constexpr bool operator==(const ObjectRange&, const ObjectRange&) = default;
+};
+
+/// Rows in the order of their keys; each as an Object when it is looked at.
+class ObjectRows {
+ public:
+  constexpr ObjectRows() = default;
+  constexpr ObjectRows(std::span<const ObjectRow> rows, const ObjectRange* ranges)
+      : rows_(rows), ranges_(ranges) {}
+
+  std::size_t size() const { return rows_.size(); }
+  Object operator[](std::size_t i) const;
+  Key key(std::size_t i) const { return {rows_[i].index, rows_[i].sub}; }
+  /// size() where there is none.
+  std::size_t find(Key key) const;
+
+ private:
+  std::span<const ObjectRow> rows_;
+  const ObjectRange* ranges_ = nullptr;
+};
+
+namespace detail {
+
 template <std::size_t n>
-constexpr std::array<Object, n> without_texts(const std::array<DescribedObject, n>& rows) {
-  std::array<Object, n> objects{};
-  std::ranges::transform(rows, objects.begin(), &DescribedObject::object);
-  return objects;
-}
+struct DistinctRanges {
+  std::array<ObjectRange, n> ranges{};
+  std::size_t size = 0;
+
+  /// Its number.
+  constexpr std::size_t add(const ObjectRange& range) {
+    const auto end = ranges.begin() + static_cast<std::ptrdiff_t>(size);
+    const auto known = std::find(ranges.begin(), end, range);
+    if (known == end) {
+      ranges[size++] = range;
+    }
+    return static_cast<std::size_t>(known - ranges.begin());
+  }
+};
+
+template <const auto& described>
+inline constexpr auto distinct_ranges = [] {
+  DistinctRanges<std::size(described)> all;
+  for (const DescribedObject& row : described) {
+    all.add({row.object.least, row.object.greatest});
+  }
+  return all;
+}();
+
+template <const auto& described>
+inline constexpr auto range_table = [] {
+  std::array<ObjectRange, distinct_ranges<described>.size> ranges{};
+  std::copy_n(distinct_ranges<described>.ranges.begin(), ranges.size(), ranges.begin());
+  return ranges;
+}();
+
+template <const auto& described>
+inline constexpr auto row_table = [] {
+  std::array<ObjectRow, std::size(described)> rows{};
+  auto ranges = distinct_ranges<described>;
+  static_assert(distinct_ranges<described>.size <= 256);
+  std::ranges::transform(described, rows.begin(), [&](const DescribedObject& row) -> ObjectRow {
+    const Object& o = row.object;
+    return {o.key.index,
+            o.key.sub,
+            o.type,
+            static_cast<std::uint8_t>(o.access),
+            static_cast<std::uint8_t>(ranges.add({o.least, o.greatest})),
+            o.at,
+            o.standard};
+  });
+  return rows;
+}();
+
+}  // namespace detail
+
+template <const auto& described>
+inline constexpr ObjectRows without_texts{detail::row_table<described>,
+                                          detail::range_table<described>.data()};
+
 constexpr bool in_order(std::span<const DescribedObject> rows) {
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (!(rows[i - 1].object.key < rows[i].object.key)) {
@@ -92,41 +177,18 @@ constexpr bool is_highest_sub(const Entry& entry) {
   return entry.handle >> 8U == 0xFF;
 }
 
-/// Finds a key in rows that stand in the order of their keys; the handle is the row's number. A
-/// sub-index 0 that has no row of its own says what the highest one is.
-template <class Row>
-Abort find_row(std::span<const Row> rows, Key key, Entry& entry, Type (*type_of)(const Row&),
-               std::uint16_t (*access_of)(const Row&)) {
-  const auto at = std::ranges::lower_bound(rows, key, {}, &Row::key);
-  if (at != rows.end() && at->key == key) {
-    const Type type = type_of(*at);
-    entry = {key, type, access_of(*at), static_cast<std::uint16_t>(at - rows.begin()),
-             size_of(type)};
-    return Abort::none;
-  }
-  // Rows of the same index stand beside the place where this one would be.
-  const bool before = at != rows.begin() && (at - 1)->key.index == key.index;
-  const bool after = at != rows.end() && at->key.index == key.index;
-  if (!before && !after) {
-    return Abort::no_object;
-  }
-  if (key.sub != 0) {
-    return Abort::no_sub;
-  }
-  auto last = at;
-  while (last + 1 != rows.end() && (last + 1)->key.index == key.index) {
-    ++last;
-  }
-  entry = highest_sub_entry(key, last->key.sub);
-  return Abort::none;
-}
-Abort find_object(std::span<const Object> rows, Key key, Entry& entry);
+/// Finds a key in `count` rows that stand in the order of their keys; key_of() says them. A
+/// sub-index 0 that has no row of its own says what the highest one is: `row` is `count` then and
+/// the entry complete, in other cases it is the caller's to fill.
+Abort find_row(std::size_t count, Key (*key_of)(const void* rows, std::size_t row),
+               const void* rows, Key key, Entry& entry, std::size_t& row);
+Abort find_object(const ObjectRows& rows, Key key, Entry& entry);
 
 /// Of a row whose value lives in `memory`.
 std::uint32_t load(const Object& object, std::span<const std::byte> memory);
 void keep(const Object& object, std::span<std::byte> memory, std::uint32_t value);
 /// Every default; node-id where it counts.
-void reset_objects(std::span<const Object> rows, std::span<std::byte> memory, std::uint8_t node_id);
+void reset_objects(const ObjectRows& rows, std::span<std::byte> memory, std::uint8_t node_id);
 constexpr std::uint32_t default_of(const Object& object, std::uint8_t node_id) {
   return object.standard + ((object.access & by_node) != 0 ? node_id : 0U);
 }

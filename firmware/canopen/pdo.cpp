@@ -9,6 +9,10 @@ constexpr std::uint8_t first_event_type = 254;
 bool is_valid(const PdoParams& params) {
   return (params.cob & cob_invalid) == 0;
 }
+/// A PDO into which nothing is mapped is not sent, and what comes with its identifier is nobody's.
+bool is_used(const PdoParams& params, const Mapping& map) {
+  return is_valid(params) && map.count != 0;
+}
 bool is_type(std::uint32_t type) {
   return type <= most_syncs || first_event_type <= type;
 }
@@ -163,7 +167,7 @@ PdoEvent Pdos::receive(const CanFrame& frame, std::uint64_t now_us) {
   if (frame.remote) {
     for (std::size_t i = 0; i < pdo_count; ++i) {
       const PdoParams& params = objects_.tpdo[i];
-      if (is_valid(params) && (params.cob & cob_id_mask) == frame.id &&
+      if (is_used(params, objects_.tpdo_map[i]) && (params.cob & cob_id_mask) == frame.id &&
           (params.cob & cob_no_remote) == 0) {
         tx_[i].due = true;
         return PdoEvent::none;
@@ -174,7 +178,7 @@ PdoEvent Pdos::receive(const CanFrame& frame, std::uint64_t now_us) {
   PdoEvent event = PdoEvent::ignored;
   for (std::size_t i = 0; i < pdo_count; ++i) {
     const PdoParams& params = objects_.rpdo[i];
-    if (!is_valid(params) || (params.cob & cob_id_mask) != frame.id) {
+    if (!is_used(params, objects_.rpdo_map[i]) || (params.cob & cob_id_mask) != frame.id) {
       continue;
     }
     Receive& rx = rx_[i];
@@ -236,7 +240,7 @@ void Pdos::sync(std::uint8_t counter) {
   for (std::size_t i = 0; i < pdo_count; ++i) {
     const PdoParams& params = objects_.tpdo[i];
     Transmit& tx = tx_[i];
-    if (!is_valid(params) || first_event_type <= params.type) {
+    if (!is_used(params, objects_.tpdo_map[i]) || first_event_type <= params.type) {
       continue;
     }
     if (params.type == 0) {
@@ -289,7 +293,7 @@ PdoEvent Pdos::advance(std::uint64_t now_us) {
 void Pdos::look(std::size_t i, std::uint64_t now_us) {
   const PdoParams& params = objects_.tpdo[i];
   Transmit& tx = tx_[i];
-  if (!is_valid(params) || params.type < first_event_type || tx.due) {
+  if (!is_used(params, objects_.tpdo_map[i]) || params.type < first_event_type || tx.due) {
     return;
   }
   std::array<std::uint8_t, 8> data{};

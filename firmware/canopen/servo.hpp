@@ -61,6 +61,7 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   /// For the next step.
   Command<S> command() const;
   using ServoCore::external;
+  using ServoCore::setpoints;
   /// What the step came to, and what it was made from. Once per step.
   void publish(const Output<S>& output, const Inputs<S>& inputs, const S& dt_s);
   using ServoCore::set_bus;

@@ -1,11 +1,12 @@
 #include "firmware/canopen/servo_core.hpp"
 
+#include "firmware/canopen/duration.hpp"
 #include "firmware/failsafe.hpp"
 
 namespace smaservo::canopen {
 namespace {
 
-constexpr auto drive_rows = without_texts(drive_object_rows);
+constexpr const ObjectRows& drive_rows = without_texts<drive_object_rows>;
 
 constexpr std::uint16_t live_values = 0x2200;
 // Handles tell whose an entry is.
@@ -97,7 +98,7 @@ Abort ServoCore::read(const Entry& entry, std::uint32_t offset, std::span<std::u
   } else if (entry.key == data_key) {
     return recorder_.read(offset, to);
   } else {
-    const Object& object = drive_rows[entry.handle];
+    const Object object = drive_rows[entry.handle];
     put_number(to, object.at == nowhere ? object.standard
                                         : load(object, std::as_bytes(std::span(&objects_, 1))));
   }
@@ -111,7 +112,7 @@ Abort ServoCore::write(const Entry& entry, std::span<const std::uint8_t> from, S
 }
 
 Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source source) {
-  const Object& object = drive_rows[entry.handle];
+  const Object object = drive_rows[entry.handle];
   Abort refused = check_range(object.type, value, object.least, object.greatest);
   refused = refused == Abort::none ? check(entry.key, value) : refused;
   const bool is_kept = (object.access & stored) != 0;
@@ -127,6 +128,7 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
     return run(entry.key, value);
   }
   keep(object, {memory(), sizeof objects_}, value);
+  setpoints_ += axis_.follows(entry.key) ? 1U : 0U;
   if (entry.key.index == 0x6040) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }
@@ -225,7 +227,7 @@ void ServoCore::revert_tuning(Source source) {
 /// A client that has gone leaves nothing half done.
 void ServoCore::watch_client() {
   const std::uint64_t last_us = std::max(tuned_us_, node_.last_sdo_us());
-  const auto timeout_us = static_cast<std::uint64_t>(1e6F * objects_.client_timeout_s);
+  const std::uint64_t timeout_us = microseconds_of(objects_.client_timeout_s);
   if (parameters_.state() != TuningState::none && timeout_us != 0 &&
       timeout_us < now_us_ - last_us) {
     revert_tuning(Source::device);
@@ -244,7 +246,7 @@ void ServoCore::show_tuning() {
 
 void ServoCore::log(Key key, std::uint32_t before, std::uint32_t value, Source source,
                     Abort result) {
-  log_.add({static_cast<std::uint32_t>(now_us_ / 1000), key, source, before, value, result});
+  log_.add({milliseconds_of(now_us_), key, source, before, value, result});
   objects_.changes = log_.count();
 }
 
@@ -290,7 +292,7 @@ void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, S
 
 bool ServoCore::is_fresh() const {
   return objects_.connection_option == 0 ||
-         node_.partner_alive(static_cast<std::uint64_t>(1e6F * objects_.partner_timeout_s));
+         node_.partner_alive(microseconds_of(objects_.partner_timeout_s));
 }
 
 FaultSet ServoCore::external() const {
@@ -303,7 +305,7 @@ FaultSet ServoCore::external() const {
 // Time.
 
 void ServoCore::advance(std::uint64_t now_us) {
-  const float dt_s = 1e-6F * static_cast<float>(now_us - now_us_);
+  const float dt_s = seconds_of(now_us - now_us_);
   now_us_ = now_us;
   node_.advance(now_us);
   if (parameters_.tick(dt_s)) {

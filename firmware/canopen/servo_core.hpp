@@ -70,6 +70,8 @@ class ServoCore : public Application {
   bool is_fresh() const;
   /// Of what only the bus knows, for Inputs::external.
   FaultSet external() const;
+  /// Of a cyclic mode, since the start: each one counts, also one that is as the one before.
+  std::uint32_t setpoints() const { return setpoints_; }
 
   Node& node() { return node_; }
   const Node& node() const { return node_; }
@@ -117,6 +119,7 @@ class ServoCore : public Application {
   Signals signals_{};
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
+  std::uint32_t setpoints_ = 0;
   std::uint8_t errors_ = 0;  ///< 1001h, of the device's faults
   bool held_ = false;
 };

@@ -49,14 +49,15 @@ class Tuning final : public ParameterAccess {
 
 template <class S>
 Abort Tuning<S>::find(Key key, Entry& entry) const {
-  constexpr auto type_of = [](const ParameterRow<S>& row) {
-    constexpr std::array types{Type::real, Type::u32, Type::u8, Type::boolean};
-    return types[static_cast<std::size_t>(row.type)];
-  };
-  constexpr auto access_of = [](const ParameterRow<S>&) -> std::uint16_t {
-    return readable | writable;
-  };
-  return find_row<ParameterRow<S>>(parameter_rows<S>, key, entry, type_of, access_of);
+  constexpr std::array types{Type::real, Type::u32, Type::u8, Type::boolean};
+  const auto key_of = [](const void* /*rows*/, std::size_t i) { return parameter_rows<S>[i].key; };
+  std::size_t row = 0;
+  const Abort found = find_row(parameter_count, key_of, nullptr, key, entry, row);
+  if (found == Abort::none && row < parameter_count) {
+    const Type type = types[static_cast<std::size_t>(parameter_rows<S>[row].type)];
+    entry = {key, type, readable | writable, static_cast<std::uint16_t>(row), size_of(type)};
+  }
+  return found;
 }
 
 template <class S>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 #include <type_traits>
 
 #include "host-sim/toml_table.hpp"
@@ -236,6 +237,17 @@ std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots&
         }
       },
       file.drive);
+}
+
+std::string period_problem(const Settings<double>& settings) {
+  const double period_s = settings.timing.period_s;
+  // Stored settings are of single precision.
+  constexpr double slack = 1e-6;
+  const bool possible =
+      shortest_period_s * (1 - slack) <= period_s && period_s <= longest_period_s * (1 + slack);
+  return possible ? ""
+                  : fmt::format("timing.period_ms = {:.6g}: must be between {} and {} on a board",
+                                1e3 * period_s, 1e3 * shortest_period_s, 1e3 * longest_period_s);
 }
 
 bool within(const BoardFile& file, const Settings<double>& settings) {

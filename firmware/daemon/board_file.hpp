@@ -48,6 +48,11 @@ BoardFile load_board_file(const std::string& path);
 std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots);
 std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots);
 
+/// timing.period_s on a board: 100 Hz to 2 kHz.
+inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
+/// What is wrong with the period of these settings; empty: nothing.
+std::string period_problem(const Settings<double>& settings);
+
 /// Whether settings are within what the board can do.
 bool within(const BoardFile& file, const Settings<double>& settings);
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <utility>
 
 #include "firmware/command.hpp"
 #include "firmware/daemon/partner.hpp"
@@ -24,6 +25,7 @@ struct TurnReport {
 struct NodeSays {
   Command<double> command;
   FaultSet external;
+  std::uint32_t setpoints = 0;  ///< of a cyclic mode, since the start
 };
 
 /// The loop's side. A command that has come once is fresh once; after `lease_s` without a sign of
@@ -47,6 +49,7 @@ class BusPartner : public Partner {
   Ring<TurnReport> reports_{256};  ///< full: the node misses some, which it does not mind
   NodeSays last_{};
   double said_s_ = 0;
+  std::uint32_t setpoints_ = 0;
   bool said_ = false;
 };
 
@@ -60,7 +63,8 @@ inline Heard BusPartner::listen(double time_s) {
   const bool lost = said_ && time_s - said_s_ > lease_s_;
   FaultSet external = last_.external;
   external.add(Fault::bus_lost, lost);
-  return {last_.command, external};
+  const std::uint32_t come = last_.setpoints - std::exchange(setpoints_, last_.setpoints);
+  return {last_.command, external, false, come};
 }
 
 /// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
@@ -90,7 +94,7 @@ class BusPump {
       changes_ = taken ? changes : changes_;
       node_.hold_settings(!taken);
     }
-    partner_.say({node_.command(), node_.external() | port_faults});
+    partner_.say({node_.command(), node_.external() | port_faults, node_.setpoints()});
     send(now_us);
   }
 

@@ -14,6 +14,7 @@
 
 #include "firmware/canopen/servo.hpp"
 #include "firmware/daemon/kept_settings.hpp"
+#include "firmware/daemon/realtime.hpp"
 #include "hal/linux/clock.hpp"
 #include "hal/linux/open_can.hpp"
 #include "host-sim/canopen_reference.hpp"
@@ -129,6 +130,10 @@ void BusService::start() {
 
 void BusService::Parts::run(const std::stop_token& stop) {
   const auto now = [] { return static_cast<std::uint64_t>(monotonic_ns() / 1000); };
+  // Of rights that are missing the loop tells.
+  if (setup.priority > 0) {
+    make_real_time({.priority = setup.priority});
+  }
   begin(now());
   heard_us = now();
   while (!stop.stop_requested()) {

@@ -16,6 +16,7 @@ struct BusSetup {
   /// Of the hardware: no parameter over the bus goes beyond; 0: none.
   double greatest_current_A = 0;
   std::string board;  ///< as 1009h calls it
+  int priority = 0;   ///< of the thread's SCHED_FIFO; 0: none
 };
 
 /// Takes the device's settings from the desk and gives changed ones back to it. A reset of the node

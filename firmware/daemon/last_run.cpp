@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <sstream>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include "host-sim/output_file.hpp"
@@ -77,6 +78,11 @@ RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boo
   prepare_folder("--settings", folder);
   const std::string path = folder + "/run";
   const std::string result = folder + "/service-result";
+  file_ = Descriptor(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
+  if (file_.number() >= 0 && flock(file_.number(), LOCK_EX | LOCK_NB) != 0 &&
+      errno == EWOULDBLOCK) {
+    throw UserError(fmt::format("{}: another smaservod runs with this folder", folder));
+  }
   last_ = parse(text_of(path), boot);
   if (last_.unclean()) {
     last_.result = text_of(result);
@@ -88,7 +94,6 @@ RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boo
   }
   std::error_code none;
   std::filesystem::remove(result, none);
-  file_ = Descriptor(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
   if (file_.number() < 0 || !set(State::idle)) {
     throw UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
   }

@@ -36,7 +36,7 @@ class RunMark {
   using Block = std::array<char, 128>;
 
   /// Reads the last run's mark and makes that of this one. `boot` names the machine's start. Throws
-  /// UserError where the folder can not be written.
+  /// UserError where the folder can not be written, or another process has its mark in it.
   RunMark(const std::string& folder, const std::string& boot);
 
   const LastRun& last() const { return last_; }

@@ -44,8 +44,11 @@ struct LoopFigures {
   std::atomic<std::uint64_t> missed{0};       ///< turns whose time passed, not caught up
   std::atomic<std::uint64_t> no_frame{0};     ///< turns in which none came
   std::atomic<std::uint64_t> lost_frames{0};  ///< jumps of the sequence number
-  Histogram wake;                             ///< after the turn's time
-  Histogram execution;                        ///< from waking up to the end of the turn
+  std::atomic<std::uint64_t> setpoints{0};    ///< that a master has sent in a cyclic mode
+  std::atomic<std::uint64_t> superseded{
+      0};                     ///< of them, those that a newer one came before their turn
+  Histogram wake;             ///< after the turn's time
+  Histogram execution;        ///< from waking up to the end of the turn
   Histogram sample_to_drive;  ///< from the instant of the sample to the drive being told
   std::array<Stop, fault_count> stops{};  ///< by the faults that ended a current
 };

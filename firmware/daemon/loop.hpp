@@ -48,6 +48,7 @@ class Loop {
   static constexpr std::int64_t longest_step_ns = 20'000'000;
 
   void count_frame(ReadStatus status);
+  void count_setpoints(std::uint32_t come);
   double advance_time();
   void adopt_sets();
   void drive(ReadStatus status);
@@ -85,6 +86,7 @@ bool Loop<B, Pacing>::turn() {
   count_frame(status);
   const double dt_s = advance_time();
   const Heard heard = partner_.listen(now_.turn.time_s);
+  count_setpoints(heard.setpoints);
   adopt_sets();
   Turn& turn = now_.turn;
   turn.command = heard.command;
@@ -99,8 +101,11 @@ bool Loop<B, Pacing>::turn() {
   links_.output.put(turn.output);
   note_stop(before, sampled_ns, driven_ns);
   leave_record();
+  // The first frame has waited for the loop to begin.
+  if (status == ReadStatus::frame && now_.number > 1) {
+    figures_.sample_to_drive.add(driven_ns - sampled_ns);
+  }
   figures_.wake.add(woke.late_ns);
-  figures_.sample_to_drive.add(driven_ns - sampled_ns);
   figures_.missed.fetch_add(woke.missed, std::memory_order_relaxed);
   figures_.execution.add(monotonic_ns() - woke_ns);
   figures_.turns.fetch_add(1, std::memory_order_relaxed);
@@ -119,6 +124,14 @@ void Loop<B, Pacing>::count_frame(ReadStatus status) {
   }
   sequenced_ = true;
   sequence_ = frame_.sequence;
+}
+
+/// A master's clock and the loop's are not locked to each other: now and then two come before one
+/// turn, and then none before the next.
+template <Board B, class Pacing>
+void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
+  figures_.setpoints.fetch_add(come, std::memory_order_relaxed);
+  figures_.superseded.fetch_add(come > 1 ? come - 1 : 0, std::memory_order_relaxed);
 }
 
 /// After a longer pause than a device can step over its time stands still: the wire has cooled

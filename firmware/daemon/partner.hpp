@@ -10,6 +10,8 @@ struct Heard {
   Command<double> command;
   FaultSet external;
   bool late = false;  ///< as recorded or simulated; the loop knows by itself when it really is
+  std::uint32_t setpoints =
+      0;  ///< that a master has sent since the turn before; the last one counts
 };
 
 /// Both calls are the loop's: they neither wait nor allocate.

@@ -18,7 +18,8 @@ struct RealTimeSettings {
 /// No page of the process is swapped out, and the heap keeps what it has. Empty, or a warning.
 std::string lock_memory();
 
-/// SCHED_FIFO for the calling thread, on its processor; stack touched. Warnings.
+/// Touches the stack; then SCHED_FIFO for the calling thread, not for those that it starts, on its
+/// processor. Warnings.
 std::vector<std::string> make_real_time(const RealTimeSettings& settings);
 
 struct PageFaults {

@@ -61,8 +61,10 @@ int serve_simulation(const DaemonOptions& options) {
   Demonstration demonstration(kept.settings);
   std::unique_ptr<BusService> bus;
   if (!options.bus.empty()) {
-    bus = std::make_unique<BusService>(BusSetup{options.bus, 0, options.settings, 0, "simulated"},
-                                       service.desk(), service.links(), service.figures());
+    const int priority = options.real_time && !options.at_once ? bus_priority({}) : 0;
+    bus = std::make_unique<BusService>(
+        BusSetup{options.bus, 0, options.settings, 0, "simulated", priority}, service.desk(),
+        service.links(), service.figures());
     bus->start();
   }
   Partner& partner = bus                        ? bus->partner()

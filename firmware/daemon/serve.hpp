@@ -12,6 +12,12 @@ namespace smaservo {
 /// Heat ends with the loop, but not with one lost turn of it.
 inline constexpr std::int64_t leased_periods = 3;
 
+/// Of the bus's thread: before all that has no priority, behind the loop and, by default, behind
+/// the kernel's interrupt threads (50).
+constexpr int bus_priority(const RealTimeSettings& loop) {
+  return std::max(loop.priority / 2, 1);
+}
+
 /// Runs this board with this partner.
 template <Board B>
 int serve(Service& service, B& board, Partner& partner, const LoopTiming& timing, bool paced) {

@@ -45,6 +45,8 @@ bool tried(const char* what, const std::function<void()>& open) {
     open();
     fmt::print("{:<16} ok\n", what);
     return true;
+  } catch (const DeviceBusy&) {
+    throw;
   } catch (const std::runtime_error& error) {
     fmt::print("{:<16} {}\n", what, error.what());
     return false;
@@ -61,12 +63,41 @@ bool line_tried(const char* what, const LineSettings& line, LineSettings LinesSe
   return tried(what, [&] { open_lines(roots(), one); });
 }
 
+/// A file with an impossible period is refused. Stored settings, which came over the bus, must stay
+/// in reach of it: they are not obeyed, and the device can not be armed.
+KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options) {
+  const bool configured = !options.device.empty();
+  const Settings<double> given = configured ? load_settings_file(options.device) : unconfigured();
+  if (const std::string problem = period_problem(given); !problem.empty()) {
+    throw UserError(fmt::format("{}: {}", options.device, problem));
+  }
+  KeptSettings kept = keep_settings(options.settings, given, configured);
+  fmt::print(stderr, "smaservod: {}\n", kept.said);
+  kept.faults.set(Fault::bad_configuration, !within(file, kept.settings));
+  if (const std::string problem = period_problem(kept.settings); !problem.empty()) {
+    fmt::print(stderr, "smaservod: {}: {}; not obeyed\n", options.settings, problem);
+    kept.settings.timing.period_s = given.timing.period_s;
+    kept.faults.set(Fault::bad_configuration);
+  }
+  if (file.bus && file.bus->node_id != 0) {
+    kept.settings.identity.node_id = file.bus->node_id;
+  }
+  return kept;
+}
+
 }  // namespace
 
 int check_board(const DaemonOptions& options) {
   const BoardFile file = load_board_file(options.board);
   fmt::print("{}: {}\n", options.board, file.name);
-  bool ok = tried("drive", [&] { open_drive(file, roots()); });
+  bool ok = false;
+  try {
+    ok = tried("drive", [&] { open_drive(file, roots()); });
+  } catch (const DeviceBusy& error) {
+    fmt::print("{:<16} {}\n{:<16} not opened: that would disturb it\n", "drive", error.what(),
+               "all others");
+    return 1;
+  }
   ok = tried("front end", [&] { open_front_end(file, roots()); }) && ok;
   ok = tried("sensors", [&] { const SlowSensors all(roots(), file.slow); }) && ok;
   ok = line_tried("enable", file.lines.enable, &LinesSettings::enable) && ok;
@@ -81,9 +112,12 @@ int check_board(const DaemonOptions& options) {
     try {
       const Settings<double> settings = load_settings_file(file.device);
       const bool fits = within(file, settings);
+      const std::string problem = period_problem(settings);
       fmt::print("{:<16} {}\n", "settings",
-                 fits ? "ok" : "beyond the board: limits.current, drive.kind or a load cell");
-      ok = ok && fits;
+                 !problem.empty() ? file.device + ": " + problem
+                 : fits           ? "ok"
+                                  : "beyond the board: limits.current, drive.kind or a load cell");
+      ok = ok && fits && problem.empty();
     } catch (const std::exception& error) {
       fmt::print("{:<16} {}\n", "settings", error.what());
       ok = false;
@@ -105,6 +139,8 @@ int switch_board_off(const DaemonOptions& options) {
     }
   }
   // Each by itself: what fails must not keep the other one on. To open them is to switch them off.
+  LinuxRoots where = roots();
+  where.takes_over = true;
   bool ok = true;
   const auto off = [&](const std::function<void()>& open) {
     try {
@@ -114,11 +150,11 @@ int switch_board_off(const DaemonOptions& options) {
       ok = false;
     }
   };
-  off([&] { open_drive(file, roots()); });
+  off([&] { open_drive(file, where); });
   LinesSettings outputs;
   outputs.enable = file.lines.enable;
   outputs.kick = file.lines.kick;
-  off([&] { open_lines(roots(), outputs); });
+  off([&] { open_lines(where, outputs); });
   return ok ? 0 : 1;
 }
 
@@ -127,14 +163,7 @@ int serve_board(const DaemonOptions& options) {
   DaemonOptions with = options;
   with.device = options.device.empty() ? file.device : options.device;
   with.settings = options.settings.empty() ? file.folder : options.settings;
-  const bool configured = !with.device.empty();
-  KeptSettings kept = keep_settings(
-      with.settings, configured ? load_settings_file(with.device) : unconfigured(), configured);
-  fmt::print(stderr, "smaservod: {}\n", kept.said);
-  if (file.bus && file.bus->node_id != 0) {
-    kept.settings.identity.node_id = file.bus->node_id;
-  }
-  kept.faults.set(Fault::bad_configuration, !within(file, kept.settings));
+  const KeptSettings kept = board_settings(file, with);
   LinuxBoard board(open_parts(file));
   ServiceSetup setup = service_setup(with, kept.settings);
   setup.board = file.name;
@@ -149,7 +178,8 @@ int serve_board(const DaemonOptions& options) {
   std::unique_ptr<BusService> bus;
   if (file.bus) {
     bus = std::make_unique<BusService>(BusSetup{file.bus->interface, file.bus->partner_timeout_s,
-                                                with.settings, file.greatest_current_A, file.name},
+                                                with.settings, file.greatest_current_A, file.name,
+                                                with.real_time ? bus_priority(file.thread) : 0},
                                        service.desk(), service.links(), service.figures());
     bus->start();
   }

@@ -69,6 +69,8 @@ std::string status_json(const Status& status) {
             {"missed", f.missed.load()},
             {"no_frame", f.no_frame.load()},
             {"lost_frames", f.lost_frames.load()},
+            {"setpoints", f.setpoints.load()},
+            {"superseded", f.superseded.load()},
             {"wake_us", json_of(f.wake)},
             {"execution_us", json_of(f.execution)},
             {"sample_to_drive_us", json_of(f.sample_to_drive)},
@@ -126,6 +128,10 @@ std::string status_text(const Status& status) {
                           fault_name(static_cast<Fault>(i)), stop.count.load(),
                           us(stop.longest_ns.load()));
     }
+  }
+  if (f.setpoints.load() > 0) {
+    text += fmt::format("{} cyclic set-points, {} superseded by newer ones before their turn\n",
+                        f.setpoints.load(), f.superseded.load());
   }
   if (status.guard_stops > 0) {
     text += fmt::format("the guard switched off {} times: the loop hung\n", status.guard_stops);

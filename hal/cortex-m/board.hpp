@@ -21,9 +21,9 @@ inline volatile std::uint32_t ticks = 0;
 
 class PipeBoard {
  public:
-  /// The processor's clock, and the loop's period: up to 16.7 million clocks.
-  PipeBoard(std::uint32_t clock_Hz, std::uint32_t period_us)
-      : period_ns_(std::int64_t{period_us} * 1000), clocks_(clock_Hz / 1'000'000 * period_us) {}
+  /// The processor's clock, in whole nanoseconds, and the loop's period: up to 16.7 million clocks.
+  PipeBoard(std::uint32_t clock_ns, std::uint32_t period_us)
+      : clock_ns_(clock_ns), period_us_(period_us), clocks_(period_us * 1000 / clock_ns) {}
 
   bool is_open() const { return to_.is_open() && from_.is_open(); }
 
@@ -36,7 +36,7 @@ class PipeBoard {
 
   /// Sleeps until the timer's next tick. As the pipe brings the readings at once, there is nothing
   /// more to wait for; a converter is started by the tick, and its interrupt ends the sleep.
-  ReadStatus read(Frame& frame) {
+  ReadStatus read(FrameOf<float>& frame) {
     while (ticks == served_) {
       wait_for_interrupt();
     }
@@ -47,14 +47,14 @@ class PipeBoard {
     if (from_.read(std::as_writable_bytes(std::span(&now, 1))) != sizeof now) {
       return ReadStatus::end;
     }
-    frame = {.time_ns = std::int64_t{served_} * period_ns_,
+    frame = {.time_ns = std::int64_t{served_} * period_us_ * 1000,
              .sequence = now.sequence,
-             .current_A = double{now.current_A},
-             .voltage_V = double{now.voltage_V},
-             .load_N = double{now.load_N},
-             .supply_V = double{now.supply_V},
-             .ambient_K = double{now.ambient_K},
-             .driver_K = double{now.driver_K},
+             .current_A = now.current_A,
+             .voltage_V = now.voltage_V,
+             .load_N = now.load_N,
+             .supply_V = now.supply_V,
+             .ambient_K = now.ambient_K,
+             .driver_K = now.driver_K,
              .emergency_stop = (now.flags & link::emergency_stop) != 0,
              .driver_fault = (now.flags & link::driver_fault) != 0};
     return (now.flags & link::fresh) != 0 ? ReadStatus::frame : ReadStatus::nothing;
@@ -62,20 +62,19 @@ class PipeBoard {
   /// Periods that went by unseen before the last frame.
   std::uint32_t missed() const { return missed_; }
 
-  void drive(const DriveCommand& command) {
-    next_.current_A = static_cast<float>(command.current_A);
-    next_.voltage_V = static_cast<float>(command.voltage_V);
-    next_.lease_us = static_cast<std::int32_t>((command.valid_until_ns - now_ns()) / 1000);
+  /// For a second at most.
+  void drive(const DriveCommandOf<float>& command) {
+    next_.current_A = command.current_A;
+    next_.voltage_V = command.voltage_V;
+    next_.lease_us = static_cast<std::int32_t>(command.valid_until_ns - now_ns()) / 1000;
   }
   void kick() { next_.kicked = 1; }
   void safe_off() {
     next_ = {};
     send();
   }
-  std::int64_t now_ns() const {
-    const std::int64_t gone = clocks_ - 1 - sys_tick().value;
-    return std::int64_t{ticks} * period_ns_ + gone * period_ns_ / clocks_;
-  }
+  std::int64_t now_ns() const { return std::int64_t{ticks} * period_us_ * 1000 + gone_ns(); }
+  std::uint64_t now_us() const { return std::uint64_t{ticks} * period_us_ + gone_ns() / 1000; }
 
  private:
   void send() {
@@ -83,14 +82,16 @@ class PipeBoard {
     next_ = {};
   }
 
-  std::int64_t period_ns_;
-  std::uint32_t clocks_;
+  /// Since the last tick.
+  std::uint32_t gone_ns() const { return (clocks_ - 1 - sys_tick().value) * clock_ns_; }
+
+  std::uint32_t clock_ns_, period_us_, clocks_;
   std::uint32_t served_ = 0, missed_ = 0;
   link::Drive next_{};
   semihosting::File to_{"drive", semihosting::Open::write};
   semihosting::File from_{"readings", semihosting::Open::read};
 };
-static_assert(Board<PipeBoard>);
+static_assert(Board<PipeBoard, float>);
 
 /// Asks the other end for what has come.
 class PipeCan {

@@ -14,17 +14,17 @@
 namespace smaservo {
 namespace {
 
-constexpr std::uint32_t clock_Hz = 25'000'000;
+constexpr std::uint32_t clock_ns = 40;  // 25 MHz
 
 /// Heat ends with the loop, but not with one lost turn of it.
-constexpr std::int64_t leased_periods = 3;
+constexpr std::uint32_t leased_periods = 3;
 
 /// All that lives as long as the device, in memory that the linker has counted.
 class Loop {
  public:
   Loop(const Settings<float>& settings, std::uint32_t period_us)
-      : board_(clock_Hz, period_us),
-        period_ns_(std::int64_t{period_us} * 1000),
+      : board_(clock_ns, period_us),
+        period_us_(period_us),
         staging_(settings),
         servo_({}, staging_) {}
 
@@ -32,8 +32,8 @@ class Loop {
 
   void run() {
     board_.start();
-    servo_.start({}, now_us());
-    Frame frame{};
+    servo_.start({}, board_.now_us());
+    FrameOf<float> frame{};
     for (ReadStatus status = board_.read(frame); status != ReadStatus::end;
          status = board_.read(frame)) {
       communicate();
@@ -43,14 +43,12 @@ class Loop {
   }
 
  private:
-  std::uint64_t now_us() const { return static_cast<std::uint64_t>(board_.now_ns() / 1000); }
-
   void communicate() {
     CanFrame frame;
     while (can_.receive(frame)) {
-      servo_.receive(frame, now_us());
+      servo_.receive(frame, board_.now_us());
     }
-    servo_.advance(now_us());
+    servo_.advance(board_.now_us());
     while (servo_.take(frame)) {
       can_.send(frame);
     }
@@ -71,7 +69,7 @@ class Loop {
       case Request::reset_communication:
         board_.safe_off();
         device_ = Device<float>::start();
-        servo_.start({}, now_us());
+        servo_.start({}, board_.now_us());
         break;
       case Request::store_application: {
         cortex_m::SlotFiles slots;
@@ -82,21 +80,21 @@ class Loop {
         servo_.finish(false);  // what the bus remembers is not kept here
     }
   }
-  void step(const Frame& frame, ReadStatus status) {
+  void step(const FrameOf<float>& frame, ReadStatus status) {
     Inputs<float> in = inputs_of<float>(frame, status);
     in.deadline_missed = board_.missed() > 0;
     in.external = servo_.external();
-    const float dt_s =
-        static_cast<float>(board_.missed() + 1) * 1e-9F * static_cast<float>(period_ns_);
+    const float dt_s = 1e-6F * static_cast<float>((board_.missed() + 1) * period_us_);
     const Output<float> out = step_device(prepared_, device_, in, servo_.command(), dt_s);
-    board_.drive(drive_of(out, board_.now_ns(), leased_periods * period_ns_));
+    board_.drive(
+        drive_of<float>(out, board_.now_ns(), std::int64_t{leased_periods * period_us_} * 1000));
     board_.kick();
     servo_.publish(out, in, dt_s);
   }
 
   cortex_m::PipeBoard board_;
   cortex_m::PipeCan can_;
-  std::int64_t period_ns_;
+  std::uint32_t period_us_;
   Staging<float> staging_;
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());

@@ -27,6 +27,7 @@ IioDac::IioDac(const LinuxRoots& roots, const IioDacSettings& settings)
                       settings.channel),
           O_WRONLY)),
       off_(std::to_string(dac_code(scale_, {}))) {
+  take_output(file_.number(), settings.device + " " + settings.channel, roots);
   if (!off()) {
     throw DeviceError(fmt::format("{} {}: takes no code", settings.device, settings.channel));
   }
@@ -60,6 +61,7 @@ SpiDac::SpiDac(const LinuxRoots& roots, const SpiDacSettings& settings,
   if (!port_) {
     auto device = std::make_unique<SpiDevice>(roots, settings.spi);
     descriptor_ = device->descriptor();
+    take_output(descriptor_, roots.dev + "/" + settings.spi.device, roots);
     port_ = std::move(device);
   }
   off_ = std::make_unique<OffTransfer>();
@@ -93,6 +95,7 @@ PwmDrive::PwmDrive(const LinuxRoots& roots, const PwmSettings& settings) : setti
   }
   wait_until_writable(folder + "/duty_cycle");
   duty_ = open_file(folder + "/duty_cycle", O_WRONLY);
+  take_output(duty_.number(), folder + "/duty_cycle", roots);
   // A period may not be below the duty cycle, which another program may have left.
   if (!off()) {
     throw DeviceError(folder + "/duty_cycle: takes no zero");

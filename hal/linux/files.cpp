@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <sys/file.h>
 
 #include "hal/linux/clock.hpp"
 
@@ -25,6 +26,12 @@ Descriptor open_file(const std::string& path, int flags) {
     fail(path);
   }
   return file;
+}
+
+void take_output(int descriptor, const std::string& path, const LinuxRoots& roots) {
+  if (!roots.takes_over && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw DeviceBusy(path + ": another smaservod drives it");
+  }
 }
 
 std::string read_text(const std::string& path) {

@@ -17,15 +17,25 @@ class DeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// An output that another process drives.
+class DeviceBusy : public DeviceError {
+ public:
+  using DeviceError::DeviceError;
+};
+
 /// Where they are; elsewhere in tests.
 struct LinuxRoots {
   std::string sys = "/sys";
   std::string dev = "/dev";
   std::string config = "/sys/kernel/config";
+  bool takes_over = false;  ///< outputs that another process drives as well
 };
 
 // All throw DeviceError.
 Descriptor open_file(const std::string& path, int flags);
+/// From now on until it is closed this process alone drives the output: throws DeviceBusy where
+/// another one does.
+void take_output(int descriptor, const std::string& path, const LinuxRoots& roots);
 /// Without the line's end.
 std::string read_text(const std::string& path);
 double read_number(const std::string& path);

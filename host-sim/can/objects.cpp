@@ -249,7 +249,7 @@ std::string value_text(const KnownObject& object, std::span<const std::uint8_t> 
     return real_text(canopen::as_real(static_cast<std::uint32_t>(number)), object.unit);
   }
   if (is_choice(object) && number < object.parameter->choices.size()) {
-    return std::string(object.parameter->choices[number]);
+    return std::string(object.parameter->choices[static_cast<std::size_t>(number)]);
   }
   if (object.type == Type::boolean) return number != 0 ? "true" : "false";
   if (canopen::is_signed(object.type)) return fmt::format("{}", sign_extended(bytes));

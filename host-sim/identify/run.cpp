@@ -156,7 +156,7 @@ Run read_run(const std::string& path, const RunOptions& options) {
     }
   }
   if (run.stress_Pa.empty()) {
-    run.stress_Pa = given_stress(run, options, trace.rows());
+    run.stress_Pa = given_stress(run, options, static_cast<std::size_t>(trace.rows()));
   }
   if (run.strain.empty()) {
     run.strain = elongation(displacement_m, options.geometry.length_m);

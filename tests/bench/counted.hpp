@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 namespace smaservo::bench {
 
@@ -41,7 +42,9 @@ struct Magnitudes {
 class Counted {
  public:
   Counted() = default;
-  constexpr explicit Counted(double x) : x_(x) {}
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  constexpr explicit Counted(Number x) : x_(static_cast<double>(x)) {}
   constexpr explicit operator double() const { return x_; }
   constexpr explicit operator float() const { return static_cast<float>(x_); }
   constexpr explicit operator int() const { return static_cast<int>(x_); }

@@ -19,8 +19,9 @@ for rate in 1000000 125000 500000; do
 done
 
 echo '-- two nodes'
-# Its bus comes before the controller's interrupt: the queue fills.
-sim_servo can0 1 chrt -f 60
+# Its bus goes before the controller's interrupt: the queue fills.
+chrt -f -p 30 "$(pgrep 'irq/.*-can0')"
+sim_servo can0 1
 sim_servo can1 2
 second=$servo
 sleep 1

@@ -42,6 +42,46 @@ row 'SIGTERM'
 within 'off after SIGTERM, us' "$(stop_us)" 1 $lease_us
 expect 'exit code' "$daemon_code" 0
 
+missed() { sed -n 's/.*"missed":\([0-9]*\).*/\1/p' /tmp/figures.json; }
+
+echo '-- a second one'
+(
+  sleep 2
+  /smaservod --board board.toml --program hold.toml 2>/tmp/second
+  echo $? >/tmp/second.code
+  /smaservod --board board.toml --check >/tmp/second.check
+  echo $? >>/tmp/second.code
+) &
+servo 3.5
+expect 'exit codes, also of --check' "$(tr '\n' ' ' </tmp/second.code)" '1 1 '
+expect 'what it says' "$(grep -c 'duty_cycle: another smaservod drives it' /tmp/second)" 1
+expect 'what --check says' "$(grep -c 'duty_cycle: another smaservod drives it' /tmp/second.check)" 1
+within 'strain held by the first, %' "$(held_strain)" 1.9 2.1
+expect 'no fault' "$(first_cause)" none
+expect 'frames lost' "$(sed -n 's/.*"lost_frames":\([0-9]*\).*/\1/p' /tmp/figures.json)" 0
+expect 'ticks missed' "$(missed)" 0
+
+echo '-- slow disk'
+dd if=/dev/zero of=/tmp/disk bs=1M count=16 2>/dev/null
+mke2fs /tmp/disk >/dev/null
+mkdir -p /tmp/slow
+mount -t ext4 -o loop /tmp/disk /tmp/slow
+(
+  sleep 1.2
+  fsfreeze -f /tmp/slow
+  sleep 1.6
+  fsfreeze -u /tmp/slow
+) &
+daemon_arguments='--record /tmp/slow/trace.csv'
+servo 3.5
+daemon_arguments=''
+within 'strain held, %' "$(held_strain)" 1.9 2.1
+expect 'no fault' "$(first_cause)" none
+expect 'ticks missed' "$(missed)" 0
+turns=$(sed -n 's/.*"turns":\([0-9]*\).*/\1/p' /tmp/figures.json)
+expect 'rows of the recording, of all turns' "$(($(wc -l </tmp/slow/trace.csv) - 1))" "$turns"
+umount /tmp/slow
+
 echo '-- full disk'
 mkdir -p /tmp/small
 mount -t tmpfs -o size=200k t /tmp/small
@@ -50,7 +90,7 @@ servo 3.5
 daemon_arguments=''
 within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
-expect 'ticks missed' "$(sed -n 's/.*"missed":\([0-9]*\).*/\1/p' /tmp/figures.json)" 0
+expect 'ticks missed' "$(missed)" 0
 within 'it says why it does not record' "$(grep -c 'No space left' /tmp/figures.json)" 1 1
 
 echo '-- memory pressure'
@@ -63,7 +103,7 @@ echo 1 >/proc/sys/vm/overcommit_memory
 servo 3.5
 within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
-expect 'ticks missed' "$(sed -n 's/.*"missed":\([0-9]*\).*/\1/p' /tmp/figures.json)" 0
+expect 'ticks missed' "$(missed)" 0
 # The hog has not made the kernel kill yet: this shows less than it should.
 echo "MEMORY kills: $(dmesg | grep -c 'Out of memory: Killed process')"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The loop at 1 kHz with observer, bus traffic and recording, beside cyclictest under the same load.
+# The loop at 1 kHz with observer, bus traffic and recording, and cyclictest beside it.
 # realtime.sh [BUSY_US]: that much artificial work of a higher priority in each millisecond.
 # shellcheck source=tests/board/rig.sh
 . ./rig.sh
@@ -14,9 +14,9 @@ cangen vcan0 -g 5 -I 181 -L 8 -D i &
 if [ -n "${1:-}" ]; then
   /busy "$1" &
 else
-  /plant hold.toml 2.3 >/dev/null &
-  cyclictest -m -q -p 80 -t 1 -i 1000 -l 2000 -h 2000 >/tmp/cyclictest
-  wait $!
+  # Beside the daemon, half a period away from its ticks, in ns.
+  cyclictest -m -q -N -p 81 -t 1 -i 1000 --secaligned 500 -l 3000 -h 99999 >/tmp/cyclictest &
+  beside=$!
 fi
 daemon_arguments='--record /tmp/trace.csv'
 servo 4
@@ -30,23 +30,27 @@ fi
 expect 'ticks missed' "$(count missed)" 0
 expect 'frames lost' "$(count lost_frames)" 0
 within 'strain held, %' "$(held_strain)" 1.94 2.06
-# Latencies of the histogram in us: 99.9 % and the greatest.
+wait "$beside"
+# Latencies of the histogram: 99.9 % and the greatest. busybox' awk takes 010 for eight.
 # shellcheck disable=SC2046 # two numbers
-set -- $(awk '/^[0-9]+ [0-9]+$/ && $2 > 0 { n += $2; t[++k] = $1; c[k] = $2 }
-  END { for (i = 1; i <= k; i++) { s += c[i]; if (!q && s >= 0.999 * n) q = t[i] }; print q + 0, t[k] + 0 }' /tmp/cyclictest)
-# 1.2 times cyclictest's is the target; it is missed narrowly, by image.
-within "wake-up, 99.9 % (cyclictest $1)" "$(figure wake_us p99_9)" 0 "$(awk "BEGIN { print 1.5 * ($1 + 1) }")"
-# One wake-up in thousands is far beyond cyclictest's, for a reason that is not known yet: the target
-# of 1.2 times cyclictest's is printed, not demanded.
-target=$(awk "BEGIN { print 1.2 * ($2 + 1) }")
-echo "TARGET of the greatest wake-up: $target us, is $(figure wake_us max)"
-within "wake-up, greatest (cyclictest $2)" "$(figure wake_us max)" 0 300
+set -- $(sed -nE 's/^0*([0-9]+) 0*([1-9][0-9]*)$/\1 \2/p' /tmp/cyclictest | awk '{ n += $2; t[NR] = $1 / 1000; c[NR] = $2 }
+  END { for (i = 1; i <= NR; i++) { s += c[i]; if (!q && s >= 0.999 * n) q = t[i] }; print q + 0, t[NR] + 0 }')
+# The target is 1.2 times cyclictest's. By image, as timers happen to meet, it was 0.9 to 1.2 times.
+limit() { awk "BEGIN { print 1.5 * $1 }"; }
+ratio() { awk "BEGIN { printf \"%.2f\", $1 / $2 }"; }
+expect 'wake-ups of cyclictest beyond its histogram' "$(sed -nE 's/^# Histogram Overflows: 0*([0-9]+)$/\1/p' /tmp/cyclictest)" 0
+within "wake-up, 99.9 % (cyclictest $1)" "$(figure wake_us p99_9)" 0 "$(limit "$1")"
+within "wake-up, greatest (cyclictest $2)" "$(figure wake_us max)" 0 "$(limit "$2")"
 echo "TABLE | us, virtual time | 50 % | 99.9 % | greatest |"
 echo "TABLE |---|--:|--:|--:|"
 echo "TABLE | cyclictest, wake-up | | $1 | $2 |"
+echo "TABLE | wake-up over that (target 1.2) | | $(ratio "$(figure wake_us p99_9)" "$1") | $(ratio "$(figure wake_us max)" "$2") |"
 for what in wake_us execution_us sample_to_drive_us; do
   echo "TABLE | ${what%_us} | $(figure $what p50) | $(figure $what p99_9) | $(figure $what max) |"
 done
+# An instruction takes 2 ns here: those of the loop, of the kernel for it and of interrupts meanwhile.
+instructions() { awk "BEGIN { printf \"%.0f\", 500 * $(figure execution_us "$1") }"; }
+echo "TABLE | instructions of a tick | $(instructions p50) | $(instructions p99_9) | $(instructions max) |"
 cat /tmp/figures.json
 md5sum /tmp/trace.csv
 finish

@@ -9,7 +9,7 @@ namespace smaservo {
 
 /// What the command has said; one that fails, throws.
 inline std::string run(const std::string& command) {
-  // NOLINTNEXTLINE(cert-env33-c,bugprone-command-processor): the shell is meant
+  // NOLINTNEXTLINE(bugprone-command-processor): the shell is meant
   std::FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("no shell");
   std::string said;

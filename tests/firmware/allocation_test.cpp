@@ -1,6 +1,5 @@
 // Nothing that runs beside or in the loop takes memory from the heap.
 
-#include <cstdlib>
 #include <gtest/gtest.h>
 #include <memory>
 #include <set>
@@ -8,104 +7,12 @@
 #include "firmware/adopt.hpp"
 #include "firmware/black_box.hpp"
 #include "firmware/staging.hpp"
+#include "tests/firmware/allocation_trap.hpp"
 #include "tests/firmware/random_settings.hpp"
 #include "tests/firmware/random_use.hpp"
 
-namespace smaservo {
+namespace smaservo::test::allocation_test {
 namespace {
-
-struct TrapState {
-  bool armed;
-  int caught;
-};
-TrapState& trap_state() {
-  thread_local TrapState state{};
-  return state;
-}
-
-void allocating() {
-  trap_state().caught += trap_state().armed ? 1 : 0;
-}
-
-/// Counts what this thread allocates as long as it lives.
-class AllocationTrap {
- public:
-  AllocationTrap() { trap_state() = {true, 0}; }
-  AllocationTrap(const AllocationTrap&) = delete;
-  AllocationTrap& operator=(const AllocationTrap&) = delete;
-  ~AllocationTrap() { trap_state().armed = false; }
-  static int caught() { return trap_state().caught; }
-};
-
-}  // namespace
-}  // namespace smaservo
-
-// The sanitizer has an allocator of its own, with a place to listen. Otherwise the C library's
-// functions, which operator new calls, are replaced.
-#ifdef SMASERVO_SANITIZED
-extern "C" int listen_to_allocator(
-    void (*allocated)(const volatile void*, std::size_t),
-    void (*freed)(const volatile void*)) asm("__sanitizer_install_malloc_and_free_hooks");
-namespace smaservo {
-namespace {
-void heard(const volatile void* /*block*/, std::size_t /*size*/) {
-  allocating();
-}
-void heard_free(const volatile void* /*block*/) {}
-const int listening = listen_to_allocator(heard, heard_free);
-}  // namespace
-}  // namespace smaservo
-#else
-extern "C" {
-void* c_library_malloc(std::size_t size) asm("__libc_malloc");
-void* c_library_calloc(std::size_t count, std::size_t size) asm("__libc_calloc");
-void* c_library_realloc(void* block, std::size_t size) asm("__libc_realloc");
-void* c_library_memalign(std::size_t alignment, std::size_t size) asm("__libc_memalign");
-
-void* malloc(std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_malloc(size);
-}
-void* calloc(std::size_t nmemb, std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_calloc(nmemb, size);
-}
-void* realloc(void* ptr, std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_realloc(ptr, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_memalign(alignment, size);
-}
-}
-#endif
-
-namespace smaservo {
-namespace {
-
-TEST(AllocationTrap, CatchesEveryKind) {
-  struct alignas(64) Wide {
-    char bytes[64];
-  };
-  void* kept = nullptr;
-  const auto caught = [&kept](auto make) {
-    const AllocationTrap trap;
-    kept = make();
-    asm volatile("" : : "r"(kept) : "memory");
-    return AllocationTrap::caught();
-  };
-  EXPECT_EQ(caught([]() -> void* { return nullptr; }), 0);
-  EXPECT_EQ(caught([] { return ::operator new(1); }), 1);
-  ::operator delete(kept);
-  EXPECT_EQ(caught([]() -> void* { return new int[3]; }), 1);
-  delete[] static_cast<int*>(kept);
-  EXPECT_EQ(caught([]() -> void* { return new Wide; }), 1);
-  delete static_cast<Wide*>(kept);
-  EXPECT_EQ(caught([]() -> void* { return new std::string(100, 'x'); }), 2);
-  delete static_cast<std::string*>(kept);
-  EXPECT_NE(trap_state().armed, true) << "no longer than it lives";
-}
 
 /// A device in random use whose owner changes parameters all the time.
 template <class S>
@@ -219,4 +126,4 @@ TEST(Allocation, NoneInFloat) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::test::allocation_test

@@ -252,11 +252,11 @@ TEST(Store, AFailingStorageIsNoticed) {
   EXPECT_EQ(problem_with([](MemoryStorage& s) { s.stuck_bit = true; }), SaveProblem::differs);
 }
 
-// Two made-up releases: in the newer one the current limit has moved to another key and is kept in
-// mA, one parameter is gone and two are new.
+// Two made-up releases: in the newer one the load's gain has moved to another key, where the older
+// one had half of it; one parameter is gone and two are new.
 
-constexpr Key old_key{0x2020, 2};
-constexpr Key new_key{0x2020, 20};
+constexpr Key old_key{0x2010, 4};
+constexpr Key new_key{0x2010, 20};
 
 std::vector<ParameterRow<float>> older_rows() {
   std::vector<ParameterRow<float>> rows;
@@ -277,8 +277,6 @@ std::vector<ParameterRow<float>> newer_rows() {
     }
     if (row.key == old_key) {
       row.key = new_key;
-      row.read = [](const Settings<float>& s) { return Value::real(1000 * s.limits.current_A); };
-      row.assign = [](Settings<float>& s, Value v) { s.limits.current_A = v.real() / 1000; };
     }
     rows.push_back(row);
   }
@@ -286,16 +284,16 @@ std::vector<ParameterRow<float>> newer_rows() {
   return rows;
 }
 
-constexpr Moved to_mA[] = {{old_key, new_key, 1000}};
+constexpr Moved doubled[] = {{old_key, new_key, 2}};
 
 struct Releases {
   std::vector<ParameterRow<float>> older = older_rows(), newer = newer_rows();
-  StoreSchema<float> old_schema{older, {}}, new_schema{newer, to_mA};
+  StoreSchema<float> old_schema{older, {}}, new_schema{newer, doubled};
 };
 
 Settings<float> example() {
   Settings<float> settings = reference_settings<float>();
-  settings.limits.current_A = 0.125F;
+  settings.measuring.load_gain = 0.75F;
   settings.axis.zero_strain = 0.03F;
   settings.trips.following_s = 5;
   settings.drive.integral_1_s = 70;
@@ -313,7 +311,7 @@ TEST(Store, AnOlderImageIsTakenOver) {
   EXPECT_EQ(report.unknown, 1) << "the zero";
   EXPECT_EQ(report.missing, 2) << "the new ones";
   EXPECT_EQ(report.schema_hash, schema_hash<float>(r.older));
-  EXPECT_EQ(loaded.settings.limits.current_A, 0.125F);
+  EXPECT_EQ(loaded.settings.measuring.load_gain, 1.5F);
   EXPECT_EQ(loaded.settings.trips.following_s, default_settings<float>().trips.following_s);
 }
 
@@ -327,7 +325,7 @@ TEST(Store, ANewerImageServesAnOlderRelease) {
   EXPECT_EQ(report.unknown, 3) << "the new key and two new parameters";
   EXPECT_EQ(report.missing, 1) << "the zero";
   EXPECT_EQ(report.moved, 0);
-  EXPECT_EQ(loaded.settings.limits.current_A, 0.125F) << "written under its old key, too";
+  EXPECT_EQ(loaded.settings.measuring.load_gain, 0.375F) << "written under its old key, too";
 }
 
 TEST(Store, ThereAndBackLosesNothingThatBothKnow) {
@@ -342,7 +340,7 @@ TEST(Store, ThereAndBackLosesNothingThatBothKnow) {
     ASSERT_TRUE(save_settings(storage, settings, r.old_schema).ok());
     const Loaded<float> back = load_settings(storage, r.new_schema);
     EXPECT_EQ(back.settings.limits.power_W, 1.5F) << "the older release saved last";
-    EXPECT_NEAR(back.settings.limits.current_A, start.limits.current_A, 2e-8);
+    EXPECT_EQ(back.settings.measuring.load_gain, start.measuring.load_gain);
     EXPECT_EQ(back.settings.wire.geometry.length_m, start.wire.geometry.length_m);
   }
 }

@@ -1,70 +1,19 @@
-// Counts the instructions of steps on step files, in QEMU with -icount shift=10: an instruction
-// takes 1024 ns, 25.6 ticks of the board's 25 MHz. Prints lines of a name and numbers.
+// Counts the instructions of steps on step files. Prints lines of a name and numbers.
 
 #include <algorithm>
-#include <cstdint>
 #include <optional>
 
-#include "hal/cortex-m/registers.hpp"
+#include "hal/cortex-m/device.hpp"
 #include "hal/cortex-m/start_up.hpp"
-#include "tests/mcu/printing.hpp"
+#include "tests/mcu/counting.hpp"
 #include "tests/mcu/step_reader.hpp"
 
 namespace smaservo::mcu {
 namespace {
 
 using S = float;
-using cortex_m::sys_tick;
-
-void start_counter() {
-  sys_tick().reload = cortex_m::SysTick::longest;
-  sys_tick().value = 0;
-  sys_tick().control = cortex_m::SysTick::enable | cortex_m::SysTick::processor_clock;
-}
-
-/// At most 655 000.
-template <class F>
-[[gnu::noinline]] std::uint32_t instructions(F f) {
-  sys_tick().value = 0;
-  cortex_m::data_barrier();
-  const std::uint32_t before = sys_tick().value;
-  f();
-  asm volatile("" ::: "memory");
-  const std::uint32_t ticks = (before - sys_tick().value) & cortex_m::SysTick::longest;
-  return static_cast<std::uint32_t>(std::uint64_t{ticks} * 10 / 256);
-}
-
-std::uint32_t empty() {
-  static const std::uint32_t cost = instructions([] {});
-  return cost;
-}
-
-struct Counts {
-  std::uint64_t sum = 0;
-  std::uint32_t steps = 0, worst = 0, worst_at = 0;
-
-  void add(std::uint32_t count) {
-    const std::uint32_t own = count - empty();
-    sum += own;
-    worst_at = worst < own ? steps : worst_at;
-    worst = std::max(worst, own);
-    ++steps;
-  }
-  void print(std::string_view name, std::string_view file) const {
-    say(name, " ", file, " ", steps, " ", steps == 0 ? 0 : sum / steps, " ", worst, " ", worst_at,
-        "\n");
-  }
-};
 
 /// Out of line, as a board's loop would call it.
-[[gnu::noinline]] void device_step(const Prepared<S>& p, Device<S>::State& s, const Inputs<S>& in,
-                                   const Command<S>& command, const S& dt_s) {
-  Device<S>::step(p, s, in, command, dt_s);
-}
-[[gnu::noinline]] void observer_step(const Prepared<S>& p, Device<S>::State& s, const Inputs<S>& in,
-                                     const S& dt_s) {
-  Device<S>::observe(p, s, in, dt_s);
-}
 [[gnu::noinline]] void model_step(const ThreePhase<S>::Params& p, const ThreePhase<S>::Cut& cut,
                                   ThreePhase<S>::State& s, const S& temperature_K) {
   ThreePhase<S>::advance(p, cut, s, temperature_K);
@@ -95,7 +44,7 @@ Device<S>::State state, copy;
 std::size_t step_stack(const StepInputs& r, const Inputs<S>& in, const Command<S>& command) {
   copy = state;
   cortex_m::repaint_stack();
-  device_step(prepared, copy, in, command, r.dt_s);
+  step_device(prepared, copy, in, command, r.dt_s);
   return cortex_m::stack_bytes();
 }
 
@@ -127,10 +76,10 @@ bool count_file(std::string_view name) {
     }
     copy = state;
     const std::uint32_t observe =
-        instructions([&] { observer_step(prepared, copy, in, r->inputs.dt_s); });
+        instructions([&] { observe_device(prepared, copy, in, r->inputs.dt_s); });
     const bool observed = state.observing;
     const std::uint32_t whole =
-        instructions([&] { device_step(prepared, state, in, command, r->inputs.dt_s); });
+        instructions([&] { step_device(prepared, state, in, command, r->inputs.dt_s); });
     if (observed) {
       observer.add(observe);
       device.add(whole);
@@ -146,24 +95,11 @@ bool count_file(std::string_view name) {
   return true;
 }
 
-bool count_all(std::string_view names) {
-  bool all = !names.empty();
-  while (!names.empty()) {
-    const std::size_t blank = std::min(names.find(' '), names.size());
-    std::array<char, 256> name{};
-    names.copy(name.data(), std::min(blank, name.size() - 1));
-    all = count_file(std::string_view(name.data(), blank)) && all;
-    names.remove_prefix(std::min(blank + 1, names.size()));
-  }
-  return all;
-}
-
 }  // namespace
 }  // namespace smaservo::mcu
 
 int application() {
   using namespace smaservo;
   mcu::start_counter();
-  static std::array<char, 4096> line{};
-  return mcu::count_all(semihosting::arguments(line)) ? 0 : 1;
+  return mcu::for_each_file(mcu::count_file) ? 0 : 1;
 }

@@ -67,6 +67,55 @@ TEST(Scaled, ArithmeticIsThatOfADouble) {
   }
 }
 
+TEST(Scaled, SumsOfProductsAreThoseOfADouble) {
+  Numbers numbers(7);
+  using Term = Product<Scaled>;
+  const auto exact = [](const Term& t) {
+    return static_cast<double>(t.a) * static_cast<double>(t.b);
+  };
+  for (int i = 0; i < repeats; ++i) {
+    const Scaled start = numbers.next();
+    const Term t[] = {{numbers.next(), numbers.next()},
+                      {numbers.next(), numbers.next()},
+                      {numbers.next(), numbers.next()},
+                      {numbers.next(), numbers.next()},
+                      {numbers.next(), numbers.next()}};
+    auto sum = static_cast<double>(start);
+    double greatest = std::abs(sum);
+    const auto add = [&](const Term& term) {
+      sum += exact(term);
+      greatest = std::max(greatest, std::abs(exact(term)));
+    };
+    add(t[0]);
+    expect_near(sum_of_products(start, t[0]), sum, 2 * 2 * unit * greatest);
+    add(t[1]);
+    add(t[2]);
+    expect_near(sum_of_products(start, t[0], t[1], t[2]), sum, 4 * 4 * unit * greatest);
+    add(t[3]);
+    add(t[4]);
+    const double products = sum - static_cast<double>(start);
+    expect_near(sum_of_products(start, t[0], t[1], t[2], t[3], t[4]), sum, 6 * 8 * unit * greatest);
+    expect_near(sum_of_products(t[0], t[1], t[2], t[3], t[4]), products, 6 * 8 * unit * greatest);
+  }
+}
+
+TEST(Scaled, WhatASumOfProductsCanNotHoldIsNotFinite) {
+  using Term = Product<Scaled>;
+  const Scaled one(1);
+  const Scaled great = Scaled::of(0x1p150);
+  const Scaled small = Scaled::of(0x1p-150);
+  const Scaled invalid = one / Scaled(0);
+  const Term unity{one, one};
+  EXPECT_FALSE(isfinite(sum_of_products(one, Term{great, great})));
+  EXPECT_FALSE(isfinite(sum_of_products(invalid, unity)));
+  EXPECT_FALSE(isfinite(sum_of_products(unity, Term{invalid, Scaled(0)})));
+  EXPECT_FALSE(isfinite(sum_of_products(Term{invalid, invalid}, unity, unity)));
+  EXPECT_EQ(sum_of_products(Term{small, small}, Term{small, small}), Scaled(0));
+  EXPECT_EQ(sum_of_products(Term{small, small}, unity), one);
+  EXPECT_EQ(sum_of_products(Scaled(0), Term{Scaled(0), great}), Scaled(0));
+  EXPECT_EQ(sum_of_products(unity, Term{one, -one}), Scaled(0));
+}
+
 TEST(Scaled, Algebra) {
   Numbers numbers(2);
   for (int i = 0; i < repeats; ++i) {

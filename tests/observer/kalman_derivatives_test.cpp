@@ -180,9 +180,10 @@ TEST(KalmanDerivatives, PredictionAgainstAutomaticDifferentiation) {
     const Measurement<double> first{20, 0.01, 0, stress_Pa, true, true, true};
     const double ambient_K = 290 + 20 * uniform(random);
     // From cold, or from austenite: then the first cooling is on the outer branch.
-    Filter::State s =
-        run % 4 < 2 ? Filter::start(p, first, ambient_K)
-                    : Filter::start(p, first, ambient_K, hot_K(stress_Pa), {0.01, 0.01}, 0.05, 4);
+    Filter::State s = Filter::start(p, first, ambient_K);
+    if (run % 4 >= 2) {
+      Filter::start(p, s, first, ambient_K, hot_K(stress_Pa), {0.01, 0.01}, 0.05, 4);
+    }
     s.loss = 0.8 + 0.4 * uniform(random);
     const double full_W = holding_W(hot_K(stress_Pa));
     double level = run % 4 < 2 ? 1.1 : 0.05;
@@ -218,8 +219,9 @@ Filter::State anywhere(const Filter::Params& p, std::mt19937_64& random) {
   const double martensite = uniform(random);
   const Phases<double> z{martensite, (1 - martensite) * uniform(random)};
   const Measurement<double> m{20, 0.01, 0, 400e6 * uniform(random), true, true, true};
-  Filter::State s = Filter::start(p, m, 270 + 50 * uniform(random), 280 + 150 * uniform(random), z,
-                                  0.02 + 0.1 * uniform(random), 1 + 5 * uniform(random));
+  Filter::State s;
+  Filter::start(p, s, m, 270 + 50 * uniform(random), 280 + 150 * uniform(random), z,
+                0.02 + 0.1 * uniform(random), 1 + 5 * uniform(random));
   s.resistance = 0.98 + 0.04 * uniform(random);
   s.loss = 0.7 + 0.6 * uniform(random);
   return s;

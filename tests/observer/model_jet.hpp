@@ -75,7 +75,8 @@ inline JK::ColdTurn to_jet(const K::ColdTurn& t) {
 
 template <class To, class Points>
 To to_jet_points(Points points) {
-  To to(to_jet(Points().newest()));
+  To to;
+  to.start(to_jet(Points().newest()));
   for (const auto& turn : points) {
     to.push(to_jet(turn));
   }

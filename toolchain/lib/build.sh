@@ -36,15 +36,19 @@ configure() {
   (cd "$root" && step "$1-configure" cmake --preset "$1")
 }
 
-# build PRESET [TARGET...]
+# build PRESET [TARGET...]: one at a time in each tree.
 build() {
   local preset=$1
   shift
-  configure "$preset" || return
-  say "building $preset${*:+: $*}"
-  (cd "$root" &&
-    step "$preset-build" \
-      cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
+  mkdir -p "$root/build"
+  {
+    flock 9
+    configure "$preset" || return
+    say "building $preset${*:+: $*}"
+    (cd "$root" &&
+      step "$preset-build" \
+        cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
+  } 9>"$root/build/$preset.lock"
 }
 
 near() { realpath --relative-to="$here" "$1"; }
@@ -110,20 +114,13 @@ run_replay() {
   list_traces "$trace"
 }
 
-# One line of the summary: name, result, seconds.
-declare -a summary=()
-failures=0
-
-# timed NAME COMMAND...
+# timed NAME COMMAND...: its line of the summary: name, result, seconds, what was counted.
 timed() {
   local name=$1 start=$SECONDS result=passed
   shift
-  if ! "$@"; then
-    result=FAILED
-    failures=$((failures + 1))
-  fi
-  summary+=("$(printf '%-10s %-7s %5d s  %s' "$name" "$result" $((SECONDS - start)) "$counted")")
   counted=''
+  "$@" || result=FAILED
+  printf '%-10s %-7s %5d s  %s\n' "$name" "$result" $((SECONDS - start)) "$counted" >>"$logs/summary"
 }
 
 counted=''
@@ -148,29 +145,44 @@ test_arm64() {
   sysroot arm64 aarch64-linux-gnu && build release host-sim && test_preset arm64
 }
 
-run_test() {
-  local part
-  case ${1:-all} in
-    all) set -- release can board mcu arm64 package sanitize fuzz check ;;
-    dev | release | sanitize | tsan | arm64 | mcu) ;;
-    *) die "test: unknown preset: $1 (dev, release, sanitize, tsan, arm64, mcu)" ;;
+test_part() {
+  case $1 in
+    arm64 | mcu) timed "$1" "test_$1" ;;
+    can) timed can-test can_test ;;
+    board) timed board-test board_all ;;
+    package) timed package test_package ;;
+    fuzz) timed fuzz fuzz_all 60 ;;
+    check) timed check run_check ;;
+    *) timed "$1" test_preset "$1" ;;
   esac
-  timed setup run_setup
-  for part in "$@"; do
-    case $part in
-      arm64 | mcu) timed "$part" "test_$part" ;;
-      can) timed can-test can_test ;;
-      board) timed board-test board_all ;;
-      package) timed package test_package amd64 arm64 ;; # armhf has not been built to its end yet
-      fuzz) timed fuzz fuzz_all 60 ;;
-      check) timed check run_check ;;
-      *) timed "$part" test_preset "$part" ;;
-    esac
+}
+
+test_all() {
+  local part
+  test_part release
+  # What takes one core, side by side.
+  test_part mcu &
+  test_part can
+  test_part board
+  wait
+  for part in arm64 package sanitize tsan fuzz check; do
+    test_part "$part"
   done
+}
+
+run_test() {
+  mkdir -p "$logs"
+  rm -f "$logs/summary"
+  timed setup run_setup
+  case ${1:-all} in
+    all) test_all ;;
+    dev | release | sanitize | tsan | arm64 | mcu | package) test_part "$1" ;;
+    *) die "test: unknown part: $1 (dev, release, sanitize, tsan, arm64, mcu, package)" ;;
+  esac
   printf '\n'
-  printf '%s\n' "${summary[@]}"
-  if ((failures)); then
-    printf '%d failed; logs are in %s\n' "$failures" "$(near "$logs")"
+  cat "$logs/summary"
+  if grep -q ' FAILED ' "$logs/summary"; then
+    printf 'Logs are in %s\n' "$(near "$logs")"
     return 1
   fi
 }

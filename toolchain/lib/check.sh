@@ -47,11 +47,15 @@ check_rules() {
 
 # Sources of the compile database that are ours, or those that were asked for; 0-terminated.
 sources_to_tidy() {
+  local database=$root/build/sanitize/compile_commands.json file together
   if (($#)); then
-    (cd "$here" && realpath -z -- "$@")
+    (cd "$here" && realpath -- "$@") | while IFS= read -r file; do
+      # What it is compiled together with, if it is.
+      together=$(grep -rlF "\"$file\"" --include='unity_*.cxx' "$root/build/sanitize" | head -n 1)
+      printf '%s\0' "${together:-$file}"
+    done
     return
   fi
-  local database=$root/build/sanitize/compile_commands.json
   # Folders that are compiled as one; then what is compiled by itself. Those that no target compiles
   # have no flags.
   sed -nE 's/^ *"file": "(.*\/Unity\/.*)",?$/\1/p' "$database" | tr '\n' '\0'

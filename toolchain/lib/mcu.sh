@@ -24,30 +24,35 @@ write_mcu_steps() {
   touch "$steps/made"
 }
 
-# count_mcu TARGET FILE...: what bench_steps says of these, one instruction 1024 ns.
+# count_mcu TARGET PROGRAM FILE...: what bench_steps or bench_fixed says of these, one instruction
+# 1024 ns.
 count_mcu() {
-  local target=$1
-  shift
+  local target=$1 program=$2
+  shift 2
   (cd "$(mcu_steps)" &&
     qemu-system-arm -M "$(mcu_machine "$target")" -nographic -monitor none -serial none \
       -icount shift=10 -semihosting-config enable=on,target=native \
-      -kernel "$root/build/mcu-$target/tests/mcu/bench_steps.elf" -append "$*" </dev/null 2>&1)
+      -kernel "$root/build/mcu-$target/tests/mcu/$program.elf" -append "$*" </dev/null 2>&1)
 }
 
 # The lines of count_mcu as "KEY VALUE": mean and worst of each kind over all files, and of traces
-# that come every 10 ms, whose samples take two steps of the observer, apart. Then sizes.
+# that come every 10 ms, whose samples take two steps of the observer, apart. Then sizes. The
+# observer in integers is counted where there is no floating point.
 measure_mcu() {
-  local target=$1 out
+  local target=$1 out='' program programs=(bench_steps)
   shift
-  out=$(count_mcu "$target" "$@") || {
-    printf '%s\n' "$out" >&2
-    return 1
-  }
+  [[ $target != m3 ]] || programs+=(bench_fixed)
+  for program in "${programs[@]}"; do
+    out+=$(count_mcu "$target" "$program" "$@")$'\n' || {
+      printf '%s\n' "$out" >&2
+      return 1
+    }
+  done
   printf '%s\n' "$out" | awk '
     function add(key, steps, mean, most) {
       sum[key] += steps * mean; count[key] += steps; if (most > worst[key]) worst[key] = most
     }
-    $1 == "model" { add("model", $3, $4, $5) }
+    $1 == "model" || $1 == "fixed_observer" { add($1, $3, $4, $5) }
     $1 == "device" || $1 == "observer" { add($1 "_" kind($2), $3, $4, $5) }
     $1 == "start" { if ($5 > start) start = $5 }
     $1 == "stack" { if ($3 > stack) stack = $3 }
@@ -129,6 +134,8 @@ observer_trace_mean|observer step, trace, mean
 observer_trace_worst|- worst
 observer_random_mean|observer step, random use, mean
 observer_random_worst|- worst
+fixed_observer_mean|observer step in integers, mean
+fixed_observer_worst|- worst
 device_loop_mean|whole step, closed loops, mean
 device_loop_worst|- worst
 device_trace_mean|whole step, trace, mean
@@ -143,9 +150,42 @@ bss|bss
 END
 }
 
+# floor NAME COLUMN: of the operations' table; 9 is all of a mean step, 10 of the worst one.
+mcu_floor() {
+  awk -F'|' -v name="$1" -v column="$2" '
+    { gsub(/^ +| +$/, "", $2) } $2 == name { print $column + 0; exit }' "$root/build/mcu/operations"
+}
+
+# What the targets need in relation to the operations that the algorithm has.
+bench_mcu_floor() {
+  local target key name column floor
+  printf '\n| instructions by operation | operations |'
+  while read -r target; do printf ' %s |' "$target"; done < <(mcu_targets)
+  printf '\n|---|--:|--:|--:|--:|--:|\n'
+  while IFS='|' read -r key name column text; do
+    floor=$(mcu_floor "$name" "$column")
+    printf '| %s | %s |' "$text" "$floor"
+    while read -r target; do
+      printf ' %s |' "$(awk -v key="$key" -v floor="$floor" '
+        $1 == key { printf "%.1f", $2 / floor }' "$root/build/mcu/$target.bench")"
+    done < <(mcu_targets)
+    printf '\n'
+  done <<'END'
+model_mean|model (kinetics)|9|model step, mean
+model_worst|model (kinetics)|10|- worst
+observer_loop_mean|observer, sure|9|observer step, closed loops, mean
+observer_random_worst|observer, searching|10|- random use, worst
+fixed_observer_mean|observer, sure|9|observer step in integers, mean
+device_loop_mean|measure, observe, protect, control|9|whole step, closed loops, mean
+END
+}
+
 run_bench_mcu() {
   run_setup
   write_mcu_steps
+  build release operations
+  mkdir -p "$root/build/mcu"
+  "$root/build/release/tests/bench/operations" >"$root/build/mcu/operations"
   local target
   while read -r target; do
     build "mcu-$target"
@@ -154,4 +194,5 @@ run_bench_mcu() {
     measure_mcu "$target" $(fast_mcu_files) >"$root/build/mcu/$target.bench"
   done < <(mcu_targets)
   bench_mcu_table
+  bench_mcu_floor
 }

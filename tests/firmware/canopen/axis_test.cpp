@@ -339,6 +339,29 @@ TEST(CyclicPosition, FollowsWhatIsSent) {
   EXPECT_EQ(drive.status() & 0x1000U, 0x1000U);
 }
 
+// Each one that the axis follows at once, also one that is as the one before.
+TEST(CyclicPosition, ItsSetpointsAreCounted) {
+  Drive drive;
+  drive.enable(8);
+  drive.nmt(1);
+  const std::uint32_t before = drive.servo.setpoints();
+  for (int i = 0; i < 3; ++i) {
+    drive.send(0x301, {1, 0, 0, 0, 0, 0, 0, 0});
+  }
+  EXPECT_EQ(drive.servo.setpoints() - before, 3U);
+  drive.set_real({0x2201, 1}, 0.1F);
+  EXPECT_EQ(drive.servo.setpoints() - before, 3U) << "of another mode";
+  drive.set({0x6060, 0}, 0xFF, 1);
+  drive.step();
+  drive.set_real({0x2201, 1}, 0.1F);
+  drive.set({0x607A, 0}, 5, 4);
+  EXPECT_EQ(drive.servo.setpoints() - before, 4U);
+  drive.set({0x6060, 0}, 1, 1);
+  drive.step();
+  drive.set({0x607A, 0}, 6, 4);
+  EXPECT_EQ(drive.servo.setpoints() - before, 4U) << "a profile has its own";
+}
+
 TEST(Homing, ThePresentPositionBecomesTheHome) {
   Drive drive;
   drive.go_to(enabled);
@@ -400,6 +423,28 @@ TEST(Partner, WhoSaysNothingForAMinuteHasGone) {
   EXPECT_TRUE(drive.command.fresh);
   drive.run(2000);
   EXPECT_FALSE(drive.command.fresh);
+}
+
+// Where nobody sends heartbeats and no RPDO has a deadline.
+TEST(Partner, WhoSendsNoSyncForTwoPeriodsHasGone) {
+  Drive drive;
+  ASSERT_EQ(drive.set({0x1006, 0}, 10'000, 4), Abort::none);
+  drive.nmt(1);
+  drive.step();
+  EXPECT_FALSE(drive.command.fresh) << "it has not come yet";
+  for (int i = 0; i < 10; ++i) {
+    drive.sync();
+    drive.run(19);
+    EXPECT_TRUE(drive.command.fresh);
+  }
+  drive.run(2);
+  EXPECT_FALSE(drive.command.fresh);
+  drive.sync();
+  drive.step();
+  EXPECT_TRUE(drive.command.fresh);
+  drive.set({0x1006, 0}, 0, 4);
+  drive.run(100);
+  EXPECT_TRUE(drive.command.fresh) << "no longer watched, and it has spoken a moment ago";
 }
 
 TEST(Partner, TheReactionIsThatOf6007h) {

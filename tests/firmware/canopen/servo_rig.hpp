@@ -28,6 +28,10 @@ inline Bytes little(std::uint64_t value, std::size_t size) {
   return bytes;
 }
 
+inline std::uint16_t emergency_code(const CanFrame& f) {
+  return static_cast<std::uint16_t>(take_number(f.payload().first(2)));
+}
+
 /// State and heat of a device, without its physics.
 class FakeDevice {
  public:

@@ -15,61 +15,9 @@
 #include "firmware/daemon/sandbox.hpp"
 #include "firmware/daemon/simulation.hpp"
 #include "host-sim/settings_file.hpp"
+#include "tests/firmware/allocation_trap.hpp"
 
-namespace smaservo {
-namespace {
-
-/// Of this thread.
-struct Trap {
-  bool armed;
-  int caught;
-};
-Trap& trap() {
-  thread_local Trap state{};
-  return state;
-}
-void allocating() {
-  trap().caught += trap().armed ? 1 : 0;
-}
-
-}  // namespace
-}  // namespace smaservo
-
-#ifdef SMASERVO_SANITIZED
-extern "C" int listen_to_allocator(
-    void (*allocated)(const volatile void*, std::size_t),
-    void (*freed)(const volatile void*)) asm("__sanitizer_install_malloc_and_free_hooks");
-namespace smaservo {
-namespace {
-void heard(const volatile void* /*block*/, std::size_t /*size*/) {
-  allocating();
-}
-void heard_free(const volatile void* /*block*/) {}
-const int listening = listen_to_allocator(heard, heard_free);
-}  // namespace
-}  // namespace smaservo
-#else
-extern "C" {
-void* c_library_malloc(std::size_t size) asm("__libc_malloc");
-void* c_library_calloc(std::size_t count, std::size_t size) asm("__libc_calloc");
-void* c_library_realloc(void* block, std::size_t size) asm("__libc_realloc");
-
-void* malloc(std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_malloc(size);
-}
-void* calloc(std::size_t nmemb, std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_calloc(nmemb, size);
-}
-void* realloc(void* ptr, std::size_t size) noexcept {
-  smaservo::allocating();
-  return c_library_realloc(ptr, size);
-}
-}
-#endif
-
-namespace smaservo {
+namespace smaservo::test::daemon_allocation_test {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -104,20 +52,15 @@ TEST(LoopAllocation, None) {
       settings = stored_settings<double>(settings);
       ASSERT_TRUE(bench.desk.change(settings));
     }
-    trap() = {true, 0};
-    loop.turn();
-    trap().armed = false;
-    ASSERT_EQ(trap().caught, 0) << "turn " << i;
+    {
+      const AllocationTrap trap;
+      loop.turn();
+    }
+    ASSERT_EQ(AllocationTrap::caught(), 0) << "turn " << i;
     bench.ring.pop(record);
     heated = heated || record.turn.output.current_A > 0.1;
   }
   EXPECT_TRUE(heated);
-  trap() = {true, 0};
-  delete new int(5);
-  // NOLINTNEXTLINE(*-no-malloc): what is caught
-  free(malloc(static_cast<std::size_t>(trap().caught) + 1));
-  trap().armed = false;
-  EXPECT_GE(trap().caught, 1) << "the trap catches what there is to catch";
 }
 
 #ifndef SMASERVO_SANITIZED
@@ -158,4 +101,4 @@ TEST(LoopCalls, AreThoseOfALoop) {
 #endif
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::test::daemon_allocation_test

@@ -92,5 +92,17 @@ TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
   EXPECT_FALSE(within(file, settings));
 }
 
+TEST(BoardFile, ThePeriodIs100HzTo2kHz) {
+  Settings<double> settings = load_settings_file(boards() + "/devices/current-sink.toml");
+  for (const double period_s : {0.0005, 0.001, 0.01}) {
+    settings.timing.period_s = period_s;
+    EXPECT_EQ(period_problem(stored_settings<double>(settings)), "") << period_s;
+  }
+  for (const double period_s : {0.000499, 0.0101}) {
+    settings.timing.period_s = period_s;
+    EXPECT_NE(period_problem(stored_settings<double>(settings)), "") << period_s;
+  }
+}
+
 }  // namespace
 }  // namespace smaservo::test::board_file_test

@@ -35,6 +35,7 @@ class FakePort {
 struct FakeNode {
   std::deque<CanFrame> answers;
   double setpoint = 0;
+  std::uint32_t setpoints_ = 0;
   std::uint64_t now_us = 0;
   std::uint32_t changes = 0;
   int published = 0;
@@ -43,6 +44,7 @@ struct FakeNode {
 
   void receive(const CanFrame& frame, std::uint64_t /*now_us*/) {
     setpoint = frame.id;
+    ++setpoints_;
     CanFrame answer = frame;
     ++answer.id;
     answers.push_back(answer);
@@ -59,6 +61,7 @@ struct FakeNode {
   Command<double> command() const {
     return {.fresh = true, .arm = true, .mode = Mode::current, .setpoint = setpoint};
   }
+  std::uint32_t setpoints() const { return setpoints_; }
   static FaultSet external() { return Fault::duplicate_node; }
   void publish(const Output<double>& output, const Inputs<double>& /*inputs*/, double /*dt_s*/) {
     ++published;
@@ -100,6 +103,25 @@ TEST(BusPump, CarriesBothWays) {
   EXPECT_EQ(heard.command.setpoint, 7);
   EXPECT_TRUE(heard.command.fresh);
   EXPECT_TRUE(heard.external.has(Fault::duplicate_node));
+}
+
+// In one round or in several: what counts is what the loop has not seen before a newer one came.
+TEST(BusPump, CountsTheSetpointsOfEachTurn) {
+  Rig rig;
+  EXPECT_EQ(rig.partner.listen(0).setpoints, 0U);
+  rig.port.in = {{.id = 1}, {.id = 2}};
+  rig.round(0);
+  rig.port.in = {{.id = 3}};
+  rig.round(100);
+  Heard heard = rig.partner.listen(0.001);
+  EXPECT_EQ(heard.setpoints, 3U);
+  EXPECT_EQ(heard.command.setpoint, 3);
+  EXPECT_EQ(rig.partner.listen(0.002).setpoints, 0U);
+  rig.port.in = {{.id = 4}};
+  rig.round(200);
+  heard = rig.partner.listen(0.003);
+  EXPECT_EQ(heard.setpoints, 1U);
+  EXPECT_EQ(heard.command.setpoint, 4);
 }
 
 TEST(BusPump, ACommandIsFreshOnceAndNobodyIsALostPartner) {

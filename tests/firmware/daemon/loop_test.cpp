@@ -27,7 +27,7 @@ Settings<double> test_settings() {
 TEST(Ring, GivesEverythingInItsOrder) {
   Ring<std::uint64_t> ring(5);
   EXPECT_EQ(ring.room(), 8U);
-  constexpr std::uint64_t count = 200'000;
+  constexpr std::uint64_t count = 20'000;
   const std::jthread writer([&] {
     for (std::uint64_t i = 1; i <= count;) {
       if (ring.push(i)) {
@@ -291,6 +291,29 @@ TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
     taken += bench.desk.change(settings) ? 1 : 0;
   }
   EXPECT_EQ(taken, 8);
+}
+
+/// A master that sends so many set-points before each turn.
+class BusyPartner : public Partner {
+ public:
+  std::deque<std::uint32_t> setpoints;
+  Heard listen(double /*time_s*/) override {
+    const std::uint32_t come = setpoints.front();
+    setpoints.pop_front();
+    return {{.fresh = true}, {}, false, come};
+  }
+};
+
+TEST(Loop, CountsSetpointsThatNewerOnesSupersede) {
+  Bench bench(standard_closed_loop(test_settings()));
+  BusyPartner partner;
+  partner.setpoints = {1, 0, 2, 1, 3};
+  auto loop = bench.loop(partner);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(loop.turn());
+  }
+  EXPECT_EQ(bench.figures.setpoints.load(), 7U);
+  EXPECT_EQ(bench.figures.superseded.load(), 3U);
 }
 
 /// Frames at the times that a test gives; the device's time must stay what it can step over.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -240,6 +241,67 @@ TEST(Process, RefusesWhatItDoesNotUnderstand) {
     const Ended ended = Program(folder, c.arguments).wait();
     EXPECT_TRUE(ended.exited_with(c.code)) << c.says;
     EXPECT_NE(ended.errors.find(c.says), std::string::npos) << ended.errors;
+  }
+}
+
+// What it keeps is its own; the first one does not notice.
+TEST(Process, ASecondOneWithTheSameFolderIsRefused) {
+  const TemporaryFolder folder;
+  const TemporaryFolder elsewhere;
+  const std::string state = folder / "state";
+  Program first(folder, {"--board", "sim", "--at-once", "--settings", state});
+  ASSERT_TRUE(becomes([&] { return file_text(state + "/run").starts_with("heated"); }));
+  const Ended second = Program(elsewhere, at_once(state)).wait();
+  EXPECT_TRUE(second.exited_with(1)) << second.errors;
+  EXPECT_NE(second.errors.find(state + ": another smaservod runs with this folder"),
+            std::string::npos)
+      << second.errors;
+  EXPECT_TRUE(file_text(state + "/run").starts_with("heated"));
+  first.kill(SIGTERM);
+  EXPECT_TRUE(first.wait().exited_with(0));
+  const Ended third = Program(elsewhere, at_once(state)).wait();
+  EXPECT_TRUE(third.exited_with(0)) << third.errors;
+  EXPECT_NE(third.out.find("the last run ended cleanly"), std::string::npos) << third.out;
+}
+
+/// The reference board with more lines in its settings.
+std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
+  const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
+  std::filesystem::create_directories(folder / "devices");
+  std::ofstream(folder / "board.toml") << file_text(boards + "reference.toml");
+  std::ofstream(folder / "devices/current-sink.toml")
+      << file_text(boards + "devices/current-sink.toml") << lines;
+  return folder / "board.toml";
+}
+
+TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
+  const TemporaryFolder folder;
+  const std::string board = reference_board(folder, "");
+  const Ended ended = Program(folder, {"--board", board, "--check"}).wait();
+  EXPECT_TRUE(ended.exited_with(1)) << ended.errors;
+  EXPECT_EQ(ended.errors, "");
+  for (const char* const says :
+       {"drive            /dev/spidev", "front end        /dev/spidev0.0: No such file",
+        "enable           line smaservo-enable: no such line",
+        "kick             line smaservo-kick", "settings         ok"}) {
+    EXPECT_NE(ended.out.find(says), std::string::npos) << says << " in:\n" << ended.out;
+  }
+}
+
+TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* const period : {"0.4", "11"}) {
+    const std::string board = reference_board(
+        folder, std::string("[timing]\nsample_timeout_ms = 50\nperiod_ms = ") + period + "\n");
+    const std::string says = folder / "devices/current-sink.toml" +
+                             ": timing.period_ms = " + period +
+                             ": must be between 0.5 and 10 on a board";
+    const Ended ended = Program(folder, {"--board", board, "--settings", folder / "state"}).wait();
+    EXPECT_TRUE(ended.exited_with(1)) << period;
+    EXPECT_NE(ended.errors.find(says), std::string::npos) << ended.errors;
+    const Ended checked = Program(folder, {"--board", board, "--check"}).wait();
+    EXPECT_TRUE(checked.exited_with(1)) << period;
+    EXPECT_NE(checked.out.find(says), std::string::npos) << checked.out;
   }
 }
 

@@ -309,6 +309,36 @@ TEST(OutputStage, NothingButAPositiveNumberGivesACurrent) {
   }
 }
 
+// A second program finds out before it has told anything; who only wants it off may.
+TEST(OutputStage, OneProcessAtATimeDrivesIt) {
+  const Tree tree;
+  const std::string pwm = "sys/class/pwm/pwmchip0/pwm0/";
+  const std::string raw = "sys/bus/iio/devices/iio:device0/out_voltage0_raw";
+  for (const char* const file : {"duty_cycle", "period", "enable"}) {
+    tree.put(pwm + file, "");
+  }
+  tree.put("sys/bus/iio/devices/iio:device0/name", "ad5686\n");
+  tree.put(raw, "");
+  LinuxRoots roots = tree.roots();
+  const PwmSettings chopper{"pwmchip0", 0, 50'000, 24, 0.9};
+  const IioDacSettings dac{"ad5686", "out_voltage0", {10'000, 0, 65535}};
+  {
+    PwmDrive drive(roots, chopper);
+    IioDac source(roots, dac);
+    ASSERT_TRUE(drive.put({0, 12, 0}));
+    ASSERT_TRUE(source.put({0.4321, 0, 0}));
+    EXPECT_THROW(PwmDrive(roots, chopper), DeviceBusy);
+    EXPECT_THROW(IioDac(roots, dac), DeviceBusy);
+    EXPECT_EQ(tree.text(pwm + "duty_cycle"), "25000");
+    EXPECT_EQ(tree.text(raw), "4321");
+    roots.takes_over = true;
+    const PwmDrive off(roots, chopper);
+    EXPECT_EQ(tree.text(pwm + "duty_cycle").front(), '0');
+    roots.takes_over = false;
+  }
+  EXPECT_NO_THROW(PwmDrive(roots, chopper)) << "it has ended";
+}
+
 TEST(OutputStage, ThreeKindsAreToldAndSwitchedOff) {
   const Tree tree;
   tree.put("sys/bus/iio/devices/iio:device0/name", "ad5686\n");
@@ -505,6 +535,39 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
   }
   FileStore nowhere(folder / "no");
   EXPECT_EQ(save_settings(nowhere, settings).problem, SaveProblem::sync);
+}
+
+// Power goes while the second set is written beside, or, on a file system that has renamed it
+// before its bytes were there, afterwards.
+TEST(FileStore, APowerCutAtAnyByteLeavesOneOfTheTwo) {
+  const TemporaryFolder folder;
+  Settings<double> old = default_settings<double>();
+  old.wire = load_wire(std::string(default_wire)).wire;
+  old = stored_settings<double>(old);
+  Settings<double> next = old;
+  next.limits.duty *= 0.5;
+  next = stored_settings<double>(next);
+  FileStore store(folder / "");
+  ASSERT_TRUE(save_settings(store, old).ok());
+  ASSERT_TRUE(save_settings(store, next).ok());
+  const std::string bytes = file_text(folder / "settings.1");
+  const auto loaded = [&] {
+    FileStore after(folder / "");
+    return load_settings<double>(after);
+  };
+  for (std::size_t n = 0; n <= bytes.size(); n += 61) {
+    std::ofstream(folder / "settings.0.part", std::ios::trunc) << bytes.substr(0, n);
+    ASSERT_TRUE(same_settings(loaded().settings, next)) << n;
+  }
+  for (std::size_t n = bytes.size(); n-- > 0;) {
+    fs::resize_file(folder / "settings.1", n);
+    const Loaded<double> then = loaded();
+    ASSERT_EQ(then.slot, 0U) << n;
+    ASSERT_TRUE(same_settings(then.settings, old)) << n;
+  }
+  FileStore after(folder / "");
+  ASSERT_TRUE(save_settings(after, next).ok()) << "what was left beside is in nobody's way";
+  EXPECT_TRUE(same_settings(loaded().settings, next));
 }
 
 }  // namespace

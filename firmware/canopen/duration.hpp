@@ -1,0 +1,36 @@
+#pragma once
+// Between the node's clock, which counts microseconds, and seconds, without 64-bit conversions: a
+// microcontroller would do them in software, in double.
+
+#include <algorithm>
+#include <cstdint>
+
+namespace smaservo::canopen {
+
+/// Up to 71 minutes; more counts as that.
+constexpr float seconds_of(std::uint64_t us) {
+  constexpr std::uint64_t most = 0xFFFF'FFFF;
+  return 1e-6F * static_cast<float>(static_cast<std::uint32_t>(std::min(us, most)));
+}
+
+/// Starts again after 49 days. By hand: a library's 64-bit division takes as much as 700 bytes.
+constexpr std::uint32_t milliseconds_of(std::uint64_t us) {
+  constexpr std::uint32_t by = 1000;
+  std::uint32_t rest = static_cast<std::uint32_t>(us >> 32U) % by;
+  std::uint32_t ms = 0;
+  for (const unsigned shift : {16U, 0U}) {
+    const std::uint32_t part = rest << 16U | (static_cast<std::uint32_t>(us) >> shift & 0xFFFFU);
+    ms = ms << 16U | part / by;
+    rest = part % by;
+  }
+  return ms;
+}
+
+/// Of 0 to 4e9 s.
+constexpr std::uint64_t microseconds_of(float s) {
+  const auto whole = static_cast<std::uint32_t>(s);
+  const float rest = s - static_cast<float>(whole);
+  return std::uint64_t{whole} * 1'000'000 + static_cast<std::uint32_t>(1e6F * rest);
+}
+
+}  // namespace smaservo::canopen
