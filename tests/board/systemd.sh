@@ -10,7 +10,12 @@ unit() { systemctl show -P "$1" smaservod; }
 journal() { journalctl -q -u smaservod -o cat --since "@$since"; }
 
 echo '-- install'
-dpkg -i /smaservo.deb
+dpkg --unpack /smaservo.deb
+# udev looks for new rules when something happens, once in 3 s: it reads these before the user is there.
+sleep 4
+udevadm trigger --subsystem-match=mem
+udevadm settle
+dpkg --configure smaservo
 expect 'installed' $? 0
 expect 'its user' "$(getent passwd smaservo | cut -d : -f 1,6)" smaservo:/var/lib/smaservo
 expect 'enabled' "$(systemctl is-enabled smaservod)" disabled
