@@ -38,6 +38,7 @@ ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>&
           .json = options.json,
           .real_time = options.real_time,
           .paced = true,
+          .sandboxed = options.sandboxed,
           .thread = {}};
 }
 

@@ -244,6 +244,16 @@ TEST(Process, RefusesWhatItDoesNotUnderstand) {
   }
 }
 
+#ifndef SMASERVO_SANITIZED  // sanitizers make calls of their own
+TEST(Process, ItsLoopMakesALoopsCallsOnly) {
+  const TemporaryFolder folder;
+  const Ended ended = Program(folder, {"--board", "sim", "--no-real-time", "--sandbox", "--for",
+                                       "0.3", "--record", folder / "run.csv"})
+                          .wait();
+  EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+}
+#endif
+
 // What it keeps is its own; the first one does not notice.
 TEST(Process, ASecondOneWithTheSameFolderIsRefused) {
   const TemporaryFolder folder;
