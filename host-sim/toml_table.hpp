@@ -12,7 +12,7 @@
 
 namespace smaservo {
 
-/// One table of the file: takes keys, and refuses what nobody took. All throw UserError.
+/// One table of the file: takes keys, and refuses what nobody took. All throw ConfigError.
 class Table {
  public:
   /// The origin must outlive the table.
@@ -53,7 +53,7 @@ class Table {
   std::set<std::string, std::less<>> taken_;
 };
 
-/// A whole file. Throws UserError.
+/// A whole file. Throws ConfigError.
 class TomlFile {
  public:
   explicit TomlFile(const std::filesystem::path& file);

@@ -41,7 +41,7 @@ struct BoardFile {
   std::optional<BusSettings> bus;
 };
 
-/// Throws UserError: file, line, key, value and what is allowed.
+/// Throws ConfigError: file, line, key, value and what is allowed.
 BoardFile load_board_file(const std::string& path);
 
 /// Each of these opens what the file names; all throw DeviceError.

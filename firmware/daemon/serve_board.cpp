@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
+#include <sysexits.h>
 
 #include "firmware/daemon/board_file.hpp"
 #include "firmware/daemon/bus_service.hpp"
@@ -39,6 +40,24 @@ LinuxBoardParts open_parts(const BoardFile& file) {
   return parts;
 }
 
+/// The settings' line of the report; false: the file is refused, or asks too much of the board.
+bool settings_tried(const BoardFile& file) {
+  std::string problem;
+  try {
+    const Settings<double> settings = load_settings_file(file.device);
+    problem = period_problem(settings);
+    if (!problem.empty()) {
+      problem = file.device + ": " + problem;
+    } else if (!within(file, settings)) {
+      problem = "beyond the board: limits.current, drive.kind or a load cell";
+    }
+  } catch (const ConfigError& error) {
+    problem = error.what();
+  }
+  fmt::print("{:<16} {}\n", "settings", problem.empty() ? "ok" : problem);
+  return problem.empty();
+}
+
 /// One line of the report; false: it can not be opened.
 bool tried(const char* what, const std::function<void()>& open) {
   try {
@@ -69,7 +88,7 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
   const bool configured = !options.device.empty();
   const Settings<double> given = configured ? load_settings_file(options.device) : unconfigured();
   if (const std::string problem = period_problem(given); !problem.empty()) {
-    throw UserError(fmt::format("{}: {}", options.device, problem));
+    throw ConfigError(fmt::format("{}: {}", options.device, problem));
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
@@ -108,22 +127,8 @@ int check_board(const DaemonOptions& options) {
   if (file.bus) {
     ok = tried("bus", [&] { open_can(file.bus->interface); }) && ok;
   }
-  if (!file.device.empty()) {
-    try {
-      const Settings<double> settings = load_settings_file(file.device);
-      const bool fits = within(file, settings);
-      const std::string problem = period_problem(settings);
-      fmt::print("{:<16} {}\n", "settings",
-                 !problem.empty() ? file.device + ": " + problem
-                 : fits           ? "ok"
-                                  : "beyond the board: limits.current, drive.kind or a load cell");
-      ok = ok && fits && problem.empty();
-    } catch (const std::exception& error) {
-      fmt::print("{:<16} {}\n", "settings", error.what());
-      ok = false;
-    }
-  }
-  return ok ? 0 : 1;
+  const bool settings_ok = file.device.empty() || settings_tried(file);
+  return !settings_ok ? EX_CONFIG : ok ? 0 : 1;
 }
 
 int switch_board_off(const DaemonOptions& options) {

@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
+#include <sysexits.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -219,6 +220,16 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   EXPECT_NE(ended.errors.find("the recording has ended"), std::string::npos) << ended.errors;
 }
 
+/// The reference board with more lines in its settings.
+std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
+  const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
+  std::filesystem::create_directories(folder / "devices");
+  std::ofstream(folder / "board.toml") << file_text(boards + "reference.toml");
+  std::ofstream(folder / "devices/current-sink.toml")
+      << file_text(boards + "devices/current-sink.toml") << lines;
+  return folder / "board.toml";
+}
+
 TEST(Process, RefusesWhatItDoesNotUnderstand) {
   const TemporaryFolder folder;
   struct Case {
@@ -228,14 +239,26 @@ TEST(Process, RefusesWhatItDoesNotUnderstand) {
   };
   const std::string board = folder / "board.toml";
   std::ofstream(board) << "name = \"a\"\n[front_end]\ntype = \"adc\"\n";
+  const std::string wireless = folder / "wireless.toml";
+  std::ofstream(wireless) << "seed = 1\n[plant]\nwire = \"none-wire.toml\"\n";
   const Case cases[] = {
       {{"--bord", "sim"}, 2, "--bord"},
-      {{"--board", folder / "none.toml"}, 1, "none.toml: cannot be read"},
+      {{"--board", folder / "none.toml"}, EX_CONFIG, "none.toml: cannot be read"},
       {{"--board", board},
-       1,
+       EX_CONFIG,
        "board.toml:3: front_end.type = 'adc': must be one of: ads131m04, iio"},
-      {{"--board", "replay=" + folder / "none.csv"}, 1, "none.csv"},
-      {{"--board", "sim", "--at-once", "--for", "0.1", "--record", board}, 1, "never overwritten"},
+      {{"--board", "sim=" + wireless}, EX_CONFIG, "none-wire.toml"},
+      {{"--board", "sim", "--device", board}, EX_CONFIG, "board.toml:1: name = 'a': unknown"},
+      {{"--board", "sim", "--bus", "udp:1.2.3.4"}, EX_CONFIG, "is no multicast group"},
+      {{"--board", "replay=" + folder / "none.csv"}, EX_CONFIG, "none.csv"},
+      {{"--board", "sim", "--at-once", "--for", "0.1", "--record", board},
+       EX_CONFIG,
+       "never overwritten"},
+      // What may be there another time.
+      {{"--board", reference_board(folder, "")}, 1, "/dev/spidev"},
+      {{"--board", "sim", "--bus", "none0"}, 1, "none0: "},
+      {{"--board", "sim", "--settings", board}, 1, "board.toml: "},
+      {{"--board", "sim", "--record", folder / "none/run.csv"}, 1, "No such file"},
   };
   for (const Case& c : cases) {
     const Ended ended = Program(folder, c.arguments).wait();
@@ -264,16 +287,6 @@ TEST(Process, ASecondOneWithTheSameFolderIsRefused) {
   EXPECT_NE(third.out.find("the last run ended cleanly"), std::string::npos) << third.out;
 }
 
-/// The reference board with more lines in its settings.
-std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
-  const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
-  std::filesystem::create_directories(folder / "devices");
-  std::ofstream(folder / "board.toml") << file_text(boards + "reference.toml");
-  std::ofstream(folder / "devices/current-sink.toml")
-      << file_text(boards + "devices/current-sink.toml") << lines;
-  return folder / "board.toml";
-}
-
 TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
   const TemporaryFolder folder;
   const std::string board = reference_board(folder, "");
@@ -297,10 +310,10 @@ TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
                              ": timing.period_ms = " + period +
                              ": must be between 0.5 and 10 on a board";
     const Ended ended = Program(folder, {"--board", board, "--settings", folder / "state"}).wait();
-    EXPECT_TRUE(ended.exited_with(1)) << period;
+    EXPECT_TRUE(ended.exited_with(EX_CONFIG)) << period;
     EXPECT_NE(ended.errors.find(says), std::string::npos) << ended.errors;
     const Ended checked = Program(folder, {"--board", board, "--check"}).wait();
-    EXPECT_TRUE(checked.exited_with(1)) << period;
+    EXPECT_TRUE(checked.exited_with(EX_CONFIG)) << period;
     EXPECT_NE(checked.out.find(says), std::string::npos) << checked.out;
   }
 }
