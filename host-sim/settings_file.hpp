@@ -23,7 +23,8 @@
 namespace smaservo {
 
 /// The settings have passed check() and have a wire. `overrides` are as on the command line, such
-/// as "limits.current_mA", "120". Throws ConfigError with file, line, key, value and what is allowed.
+/// as "limits.current_mA", "120". Throws ConfigError with file, line, key, value and what is
+/// allowed.
 Settings<double> load_settings_file(const std::string& path,
                                     const std::vector<Override>& overrides = {});
 

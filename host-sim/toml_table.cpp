@@ -149,8 +149,9 @@ TomlFile::TomlFile(const std::filesystem::path& file) : origin_(file.string()) {
   if (!in || !(text << in.rdbuf())) {
     throw ConfigError(fmt::format("{}: cannot be read", origin_));
   }
+  text_ = text.str();
   try {
-    parsed_ = toml::parse(text.str(), origin_);
+    parsed_ = toml::parse(text_, origin_);
   } catch (const toml::parse_error& error) {
     throw ConfigError(fmt::format("{}:{}:{}: {}", origin_, error.source().begin.line,
                                 error.source().begin.column, error.description()));

@@ -58,12 +58,14 @@ class TomlFile {
  public:
   explicit TomlFile(const std::filesystem::path& file);
   Table root() const { return {parsed_, "", origin_}; }
+  const std::string& text() const { return text_; }
 
   /// A file that the TOML file names, from where it lies itself.
   std::string beside(const std::string& name) const;
 
  private:
   std::string origin_;
+  std::string text_;
   toml::table parsed_;
 };
 

@@ -39,7 +39,11 @@ struct BoardFile {
   std::variant<IioDacSettings, SpiDacSettings, PwmSettings> drive;
   LinesSettings lines;
   std::optional<BusSettings> bus;
+  std::string text;  ///< all of it
 };
+
+/// Of the store, where no board file names another one.
+inline constexpr const char* default_folder = "/var/lib/smaservo";
 
 /// Throws ConfigError: file, line, key, value and what is allowed.
 BoardFile load_board_file(const std::string& path);

@@ -40,6 +40,55 @@ LinuxBoardParts open_parts(const BoardFile& file) {
   return parts;
 }
 
+/// Copy of the board file that the last run drove by: --off goes by it, whatever has become of the
+/// file meanwhile.
+std::string kept_board(const std::string& folder) {
+  return folder + "/board.toml";
+}
+
+void keep_board(const std::string& folder, const std::string& text) {
+  try {
+    OutputFile copy(kept_board(folder));
+    copy.write(text);
+    copy.commit();
+  } catch (const UserError& error) {
+    fmt::print(stderr, "smaservod: {}; --off will go by the board file alone\n", error.what());
+  }
+}
+
+/// Nothing where it is refused, and why, unless that has been said.
+std::optional<BoardFile> usable(const std::string& path, bool said) {
+  try {
+    return load_board_file(path);
+  } catch (const ConfigError& error) {
+    if (!said) {
+      fmt::print(stderr, "smaservod: {}\n", error.what());
+    }
+    return {};
+  }
+}
+
+/// Each by itself: what fails must not keep the other one on. To open them is to switch them off.
+bool outputs_off(const BoardFile& file) {
+  LinuxRoots where = roots();
+  where.takes_over = true;
+  bool ok = true;
+  const auto off = [&](const std::function<void()>& open) {
+    try {
+      open();
+    } catch (const DeviceError& error) {
+      fmt::print(stderr, "smaservod: {}\n", error.what());
+      ok = false;
+    }
+  };
+  off([&] { open_drive(file, where); });
+  LinesSettings outputs;
+  outputs.enable = file.lines.enable;
+  outputs.kick = file.lines.kick;
+  off([&] { open_lines(where, outputs); });
+  return ok;
+}
+
 /// The settings' line of the report; false: the file is refused, or asks too much of the board.
 bool settings_tried(const BoardFile& file) {
   std::string problem;
@@ -132,35 +181,32 @@ int check_board(const DaemonOptions& options) {
 }
 
 int switch_board_off(const DaemonOptions& options) {
-  const BoardFile file = load_board_file(options.board);
-  const std::string folder = options.settings.empty() ? file.folder : options.settings;
-  // What systemd tells an ExecStopPost.
-  if (const char* const result = std::getenv("SERVICE_RESULT");
-      result != nullptr && std::string(result) != "success") {
+  // What systemd tells an ExecStopPost: how its service ended, and with which code.
+  const char* const result = std::getenv("SERVICE_RESULT");
+  const char* const status = std::getenv("EXIT_STATUS");
+  const bool refused = status != nullptr && status == std::to_string(EX_CONFIG);
+  const std::optional<BoardFile> present = usable(options.board, refused);
+  const std::string folder = !options.settings.empty() ? options.settings
+                             : present                 ? present->folder
+                                                       : default_folder;
+  // Of a run; what has been refused was none.
+  if (result != nullptr && std::string(result) != "success" && !refused) {
     try {
       keep_service_result(folder, result);
     } catch (const UserError& error) {
       fmt::print(stderr, "smaservod: {}\n", error.what());
     }
   }
-  // Each by itself: what fails must not keep the other one on. To open them is to switch them off.
-  LinuxRoots where = roots();
-  where.takes_over = true;
-  bool ok = true;
-  const auto off = [&](const std::function<void()>& open) {
-    try {
-      open();
-    } catch (const DeviceError& error) {
-      fmt::print(stderr, "smaservod: {}\n", error.what());
-      ok = false;
-    }
-  };
-  off([&] { open_drive(file, where); });
-  LinesSettings outputs;
-  outputs.enable = file.lines.enable;
-  outputs.kick = file.lines.kick;
-  off([&] { open_lines(where, outputs); });
-  return ok ? 0 : 1;
+  bool files = present.has_value();
+  bool outputs = true;
+  // Both, and what fails in one must not keep those of the other on.
+  if (const std::string copy = kept_board(folder); exists(copy)) {
+    const std::optional<BoardFile> kept = usable(copy, false);
+    files = files && kept;
+    outputs = !kept || (present && present->text == kept->text) || outputs_off(*kept);
+  }
+  outputs = (!present || outputs_off(*present)) && outputs;
+  return !outputs ? 1 : files ? 0 : EX_CONFIG;
 }
 
 int serve_board(const DaemonOptions& options) {
@@ -175,6 +221,8 @@ int serve_board(const DaemonOptions& options) {
   setup.thread = file.thread;
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
+  // The folder is this run's from here on, and nothing has been heated yet.
+  keep_board(with.settings, file.text);
   if (!options.program.empty()) {
     Programmed programmed(load_closed_loop(options.program).program);
     return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);
