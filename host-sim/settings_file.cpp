@@ -196,7 +196,7 @@ toml::table parsed(std::string_view text, const std::string& origin) {
     return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {
     throw ConfigError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
-                                error.source().begin.column, error.description()));
+                                  error.source().begin.column, error.description()));
   }
 }
 
@@ -262,8 +262,8 @@ void require_sound(const Wanted& wanted, const std::string& origin,
   }
   if (!finding.ok()) {
     throw ConfigError(fmt::format("{}: must be {}",
-                                origin_of(wanted, origin, finding.parameter, settings),
-                                range_text(parameters<double>[finding.parameter])));
+                                  origin_of(wanted, origin, finding.parameter, settings),
+                                  range_text(parameters<double>[finding.parameter])));
   }
 }
 

@@ -154,7 +154,7 @@ TomlFile::TomlFile(const std::filesystem::path& file) : origin_(file.string()) {
     parsed_ = toml::parse(text_, origin_);
   } catch (const toml::parse_error& error) {
     throw ConfigError(fmt::format("{}:{}:{}: {}", origin_, error.source().begin.line,
-                                error.source().begin.column, error.description()));
+                                  error.source().begin.column, error.description()));
   }
 }
 

@@ -52,7 +52,7 @@ void keep_board(const std::string& folder, const std::string& text) {
     copy.write(text);
     copy.commit();
   } catch (const UserError& error) {
-    fmt::print(stderr, "smaservod: {}; --off will go by the board file alone\n", error.what());
+    fmt::print(stderr, "smaservod: {}; --off goes by the board file alone\n", error.what());
   }
 }
 

@@ -52,7 +52,7 @@ since=$(date +%s)
 /plant /tmp/hold.toml 60 >$log &
 plant=$!
 mknod -m 666 /dev/forbidden b "0x$(stat -c %t /dev/vda)" "0x$(stat -c %T /dev/vda)"
-for file in /etc/forbidden /home/forbidden /tmp/forbidden; do
+for file in /etc/forbidden /tmp/forbidden; do
   echo secret >$file
   chmod 666 $file
 done
@@ -76,7 +76,7 @@ mv /run/smaservo/answers /tmp/answers
 answer() { expect "$1" "$(sed -n "s|^$1: ||p" /tmp/answers)" "$2"; }
 answer 'read a disk' 'Operation not permitted'
 answer 'write below /etc' 'Read-only file system'
-answer 'read a home' 'Permission denied'
+answer 'look into homes' 'Permission denied'
 answer "read another's /tmp" 'No such file or directory'
 answer 'talk netlink' 'Address family not supported by protocol'
 answer 'make a namespace' 'Operation not permitted'

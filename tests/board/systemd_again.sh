@@ -5,7 +5,8 @@
 cp /var/tmp/hold.toml /tmp
 
 echo '-- after the reboot'
-off_by program 100000
+# PID 1 stops everything at once.
+off_by program 250000
 row 'systemctl reboot'
 # Nothing here starts it, and it has not found its inputs yet.
 since=0
