@@ -145,6 +145,7 @@ heats pid:/tmp/daemon 9
 sed -i 's/^supply_V = .*/supply_V = 5000/' /etc/smaservo/board.toml
 wait $plant
 off_by one-shot 9000
+row 'kill -9 after the board file broke'
 expect 'duty that is set' "$(duty)" 0
 expect 'then' "$(unit ActiveState)" failed
 journal
