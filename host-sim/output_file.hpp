@@ -13,6 +13,12 @@ class UserError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// One that only a person mends, in a file or an option: to try again changes nothing.
+class ConfigError : public UserError {
+ public:
+  using UserError::UserError;
+};
+
 /// A file that appears under its name only when it is complete: written beside, then renamed.
 /// "-" is standard output; devices and pipes are written as they are. Throws UserError when it
 /// cannot be written.

@@ -79,7 +79,7 @@ class Reader {
   }
   [[noreturn]] void fail(const std::string& key, const toml::node& node,
                          const std::string& reason) const {
-    throw UserError(fmt::format("{}: {}: {}", where(node), said(key, node), reason));
+    throw ConfigError(fmt::format("{}: {}: {}", where(node), said(key, node), reason));
   }
 
   void read_wire(const std::string& key, const toml::node& node) {
@@ -195,8 +195,8 @@ toml::table parsed(std::string_view text, const std::string& origin) {
   try {
     return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {
-    throw UserError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
-                                error.source().begin.column, error.description()));
+    throw ConfigError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
+                                  error.source().begin.column, error.description()));
   }
 }
 
@@ -215,7 +215,7 @@ Wire<double> wire_of(const Wanted& wanted) {
   try {
     return load_wire(wanted.wire).wire;
   } catch (const WireError& error) {
-    throw UserError(fmt::format("{}: {}", wanted.wire_where, error.what()));
+    throw ConfigError(fmt::format("{}: {}", wanted.wire_where, error.what()));
   }
 }
 
@@ -251,19 +251,19 @@ std::string contradiction(const Wanted& wanted, const std::string& origin, const
 void require_sound(const Wanted& wanted, const std::string& origin,
                    const Settings<double>& settings) {
   if (const std::size_t missing = first_missing(settings); missing != no_parameter) {
-    throw UserError(
+    throw ConfigError(
         fmt::format("{}: {} is missing; [wire] needs based_on = \"PRESET or "
                     "FILE.toml\", or every number of the wire",
                     origin, parameters<double>[missing].path.text()));
   }
   const Finding finding = check(settings);
   if (finding.problem == Problem::contradiction) {
-    throw UserError(contradiction(wanted, origin, parameter_rules[finding.rule], settings));
+    throw ConfigError(contradiction(wanted, origin, parameter_rules[finding.rule], settings));
   }
   if (!finding.ok()) {
-    throw UserError(fmt::format("{}: must be {}",
-                                origin_of(wanted, origin, finding.parameter, settings),
-                                range_text(parameters<double>[finding.parameter])));
+    throw ConfigError(fmt::format("{}: must be {}",
+                                  origin_of(wanted, origin, finding.parameter, settings),
+                                  range_text(parameters<double>[finding.parameter])));
   }
 }
 
@@ -296,7 +296,7 @@ std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw UserError(fmt::format("--set {}: must be key=value", text));
+      throw ConfigError(fmt::format("--set {}: must be key=value", text));
     }
     settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
@@ -308,7 +308,7 @@ Settings<double> load_settings_file(const std::string& path,
   const std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
-    throw UserError(fmt::format("{}: cannot be read", path));
+    throw ConfigError(fmt::format("{}: cannot be read", path));
   }
   return parse_settings_file(text.str(), path, overrides,
                              std::filesystem::path(path).parent_path());

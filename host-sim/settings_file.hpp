@@ -23,7 +23,8 @@
 namespace smaservo {
 
 /// The settings have passed check() and have a wire. `overrides` are as on the command line, such
-/// as "limits.current_mA", "120". Throws UserError with file, line, key, value and what is allowed.
+/// as "limits.current_mA", "120". Throws ConfigError with file, line, key, value and what is
+/// allowed.
 Settings<double> load_settings_file(const std::string& path,
                                     const std::vector<Override>& overrides = {});
 
@@ -32,7 +33,7 @@ Settings<double> parse_settings_file(std::string_view text, const std::string& o
                                      const std::vector<Override>& overrides = {},
                                      const std::filesystem::path& folder = ".");
 
-/// The meaning of --set: "key=value" split. Throws UserError.
+/// The meaning of --set: "key=value" split. Throws ConfigError.
 std::vector<Override> parse_settings(const std::vector<std::string>& texts);
 
 /// Every parameter, in SI; read back it gives the same floats. Settings must have a wire.

@@ -19,7 +19,7 @@ void Table::fail(std::string_view key, const std::string& reason) const {
     node->visit([&](const auto& item) { text << item; });
     value = " = " + text.str();
   }
-  throw UserError(fmt::format("{}:{}: {}{}{}: {}", origin_, line, path_, key, value, reason));
+  throw ConfigError(fmt::format("{}:{}: {}{}{}: {}", origin_, line, path_, key, value, reason));
 }
 
 double Table::number(std::string_view key, double low, double high) {
@@ -147,13 +147,14 @@ TomlFile::TomlFile(const std::filesystem::path& file) : origin_(file.string()) {
   const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
-    throw UserError(fmt::format("{}: cannot be read", origin_));
+    throw ConfigError(fmt::format("{}: cannot be read", origin_));
   }
+  text_ = text.str();
   try {
-    parsed_ = toml::parse(text.str(), origin_);
+    parsed_ = toml::parse(text_, origin_);
   } catch (const toml::parse_error& error) {
-    throw UserError(fmt::format("{}:{}:{}: {}", origin_, error.source().begin.line,
-                                error.source().begin.column, error.description()));
+    throw ConfigError(fmt::format("{}:{}:{}: {}", origin_, error.source().begin.line,
+                                  error.source().begin.column, error.description()));
   }
 }
 

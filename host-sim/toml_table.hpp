@@ -12,7 +12,7 @@
 
 namespace smaservo {
 
-/// One table of the file: takes keys, and refuses what nobody took. All throw UserError.
+/// One table of the file: takes keys, and refuses what nobody took. All throw ConfigError.
 class Table {
  public:
   /// The origin must outlive the table.
@@ -53,17 +53,19 @@ class Table {
   std::set<std::string, std::less<>> taken_;
 };
 
-/// A whole file. Throws UserError.
+/// A whole file. Throws ConfigError.
 class TomlFile {
  public:
   explicit TomlFile(const std::filesystem::path& file);
   Table root() const { return {parsed_, "", origin_}; }
+  const std::string& text() const { return text_; }
 
   /// A file that the TOML file names, from where it lies itself.
   std::string beside(const std::string& name) const;
 
  private:
   std::string origin_;
+  std::string text_;
   toml::table parsed_;
 };
 

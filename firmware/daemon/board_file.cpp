@@ -194,7 +194,7 @@ BoardFile load_board_file(const std::string& path) {
   file.name = root.text("name");
   const std::string device = text_or(root, "settings", "");
   file.device = device.empty() ? "" : toml.beside(device);
-  file.folder = text_or(root, "folder", "/var/lib/smaservo");
+  file.folder = text_or(root, "folder", default_folder);
   Table loop = root.table_or_empty("loop");
   file.thread.priority = whole<int>(loop, "priority", 1, 98, 80);
   file.thread.processor = whole<int>(loop, "processor", 0, 1023, -1);
@@ -213,6 +213,7 @@ BoardFile load_board_file(const std::string& path) {
     file.bus = read_bus(root.table("bus"));
   }
   root.finish();
+  file.text = toml.text();
   return file;
 }
 

@@ -39,9 +39,13 @@ struct BoardFile {
   std::variant<IioDacSettings, SpiDacSettings, PwmSettings> drive;
   LinesSettings lines;
   std::optional<BusSettings> bus;
+  std::string text;  ///< all of it
 };
 
-/// Throws UserError: file, line, key, value and what is allowed.
+/// Of the store, where no board file names another one.
+inline constexpr const char* default_folder = "/var/lib/smaservo";
+
+/// Throws ConfigError: file, line, key, value and what is allowed.
 BoardFile load_board_file(const std::string& path);
 
 /// Each of these opens what the file names; all throw DeviceError.

@@ -2,8 +2,12 @@
 
 #include <cstdio>
 #include <exception>
+#include <sysexits.h>
 
 #include "firmware/daemon/serve.hpp"
+#include "hal/linux/can_status.hpp"
+#include "host-sim/output_file.hpp"
+#include "model/wires/wire_file.hpp"
 
 namespace {
 
@@ -18,6 +22,13 @@ int run(const smaservo::DaemonOptions& options) {
     return smaservo::switch_board_off(options);
   }
   return options.check ? smaservo::check_board(options) : smaservo::serve_board(options);
+}
+
+int ended_by(const std::exception& error, int code) {
+  std::fputs("smaservod: ", stderr);
+  std::fputs(error.what(), stderr);
+  std::fputs("\n", stderr);
+  return code;
 }
 
 }  // namespace
@@ -35,10 +46,13 @@ int main(int argc, char** argv) {
       code = run(options);
     }
     return code;
+  } catch (const smaservo::ConfigError& error) {
+    return ended_by(error, EX_CONFIG);
+  } catch (const smaservo::WireError& error) {
+    return ended_by(error, EX_CONFIG);
+  } catch (const smaservo::CanNameError& error) {
+    return ended_by(error, EX_CONFIG);
   } catch (const std::exception& error) {
-    std::fputs("smaservod: ", stderr);
-    std::fputs(error.what(), stderr);
-    std::fputs("\n", stderr);
+    return ended_by(error, 1);
   }
-  return 1;
 }

@@ -41,10 +41,11 @@ Recorder::Recorder(const std::string& path, const Settings<double>& settings,
       format_(columns(), {"parameter_changes"}),
       file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644)),
       buffer_(format_.header()) {
+  if (file_.number() < 0 && errno == EEXIST) {
+    throw ConfigError(fmt::format("--record {}: exists; a recording is never overwritten", path_));
+  }
   if (file_.number() < 0) {
-    throw UserError(fmt::format(
-        "--record {}: {}", path_,
-        errno == EEXIST ? "exists; a recording is never overwritten" : std::strerror(errno)));
+    throw UserError(fmt::format("--record {}: {}", path_, std::strerror(errno)));
   }
   OutputFile beside(path_ + ".toml");
   beside.write(to_toml(settings));

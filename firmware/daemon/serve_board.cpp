@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
+#include <sysexits.h>
 
 #include "firmware/daemon/board_file.hpp"
 #include "firmware/daemon/bus_service.hpp"
@@ -39,6 +40,73 @@ LinuxBoardParts open_parts(const BoardFile& file) {
   return parts;
 }
 
+/// Copy of the board file that the last run drove by: --off goes by it, whatever has become of the
+/// file meanwhile.
+std::string kept_board(const std::string& folder) {
+  return folder + "/board.toml";
+}
+
+void keep_board(const std::string& folder, const std::string& text) {
+  try {
+    OutputFile copy(kept_board(folder));
+    copy.write(text);
+    copy.commit();
+  } catch (const UserError& error) {
+    fmt::print(stderr, "smaservod: {}; --off goes by the board file alone\n", error.what());
+  }
+}
+
+/// Nothing where it is refused, and why, unless that has been said.
+std::optional<BoardFile> usable(const std::string& path, bool said) {
+  try {
+    return load_board_file(path);
+  } catch (const ConfigError& error) {
+    if (!said) {
+      fmt::print(stderr, "smaservod: {}\n", error.what());
+    }
+    return {};
+  }
+}
+
+/// Each by itself: what fails must not keep the other one on. To open them is to switch them off.
+bool outputs_off(const BoardFile& file) {
+  LinuxRoots where = roots();
+  where.takes_over = true;
+  bool ok = true;
+  const auto off = [&](const std::function<void()>& open) {
+    try {
+      open();
+    } catch (const DeviceError& error) {
+      fmt::print(stderr, "smaservod: {}\n", error.what());
+      ok = false;
+    }
+  };
+  off([&] { open_drive(file, where); });
+  LinesSettings outputs;
+  outputs.enable = file.lines.enable;
+  outputs.kick = file.lines.kick;
+  off([&] { open_lines(where, outputs); });
+  return ok;
+}
+
+/// The settings' line of the report; false: the file is refused, or asks too much of the board.
+bool settings_tried(const BoardFile& file) {
+  std::string problem;
+  try {
+    const Settings<double> settings = load_settings_file(file.device);
+    problem = period_problem(settings);
+    if (!problem.empty()) {
+      problem = file.device + ": " + problem;
+    } else if (!within(file, settings)) {
+      problem = "beyond the board: limits.current, drive.kind or a load cell";
+    }
+  } catch (const ConfigError& error) {
+    problem = error.what();
+  }
+  fmt::print("{:<16} {}\n", "settings", problem.empty() ? "ok" : problem);
+  return problem.empty();
+}
+
 /// One line of the report; false: it can not be opened.
 bool tried(const char* what, const std::function<void()>& open) {
   try {
@@ -69,7 +137,7 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
   const bool configured = !options.device.empty();
   const Settings<double> given = configured ? load_settings_file(options.device) : unconfigured();
   if (const std::string problem = period_problem(given); !problem.empty()) {
-    throw UserError(fmt::format("{}: {}", options.device, problem));
+    throw ConfigError(fmt::format("{}: {}", options.device, problem));
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
@@ -108,54 +176,37 @@ int check_board(const DaemonOptions& options) {
   if (file.bus) {
     ok = tried("bus", [&] { open_can(file.bus->interface); }) && ok;
   }
-  if (!file.device.empty()) {
-    try {
-      const Settings<double> settings = load_settings_file(file.device);
-      const bool fits = within(file, settings);
-      const std::string problem = period_problem(settings);
-      fmt::print("{:<16} {}\n", "settings",
-                 !problem.empty() ? file.device + ": " + problem
-                 : fits           ? "ok"
-                                  : "beyond the board: limits.current, drive.kind or a load cell");
-      ok = ok && fits && problem.empty();
-    } catch (const std::exception& error) {
-      fmt::print("{:<16} {}\n", "settings", error.what());
-      ok = false;
-    }
-  }
-  return ok ? 0 : 1;
+  const bool settings_ok = file.device.empty() || settings_tried(file);
+  return !settings_ok ? EX_CONFIG : ok ? 0 : 1;
 }
 
 int switch_board_off(const DaemonOptions& options) {
-  const BoardFile file = load_board_file(options.board);
-  const std::string folder = options.settings.empty() ? file.folder : options.settings;
-  // What systemd tells an ExecStopPost.
-  if (const char* const result = std::getenv("SERVICE_RESULT");
-      result != nullptr && std::string(result) != "success") {
+  // What systemd tells an ExecStopPost: how its service ended, and with which code.
+  const char* const result = std::getenv("SERVICE_RESULT");
+  const char* const status = std::getenv("EXIT_STATUS");
+  const bool refused = status != nullptr && status == std::to_string(EX_CONFIG);
+  const std::optional<BoardFile> present = usable(options.board, refused);
+  const std::string folder = !options.settings.empty() ? options.settings
+                             : present                 ? present->folder
+                                                       : default_folder;
+  // Of a run; what has been refused was none.
+  if (result != nullptr && std::string(result) != "success" && !refused) {
     try {
       keep_service_result(folder, result);
     } catch (const UserError& error) {
       fmt::print(stderr, "smaservod: {}\n", error.what());
     }
   }
-  // Each by itself: what fails must not keep the other one on. To open them is to switch them off.
-  LinuxRoots where = roots();
-  where.takes_over = true;
-  bool ok = true;
-  const auto off = [&](const std::function<void()>& open) {
-    try {
-      open();
-    } catch (const DeviceError& error) {
-      fmt::print(stderr, "smaservod: {}\n", error.what());
-      ok = false;
-    }
-  };
-  off([&] { open_drive(file, where); });
-  LinesSettings outputs;
-  outputs.enable = file.lines.enable;
-  outputs.kick = file.lines.kick;
-  off([&] { open_lines(where, outputs); });
-  return ok ? 0 : 1;
+  bool files = present.has_value();
+  bool outputs = true;
+  // Both, and what fails in one must not keep those of the other on.
+  if (const std::string copy = kept_board(folder); exists(copy)) {
+    const std::optional<BoardFile> kept = usable(copy, false);
+    files = files && kept;
+    outputs = !kept || (present && present->text == kept->text) || outputs_off(*kept);
+  }
+  outputs = (!present || outputs_off(*present)) && outputs;
+  return !outputs ? 1 : files ? 0 : EX_CONFIG;
 }
 
 int serve_board(const DaemonOptions& options) {
@@ -170,6 +221,8 @@ int serve_board(const DaemonOptions& options) {
   setup.thread = file.thread;
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
+  // The folder is this run's from here on, and nothing has been heated yet.
+  keep_board(with.settings, file.text);
   if (!options.program.empty()) {
     Programmed programmed(load_closed_loop(options.program).program);
     return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);

@@ -18,7 +18,7 @@ Simulation::Simulation(const ClosedLoopScenario& scenario)
       end_ns_(scenario.duration_s > 0 ? std::llround(scenario.duration_s * 1e9)
                                       : std::numeric_limits<std::int64_t>::max()) {
   if (scenario.pair || std::ranges::any_of(scenario.events, &SimEvent::reboots)) {
-    throw UserError(
+    throw ConfigError(
         fmt::format("{}: a pair of wires, or a device that starts anew, is for "
                     "host-sim simulate, not for a daemon",
                     scenario.name));

@@ -15,7 +15,7 @@ class Simulation : public Partner {
  public:
   static constexpr bool in_monotonic_time = false;
 
-  /// Throws UserError: a pair, or events that start the device anew, are not for one daemon.
+  /// Throws ConfigError: a pair, or events that start the device anew, are not for one daemon.
   explicit Simulation(const ClosedLoopScenario& scenario);
 
   // A Board.

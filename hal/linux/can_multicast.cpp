@@ -112,13 +112,13 @@ MulticastAddress multicast_address(const std::string& group, std::uint16_t port)
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
   if (getaddrinfo(number.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) {
-    throw CanError(group + ": is no multicast group of IPv4 or IPv6");
+    throw CanNameError(group + ": is no multicast group of IPv4 or IPv6");
   }
   std::memcpy(&result.address, found->ai_addr, found->ai_addrlen);
   result.size = found->ai_addrlen;
   freeaddrinfo(found);
   if (!is_multicast(result.address)) {
-    throw CanError(group + ": is no multicast group: 224.0.0.0 to 239.255.255.255 or ff00::/8");
+    throw CanNameError(group + ": is no multicast group: 224.0.0.0 to 239.255.255.255 or ff00::/8");
   }
   if (result.address.ss_family == AF_INET6 && result.interface != 0) {
     auto scoped = as<sockaddr_in6>(result.address);

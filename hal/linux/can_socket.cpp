@@ -94,7 +94,7 @@ ssize_t read_frame(int socket, RawFrame& raw, std::uint32_t& overflow) {
 
 CanSocket::CanSocket(std::string interface) : interface_(std::move(interface)) {
   if (interface_.empty() || interface_.size() >= IFNAMSIZ) {
-    throw CanError("CAN interface \"" + interface_ + "\": a name has 1 to 15 characters");
+    throw CanNameError("CAN interface \"" + interface_ + "\": a name has 1 to 15 characters");
   }
   socket_ = Descriptor(socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
   if (socket_.number() < 0) {

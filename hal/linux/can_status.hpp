@@ -12,6 +12,12 @@ class CanError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A port that can not be, as its name is none.
+class CanNameError : public CanError {
+ public:
+  using CanError::CanError;
+};
+
 enum class CanState : unsigned char {
   active,
   passive,  ///< so many errors that the controller has withdrawn to listening and careful sending

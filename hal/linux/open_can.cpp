@@ -22,7 +22,7 @@ GroupAndPort split(const std::string& text) {
     const std::size_t end = text.find(']');
     const std::string rest = end == std::string::npos ? "" : text.substr(end + 1);
     if (end == std::string::npos || (!rest.empty() && rest.front() != ':')) {
-      throw CanError("udp:" + text + ": must be udp:[GROUP]:PORT");
+      throw CanNameError("udp:" + text + ": must be udp:[GROUP]:PORT");
     }
     return {text.substr(1, end - 1), rest.empty() ? "" : rest.substr(1)};
   }
@@ -39,7 +39,7 @@ std::uint16_t port_number(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   if (error != std::errc{} || stop != end || number == 0 || number > 65535) {
-    throw CanError("udp: port " + text + ": must be a number from 1 to 65535");
+    throw CanNameError("udp: port " + text + ": must be a number from 1 to 65535");
   }
   return static_cast<std::uint16_t>(number);
 }

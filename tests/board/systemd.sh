@@ -1,13 +1,9 @@
 #!/bin/sh
-# The package in a Debian system, under its PID 1: what it installs, how its service runs, ends, and goes.
-# shellcheck source=tests/board/rig.sh
-. ./rig.sh
-export LC_ALL=C DEBIAN_FRONTEND=noninteractive
-modprobe configfs
-mountpoint -q /sys/kernel/config || mount -t configfs c /sys/kernel/config
-make_inputs
-unit() { systemctl show -P "$1" smaservod; }
-journal() { journalctl -q -u smaservod -o cat --since "@$since"; }
+# The package in a Debian system, under its PID 1: what it installs, how its service runs and ends. It ends
+# with a reboot, after which systemd_again.sh goes on.
+# shellcheck source=tests/board/unit.sh
+. ./unit.sh
+make_board
 
 echo '-- install'
 dpkg --unpack /smaservo.deb
@@ -28,6 +24,7 @@ systemctl start smaservod
 expect 'without a board file' "$(unit ActiveState) $(unit ConditionResult)" 'inactive no'
 
 echo '-- CAN'
+etc >/var/tmp/etc
 smaservo-setup --yes >/tmp/setup
 expect 'smaservo-setup' $? 0
 smaservo-setup --yes >/tmp/setup
@@ -36,7 +33,7 @@ systemctl restart systemd-networkd
 udevadm trigger --action=add /sys/class/net/can0
 udevadm settle
 sleep 1
-expect 'bit rate' "$(ip -details link show can0 | sed -n 's/.*bitrate \([0-9]*\) .*/\1/p')" 500000
+expect 'bit rate' "$(bitrate)" 500000
 ip link set can1 up type can bitrate 500000
 
 echo '-- start'
@@ -45,10 +42,20 @@ sed '/^folder/d' board.toml >/etc/smaservo/board.toml
 printf '\n[bus]\ninterface = "can0"\nnode_id = 1\n' >>/etc/smaservo/board.toml
 sed 's#"../../host-sim/#"/usr/share/smaservo/#' device.toml >/etc/smaservo/device.toml
 sed 's#"device.toml"#"/etc/smaservo/device.toml"#' hold.toml >/tmp/hold.toml
+# What runs after the start is in the same sandbox.
+here=$PWD
+drop_in=/run/systemd/system/smaservod.service.d
+mkdir -p $drop_in
+echo "[Service]
+ExecStartPost=/bin/sh -c 'sh $here/forbidden.sh >/run/smaservo/answers'" >$drop_in/forbidden.conf
 since=$(date +%s)
-/plant /tmp/hold.toml 60 >/tmp/plant.log &
+/plant /tmp/hold.toml 60 >$log &
 plant=$!
-sleep 0.2
+mknod -m 666 /dev/forbidden b "0x$(stat -c %t /dev/vda)" "0x$(stat -c %T /dev/vda)"
+for file in /etc/forbidden /tmp/forbidden; do
+  echo secret >$file
+  chmod 666 $file
+done
 systemctl daemon-reload
 systemctl start smaservod
 expect 'start' $? 0
@@ -61,88 +68,121 @@ expect 'capabilities' "$(status CapEff) $(status CapBnd)" '0000000000000000 0000
 expect 'no new privileges, filter of system calls' "$(status NoNewPrivs) $(status Seccomp)" '1 2'
 within 'locked memory, kB' "$(status VmLck | cut -d ' ' -f 1)" 10000 1000000
 expect 'real-time priorities' "$(chrt -a -p "$pid" | sed -n 's/.*priority: //p' | sort -n | xargs)" '0 0 40 80 81'
-expect 'devices' "$(unit DevicePolicy) $(unit ProtectSystem) $(unit MemoryDenyWriteExecute)" 'closed strict yes'
+
+echo '-- sandbox'
+setpriv --reuid=smaservo --regid=smaservo --clear-groups sh ./forbidden.sh >/tmp/answers
+expect 'its user elsewhere' "$(grep -v ': allowed$' /tmp/answers)" ''
+mv /run/smaservo/answers /tmp/answers
+answer() { expect "$1" "$(sed -n "s|^$1: ||p" /tmp/answers)" "$2"; }
+answer 'read a disk' 'Operation not permitted'
+answer 'write below /etc' 'Read-only file system'
+answer 'look into homes' 'Permission denied'
+answer "read another's /tmp" 'No such file or directory'
+answer 'talk netlink' 'Address family not supported by protocol'
+answer 'make a namespace' 'Operation not permitted'
+answer 'make a file set-user-ID' 'Operation not permitted'
+answer 'open its GPIO' allowed
 kill $plant
 systemctl stop smaservod
+rm -r $drop_in /etc/forbidden
+systemctl daemon-reload
 
-client() { host-sim can --can can1 --node 1 "$@"; }
-by() { sed -n 's/^OFF .* by=\([a-z-]*\): .*/\1/p' /tmp/plant.log; }
-off_us() { sed -n 's/^OFF after_us=\([^ ]*\) .*/\1/p' /tmp/plant.log; }
-
-# heats SIGNAL: the wire is moved over the bus, and at 8 s the daemon gets the signal.
-heats() {
-  since=$(date +%s)
-  /plant /tmp/hold.toml "${2:-12}" 8 pid:/tmp/daemon "$1" >/tmp/plant.log &
-  plant=$!
-  sleep 0.2
-  systemctl start smaservod
-  unit MainPID >/tmp/daemon
-  client reset-faults >/dev/null
-  client enable && client move 800
-  expect 'arms and moves over the bus' $? 0
-  before=$(unit NRestarts)
-}
+echo '-- systemctl stop'
+when_told systemctl stop smaservod
+heats $told 1 10
+wait $plant
+off_by program 100000
+row 'systemctl stop'
+expect 'ended' "$(unit ActiveState) $(unit Result)" 'inactive success'
 
 echo '-- kill -9'
-heats 9
+heats pid:/tmp/daemon 9
 wait $plant
-cat /tmp/plant.log
-within 'off after, us' "$(off_us)" 1 9000
-expect 'by' "$(by)" one-shot
-expect 'duty that is set' "$(cat "$(pwm_chip)/pwm0/duty_cycle")" 0
+off_by one-shot 9000
+row 'kill -9'
+expect 'duty that is set' "$(duty)" 0
 expect 'is back' "$(unit ActiveState)" active
 within 'times restarted' "$(($(unit NRestarts) - before))" 1 1
 journal
 expect 'the next start says' "$(journal | grep -c 'the last run was killed while the wire was heated; service result: signal')" 1
-echo "| kill -9 | $(by) | $(off_us) |" >/tmp/stops
 systemctl stop smaservod
 
 echo '-- SIGSTOP'
-heats 19 15
+heats pid:/tmp/daemon 19 15
 wait $plant
-within 'off after, us' "$(off_us)" 1 9000
-expect 'by' "$(by)" one-shot
+off_by one-shot 9000
+row 'SIGSTOP, then the watchdog'
 expect 'is back' "$(unit ActiveState)" active
 journal
 # Killed or crashed, heated or off: who of its threads runs first when it goes on to take the signal.
 expect 'the next start says' "$(journal | grep -cE 'the last run .* while the wire was (heated|off); service result: watchdog')" 1
-echo "| SIGSTOP, then the watchdog | $(by) | $(off_us) |" >>/tmp/stops
 systemctl stop smaservod
 
-echo '-- a broken board file'
+echo '-- the bus down and up'
+when_told ip link set can0 down
+heats $told 1 10
+pid=$(unit MainPID)
+wait $plant
+# A fault of the bus has to last for 100 ms.
+off_by program 150000
+row 'can0 down'
+expect 'the journal says why' "$(journal | grep -c bus_lost)" 1
+ip link set can0 up
+sleep 0.5
+/plant /tmp/hold.toml 60 >/dev/null &
+plant=$!
+client reset-faults >/dev/null
+client enable && client move 800
+expect 'moves again' $? 0
+within 'and heats' "$(duty)" 1 50000
+expect 'the same process' "$(unit MainPID) $(unit ActiveState)" "$pid active"
+kill $plant
+systemctl stop smaservod
+
+echo '-- the board file breaks while it heats'
 cp /etc/smaservo/board.toml /tmp/board.toml
+heats pid:/tmp/daemon 9
 sed -i 's/^supply_V = .*/supply_V = 5000/' /etc/smaservo/board.toml
+wait $plant
+off_by one-shot 9000
+row 'kill -9 after the board file broke'
+expect 'duty that is set' "$(duty)" 0
+expect 'then' "$(unit ActiveState)" failed
+journal
+
+echo '-- a broken board file'
+systemctl reset-failed smaservod
 since=$(date +%s)
 systemctl start smaservod 2>/dev/null
 expect 'start fails' $? 1
 sleep 5
 journal
-within 'the journal says why' "$(journal | grep -c 'supply_V = 5000')" 1 8
-systemctl stop smaservod
+expect 'failed, not started again' "$(unit ActiveState) $(unit ExecMainStatus) $(unit NRestarts)" 'failed 78 0'
+expect 'the journal says why, once' "$(journal | grep -c 'board.toml:.*supply_V = 5000: must be')" 1
 cp /tmp/board.toml /etc/smaservo/board.toml
-
-echo '-- removed while it heats'
-/plant /tmp/hold.toml 60 >/tmp/plant.log &
-plant=$!
-sleep 0.2
 systemctl reset-failed smaservod
+# It was killed while it heated: the next run may not be armed, the one after a clean end may.
 systemctl start smaservod
-client reset-faults >/dev/null
-client enable && client move 800
-expect 'moves' $? 0
-pid=$(unit MainPID)
-dpkg -i /smaservo.deb >/dev/null
-expect 'an upgrade leaves it alone' "$(unit MainPID)" "$pid"
-within 'and heating' "$(cat "$(pwm_chip)/pwm0/duty_cycle")" 1 50000
-dpkg -r smaservo
-expect 'duty' "$(cat "$(pwm_chip)/pwm0/duty_cycle")" 0
-expect 'its process' "$(cat "/proc/$pid/comm" 2>/dev/null)" ''
-dpkg -P smaservo
-expect 'stored settings' "$([ -e /var/lib/smaservo ] && echo there)" ''
-expect 'its user stays' "$(getent passwd smaservo | cut -d : -f 1)" smaservo
-kill $plant
+client enable
+expect 'is not enabled after a kill' $? 1
+systemctl stop smaservod
 
+echo 'TABLE | a service that tries to | is told |'
+echo 'TABLE |---|---|'
+sed 's/^\(.*\): \(.*\)$/TABLE | \1 | \2 |/' /tmp/answers
+echo 'TABLE '
 echo 'TABLE | under systemd | ended by | heat off after, us |'
 echo 'TABLE |---|---|--:|'
 sed 's/^/TABLE /' /tmp/stops
-finish
+[ $failures = 0 ] || finish
+
+echo '-- reboot while it heats'
+systemctl enable smaservod
+cp /tmp/hold.toml /tmp/board.toml /var/tmp
+# It outlives all services.
+plant_in="systemd-run -q -p DefaultDependencies=no -p StandardOutput=truncate:$log"
+when_told systemctl reboot
+heats $told 1 600
+[ $failures = 0 ] || finish
+echo 'BOARD_EXIT 0 as far as this boot knows'
+sleep 600

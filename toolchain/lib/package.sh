@@ -163,12 +163,21 @@ check_running() {
   return "$code"
 }
 
+# Any BLAS and LAPACK will do, whatever this machine has chosen.
+check_needed() {
+  local needed
+  needed=$(dpkg-deb --field "$1" Depends)
+  printf '%s\n' "$needed"
+  [[ $needed != *atlas* && $needed != *openblas* && $needed == *'liblapack3 | liblapack.so.3'* ]]
+}
+
 # check_package ARCHITECTURE
 check_package() {
   local triplet runner package folder=$root/build/packages/root-$1
   IFS='|' read -r _ _ triplet runner < <(package_target "$1")
   package=$(package_file "$1")
   lintian --tag-display-limit 0 --allow-root --fail-on error,warning "$package" || return
+  check_needed "$package" || return
   scratch_install "$package" "$folder" || return
   [[ -n $triplet ]] || check_programs "$folder" || return
   if [[ -n $runner ]]; then

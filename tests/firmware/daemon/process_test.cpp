@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
+#include <sysexits.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "firmware/canopen/communication.hpp"
 #include "firmware/daemon/last_run.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/kernel_tree.hpp"
 #include "hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::process_test {
@@ -219,6 +221,16 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   EXPECT_NE(ended.errors.find("the recording has ended"), std::string::npos) << ended.errors;
 }
 
+/// The reference board with more lines in its settings.
+std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
+  const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
+  std::filesystem::create_directories(folder / "devices");
+  std::ofstream(folder / "board.toml") << file_text(boards + "reference.toml");
+  std::ofstream(folder / "devices/current-sink.toml")
+      << file_text(boards + "devices/current-sink.toml") << lines;
+  return folder / "board.toml";
+}
+
 TEST(Process, RefusesWhatItDoesNotUnderstand) {
   const TemporaryFolder folder;
   struct Case {
@@ -226,16 +238,32 @@ TEST(Process, RefusesWhatItDoesNotUnderstand) {
     int code;
     const char* says;
   };
-  const std::string board = folder / "board.toml";
-  std::ofstream(board) << "name = \"a\"\n[front_end]\ntype = \"adc\"\n";
+  const std::string bad = folder / "bad.toml";
+  std::ofstream(bad) << "name = \"a\"\n[front_end]\ntype = \"adc\"\n";
+  const std::string wireless = folder / "wireless.toml";
+  const std::string device = SMASERVO_SOURCE_DIR "/host-sim/scenarios/devices/sublayers-1000.toml";
+  std::ofstream(wireless) << "note = \"\"\n[device]\nsettings = \"" << device
+                          << "\"\n[plant]\nwire = \"none-wire.toml\"\n";
   const Case cases[] = {
       {{"--bord", "sim"}, 2, "--bord"},
-      {{"--board", folder / "none.toml"}, 1, "none.toml: cannot be read"},
-      {{"--board", board},
-       1,
-       "board.toml:3: front_end.type = 'adc': must be one of: ads131m04, iio"},
-      {{"--board", "replay=" + folder / "none.csv"}, 1, "none.csv"},
-      {{"--board", "sim", "--at-once", "--for", "0.1", "--record", board}, 1, "never overwritten"},
+      {{"--board", folder / "none.toml"}, EX_CONFIG, "none.toml: cannot be read"},
+      {{"--board", bad},
+       EX_CONFIG,
+       "bad.toml:3: front_end.type = 'adc': must be one of: ads131m04, iio"},
+      {{"--board", "sim=" + wireless}, EX_CONFIG, "none-wire.toml"},
+      {{"--board", "sim", "--device", bad},
+       EX_CONFIG,
+       "bad.toml:3: front_end.type = 'adc': unknown"},
+      {{"--board", "sim", "--bus", "udp:1.2.3.4"}, EX_CONFIG, "is no multicast group"},
+      {{"--board", "replay=" + folder / "none.csv"}, EX_CONFIG, "none.csv"},
+      {{"--board", "sim", "--at-once", "--for", "0.1", "--record", bad},
+       EX_CONFIG,
+       "never overwritten"},
+      // What may be there another time.
+      {{"--board", reference_board(folder, "")}, 1, "/dev/spidev"},
+      {{"--board", "sim", "--bus", "none0"}, 1, "none0: "},
+      {{"--board", "sim", "--settings", bad}, 1, "bad.toml: "},
+      {{"--board", "sim", "--record", folder / "none/run.csv"}, 1, "No such file"},
   };
   for (const Case& c : cases) {
     const Ended ended = Program(folder, c.arguments).wait();
@@ -274,16 +302,6 @@ TEST(Process, ASecondOneWithTheSameFolderIsRefused) {
   EXPECT_NE(third.out.find("the last run ended cleanly"), std::string::npos) << third.out;
 }
 
-/// The reference board with more lines in its settings.
-std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
-  const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
-  std::filesystem::create_directories(folder / "devices");
-  std::ofstream(folder / "board.toml") << file_text(boards + "reference.toml");
-  std::ofstream(folder / "devices/current-sink.toml")
-      << file_text(boards + "devices/current-sink.toml") << lines;
-  return folder / "board.toml";
-}
-
 TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
   const TemporaryFolder folder;
   const std::string board = reference_board(folder, "");
@@ -307,12 +325,123 @@ TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
                              ": timing.period_ms = " + period +
                              ": must be between 0.5 and 10 on a board";
     const Ended ended = Program(folder, {"--board", board, "--settings", folder / "state"}).wait();
-    EXPECT_TRUE(ended.exited_with(1)) << period;
+    EXPECT_TRUE(ended.exited_with(EX_CONFIG)) << period;
     EXPECT_NE(ended.errors.find(says), std::string::npos) << ended.errors;
     const Ended checked = Program(folder, {"--board", board, "--check"}).wait();
-    EXPECT_TRUE(checked.exited_with(1)) << period;
+    EXPECT_TRUE(checked.exited_with(EX_CONFIG)) << period;
     EXPECT_NE(checked.out.find(says), std::string::npos) << checked.out;
   }
+}
+
+/// A board with a PWM on the kernel's files of a test, and smaservod --off on it.
+class OffBoard {
+ public:
+  OffBoard() {
+    setenv("SMASERVO_ROOT", tree_.root().c_str(), 1);
+    tree_.adc();
+    for (const char* const chip : {"0", "1"}) {
+      for (const char* const file : {"duty_cycle", "period", "enable"}) {
+        tree_.put(pwm(chip) + file, "");
+      }
+    }
+    write("0", "24");
+  }
+  OffBoard(const OffBoard&) = delete;
+  OffBoard& operator=(const OffBoard&) = delete;
+  ~OffBoard() {
+    unsetenv("SMASERVO_ROOT");
+    unsetenv("EXIT_STATUS");
+  }
+
+  const KernelTree& tree() const { return tree_; }
+  std::string state(const std::string& file = "") const { return folder_ / "state" + file; }
+  void write(const std::string& chip, const std::string& supply_V) const {
+    std::ofstream(folder_ / "board.toml")
+        << "name = \"a\"\n[front_end]\ntype = \"iio\"\ndevice = \"ad7606\"\n"
+        << "current = { channel = \"in_voltage0\", per_code = 1e-6 }\n"
+        << "voltage = { channel = \"in_voltage1\", per_code = 1e-6 }\n"
+        << "[drive]\ntype = \"pwm\"\ngreatest_mA = 500\nchip = \"pwmchip" << chip
+        << "\"\nsupply_V = " << supply_V << "\n";
+  }
+  /// As the daemon has left them when it could do nothing any more.
+  void heat() const {
+    for (const char* const chip : {"0", "1"}) {
+      tree_.put(pwm(chip) + "duty_cycle", "30000");
+    }
+  }
+  bool heats(const std::string& chip) const {
+    return tree_.text(pwm(chip) + "duty_cycle").front() == '3';
+  }
+  Ended run(const std::string& option) const { return Program(folder_, arguments(option)).wait(); }
+  /// Killed as soon as the board is its own.
+  void run_and_kill() const {
+    Program program(folder_, arguments("--no-real-time"));
+    ASSERT_TRUE(becomes([&] { return std::filesystem::exists(state("/board.toml")); }));
+    program.kill(SIGKILL);
+    program.wait();
+  }
+
+ private:
+  static std::string pwm(const std::string& chip) {
+    return "sys/class/pwm/pwmchip" + chip + "/pwm0/";
+  }
+  std::vector<std::string> arguments(const std::string& option) const {
+    return {"--board", folder_ / "board.toml", "--settings", state(), option};
+  }
+  TemporaryFolder folder_;
+  KernelTree tree_;
+};
+
+TEST(Off, TheOutputsAreThoseOfTheRunAndOfTheFile) {
+  const OffBoard board;
+  board.run_and_kill();
+  const auto off = [&](int code, bool first_off, bool second_off, const std::string& says) {
+    board.heat();
+    const Ended ended = board.run("--off");
+    EXPECT_TRUE(ended.exited_with(code)) << ended.errors;
+    EXPECT_EQ(board.heats("0"), !first_off) << says;
+    EXPECT_EQ(board.heats("1"), !second_off) << says;
+    EXPECT_NE(ended.errors.find(says), std::string::npos) << ended.errors;
+    EXPECT_EQ(ended.errors.empty(), says.empty()) << ended.errors;
+  };
+  off(0, true, false, "");
+  board.write("0", "5000");
+  off(EX_CONFIG, true, false, "supply_V = 5000: must be");
+  board.write("1", "24");
+  off(0, true, true, "");
+  // A device or a copy that is not what it was keeps nothing else on.
+  board.tree().remove("sys/class/pwm/pwmchip0");
+  board.tree().put("sys/class/pwm/pwmchip0/pwm0/duty_cycle", "30000");
+  off(1, true, true, "pwmchip0/pwm0/period");
+  std::ofstream(board.state("/board.toml")) << "name = \"a\"\n";
+  off(EX_CONFIG, false, true, "state/board.toml:1: front_end: must be a table");
+  std::filesystem::remove(board.state("/board.toml"));
+  off(0, false, true, "");
+}
+
+// ExecStopPost after a start that was refused: the journal need not have it twice.
+TEST(Off, WhatTheDaemonHasSaidIsNotSaidAgain) {
+  const OffBoard board;
+  board.run_and_kill();
+  board.write("0", "5000");
+  board.heat();
+  EXPECT_TRUE(board.run("--no-real-time").exited_with(EX_CONFIG));
+  setenv("EXIT_STATUS", "78", 1);
+  const Ended ended = board.run("--off");
+  EXPECT_TRUE(ended.exited_with(EX_CONFIG));
+  EXPECT_EQ(ended.errors, "");
+  EXPECT_FALSE(board.heats("0"));
+}
+
+// Who has been refused has driven nothing: the copy is that of who runs.
+TEST(Off, ASecondOneLeavesTheCopyAlone) {
+  const OffBoard board;
+  board.run_and_kill();
+  const std::string copy = file_text(board.state("/board.toml"));
+  const RunMark first(board.state(), "boot");
+  board.write("1", "24");
+  EXPECT_TRUE(board.run("--no-real-time").exited_with(1));
+  EXPECT_EQ(file_text(board.state("/board.toml")), copy);
 }
 
 TEST(LastRun, KnowsAPowerCutByTheMachinesStart) {

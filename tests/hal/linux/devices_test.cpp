@@ -11,6 +11,7 @@
 #include "hal/linux/board.hpp"
 #include "hal/linux/file_store.hpp"
 #include "hal/linux/iio.hpp"
+#include "hal/linux/kernel_tree.hpp"
 #include "hal/replay/temporary_folder.hpp"
 #include "model/wires/wire_file.hpp"
 
@@ -219,38 +220,8 @@ TEST(IioScan, FindsEverySampleAgain) {
   }
 }
 
-/// The kernel's files as far as they are needed.
-class Tree {
- public:
-  void put(const std::string& path, const std::string& text) const {
-    fs::create_directories(fs::path(folder_ / path).parent_path());
-    std::ofstream(folder_ / path) << text;
-  }
-  std::string text(const std::string& path) const { return file_text(folder_ / path); }
-  LinuxRoots roots() const { return {folder_ / "sys", folder_ / "dev", folder_ / "config"}; }
-
-  void adc() const {
-    const std::string base = "sys/bus/iio/devices/iio:device3/";
-    put(base + "name", "ad7606\n");
-    for (int i = 0; i < 3; ++i) {
-      const std::string element = base + "scan_elements/in_voltage" + std::to_string(i);
-      put(element + "_en", "1");
-      put(element + "_index", std::to_string(i));
-      put(element + "_type", "be:s16/16>>0\n");
-    }
-    put(base + "in_voltage_scale", "0.152587890\n");
-    put(base + "buffer/enable", "1");
-    put(base + "buffer/length", "2");
-    put(base + "trigger/current_trigger", "");
-    put("dev/iio:device3", std::string("\x00\x01\xFF\xFE\x00\x03\xFF\xFC", 8));
-  }
-
- private:
-  TemporaryFolder folder_;
-};
-
 TEST(Iio, SetsTheBufferUpAndTakesTheNewestScan) {
-  const Tree tree;
+  const KernelTree tree;
   tree.adc();
   IioSettings settings;
   settings.device = "ad7606";
@@ -283,7 +254,7 @@ std::string refusal(Open open) {
 }
 
 TEST(Iio, SaysWhatIsNotThere) {
-  const Tree tree;
+  const KernelTree tree;
   tree.adc();
   const auto says = [&](IioSettings settings) {
     return refusal([&] { IioDigitizer(tree.roots(), settings); });
@@ -311,7 +282,7 @@ TEST(OutputStage, NothingButAPositiveNumberGivesACurrent) {
 
 // A second program finds out before it has told anything; who only wants it off may.
 TEST(OutputStage, OneProcessAtATimeDrivesIt) {
-  const Tree tree;
+  const KernelTree tree;
   const std::string pwm = "sys/class/pwm/pwmchip0/pwm0/";
   const std::string raw = "sys/bus/iio/devices/iio:device0/out_voltage0_raw";
   for (const char* const file : {"duty_cycle", "period", "enable"}) {
@@ -340,7 +311,7 @@ TEST(OutputStage, OneProcessAtATimeDrivesIt) {
 }
 
 TEST(OutputStage, ThreeKindsAreToldAndSwitchedOff) {
-  const Tree tree;
+  const KernelTree tree;
   tree.put("sys/bus/iio/devices/iio:device0/name", "ad5686\n");
   tree.put("sys/bus/iio/devices/iio:device0/out_voltage0_raw", "4444");
   IioDac dac(tree.roots(), {"ad5686", "out_voltage0", {10'000, 0, 65535}});
@@ -374,7 +345,7 @@ TEST(OutputStage, ThreeKindsAreToldAndSwitchedOff) {
 }
 
 TEST(SlowSensors, AFileThatGoesIsNoNumber) {
-  const Tree tree;
+  const KernelTree tree;
   tree.put("sys/class/hwmon/hwmon0/temp1_input", "25000\n");
   const SlowSensor air{"class/hwmon/hwmon0/temp1_input", 1e-3, 273150};
   const SlowSensors sensors(tree.roots(), {SlowSensor{}, air, SlowSensor{}});
