@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fstream>
-#include <sstream>
 
+#include "host-sim/input_file.hpp"
 #include "host-sim/output_file.hpp"
 
 namespace smaservo {
@@ -144,13 +143,8 @@ double Table::in_range(std::string_view key, const toml::node& node, double low,
 }
 
 TomlFile::TomlFile(const std::filesystem::path& file) : origin_(file.string()) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw UserError(fmt::format("{}: cannot be read", origin_));
-  }
   try {
-    parsed_ = toml::parse(text.str(), origin_);
+    parsed_ = toml::parse(whole_file(origin_), origin_);
   } catch (const toml::parse_error& error) {
     throw UserError(fmt::format("{}:{}:{}: {}", origin_, error.source().begin.line,
                                 error.source().begin.column, error.description()));

@@ -73,7 +73,10 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
-  kept.faults.set(Fault::bad_configuration, !within(file, kept.settings));
+  if (const std::string problem = board_problem(file, kept.settings); !problem.empty()) {
+    fmt::print(stderr, "smaservod: {}; can not be armed\n", problem);
+    kept.faults.set(Fault::bad_configuration);
+  }
   if (const std::string problem = period_problem(kept.settings); !problem.empty()) {
     fmt::print(stderr, "smaservod: {}: {}; not obeyed\n", options.settings, problem);
     kept.settings.timing.period_s = given.timing.period_s;
@@ -111,13 +114,10 @@ int check_board(const DaemonOptions& options) {
   if (!file.device.empty()) {
     try {
       const Settings<double> settings = load_settings_file(file.device);
-      const bool fits = within(file, settings);
-      const std::string problem = period_problem(settings);
-      fmt::print("{:<16} {}\n", "settings",
-                 !problem.empty() ? file.device + ": " + problem
-                 : fits           ? "ok"
-                                  : "beyond the board: limits.current, drive.kind or a load cell");
-      ok = ok && fits && problem.empty();
+      const std::string period = period_problem(settings);
+      const std::string problem = period.empty() ? board_problem(file, settings) : period;
+      fmt::print("{:<16} {}\n", "settings", problem.empty() ? "ok" : file.device + ": " + problem);
+      ok = ok && problem.empty();
     } catch (const std::exception& error) {
       fmt::print("{:<16} {}\n", "settings", error.what());
       ok = false;
@@ -178,7 +178,8 @@ int serve_board(const DaemonOptions& options) {
   std::unique_ptr<BusService> bus;
   if (file.bus) {
     bus = std::make_unique<BusService>(BusSetup{file.bus->interface, file.bus->partner_timeout_s,
-                                                with.settings, file.greatest_current_A, file.name,
+                                                with.settings, file.ceilings, file.bus->keys,
+                                                file.name,
                                                 with.real_time ? bus_priority(file.thread) : 0},
                                        service.desk(), service.links(), service.figures());
     bus->start();
