@@ -30,7 +30,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// A piece of a file that may be anything, for a terminal.
-std::string quoted(std::string_view text) {
+std::string shown_text(std::string_view text) {
   constexpr std::size_t most = 60;
   std::string shown(text.substr(0, most));
   std::ranges::replace_if(
@@ -51,8 +51,8 @@ class Section {
   }
   [[noreturn]] void refuse(std::string_view key, std::string_view value,
                            std::string_view wanted) const {
-    throw UserError(fmt::format("{}: [{}] {}={}: must be {}", file_, quoted(name_), key,
-                                quoted(value), wanted));
+    throw UserError(fmt::format("{}: [{}] {}={}: must be {}", file_, shown_text(name_), key,
+                                shown_text(value), wanted));
   }
   std::int64_t number(std::string_view key, std::uint8_t node_id) const;
   std::int64_t number(std::string_view key, std::uint8_t node_id, std::int64_t missing) const {
@@ -121,13 +121,13 @@ Sections read_sections(std::string_view text, const std::string& file) {
     if (line[0] == '[') {
       if (line.back() != ']') {
         throw UserError(
-            fmt::format("{}:{}: {}: a section ends with ]", file, number, quoted(line)));
+            fmt::format("{}:{}: {}: a section ends with ]", file, number, shown_text(line)));
       }
       const std::string name(line.substr(1, line.size() - 2));
       const auto [at, fresh] = sections.try_emplace(lower(name), file, name);
       if (!fresh) {
         throw UserError(
-            fmt::format("{}:{}: [{}]: stands there twice", file, number, quoted(name)));
+            fmt::format("{}:{}: [{}]: stands there twice", file, number, shown_text(name)));
       }
       open = &at->second;
       continue;
@@ -135,7 +135,7 @@ Sections read_sections(std::string_view text, const std::string& file) {
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos || open == nullptr) {
       throw UserError(
-          fmt::format("{}:{}: {}: must be key=value within a section", file, number, quoted(line)));
+          fmt::format("{}:{}: {}: must be key=value within a section", file, number, shown_text(line)));
     }
     open->add(std::string(trimmed(line.substr(0, equals))),
               std::string(trimmed(line.substr(equals + 1))));

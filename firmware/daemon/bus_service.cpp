@@ -97,6 +97,8 @@ struct BusService::Parts {
   FaultSet faults(std::uint64_t now_us);
   void show_figures();
   void tell_changes();
+  void follow_desk();
+  bool give_to_desk();
   void answer(Request request, std::uint64_t now_us);
   std::string keep(Request request, const Settings<double>& settings, const Image& image) const;
 
@@ -114,6 +116,7 @@ struct BusService::Parts {
   BusJournal journal;
   std::future<std::string> storing;
   std::uint64_t heard_us = 0, frames = 0;
+  std::uint32_t known_changes = 0;  ///< of the desk
   std::jthread thread;  // last: it ends before what it uses
 };
 
@@ -143,7 +146,8 @@ void BusService::Parts::run(const std::stop_token& stop) {
     poll(&readable, 1, pump.has_more() ? 0 : round_ms);
     const std::uint64_t now_us = now();
     show_figures();
-    pump.round(now_us, faults(now_us), [&] { return desk.change(staging.active()); });
+    follow_desk();
+    pump.round(now_us, faults(now_us), [&] { return give_to_desk(); });
     tell_changes();
     const Request request = servo.request();
     if (request != Request::none) {
@@ -171,6 +175,21 @@ void BusService::Parts::show_figures() {
   servo.set_bus(static_cast<std::uint32_t>(pump.dropped()),
                 static_cast<std::uint32_t>(port.statistics().bus_offs),
                 static_cast<std::uint32_t>(pump.queue_full()));
+}
+
+/// What SIGHUP has put in force is what a client reads and goes on from.
+void BusService::Parts::follow_desk() {
+  const std::uint32_t changes = desk.changes();
+  if (known_changes != changes) {
+    known_changes = changes;
+    servo.replace_settings(desk.settings());
+  }
+}
+
+bool BusService::Parts::give_to_desk() {
+  const bool taken = desk.change(staging.active());
+  known_changes = desk.changes();
+  return taken;
 }
 
 void BusService::Parts::tell_changes() {

@@ -87,7 +87,29 @@ TEST(BusService, RefusesWhatTheLoopHasNoRoomFor) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_EQ(rig.desk.settings().strain.proportional, promised);
-  EXPECT_EQ(rig.client.set(gain, as_bits(6)), Abort::none);
+  EXPECT_EQ(rig.client.set(gain, as_bits(6.F)), Abort::none);
+}
+
+// SIGHUP has read other settings: a write over the bus does not take them back.
+TEST(BusService, GoesOnFromSettingsThatOthersGive) {
+  Rig rig;
+  EXPECT_EQ(rig.client.set({0x2102, 1}, 1, 1), Abort::none);
+  EXPECT_EQ(rig.client.set(gain, as_bits(5.F)), Abort::none);
+  Settings<double> given = rig.desk.settings();
+  given.strain.proportional = 7;
+  given.limits.power_W = 0.75;
+  ASSERT_TRUE(rig.desk.change(given));
+  for (int i = 0; i < 500 && rig.client.get(gain) != as_bits(7.F); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(as_real(rig.client.get(gain)), 7.F);
+  EXPECT_EQ(rig.client.get({0x2102, 2}) & 0xFFU, 0U) << "the transaction is over";
+  EXPECT_EQ(rig.client.set({0x2100, 2}, as_bits(2.F)), Abort::none);
+  for (int i = 0; i < 500 && rig.desk.settings().strain.integral_1_s != 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(rig.desk.settings().strain.proportional, 7);
+  EXPECT_EQ(rig.desk.settings().limits.power_W, 0.75);
 }
 
 // Of the board file, each of them; neither one by one nor as a set.
@@ -122,9 +144,9 @@ TEST(BusService, NoWriteRaisesACeilingOfTheBoard) {
 TEST(BusService, TheKeysOfTheBoardOpenTheLevels) {
   Rig rig({}, {.tune = 11, .set_up = 22});
   EXPECT_EQ(rig.client.get({0x2003, 1}), 0U);
-  EXPECT_EQ(rig.client.set(gain, as_bits(1)), Abort::local);
+  EXPECT_EQ(rig.client.set(gain, as_bits(1.F)), Abort::local);
   rig.client.set({0x2003, 2}, 11);
-  EXPECT_EQ(rig.client.set(gain, as_bits(1)), Abort::none);
+  EXPECT_EQ(rig.client.set(gain, as_bits(1.F)), Abort::none);
   EXPECT_EQ(rig.client.set({0x2110, 1}, as_bits(0.11F)), Abort::local);
   rig.client.set({0x2003, 2}, 22);
   EXPECT_EQ(rig.client.set({0x2110, 1}, as_bits(0.11F)), Abort::none);
