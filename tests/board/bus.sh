@@ -20,7 +20,9 @@ done
 
 echo '-- two nodes'
 # Its bus goes before the controller's interrupt: the queue fills.
-chrt -f -p 30 "$(pgrep 'irq/.*-can0')"
+interrupt=$(grep -l '^irq/[0-9]*-can0$' /proc/[0-9]*/comm | cut -d / -f 3)
+chrt -f -p 30 "$interrupt"
+expect 'priority of the interrupt' "$(chrt -p "$interrupt" | sed -n 's/.*priority: //p')" 30
 sim_servo can0 1
 sim_servo can1 2
 second=$servo
