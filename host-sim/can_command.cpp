@@ -61,7 +61,8 @@ CLI::App* add(CLI::App& can, const char* name, const char* meaning,
 CLI::Validator seconds_of(double low, double high) {
   return {[=](std::string& text) {
             double value = 0;
-            const bool fits = CLI::detail::lexical_cast(text, value) && low <= value && value <= high;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && low <= value && value <= high;
             return fits ? "" : fmt::format("{} is not within {} to {} s", text, low, high);
           },
           fmt::format("{} to {}", low, high)};
@@ -228,16 +229,16 @@ void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) 
       ->capture_default_str()
       ->check(seconds_of(0, 3600));
   auto listen_s = std::make_shared<double>(1e6);
-  add(can, "listen", "Prints what is said on the bus, in words.", [=] {
-    listen(*common, *listen_s);
-  })
+  add(can, "listen", "Prints what is said on the bus, in words.",
+      [=] { listen(*common, *listen_s); })
       ->add_option("--for", *listen_s, "s; without: for ever")
       ->check(seconds_of(0, 1e6));
   add_plain(can, common, "info", "Who the node is and what it does.",
             [](Remote& remote) { print(can::info_text(remote)); });
   add_plain(can, common, "faults", "Faults, their first cause, and what blocks or limits.",
             [](Remote& remote) { print(can::faults_text(remote)); });
-  add_plain(can, common, "changes", "The last changes and refusals of writes, the newest at the end.",
+  add_plain(can, common, "changes",
+            "The last changes and refusals of writes, the newest at the end.",
             [](Remote& remote) { print(can::changes_text(remote)); });
   auto name = std::make_shared<std::string>();
   add(can, "explain", "What a fault means and what to check.", [=] {

@@ -33,8 +33,7 @@ std::string_view trimmed(std::string_view text) {
 std::string shown_text(std::string_view text) {
   constexpr std::size_t most = 60;
   std::string shown(text.substr(0, most));
-  std::ranges::replace_if(
-      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
   return text.size() > most ? shown + "..." : shown;
 }
 
@@ -134,8 +133,8 @@ Sections read_sections(std::string_view text, const std::string& file) {
     }
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos || open == nullptr) {
-      throw UserError(
-          fmt::format("{}:{}: {}: must be key=value within a section", file, number, shown_text(line)));
+      throw UserError(fmt::format("{}:{}: {}: must be key=value within a section", file, number,
+                                  shown_text(line)));
     }
     open->add(std::string(trimmed(line.substr(0, equals))),
               std::string(trimmed(line.substr(equals + 1))));

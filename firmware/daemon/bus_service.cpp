@@ -117,7 +117,7 @@ struct BusService::Parts {
   std::future<std::string> storing;
   std::uint64_t heard_us = 0, frames = 0;
   std::uint32_t known_changes = 0;  ///< of the desk
-  std::jthread thread;  // last: it ends before what it uses
+  std::jthread thread;              // last: it ends before what it uses
 };
 
 BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,

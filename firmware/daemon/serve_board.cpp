@@ -177,11 +177,10 @@ int serve_board(const DaemonOptions& options) {
   NoPartner nobody;
   std::unique_ptr<BusService> bus;
   if (file.bus) {
-    bus = std::make_unique<BusService>(BusSetup{file.bus->interface, file.bus->partner_timeout_s,
-                                                with.settings, file.ceilings, file.bus->keys,
-                                                file.name,
-                                                with.real_time ? bus_priority(file.thread) : 0},
-                                       service.desk(), service.links(), service.figures());
+    bus = std::make_unique<BusService>(
+        BusSetup{file.bus->interface, file.bus->partner_timeout_s, with.settings, file.ceilings,
+                 file.bus->keys, file.name, with.real_time ? bus_priority(file.thread) : 0},
+        service.desk(), service.links(), service.figures());
     bus->start();
   }
   Partner& partner = bus ? bus->partner() : nobody;

@@ -234,8 +234,7 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
   ways_um.reserve(runs.size());
   for (const StepRun& run : runs) ways_um.push_back(way_um(run, axis));
   return text +
-         fmt::format("\ncontraction, um: * {}{}\n", names[0],
-                     runs.size() > 1 ? ", . before" : "") +
+         fmt::format("\ncontraction, um: * {}{}\n", names[0], runs.size() > 1 ? ", . before" : "") +
          text_plot(ways_um, axis.columns, 12) +
          fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),
                      axis.columns - 12, axis.to_s);

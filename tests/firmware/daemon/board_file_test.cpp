@@ -92,7 +92,8 @@ TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
   EXPECT_EQ(board_problem(file, settings), "limits.current_A = 1: the board's ceiling is 0.5");
   settings = good;
   settings.drive.kind = DriveKind::voltage;
-  EXPECT_EQ(board_problem(file, settings), "drive.kind = voltage: the board's drive takes a current");
+  EXPECT_EQ(board_problem(file, settings),
+            "drive.kind = voltage: the board's drive takes a current");
 }
 
 /// The reference board with more lines at its end.
@@ -107,9 +108,9 @@ TEST(BoardFile, CeilingsAreThoseOfTheFile) {
   const float none = canopen::Ceilings::none;
   const canopen::Ceilings hardware = reference_with("").ceilings;
   EXPECT_EQ(hardware.current_A, 0.5F) << "of the drive";
-  for (const float other : {hardware.power_W, hardware.temperature_K, hardware.stress_Pa,
-                            hardware.trip_current_A, hardware.trip_temperature_K,
-                            hardware.trip_stress_Pa}) {
+  for (const float other :
+       {hardware.power_W, hardware.temperature_K, hardware.stress_Pa, hardware.trip_current_A,
+        hardware.trip_temperature_K, hardware.trip_stress_Pa}) {
     EXPECT_EQ(other, none);
   }
   const BoardFile file = reference_with(
@@ -127,9 +128,8 @@ TEST(BoardFile, CeilingsAreThoseOfTheFile) {
 }
 
 TEST(BoardFile, EachCeilingHoldsForSettingsFromAnywhere) {
-  const char* const names[] = {"current_mA",      "power_W",
-                               "temperature_degC", "stress_MPa",
-                               "trip_current_mA", "trip_temperature_degC",
+  const char* const names[] = {"current_mA",     "power_W",         "temperature_degC",
+                               "stress_MPa",     "trip_current_mA", "trip_temperature_degC",
                                "trip_stress_MPa"};
   const Settings<double> settings = load_settings_file(boards() + "/devices/current-sink.toml");
   for (const char* const name : names) {
@@ -140,8 +140,8 @@ TEST(BoardFile, EachCeilingHoldsForSettingsFromAnywhere) {
 }
 
 TEST(BoardFile, KeysOfTheAccessLevels) {
-  const BoardFile file = reference_with(
-      "[bus]\ninterface = \"udp\"\ntune_key = 4294967295\nset_up_key = 77\n");
+  const BoardFile file =
+      reference_with("[bus]\ninterface = \"udp\"\ntune_key = 4294967295\nset_up_key = 77\n");
   ASSERT_TRUE(file.bus);
   EXPECT_EQ(file.bus->keys.tune, 4294967295U);
   EXPECT_EQ(file.bus->keys.set_up, 77U);

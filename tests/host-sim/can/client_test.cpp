@@ -128,7 +128,8 @@ TEST_F(CanClient, TellsWhatWasWrittenAndRefused) {
   EXPECT_THROW(remote.set("6060", "9"), SdoError);
   const std::string text = changes_text(remote);
   const std::size_t gain_at = text.find("strain.proportional_W (2100h:1): 0 -> 3, by SDO\n");
-  const std::size_t mode_at = text.find("Modes of operation (6060h:0): stays 0; 9 by SDO is refused");
+  const std::size_t mode_at =
+      text.find("Modes of operation (6060h:0): stays 0; 9 by SDO is refused");
   EXPECT_LT(gain_at, mode_at) << text;
   EXPECT_NE(mode_at, std::string::npos) << text;
 }
