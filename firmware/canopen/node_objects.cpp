@@ -131,9 +131,9 @@ void Node::refused(const Entry& entry, std::span<const std::uint8_t> from, Abort
   }
   const auto value = static_cast<std::uint32_t>(
       take_number(from.first(std::min<std::size_t>(from.size(), before.size()))));
-  application_.written(entry.key,
-                       take_value(entry.type, std::span(before).first(std::min(size, 4U))), value,
-                       Source::sdo, why);
+  application_.written(
+      entry.key, take_value(entry.type, std::span(before).first(std::min<std::size_t>(size, 4))),
+      value, Source::sdo, why);
 }
 
 Abort Node::check_signature(Key key, std::uint32_t value) {
