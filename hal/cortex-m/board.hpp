@@ -21,9 +21,9 @@ inline volatile std::uint32_t ticks = 0;
 
 class PipeBoard {
  public:
-  /// The processor's clock, in whole nanoseconds, and the loop's period: up to 16.7 million clocks.
-  PipeBoard(std::uint32_t clock_ns, std::uint32_t period_us)
-      : clock_ns_(clock_ns), period_us_(period_us), clocks_(period_us * 1000 / clock_ns) {}
+  /// The loop's period: up to 16.7 million clocks.
+  explicit PipeBoard(std::uint32_t period_us)
+      : period_us_(period_us), clocks_(period_us * 1000 / clock_ns) {}
 
   bool is_open() const { return to_.is_open() && from_.is_open(); }
 
@@ -83,9 +83,9 @@ class PipeBoard {
   }
 
   /// Since the last tick.
-  std::uint32_t gone_ns() const { return (clocks_ - 1 - sys_tick().value) * clock_ns_; }
+  std::uint32_t gone_ns() const { return (clocks_ - 1 - sys_tick().value) * clock_ns; }
 
-  std::uint32_t clock_ns_, period_us_, clocks_;
+  std::uint32_t period_us_, clocks_;
   std::uint32_t served_ = 0, missed_ = 0;
   link::Drive next_{};
   semihosting::File to_{"drive", semihosting::Open::write};

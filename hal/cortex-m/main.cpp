@@ -14,8 +14,6 @@
 namespace smaservo {
 namespace {
 
-constexpr std::uint32_t clock_ns = 40;  // 25 MHz
-
 /// Heat ends with the loop, but not with one lost turn of it.
 constexpr std::uint32_t leased_periods = 3;
 
@@ -23,10 +21,7 @@ constexpr std::uint32_t leased_periods = 3;
 class Loop {
  public:
   Loop(const Settings<float>& settings, std::uint32_t period_us)
-      : board_(clock_ns, period_us),
-        period_us_(period_us),
-        staging_(settings),
-        servo_({}, staging_) {}
+      : board_(period_us), period_us_(period_us), staging_(settings), servo_({}, staging_) {}
 
   bool is_open() const { return board_.is_open() && can_.is_open(); }
 

@@ -11,6 +11,9 @@ inline T& at(std::uintptr_t address) {
   return *reinterpret_cast<T*>(address);
 }
 
+/// Of the processor, as the toolchain file has it.
+inline constexpr std::uint32_t clock_ns = SMASERVO_MCU_CLOCK_NS;
+
 /// Counts the processor's clock down.
 struct SysTick {
   static constexpr std::uint32_t enable = 1U << 0U;

@@ -84,5 +84,5 @@ bool count_file(std::string_view name) {
 int application() {
   using namespace smaservo;
   mcu::start_counter();
-  return mcu::for_each_file(mcu::count_file) ? 0 : 1;
+  return mcu::counts_well() && mcu::for_each_file(mcu::count_file) ? 0 : 1;
 }

@@ -1,6 +1,5 @@
 #pragma once
-// Counts instructions in QEMU with -icount shift=10: an instruction takes 1024 ns, 25.6 ticks of
-// the board's 25 MHz.
+// Counts instructions in QEMU with -icount shift=10: an instruction takes 1024 ns.
 
 #include <algorithm>
 #include <array>
@@ -28,12 +27,22 @@ template <class F>
   f();
   asm volatile("" ::: "memory");
   const std::uint32_t ticks = (before - sys_tick().value) & cortex_m::SysTick::longest;
-  return static_cast<std::uint32_t>(std::uint64_t{ticks} * 10 / 256);
+  return static_cast<std::uint32_t>(std::uint64_t{ticks} * cortex_m::clock_ns / 1024);
 }
 
 inline std::uint32_t empty() {
   static const std::uint32_t cost = instructions([] {});
   return cost;
+}
+
+/// Whether a thousand instructions are a thousand: the clock is that of the machine.
+inline bool counts_well() {
+  const std::uint32_t thousand = instructions([] { asm volatile(".rept 1000\n nop\n .endr"); });
+  const bool well = 999 <= thousand - empty() && thousand - empty() <= 1001;
+  if (!well) {
+    say("1000 instructions are counted as ", thousand - empty(), "\n");
+  }
+  return well;
 }
 
 struct Counts {
