@@ -46,7 +46,8 @@ class Staging {
   explicit Staging(const Settings<S>& settings)
       : active_(settings), configured_(settings), staged_(settings) {}
 
-  /// In force. Changes in apply(), try_for(), revert() and tick() only, and then as a whole.
+  /// In force. Changes in apply(), try_for(), revert(), tick() and replace() only, and then as a
+  /// whole.
   const Settings<S>& active() const { return active_; }
   /// What is to be stored: without a trial, with what waits for the next start.
   const Settings<S>& configured() const { return configured_; }
@@ -135,6 +136,13 @@ class Staging {
     trial_s_ = S(0);
     staged_ = configured_;
     active_ = with_boot_values(configured_);
+  }
+
+  /// Others have put these in force, which have passed check(): trial and staged changes are gone.
+  void replace(const Settings<S>& settings) {
+    active_ = settings;
+    configured_ = settings;
+    revert();
   }
 
   /// Once per step. Whether a trial has just run out: active() has changed.

@@ -57,6 +57,17 @@ CLI::App* add(CLI::App& can, const char* name, const char* meaning,
   return command;
 }
 
+/// As CLI::Range, which lets NaN pass.
+CLI::Validator seconds_of(double low, double high) {
+  return {[=](std::string& text) {
+            double value = 0;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && low <= value && value <= high;
+            return fits ? "" : fmt::format("{} is not within {} to {} s", text, low, high);
+          },
+          fmt::format("{} to {}", low, high)};
+}
+
 /// A command that only needs the node.
 void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char* name,
                const char* meaning, void (*run)(Remote&)) {
@@ -166,8 +177,13 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
 
 void step(Remote& remote, const StepArguments& a) {
   prepare_folder("--runs", a.runs);
-  std::vector<can::StepRun> runs{can::run_step(remote, a.plan)};
   const auto before = earlier_runs(a.runs);
+  // What can not be read is said before anything moves.
+  std::vector<can::StepRun> runs;
+  for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
+    runs.push_back(can::load_step(before[i].string()));
+  }
+  runs.insert(runs.begin(), can::run_step(remote, a.plan));
   const unsigned number =
       before.empty() ? 1
                      : 1 + static_cast<unsigned>(std::strtoul(
@@ -176,10 +192,7 @@ void step(Remote& remote, const StepArguments& a) {
   OutputFile file((std::filesystem::path(a.runs) / (names[0] + ".csv")).string());
   file.write(can::to_csv(runs[0].recording));
   file.commit();
-  for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
-    runs.push_back(can::load_step(before[i].string()));
-    names.push_back(before[i].stem().string());
-  }
+  for (std::size_t i = 0; i + 1 < runs.size(); ++i) names.push_back(before[i].stem().string());
   print(can::step_text(runs, names));
   if (!a.report.empty()) can::write_step_report(a.report, runs, names);
 }
@@ -213,15 +226,20 @@ void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) 
   auto seconds = std::make_shared<double>(0.3);
   add(can, "scan", "Lists the nodes of the bus.", [=] { scan(*common, *seconds); })
       ->add_option("--listen", *seconds, "s, for heartbeats")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(seconds_of(0, 3600));
   auto listen_s = std::make_shared<double>(1e6);
-  add(can, "listen", "Prints what is said on the bus, in words.", [=] {
-    listen(*common, *listen_s);
-  })->add_option("--for", *listen_s, "s; without: for ever");
+  add(can, "listen", "Prints what is said on the bus, in words.",
+      [=] { listen(*common, *listen_s); })
+      ->add_option("--for", *listen_s, "s; without: for ever")
+      ->check(seconds_of(0, 1e6));
   add_plain(can, common, "info", "Who the node is and what it does.",
             [](Remote& remote) { print(can::info_text(remote)); });
   add_plain(can, common, "faults", "Faults, their first cause, and what blocks or limits.",
             [](Remote& remote) { print(can::faults_text(remote)); });
+  add_plain(can, common, "changes",
+            "The last changes and refusals of writes, the newest at the end.",
+            [](Remote& remote) { print(can::changes_text(remote)); });
   auto name = std::make_shared<std::string>();
   add(can, "explain", "What a fault means and what to check.", [=] {
     explain(common, *name);
@@ -277,7 +295,7 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   watch->add_option("NAME", plan->names, "objects; without: what tells most");
   watch->add_option("--period", plan->period_s, "s")
       ->capture_default_str()
-      ->check(CLI::Range(0.01, 3600.0));
+      ->check(seconds_of(0.01, 3600));
   watch->add_option("--count", plan->count, "rows; without: for ever");
   watch->add_flag("--once", *once, "one row");
   watch->add_option("--plot", plan->plot, "draws this one, in letters");
@@ -295,10 +313,13 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       ->delimiter(',');
   record_command->add_option("--seconds", record_plan->seconds, "duration")
       ->capture_default_str()
-      ->check(CLI::Range(0.001, 86400.0));
-  record_command->add_option("--before", record_plan->before_s, "s of that, before the trigger");
+      ->check(seconds_of(0.001, 86400));
+  record_command->add_option("--before", record_plan->before_s, "s of that, before the trigger")
+      ->check(seconds_of(0, 86400));
   record_command->add_option("--trigger", record_plan->trigger, "SIGNAL>LEVEL or SIGNAL<LEVEL");
-  record_command->add_option("--patience", *patience_s, "s until the trigger");
+  record_command->add_option("--patience", *patience_s, "s until the trigger")
+      ->capture_default_str()
+      ->check(seconds_of(0, 1e6));
   record_command->add_option("--out", *out, "CSV file; - is standard output")->required();
 }
 
@@ -323,7 +344,9 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         session.remote().move(*target_um, *patience_s);
       });
   move->add_option("UM", *target_um, "um of contraction")->required();
-  move->add_option("--patience", *patience_s, "s")->capture_default_str();
+  move->add_option("--patience", *patience_s, "s")
+      ->capture_default_str()
+      ->check(seconds_of(0, 1e6));
 
   auto a = std::make_shared<StepArguments>();
   CLI::App* step_command =
@@ -335,7 +358,7 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       ->capture_default_str();
   step_command->add_option("--seconds", a->plan.seconds, "there, and as long back")
       ->capture_default_str()
-      ->check(CLI::Range(0.2, 600.0));
+      ->check(seconds_of(0.2, 600));
   step_command->add_option("--runs", a->runs, "folder that keeps the runs")->capture_default_str();
   step_command->add_option("--overlay", a->overlay, "runs before to compare with")
       ->capture_default_str();
@@ -356,7 +379,7 @@ void add_can_command(CLI::App& app) {
   can->add_option("--key", common->key, "of an access level (2003h)");
   can->add_option("--timeout", common->timeout_s, "s for an answer")
       ->capture_default_str()
-      ->check(CLI::Range(0.01, 60.0));
+      ->check(seconds_of(0.01, 60));
   add_network_commands(*can, common);
   add_object_commands(*can, common);
   add_watch_commands(*can, common);

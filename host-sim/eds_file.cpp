@@ -4,10 +4,8 @@
 #include <bit>
 #include <charconv>
 #include <fmt/format.h>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "host-sim/output_file.hpp"
 
@@ -31,6 +29,14 @@ std::string_view trimmed(std::string_view text) {
              : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
+/// A piece of a file that may be anything, for a terminal.
+std::string shown_text(std::string_view text) {
+  constexpr std::size_t most = 60;
+  std::string shown(text.substr(0, most));
+  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.size() > most ? shown + "..." : shown;
+}
+
 /// Keys and section names do not mind their case.
 class Section {
  public:
@@ -44,7 +50,8 @@ class Section {
   }
   [[noreturn]] void refuse(std::string_view key, std::string_view value,
                            std::string_view wanted) const {
-    throw UserError(fmt::format("{}: [{}] {}={}: must be {}", file_, name_, key, value, wanted));
+    throw UserError(fmt::format("{}: [{}] {}={}: must be {}", file_, shown_text(name_), key,
+                                shown_text(value), wanted));
   }
   std::int64_t number(std::string_view key, std::uint8_t node_id) const;
   std::int64_t number(std::string_view key, std::uint8_t node_id, std::int64_t missing) const {
@@ -112,20 +119,22 @@ Sections read_sections(std::string_view text, const std::string& file) {
     }
     if (line[0] == '[') {
       if (line.back() != ']') {
-        throw UserError(fmt::format("{}:{}: {}: a section ends with ]", file, number, line));
+        throw UserError(
+            fmt::format("{}:{}: {}: a section ends with ]", file, number, shown_text(line)));
       }
       const std::string name(line.substr(1, line.size() - 2));
       const auto [at, fresh] = sections.try_emplace(lower(name), file, name);
       if (!fresh) {
-        throw UserError(fmt::format("{}:{}: [{}]: stands there twice", file, number, name));
+        throw UserError(
+            fmt::format("{}:{}: [{}]: stands there twice", file, number, shown_text(name)));
       }
       open = &at->second;
       continue;
     }
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos || open == nullptr) {
-      throw UserError(
-          fmt::format("{}:{}: {}: must be key=value within a section", file, number, line));
+      throw UserError(fmt::format("{}:{}: {}: must be key=value within a section", file, number,
+                                  shown_text(line)));
     }
     open->add(std::string(trimmed(line.substr(0, equals))),
               std::string(trimmed(line.substr(equals + 1))));
@@ -285,15 +294,6 @@ Eds parse_eds(std::string_view text, const std::string& file, std::uint8_t node_
     throw UserError(fmt::format("{}: has no objects", file));
   }
   return eds;
-}
-
-Eds load_eds(const std::string& file, std::uint8_t node_id) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw UserError(fmt::format("{}: can not be read", file));
-  }
-  return parse_eds(text.str(), file, node_id);
 }
 
 }  // namespace smaservo

@@ -30,6 +30,5 @@ struct Eds {
 
 /// $NODEID in numbers is node_id. Throws UserError with file, line or section, key and value.
 Eds parse_eds(std::string_view text, const std::string& file, std::uint8_t node_id);
-Eds load_eds(const std::string& file, std::uint8_t node_id);
 
 }  // namespace smaservo

@@ -3,13 +3,11 @@
 #include <chrono>
 #include <csignal>
 #include <fmt/format.h>
-#include <fstream>
 #include <poll.h>
-#include <sstream>
 
 #include "hal/board.hpp"
 #include "hal/linux/open_can.hpp"
-#include "host-sim/output_file.hpp"
+#include "host-sim/input_file.hpp"
 
 namespace smaservo {
 namespace {
@@ -190,15 +188,6 @@ std::uint64_t now_us() {
                                         .count());
 }
 
-std::string read_file(const std::string& file) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw UserError(fmt::format("{}: can not be read", file));
-  }
-  return text.str();
-}
-
 template <CanPort P>
 void serve(PlainNode& node, P& port) {
   CanFrame frame;
@@ -215,7 +204,7 @@ void serve(PlainNode& node, P& port) {
 
 void run_plain_node(const std::string& eds_file, const std::string& can, std::uint8_t node_id,
                     double duration_s) {
-  const std::string text = read_file(eds_file);
+  const std::string text = whole_file(eds_file);
   PlainNode node(parse_eds(text, eds_file, node_id), text, node_id);
   LinuxCan port = open_can(can);
   std::signal(SIGINT, [](int) { interrupted = 1; });

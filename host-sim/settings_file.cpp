@@ -5,12 +5,12 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
 #include <toml++/toml.h>
 
+#include "host-sim/input_file.hpp"
 #include "host-sim/output_file.hpp"
 #include "host-sim/settings_text.hpp"
 
@@ -305,12 +305,7 @@ std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
 
 Settings<double> load_settings_file(const std::string& path,
                                     const std::vector<Override>& overrides) {
-  const std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw ConfigError(fmt::format("{}: cannot be read", path));
-  }
-  return parse_settings_file(text.str(), path, overrides,
+  return parse_settings_file(whole_file(path), path, overrides,
                              std::filesystem::path(path).parent_path());
 }
 

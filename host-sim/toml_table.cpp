@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fstream>
-#include <sstream>
 
+#include "host-sim/input_file.hpp"
 #include "host-sim/output_file.hpp"
 
 namespace smaservo {
@@ -144,12 +143,7 @@ double Table::in_range(std::string_view key, const toml::node& node, double low,
 }
 
 TomlFile::TomlFile(const std::filesystem::path& file) : origin_(file.string()) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw ConfigError(fmt::format("{}: cannot be read", origin_));
-  }
-  text_ = text.str();
+  text_ = whole_file(origin_);
   try {
     parsed_ = toml::parse(text_, origin_);
   } catch (const toml::parse_error& error) {

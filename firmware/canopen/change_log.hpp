@@ -1,5 +1,6 @@
 #pragma once
-// What was written over the bus: the last changes with old and new value, source and result.
+// What was written over the bus: the last changes and refusals with old and new value, source and
+// result.
 
 #include <array>
 
@@ -20,7 +21,11 @@ class ChangeLog {
   static constexpr std::size_t capacity = 16;
   static constexpr std::size_t bytes = 20;  ///< of an entry, as it is read
 
+  /// What a PDO repeats in vain stands there once.
   void add(const LoggedChange& change) {
+    if (change.source == Source::rpdo && change.result != Abort::none && stands(change)) {
+      return;
+    }
     ring_[count_ % capacity] = change;
     ++count_;
   }
@@ -57,6 +62,17 @@ class ChangeLog {
   }
 
  private:
+  bool stands(const LoggedChange& change) const {
+    for (std::uint32_t i = 0; i < kept(); ++i) {
+      const LoggedChange& c = last(i);
+      if (c.key == change.key && c.source == change.source && c.value == change.value &&
+          c.result == change.result) {
+        return true;
+      }
+    }
+    return false;
+  }
+
   std::array<LoggedChange, capacity> ring_{};
   std::uint32_t count_ = 0, taken_ = 0;
 };

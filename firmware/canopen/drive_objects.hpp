@@ -55,7 +55,7 @@ struct DriveObjects {
   // 2210h, 2211h
   std::array<std::uint32_t, 2> steps;
   std::array<float, 4> timing_s;
-  std::array<std::uint32_t, 2> bus;
+  std::array<std::uint32_t, 3> bus;
   // 2220h
   std::uint32_t changes;
   // 2300h, 2301h
@@ -150,8 +150,10 @@ inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
         "frames that the queue did not take"),
     row({0x2211, 2}, Type::u32, sent, at_word(offsetof(DriveObjects, bus), 1), "bus.off", 0,
         "times that the bus was off"),
+    row({0x2211, 3}, Type::u32, sent, at_word(offsetof(DriveObjects, bus), 2), "bus.queue_full", 0,
+        "times that the queue was full and a frame waited"),
     row({0x2220, 1}, Type::u32, sent, offsetof(DriveObjects, changes), "changes.count", 0,
-        "of parameters and other stored objects, refused ones as well"),
+        "of parameters and other stored objects, and refusals of all that can be written"),
     row({0x2220, 2}, Type::domain, readable, nowhere, "changes.last", 0,
         "the newest first: ms, index, sub, source, old, new, abort code"),
     row({0x2300, 1}, Type::u8, readable | writable, nowhere, "recorder.command", 0, 0, 2,

@@ -57,9 +57,10 @@ class Application : public Dictionary {
   virtual void connection_lost(std::uint16_t /*code*/) {}
   /// Whether that may be asked of the owner now: Abort::none, or why not.
   virtual Abort may_request(Request /*request*/) const { return Abort::none; }
-  /// An object that is stored has changed.
+  /// An object of the node that is stored has changed, or a write of any object has been refused
+  /// before it came to the application.
   virtual void written(Key /*key*/, std::uint32_t /*old_value*/, std::uint32_t /*value*/,
-                       Source /*source*/) {}
+                       Source /*source*/, Abort /*result*/) {}
 
  protected:
   ~Application() = default;
@@ -129,6 +130,7 @@ class Node final : public Dictionary {
   Abort find(Key key, Entry& entry) const override;
   Abort read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) override;
   Abort write(const Entry& entry, std::span<const std::uint8_t> from, Source source) override;
+  void refused(const Entry& entry, std::span<const std::uint8_t> from, Abort why) override;
 
  private:
   struct Consumer {
@@ -142,6 +144,7 @@ class Node final : public Dictionary {
   };
 
   bool is_ours(Key key) const;
+  Abort write_own(const Object& object, std::uint32_t value);
   Abort check(Key key, std::uint32_t value) const;
   Abort check_signature(Key key, std::uint32_t value);
   Abort check_consumer(Key key, std::uint32_t value) const;

@@ -92,26 +92,48 @@ Abort Node::write(const Entry& entry, std::span<const std::uint8_t> from, Source
   }
   const Object object = own_rows[entry.handle];
   const std::uint32_t value = take_value(object.type, from);
-  if (entry.key.index == 0x1010 || entry.key.index == 0x1011) {
-    return check_signature(entry.key, value);
+  const std::uint32_t before =
+      object.at == nowhere ? 0 : load(object, std::as_bytes(std::span(&objects_, 1)));
+  const Abort result = write_own(object, value);
+  const bool is_refused = result != Abort::none && result != Abort::pending;
+  if (is_refused || (result == Abort::none && (object.access & stored) != 0)) {
+    application_.written(entry.key, before, value, source, result);
   }
-  Abort refused = check(entry.key, value);
+  return result;
+}
+
+Abort Node::write_own(const Object& object, std::uint32_t value) {
+  const Key key = object.key;
+  if (key.index == 0x1010 || key.index == 0x1011) {
+    return check_signature(key, value);
+  }
+  Abort refused = check(key, value);
   if (refused == Abort::none) {
     refused = check_range(object.type, value, object.least, object.greatest);
   }
   if (refused != Abort::none) {
     return refused;
   }
-  const std::uint32_t before = load(object, std::as_bytes(std::span(&objects_, 1)));
   keep(object, std::span(memory(), sizeof objects_), value);
-  written(entry.key);
-  if ((object.access & stored) != 0) {
-    if (entry.key.index != 0x1020) {
-      touch();
-    }
-    application_.written(entry.key, before, value, source);
+  written(key);
+  if ((object.access & stored) != 0 && key.index != 0x1020) {
+    touch();
   }
   return Abort::none;
+}
+
+/// The log holds values of up to four bytes.
+void Node::refused(const Entry& entry, std::span<const std::uint8_t> from, Abort why) {
+  std::array<std::uint8_t, 4> before{};
+  const std::uint32_t size = size_of(entry.type);
+  if ((entry.access & readable) != 0 && 1 <= size && size <= before.size()) {
+    read(entry, 0, std::span(before).first(size));
+  }
+  const auto value = static_cast<std::uint32_t>(
+      take_number(from.first(std::min<std::size_t>(from.size(), before.size()))));
+  application_.written(entry.key,
+                       take_value(entry.type, std::span(before).first(std::min(size, 4U))), value,
+                       Source::sdo, why);
 }
 
 Abort Node::check_signature(Key key, std::uint32_t value) {

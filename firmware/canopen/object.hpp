@@ -120,6 +120,10 @@ class Dictionary {
   /// A whole value; its length fits the type. Checks range and state; a refused value changes
   /// nothing.
   virtual Abort write(const Entry& entry, std::span<const std::uint8_t> from, Source source) = 0;
+  /// What a client wanted to write has been refused before it came to write(): its length, the
+  /// right or the checksum is wrong. `from` is what is known of it.
+  virtual void refused(const Entry& /*entry*/, std::span<const std::uint8_t> /*from*/,
+                       Abort /*why*/) {}
 
  protected:
   ~Dictionary() = default;

@@ -103,21 +103,46 @@ void SdoServer::reset() {
 // Finding, reading, writing.
 
 /// A new request ends whatever was going on.
-bool SdoServer::find(Request request, std::uint16_t right, Abort missing) {
+bool SdoServer::find(Request request) {
   reset();
   key_ = {static_cast<std::uint16_t>(take_number(request.subspan(1, 2))), request[3]};
-  Abort found = dictionary_.find(key_, entry_);
-  if (found == Abort::none && (entry_.access & right) == 0) {
-    found = missing;
-  }
+  const Abort found = dictionary_.find(key_, entry_);
   if (found != Abort::none) {
     abort(found);
   }
   return found == Abort::none;
 }
 
+bool SdoServer::find_readable(Request request) {
+  if (!find(request)) {
+    return false;
+  }
+  const bool may = (entry_.access & readable) != 0;
+  if (!may) {
+    abort(Abort::write_only);
+  }
+  return may;
+}
+
+bool SdoServer::find_writable(Request request, Data known) {
+  if (!find(request)) {
+    return false;
+  }
+  const bool may = (entry_.access & writable) != 0;
+  if (!may) {
+    refuse(Abort::read_only, known);
+  }
+  return may;
+}
+
+/// Of a download whose object is known: the dictionary hears of it.
+void SdoServer::refuse(Abort code, Data known) {
+  dictionary_.refused(entry_, known, code);
+  abort(code);
+}
+
 /// Whether so many bytes can be an object of this type.
-bool SdoServer::fits(std::uint32_t size) {
+bool SdoServer::fits(std::uint32_t size, Data known) {
   const std::uint32_t wanted = size_of(entry_.type);
   Abort wrong = Abort::none;
   if (wanted == 0) {
@@ -126,7 +151,7 @@ bool SdoServer::fits(std::uint32_t size) {
     wrong = size < wanted ? Abort::too_short : Abort::too_long;
   }
   if (wrong != Abort::none) {
-    abort(wrong);
+    refuse(wrong, known);
   }
   return wrong == Abort::none;
 }
@@ -158,7 +183,7 @@ bool SdoServer::fetch(std::uint32_t offset, std::span<std::uint8_t> to) {
 }
 
 /// Whether the confirmation may be sent now.
-bool SdoServer::store(std::span<const std::uint8_t> data) {
+bool SdoServer::store(Data data) {
   const Abort result = dictionary_.write(entry_, data, Source::sdo);
   state_ = result == Abort::pending ? State::pending : State::idle;
   if (result != Abort::none && result != Abort::pending) {
@@ -189,22 +214,24 @@ void SdoServer::abort(Abort code) {
 // Expedited and segmented.
 
 void SdoServer::start_download(Request request) {
-  if (!find(request, writable, Abort::read_only)) {
-    return;
-  }
   const bool expedited = (request[0] & 2U) != 0;
   const bool sized = (request[0] & 1U) != 0;
+  const std::uint32_t sent = !expedited ? 0 : sized ? 4U - (request[0] >> 2U & 3U) : 4;
+  const Data known = Data(request).subspan(4, sent);
+  if (!find_writable(request, known)) {
+    return;
+  }
   if (expedited) {
     const std::uint32_t wanted = size_of(entry_.type);
     const std::uint32_t unsized = wanted == 0 || wanted > 4 ? 4 : wanted;
-    const std::uint32_t size = sized ? 4U - (request[0] >> 2U & 3U) : unsized;
-    if (fits(size) && store(request.subspan(4, size))) {
+    const std::uint32_t size = sized ? sent : unsized;
+    if (fits(size, known) && store(request.subspan(4, size))) {
       keyed(0x60);
     }
     return;
   }
   size_ = sized ? static_cast<std::uint32_t>(take_number(request.subspan(4))) : 0;
-  if (sized && !fits(size_)) {
+  if (sized && !fits(size_, {})) {
     return;
   }
   offset_ = 0;
@@ -228,17 +255,19 @@ void SdoServer::continue_download(Request request) {
       size_of(entry_.type) != 0 ? size_of(entry_.type) : static_cast<std::uint32_t>(buffer_.size());
   const std::uint32_t most = size_ != 0 ? size_ : room;
   if (most < offset_ + size) {
-    abort(size_of(entry_.type) == 0 && size_ == 0 ? Abort::memory : Abort::too_long);
+    refuse(size_of(entry_.type) == 0 && size_ == 0 ? Abort::memory : Abort::too_long,
+           buffer_.first(offset_));
     return;
   }
   std::ranges::copy(request.subspan(1, size), buffer_.subspan(offset_).begin());
   offset_ += size;
   if (last) {
+    const Data known = buffer_.first(offset_);
     if (size_ != 0 && offset_ < size_) {
-      abort(Abort::too_short);
+      refuse(Abort::too_short, known);
       return;
     }
-    if (!fits(offset_)) {
+    if (!fits(offset_, known)) {
       return;
     }
   }
@@ -250,7 +279,7 @@ void SdoServer::continue_download(Request request) {
 }
 
 void SdoServer::start_upload(Request request) {
-  if (find(request, readable, Abort::write_only) && open_upload()) {
+  if (find_readable(request) && open_upload()) {
     answer_upload();
   }
 }
@@ -297,13 +326,13 @@ void SdoServer::receive_block_download(Request request) {
     end_block_download(request);
     return;
   }
-  if (!find(request, writable, Abort::read_only)) {
+  if (!find_writable(request, {})) {
     return;
   }
   with_crc_ = (request[0] & 4U) != 0;
   const bool sized = (request[0] & 2U) != 0;
   size_ = sized ? static_cast<std::uint32_t>(take_number(request.subspan(4))) : 0;
-  if (sized && !fits(size_)) {
+  if (sized && !fits(size_, {})) {
     return;
   }
   offset_ = 0;
@@ -328,7 +357,7 @@ void SdoServer::receive_block(Request request) {
     const auto room = static_cast<std::uint32_t>(buffer_.size()) - offset_;
     const std::uint32_t size = std::min<std::uint32_t>(7, room);
     if (room < 7 && !last) {
-      abort(size_of(entry_.type) == 0 ? Abort::memory : Abort::too_long);
+      refuse(size_of(entry_.type) == 0 ? Abort::memory : Abort::too_long, buffer_.first(offset_));
       return;
     }
     std::ranges::copy(request.subspan(1, size), buffer_.subspan(offset_).begin());
@@ -353,16 +382,16 @@ void SdoServer::end_block_download(Request request) {
   }
   const std::uint32_t unused = request[0] >> 2U & 7U;
   const std::uint32_t size = offset_ - std::min(unused, offset_);
+  const Data data = buffer_.first(std::min<std::size_t>(size, buffer_.size()));
   if (size_ != 0 && size != size_) {
-    abort(size < size_ ? Abort::too_short : Abort::too_long);
+    refuse(size < size_ ? Abort::too_short : Abort::too_long, data);
     return;
   }
-  if (!fits(size)) {
+  if (!fits(size, data)) {
     return;
   }
-  const auto data = buffer_.first(size);
   if (with_crc_ && crc16(data) != take_number(request.subspan(1, 2))) {
-    abort(Abort::crc);
+    refuse(Abort::crc, data);
     return;
   }
   if (store(data)) {
@@ -373,7 +402,7 @@ void SdoServer::end_block_download(Request request) {
 // Block upload.
 
 void SdoServer::start_block_upload(Request request) {
-  if (!find(request, readable, Abort::write_only)) {
+  if (!find_readable(request)) {
     return;
   }
   block_size_ = request[4];
@@ -384,8 +413,9 @@ void SdoServer::start_block_upload(Request request) {
   if (!open_upload()) {
     return;
   }
+  // 0: the client does not want another protocol.
   const std::uint32_t threshold = request[5];
-  if (size_ <= threshold) {
+  if (threshold != 0 && size_ <= threshold) {
     answer_upload();
     return;
   }

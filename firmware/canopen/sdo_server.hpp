@@ -47,6 +47,7 @@ class SdoServer {
   };
 
   using Request = std::span<const std::uint8_t, 8>;
+  using Data = std::span<const std::uint8_t>;
   void start_download(Request request);
   void start_upload(Request request);
   void continue_download(Request request);
@@ -58,11 +59,14 @@ class SdoServer {
   void receive_block_upload(Request request);
   void acknowledge_block(Request request);
 
-  bool find(Request request, std::uint16_t right, Abort missing);
-  bool fits(std::uint32_t size);
+  bool find(Request request);
+  bool find_readable(Request request);
+  bool find_writable(Request request, Data known);
+  bool fits(std::uint32_t size, Data known);
+  void refuse(Abort code, Data known);
   bool open_upload();
   void answer_upload();
-  bool store(std::span<const std::uint8_t> data);
+  bool store(Data data);
   bool fetch(std::uint32_t offset, std::span<std::uint8_t> to);
   void segment_of_block(std::span<std::uint8_t, 8> to);
   void abort(Abort code);

@@ -72,6 +72,8 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
 
   const Settings<S>& settings() const { return staging_.active(); }
   std::uint32_t settings_changes() const { return this->tuning.changes(); }
+  /// The main has put other settings in force by itself; a tuning transaction is over.
+  void replace_settings(const Settings<S>& settings) { this->tuning.replace(settings); }
 
   Request request() const { return node().request(); }
   void finish(bool done) { node().finish(done); }

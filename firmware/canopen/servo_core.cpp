@@ -113,30 +113,31 @@ Abort ServoCore::write(const Entry& entry, std::span<const std::uint8_t> from, S
 
 Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source source) {
   const Object object = drive_rows[entry.handle];
-  Abort refused = check_range(object.type, value, object.least, object.greatest);
-  refused = refused == Abort::none ? check(entry.key, value) : refused;
-  const bool is_kept = (object.access & stored) != 0;
-  const std::uint32_t before =
-      object.at == nowhere ? 0 : load(object, std::as_bytes(std::span(&objects_, 1)));
-  if (refused != Abort::none) {
-    if (is_kept) {
-      log(entry.key, before, value, source, refused);
-    }
-    return refused;
+  const bool is_command = object.at == nowhere;
+  const std::uint32_t before = entry.key == tuning_key ? objects_.tuning_state
+                               : is_command            ? 0
+                                            : load(object, std::as_bytes(std::span(&objects_, 1)));
+  Abort result = check_range(object.type, value, object.least, object.greatest);
+  result = result == Abort::none ? check(entry.key, value) : result;
+  result = result == Abort::none && is_command ? run(entry.key, value) : result;
+  if (result != Abort::none) {
+    log(entry.key, before, value, source, result);
+    return result;
   }
-  if (object.at == nowhere) {
-    return run(entry.key, value);
+  if (is_command) {
+    return result;
   }
   keep(object, {memory(), sizeof objects_}, value);
   setpoints_ += axis_.follows(entry.key) ? 1U : 0U;
   if (entry.key.index == 0x6040) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }
-  if (is_kept) {
+  // A PDO says the same in each cycle.
+  if ((object.access & stored) != 0 && (source != Source::rpdo || value != before)) {
     node_.touch();
-    log(entry.key, before, value, source, Abort::none);
+    log(entry.key, before, value, source, result);
   }
-  return Abort::none;
+  return result;
 }
 
 Abort ServoCore::check(Key key, std::uint32_t value) const {
@@ -210,7 +211,10 @@ Abort ServoCore::tune(TuningCommand command) {
   }
   const Abort result = parameters_.tune(command, objects_.trial_s, axis_.may_heat());
   tuned_us_ = now_us_;
-  log(tuning_key, objects_.tuning_state, static_cast<std::uint32_t>(command), Source::sdo, result);
+  if (result == Abort::none) {
+    log(tuning_key, objects_.tuning_state, static_cast<std::uint32_t>(command), Source::sdo,
+        result);
+  }
   show_tuning();
   return result;
 }
@@ -286,8 +290,9 @@ Abort ServoCore::may_request(Request request) const {
   return axis_.may_heat() ? Abort::state : objects_.level < 1 ? Abort::local : Abort::none;
 }
 
-void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, Source source) {
-  log(key, old_value, value, source, Abort::none);
+void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
+                        Abort result) {
+  log(key, old_value, key == access_key ? 0 : value, source, result);
 }
 
 bool ServoCore::is_fresh() const {

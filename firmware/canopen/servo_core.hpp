@@ -60,7 +60,9 @@ class ServoCore : public Application {
   void advance(std::uint64_t now_us);
   void publish(const StepReport& report);
   void set_timing(const LoopTiming& timing);
-  void set_bus(std::uint32_t dropped, std::uint32_t off) { objects_.bus = {dropped, off}; }
+  void set_bus(std::uint32_t dropped, std::uint32_t off, std::uint32_t queue_full) {
+    objects_.bus = {dropped, off, queue_full};
+  }
   /// The loop has no room for further settings now: writes of parameters, and what would put some
   /// in force, are refused.
   void hold_settings(bool held) { held_ = held; }
@@ -88,7 +90,8 @@ class ServoCore : public Application {
   void nmt_changed(Nmt state) override;
   void connection_lost(std::uint16_t code) override;
   Abort may_request(Request request) const override;
-  void written(Key key, std::uint32_t old_value, std::uint32_t value, Source source) override;
+  void written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
+               Abort result) override;
 
  protected:
   ~ServoCore() = default;

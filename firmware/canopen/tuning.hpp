@@ -33,7 +33,13 @@ class Tuning final : public ParameterAccess {
   Key refused_other() const override { return refused_other_; }
   bool has_load_cell() const override { return staging_.active().measuring.has_load_cell; }
 
-  /// Counts up when what is in force has changed.
+  /// Others than the bus have put these in force.
+  void replace(const Settings<S>& settings) {
+    staging_.replace(settings);
+    open_ = false;
+  }
+
+  /// Counts up when what is in force has changed by the bus.
   std::uint32_t changes() const { return changes_; }
 
  private:

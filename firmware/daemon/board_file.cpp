@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <type_traits>
 
+#include "firmware/parameters.hpp"
 #include "host-sim/toml_table.hpp"
 
 namespace smaservo {
@@ -123,8 +124,32 @@ DacScale read_scale(Table& table) {
   return scale;
 }
 
+/// No key: no ceiling.
+canopen::Ceilings read_ceilings(Table table) {
+  const auto ceiling = [&](std::string_view key, double low, double high, double factor,
+                           double offset) {
+    return table.has(key) ? static_cast<float>(factor * table.number(key, low, high) + offset)
+                          : canopen::Ceilings::none;
+  };
+  const auto current = [&](std::string_view key) { return ceiling(key, 1, 1e5, 1e-3, 0); };
+  const auto temperature = [&](std::string_view key) {
+    return ceiling(key, 0, 400, 1, zero_degC_K);
+  };
+  const auto stress = [&](std::string_view key) { return ceiling(key, 1, 1e4, 1e6, 0); };
+  const canopen::Ceilings ceilings{.current_A = current("current_mA"),
+                                   .power_W = ceiling("power_W", 1e-3, 1e4, 1, 0),
+                                   .temperature_K = temperature("temperature_degC"),
+                                   .stress_Pa = stress("stress_MPa"),
+                                   .trip_current_A = current("trip_current_mA"),
+                                   .trip_temperature_K = temperature("trip_temperature_degC"),
+                                   .trip_stress_Pa = stress("trip_stress_MPa")};
+  table.finish();
+  return ceilings;
+}
+
 void read_drive(Table table, BoardFile& file) {
-  file.greatest_current_A = 1e-3 * table.number("greatest_mA", 1, 1e5);
+  const auto hardware_A = static_cast<float>(1e-3 * table.number("greatest_mA", 1, 1e5));
+  file.ceilings.current_A = std::min(file.ceilings.current_A, hardware_A);
   switch (table.choice("type", drive_names)) {
     case 0:
       file.drive = IioDacSettings{table.text("device"), text_or(table, "channel", "out_voltage0"),
@@ -179,8 +204,12 @@ SlowSensor read_slow(Table& slow, std::string_view key, bool temperature) {
 }
 
 BusSettings read_bus(Table table) {
-  const BusSettings bus{table.text("interface"), whole(table, "node_id", 0, 127, 0),
-                        1e-3 * table.number("partner_timeout_ms", 0, 6e4, 0)};
+  constexpr double greatest_key = 4294967295;
+  const BusSettings bus{table.text("interface"),
+                        whole(table, "node_id", 0, 127, 0),
+                        1e-3 * table.number("partner_timeout_ms", 0, 6e4, 0),
+                        {.tune = whole(table, "tune_key", 0, greatest_key, 0),
+                         .set_up = whole(table, "set_up_key", 0, greatest_key, 0)}};
   table.finish();
   return bus;
 }
@@ -200,6 +229,7 @@ BoardFile load_board_file(const std::string& path) {
   file.thread.processor = whole<int>(loop, "processor", 0, 1023, -1);
   loop.finish();
   read_front_end(root.table("front_end"), file);
+  file.ceilings = read_ceilings(root.table_or_empty("ceilings"));
   read_drive(root.table("drive"), file);
   Table lines = root.table_or_empty("lines");
   file.lines = {read_line(lines, "enable"), read_line(lines, "kick"),
@@ -251,7 +281,14 @@ std::string period_problem(const Settings<double>& settings) {
                                 1e3 * period_s, 1e3 * shortest_period_s, 1e3 * longest_period_s);
 }
 
-bool within(const BoardFile& file, const Settings<double>& settings) {
+std::string board_problem(const BoardFile& file, const Settings<double>& settings) {
+  for (const Parameter<double>& row : parameters<double>) {
+    const float ceiling = canopen::ceiling_of(file.ceilings, row.key);
+    if (row.type == ValueType::real && ceiling < row.get(settings).real()) {
+      return fmt::format("{} = {}: the board's ceiling is {}", row.path.text(),
+                         row.get(settings).real(), ceiling);
+    }
+  }
   const bool voltage = settings.drive.kind == DriveKind::voltage;
   const bool drive_takes_voltage = std::visit(
       [](const auto& drive) {
@@ -262,8 +299,14 @@ bool within(const BoardFile& file, const Settings<double>& settings) {
         }
       },
       file.drive);
-  return settings.limits.current_A <= file.greatest_current_A && voltage == drive_takes_voltage &&
-         (!settings.measuring.has_load_cell || file.calibration.has_load);
+  if (voltage != drive_takes_voltage) {
+    return fmt::format("drive.kind = {}: the board's drive takes a {}",
+                       voltage ? "voltage" : "current", voltage ? "current" : "voltage");
+  }
+  if (settings.measuring.has_load_cell && !file.calibration.has_load) {
+    return "measuring.has_load_cell = true: the board has none";
+  }
+  return "";
 }
 
 }  // namespace smaservo

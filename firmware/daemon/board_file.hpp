@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "firmware/canopen/servo_core.hpp"
 #include "firmware/daemon/realtime.hpp"
 #include "firmware/settings.hpp"
 #include "hal/linux/ads131m04_digitizer.hpp"
@@ -25,6 +26,7 @@ struct BusSettings {
   std::string interface;     ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
   unsigned node_id;          ///< 0: that of the settings
   double partner_timeout_s;  ///< without any frame for so long: bus_lost; 0: never
+  canopen::AccessKeys keys;
 };
 
 struct BoardFile {
@@ -32,7 +34,7 @@ struct BoardFile {
   std::string device;  ///< settings file
   std::string folder;  ///< of the store
   RealTimeSettings thread;
-  double greatest_current_A;  ///< the hardware's own limit
+  canopen::Ceilings ceilings;  ///< of the current: at most what the hardware limits it to
   std::variant<Ads131m04FrontEnd, IioSettings> front_end;
   Calibration calibration;
   std::array<SlowSensor, SlowSensors::count> slow;
@@ -57,7 +59,7 @@ inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
 /// What is wrong with the period of these settings; empty: nothing.
 std::string period_problem(const Settings<double>& settings);
 
-/// Whether settings are within what the board can do.
-bool within(const BoardFile& file, const Settings<double>& settings);
+/// What of these settings is beyond the board; empty: nothing.
+std::string board_problem(const BoardFile& file, const Settings<double>& settings);
 
 }  // namespace smaservo

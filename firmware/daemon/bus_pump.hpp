@@ -103,6 +103,8 @@ class BusPump {
   bool has_more() const { return has_more_; }
   /// Frames that were not sent.
   std::uint64_t dropped() const { return dropped_; }
+  /// Times that the queue was full.
+  std::uint64_t queue_full() const { return queue_full_; }
 
  private:
   // Nor must a block of SDO keep it from listening: a SYNC would meet the next one.
@@ -125,6 +127,7 @@ class BusPump {
         ++dropped_;
       }
       if (!sent && reachable) {
+        ++queue_full_;
         return;
       }
     }
@@ -142,7 +145,7 @@ class BusPump {
   bool has_more_ = false;
   std::uint64_t since_us_ = 0;
   std::uint32_t changes_ = 0;
-  std::uint64_t frames_ = 0, dropped_ = 0;
+  std::uint64_t frames_ = 0, dropped_ = 0, queue_full_ = 0;
 };
 
 }  // namespace smaservo

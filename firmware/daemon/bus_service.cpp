@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "firmware/canopen/servo.hpp"
+#include "firmware/daemon/bus_journal.hpp"
 #include "firmware/daemon/kept_settings.hpp"
 #include "firmware/daemon/realtime.hpp"
 #include "hal/linux/clock.hpp"
@@ -56,9 +57,8 @@ canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
   config.node.eds = eds;
   config.node.software_version = SMASERVO_VERSION;
   config.recorder = recorder;
-  if (setup.greatest_current_A > 0) {
-    config.ceilings.current_A = static_cast<float>(setup.greatest_current_A);
-  }
+  config.ceilings = setup.ceilings;
+  config.keys = setup.keys;
   return config;
 }
 
@@ -96,6 +96,9 @@ struct BusService::Parts {
   void run(const std::stop_token& stop);
   FaultSet faults(std::uint64_t now_us);
   void show_figures();
+  void tell_changes();
+  void follow_desk();
+  bool give_to_desk();
   void answer(Request request, std::uint64_t now_us);
   std::string keep(Request request, const Settings<double>& settings, const Image& image) const;
 
@@ -110,9 +113,11 @@ struct BusService::Parts {
   canopen::Servo<double> servo;
   BusPartner partner;
   BusPump<LinuxCan, canopen::Servo<double>> pump;
+  BusJournal journal;
   std::future<std::string> storing;
   std::uint64_t heard_us = 0, frames = 0;
-  std::jthread thread;  // last: it ends before what it uses
+  std::uint32_t known_changes = 0;  ///< of the desk
+  std::jthread thread;              // last: it ends before what it uses
 };
 
 BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
@@ -141,7 +146,9 @@ void BusService::Parts::run(const std::stop_token& stop) {
     poll(&readable, 1, pump.has_more() ? 0 : round_ms);
     const std::uint64_t now_us = now();
     show_figures();
-    pump.round(now_us, faults(now_us), [&] { return desk.change(staging.active()); });
+    follow_desk();
+    pump.round(now_us, faults(now_us), [&] { return give_to_desk(); });
+    tell_changes();
     const Request request = servo.request();
     if (request != Request::none) {
       answer(request, now_us);
@@ -166,7 +173,31 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
 void BusService::Parts::show_figures() {
   servo.set_timing(timing_of(figures));
   servo.set_bus(static_cast<std::uint32_t>(pump.dropped()),
-                static_cast<std::uint32_t>(port.statistics().bus_offs));
+                static_cast<std::uint32_t>(port.statistics().bus_offs),
+                static_cast<std::uint32_t>(pump.queue_full()));
+}
+
+/// What SIGHUP has put in force is what a client reads and goes on from.
+void BusService::Parts::follow_desk() {
+  const std::uint32_t changes = desk.changes();
+  if (known_changes != changes) {
+    known_changes = changes;
+    servo.replace_settings(desk.settings());
+  }
+}
+
+bool BusService::Parts::give_to_desk() {
+  const bool taken = desk.change(staging.active());
+  known_changes = desk.changes();
+  return taken;
+}
+
+void BusService::Parts::tell_changes() {
+  canopen::LoggedChange change{};
+  while (servo.take_change(change)) {
+    journal.add(change);
+  }
+  journal.set_count(servo.objects().changes);
 }
 
 /// A disk may take its time: the bus goes on meanwhile, and the answer follows.

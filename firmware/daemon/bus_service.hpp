@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "firmware/canopen/servo_core.hpp"
 #include "firmware/daemon/bus_pump.hpp"
 #include "firmware/daemon/desk.hpp"
 
@@ -13,8 +14,8 @@ struct BusSetup {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
   double partner_timeout_s = 0;
   std::string folder;  ///< of the store; empty: nothing can be stored
-  /// Of the hardware: no parameter over the bus goes beyond; 0: none.
-  double greatest_current_A = 0;
+  canopen::Ceilings ceilings;
+  canopen::AccessKeys keys;
   std::string board;  ///< as 1009h calls it
   int priority = 0;   ///< of the thread's SCHED_FIFO; 0: none
 };

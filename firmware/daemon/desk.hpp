@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -30,8 +31,9 @@ class ParameterDesk {
   /// Deletes what the loop has given back.
   void tidy();
 
-  /// Those given last.
+  /// Those given last, and how often some have been given.
   Settings<double> settings() const;
+  std::uint32_t changes() const { return last_.load(); }
   /// What a set changed, as a recording says it; forgets it.
   std::string take_text(std::uint32_t number);
 
@@ -44,7 +46,7 @@ class ParameterDesk {
   Settings<double> settings_;
   LoopLinks& links_;
   std::map<std::uint32_t, std::string> texts_;
-  std::uint32_t last_ = 0;
+  std::atomic<std::uint32_t> last_{0};
   int under_way_ = 0;
 };
 

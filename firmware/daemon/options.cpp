@@ -48,6 +48,8 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
   app.add_flag("--json", options.json, "print the figures at the end as JSON");
   app.add_flag("--at-once", options.at_once, "a simulated wire's time runs as fast as it can");
   app.add_flag("!--no-real-time", options.real_time, "neither lock memory nor ask for a priority");
+  app.add_flag("--sandbox", options.sandboxed,
+               "for a proof: die when the loop makes any system call but a loop's");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -19,6 +19,7 @@ struct DaemonOptions {
   bool json = false;
   bool at_once = false;  ///< simulated time runs as fast as it can
   bool real_time = true;
+  bool sandboxed = false;  ///< the loop dies of any system call but a loop's
 };
 
 /// True: run; false: the exit code is in `code`.

@@ -6,7 +6,7 @@ namespace smaservo {
 
 /// From now on the calling thread may make the system calls of a loop only: its sleep, its clocks,
 /// reads, writes and ioctls of descriptors that are open, its end. Any other one ends the program
-/// with SIGSYS. For debugging (-DSMASERVO_SANDBOX=ON) and tests; there is no way back. Empty, or
+/// with SIGSYS. For proofs (`smaservod --sandbox`); there is no way back. Empty, or
 /// why the kernel refuses.
 std::string allow_loop_calls_only();
 

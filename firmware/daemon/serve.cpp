@@ -38,6 +38,7 @@ ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>&
           .json = options.json,
           .real_time = options.real_time,
           .paced = true,
+          .sandboxed = options.sandboxed,
           .thread = {}};
 }
 
@@ -63,7 +64,7 @@ int serve_simulation(const DaemonOptions& options) {
   if (!options.bus.empty()) {
     const int priority = options.real_time && !options.at_once ? bus_priority({}) : 0;
     bus = std::make_unique<BusService>(
-        BusSetup{options.bus, 0, options.settings, 0, "simulated", priority}, service.desk(),
+        BusSetup{options.bus, 0, options.settings, {}, {}, "simulated", priority}, service.desk(),
         service.links(), service.figures());
     bus->start();
   }

@@ -95,11 +95,8 @@ bool settings_tried(const BoardFile& file) {
   try {
     const Settings<double> settings = load_settings_file(file.device);
     problem = period_problem(settings);
-    if (!problem.empty()) {
-      problem = file.device + ": " + problem;
-    } else if (!within(file, settings)) {
-      problem = "beyond the board: limits.current, drive.kind or a load cell";
-    }
+    problem = problem.empty() ? board_problem(file, settings) : problem;
+    problem = problem.empty() ? problem : file.device + ": " + problem;
   } catch (const ConfigError& error) {
     problem = error.what();
   }
@@ -141,7 +138,10 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
-  kept.faults.set(Fault::bad_configuration, !within(file, kept.settings));
+  if (const std::string problem = board_problem(file, kept.settings); !problem.empty()) {
+    fmt::print(stderr, "smaservod: {}; can not be armed\n", problem);
+    kept.faults.set(Fault::bad_configuration);
+  }
   if (const std::string problem = period_problem(kept.settings); !problem.empty()) {
     fmt::print(stderr, "smaservod: {}: {}; not obeyed\n", options.settings, problem);
     kept.settings.timing.period_s = given.timing.period_s;
@@ -230,10 +230,10 @@ int serve_board(const DaemonOptions& options) {
   NoPartner nobody;
   std::unique_ptr<BusService> bus;
   if (file.bus) {
-    bus = std::make_unique<BusService>(BusSetup{file.bus->interface, file.bus->partner_timeout_s,
-                                                with.settings, file.greatest_current_A, file.name,
-                                                with.real_time ? bus_priority(file.thread) : 0},
-                                       service.desk(), service.links(), service.figures());
+    bus = std::make_unique<BusService>(
+        BusSetup{file.bus->interface, file.bus->partner_timeout_s, with.settings, file.ceilings,
+                 file.bus->keys, file.name, with.real_time ? bus_priority(file.thread) : 0},
+        service.desk(), service.links(), service.figures());
     bus->start();
   }
   Partner& partner = bus ? bus->partner() : nobody;

@@ -24,11 +24,6 @@ constexpr std::int64_t status_every_ns = 1000 * ms;
 constexpr std::int64_t idle_after_ns = 1000 * ms;
 constexpr std::int64_t look_every_ns = 20 * ms;
 constexpr std::int64_t guard_every_ns = 2 * ms;
-#ifdef SMASERVO_SANDBOX
-constexpr bool sandboxed = true;
-#else
-constexpr bool sandboxed = false;
-#endif
 constexpr double recorded_s = 16;  ///< room of the ring
 
 sigset_t own_signals() {
@@ -141,7 +136,7 @@ void Service::loop(const Served& served) {
   }
   watched_ = std::make_unique<WatchedThread>();
   thread_.store(watched_.get(), std::memory_order_release);
-  if (sandboxed) {
+  if (setup_.sandboxed) {
     error_ = allow_loop_calls_only();
   }
   try {
@@ -151,7 +146,7 @@ void Service::loop(const Served& served) {
     error_ = error.what();
     served.safe_off();
   }
-  if (!sandboxed) {
+  if (!setup_.sandboxed) {
     count();
   }
   loop_over_.store(true);

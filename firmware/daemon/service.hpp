@@ -25,6 +25,7 @@ struct ServiceSetup {
   bool json = false;          ///< at the end
   bool real_time = true;      ///< locks memory, asks for a priority
   bool paced = true;          ///< in time: the guard watches the lease
+  bool sandboxed = false;     ///< the loop dies of any system call but a loop's
   RealTimeSettings thread;
 };
 

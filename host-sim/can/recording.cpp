@@ -1,6 +1,7 @@
 #include "host-sim/can/recording.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -67,6 +68,13 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   if (plan.signals.empty() || plan.signals.size() > canopen::channel_count) {
     throw UserError(
         fmt::format("{} signals: must be 1 to {}", plan.signals.size(), canopen::channel_count));
+  }
+  if (plan.before_s > 0 && plan.trigger.empty()) {
+    throw UserError(fmt::format("--before {} s: needs a --trigger", plan.before_s));
+  }
+  if (plan.before_s >= plan.seconds) {
+    throw UserError(fmt::format("--before {} s: must be less than the {} s of the recording",
+                                plan.before_s, plan.seconds));
   }
   set(remote, "recorder.command", 0);
   for (std::size_t i = 0; i < canopen::channel_count; ++i) {
@@ -149,6 +157,21 @@ std::string to_csv(const Recording& recording) {
   return text;
 }
 
+namespace {
+
+/// A missing value is none; all of the text has to be a number.
+double field_number(const std::string& text, const std::string& path, unsigned line) {
+  if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
+    throw UserError(fmt::format("{}:{}: {}: is no number", path, line, text));
+  }
+  return number;
+}
+
+}  // namespace
+
 Recording load_recording(const std::string& path) {
   std::ifstream in(path);
   std::string line;
@@ -165,14 +188,16 @@ Recording load_recording(const std::string& path) {
     std::istringstream fields(line + ",");
     std::vector<double> row;
     for (std::string field; std::getline(fields, field, ',');) {
-      row.push_back(field.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                  : std::strtod(field.c_str(), nullptr));
+      row.push_back(field_number(field, path, number));
     }
     if (row.size() != recording.signals.size() + 1) {
       throw UserError(
           fmt::format("{}:{}: must have {} fields", path, number, recording.signals.size() + 1));
     }
     recording.period_s = recording.rows.empty() ? 0 : row.front() - last_s;
+    if (!recording.rows.empty() && !(recording.period_s > 0)) {
+      throw UserError(fmt::format("{}:{}: time_s must increase", path, number));
+    }
     last_s = row.front();
     recording.rows.emplace_back(row.begin() + 1, row.end());
   }

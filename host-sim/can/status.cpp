@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "firmware/faults/table.hpp"
+#include "host-sim/can/change_text.hpp"
 #include "host-sim/device_names.hpp"
 
 namespace smaservo::can {
@@ -51,10 +52,23 @@ std::string info_text(Remote& remote) {
                            remote.text("loop.steps"), remote.text("loop.missed"),
                            1e3 * remote.number("loop.greatest_late_s"),
                            1e3 * remote.number("loop.greatest_busy_s")));
-  text += line("bus", fmt::format("{} frames dropped, {} times off", remote.text("bus.dropped"),
-                                  remote.text("bus.off")));
+  text += line("bus", fmt::format("{} frames dropped, {} times off, {} times a full queue",
+                                  remote.text("bus.dropped"), remote.text("bus.off"),
+                                  remote.text("bus.queue_full")));
   text += line("access", fmt::format("level {}", remote.text("access.level")));
   return text;
+}
+
+std::string changes_text(Remote& remote) {
+  constexpr std::size_t size = canopen::ChangeLog::bytes;
+  const Bytes log = remote.read(find_object("changes.last"));
+  std::string text;
+  for (std::size_t end = log.size() / size * size; end != 0; end -= size) {
+    const canopen::LoggedChange change = change_of(std::span(log).subspan(end - size, size));
+    text += fmt::format("{:>12.3f} s  {}\n", 1e-3 * static_cast<double>(change.time_ms),
+                        change_text(change));
+  }
+  return text.empty() ? "none\n" : text;
 }
 
 Fault first_cause(Remote& remote) {

@@ -12,6 +12,9 @@ std::string info_text(Remote& remote);
 /// Faults that are active or latched, the first cause, what blocks and limits, the error history.
 std::string faults_text(Remote& remote);
 
+/// What was written last and what was refused, the newest at the end.
+std::string changes_text(Remote& remote);
+
 /// The first cause of the latched faults; Fault::none where there is none.
 Fault first_cause(Remote& remote);
 

@@ -61,6 +61,21 @@ void wait_until_still(Remote& remote) {
   }
 }
 
+/// The step is where the set-point leaves the first one that is recorded.
+void wait_until_recording(Remote& remote) {
+  constexpr double patience_s = 5;
+  Bus& bus = remote.bus();
+  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
+  while (remote.number("recorder.samples") == 0) {
+    if (bus.now_us() >= until_us) {
+      throw UserError(fmt::format("the recorder has not begun within {} s", patience_s));
+    }
+    CanFrame passing;
+    while (bus.receive(passing, bus.now_us() + 1000)) {
+    }
+  }
+}
+
 /// Disables again what was disabled before, whatever happens.
 class EnabledForAWhile {
  public:
@@ -124,6 +139,37 @@ std::string data_block(const StepRun& run, std::size_t number) {
   return text + "EOD\n";
 }
 
+/// Of pictures in letters; 0 is where the set-point leaves its first value.
+struct TimeAxis {
+  double from_s, to_s;
+  std::size_t columns = 64;
+};
+TimeAxis axis_of(const StepRun& run) {
+  const auto setpoints = run.recording.column("setpoint");
+  const Edges edges = edges_of(setpoints, amplitude_of(setpoints));
+  const double from_s = -static_cast<double>(edges.there) * run.recording.period_s;
+  return {from_s, from_s + static_cast<double>(setpoints.size()) * run.recording.period_s};
+}
+
+/// The way from where it began, a mean for each column; not finite where the run has nothing.
+std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
+  const auto positions = run.recording.column("position_m");
+  const double first_s = axis_of(run).from_s;
+  std::vector<double> sums(axis.columns, 0);
+  std::vector<double> counts(axis.columns, 0);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const double time_s = first_s + static_cast<double>(i) * run.recording.period_s;
+    const double column = std::floor((time_s - axis.from_s) / (axis.to_s - axis.from_s) *
+                                     static_cast<double>(axis.columns));
+    if (column >= 0 && column < static_cast<double>(axis.columns)) {
+      sums[static_cast<std::size_t>(column)] += 1e6 * (positions[i] - positions.front());
+      ++counts[static_cast<std::size_t>(column)];
+    }
+  }
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] /= counts[k];
+  return sums;
+}
+
 std::string row_of(const std::string& name, const StepResult& result) {
   const StepFigures& f = result.figures;
   const auto number = [](double value, int digits) {
@@ -147,6 +193,7 @@ StepRun run_step(Remote& remote, const StepPlan& plan) {
   remote.set_profile_position();
   wait_until_still(remote);
   arm_recorder(remote, recorded);
+  wait_until_recording(remote);
   remote.set("step.command", "1");
   wait_until_done(remote, plan);
   return {plan, read_recording(remote, recorded)};
@@ -182,10 +229,15 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
   std::string text = fmt::format("{:<24}{:>8}{:>12}{:>10}{:>10}{:>10}\n", "", "rise s",
                                  "overshoot %", "settled s", "error %", "peak degC");
   for (std::size_t i = 0; i < runs.size(); ++i) text += row_of(names[i], judge(runs[i]));
-  std::vector<double> way_um = runs.front().recording.column("position_m");
-  const double start = way_um.front();
-  for (double& value : way_um) value = 1e6 * (value - start);
-  return text + "\ncontraction, um, of the newest\n" + text_plot(way_um, 64, 12);
+  const TimeAxis axis = axis_of(runs.front());
+  std::vector<std::vector<double>> ways_um;
+  ways_um.reserve(runs.size());
+  for (const StepRun& run : runs) ways_um.push_back(way_um(run, axis));
+  return text +
+         fmt::format("\ncontraction, um: * {}{}\n", names[0], runs.size() > 1 ? ", . before" : "") +
+         text_plot(ways_um, axis.columns, 12) +
+         fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),
+                     axis.columns - 12, axis.to_s);
 }
 
 void write_step_report(const std::string& path, const std::vector<StepRun>& runs,

@@ -29,7 +29,7 @@ StepResult judge(const StepRun& run);
 /// A run as a file, and back; the plan follows from its set-points. Throws UserError.
 StepRun load_step(const std::string& path);
 
-/// Figures of the runs, the newest first, one line each, and a plot of the newest.
+/// Figures of the runs, the newest first, one line each, and a plot of all over each other.
 std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names);
 
 /// The same as a page with pictures, runs over each other. Needs gnuplot. Throws UserError.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <vector>
+#include <span>
 
 namespace smaservo::can {
 namespace {
@@ -32,24 +32,32 @@ std::vector<double> columns_of(std::span<const double> values, std::size_t width
 
 }  // namespace
 
-std::string text_plot(std::span<const double> values, std::size_t width, std::size_t height) {
-  const std::vector<double> columns = columns_of(values, width);
+std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_t width,
+                      std::size_t height) {
+  std::vector<std::vector<double>> drawn;
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (const double value : columns) {
-    if (std::isfinite(value)) {
-      low = std::min(low, value);
-      high = std::max(high, value);
+  for (const std::vector<double>& curve : curves) {
+    drawn.push_back(columns_of(curve, width));
+    for (const double value : drawn.back()) {
+      if (std::isfinite(value)) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
     }
   }
   if (!(low <= high)) return "";
   const double span = high > low ? high - low : 1;
-  std::vector<std::string> rows(height, std::string(columns.size(), ' '));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (!std::isfinite(columns[i])) continue;
-    const double share = (columns[i] - low) / span;
-    const auto up = static_cast<std::size_t>(std::lround(share * static_cast<double>(height - 1)));
-    rows[height - 1 - up][i] = '*';
+  std::vector<std::string> rows(height, std::string(width, ' '));
+  for (std::size_t curve = drawn.size(); curve-- > 0;) {
+    const std::vector<double>& columns = drawn[curve];
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (!std::isfinite(columns[i])) continue;
+      const double share = (columns[i] - low) / span;
+      const auto up =
+          static_cast<std::size_t>(std::lround(share * static_cast<double>(height - 1)));
+      rows[height - 1 - up][i] = curve == 0 ? '*' : '.';
+    }
   }
   std::string text;
   for (std::size_t i = 0; i < height; ++i) {

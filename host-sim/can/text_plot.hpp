@@ -1,12 +1,14 @@
 #pragma once
 
-#include <span>
 #include <string>
+#include <vector>
 
 namespace smaservo::can {
 
-/// A curve in letters, `width` by `height`, with its range at the left; columns take the mean of
-/// what falls into them. What is not finite leaves a gap.
-std::string text_plot(std::span<const double> values, std::size_t width, std::size_t height);
+/// Curves in letters, `width` by `height`, with their range at the left: the first one of stars,
+/// the others of dots below it. Columns take the mean of what falls into them. What is not finite
+/// leaves a gap.
+std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_t width,
+                      std::size_t height);
 
 }  // namespace smaservo::can

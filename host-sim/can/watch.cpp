@@ -20,13 +20,23 @@ constexpr std::array<const char*, 8> usual{
 
 struct Row {
   double time_s;
-  std::vector<std::string> texts;
+  std::vector<std::string> texts, words;
 };
+
+constexpr Key statusword{0x6041, 0};
+
+/// What people would look up.
+std::string words_of(const KnownObject& object, const Bytes& bytes) {
+  return object.key == statusword
+             ? fmt::format("  {}",
+                           drive_state_text(static_cast<unsigned>(canopen::take_number(bytes))))
+             : "";
+}
 
 std::string table(const std::vector<KnownObject>& objects, const Row& row) {
   std::string text;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    text += fmt::format("{:<32} {}\n", objects[i].name, row.texts[i]);
+    text += fmt::format("{:<32} {}{}\n", objects[i].name, row.texts[i], row.words[i]);
   }
   return text;
 }
@@ -71,16 +81,17 @@ void watch(Remote& remote, const WatchPlan& plan, bool in_place,
     CanFrame passing;
     while (remote.bus().receive(passing, start_us + static_cast<std::int64_t>(i) * period_us)) {
     }
-    Row row{static_cast<double>(remote.bus().now_us() - start_us) * 1e-6, {}};
+    Row row{static_cast<double>(remote.bus().now_us() - start_us) * 1e-6, {}, {}};
     for (std::size_t k = 0; k < objects.size(); ++k) {
       const Bytes bytes = remote.read(objects[k]);
       row.texts.push_back(value_text(objects[k], bytes));
+      row.words.push_back(words_of(objects[k], bytes));
       if (k == plotted) history.push_back(value_number(objects[k], bytes));
     }
     if (history.size() > plot_width) history.erase(history.begin());
     const std::string plot =
         plotted < objects.size()
-            ? "\n" + objects[plotted].name + "\n" + text_plot(history, plot_width, plot_height)
+            ? "\n" + objects[plotted].name + "\n" + text_plot({history}, plot_width, plot_height)
             : "";
     const bool last = i + 1 == plan.count;
     show(in_place ? to_the_top + table(objects, row) + plot

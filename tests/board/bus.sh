@@ -20,7 +20,9 @@ done
 
 echo '-- two nodes'
 # Its bus goes before the controller's interrupt: the queue fills.
-chrt -f -p 30 "$(pgrep 'irq/.*-can0')"
+interrupt=$(grep -l '^irq/[0-9]*-can0$' /proc/[0-9]*/comm | cut -d / -f 3)
+chrt -f -p 30 "$interrupt"
+expect 'priority of the interrupt' "$(chrt -p "$interrupt" | sed -n 's/.*priority: //p')" 30
 sim_servo can0 1
 sim_servo can1 2
 second=$servo
@@ -47,6 +49,8 @@ expect 'frames of a block of 127' $(($(cat $sent) - before)) 127
 expect 'in their order' "$(awk '$4 < last { n++ } { last = $4 } END { print n + 0 }' /tmp/block)" 0
 cansend can1 601#80.21.10.00.00.00.00.08
 expect 'frames dropped' "$(number can1 1 40.11.22.01.00.00.00.00)" 0
+# Of 127 frames at least ten times ten and one wait in the queue; each refusal is an ENOBUFS.
+within 'ENOBUFS that the daemon has met' "$(number can1 1 40.11.22.03.00.00.00.00)" 8 127
 
 echo '-- bus-off'
 expect 'enabled' "$(enable_drive can1 1)" $enabled

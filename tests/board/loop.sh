@@ -5,6 +5,7 @@
 # shellcheck source=tests/board/servo.sh
 . ./servo.sh
 make_inputs
+daemon_arguments=--sandbox
 adc=/sys/bus/platform/drivers/testboard-adc
 drive=/sys/bus/platform/drivers/testboard-drive
 

@@ -74,7 +74,7 @@ async function main() {
     assert.equal((await read(0x1000, 0, DataType.UNSIGNED32)) & 0xffff, 402);
     const name = await read(0x1008, 0, DataType.VISIBLE_STRING);
     assert.equal(name.replace(/\0+$/, ''), 'smaservo');
-    const sheet = await read(0x1021, 0, undefined, { blockTransfer: true, timeout: 120000 });
+    const sheet = await read(0x1021, 0, undefined, { blockTransfer: true, timeout: 600000 });
     assert(sheet.toString().includes('[FileInfo]'), 'the EDS comes out of the node');
   });
 

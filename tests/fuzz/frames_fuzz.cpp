@@ -8,7 +8,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace smaservo::canopen;
   static const smaservo::Settings<double> settings = smaservo::reference_settings();
-  ServoRig rig({}, settings);
+  ServoConfig config;
+  config.ceilings = ceilings_at(settings);
+  ServoRig rig(config, settings);
   FrameFeeder feeder(rig, fuzzed_service);
   if (!feeder.feed({data, size}) || !feeder.comes_back()) {
     std::abort();

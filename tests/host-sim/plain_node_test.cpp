@@ -155,6 +155,8 @@ TEST(EdsFile, TellsWhatIsWrongAndWhere) {
   EXPECT_THAT(message("[1000]\nDataType=0x99\n"), HasSubstr("[1000] DataType=0x99"));
   EXPECT_THAT(message("[1000]\nDataType=7\nDefaultValue=x\n"), HasSubstr("DefaultValue=x"));
   EXPECT_THAT(message("[1000]\nDataType=7\nAccessType=x\n"), HasSubstr("AccessType=x"));
+  EXPECT_EQ(message("\x1b[2J" + std::string(100, 'x')),
+            "x.eds:1: ?[2J" + std::string(56, 'x') + "...: must be key=value within a section");
   EXPECT_THAT(message("[1000]\nDataType=7\n[1000sub0]\nDataType=7\n"), HasSubstr("1000h:0"));
 }
 

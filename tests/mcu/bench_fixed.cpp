@@ -13,8 +13,6 @@ namespace {
 
 using S = Scaled;
 
-constexpr std::uint32_t most_steps = 3000;
-
 [[gnu::noinline]] void observer_step(const Prepared<S>& p, Device<S>::State& s, const Inputs<S>& in,
                                      const S& dt_s) {
   Device<S>::observe(p, s, in, dt_s);
@@ -35,7 +33,7 @@ bool count_file(std::string_view name) {
   state = Device<S>::start();
   Counts observer;
   const StepRecord* r = reader.next();
-  for (std::uint32_t i = 0; r != nullptr && i < most_steps; ++i, r = reader.next()) {
+  for (std::uint32_t i = 0; r != nullptr && i < steps_in_integers; ++i, r = reader.next()) {
     if ((r->inputs.flags & restart) != 0) {
       state = Device<S>::start();
     }

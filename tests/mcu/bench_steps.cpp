@@ -6,6 +6,7 @@
 #include "hal/cortex-m/device.hpp"
 #include "hal/cortex-m/start_up.hpp"
 #include "tests/mcu/counting.hpp"
+#include "tests/mcu/model_triangle.hpp"
 #include "tests/mcu/step_reader.hpp"
 
 namespace smaservo::mcu {
@@ -13,27 +14,9 @@ namespace {
 
 using S = float;
 
-/// Out of line, as a board's loop would call it.
-[[gnu::noinline]] void model_step(const ThreePhase<S>::Params& p, const ThreePhase<S>::Cut& cut,
-                                  ThreePhase<S>::State& s, const S& temperature_K) {
-  ThreePhase<S>::advance(p, cut, s, temperature_K);
-}
-
-/// 20 to 110 °C and back under 150 MPa, twice, as tests/bench/steps.hpp has it.
 void count_model_steps(const Prepared<S>& prepared) {
-  constexpr int half = 1800;
-  const ThreePhase<S>::Params& p = prepared.observer.model.kinetics;
-  const auto cut = ThreePhase<S>::cut(p, S(150e6));
-  auto state = ThreePhase<S>::rest(p, {S(293.15), S(150e6)});
   Counts counts;
-  for (int i = 1; i <= 4 * half; ++i) {
-    const int at = i % (2 * half);
-    const S temperature_K = S(293.15) + S(0.05) * static_cast<S>(at <= half ? at : 2 * half - at);
-    const std::uint32_t count = instructions([&] { model_step(p, cut, state, temperature_K); });
-    if (2 * half < i) {
-      counts.add(count);
-    }
-  }
+  model_triangle(prepared, [&](auto step) { counts.add(instructions(step)); });
   counts.print("model", "triangle");
 }
 

@@ -56,6 +56,9 @@ struct StepNumbers {
 };
 static_assert(sizeof(StepNumbers) == sizeof(StepOutputs));
 
+/// Of each file so many are counted in integers, which takes long.
+inline constexpr std::uint32_t steps_in_integers = 3000;
+
 struct StepRecord {
   StepInputs inputs;
   StepOutputs outputs;

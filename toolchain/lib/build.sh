@@ -128,6 +128,8 @@ counted=''
 test_preset() {
   local preset=$1
   build "$preset" || return
+  # Some tests run in a guest.
+  [[ $preset != release && $preset != dev ]] || setup_guest || return
   say "testing $preset"
   # Sanitizers find leaks and undefined behaviour only where they are told to stop there.
   (cd "$root" &&

@@ -14,7 +14,7 @@ mcu_steps() { printf '%s\n' "$root/build/mcu/steps"; }
 write_mcu_steps() {
   local bin=$root/build/release/tests/mcu steps
   steps=$(mcu_steps)
-  build release write_steps answer_steps hold_strain || return
+  build release write_steps answer_steps hold_strain count_operations || return
   if [[ -f $steps/made && $steps/made -nt $bin/write_steps && $steps/made -nt $bin/answer_steps ]]; then
     return
   fi
@@ -35,20 +35,10 @@ count_mcu() {
       -kernel "$root/build/mcu-$target/tests/mcu/$program.elf" -append "$*" </dev/null 2>&1)
 }
 
-# The lines of count_mcu as "KEY VALUE": mean and worst of each kind over all files, and of traces
-# that come every 10 ms, whose samples take two steps of the observer, apart. Then sizes. The
-# observer in integers is counted where there is no floating point.
-measure_mcu() {
-  local target=$1 out='' program programs=(bench_steps)
-  shift
-  [[ $target != m3 ]] || programs+=(bench_fixed)
-  for program in "${programs[@]}"; do
-    out+=$(count_mcu "$target" "$program" "$@")$'\n' || {
-      printf '%s\n' "$out" >&2
-      return 1
-    }
-  done
-  printf '%s\n' "$out" | awk '
+# Lines of counts as "KEY VALUE": mean and worst of each kind over all files, and of traces that come
+# every 10 ms, whose samples take two steps of the observer, apart.
+mcu_sums() {
+  awk '
     function add(key, steps, mean, most) {
       sum[key] += steps * mean; count[key] += steps; if (most > worst[key]) worst[key] = most
     }
@@ -59,8 +49,23 @@ measure_mcu() {
     function kind(file) { sub(/-.*/, "", file); return file }
     END {
       for (key in count) printf "%s_mean %d\n%s_worst %d\n", key, sum[key] / count[key], key, worst[key]
-      printf "first_sample %d\nstack %d\n", start, stack
+      printf "first_sample %d\n", start
+      if (stack > 0) printf "stack %d\n", stack
     }' | sort
+}
+
+# Instructions, then sizes. The observer in integers is counted where there is no floating point.
+measure_mcu() {
+  local target=$1 out='' program programs=(bench_steps)
+  shift
+  [[ $target != m3 ]] || programs+=(bench_fixed)
+  for program in "${programs[@]}"; do
+    out+=$(count_mcu "$target" "$program" "$@")$'\n' || {
+      printf '%s\n' "$out" >&2
+      return 1
+    }
+  done
+  printf '%s\n' "$out" | mcu_sums
   arm-none-eabi-size "$root/build/mcu-$target/hal/cortex-m/smaservo_mcu.elf" |
     awk 'NR == 2 { printf "text %d\ndata %d\nbss %d\n", $1, $2, $3 }'
 }
@@ -114,18 +119,8 @@ test_mcu() {
   counted="$tests tests"
 }
 
-bench_mcu_table() {
-  local target key
-  printf '| instructions, bytes |'
-  while read -r target; do printf ' %s |' "$target"; done < <(mcu_targets)
-  printf '\n|---|--:|--:|--:|--:|\n'
-  while IFS='|' read -r key text; do
-    printf '| %s |' "$text"
-    while read -r target; do
-      printf ' %s |' "$(awk -v key="$key" '$1 == key { print $2 }' "$root/build/mcu/$target.bench")"
-    done < <(mcu_targets)
-    printf '\n'
-  done <<'END'
+bench_mcu_keys() {
+  cat <<'END'
 model_mean|model step, mean
 model_worst|- worst
 observer_loop_mean|observer step, closed loops, mean
@@ -150,49 +145,49 @@ bss|bss
 END
 }
 
-# floor NAME COLUMN: of the operations' table; 9 is all of a mean step, 10 of the worst one.
-mcu_floor() {
-  awk -F'|' -v name="$1" -v column="$2" '
-    { gsub(/^ +| +$/, "", $2) } $2 == name { print $column + 0; exit }' "$root/build/mcu/operations"
+mcu_value() { awk -v key="$1" '$1 == key { print $2 }' "$root/build/mcu/$2.bench"; }
+
+# mcu_ratio KEY TARGET: instructions by operations that the algorithm has in the same steps.
+mcu_ratio() {
+  local floor value
+  floor=$(mcu_value "$1" operations)
+  value=$(mcu_value "$1" "$2")
+  [[ $2 != operations && -n $value ]] || { printf '%s' "$value" && return; }
+  awk "BEGIN { printf \"%.2f\", $value / $floor }"
 }
 
-# What the targets need in relation to the operations that the algorithm has.
-bench_mcu_floor() {
-  local target key name column floor
-  printf '\n| instructions by operation | operations |'
-  while read -r target; do printf ' %s |' "$target"; done < <(mcu_targets)
-  printf '\n|---|--:|--:|--:|--:|--:|\n'
-  while IFS='|' read -r key name column text; do
-    floor=$(mcu_floor "$name" "$column")
-    printf '| %s | %s |' "$text" "$floor"
-    while read -r target; do
-      printf ' %s |' "$(awk -v key="$key" -v floor="$floor" '
-        $1 == key { printf "%.1f", $2 / floor }' "$root/build/mcu/$target.bench")"
-    done < <(mcu_targets)
+# mcu_table TITLE CELL COLUMN...: of the lines "KEY|text" that come in.
+mcu_table() {
+  local title=$1 cell=$2 key text column
+  shift 2
+  printf '\n| %s |' "$title"
+  printf ' %s |' "$@"
+  printf '\n|---|%s\n' "$(printf -- '--:|%.0s' "$@")"
+  while IFS='|' read -r key text; do
+    printf '| %s |' "$text"
+    for column; do
+      printf ' %s |' "$("$cell" "$key" "$column")"
+    done
     printf '\n'
-  done <<'END'
-model_mean|model (kinetics)|9|model step, mean
-model_worst|model (kinetics)|10|- worst
-observer_loop_mean|observer, sure|9|observer step, closed loops, mean
-observer_random_worst|observer, searching|10|- random use, worst
-fixed_observer_mean|observer, sure|9|observer step in integers, mean
-device_loop_mean|measure, observe, protect, control|9|whole step, closed loops, mean
-END
+  done
 }
 
 run_bench_mcu() {
   run_setup
   write_mcu_steps
-  build release operations
-  mkdir -p "$root/build/mcu"
-  "$root/build/release/tests/bench/operations" >"$root/build/mcu/operations"
   local target
+  # shellcheck disable=SC2046 # several files
+  (cd "$(mcu_steps)" && "$root/build/release/tests/mcu/count_operations" $(fast_mcu_files)) |
+    mcu_sums >"$root/build/mcu/operations.bench"
   while read -r target; do
     build "mcu-$target"
     say "counting instructions of $target"
     # shellcheck disable=SC2046 # several files
     measure_mcu "$target" $(fast_mcu_files) >"$root/build/mcu/$target.bench"
   done < <(mcu_targets)
-  bench_mcu_table
-  bench_mcu_floor
+  # shellcheck disable=SC2046 # several columns
+  bench_mcu_keys | mcu_table 'instructions, bytes' mcu_value $(mcu_targets)
+  # shellcheck disable=SC2046 # several columns
+  bench_mcu_keys | grep -E '_(mean|worst)\|' |
+    mcu_table 'instructions by operation' mcu_ratio operations $(mcu_targets)
 }

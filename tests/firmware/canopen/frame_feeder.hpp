@@ -7,11 +7,25 @@
 
 namespace smaservo::canopen {
 
+/// At what the settings have: any raise is one too much.
+inline Ceilings ceilings_at(const Settings<double>& settings) {
+  const auto f = [](double x) { return static_cast<float>(x); };
+  return {.current_A = f(settings.limits.current_A),
+          .power_W = f(settings.limits.power_W),
+          .temperature_K = f(settings.limits.temperature_K),
+          .stress_Pa = f(settings.limits.stress_Pa),
+          .trip_current_A = f(settings.trips.current_A),
+          .trip_temperature_K = f(settings.trips.temperature_K),
+          .trip_stress_Pa = f(settings.trips.stress_Pa)};
+}
+
 class FrameFeeder {
  public:
-  FrameFeeder(ServoRig& rig, Service service) : rig_(rig), service_(service) {}
+  /// The rig's ceilings are those of its settings.
+  FrameFeeder(ServoRig& rig, Service service)
+      : rig_(rig), service_(service), ceilings_(ceilings_at(rig.staging.active())) {}
 
-  /// False: something was heated that must not be, or the node hangs.
+  /// False: something was heated that must not be, a ceiling was raised, or the node hangs.
   bool feed(std::span<const std::uint8_t> bytes) {
     bytes_ = bytes;
     while (!bytes_.empty()) {
@@ -103,11 +117,23 @@ class FrameFeeder {
                      (state == DriveState::quick_stop && o.quick_stop_option == option_hold) ||
                      (state == DriveState::reacting && o.fault_option == option_safe_state);
     const bool shown = (o.statusword & 0x6FU) == 0x27 || state != DriveState::enabled;
-    return !hangs_ && shown && (may || !rig_.servo.command().arm);
+    return !hangs_ && shown && (may || !rig_.servo.command().arm) && current_is_asked_for() &&
+           is_below_ceilings();
+  }
+  /// By the command of the same step.
+  bool current_is_asked_for() const { return rig_.output.current_A == 0 || rig_.command.arm; }
+  bool is_below_ceilings() const {
+    const Ceilings now = ceilings_at(rig_.staging.active());
+    const Ceilings& c = ceilings_;
+    return now.current_A <= c.current_A && now.power_W <= c.power_W &&
+           now.temperature_K <= c.temperature_K && now.stress_Pa <= c.stress_Pa &&
+           now.trip_current_A <= c.trip_current_A &&
+           now.trip_temperature_K <= c.trip_temperature_K && now.trip_stress_Pa <= c.trip_stress_Pa;
   }
 
   ServoRig& rig_;
   Service service_;
+  Ceilings ceilings_;
   std::span<const std::uint8_t> bytes_;
   bool hangs_ = false;
 };

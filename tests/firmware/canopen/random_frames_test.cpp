@@ -2,6 +2,7 @@
 // node brings it back.
 
 #include <gtest/gtest.h>
+#include <set>
 
 #include "tests/firmware/canopen/frame_feeder.hpp"
 
@@ -20,13 +21,19 @@ Bytes random_bytes(std::mt19937& random, std::size_t size) {
   return bytes;
 }
 
+ServoConfig with_ceilings(const Settings<double>& settings) {
+  ServoConfig config;
+  config.ceilings = ceilings_at(settings);
+  return config;
+}
+
 TEST(RandomFrames, OfEachService) {
   std::mt19937 random(20);
   const Settings<double> settings = reference_settings();
   for (const Service service :
        {Service::sdo, Service::pdo, Service::lss, Service::nmt, Service::all}) {
     for (int i = 0; i < runs; ++i) {
-      ServoRig rig({}, settings);
+      ServoRig rig(with_ceilings(settings), settings);
       FrameFeeder feeder(rig, service);
       ASSERT_TRUE(feeder.feed(random_bytes(random, 2000))) << i;
       ASSERT_TRUE(feeder.comes_back()) << static_cast<int>(service) << ' ' << i;
@@ -59,6 +66,16 @@ std::vector<Said> conversation() {
   sdo({0x23, 0x00, 0x21, 1, 0, 0, 0x80, 0x3F});
   sdo({0x2F, 0x02, 0x21, 1, 2});
   sdo({0x2F, 0x00, 0x23, 1, 1});
+  // Limits and trips upwards: 0.5 A, 4 W, 450 K, 400 MPa, and what was stored or given comes back.
+  sdo({0x23, 0x20, 0x20, 2, 0, 0, 0, 0x3F});
+  sdo({0x23, 0x20, 0x20, 3, 0, 0, 0x80, 0x40});
+  sdo({0x23, 0x20, 0x20, 4, 0, 0, 0xE1, 0x43});
+  sdo({0x23, 0x20, 0x20, 8, 0x20, 0xBC, 0xBE, 0x4D});
+  sdo({0x23, 0x21, 0x20, 1, 0, 0, 0, 0x3F});
+  sdo({0x23, 0x21, 0x20, 2, 0, 0, 0xE1, 0x43});
+  sdo({0x2F, 0x02, 0x21, 1, 3});
+  sdo({0x23, 0x10, 0x10, 1, 's', 'a', 'v', 'e'});
+  sdo({0x23, 0x11, 0x10, 1, 'l', 'o', 'a', 'd'});
   sdo({0xA4, 0x08, 0x10, 0, 127, 0});
   sdo({0xA3});
   sdo({0xA2, 2, 127});
@@ -69,6 +86,7 @@ std::vector<Said> conversation() {
   said.push_back({0x710, {5}});
   said.push_back({0x7E5, {4, 1, 0, 0, 0, 0, 0, 0}});
   said.push_back({0x7E5, {4, 0, 0, 0, 0, 0, 0, 0}});
+  said.push_back({0, {0x81, 1}});
   return said;
 }
 
@@ -77,8 +95,9 @@ TEST(RandomFrames, AConversationWithFlippedBitsLossAndRepetition) {
   const Settings<double> settings = reference_settings();
   const std::vector<Said> said = conversation();
   int heated = 0;
+  std::set<DriveState> seen;
   for (int i = 0; i < runs; ++i) {
-    ServoRig rig({}, settings);
+    ServoRig rig(with_ceilings(settings), settings);
     FrameFeeder feeder(rig, Service::all);
     rig.run(120);
     std::size_t at = 0;
@@ -99,11 +118,13 @@ TEST(RandomFrames, AConversationWithFlippedBitsLossAndRepetition) {
       rig.servo.receive(f, rig.now_us);
       ASSERT_TRUE(feeder.feed(Bytes{static_cast<std::uint8_t>(random() % 32)})) << i << ' ' << k;
       heated += rig.output.current_A != 0 ? 1 : 0;
+      seen.insert(rig.state());
     }
     rig.device.faults = {};
     ASSERT_TRUE(feeder.comes_back()) << i;
   }
   EXPECT_LT(runs, heated) << "or nothing was tried";
+  EXPECT_EQ(seen.size(), 8U) << "each state has been met";
 }
 
 }  // namespace

@@ -289,6 +289,17 @@ TEST(Sdo, BlockUploadsSurviveLostSegments) {
   }
 }
 
+TEST(Sdo, WhatIsEmptyComesAsAnEmptyBlock) {
+  ServoRig rig;
+  ASSERT_EQ(rig.ask({0xA4, 0x20, 0x22, 2, 127, 0}), (Bytes{0xC6, 0x20, 0x22, 2, 0, 0, 0, 0}))
+      << "without being asked it does not leave the protocol";
+  rig.send(0x601, {0xA3, 0, 0, 0, 0, 0, 0, 0});
+  const auto segments = rig.take(0x581);
+  ASSERT_EQ(segments.size(), 1U);
+  EXPECT_EQ(segments[0].data[0], 0x81);
+  EXPECT_EQ(rig.ask({0xA2, 1, 127}), (Bytes{0xC1 | 7U << 2U, 0, 0, 0, 0, 0, 0, 0}));
+}
+
 TEST(Sdo, ASmallObjectMayLeaveTheBlockProtocol) {
   ServoRig rig;
   EXPECT_EQ(rig.ask({0xA4, 0x17, 0x10, 0, 20, 8}), (Bytes{0x4B, 0x17, 0x10, 0, 0, 0, 0, 0}));

@@ -52,6 +52,126 @@ TEST(Tuning, ABadValueLeavesTheOldOneAndIsLogged) {
   EXPECT_EQ(take_number(newest.subspan(16, 4)), 0x0609'0032U);
 }
 
+/// The newest entry of the log.
+LoggedChange newest(ServoRig& rig) {
+  const Bytes log = rig.upload({0x2220, 2}).data;
+  const auto number = [&](std::size_t at, std::size_t size) {
+    return static_cast<std::uint32_t>(take_number(std::span(log).subspan(at, size)));
+  };
+  return {number(0, 4),
+          {static_cast<std::uint16_t>(number(4, 2)), log.at(6)},
+          static_cast<Source>(log.at(7)),
+          number(8, 4),
+          number(12, 4),
+          static_cast<Abort>(number(16, 4))};
+}
+
+// Whatever is refused, wherever: exact abort, old value kept, one entry with old, new and source.
+TEST(Tuning, EveryRefusedWriteIsLogged) {
+  ServoRig rig;
+  rig.set_real(gain, 3);
+  rig.set({0x1017, 0}, 700, 2);
+  rig.enable();
+  ASSERT_EQ(rig.state(), DriveState::enabled);
+  const std::uint32_t three = as_bits(3.F);
+  struct Case {
+    Key key;
+    std::uint32_t value;
+    std::size_t size;
+    Abort abort;
+    std::uint32_t before;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto cases = std::to_array<Case>({
+      {gain, as_bits(nan), 4, Abort::value, three},
+      {gain, as_bits(-std::numeric_limits<float>::infinity()), 4, Abort::value, three},
+      {gain, as_bits(2e6F), 4, Abort::too_high, three},
+      {gain, as_bits(-1.F), 4, Abort::too_low, three},
+      {gain, 7, 2, Abort::too_short, three},
+      {{0x1017, 0}, 7, 4, Abort::too_long, 700},
+      {{0x1017, 0}, 7, 1, Abort::too_short, 700},
+      {length, as_bits(0.12F), 4, Abort::state, as_bits(0.1F)},
+      {{0x1003, 0}, 1, 1, Abort::value, 0},
+      {{0x1400, 1}, 0x1C0, 4, Abort::state, 0x201},
+      {{0x1400, 2}, 250, 1, Abort::value, 255},
+      {{0x1000, 0}, 1, 4, Abort::read_only, servo_device_type},
+      {{0x1010, 1}, store_signature, 4, Abort::state, 0},
+      {{0x1010, 1}, 1, 4, Abort::transfer, 0},
+      {{0x6060, 0}, 9, 1, Abort::value, 1},
+      {{0x605A, 0}, 3, 2, Abort::value, 0},
+      {{0x2201, 1}, as_bits(nan), 4, Abort::value, 0},
+      {{0x2201, 1}, as_bits(26.F), 4, Abort::too_high, 0},
+      {{0x2300, 1}, 2, 1, Abort::state, 0},
+      {command, attempt, 1, Abort::state, 0},
+      {command, 5, 1, Abort::too_high, 0},
+  });
+  for (const Case& c : cases) {
+    SCOPED_TRACE(testing::Message() << std::hex << c.key.index << ':' << int{c.key.sub});
+    const std::uint64_t count = rig.get({0x2220, 1});
+    EXPECT_EQ(rig.set(c.key, c.value, c.size), c.abort);
+    EXPECT_EQ(rig.get({0x2220, 1}), count + 1);
+    const LoggedChange last = newest(rig);
+    EXPECT_EQ(last.key, c.key);
+    EXPECT_EQ(last.source, Source::sdo);
+    EXPECT_EQ(last.before, c.before);
+    EXPECT_EQ(last.value, c.value);
+    EXPECT_EQ(last.result, c.abort);
+    if (c.before != 0) {
+      EXPECT_EQ(rig.get(c.key), c.before) << "the old value is kept";
+    }
+  }
+}
+
+TEST(Tuning, RefusedSegmentsAndBlocksAreLogged) {
+  ServoRig rig;
+  rig.set_real(gain, 3);
+  EXPECT_EQ(rig.download(gain, Bytes(9)), Abort::too_long) << "announced";
+  EXPECT_EQ(newest(rig).result, Abort::too_long);
+  rig.ask({0x20, 0x00, 0x21, 1});
+  rig.ask({0x0B, 1, 2});
+  EXPECT_EQ(newest(rig).result, Abort::too_short);
+  EXPECT_EQ(newest(rig).value, 0x201U) << "what has come";
+  rig.ask({0xC6, 0x00, 0x21, 1, 4});
+  rig.ask({0x81, 0, 0, 0x00, 0x40});
+  rig.ask({0xC1 | 3U << 2U, 1, 2});
+  EXPECT_EQ(newest(rig).result, Abort::crc);
+  EXPECT_EQ(newest(rig).value, as_bits(2.F));
+  EXPECT_EQ(newest(rig).before, as_bits(3.F));
+  EXPECT_EQ(rig.get({0x2220, 1}), 4U);
+}
+
+// A PDO comes a thousand times a second.
+TEST(Tuning, WhatAPdoRepeatsIsLoggedOnce) {
+  ServoRig rig;
+  rig.set({0x1402, 1}, cob_invalid | 0x401U, 4);
+  rig.set({0x1602, 1}, 0x2201'0120, 4);
+  rig.set({0x1602, 2}, 0x6081'0020, 4);
+  rig.set({0x1602, 0}, 2, 1);
+  rig.set({0x1402, 1}, 0x401, 4);
+  rig.nmt(1);
+  const std::uint64_t count = rig.get({0x2220, 1});
+  Bytes pdo = little(as_bits(std::numeric_limits<float>::infinity()), 4);
+  const Bytes velocity = little(500, 4);
+  pdo.insert(pdo.end(), velocity.begin(), velocity.end());
+  for (int i = 0; i < 100; ++i) {
+    rig.send(0x401, pdo);
+    rig.step();
+  }
+  EXPECT_EQ(rig.get({0x2220, 1}), count + 2) << "the set-point is refused, the velocity changes";
+  EXPECT_EQ(newest(rig).key, (Key{0x6081, 0}));
+  EXPECT_EQ(newest(rig).source, Source::rpdo);
+  EXPECT_EQ(rig.get_real({0x2201, 1}), 0.F);
+  EXPECT_EQ(rig.get({0x6081, 0}), 500U);
+}
+
+// The keys themselves are not for those who read the log.
+TEST(Access, AKeyIsNotLogged) {
+  ServoRig rig;
+  EXPECT_EQ(rig.set({0x2003, 2}, 0x1234, 2), Abort::too_short);
+  EXPECT_EQ(newest(rig).key, (Key{0x2003, 2}));
+  EXPECT_EQ(newest(rig).value, 0U);
+}
+
 TEST(Tuning, WireAndTripsMayChangeOnlyWithoutHeat) {
   ServoRig rig;
   EXPECT_EQ(rig.set_real(length, 0.11F), Abort::none);
@@ -271,10 +391,11 @@ TEST(LiveValues, AreThoseOfTheStep) {
   EXPECT_FLOAT_EQ(rig.get_real({0x2200, sub_of(Signal::stress_Pa)}), 100e6F);
   EXPECT_EQ(rig.get({0x2202, 10}), static_cast<std::uint64_t>(DeviceState::running));
   rig.servo.set_timing({1000, 3, 1e-6F, 2e-6F, 3e-6F, 4e-6F});
-  rig.servo.set_bus(7, 2);
+  rig.servo.set_bus(7, 2, 30);
   EXPECT_EQ(rig.get({0x2210, 2}), 3U);
   EXPECT_EQ(rig.get_real({0x2210, 6}), 4e-6F);
   EXPECT_EQ(rig.get({0x2211, 1}), 7U);
+  EXPECT_EQ(rig.get({0x2211, 3}), 30U);
 }
 
 }  // namespace

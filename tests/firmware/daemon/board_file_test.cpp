@@ -25,7 +25,7 @@ TEST(BoardFile, TheExamplesAreWhole) {
     const BoardFile file = load_board_file(entry.path());
     EXPECT_FALSE(file.name.empty());
     const Settings<double> settings = load_settings_file(file.device);
-    EXPECT_TRUE(within(file, settings)) << entry.path();
+    EXPECT_EQ(board_problem(file, settings), "") << entry.path();
     ++count;
   }
   EXPECT_GE(count, 2);
@@ -73,6 +73,8 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
       {"type = \"spi-dac\"", "type = \"dac\"", "must be one of: iio-dac, spi-dac, pwm"},
       {"greatest_mA", "greatest_A", "drive.greatest_mA: is missing"},
       {"[lines.kick]", "[lines.kock]", "lines.kock"},
+      {"[lines.kick]", "[ceilings]\ncurrent_A = 1\n[lines.kick]", "ceilings.current_A"},
+      {"[lines.kick]", "[ceilings]\npower_W = 0\n[lines.kick]", "ceilings.power_W = 0: must be"},
   };
   for (const Case& c : cases) {
     const std::string said = refusal(c.from, c.to);
@@ -83,13 +85,66 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
 
 TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
   const BoardFile file = load_board_file(boards() + "/reference.toml");
-  Settings<double> settings = load_settings_file(file.device);
-  ASSERT_TRUE(within(file, settings));
-  settings.limits.current_A = 2 * file.greatest_current_A;
-  EXPECT_FALSE(within(file, settings));
-  settings = load_settings_file(file.device);
+  const Settings<double> good = load_settings_file(file.device);
+  ASSERT_EQ(board_problem(file, good), "");
+  Settings<double> settings = good;
+  settings.limits.current_A = 1;
+  EXPECT_EQ(board_problem(file, settings), "limits.current_A = 1: the board's ceiling is 0.5");
+  settings = good;
   settings.drive.kind = DriveKind::voltage;
-  EXPECT_FALSE(within(file, settings));
+  EXPECT_EQ(board_problem(file, settings),
+            "drive.kind = voltage: the board's drive takes a current");
+}
+
+/// The reference board with more lines at its end.
+BoardFile reference_with(const std::string& lines) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "board.toml";
+  std::ofstream(path) << file_text(boards() + "/reference.toml") << lines;
+  return load_board_file(path);
+}
+
+TEST(BoardFile, CeilingsAreThoseOfTheFile) {
+  const float none = canopen::Ceilings::none;
+  const canopen::Ceilings hardware = reference_with("").ceilings;
+  EXPECT_EQ(hardware.current_A, 0.5F) << "of the drive";
+  for (const float other :
+       {hardware.power_W, hardware.temperature_K, hardware.stress_Pa, hardware.trip_current_A,
+        hardware.trip_temperature_K, hardware.trip_stress_Pa}) {
+    EXPECT_EQ(other, none);
+  }
+  const BoardFile file = reference_with(
+      "[ceilings]\ncurrent_mA = 300\npower_W = 1.5\ntemperature_degC = 100\nstress_MPa = 200\n"
+      "trip_current_mA = 350\ntrip_temperature_degC = 115\ntrip_stress_MPa = 250\n");
+  EXPECT_EQ(file.ceilings.current_A, 0.3F);
+  EXPECT_EQ(file.ceilings.power_W, 1.5F);
+  EXPECT_EQ(file.ceilings.temperature_K, 373.15F);
+  EXPECT_EQ(file.ceilings.stress_Pa, 200e6F);
+  EXPECT_EQ(file.ceilings.trip_current_A, 0.35F);
+  EXPECT_EQ(file.ceilings.trip_temperature_K, 388.15F);
+  EXPECT_EQ(file.ceilings.trip_stress_Pa, 250e6F);
+  EXPECT_EQ(reference_with("[ceilings]\ncurrent_mA = 800\n").ceilings.current_A, 0.5F)
+      << "nothing raises the hardware's";
+}
+
+TEST(BoardFile, EachCeilingHoldsForSettingsFromAnywhere) {
+  const char* const names[] = {"current_mA",     "power_W",         "temperature_degC",
+                               "stress_MPa",     "trip_current_mA", "trip_temperature_degC",
+                               "trip_stress_MPa"};
+  const Settings<double> settings = load_settings_file(boards() + "/devices/current-sink.toml");
+  for (const char* const name : names) {
+    const BoardFile file = reference_with(std::string("[ceilings]\n") + name + " = 1\n");
+    EXPECT_NE(board_problem(file, settings).find("the board's ceiling is"), std::string::npos)
+        << name;
+  }
+}
+
+TEST(BoardFile, KeysOfTheAccessLevels) {
+  const BoardFile file =
+      reference_with("[bus]\ninterface = \"udp\"\ntune_key = 4294967295\nset_up_key = 77\n");
+  ASSERT_TRUE(file.bus);
+  EXPECT_EQ(file.bus->keys.tune, 4294967295U);
+  EXPECT_EQ(file.bus->keys.set_up, 77U);
 }
 
 TEST(BoardFile, ThePeriodIs100HzTo2kHz) {

@@ -159,8 +159,10 @@ TEST(BusPump, WhatAFullQueueDoesNotTakeComesLaterInItsOrder) {
   EXPECT_EQ(rig.node.answers.size(), 2U) << "the node makes no more meanwhile";
   rig.round(10'000);
   EXPECT_EQ(rig.pump.dropped(), 0U);
+  EXPECT_EQ(rig.pump.queue_full(), 2U);
   rig.port.full = false;
   rig.round(11'000);
+  EXPECT_EQ(rig.pump.queue_full(), 2U);
   ASSERT_EQ(rig.port.out.size(), 3U);
   EXPECT_EQ(rig.port.out[0].id, 2U);
   EXPECT_EQ(rig.port.out[2].id, 6U);

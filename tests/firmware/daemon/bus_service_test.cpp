@@ -19,9 +19,18 @@ using canopen::as_real;
 constexpr Key gain{0x2100, 1};
 
 struct Rig {
-  explicit Rig(const Settings<double>& settings = test_settings()) : desk(settings, links) {
+  explicit Rig(const canopen::Ceilings& ceilings = {}, const canopen::AccessKeys& keys = {})
+      : desk(test_settings(), links), service(setup(ceilings, keys), desk, links, figures) {
     service.start();
     EXPECT_TRUE(client.wait(0x701)) << "boot-up";
+  }
+  static BusSetup setup(const canopen::Ceilings& ceilings, const canopen::AccessKeys& keys) {
+    return {.interface = BusClient::name(),
+            .partner_timeout_s = 0,
+            .folder = {},
+            .ceilings = ceilings,
+            .keys = keys,
+            .board = "bench"};
   }
   /// As the loop takes them, without stepping.
   int take_sets() {
@@ -38,14 +47,7 @@ struct Rig {
   LoopLinks links;
   LoopFigures figures;
   ParameterDesk desk;
-  BusService service{{.interface = BusClient::name(),
-                      .partner_timeout_s = 0,
-                      .folder = {},
-                      .greatest_current_A = 0,
-                      .board = "bench"},
-                     desk,
-                     links,
-                     figures};
+  BusService service;
 };
 
 TEST(BusService, TellsTheNodeOfLoopAndBoard) {
@@ -85,7 +87,69 @@ TEST(BusService, RefusesWhatTheLoopHasNoRoomFor) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_EQ(rig.desk.settings().strain.proportional, promised);
-  EXPECT_EQ(rig.client.set(gain, as_bits(6)), Abort::none);
+  EXPECT_EQ(rig.client.set(gain, as_bits(6.F)), Abort::none);
+}
+
+// SIGHUP has read other settings: a write over the bus does not take them back.
+TEST(BusService, GoesOnFromSettingsThatOthersGive) {
+  Rig rig;
+  EXPECT_EQ(rig.client.set({0x2102, 1}, 1, 1), Abort::none);
+  EXPECT_EQ(rig.client.set(gain, as_bits(5.F)), Abort::none);
+  Settings<double> given = rig.desk.settings();
+  given.strain.proportional = 7;
+  given.limits.power_W = 0.75;
+  ASSERT_TRUE(rig.desk.change(given));
+  for (int i = 0; i < 500 && rig.client.get(gain) != as_bits(7.F); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(as_real(rig.client.get(gain)), 7.F);
+  EXPECT_EQ(rig.client.get({0x2102, 2}) & 0xFFU, 0U) << "the transaction is over";
+  EXPECT_EQ(rig.client.set({0x2100, 2}, as_bits(2.F)), Abort::none);
+  for (int i = 0; i < 500 && rig.desk.settings().strain.integral_1_s != 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(rig.desk.settings().strain.proportional, 7);
+  EXPECT_EQ(rig.desk.settings().limits.power_W, 0.75);
+}
+
+// Of the board file, each of them; neither one by one nor as a set.
+TEST(BusService, NoWriteRaisesACeilingOfTheBoard) {
+  const Settings<double> s = test_settings();
+  const auto f = [](double x) { return static_cast<float>(x); };
+  const canopen::Ceilings at{.current_A = f(s.limits.current_A),
+                             .power_W = f(s.limits.power_W),
+                             .temperature_K = f(s.limits.temperature_K),
+                             .stress_Pa = f(s.limits.stress_Pa),
+                             .trip_current_A = f(s.trips.current_A),
+                             .trip_temperature_K = f(s.trips.temperature_K),
+                             .trip_stress_Pa = f(s.trips.stress_Pa)};
+  Rig rig(at);
+  constexpr Key tuning{0x2102, 1};
+  const std::pair<Key, float> rows[] = {
+      {{0x2020, 2}, at.current_A},      {{0x2020, 3}, at.power_W},
+      {{0x2020, 4}, at.temperature_K},  {{0x2020, 8}, at.stress_Pa},
+      {{0x2021, 1}, at.trip_current_A}, {{0x2021, 2}, at.trip_temperature_K},
+      {{0x2021, 3}, at.trip_stress_Pa}};
+  for (const bool as_set : {false, true}) {
+    if (as_set) {
+      EXPECT_EQ(rig.client.set(tuning, 1, 1), Abort::none);
+    }
+    for (const auto& [key, ceiling] : rows) {
+      EXPECT_EQ(rig.client.set(key, as_bits(1.01F * ceiling)), Abort::too_high) << key.index;
+      EXPECT_EQ(as_real(rig.client.get(key)), ceiling);
+    }
+  }
+}
+
+TEST(BusService, TheKeysOfTheBoardOpenTheLevels) {
+  Rig rig({}, {.tune = 11, .set_up = 22});
+  EXPECT_EQ(rig.client.get({0x2003, 1}), 0U);
+  EXPECT_EQ(rig.client.set(gain, as_bits(1.F)), Abort::local);
+  rig.client.set({0x2003, 2}, 11);
+  EXPECT_EQ(rig.client.set(gain, as_bits(1.F)), Abort::none);
+  EXPECT_EQ(rig.client.set({0x2110, 1}, as_bits(0.11F)), Abort::local);
+  rig.client.set({0x2003, 2}, 22);
+  EXPECT_EQ(rig.client.set({0x2110, 1}, as_bits(0.11F)), Abort::none);
 }
 
 TEST(BusService, AResetOfTheNodeEndsTheLoop) {

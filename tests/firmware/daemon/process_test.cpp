@@ -129,21 +129,30 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
     }
     return becomes([&] { return canopen::as_real(client.get(current)) > 0; });
   };
-  EXPECT_EQ(client.set(gain, as_bits(9)), canopen::Abort::none);
+  EXPECT_EQ(client.set(gain, as_bits(9.F)), canopen::Abort::none);
   EXPECT_EQ(client.set({0x1010, 1}, canopen::store_signature), canopen::Abort::none);
-  EXPECT_EQ(client.set(gain, as_bits(4)), canopen::Abort::none);
+  EXPECT_EQ(client.set(gain, as_bits(4.F)), canopen::Abort::none);
   EXPECT_EQ(client.set({0x6060, 0}, 1, 1), canopen::Abort::none);
   EXPECT_TRUE(becomes([&] { return client.get(turns) > 500; })) << "it has started";
   EXPECT_TRUE(gets_warm());
   client.nmt(129);
   ASSERT_TRUE(client.wait(0x701)) << "boot-up within 5 s";
   EXPECT_FALSE(client.wait(0x701, 200)) << "once";
-  EXPECT_EQ(client.get(gain), as_bits(9));
+  EXPECT_EQ(client.get(gain), as_bits(9.F));
   EXPECT_EQ(canopen::as_real(client.get(current)), 0);
   EXPECT_EQ(client.get({0x6041, 0}) & 0x4FU, 0x40U) << "Switch on disabled";
+  // What was refused stands in the log beside what was changed.
+  EXPECT_EQ(client.set(gain, as_bits(-1.F)), canopen::Abort::too_low);
+  EXPECT_EQ(client.set(gain, 0, 2), canopen::Abort::too_short);
   program.kill(SIGTERM);
   const Ended ended = program.wait();
   EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+  for (const char* const says :
+       {"bus: strain.proportional_W (2100h:1): 0 -> 9, by SDO", "(2100h:1): 9 -> 4, by SDO",
+        "(2100h:1): stays 9; -1 by SDO is refused: value too low (abort 06090032h)",
+        "(2100h:1): stays 9; 0h by SDO is refused: too short (abort 06070013h)"}) {
+    EXPECT_NE(ended.errors.find(says), std::string::npos) << says << " in:\n" << ended.errors;
+  }
   EXPECT_NE(ended.errors.find("reset over the bus"), std::string::npos) << ended.errors;
   EXPECT_NE(ended.errors.find("the recording has ended"), std::string::npos) << ended.errors;
 }
@@ -198,6 +207,16 @@ TEST(Process, RefusesWhatItDoesNotUnderstand) {
     EXPECT_NE(ended.errors.find(c.says), std::string::npos) << ended.errors;
   }
 }
+
+#ifndef SMASERVO_SANITIZED  // sanitizers make calls of their own
+TEST(Process, ItsLoopMakesALoopsCallsOnly) {
+  const TemporaryFolder folder;
+  const Ended ended = Program(folder, {"--board", "sim", "--no-real-time", "--sandbox", "--for",
+                                       "0.3", "--record", folder / "run.csv"})
+                          .wait();
+  EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+}
+#endif
 
 // What it keeps is its own; the first one does not notice.
 TEST(Process, ASecondOneWithTheSameFolderIsRefused) {

@@ -122,6 +122,18 @@ TEST_F(CanClient, SettingsComeBackFromAFile) {
   EXPECT_TRUE(differences(before, read_settings(remote)).empty());
 }
 
+TEST_F(CanClient, TellsWhatWasWrittenAndRefused) {
+  EXPECT_EQ(changes_text(remote), "none\n");
+  remote.set("strain.proportional_W", "3");
+  EXPECT_THROW(remote.set("6060", "9"), SdoError);
+  const std::string text = changes_text(remote);
+  const std::size_t gain_at = text.find("strain.proportional_W (2100h:1): 0 -> 3, by SDO\n");
+  const std::size_t mode_at =
+      text.find("Modes of operation (6060h:0): stays 0; 9 by SDO is refused");
+  EXPECT_LT(gain_at, mode_at) << text;
+  EXPECT_NE(mode_at, std::string::npos) << text;
+}
+
 TEST_F(CanClient, MovesAndStops) {
   run(0.5);
   EXPECT_THAT(refusal([&] { remote.move(800, 5); }), HasSubstr("is not enabled"));
@@ -137,6 +149,9 @@ TEST_F(CanClient, MovesAndStops) {
 TEST_F(CanClient, JudgesAStep) {
   run(0.5);
   const StepRun step = run_step(remote, {.amplitude_um = 600, .seconds = 1});
+  const std::vector<double> setpoints = step.recording.column("setpoint");
+  EXPECT_NEAR(*std::ranges::max_element(setpoints) - setpoints.front(), 600e-6, 60e-6)
+      << "of the way there, which begins after the recording";
   const StepResult result = judge(step);
   EXPECT_GT(result.figures.rise_s, 0.005);
   EXPECT_LT(result.figures.rise_s, 0.5);
@@ -151,6 +166,35 @@ TEST_F(CanClient, JudgesAStep) {
   EXPECT_NEAR(again.figures.rise_s, result.figures.rise_s, 1e-6);
   EXPECT_NEAR(again.figures.error_percent, result.figures.error_percent, 0.01);
   EXPECT_THAT(step_text({step}, {"now"}), HasSubstr("now"));
+  // Runs lie over each other, whatever their lengths.
+  StepRun shorter = step;
+  shorter.recording.rows.resize(shorter.recording.rows.size() / 2);
+  for (std::vector<double>& row : shorter.recording.rows) row[1] += 100e-6;
+  shorter.recording.rows.front()[1] -= 50e-6;
+  const std::string both = step_text({step, shorter}, {"now", "before"});
+  EXPECT_THAT(both, HasSubstr("um: * now, . before\n"));
+  EXPECT_THAT(both.substr(both.find("um: *")), HasSubstr(" |"));
+  EXPECT_GT(std::ranges::count(both.substr(both.find('|')), '.'), 5);
+}
+
+TEST_F(CanClient, RefusesWhatIsNoRecording) {
+  const test::TemporaryFolder folder;
+  const auto said = [&](const char* text) {
+    const std::string file = folder.write("step.csv", text);
+    return refusal([&] { load_step(file); });
+  };
+  EXPECT_THAT(said(""), HasSubstr("is no recording"));
+  EXPECT_THAT(said("time_s,setpoint\n"), HasSubstr("has no rows"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1\n"), HasSubstr(":3: must have 2 fields"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1,2x\n"), HasSubstr(":3: 2x: is no number"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1\n0,2\n"), HasSubstr(":3: time_s must increase"));
+}
+
+TEST_F(CanClient, RefusesARecordingThatBeginsBeforeItself) {
+  EXPECT_THAT(refusal([&] { arm_recorder(remote, {{"strain"}, 1, 0.5, ""}); }),
+              HasSubstr("--before 0.5 s: needs a --trigger"));
+  EXPECT_THAT(refusal([&] { arm_recorder(remote, {{"strain"}, 1, 1, "strain>0"}); }),
+              HasSubstr("--before 1 s: must be less than the 1 s"));
 }
 
 TEST_F(CanClient, FindsWhoIsThere) {
@@ -198,7 +242,9 @@ TEST(CanObjects, TextsComeBack) {
 
 TEST(CanTextPlot, DrawsARise) {
   const std::vector<double> values{0, 1, 2, std::nan("")};
-  EXPECT_EQ(text_plot(values, 10, 3), "         2 |  *\n           | *\n         0 |*\n");
+  EXPECT_EQ(text_plot({values}, 10, 3), "         2 |  *\n           | *\n         0 |*\n");
+  EXPECT_EQ(text_plot({values, {2, 2, 2, 0}}, 10, 3),
+            "         2 |..*\n           | *\n         0 |*  .\n");
   EXPECT_EQ(text_plot({}, 10, 3), "");
 }
 

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace smaservo {
+
+/// All that a file holds, which may be nothing. Throws ConfigError where it can not be read.
+std::string whole_file(const std::string& path);
+
+}  // namespace smaservo

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# readme.sh BUILD: the lines of README.md's "A daemon, tuned over CAN", as they stand, with the
+# programs of this build. Runs in a network of its own (own_network.sh).
+set -euo pipefail
+
+build=$1
+cd "$(dirname "$0")/../.."
+work=$(mktemp -d)
+daemon=''
+end() {
+  [[ -z $daemon ]] || kill "$daemon" 2>/dev/null || true
+  rm -rf "$work"
+}
+trap end EXIT
+
+lines=$(sed -n '/^## A daemon, tuned over CAN/,/^## /p' README.md | sed -n 's/^    //p')
+[[ $(grep -c 'host-sim can --can udp' <<<"$lines") -ge 5 ]]
+while IFS= read -r line; do
+  line=${line//build\/release/$build}
+  echo "+ $line"
+  case $line in
+    *smaservod*\&)
+      eval "${line%&} >$work/daemon 2>&1 &"
+      daemon=$!
+      sleep 2
+      ;;
+    *\ watch)
+      # Without an end: one row of it.
+      eval "timeout 20 $line --count 1"
+      ;;
+    *)
+      eval "timeout 20 $line"
+      ;;
+  esac
+done <<<"$lines"
+
+ours=("$build/host-sim/host-sim" can --can udp --node 1)
+[[ $("${ours[@]}" get strain.proportional_W) == 0.5 ]]
+position=$("${ours[@]}" get 6064)
+echo "position $position um"
+((position > 900 && position < 1100))
+grep -F 'bus: strain.proportional_W (2100h:1): 0 -> 0.5, by SDO' "$work/daemon"
