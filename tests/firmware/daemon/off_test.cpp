@@ -79,6 +79,8 @@ class OffBoard {
 TEST(Off, TheOutputsAreThoseOfTheRunAndOfTheFile) {
   const OffBoard board;
   board.run_and_kill();
+  EXPECT_EQ(std::filesystem::status(board.state("/board.toml")).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   const auto off = [&](int code, bool first_off, bool second_off, const std::string& says) {
     board.heat();
     const Ended ended = board.run("--off");
