@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
+#include <sys/stat.h>
 #include <sysexits.h>
 
 #include "firmware/daemon/board_file.hpp"
@@ -46,7 +47,9 @@ std::string kept_board(const std::string& folder) {
   return folder + "/board.toml";
 }
 
+/// Its owner's alone, as the file that it is of may be: there are keys in it.
 void keep_board(const std::string& folder, const std::string& text) {
+  const mode_t before = umask(0077);
   try {
     OutputFile copy(kept_board(folder));
     copy.write(text);
@@ -54,6 +57,7 @@ void keep_board(const std::string& folder, const std::string& text) {
   } catch (const UserError& error) {
     fmt::print(stderr, "smaservod: {}; --off goes by the board file alone\n", error.what());
   }
+  umask(before);
 }
 
 /// Nothing where it is refused, and why, unless that has been said.

@@ -3,9 +3,6 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -16,87 +13,17 @@
 #include <sys/wait.h>
 #include <sysexits.h>
 #include <thread>
-#include <unistd.h>
 #include <vector>
 
 #include "bus_client.hpp"
+#include "daemon_program.hpp"
 #include "firmware/canopen/communication.hpp"
 #include "firmware/daemon/last_run.hpp"
 #include "hal/linux/descriptor.hpp"
-#include "hal/linux/kernel_tree.hpp"
 #include "hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::process_test {
 namespace {
-
-struct Ended {
-  int status;
-  std::string out, errors;
-
-  bool exited_with(int code) const { return WIFEXITED(status) && WEXITSTATUS(status) == code; }
-};
-
-/// smaservod with these arguments, its output in files of a folder.
-class Program {
- public:
-  Program(const TemporaryFolder& folder, std::vector<std::string> arguments,
-          const std::string& socket = "")
-      : out_(folder / "out"), errors_(folder / "errors") {
-    process_ = fork();
-    if (process_ == 0) {
-      run(std::move(arguments), socket);
-    }
-  }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-  ~Program() {
-    if (process_ > 0) {
-      ::kill(process_, SIGKILL);
-      waitpid(process_, nullptr, 0);
-    }
-  }
-  void kill(int signal) const { ::kill(process_, signal); }
-  Ended wait() {
-    Ended ended{};
-    waitpid(process_, &ended.status, 0);
-    process_ = -1;
-    ended.out = file_text(out_);
-    ended.errors = file_text(errors_);
-    return ended;
-  }
-
- private:
-  [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket) const {
-    arguments.insert(arguments.begin(), SMASERVO_DAEMON);
-    std::vector<char*> list;
-    list.reserve(arguments.size() + 1);
-    for (std::string& argument : arguments) {
-      list.push_back(argument.data());
-    }
-    list.push_back(nullptr);
-    if (!socket.empty()) {
-      setenv("NOTIFY_SOCKET", socket.c_str(), 1);
-      setenv("WATCHDOG_USEC", "200000", 1);
-    }
-    if (std::freopen(out_.c_str(), "w", stdout) != nullptr &&
-        std::freopen(errors_.c_str(), "w", stderr) != nullptr) {
-      execv(list.front(), list.data());
-    }
-    _exit(127);
-  }
-
-  std::string out_, errors_;
-  pid_t process_ = -1;
-};
-
-/// Until it is so; a minute at most.
-template <class Condition>
-bool becomes(Condition condition) {
-  for (int i = 0; i < 6000 && !condition(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return condition();
-}
 
 std::vector<std::string> in_time(const std::string& state) {
   return {"--board", "sim", "--no-real-time", "--settings", state};
@@ -340,117 +267,6 @@ TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
     EXPECT_TRUE(checked.exited_with(EX_CONFIG)) << period;
     EXPECT_NE(checked.out.find(says), std::string::npos) << checked.out;
   }
-}
-
-/// A board with a PWM on the kernel's files of a test, and smaservod --off on it.
-class OffBoard {
- public:
-  OffBoard() {
-    setenv("SMASERVO_ROOT", tree_.root().c_str(), 1);
-    tree_.adc();
-    for (const char* const chip : {"0", "1"}) {
-      for (const char* const file : {"duty_cycle", "period", "enable"}) {
-        tree_.put(pwm(chip) + file, "");
-      }
-    }
-    write("0", "24");
-  }
-  OffBoard(const OffBoard&) = delete;
-  OffBoard& operator=(const OffBoard&) = delete;
-  ~OffBoard() {
-    unsetenv("SMASERVO_ROOT");
-    unsetenv("EXIT_STATUS");
-  }
-
-  const KernelTree& tree() const { return tree_; }
-  std::string state(const std::string& file = "") const { return folder_ / "state" + file; }
-  void write(const std::string& chip, const std::string& supply_V) const {
-    std::ofstream(folder_ / "board.toml")
-        << "name = \"a\"\n[front_end]\ntype = \"iio\"\ndevice = \"ad7606\"\n"
-        << "current = { channel = \"in_voltage0\", per_code = 1e-6 }\n"
-        << "voltage = { channel = \"in_voltage1\", per_code = 1e-6 }\n"
-        << "[drive]\ntype = \"pwm\"\ngreatest_mA = 500\nchip = \"pwmchip" << chip
-        << "\"\nsupply_V = " << supply_V << "\n";
-  }
-  /// As the daemon has left them when it could do nothing any more.
-  void heat() const {
-    for (const char* const chip : {"0", "1"}) {
-      tree_.put(pwm(chip) + "duty_cycle", "30000");
-    }
-  }
-  bool heats(const std::string& chip) const {
-    return tree_.text(pwm(chip) + "duty_cycle").front() == '3';
-  }
-  Ended run(const std::string& option) const { return Program(folder_, arguments(option)).wait(); }
-  /// Killed as soon as the board is its own.
-  void run_and_kill() const {
-    Program program(folder_, arguments("--no-real-time"));
-    ASSERT_TRUE(becomes([&] { return std::filesystem::exists(state("/board.toml")); }));
-    program.kill(SIGKILL);
-    program.wait();
-  }
-
- private:
-  static std::string pwm(const std::string& chip) {
-    return "sys/class/pwm/pwmchip" + chip + "/pwm0/";
-  }
-  std::vector<std::string> arguments(const std::string& option) const {
-    return {"--board", folder_ / "board.toml", "--settings", state(), option};
-  }
-  TemporaryFolder folder_;
-  KernelTree tree_;
-};
-
-TEST(Off, TheOutputsAreThoseOfTheRunAndOfTheFile) {
-  const OffBoard board;
-  board.run_and_kill();
-  const auto off = [&](int code, bool first_off, bool second_off, const std::string& says) {
-    board.heat();
-    const Ended ended = board.run("--off");
-    EXPECT_TRUE(ended.exited_with(code)) << ended.errors;
-    EXPECT_EQ(board.heats("0"), !first_off) << says;
-    EXPECT_EQ(board.heats("1"), !second_off) << says;
-    EXPECT_NE(ended.errors.find(says), std::string::npos) << ended.errors;
-    EXPECT_EQ(ended.errors.empty(), says.empty()) << ended.errors;
-  };
-  off(0, true, false, "");
-  board.write("0", "5000");
-  off(EX_CONFIG, true, false, "supply_V = 5000: must be");
-  board.write("1", "24");
-  off(0, true, true, "");
-  // A device or a copy that is not what it was keeps nothing else on.
-  board.tree().remove("sys/class/pwm/pwmchip0");
-  board.tree().put("sys/class/pwm/pwmchip0/pwm0/duty_cycle", "30000");
-  off(1, true, true, "pwmchip0/pwm0/period");
-  std::ofstream(board.state("/board.toml")) << "name = \"a\"\n";
-  off(EX_CONFIG, false, true, "state/board.toml:1: front_end: must be a table");
-  std::filesystem::remove(board.state("/board.toml"));
-  off(0, false, true, "");
-}
-
-// ExecStopPost after a start that was refused: the journal need not have it twice.
-TEST(Off, WhatTheDaemonHasSaidIsNotSaidAgain) {
-  const OffBoard board;
-  board.run_and_kill();
-  board.write("0", "5000");
-  board.heat();
-  EXPECT_TRUE(board.run("--no-real-time").exited_with(EX_CONFIG));
-  setenv("EXIT_STATUS", "78", 1);
-  const Ended ended = board.run("--off");
-  EXPECT_TRUE(ended.exited_with(EX_CONFIG));
-  EXPECT_EQ(ended.errors, "");
-  EXPECT_FALSE(board.heats("0"));
-}
-
-// Who has been refused has driven nothing: the copy is that of who runs.
-TEST(Off, ASecondOneLeavesTheCopyAlone) {
-  const OffBoard board;
-  board.run_and_kill();
-  const std::string copy = file_text(board.state("/board.toml"));
-  const RunMark first(board.state(), "boot");
-  board.write("1", "24");
-  EXPECT_TRUE(board.run("--no-real-time").exited_with(1));
-  EXPECT_EQ(file_text(board.state("/board.toml")), copy);
 }
 
 TEST(LastRun, KnowsAPowerCutByTheMachinesStart) {

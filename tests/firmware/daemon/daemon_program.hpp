@@ -1,0 +1,87 @@
+#pragma once
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "hal/replay/temporary_folder.hpp"
+
+namespace smaservo::test {
+
+struct Ended {
+  int status;
+  std::string out, errors;
+
+  bool exited_with(int code) const { return WIFEXITED(status) && WEXITSTATUS(status) == code; }
+};
+
+/// smaservod with these arguments, its output in files of a folder.
+class Program {
+ public:
+  Program(const TemporaryFolder& folder, std::vector<std::string> arguments,
+          const std::string& socket = "")
+      : out_(folder / "out"), errors_(folder / "errors") {
+    process_ = fork();
+    if (process_ == 0) {
+      run(std::move(arguments), socket);
+    }
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  ~Program() {
+    if (process_ > 0) {
+      ::kill(process_, SIGKILL);
+      waitpid(process_, nullptr, 0);
+    }
+  }
+  void kill(int signal) const { ::kill(process_, signal); }
+  Ended wait() {
+    Ended ended{};
+    waitpid(process_, &ended.status, 0);
+    process_ = -1;
+    ended.out = file_text(out_);
+    ended.errors = file_text(errors_);
+    return ended;
+  }
+
+ private:
+  [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket) const {
+    arguments.insert(arguments.begin(), SMASERVO_DAEMON);
+    std::vector<char*> list;
+    list.reserve(arguments.size() + 1);
+    for (std::string& argument : arguments) {
+      list.push_back(argument.data());
+    }
+    list.push_back(nullptr);
+    if (!socket.empty()) {
+      setenv("NOTIFY_SOCKET", socket.c_str(), 1);
+      setenv("WATCHDOG_USEC", "200000", 1);
+    }
+    if (std::freopen(out_.c_str(), "w", stdout) != nullptr &&
+        std::freopen(errors_.c_str(), "w", stderr) != nullptr) {
+      execv(list.front(), list.data());
+    }
+    _exit(127);
+  }
+
+  std::string out_, errors_;
+  pid_t process_ = -1;
+};
+
+/// Until it is so; a minute at most.
+template <class Condition>
+bool becomes(Condition condition) {
+  for (int i = 0; i < 6000 && !condition(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return condition();
+}
+
+}  // namespace smaservo::test
