@@ -13,7 +13,7 @@ constexpr std::array<std::string_view, mode_count> modes{
 constexpr std::array<std::string_view, 6> states{"starting", "ready",    "arming",
                                                  "running",  "stopping", "fault"};
 constexpr std::array<std::string_view, 3> healths{"good", "searching", "doubtful"};
-constexpr std::array<std::string_view, static_cast<std::size_t>(LimitReason::count)> reasons{
+constexpr std::array<std::string_view, static_cast<std::size_t>(LimitReason::count)> limit_names{
     "least_current", "current", "power",  "temperature", "strain",
     "stress",        "duty",    "supply", "trajectory",  "protection"};
 
@@ -41,7 +41,7 @@ std::string_view health_name(Health health) {
   return healths.at(static_cast<std::size_t>(health));
 }
 std::string_view limit_reason_name(LimitReason reason) {
-  return reasons.at(static_cast<std::size_t>(reason));
+  return limit_names.at(static_cast<std::size_t>(reason));
 }
 
 std::string names_of(FaultSet set) {
@@ -71,9 +71,9 @@ std::optional<FaultSet> named_faults(std::string_view names) {
 
 std::string limit_reason_names(std::uint32_t bits) {
   std::string text;
-  for (std::size_t i = 0; i < reasons.size(); ++i) {
+  for (std::size_t i = 0; i < limit_names.size(); ++i) {
     if ((bits >> i & 1U) != 0) {
-      add(text, reasons.at(i));
+      add(text, limit_names.at(i));
     }
   }
   return text;

@@ -108,13 +108,18 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
   std::int64_t triggered_us = 0;
-  // A large memory need not be filled.
+  // A large memory need not be filled. A loop that misses turns takes longer for as many rows.
+  const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
+  const std::int64_t longest_us = 10 * after_us + 5'000'000;
   for (;;) {
     const RecorderState state = state_of(remote);
     const std::int64_t now_us = bus.now_us();
     if (state == RecorderState::full || state == RecorderState::idle) return;
     if (state == RecorderState::triggered && triggered_us == 0) triggered_us = now_us;
-    if (triggered_us != 0 && now_us >= triggered_us + after_us) return;
+    if (triggered_us != 0 && now_us >= triggered_us + after_us &&
+        (remote.number("recorder.samples") >= rows || now_us >= triggered_us + longest_us)) {
+      return;
+    }
     if (triggered_us == 0 && now_us >= until_us) {
       set(remote, "recorder.command", 0);
       throw UserError(fmt::format("not triggered within {} s", patience_s));

@@ -67,7 +67,7 @@ expect 'its user' "$(status Uid | cut -f 1)" "$(id -u smaservo)"
 expect 'capabilities' "$(status CapEff) $(status CapBnd)" '0000000000000000 0000000000000000'
 expect 'no new privileges, filter of system calls' "$(status NoNewPrivs) $(status Seccomp)" '1 2'
 within 'locked memory, kB' "$(status VmLck | cut -d ' ' -f 1)" 10000 1000000
-expect 'real-time priorities' "$(chrt -a -p "$pid" | sed -n 's/.*priority: //p' | sort -n | xargs)" '0 0 40 80 81'
+expect 'real-time priorities' "$(chrt -a -p "$pid" | sed -n 's/.*priority: //p' | sort -n | xargs)" '0 0 0 40 80 81'
 
 echo '-- sandbox'
 setpriv --reuid=smaservo --regid=smaservo --clear-groups sh ./forbidden.sh >/tmp/answers
