@@ -168,6 +168,8 @@ void Axis::transition() {
     return;
   }
   if (!react_to_faults()) {
+    // What blocks arming without being a fault, an unclean end, is acknowledged so as well.
+    clear_steps_ = reset_edge_ && in_.blocked ? 3 : clear_steps_;
     reset_edge_ = false;
     command();
   }

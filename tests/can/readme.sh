@@ -39,4 +39,6 @@ ours=("$build/host-sim/host-sim" can --can udp --node 1)
 position=$("${ours[@]}" get 6064)
 echo "position $position um"
 ((position > 900 && position < 1100))
+# Its log may come a tenth of a second later.
+sleep 1
 grep -F 'bus: strain.proportional_W (2100h:1): 0 -> 0.5, by SDO' "$work/daemon"

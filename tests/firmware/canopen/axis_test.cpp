@@ -223,6 +223,28 @@ TEST(Axis, WhatBlocksArmingKeepsItSwitchedOn) {
   EXPECT_EQ(drive.state(), enabled);
 }
 
+TEST(Axis, WhatBlocksArmingIsAcknowledgedByAFaultReset) {
+  Drive drive;
+  drive.go_to(disabled);
+  const auto clears = [&](std::uint16_t word) {
+    EXPECT_EQ(drive.control(word), Abort::none);
+    bool any = false;
+    for (int i = 0; i < 10; ++i) {
+      drive.step();
+      any = any || drive.command.clear_faults;
+    }
+    EXPECT_FALSE(drive.command.clear_faults) << "not for ever";
+    return any;
+  };
+  EXPECT_FALSE(clears(fault_reset)) << "nothing to acknowledge";
+  drive.device.faults = Fault::unclean_boot;
+  drive.run(5);
+  EXPECT_FALSE(clears(fault_reset)) << "no edge";
+  EXPECT_FALSE(clears(0));
+  EXPECT_TRUE(clears(fault_reset));
+  EXPECT_EQ(drive.state(), disabled);
+}
+
 // Profile position.
 
 constexpr unsigned acknowledged = 0x1000, reached = 0x400;
