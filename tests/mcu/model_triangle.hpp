@@ -5,6 +5,14 @@
 
 namespace smaservo::mcu {
 
+/// Out of line, as a board's loop would call it.
+template <class S>
+[[gnu::noinline]] void model_step(const typename ThreePhase<S>::Params& p,
+                                  const typename ThreePhase<S>::Cut& cut,
+                                  typename ThreePhase<S>::State& s, const S& temperature_K) {
+  ThreePhase<S>::advance(p, cut, s, temperature_K);
+}
+
 /// 20 to 110 °C and back under 150 MPa, twice, as tests/bench/steps.hpp has it: of the second time,
 /// count(step).
 template <class S, class Count>
@@ -17,10 +25,7 @@ void model_triangle(const Prepared<S>& prepared, Count count) {
     const int at = i % (2 * half);
     const S temperature_K =
         S(293.15) + S(0.05) * S(static_cast<float>(at <= half ? at : 2 * half - at));
-    // Out of line, as a board's loop would call it.
-    const auto step = [&] [[gnu::noinline]] {
-      ThreePhase<S>::advance(p, cut, state, temperature_K);
-    };
+    const auto step = [&] { model_step<S>(p, cut, state, temperature_K); };
     if (i <= 2 * half) {
       step();
     } else {
