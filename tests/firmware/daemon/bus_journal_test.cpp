@@ -40,15 +40,14 @@ TEST(BusJournal, SaysOldNewAndSource) {
       {0, {0x2102, 1}, Source::device, 2, 4, Abort::none},
       {0, {0x2102, 1}, Source::sdo, 0, 2, Abort::state},
   };
+  const std::string gain_stays = "strain.proportional_W (2100h:1): stays 0.5; ";
+  const std::string not_allowed = " by SDO is refused: value not allowed (abort 06090030h)";
   const std::vector<std::string> expected{
       "strain.proportional_W (2100h:1): 0 -> 0.5, by SDO",
-      ("strain.proportional_W (2100h:1): stays 0.5; nan by SDO is refused: value not allowed "
-       "(abort 06090030h)"),
+      gain_stays + "nan" + not_allowed,
       "target.current_A (2201h:1): stays 0; 26 by PDO is refused: value too high (abort 06090031h)",
-      ("strain.proportional_W (2100h:1): stays 0.5; 7h by SDO is refused: too short (abort "
-       "06070013h)"),
-      ("Modes of operation (6060h:0): stays 1; 9 by SDO is refused: value not allowed (abort "
-       "06090030h)"),
+      gain_stays + "7h by SDO is refused: too short (abort 06070013h)",
+      "Modes of operation (6060h:0): stays 1; 9" + not_allowed,
       "tuning: the client has gone, all is as before",
       "tuning: try is refused: not in the present state of the device (abort 08000022h)",
   };
