@@ -39,7 +39,8 @@ ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>&
           .real_time = options.real_time,
           .paced = true,
           .sandboxed = options.sandboxed,
-          .thread = {}};
+          .thread = {},
+          .problem = nullptr};
 }
 
 int serve_simulation(const DaemonOptions& options) {

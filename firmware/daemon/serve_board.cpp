@@ -223,6 +223,7 @@ int serve_board(const DaemonOptions& options) {
   ServiceSetup setup = service_setup(with, kept.settings);
   setup.board = file.name;
   setup.thread = file.thread;
+  setup.problem = [&](const Settings<double>& settings) { return board_problem(file, settings); };
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
   // The folder is this run's from here on, and nothing has been heated yet.

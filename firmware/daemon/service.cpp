@@ -264,6 +264,9 @@ void Service::reload() {
           fmt::format("{}: nothing is changed: together with what stays the settings contradict "
                       "each other",
                       setup_.settings_file));
+    } else if (const std::string problem = setup_.problem ? setup_.problem(to) : "";
+               !problem.empty()) {
+      warn(fmt::format("{}: nothing is changed: {}", setup_.settings_file, problem));
     } else if (!desk_.change(to)) {
       warn(fmt::format("{}: nothing is changed: too many changes at once", setup_.settings_file));
     }

@@ -27,6 +27,8 @@ struct ServiceSetup {
   bool paced = true;          ///< in time: the guard watches the lease
   bool sandboxed = false;     ///< the loop dies of any system call but a loop's
   RealTimeSettings thread;
+  /// What keeps the board from settings that SIGHUP has read; empty: nothing. None: no board does.
+  std::function<std::string(const Settings<double>&)> problem = nullptr;
 };
 
 /// No exit code: the device is to be made anew from what is stored, as after switching on.

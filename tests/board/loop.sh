@@ -20,6 +20,19 @@ within 'strain held, %' "$(held_strain)" 1.94 2.06
 expect 'no fault' "$(first_cause)" none
 expect 'the daemon ends well' "$daemon_code" 0
 
+echo '-- settings beyond the board'
+cp board.toml device.toml /tmp
+printf '\n[ceilings]\ncurrent_mA = 420\n' >>board.toml
+(
+  sleep 1.5
+  sed -i 's/^current_mA = 400/current_mA = 440/' device.toml
+  kill -HUP "$(cat /tmp/daemon)"
+) &
+servo 3
+expect 'what SIGHUP is told' "$(grep -c 'nothing is changed: limits.current_A = 0.44: .*ceiling is 0.42' /tmp/daemon.log)" 1
+expect 'the daemon ends well' "$daemon_code" 0
+cp /tmp/board.toml /tmp/device.toml .
+
 # stops NAME CAUSE MOST_US PATH VALUE [OTHERWISE]: heat ends within this time of writing the value.
 stops() {
   echo "-- $1"
