@@ -155,7 +155,7 @@ fit_table() {
       row(2, "8 runs < 60 s")
     }
     function row(threads, target, runs) {
-      printf "| %d thread%s |", threads, threads > 1 ? "s" : ""
+      printf "| %d thread%s |", threads, (threads > 1 ? "s" : "")
       for (runs = 1; runs <= 8; runs *= 2)
         printf " %.1f s |", value["identify/runs:" runs "/threads:" threads, "real_time"] / 1e3
       printf " %s |\n", target
