@@ -126,9 +126,10 @@ std::vector<Table> Table::tables(std::string_view key) {
 }
 
 void Table::finish() const {
+  known_.insert(taken_.begin(), taken_.end());
   for (const auto& [key, node] : table_) {
     if (!taken_.contains(key.str())) {
-      fail(key.str(), fmt::format("unknown key; here may stand: {}", fmt::join(taken_, ", ")));
+      fail(key.str(), fmt::format("unknown key; here may stand: {}", fmt::join(known_, ", ")));
     }
   }
 }

@@ -20,7 +20,10 @@ class Table {
       : table_(table), path_(std::move(path)), origin_(origin) {}
 
   [[noreturn]] void fail(std::string_view key, const std::string& reason) const;
-  bool has(std::string_view key) const { return table_.contains(key); }
+  bool has(std::string_view key) const {
+    known_.emplace(key);
+    return table_.contains(key);
+  }
   const std::string& path() const { return path_; }
 
   double number(std::string_view key, double low, double high);
@@ -51,6 +54,7 @@ class Table {
   std::string path_;
   const std::string& origin_;
   std::set<std::string, std::less<>> taken_;
+  mutable std::set<std::string, std::less<>> known_;  ///< asked for, there or not
 };
 
 /// A whole file. Throws ConfigError.

@@ -82,7 +82,5 @@ bool count_file(std::string_view name) {
 }  // namespace smaservo::mcu
 
 int application() {
-  using namespace smaservo;
-  mcu::start_counter();
-  return mcu::counts_well() && mcu::for_each_file(mcu::count_file) ? 0 : 1;
+  return smaservo::mcu::count_files(smaservo::mcu::count_file);
 }

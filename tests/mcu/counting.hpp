@@ -83,4 +83,11 @@ bool for_each_file(F count) {
   return all;
 }
 
+/// The exit code of a program that counts its arguments' files.
+template <class F>
+int count_files(F count) {
+  start_counter();
+  return counts_well() && for_each_file(count) ? 0 : 1;
+}
+
 }  // namespace smaservo::mcu

@@ -73,7 +73,8 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
       {"type = \"spi-dac\"", "type = \"dac\"", "must be one of: iio-dac, spi-dac, pwm"},
       {"greatest_mA", "greatest_A", "drive.greatest_mA: is missing"},
       {"[lines.kick]", "[lines.kock]", "lines.kock"},
-      {"[lines.kick]", "[ceilings]\ncurrent_A = 1\n[lines.kick]", "ceilings.current_A"},
+      {"[lines.kick]", "[ceilings]\ncurrent_A = 1\n[lines.kick]",
+       "ceilings.current_A = 1: unknown key; here may stand: current_mA, power_W, stress_MPa"},
       {"[lines.kick]", "[ceilings]\npower_W = 0\n[lines.kick]", "ceilings.power_W = 0: must be"},
   };
   for (const Case& c : cases) {

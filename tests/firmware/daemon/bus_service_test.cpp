@@ -7,6 +7,7 @@
 
 #include "bus_client.hpp"
 #include "host-sim/canopen_reference.hpp"
+#include "tests/firmware/canopen/ceilings_at.hpp"
 #include "tests/firmware/test_device.hpp"
 
 namespace smaservo::test {
@@ -115,14 +116,7 @@ TEST(BusService, GoesOnFromSettingsThatOthersGive) {
 // Of the board file, each of them; neither one by one nor as a set.
 TEST(BusService, NoWriteRaisesACeilingOfTheBoard) {
   const Settings<double> s = test_settings();
-  const auto f = [](double x) { return static_cast<float>(x); };
-  const canopen::Ceilings at{.current_A = f(s.limits.current_A),
-                             .power_W = f(s.limits.power_W),
-                             .temperature_K = f(s.limits.temperature_K),
-                             .stress_Pa = f(s.limits.stress_Pa),
-                             .trip_current_A = f(s.trips.current_A),
-                             .trip_temperature_K = f(s.trips.temperature_K),
-                             .trip_stress_Pa = f(s.trips.stress_Pa)};
+  const canopen::Ceilings at = canopen::ceilings_at(s);
   Rig rig(at);
   constexpr Key tuning{0x2102, 1};
   const std::pair<Key, float> rows[] = {
