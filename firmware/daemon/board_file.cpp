@@ -128,8 +128,8 @@ DacScale read_scale(Table& table) {
 canopen::Ceilings read_ceilings(Table table) {
   const auto ceiling = [&](std::string_view key, double low, double high, double factor,
                            double offset) {
-    return static_cast<float>(factor * table.number(key, low, high, canopen::Ceilings::none) +
-                              offset);
+    return table.has(key) ? static_cast<float>(factor * table.number(key, low, high) + offset)
+                          : canopen::Ceilings::none;
   };
   const auto current = [&](std::string_view key) { return ceiling(key, 1, 1e5, 1e-3, 0); };
   const auto temperature = [&](std::string_view key) {
