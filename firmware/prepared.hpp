@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "firmware/settings.hpp"
-#include "model/plant.hpp"
+#include "model/wire/plant.hpp"
 #include "observer/bank.hpp"
 #include "observer/divided.hpp"
 #include "observer/measurement.hpp"

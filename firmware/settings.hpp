@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "model/wire.hpp"
+#include "model/wire/wire.hpp"
 
 namespace smaservo {
 

@@ -5,7 +5,7 @@
 #include <concepts>
 #include <cstdint>
 
-#include "firmware/canopen/frame.hpp"
+#include "hal/can_frame.hpp"
 
 namespace smaservo {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host-sim/settings_file.hpp"
+#include "firmware/text/settings_file.hpp"
 
 namespace smaservo {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "host-sim/commands.hpp"
-#include "host-sim/output_file.hpp"
+#include "model/files/output_file.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "model/plant.hpp"
-#include "model/scalar.hpp"
+#include "model/scalar/scalar.hpp"
+#include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {

@@ -2,7 +2,7 @@
 // Strain as a straight line over resistance, from cold martensite to hot austenite at the present
 // stress: how wires are sensed today, without hysteresis, heat or R-phase. A reference.
 
-#include "model/plant.hpp"
+#include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {

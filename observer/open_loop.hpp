@@ -2,7 +2,7 @@
 // The model alone, driven by the measured power and stress: what an observer without correction
 // would say. A reference, and the part of the Kalman filter that predicts.
 
-#include "model/plant.hpp"
+#include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {

@@ -5,9 +5,9 @@
 #include <sysexits.h>
 
 #include "firmware/daemon/serve.hpp"
-#include "hal/linux/can_status.hpp"
-#include "host-sim/output_file.hpp"
-#include "model/wires/wire_file.hpp"
+#include "hal/linux/can/can_status.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace {
 

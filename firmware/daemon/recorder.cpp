@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "hal/linux/clock.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/settings_file.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "hal/linux/system/clock.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware/daemon/desk.hpp"
-#include "hal/linux/descriptor.hpp"
-#include "host-sim/device_trace.hpp"
+#include "firmware/daemon/loop/desk.hpp"
+#include "firmware/text/device_trace.hpp"
+#include "hal/linux/system/descriptor.hpp"
 
 namespace smaservo {
 

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "firmware/daemon/bus_service.hpp"
-#include "firmware/daemon/replaying.hpp"
-#include "firmware/daemon/simulation.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/settings_file.hpp"
+#include "firmware/daemon/boards/replaying.hpp"
+#include "firmware/daemon/boards/simulation.hpp"
+#include "firmware/daemon/bus/bus_service.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

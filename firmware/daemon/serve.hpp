@@ -1,10 +1,10 @@
 #pragma once
 // From a command line to a board and its service.
 
-#include "firmware/daemon/kept_settings.hpp"
-#include "firmware/daemon/loop.hpp"
-#include "firmware/daemon/off_actions.hpp"
+#include "firmware/daemon/bus/kept_settings.hpp"
+#include "firmware/daemon/loop/loop.hpp"
 #include "firmware/daemon/options.hpp"
+#include "firmware/daemon/process/off_actions.hpp"
 #include "firmware/daemon/service.hpp"
 
 namespace smaservo {

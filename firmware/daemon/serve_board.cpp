@@ -4,14 +4,14 @@
 #include <sys/stat.h>
 #include <sysexits.h>
 
-#include "firmware/daemon/board_file.hpp"
-#include "firmware/daemon/bus_service.hpp"
-#include "firmware/daemon/programmed.hpp"
+#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/daemon/boards/board_file.hpp"
+#include "firmware/daemon/boards/programmed.hpp"
+#include "firmware/daemon/bus/bus_service.hpp"
 #include "firmware/daemon/serve.hpp"
-#include "hal/linux/open_can.hpp"
-#include "host-sim/closed_loop_scenario.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/settings_file.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "hal/linux/can/open_can.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -7,14 +7,14 @@
 #include <fmt/format.h>
 #include <thread>
 
-#include "firmware/daemon/crash.hpp"
-#include "firmware/daemon/notify.hpp"
+#include "firmware/daemon/process/crash.hpp"
+#include "firmware/daemon/process/notify.hpp"
+#include "firmware/daemon/process/sandbox.hpp"
 #include "firmware/daemon/recorder.hpp"
-#include "firmware/daemon/sandbox.hpp"
-#include "hal/linux/clock.hpp"
-#include "host-sim/device_names.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/settings_file.hpp"
+#include "firmware/text/device_names.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "hal/linux/system/clock.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

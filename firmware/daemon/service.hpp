@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "firmware/daemon/desk.hpp"
-#include "firmware/daemon/last_run.hpp"
-#include "firmware/daemon/realtime.hpp"
+#include "firmware/daemon/loop/desk.hpp"
+#include "firmware/daemon/process/last_run.hpp"
+#include "firmware/daemon/process/realtime.hpp"
 #include "firmware/daemon/status.hpp"
-#include "hal/linux/off_action.hpp"
+#include "hal/linux/system/off_action.hpp"
 
 namespace smaservo {
 

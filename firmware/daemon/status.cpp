@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host-sim/device_names.hpp"
+#include "firmware/text/device_names.hpp"
 
 namespace smaservo {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "firmware/daemon/last_run.hpp"
-#include "firmware/daemon/links.hpp"
-#include "firmware/daemon/realtime.hpp"
+#include "firmware/daemon/loop/links.hpp"
+#include "firmware/daemon/process/last_run.hpp"
+#include "firmware/daemon/process/realtime.hpp"
 
 namespace smaservo {
 

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include "hal/linux/clock.hpp"
+#include "hal/linux/system/clock.hpp"
 
 namespace smaservo {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "hal/board.hpp"
-#include "hal/linux/digitizer.hpp"
-#include "hal/linux/drives.hpp"
-#include "hal/linux/lines.hpp"
-#include "hal/linux/slow_sensors.hpp"
+#include "hal/linux/devices/digitizer.hpp"
+#include "hal/linux/devices/drives.hpp"
+#include "hal/linux/devices/lines.hpp"
+#include "hal/linux/devices/slow_sensors.hpp"
 
 namespace smaservo {
 

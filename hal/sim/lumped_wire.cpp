@@ -1,6 +1,6 @@
 #include "hal/sim/lumped_wire.hpp"
 
-#include "model/plant.hpp"
+#include "model/wire/plant.hpp"
 
 namespace smaservo {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/distributed.hpp"
+#include "model/wire/distributed.hpp"
 
 namespace smaservo {
 namespace {

@@ -9,14 +9,14 @@
 #include <random>
 #include <string_view>
 
-#include "model/sublayers.hpp"
-#include "model/wire.hpp"
+#include "model/wire/sublayers.hpp"
+#include "model/wire/wire.hpp"
 
 namespace smaservo {
 
 enum class Family : unsigned char {
   ihyp,      ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
-  sublayers  ///< model/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
+  sublayers  ///< model/wire/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
 };
 inline constexpr std::array families{Family::ihyp, Family::sublayers};
 std::string_view family_name(Family family);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware/canopen/frame.hpp"
+#include "hal/can_frame.hpp"
 
 namespace smaservo::can {
 

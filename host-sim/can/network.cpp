@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "firmware/canopen/object.hpp"
-#include "firmware/faults/table.hpp"
-#include "host-sim/can/abort_text.hpp"
+#include "firmware/canopen/node/object.hpp"
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/text/canopen/abort_text.hpp"
+#include "firmware/text/reference/fault_reference.hpp"
 #include "host-sim/can/remote.hpp"
-#include "host-sim/fault_reference.hpp"
 
 namespace smaservo::can {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
-#include "host-sim/output_file.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo::can {
 namespace {

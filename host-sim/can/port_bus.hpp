@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hal/linux/open_can.hpp"
+#include "hal/linux/can/open_can.hpp"
 #include "host-sim/can/bus.hpp"
 
 namespace smaservo::can {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "firmware/canopen/drive_objects.hpp"
+#include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
 
 namespace smaservo::can {

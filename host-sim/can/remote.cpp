@@ -4,7 +4,7 @@
 #include <array>
 #include <fmt/format.h>
 
-#include "host-sim/device_names.hpp"
+#include "firmware/text/device_names.hpp"
 
 namespace smaservo::can {
 namespace {

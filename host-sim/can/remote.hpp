@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host-sim/can/objects.hpp"
+#include "firmware/text/canopen/objects.hpp"
 #include "host-sim/can/sdo_client.hpp"
 
 namespace smaservo::can {

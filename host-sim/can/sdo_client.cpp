@@ -4,8 +4,8 @@
 #include <array>
 #include <fmt/format.h>
 
-#include "firmware/canopen/object.hpp"
-#include "host-sim/can/abort_text.hpp"
+#include "firmware/canopen/node/object.hpp"
+#include "firmware/text/canopen/abort_text.hpp"
 
 namespace smaservo::can {
 namespace {

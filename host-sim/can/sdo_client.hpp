@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "firmware/key.hpp"
+#include "firmware/parameters/key.hpp"
 #include "host-sim/can/bus.hpp"
-#include "host-sim/output_file.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo::can {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "host-sim/settings_file.hpp"
-#include "host-sim/settings_text.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "firmware/text/settings_text.hpp"
 
 namespace smaservo::can {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "firmware/faults/table.hpp"
-#include "host-sim/can/change_text.hpp"
-#include "host-sim/device_names.hpp"
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/text/canopen/change_text.hpp"
+#include "firmware/text/device_names.hpp"
 
 namespace smaservo::can {
 namespace {

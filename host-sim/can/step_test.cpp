@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "firmware/command.hpp"
-#include "host-sim/can/text_plot.hpp"
-#include "host-sim/html.hpp"
+#include "host-sim/report/html.hpp"
+#include "host-sim/report/text_plot.hpp"
 
 namespace smaservo::can {
 namespace {

@@ -2,7 +2,7 @@
 // A step there and back on the device (2400h), judged and drawn.
 
 #include "host-sim/can/recording.hpp"
-#include "host-sim/step_figures.hpp"
+#include "host-sim/report/step_figures.hpp"
 
 namespace smaservo::can {
 

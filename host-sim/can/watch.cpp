@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host-sim/can/text_plot.hpp"
+#include "host-sim/report/text_plot.hpp"
 
 namespace smaservo::can {
 namespace {

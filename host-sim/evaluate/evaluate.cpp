@@ -8,12 +8,12 @@
 #include <memory>
 #include <utility>
 
-#include "host-sim/evaluate/calibrate.hpp"
-#include "host-sim/evaluate/parallel.hpp"
-#include "host-sim/measuring.hpp"
-#include "host-sim/observers.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/simulate.hpp"
+#include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/observers.hpp"
+#include "host-sim/simulate/simulate.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/parallel.hpp"
 
 namespace smaservo {
 namespace {

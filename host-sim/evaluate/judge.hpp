@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "host-sim/error_statistics.hpp"
+#include "host-sim/replay/error_statistics.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host-sim/evaluate/judge.hpp"
-#include "host-sim/evaluate/runs.hpp"
+#include "host-sim/evaluate/runs/runs.hpp"
 
 namespace smaservo {
 

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "host-sim/evaluate/figures.hpp"
-#include "host-sim/html.hpp"
-#include "host-sim/output_file.hpp"
+#include "host-sim/report/html.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <optional>
 
-#include "host-sim/identify/steady_load.hpp"
-#include "model/ihyp.hpp"
+#include "host-sim/identify/runs/steady_load.hpp"
+#include "model/three_phase/ihyp.hpp"
 
 namespace smaservo {
 namespace {
@@ -29,7 +29,7 @@ constexpr std::size_t form_count(Shape shape) {
 constexpr int cooling(Shape shape) {
   return 2 + static_cast<int>(form_count(shape));
 }
-constexpr int parameter_count(Shape shape) {
+constexpr int shape_parameters(Shape shape) {
   return plateaus + 2 * cooling(shape);
 }
 
@@ -141,7 +141,7 @@ constexpr std::array<FormLimits, form_count(shape)> form_limits() {
 }
 
 template <Shape shape>
-using Parameters = std::array<double, static_cast<std::size_t>(parameter_count(shape))>;
+using Parameters = std::array<double, static_cast<std::size_t>(shape_parameters(shape))>;
 
 template <Shape shape>
 Parameters<shape> start_parameters(const Cycle& cycle, double start_width_K) {
@@ -187,7 +187,7 @@ Parameters<shape> best_parameters(const Cycle& cycle) {
     ceres::Problem problem;
     for (std::size_t i = 0; i < rows; i += stride) {
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Residual<shape>, 1, parameter_count(shape)>(
+          new ceres::AutoDiffCostFunction<Residual<shape>, 1, shape_parameters(shape)>(
               new Residual<shape>{cycle.temperature_K[i], cycle.strain[i], cycle.stroke,
                                   i > cycle.hottest}),
           nullptr, p.data());

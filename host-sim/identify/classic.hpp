@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "host-sim/identify/run.hpp"
+#include "host-sim/identify/runs/run.hpp"
 
 namespace smaservo {
 

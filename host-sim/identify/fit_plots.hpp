@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "host-sim/gnuplot.hpp"
-#include "host-sim/identify/fit.hpp"
+#include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/report/gnuplot.hpp"
 
 namespace smaservo {
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 
-#include "host-sim/output_file.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

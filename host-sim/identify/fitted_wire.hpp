@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "host-sim/identify/fit.hpp"
-#include "model/wires/wire_file.hpp"
+#include "host-sim/identify/fit/fit.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo {
 

@@ -6,9 +6,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "host-sim/html.hpp"
 #include "host-sim/identify/fit_plots.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
+#include "host-sim/report/html.hpp"
 
 namespace smaservo {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "host-sim/identify/classic.hpp"
-#include "host-sim/identify/fit.hpp"
-#include "model/wires/wire_file.hpp"
+#include "host-sim/identify/fit/fit.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo {
 

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "firmware/command.hpp"
-#include "host-sim/tune/operating_points.hpp"
+#include "host-sim/tune/linear/operating_points.hpp"
 
 namespace smaservo {
 

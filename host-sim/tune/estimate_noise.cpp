@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "firmware/device.hpp"
+#include "firmware/device/device.hpp"
 #include "host-sim/tune/bench.hpp"
 
 namespace smaservo {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "firmware/device.hpp"
+#include "firmware/device/device.hpp"
 #include "host-sim/tune/bench.hpp"
 
 namespace smaservo {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "firmware/parameters.hpp"
-#include "host-sim/measuring.hpp"
-#include "host-sim/output_file.hpp"
+#include "firmware/parameters/parameters.hpp"
+#include "host-sim/replay/measuring.hpp"
 #include "host-sim/tune/estimate_noise.hpp"
+#include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "host-sim/tune/uncertainty.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -5,13 +5,13 @@
 #include <iterator>
 #include <numbers>
 
-#include "firmware/parameters.hpp"
-#include "firmware/trajectory.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/tune/heat_law.hpp"
+#include "firmware/control/trajectory.hpp"
+#include "firmware/parameters/parameters.hpp"
 #include "host-sim/tune/limits.hpp"
+#include "host-sim/tune/linear/heat_law.hpp"
+#include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "host-sim/tune/uncertainty.hpp"
+#include "model/files/output_file.hpp"
 #include "observer/kalman.hpp"
 
 namespace smaservo {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "firmware/settings.hpp"
-#include "host-sim/tune/loop.hpp"
-#include "host-sim/tune/operating_points.hpp"
+#include "host-sim/tune/linear/loop.hpp"
+#include "host-sim/tune/linear/operating_points.hpp"
 
 namespace smaservo {
 

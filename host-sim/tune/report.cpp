@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host-sim/html.hpp"
+#include "host-sim/report/html.hpp"
 #include "host-sim/tune/tune.hpp"
 
 namespace smaservo {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "host-sim/device_names.hpp"
+#include "firmware/text/device_names.hpp"
+#include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "host-sim/tune/uncertainty.hpp"
 
 namespace smaservo {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/ihyp.hpp"
+#include "model/three_phase/ihyp.hpp"
 
 namespace smaservo::bench {
 

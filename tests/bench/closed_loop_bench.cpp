@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "host-sim/closed_loop.hpp"
+#include "firmware/bench/closed_loop.hpp"
 #include "tests/bench/main.hpp"
 
 namespace smaservo::bench {

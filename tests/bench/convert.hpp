@@ -1,9 +1,9 @@
 #pragma once
 // The model's parameters in another scalar.
 
-#include "model/plant.hpp"
-#include "model/scalar.hpp"
-#include "model/wire.hpp"
+#include "model/scalar/scalar.hpp"
+#include "model/wire/plant.hpp"
+#include "model/wire/wire.hpp"
 
 namespace smaservo::bench {
 

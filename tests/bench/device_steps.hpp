@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tests/bench/cycle.hpp"
-#include "tests/firmware/test_device.hpp"
+#include "tests/firmware/device/test_device.hpp"
 
 namespace smaservo::bench {
 

@@ -3,9 +3,9 @@
 #include <benchmark/benchmark.h>
 #include <vector>
 
-#include "host-sim/evaluate/calibrate.hpp"
-#include "host-sim/evaluate/runs.hpp"
-#include "host-sim/identify/fit.hpp"
+#include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/evaluate/runs/runs.hpp"
+#include "host-sim/identify/fit/fit.hpp"
 
 namespace smaservo {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "model/ihyp.hpp"
+#include "model/three_phase/ihyp.hpp"
 
 namespace smaservo::bench {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "firmware/parameter_check.hpp"
+#include "firmware/parameters/parameter_check.hpp"
 #include "observer/bank.hpp"
 #include "observer/divided.hpp"
 #include "observer/open_loop.hpp"

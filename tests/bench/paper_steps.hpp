@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "model/duhem.hpp"
-#include "model/liang_rogers.hpp"
-#include "model/preisach.hpp"
-#include "observer/strain_resistance.hpp"
+#include "model/papers/duhem.hpp"
+#include "model/papers/liang_rogers.hpp"
+#include "model/papers/preisach.hpp"
+#include "observer/papers/strain_resistance.hpp"
 #include "tests/bench/steps.hpp"
 
 namespace smaservo::bench {

@@ -12,8 +12,8 @@
 #include <string>
 #include <unistd.h>
 
-#include "host-sim/replay.hpp"
-#include "model/plant.hpp"
+#include "host-sim/replay/replay.hpp"
+#include "model/wire/plant.hpp"
 #include "tests/bench/main.hpp"
 
 namespace smaservo::bench {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/cosine.hpp"
-#include "model/plant.hpp"
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
+#include "model/papers/cosine.hpp"
+#include "model/wire/plant.hpp"
 #include "observer/bank.hpp"
 #include "tests/bench/cardano.hpp"
 #include "tests/bench/convert.hpp"

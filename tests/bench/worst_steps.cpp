@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/firmware/random_settings.hpp"
-#include "tests/firmware/random_use.hpp"
+#include "tests/firmware/device/random_use.hpp"
+#include "tests/firmware/parameters/random_settings.hpp"
 
 namespace smaservo::bench {
 namespace {

@@ -1,4 +1,4 @@
-// hal/linux/can_socket.hpp on the kernel's own CAN, with can-utils as the other side. Runs in a
+// hal/linux/can/can_socket.hpp on the kernel's own CAN, with can-utils as the other side. Runs in a
 // guest.
 
 #include <functional>
@@ -7,7 +7,7 @@
 #include <sched.h>
 #include <string>
 
-#include "hal/linux/can_socket.hpp"
+#include "hal/linux/can/can_socket.hpp"
 #include "shell.hpp"
 
 namespace smaservo {

@@ -14,9 +14,9 @@
 #include <string>
 #include <sys/ioctl.h>
 
-#include "firmware/canopen/object.hpp"
-#include "firmware/daemon/histogram.hpp"
-#include "hal/linux/can_socket.hpp"
+#include "firmware/canopen/node/object.hpp"
+#include "firmware/daemon/loop/histogram.hpp"
+#include "hal/linux/can/can_socket.hpp"
 
 namespace smaservo {
 namespace {

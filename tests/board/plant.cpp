@@ -18,8 +18,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "firmware/bench/closed_loop_scenario.hpp"
 #include "hal/sim/board.hpp"
-#include "host-sim/closed_loop_scenario.hpp"
 #include "testboard.hpp"
 
 namespace smaservo {

@@ -1,7 +1,7 @@
 // Needs a kernel with CAN, vcan0 and the right to change interfaces: runs in a guest
 // (toolchain/can/uml).
 
-#include "hal/linux/can_socket.hpp"
+#include "hal/linux/can/can_socket.hpp"
 
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <poll.h>
 #include <thread>
 
-#include "hal/linux/open_can.hpp"
+#include "hal/linux/can/open_can.hpp"
 
 namespace smaservo {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
-#include "hal/linux/open_can.hpp"
+#include "hal/linux/can/open_can.hpp"
 
 namespace smaservo {
 namespace {

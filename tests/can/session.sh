@@ -7,7 +7,7 @@ set -uo pipefail
 build=$1
 clients=$2
 host_sim=$build/host-sim/host-sim
-sheet=firmware/canopen/smaservo.eds
+sheet=firmware/reference/smaservo.eds
 log=$(mktemp -d)
 trap 'rm -rf "$log"' EXIT
 failed=0
@@ -106,7 +106,7 @@ main() {
   candump -L vcan1 >"$log/vcan1.log" &
   NODE_PATH=$clients/node_modules step 'canopen (npm)' \
     node tests/can/canopen_by_node.js vcan1 6 "$sheet"
-  step 'canmatrix' tests/can/live_by_dbc.py can0 1 firmware/canopen/smaservo.dbc "$host_sim"
+  step 'canmatrix' tests/can/live_by_dbc.py can0 1 firmware/reference/smaservo.dbc "$host_sim"
   step 'tshark, can-utils session' decoded "$log/can0.log"
   step 'tshark, npm session' decoded "$log/vcan1.log"
   step 'conformance, python-can' tests/can/conformance.py vcan0 5

@@ -1,10 +1,10 @@
 #pragma once
 // A whole servo in virtual time: node, device, and a wire that is a little unlike its model.
 
-#include "firmware/adopt.hpp"
-#include "firmware/canopen/servo.hpp"
-#include "tests/firmware/random_settings.hpp"
-#include "tests/firmware/rig.hpp"
+#include "firmware/canopen/servo/servo.hpp"
+#include "firmware/device/adopt.hpp"
+#include "tests/firmware/device/rig.hpp"
+#include "tests/firmware/parameters/random_settings.hpp"
 
 namespace smaservo::test {
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "fuzzed_service.hpp"
-#include "tests/firmware/canopen/frame_feeder.hpp"
+#include "tests/firmware/canopen/servo/frame_feeder.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace smaservo::canopen;

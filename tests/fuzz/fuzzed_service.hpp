@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tests/firmware/canopen/service.hpp"
+#include "tests/firmware/canopen/node/service.hpp"
 
 namespace smaservo::canopen {
 

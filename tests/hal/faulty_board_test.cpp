@@ -9,12 +9,12 @@
 #include <memory>
 #include <optional>
 
-#include "hal/linux/hands.hpp"
 #include "hal/replay/board.hpp"
-#include "hal/replay/temporary_folder.hpp"
 #include "hal/sim/board.hpp"
 #include "hal/sim/lumped_wire.hpp"
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
+#include "tests/hal/linux/devices/hands.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::faulty_board_test {
 namespace {

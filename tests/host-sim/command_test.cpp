@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "host-sim/program.hpp"
-#include "host-sim/replays.hpp"
+#include "tests/host-sim/program.hpp"
+#include "tests/host-sim/replay/replays.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "hal/replay/temporary_folder.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 

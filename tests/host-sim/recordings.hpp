@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/replay/temporary_folder.hpp"
-#include "host-sim/identify/run.hpp"
+#include "host-sim/identify/runs/run.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 

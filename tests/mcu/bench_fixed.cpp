@@ -1,10 +1,11 @@
-// Counts the instructions of the observer in integer arithmetic (model/scaled.hpp) on the first
-// steps of step files, for processors without floating point. Prints lines of a name and numbers.
+// Counts the instructions of the observer in integer arithmetic (model/scalar/scaled.hpp) on the
+// first steps of step files, for processors without floating point. Prints lines of a name and
+// numbers.
 
 #include <optional>
 
 #include "hal/cortex-m/start_up.hpp"
-#include "model/scaled.hpp"
+#include "model/scalar/scaled.hpp"
 #include "tests/mcu/counting.hpp"
 #include "tests/mcu/step_reader.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "hal/cortex-m/device.hpp"
+#include "firmware/mcu/device.hpp"
 #include "hal/cortex-m/start_up.hpp"
 #include "tests/mcu/counting.hpp"
 #include "tests/mcu/model_triangle.hpp"

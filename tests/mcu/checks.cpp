@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "firmware/device.hpp"
-#include "firmware/store.hpp"
+#include "firmware/device/device.hpp"
+#include "firmware/parameters/store.hpp"
 
 namespace smaservo::mcu {
 namespace {

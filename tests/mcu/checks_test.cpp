@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "firmware/parameters.hpp"
-#include "tests/firmware/test_device.hpp"
+#include "firmware/parameters/parameters.hpp"
+#include "tests/firmware/device/test_device.hpp"
 
 namespace smaservo::mcu {
 namespace {

@@ -20,10 +20,10 @@
 #include <unistd.h>
 #include <vector>
 
-#include "firmware/store_image.hpp"
+#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/parameters/store_image.hpp"
 #include "hal/cortex-m/wire_link.hpp"
-#include "host-sim/closed_loop_scenario.hpp"
-#include "host-sim/output_file.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo::mcu {
 namespace {

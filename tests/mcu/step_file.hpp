@@ -8,8 +8,8 @@
 #include <span>
 #include <type_traits>
 
-#include "firmware/device.hpp"
-#include "firmware/store.hpp"
+#include "firmware/device/device.hpp"
+#include "firmware/parameters/store.hpp"
 
 namespace smaservo::mcu {
 

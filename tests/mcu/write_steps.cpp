@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "firmware/board_io.hpp"
+#include "firmware/bench/closed_loop.hpp"
+#include "firmware/bench/scenario.hpp"
+#include "firmware/device/board_io.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "hal/replay/board.hpp"
-#include "host-sim/closed_loop.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/scenario.hpp"
-#include "host-sim/settings_file.hpp"
-#include "tests/firmware/random_settings.hpp"
-#include "tests/firmware/random_use.hpp"
+#include "model/files/output_file.hpp"
+#include "tests/firmware/device/random_use.hpp"
+#include "tests/firmware/parameters/random_settings.hpp"
 #include "tests/mcu/step_file.hpp"
 
 namespace smaservo::mcu {

@@ -1,11 +1,11 @@
 #include "model/kinetics.hpp"
 
-#include "model/cosine.hpp"
-#include "model/duhem.hpp"
-#include "model/kinetics_suite.hpp"
-#include "model/liang_rogers.hpp"
-#include "model/test_wires.hpp"
-#include "model/three_phase.hpp"
+#include "model/papers/cosine.hpp"
+#include "model/papers/duhem.hpp"
+#include "model/papers/liang_rogers.hpp"
+#include "model/three_phase/three_phase.hpp"
+#include "tests/model/kinetics_suite.hpp"
+#include "tests/model/wire/test_wires.hpp"
 
 namespace smaservo::test::kinetics_test {
 namespace {

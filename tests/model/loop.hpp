@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "model/test_wires.hpp"
+#include "tests/model/wire/test_wires.hpp"
 
 namespace smaservo::test {
 

@@ -1,7 +1,7 @@
-// Model and observer in integer arithmetic (model/scaled.hpp) against double, over the project's
-// traces and random ones.
+// Model and observer in integer arithmetic (model/scalar/scaled.hpp) against double, over the
+// project's traces and random ones.
 
-#include "model/scaled.hpp"
+#include "model/scalar/scaled.hpp"
 
 #include <algorithm>
 #include <cmath>

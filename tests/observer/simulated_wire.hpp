@@ -7,9 +7,9 @@
 #include <random>
 #include <string>
 
-#include "model/distributed.hpp"
-#include "model/plant.hpp"
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
+#include "model/wire/distributed.hpp"
+#include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {

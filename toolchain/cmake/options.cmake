@@ -40,40 +40,27 @@ if(SMASERVO_SANITIZE)
   target_link_options(smaservo_options INTERFACE -fsanitize=${SMASERVO_SANITIZE})
 endif()
 
-# What sources include takes longer than they do. Those of a target that are compiled as one see
-# each other's names: one without linkage stands for one thing in the whole target, and a test's
-# namespace has the name of its file.
-set(SMASERVO_TOGETHER 8 CACHE STRING
-    "sources of a target that are compiled as one; 1: each by itself, for a quick change of one")
+# Reading headers takes longer than compiling the sources that include them, so the sources of one
+# folder are compiled as one. They see each other's file-local names; those of other folders they do not.
+option(SMASERVO_TOGETHER "compile the sources of a folder as one; OFF: each by itself" ON)
 
 # g++ takes what a source includes for a header, which might be included elsewhere, too.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND SMASERVO_TOGETHER GREATER 1)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND SMASERVO_TOGETHER)
   target_compile_options(smaservo_options INTERFACE -Wno-subobject-linkage)
 endif()
 
 function(smaservo_compile_together target)
-  if(SMASERVO_TOGETHER GREATER 1)
-    set_target_properties(${target} PROPERTIES
-      UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SMASERVO_TOGETHER})
-  endif()
-endfunction()
-
-# The same by folders, a target's own sources in three parts: the command line's library takes
-# longer than all else.
-function(smaservo_compile_by_folders target)
-  if(SMASERVO_TOGETHER LESS_EQUAL 1)
+  if(NOT SMASERVO_TOGETHER)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
-    if(source MATCHES "^(.+)/")
-      string(REPLACE "/" "_" group "${CMAKE_MATCH_1}")
-    elseif(source MATCHES "command")
-      set(group commands)
-    elseif(source MATCHES "^[a-o]")
-      set(group a_to_o)
+    if(IS_ABSOLUTE "${source}")
+      set(group generated)
+    elseif(source MATCHES "^(.+)/")
+      string(MAKE_C_IDENTIFIER "${CMAKE_MATCH_1}" group)
     else()
-      set(group p_to_z)
+      set(group here)
     endif()
     set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${group}")
   endforeach()

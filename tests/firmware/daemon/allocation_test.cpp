@@ -9,13 +9,13 @@
 #include <thread>
 #include <unistd.h>
 
-#include "firmware/daemon/bus_pump.hpp"
-#include "firmware/daemon/desk.hpp"
-#include "firmware/daemon/loop.hpp"
-#include "firmware/daemon/sandbox.hpp"
-#include "firmware/daemon/simulation.hpp"
-#include "host-sim/settings_file.hpp"
-#include "tests/firmware/allocation_trap.hpp"
+#include "firmware/daemon/boards/simulation.hpp"
+#include "firmware/daemon/bus/bus_pump.hpp"
+#include "firmware/daemon/loop/desk.hpp"
+#include "firmware/daemon/loop/loop.hpp"
+#include "firmware/daemon/process/sandbox.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "tests/firmware/device/allocation_trap.hpp"
 
 namespace smaservo::test::daemon_allocation_test {
 namespace {

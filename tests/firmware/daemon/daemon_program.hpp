@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "hal/replay/temporary_folder.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "daemon_program.hpp"
-#include "firmware/daemon/last_run.hpp"
-#include "hal/linux/kernel_tree.hpp"
-#include "hal/replay/temporary_folder.hpp"
+#include "firmware/daemon/process/last_run.hpp"
+#include "tests/hal/linux/devices/kernel_tree.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::off_test {
 namespace {

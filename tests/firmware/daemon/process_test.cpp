@@ -15,12 +15,12 @@
 #include <thread>
 #include <vector>
 
-#include "bus_client.hpp"
 #include "daemon_program.hpp"
-#include "firmware/canopen/communication.hpp"
-#include "firmware/daemon/last_run.hpp"
-#include "hal/linux/descriptor.hpp"
-#include "hal/replay/temporary_folder.hpp"
+#include "firmware/canopen/node/communication.hpp"
+#include "firmware/daemon/process/last_run.hpp"
+#include "hal/linux/system/descriptor.hpp"
+#include "tests/firmware/daemon/bus/bus_client.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::process_test {
 namespace {

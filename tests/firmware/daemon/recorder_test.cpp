@@ -7,13 +7,13 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "firmware/daemon/loop.hpp"
-#include "firmware/daemon/replaying.hpp"
-#include "firmware/daemon/simulation.hpp"
-#include "hal/replay/temporary_folder.hpp"
-#include "host-sim/device_replay.hpp"
-#include "host-sim/output_file.hpp"
-#include "host-sim/settings_file.hpp"
+#include "firmware/bench/device_replay.hpp"
+#include "firmware/daemon/boards/replaying.hpp"
+#include "firmware/daemon/boards/simulation.hpp"
+#include "firmware/daemon/loop/loop.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "model/files/output_file.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::recorder_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "hal/linux/hands.hpp"
+#include "tests/hal/linux/devices/hands.hpp"
 
 namespace smaservo::test::linux_board_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "hal/replay/traces.hpp"
+#include "tests/hal/replay/traces.hpp"
 
 namespace smaservo::test::replay_board_test {
 namespace {

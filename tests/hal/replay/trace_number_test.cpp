@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "hal/replay/traces.hpp"
+#include "tests/hal/replay/traces.hpp"
 
 namespace smaservo::test::trace_number_test {
 namespace {

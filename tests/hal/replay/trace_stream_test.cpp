@@ -12,7 +12,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "hal/replay/traces.hpp"
+#include "tests/hal/replay/traces.hpp"
 
 namespace smaservo::test::trace_stream_test {
 namespace {

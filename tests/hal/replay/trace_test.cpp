@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hal/replay/traces.hpp"
+#include "tests/hal/replay/traces.hpp"
 
 namespace smaservo::test::trace_test {
 namespace {

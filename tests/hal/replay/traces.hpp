@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/replay/temporary_folder.hpp"
 #include "hal/replay/trace.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo::test::simulated_wire_test {
 namespace {

@@ -6,9 +6,9 @@
 #include "host-sim/can/settings.hpp"
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"
-#include "host-sim/can/text_plot.hpp"
 #include "host-sim/can/watch.hpp"
-#include "host-sim/output_file.hpp"
+#include "host-sim/report/text_plot.hpp"
+#include "model/files/output_file.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 #include "tests/host-sim/can/simulated_bus.hpp"
 

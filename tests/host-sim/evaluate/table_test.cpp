@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/replay/temporary_folder.hpp"
 #include "host-sim/evaluate/figures.hpp"
-#include "host-sim/output_file.hpp"
+#include "model/files/output_file.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "firmware/device.hpp"
+#include "firmware/device/device.hpp"
 #include "hal/sim/simulated_wire.hpp"
+#include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/tune.hpp"
-#include "host-sim/tune/uncertainty.hpp"
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo {
 namespace {

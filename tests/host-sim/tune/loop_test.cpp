@@ -1,14 +1,14 @@
 // The frequency response of a loop against the loop itself: the firmware's PID closed on an exact
 // first-order plant, in time.
 
-#include "host-sim/tune/loop.hpp"
+#include "host-sim/tune/linear/loop.hpp"
 
 #include <cmath>
 #include <deque>
 #include <gtest/gtest.h>
 #include <random>
 
-#include "firmware/pid.hpp"
+#include "firmware/control/pid.hpp"
 
 namespace smaservo {
 namespace {

@@ -1,4 +1,4 @@
-#include "host-sim/tune/margins.hpp"
+#include "host-sim/tune/linear/margins.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,10 +1,10 @@
 // The linearisation against the plant in time: a little more power than it loses.
 
-#include "host-sim/tune/operating_points.hpp"
+#include "host-sim/tune/linear/operating_points.hpp"
 
 #include <gtest/gtest.h>
 
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo {
 namespace {

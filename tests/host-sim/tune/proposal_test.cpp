@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "firmware/parameter_check.hpp"
-#include "host-sim/output_file.hpp"
+#include "firmware/parameters/parameter_check.hpp"
+#include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "host-sim/tune/uncertainty.hpp"
-#include "model/wires/wire_file.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "model/wires/wire_file.hpp"
+#include "model/files/wire_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -1,0 +1,63 @@
+#pragma once
+// The very step of the firmware on simulated wires.
+
+#include <memory>
+#include <optional>
+
+#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/device/device.hpp"
+#include "firmware/text/turn.hpp"
+#include "hal/sim/pair.hpp"
+
+namespace smaservo {
+
+/// The second wire of a pair, at the same instant.
+struct OtherWire {
+  double strain, current_A, hottest_K;
+};
+
+/// Cost of a step: the device's, the plant's, and 0.1 us. Nothing is allocated after the start. A
+/// pair takes some ten steps of each plant.
+class ClosedLoop {
+ public:
+  explicit ClosedLoop(const ClosedLoopScenario& scenario);
+  ~ClosedLoop() = default;
+  // Its parts refer to each other.
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
+
+  /// One period; false when the time is over.
+  bool step();
+  const Turn& turn() const { return turn_; }
+  std::optional<OtherWire> other() const;
+
+ private:
+  struct Axis {
+    Axis(const Prepared<double>& prepared, const PlantSetup& plant, const SimSetup& setup)
+        : device(Device<double>::start()), prepared_(prepared), board(make_plant(plant), setup) {}
+    Output<double> step(ReadStatus status, const Frame& frame, const Command<double>& command,
+                        bool late, double dt_s, std::int64_t period_ns, Inputs<double>& inputs);
+
+    Device<double>::State device;
+    const Prepared<double>& prepared_;
+    SimBoard board;
+  };
+
+  Command<double> opposite(const Command<double>& command) const;
+
+  Prepared<double> prepared_;
+  std::int64_t period_ns_, end_ns_;
+  double nominal_s_;
+  Axis first_;
+  std::unique_ptr<Axis> second_;
+  bool second_drives_ = false;
+  std::optional<SimPair> pair_;
+  double rest_strains_ = 0;  ///< of both wires together
+  CommandProgram program_;
+  SimEvents events_;
+  bool began_ = false;
+  std::int64_t time_ns_ = 0;
+  Turn turn_{};
+};
+
+}  // namespace smaservo

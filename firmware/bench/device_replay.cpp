@@ -1,0 +1,261 @@
+#include "firmware/bench/device_replay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "firmware/device/adopt.hpp"
+#include "firmware/device/board_io.hpp"
+#include "firmware/text/device_log.hpp"
+#include "firmware/text/device_trace.hpp"
+#include "hal/replay/board.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double shortest_step_s = 1e-4;
+constexpr double longest_step_s = 20e-3;
+
+/// The finite number that a text is, all of it; none for other texts.
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  const char* const begin = text.data();
+  const char* const stop = begin + text.size();
+  const auto [at, error] = std::from_chars(begin, stop, value);
+  const bool whole = error == std::errc{} && at == stop && std::isfinite(value);
+  return whole ? std::optional(value) : std::nullopt;
+}
+
+/// The outputs beside those that the trace has.
+class Comparison {
+ public:
+  Comparison(const std::vector<std::string>& names, double tolerance) : tolerance_(tolerance) {
+    for (const DeviceColumn& column : output_columns()) {
+      const auto found = std::ranges::find(names, column.name);
+      if (found != names.end()) {
+        pairs_.push_back({column, static_cast<std::size_t>(found - names.begin())});
+        pairs_.back().difference.column = column.name;
+      }
+    }
+  }
+
+  void add(const Turn& turn, const std::vector<std::string_view>& fields) {
+    bool differs = false;
+    for (Pair& pair : pairs_) {
+      now_.clear();
+      pair.column.write(now_, turn);
+      const std::string_view recorded = fields.at(pair.position);
+      if (now_ != recorded) {
+        differs = true;
+        note(pair, recorded, turn.time_s);
+      }
+      if (tolerance_ > 0) {
+        pair.span(recorded);
+      }
+    }
+    differing_rows_ += differs ? 1U : 0U;
+  }
+
+  void finish(DeviceReplayResult& result) {
+    result.differing_rows = differing_rows_;
+    for (Pair& pair : pairs_) {
+      OutputDifference& difference = pair.difference;
+      result.compared.push_back(difference.column);
+      if (difference.rows > 0) {
+        difference.tolerated = tolerance_ > 0 && pair.numbers &&
+                               difference.greatest <= tolerance_ * (pair.most - pair.least);
+        result.differences.push_back(difference);
+      }
+    }
+  }
+
+ private:
+  struct Pair {
+    DeviceColumn column;
+    std::size_t position;
+    OutputDifference difference{};
+    bool numbers = true;  // wherever they differ
+    double least = std::numeric_limits<double>::infinity();
+    double most = -least;
+
+    void span(std::string_view recorded) {
+      if (const std::optional<double> value = number_in(recorded)) {
+        least = std::min(least, *value);
+        most = std::max(most, *value);
+      }
+    }
+  };
+
+  void note(Pair& pair, std::string_view recorded, double time_s) const {
+    OutputDifference& difference = pair.difference;
+    if (difference.rows++ == 0) {
+      difference.first_s = time_s;
+      difference.recorded = recorded;
+      difference.now = now_;
+    }
+    const std::optional<double> before = number_in(recorded);
+    const std::optional<double> now = number_in(now_);
+    if (before && now) {
+      difference.greatest = std::max(difference.greatest, std::abs(*before - *now));
+    } else {
+      pair.numbers = false;
+    }
+  }
+
+  double tolerance_;
+  std::vector<Pair> pairs_;
+  std::string now_;
+  std::uint64_t differing_rows_ = 0;
+};
+
+/// The file to write: the log and the outputs, then what the trace has besides.
+class ReplayFile {
+ public:
+  ReplayFile(const std::string& path, const TraceReader& trace) {
+    std::vector<DeviceColumn> columns = log_columns(
+        trace.has(Column::supply), trace.has(Column::ambient), trace.has(Column::driver));
+    columns.insert(columns.end(), output_columns().begin(), output_columns().end());
+    std::vector<std::string> further;
+    for (std::size_t i = 0; i < trace.names().size(); ++i) {
+      const std::string& name = trace.names()[i];
+      if (std::ranges::find(columns, name, &DeviceColumn::name) == columns.end()) {
+        positions_.push_back(i);
+        further.push_back(name);
+      }
+    }
+    file_ = std::make_unique<DeviceTraceFile>(path, std::move(columns), further);
+  }
+
+  void add(const Turn& turn, const std::vector<std::string_view>& fields) {
+    further_.clear();
+    for (const std::size_t position : positions_) {
+      further_ += ',';
+      further_ += fields.at(position);
+    }
+    file_->add(turn, further_);
+  }
+  void commit() { file_->commit(); }
+
+ private:
+  std::vector<std::size_t> positions_;
+  std::string further_;
+  std::unique_ptr<DeviceTraceFile> file_;
+};
+
+double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std::int64_t to_ns) {
+  const double dt_s = static_cast<double>(to_ns - from_ns) * 1e-9;
+  if (!(dt_s >= shortest_step_s && dt_s <= longest_step_s)) {
+    throw UserError(fmt::format("{}: {} s after the row at {} s; a device steps every {} to {} s",
+                                trace, dt_s, from_s, shortest_step_s, longest_step_s));
+  }
+  return dt_s;
+}
+
+void change_parameters(const DeviceLog& log, const std::vector<std::string_view>& fields,
+                       double time_s, Prepared<double>& prepared, Device<double>::State& device) {
+  Settings<double> settings = prepared.settings;
+  if (log.change(fields, time_s, settings)) {
+    const Prepared<double> next = prepare(settings);
+    adopt(prepared, next, device);
+    prepared = next;
+  }
+}
+
+}  // namespace
+
+DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
+  TraceOptions trace_options = options.trace_options;
+  trace_options.device = true;
+  TraceReader reader(options.trace, trace_options);
+  const std::vector<std::string> names = reader.names();
+  const DeviceLog log(options.trace, names);
+  Comparison comparison(names, options.tolerance);
+  std::unique_ptr<ReplayFile> file;
+  if (!options.out.empty()) {
+    file = std::make_unique<ReplayFile>(options.out, reader);
+  }
+  Progress progress("replay", reader.file_size());
+  ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
+                    options.settings.wire.geometry.area_m2());
+  const auto prepared = std::make_unique<Prepared<double>>(prepare(options.settings));
+  Device<double>::State device = Device<double>::start();
+  DeviceReplayResult result;
+  std::vector<std::string_view> fields;
+  Turn turn{};
+  Frame frame{};
+  std::int64_t last_ns = 0;
+  for (ReadStatus status = board.read(frame); status != ReadStatus::end;
+       status = board.read(frame)) {
+    const double dt_s = result.rows == 0
+                            ? options.settings.timing.period_s
+                            : step_s(options.trace, turn.time_s, last_ns, frame.time_ns);
+    last_ns = frame.time_ns;
+    turn.time_s = static_cast<double>(frame.time_ns) / 1e9;
+    split_fields(board.row().text, fields);
+    change_parameters(log, fields, turn.time_s, *prepared, device);
+    turn.inputs = inputs_of<double>(frame, status);
+    turn.inputs.deadline_missed = log.late(fields, turn.time_s);
+    turn.inputs.external = log.external(fields, turn.time_s);
+    turn.command = log.command(fields, turn.time_s);
+    turn.output = Device<double>::step(*prepared, device, turn.inputs, turn.command, dt_s);
+    comparison.add(turn, fields);
+    if (file) {
+      file->add(turn, fields);
+    }
+    result.duration_s += result.rows == 0 ? 0 : dt_s;
+    ++result.rows;
+    progress.update(board.trace().bytes());
+  }
+  if (result.rows == 0) {
+    throw UserError(fmt::format("{}: has no usable row", options.trace));
+  }
+  result.skipped = board.trace().skipped();
+  result.complaints = board.trace().complaints();
+  comparison.finish(result);
+  if (file) {
+    file->commit();
+  }
+  return result;
+}
+
+bool agrees(const DeviceReplayResult& result) {
+  return std::ranges::all_of(result.differences, &OutputDifference::tolerated);
+}
+
+std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult& result) {
+  std::string text = fmt::format("{}: {} rows, {:.4g} s\n",
+                                 options.trace == "-" ? "standard input" : options.trace,
+                                 result.rows, result.duration_s);
+  if (result.skipped > 0) {
+    text += fmt::format("{} bad rows skipped\n", result.skipped);
+    for (const std::string& complaint : result.complaints) {
+      text += fmt::format("  skipped: {}\n", complaint);
+    }
+  }
+  if (result.compared.empty()) {
+    return text + "the trace has no outputs to compare with\n";
+  }
+  if (result.differing_rows == 0) {
+    return text +
+           fmt::format("all {} outputs are the same to the last bit\n", result.compared.size());
+  }
+  text += fmt::format("{} rows differ from the outputs in the trace\n", result.differing_rows);
+  text += fmt::format("{:<20}{:>10}{:>12}{:>14}  {}\n", "output", "rows", "first at s", "greatest",
+                      "first one: in the trace, now");
+  for (const OutputDifference& d : result.differences) {
+    text += fmt::format("{:<20}{:>10}{:>12.6g}{:>14.4g}  '{}', '{}'{}\n", d.column, d.rows,
+                        d.first_s, d.greatest, d.recorded, d.now, d.tolerated ? ", tolerated" : "");
+  }
+  return text;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,59 @@
+#pragma once
+// What `simulate` does to a wire: a TOML file, host-sim/README.md has the keys.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "hal/sim/simulated_bench.hpp"
+#include "hal/sim/simulated_wire.hpp"
+#include "model/files/wire_file.hpp"
+
+namespace smaservo {
+
+/// Heating power by level: 0 keeps the wire at ambient temperature, 1 would end where it is fully
+/// transformed and `overheat` warmer.
+struct DriveStep {
+  double level;
+  double seconds;
+  double ripple = 0;  ///< sinus on the power, as a share of it, 0..1
+  double ripple_Hz = 0;
+};
+
+/// A wire heated by a current, measured electrically.
+struct JouleScenario {
+  double ambient_K;
+  double draught;  ///< factor on still-air convection
+  double overheat_K;
+  double least_current_A;
+  double rate_Hz;
+  double record_from_s;
+  std::vector<DriveStep> drive;
+  Load load;
+  Sensors sensors;
+};
+
+/// A wire in a bath whose temperature and load are set.
+struct BathScenario {
+  double stress_Pa;
+  double step_K;
+  std::vector<double> turning_K;
+  double temperature_noise_K;
+};
+
+struct Scenario {
+  std::string note;
+  WireDescription wire;
+  std::uint64_t seed;
+  double scatter_K;  ///< standard deviation of the transition temperatures along the wire
+  Family family = Family::ihyp;
+  SublayerStructure sublayers;  ///< of that family only
+  std::variant<JouleScenario, BathScenario> run;
+};
+
+/// Throws UserError or WireError: names file, key, value and what is allowed.
+Scenario load_scenario(const std::filesystem::path& file);
+
+}  // namespace smaservo

@@ -1,0 +1,15 @@
+#pragma once
+// Tables that both kinds of scenarios have.
+
+#include "hal/sim/simulated_bench.hpp"
+#include "model/files/toml_table.hpp"
+
+namespace smaservo {
+
+/// No time of a scenario is beyond.
+inline constexpr double longest_s = 1e5;
+
+/// Throws UserError.
+Load read_load(Table table);
+
+}  // namespace smaservo

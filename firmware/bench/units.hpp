@@ -1,0 +1,31 @@
+#pragma once
+// Wires drawn at random around the preset, as one piece of wire differs from the next.
+
+#include <cstdint>
+
+#include "hal/sim/simulated_wire.hpp"
+#include "model/files/wire_file.hpp"
+
+namespace smaservo {
+
+/// One piece of wire, as it really is.
+struct WireUnit {
+  Family family;
+  std::uint64_t seed;  ///< what it was drawn with
+  WireDescription wire;
+  double scatter_K;             ///< along the wire
+  SublayerStructure sublayers;  ///< of that family only
+
+  /// What is known of it without a calibration: the preset, with the resistivities scaled to the
+  /// resistance that the cold wire has at 25 °C without load (the key wire.resistance).
+  Wire<double> type_file() const;
+};
+
+/// The preset smartflex-76um with every parameter off at random, and the family's own structure;
+/// the same seed gives the same unit. Standard deviations, cut at 2.5 of them: transition
+/// temperatures of each process 1.5 K, their slopes with stress 4 %, curvature 10 %, strain 3 %,
+/// resistivities 1 %, their change per kelvin 10 %, moduli 8 %, latent heats 6 %, specific heat
+/// 4 %, length 0.5 %, diameter 1 %, conductivity to the clamps 10 %.
+WireUnit random_unit(Family family, std::uint64_t seed);
+
+}  // namespace smaservo

@@ -1,0 +1,408 @@
+#include "firmware/canopen/node/node.hpp"
+
+#include <utility>
+
+namespace smaservo::canopen {
+namespace {
+
+// Identifiers of the predefined connection set.
+constexpr std::uint32_t nmt_id = 0x000;
+constexpr std::uint32_t sdo_answer_id = 0x580;
+constexpr std::uint32_t sdo_request_id = 0x600;
+constexpr std::uint32_t heartbeat_id = 0x700;
+
+constexpr std::uint8_t generic_error = 0x01;
+constexpr std::uint8_t communication_error = 0x10;
+constexpr std::uint16_t heartbeat_lost = 0x8130;
+constexpr std::uint16_t sync_length = 0x8240;
+
+CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
+  CanFrame frame;
+  frame.id = id;
+  frame.length = length;
+  return frame;
+}
+
+}  // namespace
+
+// Life.
+
+bool Node::start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
+  const bool only_communication = request_ == Request::reset_communication;
+  now_us_ = heartbeat_us_ = sync_us_ = traffic_us_ = now_us;
+  consumers_ = {};
+  emergencies_waiting_ = 0;
+  application_errors_ = 0;
+  lost_ = duplicated_ = emergency_sent_ = sync_alive_ = spoken_to_ = false;
+  request_ = Request::none;
+  sdo_.reset();
+  const bool good = load_image(image, only_communication);
+  lss_.reset(node_id_, lss_bit_rate_ == unconfigured ? config_.bit_rate : lss_bit_rate_);
+  state_ = Nmt::initialising;
+  application_.started(node_id_);
+  pdos_.reset();
+  boots_ = node_id_ != unconfigured;
+  if (boots_) {
+    enter(Nmt::pre_operational);
+  }
+  return good;
+}
+
+void Node::enter(Nmt state) {
+  if (state == state_) {
+    return;
+  }
+  state_ = state;
+  pdos_.stop();
+  if (!communicates()) {
+    sdo_.reset();
+  }
+  application_.nmt_changed(state);
+}
+
+void Node::command(const CanFrame& frame) {
+  if (frame.length != 2 || (frame.data[1] != 0 && frame.data[1] != node_id_)) {
+    return;
+  }
+  traffic_us_ = now_us_;
+  spoken_to_ = true;
+  switch (frame.data[0]) {
+    case 1:
+      enter(Nmt::operational);
+      break;
+    case 2:
+      enter(Nmt::stopped);
+      break;
+    case 128:
+      enter(Nmt::pre_operational);
+      break;
+    case 129:
+    case 130:
+      request_ = frame.data[0] == 129 ? Request::reset_node : Request::reset_communication;
+      enter(Nmt::initialising);
+      break;
+    default:
+      break;
+  }
+}
+
+/// A reset goes before everything, and makes the node silent until it is started.
+Abort Node::ask(Request request) {
+  if (request_ != Request::none) {
+    return Abort::state;
+  }
+  const Abort refused = application_.may_request(request);
+  if (refused == Abort::none) {
+    request_ = request;
+  }
+  return refused == Abort::none ? Abort::pending : refused;
+}
+
+void Node::finish(bool done) {
+  const Request request = request_;
+  if (request == Request::none || request == Request::reset_node ||
+      request == Request::reset_communication) {
+    return;
+  }
+  request_ = Request::none;
+  if (request == Request::store_lss) {
+    lss_.finish_store(done);
+  } else if (request != Request::bit_rate) {
+    sdo_.finish(done ? Abort::none : Abort::hardware);
+  }
+}
+
+// Frames in.
+
+void Node::receive(const CanFrame& frame, std::uint64_t now_us) {
+  now_us_ = now_us;
+  if (frame.extended || frame.length > 8) {
+    return;
+  }
+  if (frame.id == lss_request_id && !frame.remote) {
+    receive_lss(frame);
+    return;
+  }
+  if (state_ == Nmt::initialising) {
+    return;
+  }
+  if (frame.id == nmt_id && !frame.remote) {
+    command(frame);
+    return;
+  }
+  if (frame.id == sdo_request_id + node_id_ && !frame.remote) {
+    if (frame.length == 8 && communicates()) {
+      traffic_us_ = now_us;
+      spoken_to_ = true;
+      sdo_.receive(frame.data, now_us);
+    }
+    return;
+  }
+  if (heartbeat_id < frame.id && frame.id <= heartbeat_id + 127 && !frame.remote) {
+    receive_heartbeat(frame);
+    return;
+  }
+  if (frame.id == (objects_.sync_cob & cob_id_mask) && !frame.remote) {
+    receive_sync(frame);
+    return;
+  }
+  if (state_ != Nmt::operational) {
+    return;
+  }
+  const PdoEvent event = pdos_.receive(frame, now_us);
+  if (event != PdoEvent::ignored && !frame.remote) {
+    traffic_us_ = now_us;
+    spoken_to_ = true;
+    find_again();
+  }
+  if (event == PdoEvent::too_short || event == PdoEvent::too_long) {
+    emergency(static_cast<std::uint16_t>(event), frame.id);
+  }
+}
+
+void Node::receive_sync(const CanFrame& frame) {
+  if (state_ != Nmt::operational) {
+    return;
+  }
+  const std::uint8_t length = objects_.sync_overflow == 0 ? 0 : 1;
+  if (frame.length != length) {
+    emergency(sync_length, frame.length);
+    return;
+  }
+  sync_us_ = now_us_;
+  sync_alive_ = true;
+  pdos_.sync(length == 0 ? std::uint8_t{0} : frame.data[0]);
+}
+
+void Node::receive_heartbeat(const CanFrame& frame) {
+  if (frame.length != 1) {
+    return;
+  }
+  const std::uint32_t id = frame.id - heartbeat_id;
+  if (id == node_id_) {
+    duplicated_ = true;
+    return;
+  }
+  for (std::size_t i = 0; i < consumer_count; ++i) {
+    const std::uint32_t watched = objects_.consumers[i];
+    if ((watched >> 16U & 0x7FU) == id && (watched & 0xFFFFU) != 0) {
+      consumers_[i] = {now_us_, true, false};
+    }
+  }
+  find_again();
+}
+
+/// The communication error of 1001h ends when everybody who is watched has come back.
+void Node::find_again() {
+  const bool any_lost =
+      std::ranges::any_of(consumers_, [](const Consumer& consumer) { return consumer.lost; });
+  if (lost_ && !any_lost && pdos_.on_time()) {
+    lost_ = false;
+    show_errors();
+  }
+}
+
+void Node::receive_lss(const CanFrame& frame) {
+  if (frame.length != 8 || request_ == Request::reset_node ||
+      request_ == Request::reset_communication) {
+    return;
+  }
+  const bool was_configuring = lss_.configures();
+  switch (lss_.receive(frame.data)) {
+    case LssAction::none:
+      break;
+    case LssAction::node_id:
+      if (was_configuring && !lss_.configures() && node_id_ == unconfigured) {
+        request_ = Request::reset_communication;
+      }
+      break;
+    case LssAction::store:
+      if (ask(Request::store_lss) == Abort::pending) {
+        lss_node_id_ = lss_.pending_node_id();
+        lss_bit_rate_ = lss_.pending_bit_rate();
+      } else {
+        lss_.finish_store(false);
+      }
+      break;
+    case LssAction::activate:
+      ask(Request::bit_rate);
+      break;
+  }
+}
+
+// Time.
+
+void Node::advance(std::uint64_t now_us) {
+  now_us_ = now_us;
+  if (state_ == Nmt::initialising) {
+    return;
+  }
+  if (communicates()) {
+    sdo_.advance(now_us);
+  }
+  watch_consumers();
+  if (state_ == Nmt::operational) {
+    watch_sync();
+    if (pdos_.advance(now_us) == PdoEvent::timed_out) {
+      lose(static_cast<std::uint16_t>(PdoEvent::timed_out), 0);
+    }
+  }
+}
+
+void Node::watch_consumers() {
+  for (std::size_t i = 0; i < consumer_count; ++i) {
+    Consumer& consumer = consumers_[i];
+    const std::uint32_t watched = objects_.consumers[i];
+    const std::uint64_t time_us = 1000ULL * (watched & 0xFFFFU);
+    if (consumer.alive && time_us != 0 && time_us <= now_us_ - consumer.came_us) {
+      consumer = {consumer.came_us, false, true};
+      lose(heartbeat_lost, static_cast<std::uint8_t>(watched >> 16U));
+    }
+  }
+}
+
+void Node::watch_sync() {
+  const std::uint64_t period_us = objects_.sync_period_us;
+  if (sync_alive_ && period_us != 0 && 2 * period_us <= now_us_ - sync_us_) {
+    sync_alive_ = false;
+  }
+}
+
+/// 1029h says what becomes of the node, the application what becomes of the wire.
+void Node::lose(std::uint16_t code, std::uint8_t who) {
+  lost_ = true;
+  emergency(code, who);
+  application_.connection_lost(code);
+  if (objects_.error_behaviour == 0 && state_ == Nmt::operational) {
+    enter(Nmt::pre_operational);
+  } else if (objects_.error_behaviour == 2) {
+    enter(Nmt::stopped);
+  }
+}
+
+bool Node::partner_alive(std::uint64_t timeout_us) const {
+  bool watched = false;
+  for (std::size_t i = 0; i < consumer_count; ++i) {
+    if ((objects_.consumers[i] & 0xFFFFU) != 0) {
+      watched = true;
+      if (!consumers_[i].alive) {
+        return false;
+      }
+    }
+  }
+  if (watched) {
+    return true;
+  }
+  if (pdos_.has_deadline()) {
+    return pdos_.on_time();
+  }
+  if (objects_.sync_period_us != 0) {
+    return sync_alive_;
+  }
+  return spoken_to_ && (timeout_us == 0 || now_us_ - traffic_us_ < timeout_us);
+}
+
+// Emergencies.
+
+void Node::emergency(std::uint16_t code, std::uint64_t info) {
+  const bool bus = (code & 0xFF00U) == 0x8100 || (code & 0xFF00U) == 0x8200;
+  const auto history = std::span(objects_.errors);
+  std::ranges::copy_backward(history.first(error_history - 1), history.end());
+  history[0] = code | static_cast<std::uint32_t>(info & 0xFFFFU) << 16U;
+  if (objects_.error_count < error_history) {
+    ++objects_.error_count;
+  }
+  show_errors();
+  if (state_ == Nmt::initialising || emergencies_waiting_ == error_history) {
+    return;
+  }
+  const auto errors = static_cast<std::uint8_t>(objects_.error_register | generic_error |
+                                                (bus ? communication_error : 0U));
+  emergencies_[emergencies_waiting_++] = {info, code, errors};
+}
+
+void Node::set_errors(std::uint8_t bits) {
+  if (bits != application_errors_) {
+    application_errors_ = bits;
+    show_errors();
+  }
+}
+
+void Node::show_errors() {
+  const std::uint8_t before = objects_.error_register;
+  const auto bus = static_cast<std::uint8_t>(lost_ ? communication_error | generic_error : 0U);
+  objects_.error_register = static_cast<std::uint8_t>(application_errors_ | bus);
+  if (before != 0 && objects_.error_register == 0 && emergencies_waiting_ < error_history) {
+    emergencies_[emergencies_waiting_++] = {0, 0, 0};
+  }
+}
+
+// Frames out.
+
+bool Node::take(CanFrame& frame) {
+  if (lss_.take(std::span<std::uint8_t, 8>(frame.data))) {
+    const auto data = frame.data;
+    frame = frame_of(lss_answer_id, 8);
+    frame.data = data;
+    return true;
+  }
+  if (state_ == Nmt::initialising) {
+    return false;
+  }
+  return take_heartbeat(frame) || take_emergency(frame) ||
+         (state_ == Nmt::operational && pdos_.take(frame, now_us_)) || take_answer(frame);
+}
+
+bool Node::take_heartbeat(CanFrame& frame) {
+  const std::uint64_t period_us = 1000ULL * objects_.heartbeat_ms;
+  const bool due = period_us != 0 && period_us <= now_us_ - heartbeat_us_;
+  if (!boots_ && !due) {
+    return false;
+  }
+  // The next one counts from when this one was due, unless it is very late.
+  heartbeat_us_ =
+      boots_ || 2 * period_us <= now_us_ - heartbeat_us_ ? now_us_ : heartbeat_us_ + period_us;
+  frame = frame_of(heartbeat_id + node_id_, 1);
+  frame.data[0] = boots_ ? std::uint8_t{0} : static_cast<std::uint8_t>(state_);
+  boots_ = false;
+  return true;
+}
+
+bool Node::take_emergency(CanFrame& frame) {
+  if (!communicates() || emergencies_waiting_ == 0) {
+    return false;
+  }
+  if ((objects_.emergency_cob & cob_invalid) != 0) {
+    emergencies_waiting_ = 0;
+    return false;
+  }
+  const std::uint64_t inhibit_us = 100ULL * objects_.emergency_inhibit_100us;
+  if (emergency_sent_ && now_us_ - emergency_us_ < inhibit_us) {
+    return false;
+  }
+  emergency_us_ = now_us_;
+  emergency_sent_ = true;
+  const Emergency e = emergencies_[0];
+  std::ranges::copy(std::span(emergencies_).subspan(1), emergencies_.begin());
+  --emergencies_waiting_;
+  frame = frame_of(objects_.emergency_cob & cob_id_mask, 8);
+  put_number(std::span(frame.data).first(2), e.code);
+  frame.data[2] = e.errors;
+  put_number(std::span(frame.data).subspan(3), e.info);
+  return true;
+}
+
+bool Node::take_answer(CanFrame& frame) {
+  if (!communicates()) {
+    return false;
+  }
+  std::array<std::uint8_t, 8> data{};
+  if (!sdo_.take(data)) {
+    return false;
+  }
+  frame = frame_of(sdo_answer_id + node_id_, 8);
+  frame.data = data;
+  return true;
+}
+
+}  // namespace smaservo::canopen

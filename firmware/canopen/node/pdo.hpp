@@ -1,0 +1,81 @@
+#pragma once
+// Four PDOs in each direction, mapped at run time: CiA 301's transmission types 0, 1 to 240, 254
+// and 255, inhibit and event timers, answers to remote requests.
+//
+// Cost per call: each mapped object is found and read or written once, at most 32 of them.
+
+#include "firmware/canopen/node/communication.hpp"
+#include "hal/can_frame.hpp"
+
+namespace smaservo::canopen {
+
+/// What a received PDO led to, as EMCY codes.
+enum class PdoEvent : std::uint16_t {
+  none = 0,
+  ignored = 1,  ///< no PDO of ours
+  too_short = 0x8210,
+  too_long = 0x8220,
+  timed_out = 0x8250,
+};
+
+class Pdos {
+ public:
+  Pdos(Dictionary& dictionary, Communication& objects)
+      : dictionary_(dictionary), objects_(objects) {}
+
+  /// After the objects have been given other values: what can not be mapped is not.
+  void reset();
+  /// Into pre-operational, or out of it: nothing that waits is sent or applied any more.
+  void stop();
+
+  /// Whether an object of 1400h..1BFFh may get this value now.
+  Abort check(Key key, std::uint32_t value) const;
+  /// It has got it.
+  void changed(Key key);
+
+  PdoEvent receive(const CanFrame& frame, std::uint64_t now_us);
+  /// `counter` of the SYNC; 0: it has none.
+  void sync(std::uint8_t counter);
+  /// Events and timers. PdoEvent::timed_out when an RPDO with an event timer stays away.
+  PdoEvent advance(std::uint64_t now_us);
+  bool take(CanFrame& frame, std::uint64_t now_us);
+
+  bool has_deadline() const;  ///< some RPDO has an event timer
+  bool on_time() const;       ///< all of them have come within it
+
+ private:
+  struct Transmit {
+    std::uint64_t sent_us;
+    std::array<std::uint8_t, 8> data;
+    std::uint8_t length;
+    std::uint8_t syncs;  ///< since the last one
+    bool started;        ///< the SYNC with the start value has come
+    bool due;
+    bool sampled;  ///< its data are those of the SYNC
+    bool ever;     ///< sent since the start
+  };
+  struct Receive {
+    std::uint64_t came_us;
+    std::array<std::uint8_t, 8> data;
+    bool waits;    ///< for the next SYNC
+    bool watched;  ///< it has come once: its event timer runs
+    bool late;
+  };
+
+  static Abort check_params(const PdoParams& params, Key key, std::uint32_t value);
+  Abort check_mapping(const PdoParams& params, const Mapping& map, Key key,
+                      std::uint32_t value) const;
+  Abort check_object(std::uint32_t object, bool transmit) const;
+  Abort check_count(const Mapping& map, std::uint32_t count, bool transmit) const;
+  void apply(const Mapping& map, std::span<const std::uint8_t> data);
+  std::uint8_t pack(const Mapping& map, std::array<std::uint8_t, 8>& data);
+  void sample(std::size_t i);
+  void look(std::size_t i, std::uint64_t now_us);
+
+  Dictionary& dictionary_;
+  Communication& objects_;
+  std::array<Transmit, pdo_count> tx_{};
+  std::array<Receive, pdo_count> rx_{};
+};
+
+}  // namespace smaservo::canopen

@@ -1,0 +1,96 @@
+#pragma once
+// SDO server of CiA 301: expedited, segmented and block transfers, one at a time.
+//
+// Frames go in by receive(), answers are made when take() asks for them: a block upload needs no
+// queue. What is longer than the buffer is read piece by piece at its offset and can not be
+// written. Cost: one object access and at most 8 bytes of CRC per call; the end of a block download
+// adds the CRC over the whole buffer.
+
+#include "firmware/canopen/node/object.hpp"
+#include "hal/can_frame.hpp"
+
+namespace smaservo::canopen {
+
+class SdoServer {
+ public:
+  static constexpr std::uint64_t timeout_us = 1'000'000;
+
+  SdoServer(Dictionary& dictionary, std::span<std::uint8_t> buffer)
+      : dictionary_(dictionary), buffer_(buffer) {}
+
+  /// The 8 bytes of a request.
+  void receive(std::span<const std::uint8_t, 8> request, std::uint64_t now_us);
+  void advance(std::uint64_t now_us);
+  /// The 8 bytes of the next answer, if there is one.
+  bool take(std::span<std::uint8_t, 8> answer);
+  /// The answer to a write that was Abort::pending. Without such a one, nothing.
+  void finish(Abort result);
+  /// Forgets whatever was going on.
+  void reset();
+
+  bool is_idle() const { return state_ == State::idle && !answer_waits_; }
+  /// When the last request came.
+  std::uint64_t last_request_us() const { return last_us_; }
+
+ private:
+  enum class State : std::uint8_t {
+    idle,
+    pending,
+    download,
+    upload,
+    block_download,      ///< within a block
+    block_download_end,  ///< all blocks are there
+    block_upload_start,  ///< answered, the client starts it
+    block_upload,        ///< within a block
+    block_upload_ack,    ///< a block is sent
+    block_upload_end,    ///< all blocks are acknowledged
+  };
+
+  using Request = std::span<const std::uint8_t, 8>;
+  using Data = std::span<const std::uint8_t>;
+  void start_download(Request request);
+  void start_upload(Request request);
+  void continue_download(Request request);
+  void continue_upload(Request request);
+  void receive_block_download(Request request);
+  void receive_block(Request request);
+  void end_block_download(Request request);
+  void start_block_upload(Request request);
+  void receive_block_upload(Request request);
+  void acknowledge_block(Request request);
+
+  bool find(Request request);
+  bool find_readable(Request request);
+  bool find_writable(Request request, Data known);
+  bool fits(std::uint32_t size, Data known);
+  void refuse(Abort code, Data known);
+  bool open_upload();
+  void answer_upload();
+  bool store(Data data);
+  bool fetch(std::uint32_t offset, std::span<std::uint8_t> to);
+  void segment_of_block(std::span<std::uint8_t, 8> to);
+  void abort(Abort code);
+  std::span<std::uint8_t, 8> answer(std::uint8_t command);
+  void keyed(std::uint8_t command);
+
+  Dictionary& dictionary_;
+  std::span<std::uint8_t> buffer_;
+  std::uint64_t last_us_ = 0, waits_since_us_ = 0;
+  Entry entry_{};
+  std::uint32_t size_ = 0;     ///< of the upload; announced one of a download, 0: none
+  std::uint32_t offset_ = 0;   ///< what is transferred, and acknowledged
+  std::uint32_t crc_end_ = 0;  ///< up to where crc_ counts
+  Key key_{};
+  std::uint16_t crc_ = 0;
+  State state_ = State::idle;
+  std::uint8_t block_size_ = 127;
+  std::uint8_t sequence_ = 0;
+  bool toggle_ = false;
+  bool snapshot_ = false;  ///< the upload is whole in the buffer
+  bool with_crc_ = false;
+  bool answer_waits_ = false;
+  bool sent_ = false;  ///< the last segment of a block has just been taken
+  std::array<std::uint8_t, 8> answer_{};
+};
+
+}  // namespace smaservo::canopen

@@ -1,0 +1,326 @@
+#pragma once
+// The objects of the drive beside parameters and signals: CiA 402 and the manufacturer's services,
+// as a plain struct and the table that describes it.
+
+#include "firmware/canopen/node/objects.hpp"
+
+namespace smaservo::canopen {
+
+/// Modes of 6060h. Manufacturer's ones set heating directly.
+enum class DriveMode : std::int8_t {
+  identification = -4,
+  temperature = -3,
+  power = -2,
+  current = -1,
+  none = 0,
+  profile_position = 1,
+  profile_force = 4,
+  homing = 6,
+  cyclic_position = 8,
+  cyclic_force = 10,
+};
+
+// Option codes: what becomes of the heat.
+inline constexpr std::int16_t option_off = 0;         ///< no current: the wire relaxes
+inline constexpr std::int16_t option_hold = 6;        ///< 605Ah: holds, stays in Quick stop active
+inline constexpr std::int16_t option_halt_hold = 1;   ///< 605Dh
+inline constexpr std::int16_t option_safe_state = 2;  ///< 605Eh: as safe.state says
+
+inline constexpr std::size_t channel_count = 8;
+
+struct DriveObjects {
+  // CiA 402; positions in um, velocities in um/s, forces in 1/1000 of the rated one.
+  std::int32_t demand, actual, velocity, target, home_offset, following_error, target_velocity;
+  std::array<std::int32_t, 2> position_limit;
+  std::uint32_t following_window, target_window, rated_force_mN, profile_velocity, force_slope;
+  std::uint32_t position_unit, velocity_unit, supported_modes;
+  std::uint16_t controlword, statusword, error_code, following_ms, target_ms;
+  std::int16_t connection_option, quick_stop_option, shutdown_option, disable_option, halt_option,
+      fault_option;
+  std::int16_t target_force, force;
+  std::int8_t mode, mode_display, homing_method, period_exponent;
+  std::array<std::int8_t, 2> homing_methods;
+  std::uint8_t period_value;
+  // 2002h, 2003h
+  std::uint8_t level;
+  float partner_timeout_s;
+  // 2102h
+  float trial_s, client_timeout_s, remaining_s;
+  std::uint32_t refused, refused_other;
+  // 2201h
+  std::array<float, 3> targets;  ///< current_A, power_W, temperature_K
+  // 2202h
+  std::array<std::uint32_t, 8> fault_bits;
+  std::uint32_t limit_reasons;
+  // 2210h, 2211h
+  std::array<std::uint32_t, 2> steps;
+  std::array<float, 4> timing_s;
+  std::array<std::uint32_t, 3> bus;
+  // 2220h
+  std::uint32_t changes;
+  // 2300h, 2301h
+  std::uint32_t pretrigger, samples, capacity;
+  float level_value, sample_period_s;
+  // 2400h
+  std::int32_t amplitude_um;
+  std::uint32_t step_ms;
+  std::array<float, 5> figures;
+  std::uint16_t divisor;
+  std::array<std::uint8_t, channel_count> channels;
+  std::uint8_t tuning_state, first_cause, device_state;
+  std::uint8_t recorder_state, trigger_signal, trigger_edge, step_state;
+};
+
+namespace detail {
+
+constexpr std::uint32_t number(std::int32_t value) {
+  return static_cast<std::uint32_t>(value);
+}
+constexpr unsigned sent = readable | in_tpdo;
+constexpr unsigned driven = readable | writable | in_rpdo;
+constexpr unsigned driven_and_sent = driven | in_tpdo;
+
+constexpr std::size_t at_word(std::size_t array, std::size_t i) {
+  return array + 4 * i;
+}
+
+inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
+    row({0x2002, 1}, Type::real, readable | writable | stored,
+        offsetof(DriveObjects, partner_timeout_s), "partner.timeout_s", as_bits(60.F), as_bits(0.F),
+        as_bits(86400.F),
+        "without a word to this node for so long the partner is gone, where nothing else watches "
+        "it; 0: never"),
+    row({0x2003, 1}, Type::u8, readable, offsetof(DriveObjects, level), "access.level", 0,
+        "0: operate, 1: tune, 2: set up"),
+    row({0x2003, 2}, Type::u32, writable, nowhere, "access.key", 0,
+        "the key of a level; any other number locks"),
+    row({0x2102, 1}, Type::u8, readable | writable, nowhere, "tuning.command", 0, 0, 4,
+        "1: begin, 2: try, 3: commit, 4: revert"),
+    row({0x2102, 2}, Type::u8, sent, offsetof(DriveObjects, tuning_state), "tuning.state", 0,
+        "0: none, 1: open, 2: on trial"),
+    row({0x2102, 3}, Type::real, readable | writable, offsetof(DriveObjects, trial_s),
+        "tuning.trial_s", as_bits(30.F), as_bits(0.1F), as_bits(3600.F),
+        "a trial goes back by itself after it"),
+    row({0x2102, 4}, Type::real, readable | writable, offsetof(DriveObjects, client_timeout_s),
+        "tuning.client_timeout_s", as_bits(5.F), as_bits(0.F), as_bits(3600.F),
+        "without an SDO request for so long all goes back; 0: never"),
+    row({0x2102, 5}, Type::real, sent, offsetof(DriveObjects, remaining_s), "tuning.remaining_s", 0,
+        "of the trial"),
+    row({0x2102, 6}, Type::u32, readable, offsetof(DriveObjects, refused), "tuning.refused", 0,
+        "key of the parameter for which a set was refused: index << 16 | sub << 8"),
+    row({0x2102, 7}, Type::u32, readable, offsetof(DriveObjects, refused_other),
+        "tuning.refused_other", 0, "the one that it contradicts"),
+    row({0x2201, 1}, Type::real, driven, at_word(offsetof(DriveObjects, targets), 0),
+        "target.current_A", 0, as_bits(0.F), as_bits(25.F), "mode -1"),
+    row({0x2201, 2}, Type::real, driven, at_word(offsetof(DriveObjects, targets), 1),
+        "target.power_W", 0, as_bits(0.F), as_bits(1000.F), "mode -2"),
+    row({0x2201, 3}, Type::real, driven, at_word(offsetof(DriveObjects, targets), 2),
+        "target.temperature_K", 0, as_bits(0.F), as_bits(650.F), "mode -3"),
+    row({0x2202, 1}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 0),
+        "faults.latched_low", 0, "bit: number of the fault"),
+    row({0x2202, 2}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 1),
+        "faults.latched_high"),
+    row({0x2202, 3}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 2),
+        "faults.active_low"),
+    row({0x2202, 4}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 3),
+        "faults.active_high"),
+    row({0x2202, 5}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 4),
+        "faults.warnings_low"),
+    row({0x2202, 6}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 5),
+        "faults.warnings_high"),
+    row({0x2202, 7}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 6),
+        "faults.blocks_low", 0, "why it can not be enabled"),
+    row({0x2202, 8}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 7),
+        "faults.blocks_high"),
+    row({0x2202, 9}, Type::u8, sent, offsetof(DriveObjects, first_cause), "faults.first_cause"),
+    row({0x2202, 10}, Type::u8, sent, offsetof(DriveObjects, device_state), "device.state"),
+    row({0x2202, 11}, Type::u32, sent, offsetof(DriveObjects, limit_reasons),
+        "device.limit_reasons"),
+    row({0x2210, 1}, Type::u32, sent, at_word(offsetof(DriveObjects, steps), 0), "loop.steps"),
+    row({0x2210, 2}, Type::u32, sent, at_word(offsetof(DriveObjects, steps), 1), "loop.missed"),
+    row({0x2210, 3}, Type::real, sent, at_word(offsetof(DriveObjects, timing_s), 0),
+        "loop.mean_late_s"),
+    row({0x2210, 4}, Type::real, sent, at_word(offsetof(DriveObjects, timing_s), 1),
+        "loop.greatest_late_s"),
+    row({0x2210, 5}, Type::real, sent, at_word(offsetof(DriveObjects, timing_s), 2),
+        "loop.mean_busy_s"),
+    row({0x2210, 6}, Type::real, sent, at_word(offsetof(DriveObjects, timing_s), 3),
+        "loop.greatest_busy_s"),
+    row({0x2211, 1}, Type::u32, sent, at_word(offsetof(DriveObjects, bus), 0), "bus.dropped", 0,
+        "frames that the queue did not take"),
+    row({0x2211, 2}, Type::u32, sent, at_word(offsetof(DriveObjects, bus), 1), "bus.off", 0,
+        "times that the bus was off"),
+    row({0x2211, 3}, Type::u32, sent, at_word(offsetof(DriveObjects, bus), 2), "bus.queue_full", 0,
+        "times that the queue was full and a frame waited"),
+    row({0x2220, 1}, Type::u32, sent, offsetof(DriveObjects, changes), "changes.count", 0,
+        "of parameters and other stored objects, and refusals of all that can be written"),
+    row({0x2220, 2}, Type::domain, readable, nowhere, "changes.last", 0,
+        "the newest first: ms, index, sub, source, old, new, abort code"),
+    row({0x2300, 1}, Type::u8, readable | writable, nowhere, "recorder.command", 0, 0, 2,
+        "0: stop, 1: arm, 2: trigger"),
+    row({0x2300, 2}, Type::u8, sent, offsetof(DriveObjects, recorder_state), "recorder.state", 0,
+        "0: idle, 1: armed, 2: triggered, 3: full"),
+    row({0x2300, 3}, Type::u16, readable | writable, offsetof(DriveObjects, divisor),
+        "recorder.divisor", 1, 1, 65535, "steps of the loop by sample"),
+    row({0x2300, 4}, Type::u32, readable | writable, offsetof(DriveObjects, pretrigger),
+        "recorder.pretrigger", 0, "samples before the trigger"),
+    row({0x2300, 5}, Type::u8, readable | writable, offsetof(DriveObjects, trigger_signal),
+        "recorder.trigger_signal", 0, "sub-index of 2200h; 0: at once"),
+    row({0x2300, 6}, Type::u8, readable | writable, offsetof(DriveObjects, trigger_edge),
+        "recorder.trigger_edge", 0, 0, 2, "0: rising, 1: falling, 2: either"),
+    row({0x2300, 7}, Type::real, readable | writable, offsetof(DriveObjects, level_value),
+        "recorder.trigger_level"),
+    row({0x2300, 8}, Type::u32, sent, offsetof(DriveObjects, samples), "recorder.samples"),
+    row({0x2300, 9}, Type::u32, readable, offsetof(DriveObjects, capacity), "recorder.capacity", 0,
+        "samples, with the chosen channels"),
+    row({0x2300, 10}, Type::real, readable, offsetof(DriveObjects, sample_period_s),
+        "recorder.period_s"),
+    row({0x2300, 11}, Type::domain, readable, nowhere, "recorder.data", 0,
+        "REAL32, one row of channels after the other, the oldest first; while full or stopped"),
+    row({0x2301, 1}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 0,
+        "recorder.channel_1", 17, "sub-index of 2200h; 0: none"),
+    row({0x2301, 2}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 1,
+        "recorder.channel_2", 12),
+    row({0x2301, 3}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 2,
+        "recorder.channel_3", 10),
+    row({0x2301, 4}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 3,
+        "recorder.channel_4", 3),
+    row({0x2301, 5}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 4,
+        "recorder.channel_5"),
+    row({0x2301, 6}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 5,
+        "recorder.channel_6"),
+    row({0x2301, 7}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 6,
+        "recorder.channel_7"),
+    row({0x2301, 8}, Type::u8, readable | writable, offsetof(DriveObjects, channels) + 7,
+        "recorder.channel_8"),
+    row({0x2400, 1}, Type::u8, readable | writable, nowhere, "step.command", 0, 0, 1,
+        "1: start, in Profile position and Operation enabled; 0: end"),
+    row({0x2400, 2}, Type::u8, sent, offsetof(DriveObjects, step_state), "step.state", 0,
+        "0: none, 1: running, 2: done, 3: broken off"),
+    row({0x2400, 3}, Type::i32, readable | writable, offsetof(DriveObjects, amplitude_um),
+        "step.amplitude_um", 500, "of contraction, from where the wire is"),
+    row({0x2400, 4}, Type::u32, readable | writable, offsetof(DriveObjects, step_ms),
+        "step.duration_ms", 2000, 10, 600000, "then back, for as long again"),
+    row({0x2400, 5}, Type::real, sent, at_word(offsetof(DriveObjects, figures), 0), "step.rise_s",
+        0, "10 to 90 %"),
+    row({0x2400, 6}, Type::real, sent, at_word(offsetof(DriveObjects, figures), 1),
+        "step.overshoot", 0, "share of the amplitude"),
+    row({0x2400, 7}, Type::real, sent, at_word(offsetof(DriveObjects, figures), 2),
+        "step.settling_s", 0, "into 5 % of the amplitude for good"),
+    row({0x2400, 8}, Type::real, sent, at_word(offsetof(DriveObjects, figures), 3), "step.error_m",
+        0, "mean of the last quarter"),
+    row({0x2400, 9}, Type::real, sent, at_word(offsetof(DriveObjects, figures), 4),
+        "step.peak_temperature_K"),
+});
+
+constexpr unsigned option = readable | writable | stored;
+
+inline constexpr auto drive_rows = std::to_array<DescribedObject>({
+    row({0x6007, 0}, Type::i16, option, offsetof(DriveObjects, connection_option),
+        "Abort connection option code", 1, 0, 3,
+        "0: nothing, 1: fault, 2: disable voltage, 3: quick stop"),
+    row({0x603F, 0}, Type::u16, sent, offsetof(DriveObjects, error_code), "Error code"),
+    row({0x6040, 0}, Type::u16, driven_and_sent, offsetof(DriveObjects, controlword),
+        "Controlword"),
+    row({0x6041, 0}, Type::u16, sent, offsetof(DriveObjects, statusword), "Statusword"),
+    row({0x605A, 0}, Type::i16, option, offsetof(DriveObjects, quick_stop_option),
+        "Quick stop option code", 0, 0, 6,
+        "0: heating off, the wire relaxes; 6: holds, stays in Quick stop active"),
+    row({0x605B, 0}, Type::i16, option, offsetof(DriveObjects, shutdown_option),
+        "Shutdown option code", 0, 0, 0, "0: heating off, the wire relaxes"),
+    row({0x605C, 0}, Type::i16, option, offsetof(DriveObjects, disable_option),
+        "Disable operation option code", 0, 0, 0, "0: heating off, the wire relaxes"),
+    row({0x605D, 0}, Type::i16, option, offsetof(DriveObjects, halt_option), "Halt option code", 1,
+        0, 1, "0: heating off, the wire relaxes; 1: holds the set-point"),
+    row({0x605E, 0}, Type::i16, option, offsetof(DriveObjects, fault_option),
+        "Fault reaction option code", 0, 0, 2,
+        "0: heating off; 2: safe.state, where the fault leaves the choice"),
+    row({0x6060, 0}, Type::i8, driven_and_sent, offsetof(DriveObjects, mode), "Modes of operation",
+        0, "-4: identification, -3: temperature, -2: power, -1: current, 1, 4, 6, 8, 10"),
+    row({0x6061, 0}, Type::i8, sent, offsetof(DriveObjects, mode_display),
+        "Modes of operation display"),
+    row({0x6062, 0}, Type::i32, sent, offsetof(DriveObjects, demand), "Position demand value", 0,
+        "um"),
+    row({0x6064, 0}, Type::i32, sent, offsetof(DriveObjects, actual), "Position actual value", 0,
+        "um"),
+    row({0x6065, 0}, Type::u32, option, offsetof(DriveObjects, following_window),
+        "Following error window", 0xFFFFFFFF, "um; FFFFFFFFh: off, trips.following_error stays"),
+    row({0x6066, 0}, Type::u16, option, offsetof(DriveObjects, following_ms),
+        "Following error time out", 0, "ms"),
+    row({0x6067, 0}, Type::u32, option, offsetof(DriveObjects, target_window), "Position window",
+        100, "um"),
+    row({0x6068, 0}, Type::u16, option, offsetof(DriveObjects, target_ms), "Position window time",
+        50, "ms"),
+    row({0x606C, 0}, Type::i32, sent, offsetof(DriveObjects, velocity), "Velocity actual value", 0,
+        "um/s"),
+    row({0x6071, 0}, Type::i16, driven, offsetof(DriveObjects, target_force), "Target torque", 0,
+        "force, 1/1000 of the rated one"),
+    row({0x6076, 0}, Type::u32, option, offsetof(DriveObjects, rated_force_mN),
+        "Motor rated torque", 1000, 1, 100'000'000, "rated force, mN"),
+    row({0x6077, 0}, Type::i16, sent, offsetof(DriveObjects, force), "Torque actual value", 0,
+        "force, 1/1000 of the rated one"),
+    row({0x607A, 0}, Type::i32, driven_and_sent, offsetof(DriveObjects, target), "Target position",
+        0, "um"),
+    row({0x607C, 0}, Type::i32, option, offsetof(DriveObjects, home_offset), "Home offset", 0,
+        "um"),
+    row({0x607D, 1}, Type::i32, option, at_word(offsetof(DriveObjects, position_limit), 0),
+        "Min position limit", 0x80000000, "um"),
+    row({0x607D, 2}, Type::i32, option, at_word(offsetof(DriveObjects, position_limit), 1),
+        "Max position limit", 0x7FFFFFFF, "um"),
+    row({0x6081, 0}, Type::u32, driven | stored, offsetof(DriveObjects, profile_velocity),
+        "Profile velocity", 0, "um/s; 0: as fast as trajectory.* allows"),
+    row({0x6087, 0}, Type::u32, driven | stored, offsetof(DriveObjects, force_slope),
+        "Torque slope", 1000, "1/1000 of the rated force per second"),
+    row({0x6098, 0}, Type::i8, option, offsetof(DriveObjects, homing_method), "Homing method", 37,
+        35, 37, "35, 37: where the wire is now"),
+    row({0x60A8, 0}, Type::u32, readable, offsetof(DriveObjects, position_unit), "SI unit position",
+        0xFA010000, "um"),
+    row({0x60A9, 0}, Type::u32, readable, offsetof(DriveObjects, velocity_unit), "SI unit velocity",
+        0xFA010300, "um/s"),
+    row({0x60C2, 1}, Type::u8, option, offsetof(DriveObjects, period_value),
+        "Interpolation time period value", 1),
+    row({0x60C2, 2}, Type::i8, option, offsetof(DriveObjects, period_exponent),
+        "Interpolation time index", number(-3), number(-6), 0),
+    row({0x60E3, 1}, Type::i8, readable, offsetof(DriveObjects, homing_methods),
+        "Supported homing method 1", 35),
+    row({0x60E3, 2}, Type::i8, readable, offsetof(DriveObjects, homing_methods) + 1,
+        "Supported homing method 2", 37),
+    row({0x60F4, 0}, Type::i32, sent, offsetof(DriveObjects, following_error),
+        "Following error actual value", 0, "um"),
+    row({0x60FF, 0}, Type::i32, driven, offsetof(DriveObjects, target_velocity), "Target velocity",
+        0, "accepted, without effect: there is no velocity mode"),
+    row({0x6502, 0}, Type::u32, readable, offsetof(DriveObjects, supported_modes),
+        "Supported drive modes", 0, "with a force sensor modes 4 and 10 as well"),
+});
+
+}  // namespace detail
+
+static_assert(in_order(detail::manufacturer_rows) && in_order(detail::drive_rows));
+
+inline constexpr auto drive_object_names = std::to_array<IndexName>({
+    {0x2002, "Partner"},
+    {0x2003, "Access"},
+    {0x2102, "Tuning transaction"},
+    {0x2201, "Targets"},
+    {0x2202, "Faults"},
+    {0x2210, "Loop timing"},
+    {0x2211, "Bus statistics"},
+    {0x2220, "Change log"},
+    {0x2300, "Recorder"},
+    {0x2301, "Recorder channels"},
+    {0x2400, "Step test"},
+    {0x607D, "Software position limit"},
+    {0x60C2, "Interpolation time period"},
+    {0x60E3, "Supported homing methods"},
+});
+
+/// Manufacturer's objects and those of CiA 402, in the order of their keys.
+inline constexpr auto drive_object_rows = [] {
+  std::array<DescribedObject, detail::manufacturer_rows.size() + detail::drive_rows.size()> rows{};
+  std::ranges::copy(detail::drive_rows,
+                    std::ranges::copy(detail::manufacturer_rows, rows.begin()).out);
+  return rows;
+}();
+static_assert(in_order(drive_object_rows));
+
+}  // namespace smaservo::canopen

@@ -1,0 +1,70 @@
+#pragma once
+// How the node reaches the parameters of a device, whatever its scalar; and what bounds them.
+
+#include <limits>
+
+#include "firmware/canopen/node/object.hpp"
+
+namespace smaservo::canopen {
+
+/// What no write over the bus can raise: from a file that only the administrator can change, or
+/// from the board's own design. Infinity: no ceiling.
+struct Ceilings {
+  static constexpr float none = std::numeric_limits<float>::infinity();
+  float current_A = none;      ///< limits.current_A
+  float power_W = none;        ///< limits.power_W
+  float temperature_K = none;  ///< limits.temperature_K
+  float stress_Pa = none;      ///< limits.stress_Pa
+  float trip_current_A = none, trip_temperature_K = none, trip_stress_Pa = none;  ///< trips.*
+};
+
+/// The ceiling of a parameter; infinity: it has none.
+constexpr float ceiling_of(const Ceilings& c, Key key) {
+  switch (static_cast<std::uint32_t>(key.index) << 8U | key.sub) {
+    case 0x202002:
+      return c.current_A;
+    case 0x202003:
+      return c.power_W;
+    case 0x202004:
+      return c.temperature_K;
+    case 0x202008:
+      return c.stress_Pa;
+    case 0x202101:
+      return c.trip_current_A;
+    case 0x202102:
+      return c.trip_temperature_K;
+    case 0x202103:
+      return c.trip_stress_Pa;
+    default:
+      return Ceilings::none;
+  }
+}
+
+enum class TuningState : std::uint8_t { none, open, on_trial };
+enum class TuningCommand : std::uint8_t { none, begin, attempt, commit, revert };
+
+/// Parameters by key. Handles are rows of the table.
+class ParameterAccess {
+ public:
+  virtual Abort find(Key key, Entry& entry) const = 0;
+  virtual std::uint32_t read(std::uint16_t row) const = 0;
+  /// Whether it may change while the device is enabled.
+  virtual bool is_live(std::uint16_t row) const = 0;
+  /// In force at once; within a transaction, with it.
+  virtual Abort write(std::uint16_t row, std::uint32_t value, bool enabled) = 0;
+  virtual Abort tune(TuningCommand command, float trial_s, bool enabled) = 0;
+  /// Whether a trial has just run out.
+  virtual bool tick(float dt_s) = 0;
+
+  virtual TuningState state() const = 0;
+  virtual float remaining_s() const = 0;
+  /// Why the last set was refused: keys of the parameters that contradict each other; 0: not.
+  virtual Key refused() const = 0;
+  virtual Key refused_other() const = 0;
+  virtual bool has_load_cell() const = 0;
+
+ protected:
+  ~ParameterAccess() = default;
+};
+
+}  // namespace smaservo::canopen

@@ -1,0 +1,130 @@
+#pragma once
+// The servo node without its scalar: objects beyond 1FFFh, the drive, faults, recorder, change log.
+// servo.hpp puts it between a device and the bus.
+
+#include "firmware/canopen/node/node.hpp"
+#include "firmware/canopen/servo/axis.hpp"
+#include "firmware/canopen/servo/change_log.hpp"
+#include "firmware/canopen/servo/parameter_access.hpp"
+#include "firmware/canopen/servo/recorder.hpp"
+#include "firmware/canopen/servo/step_test.hpp"
+
+namespace smaservo::canopen {
+
+inline constexpr std::uint32_t servo_device_type = 0x0002'0192;  ///< servo drive of CiA 402
+inline constexpr std::uint32_t servo_product = 0x534D'4101;
+inline constexpr std::uint32_t servo_revision = 0x0001'0000;
+
+/// Keys of 2003h. They stop mistakes, not attackers: whoever reads the bus reads them. 0: none is
+/// needed. Without `tune` no gain can be written, without `set_up` nothing else of the parameters.
+struct AccessKeys {
+  std::uint32_t tune = 0, set_up = 0;
+};
+
+struct ServoConfig {
+  NodeConfig node;  ///< identity, type and node-id are filled in by Servo
+  Ceilings ceilings;
+  AccessKeys keys;
+  std::span<float> recorder;  ///< memory of the recorder; may be empty
+  float step_s = 1e-3F;       ///< of the loop
+};
+
+/// Of the loop, since the start.
+struct LoopTiming {
+  std::uint32_t steps, missed;
+  float mean_late_s, greatest_late_s, mean_busy_s, greatest_busy_s;
+};
+
+/// What a step of the device came to.
+struct StepReport {
+  Signals signals;
+  DeviceState state;
+  FaultSet latched, active, warnings, blocks;
+  Fault first_cause;
+  std::uint32_t limit_reasons;
+  float dt_s;
+};
+
+class ServoCore : public Application {
+ public:
+  ServoCore(const ServoConfig& config, ParameterAccess& parameters)
+      : config_(config),
+        parameters_(parameters),
+        node_(config.node, *this, sdo_buffer_),
+        axis_(objects_),
+        recorder_(objects_, config.recorder),
+        step_test_(objects_) {}
+  ServoCore(const ServoCore&) = delete;
+  ServoCore& operator=(const ServoCore&) = delete;
+
+  void advance(std::uint64_t now_us);
+  void publish(const StepReport& report);
+  void set_timing(const LoopTiming& timing);
+  void set_bus(std::uint32_t dropped, std::uint32_t off, std::uint32_t queue_full) {
+    objects_.bus = {dropped, off, queue_full};
+  }
+  /// The loop has no room for further settings now: writes of parameters, and what would put some
+  /// in force, are refused.
+  void hold_settings(bool held) { held_ = held; }
+
+  AxisDemand demand() const { return axis_.demand(); }
+  /// The partner is there, or nobody asked for one (6007h = 0).
+  bool is_fresh() const;
+  /// Of what only the bus knows, for Inputs::external.
+  FaultSet external() const;
+  /// Of a cyclic mode, since the start: each one counts, also one that is as the one before.
+  std::uint32_t setpoints() const { return setpoints_; }
+
+  Node& node() { return node_; }
+  const Node& node() const { return node_; }
+  const Axis& axis() const { return axis_; }
+  const DriveObjects& objects() const { return objects_; }
+  bool take_change(LoggedChange& change) { return log_.take(change); }
+
+  // Application.
+  Abort find(Key key, Entry& entry) const override;
+  Abort read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) override;
+  Abort write(const Entry& entry, std::span<const std::uint8_t> from, Source source) override;
+  ObjectTable table() override;
+  void started(std::uint8_t node_id) override;
+  void nmt_changed(Nmt state) override;
+  void connection_lost(std::uint16_t code) override;
+  Abort may_request(Request request) const override;
+  void written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
+               Abort result) override;
+
+ protected:
+  ~ServoCore() = default;
+
+ private:
+  Abort write_object(const Entry& entry, std::uint32_t value, Source source);
+  Abort write_parameter(const Entry& entry, std::uint32_t value, Source source);
+  Abort check(Key key, std::uint32_t value) const;
+  Abort run(Key key, std::uint32_t value);
+  void unlock(std::uint32_t key);
+  Abort tune(TuningCommand command);
+  void revert_tuning(Source source);
+  void watch_client();
+  void show_tuning();
+  void show_faults(const StepReport& report);
+  void log(Key key, std::uint32_t before, std::uint32_t value, Source source, Abort result);
+  std::byte* memory();
+
+  ServoConfig config_;
+  ParameterAccess& parameters_;
+  DriveObjects objects_{};
+  std::array<std::uint8_t, 64> sdo_buffer_{};
+  Node node_;
+  Axis axis_;
+  Recorder recorder_;
+  StepTest step_test_;
+  ChangeLog log_;
+  Signals signals_{};
+  FaultSet latched_;
+  std::uint64_t now_us_ = 0, tuned_us_ = 0;
+  std::uint32_t setpoints_ = 0;
+  std::uint8_t errors_ = 0;  ///< 1001h, of the device's faults
+  bool held_ = false;
+};
+
+}  // namespace smaservo::canopen

@@ -1,0 +1,41 @@
+#pragma once
+// From a wanted current to what the output stage is told: feed-forward, and a PI loop on the
+// measured current that takes out the stage's own gain and offset.
+
+#include "firmware/settings.hpp"
+#include "model/scalar/scalar.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct CurrentLoop {
+  struct State {
+    S asked_A;  ///< in the last step
+    S trim_A;   ///< integral part
+  };
+  struct Result {
+    S current_A;  ///< for a stage that takes a current
+    S voltage_V;  ///< V = I R, for one that takes a voltage
+  };
+
+  /// How much the loop may add or take, as a share of what is asked.
+  static constexpr S most = S(0.1);
+
+  /// `measured_A` is the answer to the last step's current; it may be NaN. Cost: 12 flops.
+  static Result step(const DriveSettings<S>& q, State& s, const S& asked_A, const S& measured_A,
+                     const S& ohm, const S& dt_s) {
+    const S error = isfinite(measured_A) ? s.asked_A - measured_A : S(0);
+    const S bound = most * asked_A;
+    s.trim_A = within(s.trim_A + q.integral_1_s * error * dt_s, bound);
+    s.asked_A = asked_A;
+    const S current_A = asked_A + within(s.trim_A + q.proportional * error, bound);
+    return {current_A, current_A * ohm};
+  }
+
+ private:
+  static S within(const S& x, const S& bound) {
+    return x < S(0) - bound ? S(0) - bound : bound < x ? bound : x;
+  }
+};
+
+}  // namespace smaservo

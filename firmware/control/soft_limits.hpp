@@ -1,0 +1,165 @@
+#pragma once
+// Limits that shape the power. None of them is a fault; each has its own reason.
+
+#include <limits>
+
+#include "firmware/command.hpp"
+#include "firmware/control/feed_forward.hpp"
+#include "firmware/prepared.hpp"
+#include "model/scalar/scalar.hpp"
+
+namespace smaservo {
+
+/// What the controller knows of the wire in one step.
+template <class S>
+struct Known {
+  const Measurement<S>& measurement;
+  const Estimate<S>& estimate;
+  const typename KalmanObserver<S>::State& filter;  ///< the most likely one: model state, air, loss
+  S measured_A;
+  S supply_V;                                     ///< NaN where it is not measured
+  S air_K = std::numeric_limits<S>::quiet_NaN();  ///< likewise
+  S hot_K = S(0);  ///< the wire's temperature by HotResistance; 0: not known
+};
+
+/// The reasons of one step.
+class LimitReasons {
+ public:
+  void add(LimitReason why) { bits_ |= 1U << static_cast<unsigned>(why); }
+  std::uint32_t bits() const { return bits_; }
+
+ private:
+  std::uint32_t bits_ = 0;
+};
+
+/// The range that the power may have now.
+template <class S>
+class PowerRange {
+ public:
+  /// Averages so far: `duty`, and the power over the wire's own time constant. Cost: 70 flops, 8
+  /// divisions.
+  PowerRange(const Prepared<S>& p, const Known<S>& known, const S& ohm, const S& loss_W,
+             const S& duty, const S& sustained_W, const S& dt_s);
+
+  /// The wanted power as far as it is allowed, with the reason: the smallest of the limits. What is
+  /// not a number becomes the least power.
+  S apply(const S& wanted_W, LimitReasons& reasons) const {
+    if (most_W_ < wanted_W) {
+      reasons.add(because_);
+    } else if (!(least_W_ <= wanted_W)) {
+      reasons.add(LimitReason::least_current);
+    }
+    return within(wanted_W);
+  }
+  /// The same in silence.
+  S within(const S& wanted_W) const {
+    const S bounded = most_W_ < wanted_W ? most_W_ : wanted_W;
+    return least_W_ <= bounded ? bounded : least_W_;
+  }
+
+ private:
+  /// A wire comes to its limit of temperature or strain in this time, and is held there.
+  static constexpr S approach_s = S(0.01);
+
+  void most(LimitReason why, const S& power_W) {
+    if (power_W < most_W_) {
+      most_W_ = S(0) < power_W ? power_W : S(0);
+      because_ = why;
+    }
+  }
+  void limit_sustained(const Prepared<S>& p, const Known<S>& known, const S& sustained_W);
+  void limit_strain(const Prepared<S>& p, const Known<S>& known, const S& loss_W, const S& dt_s);
+  void limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W);
+  void limit_duty(const SoftLimits<S>& q, const S& duty, const S& greatest_W);
+
+  /// Up to here the least current goes on beside every limit: without it the resistance, and with
+  /// it the estimate that the limits need, is lost; it heats by less than a kelvin. Only limits of
+  /// current and power below it count.
+  S least_W_;
+  S most_W_;
+  LimitReason because_ = LimitReason::current;
+};
+
+template <class S>
+PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& ohm,
+                          const S& loss_W, const S& duty, const S& sustained_W, const S& dt_s)
+    : least_W_(p.settings.limits.least_current_A * p.settings.limits.least_current_A * ohm),
+      most_W_(p.settings.limits.current_A * p.settings.limits.current_A * ohm) {
+  const SoftLimits<S>& q = p.settings.limits;
+  const S greatest_W = most_W_;
+  most(LimitReason::power, q.power_W);
+  least_W_ = most_W_ < least_W_ ? most_W_ : least_W_;
+  const S wire_K =
+      known.estimate.temperature_K < known.hot_K ? known.hot_K : known.estimate.temperature_K;
+  const S below_K = q.temperature_K - q.hot_spot_K - wire_K;
+  most(LimitReason::temperature,
+       loss_W +
+           FeedForward<S>::power_W(p.observer.model.body.capacity_J_K * below_K, approach_s, dt_s));
+  limit_sustained(p, known, sustained_W);
+  if (isfinite(known.supply_V)) {
+    most(LimitReason::supply, known.supply_V * known.supply_V / ohm);
+  }
+  limit_duty(q, duty, greatest_W);
+  limit_strain(p, known, loss_W, dt_s);
+  // As measured: the filter's lag is longer than a wire needs.
+  limit_stress(
+      q, known.measurement.stress_valid ? known.measurement.stress_Pa : known.filter.stress_Pa,
+      loss_W);
+}
+
+/// A wire held at its temperature limit tells the observer little: a resistance that is off by 0.3
+/// % passes for stronger cooling, which lets in more power, for ever. What any wire can take for
+/// long follows from its file alone.
+template <class S>
+void PowerRange<S>::limit_sustained(const Prepared<S>& p, const Known<S>& known,
+                                    const S& sustained_W) {
+  const SoftLimits<S>& q = p.settings.limits;
+  const S believed_K = known.filter.ambient_K < known.filter.start_ambient_K
+                           ? known.filter.start_ambient_K
+                           : known.filter.ambient_K;
+  const S air_K = believed_K < known.air_K ? known.air_K : believed_K;
+  const S most_for_long_W =
+      q.loss_margin * p.observer.model.body.loss_W(q.temperature_K - q.hot_spot_K - air_K);
+  most(LimitReason::temperature, most_for_long_W + S(10) * (most_for_long_W - sustained_W));
+}
+
+/// What the transformation takes by itself is less heat than the wire needs to contract by so much.
+/// Beyond the limit the power falls from what holds the wire to nothing within 0.1 % of strain. At
+/// once it would let a wire on the limit cool through its whole hysteresis, and heat it up again.
+template <class S>
+void PowerRange<S>::limit_strain(const Prepared<S>& p, const Known<S>& known, const S& loss_W,
+                                 const S& dt_s) {
+  const auto& model = p.observer.model;
+  const S room = known.estimate.strain - p.settings.limits.least_strain;
+  if (S(0) < room) {
+    const S by_m = strain_slopes(model.material, known.filter.stress_Pa).martensite;
+    most(LimitReason::strain,
+         loss_W + FeedForward<S>::power_W(model.body.latent_m2a_J * room / by_m, approach_s, dt_s));
+  } else {
+    most(LimitReason::strain, loss_W * (S(1) + S(1000) * room));
+  }
+}
+
+/// Contracting against a spring raises the stress: heat beyond the loss fades over the last 10 %,
+/// and the loss over the first 1 % above.
+template <class S>
+void PowerRange<S>::limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W) {
+  const S room = S(10) * (q.stress_Pa - stress_Pa);
+  if (room < q.stress_Pa) {
+    const S share = room / q.stress_Pa;
+    most(LimitReason::stress,
+         share < S(0) ? loss_W * (S(1) + S(10) * share) : loss_W + share * (most_W_ - loss_W));
+  }
+}
+
+/// Over the last 5 % of the duty the power falls to nothing. The whole current all the time is no
+/// limit.
+template <class S>
+void PowerRange<S>::limit_duty(const SoftLimits<S>& q, const S& duty, const S& greatest_W) {
+  const S room = S(20) * (q.duty - duty);
+  if (room < q.duty && q.duty < S(1)) {
+    most(LimitReason::duty, (room < S(0) ? S(0) : room) * greatest_W);
+  }
+}
+
+}  // namespace smaservo

@@ -1,0 +1,312 @@
+#include "firmware/daemon/boards/board_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <type_traits>
+
+#include "firmware/parameters/parameters.hpp"
+#include "model/files/toml_table.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr std::array<std::string_view, 2> front_end_names{"ads131m04", "iio"};
+constexpr std::array<std::string_view, 3> drive_names{"iio-dac", "spi-dac", "pwm"};
+constexpr std::array<std::string_view, 3> reading_names{"current", "voltage", "load"};
+constexpr double zero_degC_K = 273.15;
+
+std::string text_or(Table& table, std::string_view key, const std::string& otherwise) {
+  return table.has(key) ? table.text(key) : otherwise;
+}
+
+template <class T = unsigned>
+T whole(Table& table, std::string_view key, double low, double high, double otherwise) {
+  const double value = table.number(key, low, high, otherwise);
+  if (value != std::floor(value)) {
+    table.fail(key, "must be a whole number");
+  }
+  return static_cast<T>(value);
+}
+
+/// The n of base << n.
+unsigned exponent(const Table& table, std::string_view key, double value, unsigned base,
+                  unsigned most) {
+  for (unsigned n = 0; n <= most; ++n) {
+    if (value == static_cast<double>(base << n)) {
+      return n;
+    }
+  }
+  table.fail(key, "must be " + std::to_string(base) + " times a power of two, up to " +
+                      std::to_string(base << most));
+}
+
+SpiSettings read_spi(Table& table, unsigned mode) {
+  return {table.text("spi"), mode, whole(table, "clock_Hz", 1e4, 5e7, 8e6)};
+}
+
+Ads131m04FrontEnd read_ads(Table& table) {
+  Ads131m04FrontEnd front{read_spi(table, 1), {}};
+  front.settings.osr_exponent =
+      exponent(table, "oversampling", table.number("oversampling", 128, 16384, 1024), 128, 7);
+  if (table.has("gains")) {
+    const std::vector<double> gains = table.numbers("gains", 1, 128);
+    if (gains.size() != ads131m04::channels) {
+      table.fail("gains", "must have four numbers");
+    }
+    std::ranges::transform(gains, front.settings.gain_exponents.begin(),
+                           [&](double gain) { return exponent(table, "gains", gain, 1, 7); });
+  }
+  return front;
+}
+
+IioSettings read_iio(Table& table) {
+  IioSettings iio;
+  iio.device = table.text("device");
+  iio.trigger = text_or(table, "trigger", "");
+  iio.hrtimer_Hz = table.number("hrtimer_Hz", 1, 1e5, 0);
+  if (iio.hrtimer_Hz > 0 && iio.trigger.empty()) {
+    table.fail("hrtimer_Hz", "needs the name of the trigger as well");
+  }
+  iio.buffer_length = whole(table, "buffer_length", 2, 4096, 16);
+  iio.longest_wait_ns = std::llround(1e3 * table.number("longest_wait_us", 0, 2e4, 500));
+  return iio;
+}
+
+/// Volts at the pins by code.
+double volt_per_code(const Ads131m04FrontEnd& front, std::size_t place) {
+  const unsigned gain = 1U << front.settings.gain_exponents.at(place);
+  return ads131m04::reference_V / gain / 0x1p23;
+}
+
+Channel read_channel(Table table, BoardFile& file) {
+  Channel channel{};
+  if (auto* iio = std::get_if<IioSettings>(&file.front_end)) {
+    channel.place = iio->channels.size();
+    iio->channels.push_back(table.text("channel"));
+    channel.scale = table.number("per_code", -1e6, 1e6);
+  } else {
+    const auto& ads = std::get<Ads131m04FrontEnd>(file.front_end);
+    channel.place = static_cast<std::size_t>(table.number("channel", 0, ads131m04::channels - 1));
+    channel.scale = table.number("per_volt", -1e6, 1e6) * volt_per_code(ads, channel.place);
+  }
+  if (channel.scale == 0) {
+    table.fail(table.has("per_code") ? "per_code" : "per_volt", "must not be zero");
+  }
+  channel.zero_code = table.number("zero_code", -1e10, 1e10, 0);
+  table.finish();
+  return channel;
+}
+
+void read_front_end(Table table, BoardFile& file) {
+  if (table.choice("type", front_end_names) == 0) {
+    file.front_end = read_ads(table);
+  } else {
+    file.front_end = read_iio(table);
+  }
+  file.calibration.current = read_channel(table.table(reading_names[0]), file);
+  file.calibration.voltage = read_channel(table.table(reading_names[1]), file);
+  file.calibration.has_load = table.has(reading_names[2]);
+  if (file.calibration.has_load) {
+    file.calibration.load = read_channel(table.table(reading_names[2]), file);
+  }
+  table.finish();
+}
+
+DacScale read_scale(Table& table) {
+  DacScale scale{};
+  scale.voltage = table.has("codes_per_volt");
+  scale.codes_per_unit =
+      table.number(scale.voltage ? "codes_per_volt" : "codes_per_ampere", 1e-3, 1e9);
+  scale.greatest_code = table.number("greatest_code", 1, 16777215, 65535);
+  scale.zero_code = table.number("zero_code", 0, scale.greatest_code, 0);
+  return scale;
+}
+
+/// No key: no ceiling.
+canopen::Ceilings read_ceilings(Table table) {
+  const auto ceiling = [&](std::string_view key, double low, double high, double factor,
+                           double offset) {
+    return table.has(key) ? static_cast<float>(factor * table.number(key, low, high) + offset)
+                          : canopen::Ceilings::none;
+  };
+  const auto current = [&](std::string_view key) { return ceiling(key, 1, 1e5, 1e-3, 0); };
+  const auto temperature = [&](std::string_view key) {
+    return ceiling(key, 0, 400, 1, zero_degC_K);
+  };
+  const auto stress = [&](std::string_view key) { return ceiling(key, 1, 1e4, 1e6, 0); };
+  const canopen::Ceilings ceilings{.current_A = current("current_mA"),
+                                   .power_W = ceiling("power_W", 1e-3, 1e4, 1, 0),
+                                   .temperature_K = temperature("temperature_degC"),
+                                   .stress_Pa = stress("stress_MPa"),
+                                   .trip_current_A = current("trip_current_mA"),
+                                   .trip_temperature_K = temperature("trip_temperature_degC"),
+                                   .trip_stress_Pa = stress("trip_stress_MPa")};
+  table.finish();
+  return ceilings;
+}
+
+void read_drive(Table table, BoardFile& file) {
+  const auto hardware_A = static_cast<float>(1e-3 * table.number("greatest_mA", 1, 1e5));
+  file.ceilings.current_A = std::min(file.ceilings.current_A, hardware_A);
+  switch (table.choice("type", drive_names)) {
+    case 0:
+      file.drive = IioDacSettings{table.text("device"), text_or(table, "channel", "out_voltage0"),
+                                  read_scale(table)};
+      break;
+    case 1: {
+      SpiDacSettings dac{};
+      dac.spi = read_spi(table, whole(table, "mode", 0, 3, 1));
+      dac.frame_bytes = whole(table, "frame_bytes", 2, 3, 3);
+      dac.command = whole<std::uint32_t>(table, "command", 0, 16777215, 0);
+      dac.shift = whole(table, "shift", 0, 16, 0);
+      dac.scale = read_scale(table);
+      file.drive = dac;
+      break;
+    }
+    default: {
+      PwmSettings pwm;
+      pwm.chip = text_or(table, "chip", pwm.chip);
+      pwm.channel = whole(table, "channel", 0, 63, 0);
+      pwm.period_ns = std::llround(1e9 / table.number("frequency_Hz", 10, 1e6, 20e3));
+      pwm.supply_V = table.number("supply_V", 0.5, 1000);
+      pwm.greatest_duty = table.number("greatest_duty", 0.001, 1, 0.95);
+      file.drive = pwm;
+    }
+  }
+  table.finish();
+}
+
+LineSettings read_line(Table& lines, std::string_view key) {
+  if (!lines.has(key)) {
+    return {};
+  }
+  Table table = lines.table(key);
+  const LineSettings line{table.text("line"), table.flag("active_low", false)};
+  table.finish();
+  return line;
+}
+
+SlowSensor read_slow(Table& slow, std::string_view key, bool temperature) {
+  if (!slow.has(key)) {
+    return {};
+  }
+  Table table = slow.table(key);
+  SlowSensor sensor{table.text("file"), table.number("scale", -1e6, 1e6),
+                    table.number("offset", -1e9, 1e9, 0)};
+  // The kernel's temperatures are in degrees Celsius.
+  if (temperature && sensor.scale != 0) {
+    sensor.offset += zero_degC_K / sensor.scale;
+  }
+  table.finish();
+  return sensor;
+}
+
+BusSettings read_bus(Table table) {
+  constexpr double greatest_key = 4294967295;
+  const BusSettings bus{table.text("interface"),
+                        whole(table, "node_id", 0, 127, 0),
+                        1e-3 * table.number("partner_timeout_ms", 0, 6e4, 0),
+                        {.tune = whole(table, "tune_key", 0, greatest_key, 0),
+                         .set_up = whole(table, "set_up_key", 0, greatest_key, 0)}};
+  table.finish();
+  return bus;
+}
+
+}  // namespace
+
+BoardFile load_board_file(const std::string& path) {
+  const TomlFile toml(path);
+  Table root = toml.root();
+  BoardFile file{};
+  file.name = root.text("name");
+  const std::string device = text_or(root, "settings", "");
+  file.device = device.empty() ? "" : toml.beside(device);
+  file.folder = text_or(root, "folder", default_folder);
+  Table loop = root.table_or_empty("loop");
+  file.thread.priority = whole<int>(loop, "priority", 1, 98, 80);
+  file.thread.processor = whole<int>(loop, "processor", 0, 1023, -1);
+  loop.finish();
+  read_front_end(root.table("front_end"), file);
+  file.ceilings = read_ceilings(root.table_or_empty("ceilings"));
+  read_drive(root.table("drive"), file);
+  Table lines = root.table_or_empty("lines");
+  file.lines = {read_line(lines, "enable"), read_line(lines, "kick"),
+                read_line(lines, "emergency_stop"), read_line(lines, "driver_fault")};
+  lines.finish();
+  Table slow = root.table_or_empty("sensors");
+  file.slow = {read_slow(slow, "supply", false), read_slow(slow, "ambient", true),
+               read_slow(slow, "driver", true)};
+  slow.finish();
+  if (root.has("bus")) {
+    file.bus = read_bus(root.table("bus"));
+  }
+  root.finish();
+  file.text = toml.text();
+  return file;
+}
+
+std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots) {
+  if (const auto* ads = std::get_if<Ads131m04FrontEnd>(&file.front_end)) {
+    return std::make_unique<Ads131m04Digitizer>(std::make_unique<SpiDevice>(roots, ads->spi),
+                                                roots.dev + "/" + ads->spi.device, ads->settings);
+  }
+  return std::make_unique<IioDigitizer>(roots, std::get<IioSettings>(file.front_end));
+}
+
+std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots) {
+  return std::visit(
+      [&](const auto& drive) -> std::unique_ptr<OutputStage> {
+        using T = std::decay_t<decltype(drive)>;
+        if constexpr (std::is_same_v<T, IioDacSettings>) {
+          return std::make_unique<IioDac>(roots, drive);
+        } else if constexpr (std::is_same_v<T, SpiDacSettings>) {
+          return std::make_unique<SpiDac>(roots, drive);
+        } else {
+          return std::make_unique<PwmDrive>(roots, drive);
+        }
+      },
+      file.drive);
+}
+
+std::string period_problem(const Settings<double>& settings) {
+  const double period_s = settings.timing.period_s;
+  // Stored settings are of single precision.
+  constexpr double slack = 1e-6;
+  const bool possible =
+      shortest_period_s * (1 - slack) <= period_s && period_s <= longest_period_s * (1 + slack);
+  return possible ? ""
+                  : fmt::format("timing.period_ms = {:.6g}: must be between {} and {} on a board",
+                                1e3 * period_s, 1e3 * shortest_period_s, 1e3 * longest_period_s);
+}
+
+std::string board_problem(const BoardFile& file, const Settings<double>& settings) {
+  for (const Parameter<double>& row : parameters<double>) {
+    const float ceiling = canopen::ceiling_of(file.ceilings, row.key);
+    if (row.type == ValueType::real && ceiling < row.get(settings).real()) {
+      return fmt::format("{} = {}: the board's ceiling is {}", row.path.text(),
+                         row.get(settings).real(), ceiling);
+    }
+  }
+  const bool voltage = settings.drive.kind == DriveKind::voltage;
+  const bool drive_takes_voltage = std::visit(
+      [](const auto& drive) {
+        if constexpr (requires { drive.scale; }) {
+          return drive.scale.voltage;
+        } else {
+          return true;
+        }
+      },
+      file.drive);
+  if (voltage != drive_takes_voltage) {
+    return fmt::format("drive.kind = {}: the board's drive takes a {}",
+                       voltage ? "voltage" : "current", voltage ? "current" : "voltage");
+  }
+  if (settings.measuring.has_load_cell && !file.calibration.has_load) {
+    return "measuring.has_load_cell = true: the board has none";
+  }
+  return "";
+}
+
+}  // namespace smaservo

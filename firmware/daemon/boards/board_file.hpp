@@ -1,0 +1,65 @@
+#pragma once
+// The board file: which devices a Linux board has, and what their codes mean. README.md has the
+// keys, hal/linux/boards/ has examples.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "firmware/canopen/servo/servo_core.hpp"
+#include "firmware/daemon/process/realtime.hpp"
+#include "firmware/settings.hpp"
+#include "hal/linux/board.hpp"
+#include "hal/linux/devices/ads131m04_digitizer.hpp"
+#include "hal/linux/devices/iio.hpp"
+
+namespace smaservo {
+
+struct Ads131m04FrontEnd {
+  SpiSettings spi;
+  Ads131m04Settings settings;
+};
+
+struct BusSettings {
+  std::string interface;     ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
+  unsigned node_id;          ///< 0: that of the settings
+  double partner_timeout_s;  ///< without any frame for so long: bus_lost; 0: never
+  canopen::AccessKeys keys;
+};
+
+struct BoardFile {
+  std::string name;
+  std::string device;  ///< settings file
+  std::string folder;  ///< of the store
+  RealTimeSettings thread;
+  canopen::Ceilings ceilings;  ///< of the current: at most what the hardware limits it to
+  std::variant<Ads131m04FrontEnd, IioSettings> front_end;
+  Calibration calibration;
+  std::array<SlowSensor, SlowSensors::count> slow;
+  std::variant<IioDacSettings, SpiDacSettings, PwmSettings> drive;
+  LinesSettings lines;
+  std::optional<BusSettings> bus;
+  std::string text;  ///< all of it
+};
+
+/// Of the store, where no board file names another one.
+inline constexpr const char* default_folder = "/var/lib/smaservo";
+
+/// Throws ConfigError: file, line, key, value and what is allowed.
+BoardFile load_board_file(const std::string& path);
+
+/// Each of these opens what the file names; all throw DeviceError.
+std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots);
+std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots);
+
+/// timing.period_s on a board: 100 Hz to 2 kHz.
+inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
+/// What is wrong with the period of these settings; empty: nothing.
+std::string period_problem(const Settings<double>& settings);
+
+/// What of these settings is beyond the board; empty: nothing.
+std::string board_problem(const BoardFile& file, const Settings<double>& settings);
+
+}  // namespace smaservo

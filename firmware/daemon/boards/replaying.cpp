@@ -1,0 +1,36 @@
+#include "firmware/daemon/boards/replaying.hpp"
+
+#include <limits>
+
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+TraceOptions of_a_device() {
+  TraceOptions options;
+  options.device = true;
+  return options;
+}
+
+}  // namespace
+
+Replaying::Replaying(const std::string& trace, const Settings<double>& settings,
+                     ParameterDesk& desk)
+    : name_(trace),
+      desk_(desk),
+      board_(TraceReader(trace, of_a_device()), std::numeric_limits<double>::quiet_NaN(),
+             settings.wire.geometry.area_m2()),
+      log_(name_, board_.trace().names()) {}
+
+Heard Replaying::listen(double time_s) {
+  split_fields(board_.row().text, fields_);
+  Settings<double> settings = desk_.settings();
+  if (log_.change(fields_, time_s, settings)) {
+    desk_.change(settings);
+  }
+  return {log_.command(fields_, time_s), log_.external(fields_, time_s),
+          log_.late(fields_, time_s)};
+}
+
+}  // namespace smaservo

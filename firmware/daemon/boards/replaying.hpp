@@ -1,0 +1,43 @@
+#pragma once
+// A recorded trace as the daemon's board and partner.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/daemon/loop/desk.hpp"
+#include "firmware/daemon/loop/partner.hpp"
+#include "firmware/text/device_log.hpp"
+#include "hal/replay/board.hpp"
+
+namespace smaservo {
+
+/// Time, commands and changes of parameters are the trace's. Allocates: not for a real machine.
+class Replaying : public Partner {
+ public:
+  static constexpr bool in_monotonic_time = false;
+
+  /// Throws TraceError, UserError.
+  Replaying(const std::string& trace, const Settings<double>& settings, ParameterDesk& desk);
+
+  // A Board.
+  ReadStatus read(Frame& frame) { return board_.read(frame); }
+  void drive(const DriveCommand& command) { board_.drive(command); }
+  void safe_off() { board_.safe_off(); }
+  void kick() { board_.kick(); }
+  std::int64_t now_ns() const { return board_.now_ns(); }
+
+  // A Partner.
+  Heard listen(double time_s) override;
+
+ private:
+  std::string name_;
+  ParameterDesk& desk_;
+  ReplayBoard board_;
+  DeviceLog log_;
+  std::vector<std::string_view> fields_;
+};
+
+static_assert(Board<Replaying>);
+
+}  // namespace smaservo

@@ -1,0 +1,53 @@
+#pragma once
+// A simulated wire as the daemon's board, and its program as the daemon's partner.
+
+#include <string>
+
+#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/daemon/loop/partner.hpp"
+#include "hal/sim/board.hpp"
+
+namespace smaservo {
+
+/// Time is the simulation's: one period per frame, whatever the clock says. The board ends with the
+/// scenario's time.
+class Simulation : public Partner {
+ public:
+  static constexpr bool in_monotonic_time = false;
+
+  /// Throws ConfigError: a pair, or events that start the device anew, are not for one daemon.
+  explicit Simulation(const ClosedLoopScenario& scenario);
+
+  // A Board.
+  ReadStatus read(Frame& frame);
+  void drive(const DriveCommand& command) { board_.drive(command); }
+  void safe_off() { board_.safe_off(); }
+  void kick() { board_.kick(); }
+  std::int64_t now_ns() const { return board_.now_ns(); }
+
+  // A Partner.
+  Heard listen(double time_s) override;
+
+  SimTruth truth() const { return board_.truth(); }
+
+ private:
+  SimBoard board_;
+  CommandProgram program_;
+  SimEvents events_;
+  bool has_program_, began_ = false;
+  std::int64_t period_ns_, end_ns_;
+};
+
+static_assert(Board<Simulation>);
+
+/// Up and down between two lengths, 2 s each, for ever; for a first try.
+class Demonstration : public Partner {
+ public:
+  explicit Demonstration(const Settings<double>& settings);
+  Heard listen(double time_s) override;
+
+ private:
+  double short_, long_;
+};
+
+}  // namespace smaservo

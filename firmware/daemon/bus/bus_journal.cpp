@@ -1,0 +1,48 @@
+#include "firmware/daemon/bus/bus_journal.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <fmt/format.h>
+
+#include "firmware/text/canopen/change_text.hpp"
+
+namespace smaservo {
+
+BusJournal::BusJournal(Say say)
+    : say_(std::move(say)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void BusJournal::to_errors(const std::string& text) {
+  fmt::print(stderr, "smaservod: bus: {}\n", text);
+}
+
+void BusJournal::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    write();
+  }
+  write();
+}
+
+void BusJournal::write() {
+  const std::uint32_t count = count_.load(std::memory_order_acquire);
+  unsigned said = 0;
+  std::uint32_t left_out = 0;
+  for (canopen::LoggedChange change{}; ring_.pop(change); ++seen_) {
+    if (said < most_at_once) {
+      say_(can::change_text(change));
+      ++said;
+    } else {
+      ++left_out;
+    }
+  }
+  // Added after the count was read: the next one is of them.
+  if (seen_ < count) {
+    left_out += count - seen_;
+    seen_ = count;
+  }
+  if (left_out != 0) {
+    say_(fmt::format("{} more changes and refusals at the same time", left_out));
+  }
+}
+
+}  // namespace smaservo

@@ -1,0 +1,151 @@
+#pragma once
+// The bus beside the loop: frames to a node and back, its commands to the loop, the loop's outputs
+// to it. A node is canopen::Servo, or whatever has its members.
+
+#include <atomic>
+#include <cstdint>
+#include <utility>
+
+#include "firmware/command.hpp"
+#include "firmware/daemon/loop/partner.hpp"
+#include "firmware/daemon/loop/ring.hpp"
+#include "hal/board.hpp"
+#include "hal/linux/can/can_status.hpp"
+
+namespace smaservo {
+
+/// What a turn of the loop tells the node.
+struct TurnReport {
+  Output<double> output;
+  Inputs<double> inputs;
+  double dt_s;
+};
+
+/// What the node tells the loop.
+struct NodeSays {
+  Command<double> command;
+  FaultSet external;
+  std::uint32_t setpoints = 0;  ///< of a cyclic mode, since the start
+};
+
+/// The loop's side. A command that has come once is fresh once; after `lease_s` without a sign of
+/// life of the bus's thread the partner counts as lost: heat does not outlive who asks for it.
+class BusPartner : public Partner {
+ public:
+  explicit BusPartner(double lease_s) : lease_s_(lease_s) {}
+
+  Heard listen(double time_s) override;
+  void tell(const Turn& turn, double dt_s) override {
+    reports_.push({turn.output, turn.inputs, dt_s});
+  }
+
+  // The bus's side.
+  void say(const NodeSays& says) { says_.put(says); }
+  bool next(TurnReport& report) { return reports_.pop(report); }
+
+ private:
+  double lease_s_;
+  Latest<NodeSays> says_;
+  Ring<TurnReport> reports_{256};  ///< full: the node misses some, which it does not mind
+  NodeSays last_{};
+  double said_s_ = 0;
+  std::uint32_t setpoints_ = 0;
+  bool said_ = false;
+};
+
+inline Heard BusPartner::listen(double time_s) {
+  const bool fresh = says_.take(last_);
+  if (fresh || !said_) {
+    said_ = said_ || fresh;
+    said_s_ = time_s;
+  }
+  last_.command.fresh = fresh && last_.command.fresh;
+  const bool lost = said_ && time_s - said_s_ > lease_s_;
+  FaultSet external = last_.external;
+  external.add(Fault::bus_lost, lost);
+  const std::uint32_t come = last_.setpoints - std::exchange(setpoints_, last_.setpoints);
+  return {last_.command, external, false, come};
+}
+
+/// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
+/// the loop's turns since. Calls `changed()` where the node has put other settings in force, in
+/// each round again until it says that the loop will have them; the node refuses others meanwhile.
+template <CanPort Port, class Node>
+class BusPump {
+ public:
+  BusPump(Port& port, Node& node, BusPartner& partner)
+      : port_(port), node_(node), partner_(partner) {}
+
+  template <class Changed>
+  void round(std::uint64_t now_us, FaultSet port_faults, Changed changed) {
+    CanFrame frame;
+    for (int i = 0; i < most_frames && port_.receive(frame); ++i) {
+      node_.receive(frame, now_us);
+      ++frames_;
+    }
+    TurnReport report{};
+    while (partner_.next(report)) {
+      node_.publish(report.output, report.inputs, report.dt_s);
+    }
+    node_.advance(now_us);
+    const std::uint32_t changes = node_.settings_changes();
+    if (changes_ != changes) {
+      const bool taken = changed();
+      changes_ = taken ? changes : changes_;
+      node_.hold_settings(!taken);
+    }
+    partner_.say({node_.command(), node_.external() | port_faults, node_.setpoints()});
+    send(now_us);
+  }
+
+  std::uint64_t frames() const { return frames_; }
+  /// Whether the next round shall come at once: the node may have more to send.
+  bool has_more() const { return has_more_; }
+  /// Frames that were not sent.
+  std::uint64_t dropped() const { return dropped_; }
+  /// Times that the queue was full.
+  std::uint64_t queue_full() const { return queue_full_; }
+
+ private:
+  // Nor must a block of SDO keep it from listening: a SYNC would meet the next one.
+  static constexpr int most_sent = 4;
+  // A slow bus has carried ten frames away by then.
+  static constexpr std::uint64_t patience_us = 20'000;
+
+  /// The kernel's queue holds ten frames, a block of SDO has 127. What it does not take is tried
+  /// again in the next rounds, the node's next frames are made when it has gone; nobody waits.
+  void send(std::uint64_t now_us) {
+    has_more_ = false;
+    int tries = 0;
+    for (; tries < most_sent && (waits_ || node_.take(next_)); ++tries) {
+      since_us_ = waits_ ? since_us_ : now_us;
+      const bool sent = port_.send(next_);
+      const CanState state = port_.state();
+      const bool reachable = state != CanState::down && state != CanState::gone;
+      waits_ = !sent && reachable && now_us - since_us_ < patience_us;
+      if (!sent && !waits_) {
+        ++dropped_;
+      }
+      if (!sent && reachable) {
+        ++queue_full_;
+        return;
+      }
+    }
+    has_more_ = tries == most_sent;
+  }
+
+  // A flood on the bus must not keep the node from its time.
+  static constexpr int most_frames = 256;
+
+  Port& port_;
+  Node& node_;
+  BusPartner& partner_;
+  CanFrame next_{};
+  bool waits_ = false;  ///< next_ for room in the queue
+  bool has_more_ = false;
+  std::uint64_t since_us_ = 0;
+  std::uint32_t changes_ = 0;
+  std::uint64_t frames_ = 0, dropped_ = 0, queue_full_ = 0;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "firmware/daemon/loop/links.hpp"
+#include "firmware/parameters/parameter_check.hpp"
+
+namespace smaservo {
+
+/// Where settings change while the loop runs: prepared here, in force there as a whole at the
+/// beginning of a turn. For any thread but the loop's.
+class ParameterDesk {
+ public:
+  ParameterDesk(const Settings<double>& settings, LoopLinks& links)
+      : settings_(settings), links_(links) {}
+  ~ParameterDesk();
+  ParameterDesk(const ParameterDesk&) = delete;
+  ParameterDesk& operator=(const ParameterDesk&) = delete;
+
+  /// For Axis.
+  ParameterSetPtr first() const { return make_parameter_set(settings_, 0); }
+
+  /// Settings that have passed check(). False: too many are under way, try again later. Nothing
+  /// happens where nothing changes.
+  bool change(const Settings<double>& settings);
+
+  /// Deletes what the loop has given back.
+  void tidy();
+
+  /// Those given last, and how often some have been given.
+  Settings<double> settings() const;
+  std::uint32_t changes() const { return last_.load(); }
+  /// What a set changed, as a recording says it; forgets it.
+  std::string take_text(std::uint32_t number);
+
+ private:
+  static constexpr int most_under_way = 8;
+
+  void delete_old();
+
+  mutable std::mutex mutex_;
+  Settings<double> settings_;
+  LoopLinks& links_;
+  std::map<std::uint32_t, std::string> texts_;
+  std::atomic<std::uint32_t> last_{0};
+  int under_way_ = 0;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,211 @@
+#pragma once
+// The loop: frame in, step, drive out; once per period, as long as there are frames.
+
+#include <algorithm>
+#include <sched.h>
+#include <utility>
+
+#include "firmware/daemon/loop/links.hpp"
+#include "firmware/daemon/loop/pace.hpp"
+#include "firmware/daemon/loop/partner.hpp"
+#include "firmware/device/board_io.hpp"
+#include "hal/linux/system/clock.hpp"
+
+namespace smaservo {
+
+struct LoopTiming {
+  std::int64_t period_ns;
+  std::int64_t lease_ns;         ///< how long a drive command is valid
+  bool from_zero;                ///< the recording's time begins with the first frame
+  std::uint64_t most_turns = 0;  ///< 0: no end
+};
+
+/// A board whose frames have times of CLOCK_MONOTONIC says so. The time of any other stands still
+/// while a turn is late.
+template <class B>
+inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
+
+template <Board B, class Pacing>
+class Loop {
+ public:
+  Loop(B& board, Pacing pacing, Axis& axis, Partner& partner, LoopLinks& links,
+       LoopFigures& figures, const LoopTiming& timing)
+      : board_(board),
+        pacing_(std::move(pacing)),
+        axis_(axis),
+        partner_(partner),
+        links_(links),
+        figures_(figures),
+        timing_(timing) {}
+
+  /// One period. False, with the current off: there are no more frames, or it shall stop. Neither
+  /// allocates, locks nor logs; system calls are the board's and the sleep.
+  bool turn();
+
+ private:
+  // What a device can step over.
+  static constexpr std::int64_t shortest_step_ns = 100'000;
+  static constexpr std::int64_t longest_step_ns = 20'000'000;
+
+  void count_frame(ReadStatus status);
+  void count_setpoints(std::uint32_t come);
+  double advance_time();
+  void adopt_sets();
+  void drive(ReadStatus status);
+  void note_stop(const Output<double>& before, std::int64_t sampled_ns, std::int64_t driven_ns);
+  void leave_record();
+
+  B& board_;
+  Pacing pacing_;
+  Axis& axis_;
+  Partner& partner_;
+  LoopLinks& links_;
+  LoopFigures& figures_;
+  LoopTiming timing_;
+  Frame frame_{};
+  TurnRecord now_{};
+  bool began_ = false;
+  bool sequenced_ = false;
+  std::uint32_t sequence_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::int64_t time_ns_ = 0;  ///< of the device: the sum of its steps
+};
+
+template <Board B, class Pacing>
+bool Loop<B, Pacing>::turn() {
+  const Woke woke = pacing_.wait();
+  const std::int64_t woke_ns = monotonic_ns();
+  const ReadStatus status = board_.read(frame_);
+  const bool over = timing_.most_turns != 0 && now_.number >= timing_.most_turns;
+  if (over || status == ReadStatus::end || links_.stop.load(std::memory_order_relaxed)) {
+    links_.lease_ends_ns.store(0, std::memory_order_relaxed);
+    board_.safe_off();
+    return false;
+  }
+  const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : monotonic_ns();
+  count_frame(status);
+  const double dt_s = advance_time();
+  const Heard heard = partner_.listen(now_.turn.time_s);
+  count_setpoints(heard.setpoints);
+  adopt_sets();
+  Turn& turn = now_.turn;
+  turn.command = heard.command;
+  turn.inputs = inputs_of<double>(frame_, status);
+  turn.inputs.deadline_missed = (in_monotonic_time<B> && woke.missed > 0) || heard.late;
+  turn.inputs.external = heard.external | FaultSet::from_bits(links_.faults.load());
+  const Output<double> before = turn.output;
+  turn.output = axis_.step(turn.inputs, turn.command, dt_s);
+  drive(status);
+  const std::int64_t driven_ns = monotonic_ns();
+  partner_.tell(turn, dt_s);
+  links_.output.put(turn.output);
+  note_stop(before, sampled_ns, driven_ns);
+  leave_record();
+  // The first frame has waited for the loop to begin.
+  if (status == ReadStatus::frame && now_.number > 1) {
+    figures_.sample_to_drive.add(driven_ns - sampled_ns);
+  }
+  figures_.wake.add(woke.late_ns);
+  figures_.missed.fetch_add(woke.missed, std::memory_order_relaxed);
+  figures_.execution.add(monotonic_ns() - woke_ns);
+  figures_.turns.fetch_add(1, std::memory_order_relaxed);
+  return true;
+}
+
+template <Board B, class Pacing>
+void Loop<B, Pacing>::count_frame(ReadStatus status) {
+  if (status != ReadStatus::frame) {
+    figures_.no_frame.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  const std::uint32_t passed = frame_.sequence - sequence_;
+  if (sequenced_ && passed > 1) {
+    figures_.lost_frames.fetch_add(passed - 1, std::memory_order_relaxed);
+  }
+  sequenced_ = true;
+  sequence_ = frame_.sequence;
+}
+
+/// A master's clock and the loop's are not locked to each other: now and then two come before one
+/// turn, and then none before the next.
+template <Board B, class Pacing>
+void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
+  figures_.setpoints.fetch_add(come, std::memory_order_relaxed);
+  figures_.superseded.fetch_add(come > 1 ? come - 1 : 0, std::memory_order_relaxed);
+}
+
+/// After a longer pause than a device can step over its time stands still: the wire has cooled
+/// further than it believes, which is the safe side.
+template <Board B, class Pacing>
+double Loop<B, Pacing>::advance_time() {
+  const std::int64_t step_ns =
+      began_ ? std::clamp(frame_.time_ns - last_ns_, shortest_step_ns, longest_step_ns)
+             : timing_.period_ns;
+  if (began_) {
+    time_ns_ += step_ns;
+  } else {
+    time_ns_ = timing_.from_zero ? 0 : frame_.time_ns;
+  }
+  began_ = true;
+  last_ns_ = frame_.time_ns;
+  now_.turn.time_s = static_cast<double>(time_ns_) / 1e9;
+  return static_cast<double>(step_ns) * 1e-9;
+}
+
+template <Board B, class Pacing>
+void Loop<B, Pacing>::adopt_sets() {
+  now_.set = 0;
+  ParameterSet* set = nullptr;
+  if (links_.new_sets.pop(set)) {
+    now_.set = number_of(*set);
+    // Room is certain: no more sets are under way than it holds.
+    links_.old_sets.push(axis_.adopt(set));
+  }
+}
+
+template <Board B, class Pacing>
+void Loop<B, Pacing>::drive(ReadStatus status) {
+  const Output<double>& output = now_.turn.output;
+  const bool heated = is_heated(output.state);
+  const DriveCommand command = drive_of(output, board_.now_ns(), timing_.lease_ns);
+  links_.lease_ends_ns.store(heated ? monotonic_ns() + timing_.lease_ns : 0,
+                             std::memory_order_relaxed);
+  links_.heated.store(heated, std::memory_order_relaxed);
+  board_.drive(command);
+  if (heated && status == ReadStatus::frame) {
+    board_.kick();
+  }
+}
+
+template <Board B, class Pacing>
+void Loop<B, Pacing>::note_stop(const Output<double>& before, std::int64_t sampled_ns,
+                                std::int64_t driven_ns) {
+  const Output<double>& now = now_.turn.output;
+  if (!(before.current_A > 0 && now.current_A == 0)) {
+    return;
+  }
+  for_each_fault(now.latched - before.latched, [&](Fault fault) {
+    LoopFigures::Stop& stop = figures_.stops[static_cast<std::size_t>(fault)];
+    stop.count.fetch_add(1, std::memory_order_relaxed);
+    stop.longest_ns.store(std::max(stop.longest_ns.load(), driven_ns - sampled_ns),
+                          std::memory_order_relaxed);
+  });
+}
+
+template <Board B, class Pacing>
+void Loop<B, Pacing>::leave_record() {
+  ++now_.number;
+  if (links_.record == nullptr) {
+    return;
+  }
+  bool kept = links_.record->push(now_);
+  while (!Pacing::in_time && !kept && !links_.stop.load(std::memory_order_relaxed)) {
+    sched_yield();
+    kept = links_.record->push(now_);
+  }
+  if (!kept) {
+    links_.unrecorded.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+}  // namespace smaservo

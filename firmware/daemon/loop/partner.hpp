@@ -1,0 +1,36 @@
+#pragma once
+// Who tells the device what to do: a bus, a program of commands, a recording.
+
+#include "firmware/text/turn.hpp"
+
+namespace smaservo {
+
+/// What a turn is told.
+struct Heard {
+  Command<double> command;
+  FaultSet external;
+  bool late = false;  ///< as recorded or simulated; the loop knows by itself when it really is
+  std::uint32_t setpoints =
+      0;  ///< that a master has sent since the turn before; the last one counts
+};
+
+/// Both calls are the loop's: they neither wait nor allocate.
+class Partner {
+ public:
+  Partner() = default;
+  virtual ~Partner() = default;
+  Partner(const Partner&) = delete;
+  Partner& operator=(const Partner&) = delete;
+
+  virtual Heard listen(double time_s) = 0;
+  /// What came of it.
+  virtual void tell(const Turn& /*turn*/, double /*dt_s*/) {}
+};
+
+/// Nobody: the device stays off.
+class NoPartner : public Partner {
+ public:
+  Heard listen(double /*time_s*/) override { return {{.fresh = true}, {}}; }
+};
+
+}  // namespace smaservo

@@ -1,0 +1,59 @@
+#include "firmware/daemon/process/crash.hpp"
+
+#include <unistd.h>
+#include <utility>
+
+namespace smaservo {
+namespace {
+
+// A handler knows nothing but its signal.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+std::atomic<const CrashGuard*> guard{nullptr};
+
+void set_handlers(void (*handler)(int)) {
+  struct sigaction action{};
+  action.sa_handler = handler;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (const int signal : crash_signals) {
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+}  // namespace
+
+CrashGuard::CrashGuard(std::vector<OffAction> off, const RunMark* mark,
+                       const std::atomic<bool>& heated)
+    : off_(std::move(off)), mark_(mark == nullptr ? -1 : mark->descriptor()), heated_(heated) {
+  for (std::size_t i = 0; mark != nullptr && i < crash_signals.size(); ++i) {
+    blocks_.at(i) = {mark->crash_block(crash_signals.at(i), false),
+                     mark->crash_block(crash_signals.at(i), true)};
+  }
+  guard.store(this);
+  set_handlers(handle);
+}
+
+CrashGuard::~CrashGuard() {
+  set_handlers(SIG_DFL);
+  guard.store(nullptr);
+}
+
+void CrashGuard::handle(int signal) {
+  const CrashGuard* const self = guard.load();
+  if (self != nullptr) {
+    switch_off(self->off_);
+    for (std::size_t i = 0; i < crash_signals.size(); ++i) {
+      if (crash_signals[i] != signal || self->mark_ < 0) {
+        continue;
+      }
+      const RunMark::Block& block =
+          self->heated_.load() ? self->blocks_[i].heated : self->blocks_[i].off;
+      if (pwrite(self->mark_, block.data(), block.size(), 0) > 0) {
+        fdatasync(self->mark_);
+      }
+    }
+  }
+  // The handler is the system's again; it ends the program as soon as this one returns.
+  raise(signal);
+}
+
+}  // namespace smaservo

@@ -1,0 +1,39 @@
+#pragma once
+// What happens when the program breaks down: the heat goes off before it dies.
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <vector>
+
+#include "firmware/daemon/process/last_run.hpp"
+#include "hal/linux/system/off_action.hpp"
+
+namespace smaservo {
+
+/// Signals that mean a program's own mistake.
+inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
+
+/// While it lives, such a signal switches the outputs off, leaves a mark and then ends the program
+/// as it would have. One at a time. The handler makes system calls only.
+class CrashGuard {
+ public:
+  /// `mark` null: none is left. `heated` and the board outlive it.
+  CrashGuard(std::vector<OffAction> off, const RunMark* mark, const std::atomic<bool>& heated);
+  ~CrashGuard();
+  CrashGuard(const CrashGuard&) = delete;
+  CrashGuard& operator=(const CrashGuard&) = delete;
+
+ private:
+  static void handle(int signal);
+
+  struct Blocks {
+    RunMark::Block off, heated;
+  };
+  std::vector<OffAction> off_;
+  int mark_;
+  const std::atomic<bool>& heated_;
+  std::array<Blocks, crash_signals.size()> blocks_{};
+};
+
+}  // namespace smaservo

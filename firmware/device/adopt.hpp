@@ -1,0 +1,42 @@
+#pragma once
+// New settings between two steps.
+
+#include <algorithm>
+
+#include "firmware/device/device.hpp"
+#include "firmware/parameters/parameters.hpp"
+
+namespace smaservo {
+
+namespace detail {
+
+/// Of measuring.* or wire.*
+constexpr bool is_observed(Key key) {
+  return key.index == 0x2010 || (0x2110 <= key.index && key.index <= 0x211C);
+}
+static_assert(std::ranges::all_of(parameters<float>, [](const Parameter<float>& row) {
+  const std::string_view path = row.path.text();
+  return is_observed(row.key) == (path.starts_with("wire.") || path.starts_with("measuring."));
+}));
+
+/// Whether the observer may go on with its state: it sees the same wire through the same sensors.
+template <class S>
+bool same_plant(const Settings<S>& a, const Settings<S>& b) {
+  return std::ranges::all_of(parameter_rows<S>, [&](const ParameterRow<S>& row) {
+    return !is_observed(row.key) || row.get(a) == row.get(b);
+  });
+}
+
+}  // namespace detail
+
+/// The next step is with `to` instead of `from`; both are prepared beforehand. Gains, limits and
+/// paths change without a step in the output: the controller takes over from the power that it gave
+/// last. With another wire or other sensors, which may change without current only, the observer
+/// starts afresh. Cost: some microseconds, once for each change.
+template <class S>
+void adopt(const Prepared<S>& from, const Prepared<S>& to, typename Device<S>::State& s) {
+  s.observing = s.observing && detail::same_plant(from.settings, to.settings);
+  Controller<S>::adopt(s.controller);
+}
+
+}  // namespace smaservo

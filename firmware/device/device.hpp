@@ -1,0 +1,231 @@
+#pragma once
+// The firmware, free of hardware: one pure step from sample and command to current.
+//
+//   inputs -> measure -> observe -> protect -> control -> output
+//
+// No I/O, clock, heap or exception; the state is a trivially copyable value, and the inputs of the
+// steps are the log: given again, they give the same outputs.
+
+#include <limits>
+#include <type_traits>
+
+#include "firmware/command.hpp"
+#include "firmware/control/control.hpp"
+#include "firmware/prepared.hpp"
+#include "firmware/safety/supervisor.hpp"
+#include "model/scalar/scalar.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct Device {
+  using Observer = typename Prepared<S>::Observer;
+
+  struct State {
+    typename Observer::State observer;
+    typename Monitor<S>::State monitor;
+    typename Supervisor<S>::State supervisor;
+    typename Controller<S>::State controller;
+    bool observing;    ///< there has been a first sample
+    S since_sample_s;  ///< age of the last fresh sample
+    S since_command_s;
+    S off_s;           ///< no current has been given for so long
+    S given_before_A;  ///< in the step before the last
+    std::uint64_t time_us;
+    Output<S> last;
+  };
+
+  /// As after switching on.
+  static State start() { return State{}; }
+
+  /// dt_s since the last step, 0.1 to 20 ms. Order: observe(), then decide().
+  static Output<S> step(const Prepared<S>& p, State& s, const Inputs<S>& in,
+                        const Command<S>& command, const S& dt_s) {
+    const Measurement<S> m = observe(p, s, in, dt_s);
+    const Estimate<S> e = estimate(p, s);
+    return decide(p, s, in, m, e, command, dt_s);
+  }
+
+  /// The first half: what the sample says, and what the observer makes of it.
+  static Measurement<S> observe(const Prepared<S>& p, State& s, const Inputs<S>& in, const S& dt_s);
+  static Estimate<S> estimate(const Prepared<S>& p, const State& s) {
+    return Observer::estimate(p.observer, s.observer);
+  }
+
+  /// The second half, open to experiments with another estimate.
+  static Output<S> decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
+                          const Measurement<S>& m, const Estimate<S>& e, const Command<S>& command,
+                          const S& dt_s);
+
+ private:
+  using Verdict = typename Supervisor<S>::Verdict;
+
+  static void count_time(State& s, const Inputs<S>& in, const Command<S>& command, const S& dt_s);
+  static Verdict protect(const Seen<S>& seen, State& s);
+  static void sense(const Prepared<S>& p, Output<S>& out);
+  static void control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out);
+  static void limit(const Prepared<S>& p, State& s, Output<S>& out);
+};
+
+template <class S>
+Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S>& in,
+                                  const S& dt_s) {
+  const Measuring<S>& q = p.settings.measuring;
+  Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
+  sample.load_N =
+      q.has_load_cell ? (sample.load_N - q.load_offset_N) * q.load_gain : q.constant_load_N;
+  if (!in.fresh) {
+    // Nothing is known of this interval. That the wire was not heated is the worse guess, but the
+    // only one that a stale sample must not keep alive; heating stops after sample_timeout_s.
+    Measurement<S> nothing{};
+    if (s.observing) {
+      Observer::advance(p.observer, s.observer, nothing, dt_s);
+    }
+    return nothing;
+  }
+  const Measurement<S> m = measure(p.measuring, sample);
+  if (s.observing) {
+    Observer::advance(p.observer, s.observer, m, dt_s);
+  } else if (m.stress_valid) {
+    const S room_K = S(298.15);
+    Observer::start(p.observer, s.observer, m, isfinite(in.ambient_K) ? in.ambient_K : room_K);
+    s.observing = true;
+  }
+  return m;
+}
+
+template <class S>
+Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
+                            const Measurement<S>& m, const Estimate<S>& e,
+                            const Command<S>& command, const S& dt_s) {
+  count_time(s, in, command, dt_s);
+  const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
+  const auto& filter = KalmanBank<S>::likeliest(s.observer.observer);
+  const Seen<S> seen{p,
+                     in,
+                     command,
+                     m,
+                     e,
+                     filter,
+                     s.last,
+                     s.given_before_A,
+                     sample.current_A - p.settings.measuring.current_offset_A,
+                     sample.voltage_V - p.settings.measuring.voltage_offset_V,
+                     s.controller.duty,
+                     s.off_s,
+                     s.since_sample_s,
+                     s.since_command_s,
+                     dt_s,
+                     s.observing,
+                     s.monitor.zero.known()};
+  const Verdict v = protect(seen, s);
+  Output<S> out{.current_A = S(0),
+                .voltage_V = S(0),
+                .state = v.state,
+                .mode = Mode::off,
+                .setpoint = S(0),
+                .reference = S(0),
+                .power_W = S(0),
+                .measurement = m,
+                .estimate = e,
+                .ambient_K = filter.ambient_K,
+                .hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K,
+                .limit_reasons = 0,
+                .active = v.active,
+                .latched = v.latched,
+                .first_cause = s.supervisor.first_cause,
+                .warnings = v.warnings,
+                .blocks = v.blocks,
+                .time_us = s.time_us,
+                .first_cause_us = s.supervisor.first_cause_us};
+  const bool safe = v.heat == Heat::hold || v.heat == Heat::release;
+  if (v.heat == Heat::sense) {
+    sense(p, out);
+  }
+  if (safe || (v.heat == Heat::run && command.mode != Mode::off)) {
+    control(seen, s,
+            safe ? Demand<S>{Mode::strain, v.strain, {}}
+                 : Demand<S>{command.mode, command.setpoint, command.scale},
+            out);
+    if (v.limited) {
+      limit(p, s, out);
+    }
+  } else {
+    Controller<S>::rest(p, s.controller, dt_s);
+  }
+  s.given_before_A = s.last.current_A;
+  s.last = out;
+  return out;
+}
+
+template <class S>
+void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& command,
+                           const S& dt_s) {
+  // Seconds in a float would stand still after some hours.
+  s.time_us += static_cast<std::uint32_t>(static_cast<int>(dt_s * S(1e6) + S(0.5)));
+  s.since_sample_s = in.fresh ? S(0) : s.since_sample_s + dt_s;
+  s.since_command_s = command.fresh ? S(0) : s.since_command_s + dt_s;
+  s.off_s = s.last.current_A == S(0) ? s.off_s + dt_s : S(0);
+}
+
+template <class S>
+auto Device<S>::protect(const Seen<S>& seen, State& s) -> Verdict {
+  const FaultSet active = Monitor<S>::step(seen, s.monitor);
+  if (s.observing && !isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
+    s.observing = false;  // it would never come back by itself: the next sample starts it anew
+  }
+  return Supervisor<S>::step(seen, s.supervisor, active, s.time_us);
+}
+
+template <class S>
+void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
+  out.current_A = p.settings.limits.least_current_A;
+  out.voltage_V = out.current_A * p.cold_ohm;
+}
+
+/// A result that is no current is not put out; the next step calls it a fault.
+template <class S>
+void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out) {
+  const Known<S> known{seen.measurement,
+                       seen.estimate,
+                       seen.filter,
+                       seen.current_A,
+                       seen.in.supply_V,
+                       seen.in.ambient_K,
+                       s.monitor.wire.hot.temperature_K};
+  const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
+  const bool usable = !c.invalid && S(0) <= c.current_A &&
+                      c.current_A <= seen.prepared.settings.trips.current_A &&
+                      isfinite(c.voltage_V);
+  s.monitor.machine.control_invalid = !usable;
+  if (!usable) {
+    return;
+  }
+  out.current_A = c.current_A;
+  out.voltage_V = c.voltage_V;
+  out.mode = demand.mode;
+  out.setpoint = c.setpoint;
+  out.reference = c.reference;
+  out.power_W = c.power_W;
+  out.limit_reasons = c.limit_reasons;
+}
+
+/// No more than keeps the resistance measurable. The controller learns what was given of it.
+template <class S>
+void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
+  const S least_A = p.settings.limits.least_current_A;
+  out.limit_reasons |= 1U << static_cast<unsigned>(LimitReason::protection);
+  if (!(least_A < out.current_A)) {
+    return;
+  }
+  const S share = least_A / out.current_A;
+  out.current_A = least_A;
+  out.voltage_V = out.voltage_V * share;
+  out.power_W = out.power_W * share * share;
+  s.controller.current_loop.asked_A = out.current_A;
+  s.controller.power_W = out.power_W;
+}
+
+static_assert(std::is_trivially_copyable_v<Device<float>::State>);
+
+}  // namespace smaservo

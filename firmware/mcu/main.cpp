@@ -1,0 +1,124 @@
+// The device on a microcontroller, without an operating system: a loop in the timer's period, a
+// CANopen node beside it, settings in two slots.
+
+#include <optional>
+
+#include "firmware/canopen/servo/servo.hpp"
+#include "firmware/device/adopt.hpp"
+#include "firmware/device/board_io.hpp"
+#include "firmware/mcu/device.hpp"
+#include "firmware/parameters/store.hpp"
+#include "hal/cortex-m/board.hpp"
+#include "hal/cortex-m/start_up.hpp"
+
+namespace smaservo {
+namespace {
+
+/// Heat ends with the loop, but not with one lost turn of it.
+constexpr std::uint32_t leased_periods = 3;
+
+/// All that lives as long as the device, in memory that the linker has counted.
+class Loop {
+ public:
+  Loop(const Settings<float>& settings, std::uint32_t period_us)
+      : board_(period_us), period_us_(period_us), staging_(settings), servo_({}, staging_) {}
+
+  bool is_open() const { return board_.is_open() && can_.is_open(); }
+
+  void run() {
+    board_.start();
+    servo_.start({}, board_.now_us());
+    FrameOf<float> frame{};
+    for (ReadStatus status = board_.read(frame); status != ReadStatus::end;
+         status = board_.read(frame)) {
+      communicate();
+      step(frame, status);
+    }
+    board_.safe_off();
+  }
+
+ private:
+  void communicate() {
+    CanFrame frame;
+    while (can_.receive(frame)) {
+      servo_.receive(frame, board_.now_us());
+    }
+    servo_.advance(board_.now_us());
+    while (servo_.take(frame)) {
+      can_.send(frame);
+    }
+    answer(servo_.request());
+    if (adopted_ != servo_.settings_changes()) {
+      adopted_ = servo_.settings_changes();
+      const Prepared<float> next = prepare(staging_.active());
+      adopt(prepared_, next, device_);
+      prepared_ = next;
+    }
+  }
+  void answer(canopen::Request request) {
+    using canopen::Request;
+    switch (request) {
+      case Request::none:
+        break;
+      case Request::reset_node:
+      case Request::reset_communication:
+        board_.safe_off();
+        device_ = Device<float>::start();
+        servo_.start({}, board_.now_us());
+        break;
+      case Request::store_application: {
+        cortex_m::SlotFiles slots;
+        servo_.finish(save_settings(slots, staging_.configured()).ok());
+        break;
+      }
+      default:
+        servo_.finish(false);  // what the bus remembers is not kept here
+    }
+  }
+  void step(const FrameOf<float>& frame, ReadStatus status) {
+    Inputs<float> in = inputs_of<float>(frame, status);
+    in.deadline_missed = board_.missed() > 0;
+    in.external = servo_.external();
+    const float dt_s = 1e-6F * static_cast<float>((board_.missed() + 1) * period_us_);
+    const Output<float> out = step_device(prepared_, device_, in, servo_.command(), dt_s);
+    board_.drive(
+        drive_of<float>(out, board_.now_ns(), std::int64_t{leased_periods * period_us_} * 1000));
+    board_.kick();
+    servo_.publish(out, in, dt_s);
+  }
+
+  cortex_m::PipeBoard board_;
+  cortex_m::PipeCan can_;
+  std::uint32_t period_us_;
+  Staging<float> staging_;
+  canopen::Servo<float> servo_;
+  Prepared<float> prepared_ = prepare(staging_.active());
+  Device<float>::State device_ = Device<float>::start();
+  std::uint32_t adopted_ = 0;
+};
+
+std::optional<Loop> loop;
+
+}  // namespace
+}  // namespace smaservo
+
+void sys_tick_interrupt() {
+  smaservo::cortex_m::ticks = smaservo::cortex_m::ticks + 1;
+}
+
+int application() {
+  using namespace smaservo;
+  cortex_m::SlotFiles slots;
+  const Loaded<float> loaded = load_settings<float>(slots);
+  if (loaded.reason == LoadReason::none) {
+    semihosting::print("no settings in slot-0 and slot-1\n");
+    return 2;
+  }
+  loop.emplace(loaded.settings, static_cast<std::uint32_t>(loaded.settings.timing.period_s * 1e6F));
+  if (!loop->is_open()) {
+    semihosting::print("no pipes drive, readings, can-out, can-in\n");
+    return 2;
+  }
+  loop->run();
+  return 0;
+}

@@ -1,0 +1,258 @@
+#pragma once
+// What settings must fulfil: each value by itself, and all of them together. A rule names both
+// parameters that contradict each other; the words for a user are made elsewhere.
+
+#include <cmath>
+
+#include "firmware/parameters/parameters.hpp"
+
+namespace smaservo {
+
+enum class Problem : std::uint8_t {
+  none,
+  not_finite,
+  below,          ///< its least value
+  above,          ///< its greatest value
+  contradiction,  ///< of two parameters: a rule does not hold
+};
+
+/// What is wrong with settings. Rows are those of `parameters`.
+struct Finding {
+  Problem problem = Problem::none;
+  std::size_t parameter = no_parameter;
+  std::size_t other = no_parameter;  ///< of a contradiction
+  std::size_t rule = 0;              ///< of a contradiction: row of `parameter_rules`
+
+  constexpr bool ok() const { return problem == Problem::none; }
+};
+
+enum class Relation : std::uint8_t {
+  below,      ///< factor a + plus < b
+  not_above,  ///< factor a + plus <= b
+  heats,      ///< start a and finish b of a process: 150..600 K, finish at least 1 K above start,
+  cools,      ///< or below it, at every stress that the wire may carry
+  curvature,  ///< a + b stress of a process: 0.001..30, likewise
+  turning,    ///< 0.05..0.95
+};
+
+/// Rows of parameters in a relation. It holds while one of them is not set, or has no meaning.
+struct RuleRow {
+  std::uint16_t a, b;
+  std::uint16_t plus;  ///< no_parameter: none
+  Relation relation;
+  float factor;
+};
+
+struct Rule : RuleRow {
+  std::string_view meaning;
+};
+
+namespace detail {
+
+std::size_t no_such_parameter();  // has no body
+
+/// A path that is not in the table does not compile.
+consteval std::uint16_t row_of(std::string_view path) {
+  return static_cast<std::uint16_t>(find_parameter(path) < parameter_count ? find_parameter(path)
+                                                                           : no_such_parameter());
+}
+
+consteval Rule rule(std::string_view a, Relation relation, std::string_view b,
+                    std::string_view meaning, float factor = 1, std::string_view plus = "") {
+  constexpr auto none = static_cast<std::uint16_t>(no_parameter);
+  return {{row_of(a), row_of(b), plus.empty() ? none : row_of(plus), relation, factor}, meaning};
+}
+
+inline constexpr std::string_view heats =
+    "both must be within 150 and 600 K, finish at least 1 K above start, at any stress up to "
+    "wire.limits.stress_Pa";
+inline constexpr std::string_view cools =
+    "both must be within 150 and 600 K, finish at least 1 K below start, at any stress up to "
+    "wire.limits.stress_Pa";
+inline constexpr std::string_view curves =
+    "curvature must be within 0.001 and 30 at any stress up to wire.limits.stress_Pa";
+inline constexpr std::string_view turns =
+    "the turning point must be within 0.05 and 0.95 at any stress up to wire.limits.stress_Pa";
+
+consteval auto all_rules() {
+  using enum Relation;
+  constexpr std::string_view is_first = "the limit must act before the trip";
+  constexpr std::string_view timeout = "a time-out must last two periods at least";
+  constexpr std::string_view tracking = "back-calculation must not be faster than the loop";
+  constexpr std::string_view between = "there must be room between them";
+  constexpr std::string_view wire = "the wire is not made for more";
+  return std::to_array<Rule>({
+      rule("timing.period_s", not_above, "timing.command_timeout_s", timeout, 2),
+      rule("timing.period_s", not_above, "timing.sample_timeout_s", timeout, 2),
+      rule("timing.period_s", not_above, "strain.tracking_s", tracking),
+      rule("timing.period_s", not_above, "temperature.tracking_s", tracking),
+      rule("timing.period_s", not_above, "resistance.tracking_s", tracking),
+      rule("timing.period_s", not_above, "force.tracking_s", tracking),
+      rule("limits.least_current_A", below, "limits.current_A", between),
+      rule("limits.current_A", below, "trips.current_A", is_first),
+      rule("trips.current_A", below, "measuring.current_full_scale_A", "it could not be seen"),
+      rule("trips.current_offset_A", below, "limits.least_current_A",
+           "the least current must stand out from the offset that is let pass"),
+      rule("limits.temperature_K", below, "trips.temperature_K", is_first),
+      rule("limits.temperature_K", not_above, "wire.limits.temperature_K", wire),
+      rule("wire.m2a.start_0_K", below, "limits.temperature_K", "the wire could not contract", 1,
+           "limits.hot_spot_K"),
+      rule("trips.greatest_ambient_K", below, "limits.temperature_K",
+           "air alone must not reach the limit"),
+      rule("trips.least_ambient_K", below, "trips.greatest_ambient_K", between),
+      rule("limits.least_strain", below, "limits.greatest_strain", between),
+      rule("trips.least_strain", below, "limits.least_strain", is_first),
+      rule("limits.greatest_strain", below, "trips.greatest_strain", is_first),
+      rule("limits.least_strain", not_above, "axis.zero_strain", "position 0 must be allowed"),
+      rule("axis.zero_strain", not_above, "limits.greatest_strain", "position 0 must be allowed"),
+      rule("limits.stress_Pa", below, "trips.stress_Pa", is_first),
+      rule("limits.stress_Pa", not_above, "wire.limits.stress_Pa", wire),
+      rule("trips.slack_Pa", below, "limits.stress_Pa", between),
+      rule("drive.least_supply_V", below, "drive.greatest_supply_V", between),
+      rule("profile.loop_s", below, "profile.cycle_s", "an inner loop is part of a cycle"),
+      rule("wire.heat.latent_r2a_J_kg", not_above, "wire.heat.latent_m2a_J_kg",
+           "a closed cycle would gain heat"),
+      rule("wire.m2a.start_0_K", heats, "wire.m2a.finish_0_K", detail::heats),
+      rule("wire.a2m.start_0_K", cools, "wire.a2m.finish_0_K", detail::cools),
+      rule("wire.a2r.start_0_K", cools, "wire.a2r.finish_0_K", detail::cools),
+      rule("wire.r2a.start_0_K", heats, "wire.r2a.finish_0_K", detail::heats),
+      rule("wire.r2m.start_0_K", cools, "wire.r2m.finish_0_K", detail::cools),
+      rule("wire.m2a.curvature_0", curvature, "wire.m2a.curvature_1_1_Pa", curves),
+      rule("wire.a2m.curvature_0", curvature, "wire.a2m.curvature_1_1_Pa", curves),
+      rule("wire.a2r.curvature_0", curvature, "wire.a2r.curvature_1_1_Pa", curves),
+      rule("wire.r2a.curvature_0", curvature, "wire.r2a.curvature_1_1_Pa", curves),
+      rule("wire.r2m.curvature_0", curvature, "wire.r2m.curvature_1_1_Pa", curves),
+      rule("wire.m2a.turning_0", turning, "wire.m2a.turning_1_1_Pa", turns),
+      rule("wire.a2m.turning_0", turning, "wire.a2m.turning_1_1_Pa", turns),
+      rule("wire.a2r.turning_0", turning, "wire.a2r.turning_1_1_Pa", turns),
+      rule("wire.r2a.turning_0", turning, "wire.r2a.turning_1_1_Pa", turns),
+      rule("wire.r2m.turning_0", turning, "wire.r2m.turning_1_1_Pa", turns),
+  });
+}
+
+/// The surface that a row belongs to, by its index.
+template <class S>
+Surface<S> surface_of(const ThreePhaseParams<S>& p, std::uint16_t index) {
+  switch (index) {
+    case 0x2112:
+      return first_surface(p.a2m_a2r);
+    case 0x2113:
+      return second_surface(p.a2m_a2r);
+    case 0x2114:
+      return p.r2a;
+    case 0x2115:
+      return p.r2m;
+    default:
+      return p.m2a;
+  }
+}
+
+template <class S>
+bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
+  const Isobar<S> at = isobar(surface, stress_Pa);
+  // What a wire file just allows may be rounded to the other side.
+  const auto within = [](const S& least, const S& x, const S& greatest) {
+    const S slack = S(1e-3) * least;
+    return least - slack <= x && x <= greatest + slack;
+  };
+  if (relation == Relation::curvature) {
+    return within(S(1e-3), at.shape.curvature, S(30));
+  }
+  if (relation == Relation::turning) {
+    return within(S(0.05), at.shape.turning, S(0.95));
+  }
+  const S span_K = S(1) / at.per_K;
+  return within(S(1), relation == Relation::heats ? span_K : S(0) - span_K, S(450)) &&
+         within(S(150), at.start_K, S(600)) && within(S(150), at.start_K + span_K, S(600));
+}
+
+template <class S>
+bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
+  const Surface<S> surface = surface_of(wire.kinetics, parameter_rows<S>[rule.a].key.index);
+  constexpr int parts = 20;
+  for (int i = 0; i <= parts; ++i) {
+    if (!surface_holds(surface, rule.relation, wire.limits.stress_Pa * S(i) / S(parts))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace detail
+
+inline constexpr auto parameter_rules = detail::all_rules();
+
+/// The same without their words.
+inline constexpr auto rule_rows = [] {
+  std::array<RuleRow, parameter_rules.size()> rows{};
+  std::ranges::copy(parameter_rules, rows.begin());
+  return rows;
+}();
+
+/// Whether this parameter has been set: its value is one.
+template <class S>
+bool is_set(const ParameterRow<S>& row, const Settings<S>& settings) {
+  return row.has_default() || !std::isnan(row.get(settings).real());
+}
+
+/// Row of the first parameter without which the device is not configured; no_parameter: none.
+template <class S>
+std::size_t first_missing(const Settings<S>& settings) {
+  for (std::size_t i = 0; i < parameter_count; ++i) {
+    const ParameterRow<S>& row = parameter_rows<S>[i];
+    if (row.is_used(settings) && !is_set(row, settings)) {
+      return i;
+    }
+  }
+  return no_parameter;
+}
+
+template <class S>
+bool holds(const RuleRow& rule, const Settings<S>& settings) {
+  const auto known = [&](std::size_t i) {
+    return i == no_parameter ||
+           (parameter_rows<S>[i].is_used(settings) && is_set(parameter_rows<S>[i], settings));
+  };
+  const auto value = [&](std::size_t i) { return parameter_rows<S>[i].get(settings).real(); };
+  if (!known(rule.a) || !known(rule.b) || !known(rule.plus)) {
+    return true;
+  }
+  if (rule.relation != Relation::below && rule.relation != Relation::not_above) {
+    return !(settings.wire.limits.stress_Pa == settings.wire.limits.stress_Pa) ||
+           detail::process_holds(rule, settings.wire);
+  }
+  const float a =
+      rule.factor * value(rule.a) + (rule.plus < parameter_count ? value(rule.plus) : 0);
+  return rule.relation == Relation::below ? a < value(rule.b) : a <= value(rule.b);
+}
+
+constexpr Problem problem_of(Fit fit) {
+  return fit == Fit::inside       ? Problem::none
+         : fit == Fit::not_finite ? Problem::not_finite
+         : fit == Fit::below      ? Problem::below
+                                  : Problem::above;
+}
+
+/// The first thing that is wrong. What is not set yet is no mistake: see first_missing(). Cost:
+/// some ten microseconds on a PC; not for the loop.
+template <class S>
+Finding check(const Settings<S>& settings) {
+  for (std::size_t i = 0; i < parameter_count; ++i) {
+    const ParameterRow<S>& row = parameter_rows<S>[i];
+    if (!row.is_used(settings) || !is_set(row, settings)) {
+      continue;
+    }
+    const Fit value = fit(row, row.get(settings));
+    if (value != Fit::inside) {
+      return {problem_of(value), i};
+    }
+  }
+  for (std::size_t i = 0; i < rule_rows.size(); ++i) {
+    if (!holds(rule_rows[i], settings)) {
+      return {Problem::contradiction, rule_rows[i].a, rule_rows[i].b, i};
+    }
+  }
+  return {};
+}
+
+}  // namespace smaservo

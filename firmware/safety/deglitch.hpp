@@ -1,0 +1,68 @@
+#pragma once
+// From conditions that come and go to faults: each has to last for its deglitch time.
+
+#include <array>
+
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/settings.hpp"
+
+namespace smaservo {
+
+inline constexpr auto fault_deglitch_s = [] {
+  std::array<float, fault_count> times{};
+  for (const FaultRow& row : fault_rows) {
+    times[static_cast<std::size_t>(row.fault)] = static_cast<float>(row.deglitch_s);
+  }
+  return times;
+}();
+
+/// How long a condition lasts until it is a fault, with these settings.
+template <class S>
+constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
+  switch (fault) {
+    case Fault::following_error:
+      return settings.trips.following_s;
+    case Fault::sample_stale:
+      return settings.timing.sample_timeout_s;
+    case Fault::command_timeout:
+      return settings.timing.command_timeout_s;
+    default:
+      return S(fault_deglitch_s[static_cast<std::size_t>(fault)]);
+  }
+}
+
+/// Counts up while the condition is there and down while it is not: a loose contact that is open
+/// for most of the time trips as well. An empty one is all zero.
+template <class S>
+struct Deglitch {
+  std::array<S, fault_count> held_s;  ///< meaningful for those that are pending
+  FaultSet pending;                   ///< their time is not zero
+  FaultSet active;
+
+  /// Cost: some operations for each condition that is there or was lately; else next to nothing.
+  FaultSet step(FaultSet now, const S& dt_s) {
+    for_each_fault(now | pending, [&](Fault fault) {
+      const auto i = static_cast<std::size_t>(fault);
+      const S limit_s = S(fault_deglitch_s[i]);
+      S& held = held_s[i];
+      if (!now.has(fault)) {
+        held = held - dt_s;
+        if (!(S(0) < held)) {
+          pending.set(fault, false);
+          active.set(fault, false);
+        }
+        return;
+      }
+      held = pending.has(fault) ? held + dt_s : S(0);
+      held = held < limit_s ? held : limit_s;
+      pending.set(fault);
+      // A sum of many steps may miss the limit by its rounding.
+      if (limit_s <= held + S(0.25) * dt_s) {
+        active.set(fault);
+      }
+    });
+    return active;
+  }
+};
+
+}  // namespace smaservo

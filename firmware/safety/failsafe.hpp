@@ -1,0 +1,109 @@
+#pragma once
+// What follows from faults: two pure functions of a few flags, small enough to be tested over every
+// combination (tests/firmware/safety/failsafe_test.cpp).
+
+#include "firmware/command.hpp"
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/settings.hpp"
+
+namespace smaservo {
+
+/// What the device does with its current.
+enum class Heat : std::uint8_t {
+  none,     ///< exactly zero
+  sense,    ///< the least current: the resistance is looked at
+  run,      ///< as commanded
+  hold,     ///< safe state: the strain at the fault
+  release,  ///< safe state: cools at a known rate
+};
+
+struct FailsafeInput {
+  DeviceState state;
+  FaultSet active, latched;  ///< after latch()
+  // The command.
+  bool arm;
+  bool arm_edge;  ///< arm has come since it was last used or away
+  // Of the state.
+  bool started;  ///< starting has found out what it must
+  bool blocked;  ///< something active blocks arming
+  bool checked;  ///< the checks of arming are done
+  bool passed;   ///< with success
+  // Of the safe state.
+  SafeState safe;
+  bool may_hold;   ///< there is an estimate to hold or to release by
+  bool safe_over;  ///< its time is over, or the wire is cold
+};
+
+struct FailsafeOutput {
+  DeviceState state;
+  Heat heat;
+  friend constexpr bool operator==(const FailsafeOutput&, const FailsafeOutput&) = default;
+};
+
+inline constexpr FaultSet heat_off_faults = faults_of(FaultClass::F0) | faults_of(FaultClass::F1);
+inline constexpr FaultSet tripping_faults = heat_off_faults | faults_of(FaultClass::F2);
+inline constexpr FaultSet blocking_faults = tripping_faults | faults_of(FaultClass::B);
+inline constexpr FaultSet limiting_faults = faults_of(FaultClass::L);
+inline constexpr FaultSet acknowledged_faults =
+    faults_where([](const FaultRow& row) { return row.clears == Clears::acknowledge; });
+inline constexpr FaultSet lasting_faults =
+    faults_where([](const FaultRow& row) { return row.clears == Clears::reset; });
+
+/// The latched faults after this step. While the wire is heated everything that trips is latched;
+/// otherwise only F0: a supply that is not yet switched on needs no clearing. `clear` forgets what
+/// is not active any more, and only in a state without heat.
+constexpr FaultSet latch(FaultSet latched, FaultSet active, DeviceState state, bool clear) {
+  const FaultSet kept = clear && !is_heated(state) ? latched & active : latched;
+  return kept | (active & (is_heated(state) ? tripping_faults : faults_of(FaultClass::F0)));
+}
+
+/// What a fault leaves of the heat, while there was some.
+constexpr FailsafeOutput safe_state(const FailsafeInput& in) {
+  const bool must_be_off = !((in.active | in.latched) & heat_off_faults).empty();
+  const bool possible = in.arm && in.may_hold && !in.safe_over && in.safe != SafeState::off;
+  if (must_be_off || !possible) {
+    return {DeviceState::fault, Heat::none};
+  }
+  return {DeviceState::stopping, in.safe == SafeState::hold ? Heat::hold : Heat::release};
+}
+
+/// While the sense current flows and nothing has tripped.
+constexpr FailsafeOutput look_at_wire(const FailsafeInput& in) {
+  if (!in.arm || in.blocked || (in.checked && !in.passed)) {
+    return {DeviceState::ready, Heat::none};
+  }
+  return in.checked ? FailsafeOutput{DeviceState::running, Heat::run}
+                    : FailsafeOutput{DeviceState::arming, Heat::sense};
+}
+
+/// Where the device goes and what it may do there, from this step on. There is no heat with an F0
+/// or F1; from a fault the way leads through ready, without anything latched, and a new edge of
+/// `arm`.
+constexpr FailsafeOutput failsafe(const FailsafeInput& in) {
+  using enum DeviceState;
+  const bool tripped = !((in.active | in.latched) & tripping_faults).empty();
+  if (!is_heated(in.state) && !in.latched.empty()) {
+    return {fault, Heat::none};
+  }
+  switch (in.state) {
+    case starting:
+    case fault:
+      return {in.started ? ready : starting, Heat::none};
+    case ready: {
+      const bool may = in.arm && in.arm_edge && !in.blocked && !tripped;
+      return may ? FailsafeOutput{arming, Heat::sense} : FailsafeOutput{ready, Heat::none};
+    }
+    case arming:
+      return tripped ? FailsafeOutput{fault, Heat::none} : look_at_wire(in);
+    case running:
+      if (tripped) {
+        return safe_state(in);
+      }
+      return in.arm ? FailsafeOutput{running, Heat::run} : FailsafeOutput{ready, Heat::none};
+    case stopping:
+      return safe_state(in);
+  }
+  return {fault, Heat::none};
+}
+
+}  // namespace smaservo

@@ -1,0 +1,67 @@
+#pragma once
+// Faults of the machine: readings, timing, commands, bus, settings.
+
+#include "firmware/safety/faults/row.hpp"
+
+namespace smaservo {
+
+inline constexpr FaultRow machine_faults[] = {
+    {Fault::sensor_invalid, FaultClass::F1, Clears::command, 0xFF40, "sensor_invalid", 0.003,
+     "The reading of current, voltage or load is not a number.",
+     "A sensor that is not connected or whose converter reports an error.",
+     "Each reading in the freeze frame; the cable of the one that is missing."},
+    {Fault::sample_stale, FaultClass::F1, Clears::command, 0xFF41, "sample_stale", 0,
+     "No new sample has come for too long.",
+     "The converter or its bus has stopped, the machine is overloaded.",
+     "The front end's supply and bus; the loop's timing."},
+    {Fault::sample_frozen, FaultClass::F1, Clears::command, 0xFF42, "sample_frozen", 0.005,
+     "The samples repeat: the same sequence number, or the same readings though the current that "
+     "is "
+     "given has changed.",
+     "A converter that hangs, a driver that delivers old values as new ones.",
+     "The front end's sequence counter; reset the front end."},
+    {Fault::control_invalid, FaultClass::F1, Clears::command, 0x6100, "control_invalid", 0,
+     "The control law gave no usable current; none was put out.",
+     "A set-point that is not a number, gains far beyond reason, or an error in this program.",
+     "Set-point and gains in the freeze frame."},
+    {Fault::deadline_missed, FaultClass::F1, Clears::command, 0xFF43, "deadline_missed", 0,
+     "The loop came too late more than ten times in about a second.",
+     "Another program on the same core, no real-time rights, a bus that blocks.",
+     "The histogram of the loop's timing; priority and isolation of its core."},
+    {Fault::command_timeout, FaultClass::F2, Clears::command, 0xFF44, "command_timeout", 0,
+     "No command has come for too long while the device was armed.",
+     "The controlling program has stopped or its connection is lost.",
+     "The partner; its period against timing.command_timeout_s."},
+    {Fault::emergency_stop, FaultClass::F0, Clears::command, 0x9000, "emergency_stop", 0,
+     "The emergency stop is pressed, or its line is open.",
+     "Somebody pressed it; a broken cable counts as pressed.",
+     "Why it was pressed, before anything else; then its cable."},
+    {Fault::cooling_timeout, FaultClass::F0, Clears::command, 0xFF45, "cooling_timeout", 0.01,
+     "The wire has been off for long enough to be cold, but it is still heated.",
+     "An output that leaks or pulses, too briefly for current_while_off.",
+     "Take the supply away at once. Then the output stage's input and its leakage."},
+    {Fault::bus_lost, FaultClass::F2, Clears::command, 0x8140, "bus_lost", 0.1,
+     "The field bus is off or its partner has gone.",
+     "A cable, the termination, another bit rate, a partner that is switched off.",
+     "Termination and error counters of the bus."},
+    {Fault::duplicate_node, FaultClass::F2, Clears::command, 0x8150, "duplicate_node", 0,
+     "Another node on the bus uses the same node-id.", "Two devices with one identity.node_id.",
+     "The node-id of every device on the bus."},
+    {Fault::unclean_boot, FaultClass::B, Clears::acknowledge, 0xFF46, "unclean_boot", 0,
+     "The last run ended by a watchdog, a crash or a loss of power while armed.",
+     "An error in the program, an overloaded machine, a supply that fails under load.",
+     "The last freeze frame and the system's log; then acknowledge."},
+    {Fault::store_corrupt, FaultClass::B, Clears::reset, 0x5530, "store_corrupt", 0,
+     "The stored settings could not be read back whole.",
+     "Power lost while writing, a worn memory, a store of another program.",
+     "Store a complete set of settings and restart."},
+    {Fault::bad_configuration, FaultClass::B, Clears::itself, 0x6320, "bad_configuration", 0,
+     "The settings contradict each other or the board.",
+     "Limits beyond the wire's or the board's, a trip inside of a limit.",
+     "What the check of the settings says."},
+    {Fault::not_configured, FaultClass::B, Clears::itself, 0x6310, "not_configured", 0,
+     "The device has never been given settings for its wire.", "A new device.",
+     "Write settings for the wire that is mounted, and store them."},
+};
+
+}  // namespace smaservo

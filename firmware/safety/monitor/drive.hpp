@@ -1,0 +1,90 @@
+#pragma once
+// Detects faults of the supply and the output stage.
+
+#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/zero_current.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct DriveMonitor {
+  /// The voltage reading is at the end of its scale.
+  static bool voltage_at_end(const Seen<S>& seen) {
+    return full * seen.prepared.settings.measuring.voltage_full_scale_V <=
+           magnitude(seen.in.sample.voltage_V);
+  }
+
+  /// The conditions that are there now. Cost: about 60 operations, no division.
+  static FaultSet detect(const Seen<S>& seen, const ZeroCurrent<S>& zero);
+
+ private:
+  static constexpr S full = S(0.998);  ///< of a scale: a converter's last code is not all of it
+  static constexpr S warm_K = S(10);
+
+  static void supply(const Seen<S>& seen, FaultSet& now);
+  static void current(const Seen<S>& seen, FaultSet& now);
+  static void voltage(const Seen<S>& seen, FaultSet& now);
+};
+
+template <class S>
+FaultSet DriveMonitor<S>::detect(const Seen<S>& seen, const ZeroCurrent<S>& zero) {
+  FaultSet now;
+  now.add(Fault::driver_fault, seen.in.driver_fault);
+  if (seen.in.fresh) {
+    supply(seen, now);
+    current(seen, now);
+    voltage(seen, now);
+  }
+  now.add(Fault::current_offset, zero.known() && !zero.in_band(seen.prepared));
+  return now;
+}
+
+/// What is not measured is NaN, and no comparison with it is true.
+template <class S>
+void DriveMonitor<S>::supply(const Seen<S>& seen, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  now.add(Fault::supply_low, seen.in.supply_V < q.drive.least_supply_V);
+  now.add(Fault::supply_high, q.drive.greatest_supply_V < seen.in.supply_V);
+  now.add(Fault::driver_warm, q.trips.driver_K - warm_K < seen.in.driver_K);
+  now.add(Fault::driver_hot, q.trips.driver_K < seen.in.driver_K);
+}
+
+template <class S>
+void DriveMonitor<S>::current(const Seen<S>& seen, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  const S I = magnitude(seen.current_A);
+  const S noise_A = S(6) * q.measuring.current_noise_A;
+  const S doubt_A = q.trips.current_offset_A + noise_A;
+  now.add(Fault::over_current, q.trips.current_A < I);
+  now.add(Fault::current_saturated,
+          full * q.measuring.current_full_scale_A <= magnitude(seen.in.sample.current_A));
+  // A dead current sensor reads zero; then the voltage tells.
+  const S floating_V = S(2) * q.limits.least_current_A * seen.prepared.cold_ohm;
+  now.add(Fault::current_while_off,
+          seen.off() && (doubt_A + doubt_A < I || floating_V < magnitude(seen.voltage_V)));
+  // A converter at the end of its supply is no fault of the current loop; wire_open and the
+  // measured resistance look after that.
+  const bool all_it_has =
+      S(0.9) * seen.in.supply_V < seen.voltage_V || seen.last.limited_by(LimitReason::supply);
+  const S low_A = seen.least_given_A();
+  const bool too_much = S(1.15) * seen.most_given_A() + doubt_A < I;
+  const bool too_little = I < S(0.85) * low_A - doubt_A && S(0.2) * low_A <= I && !all_it_has;
+  now.add(Fault::current_control, !seen.off() && (too_much || too_little));
+}
+
+template <class S>
+void DriveMonitor<S>::voltage(const Seen<S>& seen, FaultSet& now) {
+  const Settings<S>& q = seen.prepared.settings;
+  // Without current it is the wire that is open.
+  const bool flows = seen.prepared.measuring.least_current_A <= magnitude(seen.current_A);
+  now.add(Fault::voltage_saturated, flows && voltage_at_end(seen));
+  const S slack_V = S(0.5);
+  const bool above_supply = S(1.05) * seen.in.supply_V + slack_V < seen.voltage_V;
+  // A chopper's mean voltage, less what leads and crimps keep.
+  const bool lost = q.drive.kind == DriveKind::voltage && seen.measurement.resistance_ohm > S(0) &&
+                    seen.voltage_V < S(0.7) * seen.last.voltage_V - slack_V &&
+                    !(S(1.1) * seen.given_before_A < seen.last.current_A);
+  now.add(Fault::kelvin_mismatch, above_supply || lost);
+}
+
+}  // namespace smaservo

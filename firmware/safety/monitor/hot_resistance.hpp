@@ -1,0 +1,80 @@
+#pragma once
+// How hot austenite is by the rise of its resistance: the second opinion on the temperature for the
+// case that air and cooling are not what the observer believes. Power tells nothing of that.
+//
+// While there is nothing but austenite, and what the clamps keep cold, only heat raises the
+// resistance: last martensite goes and lowers it. So since the lowest resistance the wire has
+// become warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's
+// file.
+
+#include "firmware/safety/monitor/seen.hpp"
+
+namespace smaservo {
+
+/// An empty one has seen nothing.
+template <class S>
+struct HotResistance {
+  S share;          ///< resistance as a share of austenite's under this load, filtered; 0: none yet
+  S least;          ///< lowest share
+  S least_at_K;     ///< what the observer thought of the temperature there
+  S temperature_K;  ///< 0: not known
+  bool heated;      ///< by enough power to keep it hot
+
+  /// More than so much is no heat: the wire cools, and martensite comes, before the observer
+  /// knows.
+  static constexpr S most_rise_K = S(80);
+
+  /// Cost: about 40 operations, three divisions.
+  void advance(const Seen<S>& seen) {
+    const Estimate<S>& e = seen.estimate;
+    if (!(e.martensite + e.r_phase < most_cold)) {
+      *this = HotResistance{};
+      return;
+    }
+    const bool first = !(S(0) < share);
+    const S kept_W = net_W(seen);
+    heated = !(kept_W < S(0));
+    const S C = seen.prepared.observer.model.body.capacity_J_K;
+    const S most = heated ? S(1000) : temperature_K + kept_W * seen.dt_s / C;
+    if (!seen.precise()) {
+      temperature_K = first || temperature_K < most ? temperature_K : most;
+      return;
+    }
+    const S now = share_of_austenite(seen);
+    share = first ? now : share + (now - share) * (seen.dt_s / (seen.dt_s + filter_s));
+    const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
+    const S rise_K = (share - least) * a.resistivity_ohm_m / (least * a.resistivity_ohm_m_K);
+    if (first || share < least || most_rise_K < rise_K) {
+      least = share;
+      least_at_K = e.temperature_K;
+      temperature_K = least_at_K;
+      return;
+    }
+    const S risen_K = least_at_K + rise_K;
+    temperature_K = risen_K < most ? risen_K : most;
+  }
+
+ private:
+  static constexpr S most_cold = S(0.25);
+  static constexpr S filter_s = S(0.02);
+  static constexpr S least_loss = S(0.5);
+
+  /// R ~ (ρ_0 + q σ)(1 + 2 ε), ε = σ/E
+  static S share_of_austenite(const Seen<S>& seen) {
+    const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
+    const S sigma = seen.filter.stress_Pa;
+    const S strain = a.strain + sigma / a.modulus_Pa;
+    return seen.measurement.resistance_ohm /
+           ((a.resistivity_ohm_m + a.resistivity_ohm_m_Pa * sigma) * (S(1) + strain + strain));
+  }
+
+  /// Heat that it keeps, with half the cooling of its file. A wire that gets less cools, whatever
+  /// its resistance does.
+  S net_W(const Seen<S>& seen) const {
+    const S above_K = temperature_K - seen.filter.ambient_K;
+    return seen.measurement.power_W -
+           least_loss * seen.prepared.observer.model.body.loss_W(above_K);
+  }
+};
+
+}  // namespace smaservo

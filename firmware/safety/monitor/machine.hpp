@@ -1,0 +1,80 @@
+#pragma once
+// Detects faults of the machine: readings, timing, commands, and what the caller reports.
+
+#include "firmware/safety/monitor/seen.hpp"
+#include "model/scalar/scalar.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct MachineMonitor {
+  /// An empty one is all zero.
+  struct State {
+    S misses;  ///< deadlines, forgotten within a second
+    bool sampled;
+    std::uint32_t sequence;  ///< of the last fresh sample
+    Sample<S> sample;
+    S frozen_at_A;         ///< current that was given when the readings last changed
+    bool control_invalid;  ///< the last step's control gave no number
+  };
+
+  /// Cost: about 40 operations, no division.
+  static FaultSet detect(const Seen<S>& seen, State& s);
+
+ private:
+  static constexpr S most_misses = S(10);
+
+  static bool frozen(const Seen<S>& seen, State& s);
+};
+
+template <class S>
+FaultSet MachineMonitor<S>::detect(const Seen<S>& seen, State& s) {
+  const Settings<S>& q = seen.prepared.settings;
+  const Inputs<S>& in = seen.in;
+  FaultSet now = in.external;
+  const bool load = !q.measuring.has_load_cell || isfinite(in.sample.load_N);
+  now.add(Fault::sensor_invalid,
+          in.fresh && !(isfinite(in.sample.current_A + in.sample.voltage_V) && load));
+  now.add(Fault::sample_stale, q.timing.sample_timeout_s <= seen.since_sample_s);
+  now.add(Fault::sample_frozen, in.fresh && frozen(seen, s));
+  now.add(Fault::control_invalid, s.control_invalid);
+  s.control_invalid = false;
+  if (in.deadline_missed || S(0) < s.misses) {
+    s.misses = s.misses - s.misses * seen.dt_s + (in.deadline_missed ? S(1) : S(0));
+    // A missed one has lost next to nothing to forgetting.
+    now.add(Fault::deadline_missed, most_misses - S(0.5) < s.misses);
+  }
+  now.add(Fault::command_timeout,
+          seen.command.arm && q.timing.command_timeout_s <= seen.since_command_s);
+  now.add(Fault::emergency_stop, in.emergency_stop);
+  if (seen.observing && seen.off()) {
+    const bool warm = seen.filter.ambient_K + S(15) < seen.estimate.temperature_K;
+    now.add(Fault::cooling_timeout, warm && seen.cold());
+  }
+  return now;
+}
+
+/// Steady readings alone say nothing: a quiet front end repeats them. They must follow the current.
+template <class S>
+bool MachineMonitor<S>::frozen(const Seen<S>& seen, State& s) {
+  const Inputs<S>& in = seen.in;
+  const bool same_sequence = s.sampled && in.sequence == s.sequence;
+  const bool same_readings = s.sampled && in.sample.current_A == s.sample.current_A &&
+                             in.sample.voltage_V == s.sample.voltage_V &&
+                             in.sample.load_N == s.sample.load_N;
+  s.sampled = true;
+  s.sequence = in.sequence;
+  if (!same_readings) {
+    s.sample = in.sample;
+    s.frozen_at_A = seen.last.current_A;
+    return same_sequence;
+  }
+  const S changed_A = magnitude(seen.last.current_A - s.frozen_at_A);
+  const Settings<S>& q = seen.prepared.settings;
+  const bool ignored = S(0.05) * seen.last.current_A + S(10) * q.measuring.current_noise_A +
+                           q.trips.current_offset_A <
+                       changed_A;
+  return same_sequence || ignored;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,65 @@
+#pragma once
+// How hot the wire is by the heat that it was given, whatever its resistance says: the second
+// opinion on the temperature, for the case that the first one is deceived by its sensor.
+
+#include "firmware/safety/monitor/seen.hpp"
+
+namespace smaservo {
+
+/// An empty one is a cold wire.
+template <class S>
+struct OpenHeat {
+  S heat_J;         ///< above martensite at the air's temperature
+  S temperature_K;  ///< that goes with it, on the way of heating
+  S finish_K;       ///< of the transformation into austenite, under the present stress
+  S net_W;          ///< taken in during the last step
+  S observed_J;     ///< above the same, as the observer sees it
+
+  /// The observer's opinion of the heat is taken over within these times: what is not known here,
+  /// the loops inside of the transformation above all, must not add up. A deceived observer thinks
+  /// the wire colder than it is, so that is believed more slowly.
+  static constexpr S warms_1_s = S(0.5);
+  static constexpr S cools_1_s = S(0.1);
+  /// It may also think that a draught or cold air keeps the wire cold. That is believed so far.
+  static constexpr S most_loss = S(1);
+  static constexpr S colder_K = S(2);
+
+  /// Cost: about 50 operations, a division among them.
+  void advance(const Seen<S>& seen) {
+    const auto& f = seen.filter;
+    const ThermalBody<S>& body = seen.prepared.observer.model.body;
+    const Surface<S>& m2a = seen.prepared.observer.model.kinetics.m2a;
+    const S coldest_K = f.start_ambient_K - colder_K;
+    const S believed_K = f.ambient_K < coldest_K ? coldest_K : f.ambient_K;
+    const S air_K = believed_K < seen.in.ambient_K ? seen.in.ambient_K : believed_K;
+    const auto at = [&](const S(&c)[3]) {
+      return c[0] + f.stress_Pa * (c[1] + f.stress_Pa * c[2]);
+    };
+    const S start_K = at(m2a.start_K);
+    finish_K = at(m2a.finish_K);
+    const S C = body.capacity_J_K;
+    const S L = body.latent_m2a_J;
+    const S start_J = C * (start_K - air_K);
+    const S finish_J = C * (finish_K - air_K) + L;
+    // Between start and finish the latent heat is shared out evenly.
+    temperature_K = heat_J < start_J    ? air_K + heat_J / C
+                    : finish_J < heat_J ? finish_K + (heat_J - finish_J) / C
+                                        : start_K + (heat_J - start_J) * (finish_K - start_K) /
+                                                        (finish_J - start_J);
+    // Where nothing is measured, what was given is the worst that can have flowed.
+    const S given_A = seen.last.current_A;
+    const S power_W = seen.in.fresh && seen.measurement.power_valid
+                          ? seen.measurement.power_W
+                          : given_A * given_A * seen.prepared.cold_ohm;
+    const S loss = f.loss < most_loss ? f.loss : most_loss;
+    net_W = power_W - loss * body.loss_W(temperature_K - air_K);
+    const Estimate<S>& e = seen.estimate;
+    const S austenite = S(1) - e.martensite - e.r_phase;
+    observed_J =
+        C * (e.temperature_K - air_K) + L * austenite + (L - body.latent_r2a_J) * e.r_phase;
+    const S missing_J = observed_J - heat_J;
+    heat_J = heat_J + (net_W + (missing_J < S(0) ? cools_1_s : warms_1_s) * missing_J) * seen.dt_s;
+  }
+};
+
+}  // namespace smaservo

@@ -1,0 +1,52 @@
+#pragma once
+// What the sensors read while no current is given: measured at start and kept up to date whenever
+// the device is off, since such offsets wander with temperature. A sense current of a few percent
+// of the greatest one could not do without.
+
+#include "firmware/safety/monitor/seen.hpp"
+#include "model/scalar/scalar.hpp"
+
+namespace smaservo {
+
+/// An empty one is all zero.
+template <class S>
+struct ZeroCurrent {
+  S current_A, voltage_V;  ///< mean readings, beyond the offsets of the settings
+  S samples;
+
+  static constexpr S least_samples = S(20);
+  /// A running mean at first, later one that forgets.
+  static constexpr S most_samples = S(1000);
+  /// So long after switching off the readings have settled.
+  static constexpr S settling_s = S(0.02);
+
+  bool known() const { return !(samples < least_samples); }
+  bool in_band(const Prepared<S>& p) const {
+    return magnitude(current_A) <= p.settings.trips.current_offset_A;
+  }
+
+  /// One sample without current. Readings that are none, and such that no offset explains, do not
+  /// count: those are left to the monitors.
+  void take(const Prepared<S>& p, const Sample<S>& sample) {
+    const Measuring<S>& q = p.settings.measuring;
+    const S I = sample.current_A - q.current_offset_A;
+    const S V = sample.voltage_V - q.voltage_offset_V;
+    const bool plausible = magnitude(I) < S(4) * p.settings.trips.current_offset_A;
+    if (!plausible || !isfinite(V)) {
+      return;
+    }
+    samples = samples < most_samples ? samples + S(1) : samples;
+    current_A = current_A + (I - current_A) / samples;
+    voltage_V = voltage_V + (V - voltage_V) / samples;
+  }
+
+  /// The sample as an ideal front end would read it.
+  Sample<S> corrected(const Prepared<S>& p, const Sample<S>& sample) const {
+    if (!known() || !in_band(p)) {
+      return sample;
+    }
+    return {sample.current_A - current_A, sample.voltage_V - voltage_V, sample.load_N};
+  }
+};
+
+}  // namespace smaservo

@@ -1,0 +1,297 @@
+#include "firmware/text/canopen/objects.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+
+#include "firmware/canopen/node/communication.hpp"
+#include "firmware/canopen/servo/drive_objects.hpp"
+#include "firmware/signals.hpp"
+#include "firmware/text/settings_text.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo::can {
+namespace {
+
+using canopen::Type;
+
+constexpr std::uint16_t live_values = 0x2200;
+constexpr std::uint16_t faults_object = 0x2202;
+
+Type type_of(ValueType type) {
+  switch (type) {
+    case ValueType::real:
+      return Type::real;
+    case ValueType::number:
+      return Type::u32;
+    case ValueType::choice:
+      return Type::u8;
+    case ValueType::boolean:
+      break;
+  }
+  return Type::boolean;
+}
+
+void add(std::vector<KnownObject>& all, std::span<const canopen::DescribedObject> rows,
+         std::span<const canopen::IndexName> names) {
+  for (const canopen::DescribedObject& row : rows) {
+    const Key key = row.object.key;
+    std::string name(row.name);
+    const auto group = std::ranges::find(names, key.index, &canopen::IndexName::index);
+    // Names of the manufacturer's area say their group already.
+    const bool standard = key.index < 0x2000 || 0x6000 <= key.index;
+    if (standard && group != names.end()) name = fmt::format("{}, {}", group->name, row.name);
+    all.push_back({key, row.object.type, name, std::string(row.meaning),
+                   (row.object.access & canopen::writable) != 0, nullptr});
+  }
+}
+
+std::vector<KnownObject> all_objects() {
+  std::vector<KnownObject> all;
+  add(all, canopen::communication_rows, canopen::communication_names);
+  for (const Parameter<double>& row : parameters<double>) {
+    all.push_back({row.key, type_of(row.type), std::string(row.path.text()),
+                   std::string(row.meaning), true, &row, row.kind.front()});
+  }
+  for (std::size_t i = 0; i < signal_count; ++i) {
+    all.push_back({{live_values, sub_of(static_cast<Signal>(i))},
+                   Type::real,
+                   fmt::format("live.{}", signal_rows[i].name),
+                   std::string(signal_rows[i].meaning),
+                   false,
+                   nullptr});
+  }
+  add(all, canopen::drive_object_rows, canopen::drive_object_names);
+  std::ranges::sort(all, {}, &KnownObject::key);
+  return all;
+}
+
+/// A hexadecimal or decimal number that is the whole text.
+template <class Number>
+bool whole(std::string_view text, Number& number, int base) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// "2100:1", "2100h:1", "0x2100:1", "2100"
+bool read_key(std::string_view text, Key& key) {
+  const std::size_t colon = text.find(':');
+  std::string_view index = text.substr(0, colon);
+  if (index.starts_with("0x")) index.remove_prefix(2);
+  if (index.ends_with('h')) index.remove_suffix(1);
+  key.sub = 0;
+  return index.size() == 4 && whole(index, key.index, 16) &&
+         (colon == std::string_view::npos || whole(text.substr(colon + 1), key.sub, 10));
+}
+
+/// A parameter whose path in SI has this name in another unit.
+bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit) {
+  if (object.parameter == nullptr) return false;
+  const KeyParts parts = key_parts(*object.parameter);
+  for (const Unit& other : object.parameter->kind) {
+    if (name == fmt::format("{}.{}", parts.table, key_with(parts.name, other))) {
+      unit = other;
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Names that share the most groups of three letters with this one.
+std::vector<std::string> close_names(std::string_view name) {
+  std::vector<std::pair<int, std::string>> scored;
+  for (const KnownObject& object : known_objects()) {
+    int score = 0;
+    for (std::size_t i = 0; i + 3 <= name.size(); ++i) {
+      score += object.name.find(name.substr(i, 3)) != std::string::npos ? 1 : 0;
+    }
+    const int needed = static_cast<int>(name.size()) / 2;
+    if (name.size() > 2 && score >= needed) scored.emplace_back(-score, object.name);
+  }
+  std::ranges::sort(scored);
+  std::vector<std::string> names;
+  for (const auto& [score, close] : scored) {
+    if (names.size() < 3) names.push_back(close);
+  }
+  return names;
+}
+
+std::string hexadecimal(std::span<const std::uint8_t> bytes) {
+  return fmt::format("{:02X}", fmt::join(bytes, " "));
+}
+
+std::int64_t sign_extended(std::span<const std::uint8_t> bytes) {
+  const auto shift = 64 - 8 * static_cast<unsigned>(bytes.size());
+  return static_cast<std::int64_t>(canopen::take_number(bytes) << shift) >> shift;
+}
+
+/// The shortest text of a number in a unit; exact in SI.
+std::string real_text(float value, const Unit& unit) {
+  return unit.factor == 1 && unit.offset == 0
+             ? fmt::format("{}", value)
+             : fmt::format("{:.7g}", unit.from_si(static_cast<double>(value)));
+}
+
+[[noreturn]] void bad_value(const KnownObject& object, const std::string& text,
+                            std::string_view allowed) {
+  throw UserError(fmt::format("{} = {}: must be {}", title(object), text, allowed));
+}
+
+std::uint64_t integer(const KnownObject& object, const std::string& text) {
+  const auto size = canopen::size_of(object.type);
+  if (canopen::is_signed(object.type)) {
+    const std::int64_t limit = std::int64_t{1} << (8 * size - 1);
+    std::int64_t number = 0;
+    if (!whole(text, number, 10) || (size < 8 && (number < -limit || number >= limit))) {
+      bad_value(object, text, fmt::format("a whole number from {} to {}", -limit, limit - 1));
+    }
+    return static_cast<std::uint64_t>(number);
+  }
+  const std::uint64_t limit =
+      size < 8 ? (std::uint64_t{1} << (8 * size)) - 1 : std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t number = 0;
+  const bool hex = text.starts_with("0x");
+  if (!whole(std::string_view(text).substr(hex ? 2 : 0), number, hex ? 16 : 10) || number > limit) {
+    bad_value(object, text, fmt::format("a whole number from 0 to {}", limit));
+  }
+  return number;
+}
+
+std::uint64_t boolean_or_choice(const KnownObject& object, const std::string& text) {
+  if (object.type == Type::boolean) {
+    if (text == "true" || text == "1") return 1;
+    if (text == "false" || text == "0") return 0;
+    bad_value(object, text, "true or false");
+  }
+  const auto& choices = object.parameter->choices;
+  const auto found = std::ranges::find(choices, text);
+  if (found == choices.end()) {
+    bad_value(object, text, fmt::format("{}", fmt::join(choices, ", ")));
+  }
+  return static_cast<std::uint64_t>(found - choices.begin());
+}
+
+bool is_choice(const KnownObject& object) {
+  return object.parameter != nullptr && object.parameter->type == ValueType::choice;
+}
+
+float real(const KnownObject& object, const std::string& text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    bad_value(object, text, "a number");
+  }
+  return static_cast<float>(object.unit.to_si(number));
+}
+
+std::vector<std::uint8_t> octets(const KnownObject& object, std::string_view text) {
+  std::vector<std::uint8_t> bytes;
+  if (text.starts_with("0x")) text.remove_prefix(2);
+  for (std::size_t i = 0; i < text.size(); i += 2) {
+    std::uint8_t byte = 0;
+    if (i + 2 > text.size() || !whole(text.substr(i, 2), byte, 16)) {
+      bad_value(object, std::string(text),
+                "an even number of hexadecimal digits, lowest byte first");
+    }
+    bytes.push_back(byte);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+const std::vector<KnownObject>& known_objects() {
+  static const std::vector<KnownObject> all = all_objects();
+  return all;
+}
+
+KnownObject find_object(const std::string& text) {
+  Key key{};
+  if (read_key(text, key)) {
+    const auto at = std::ranges::lower_bound(known_objects(), key, {}, &KnownObject::key);
+    if (at != known_objects().end() && at->key == key) return *at;
+    return {key, Type::octets, "", "", true, nullptr};
+  }
+  for (const KnownObject& object : known_objects()) {
+    if (object.name == text) return object;
+    Unit unit = object.unit;
+    if (in_other_unit(object, text, unit)) {
+      KnownObject found = object;
+      found.unit = unit;
+      const KeyParts parts = key_parts(*object.parameter);
+      found.name = fmt::format("{}.{}", parts.table, key_with(parts.name, unit));
+      return found;
+    }
+  }
+  const std::vector<std::string> close = close_names(text);
+  throw UserError(
+      close.empty()
+          ? fmt::format("{}: no such object; a name of firmware/reference/PARAMETERS.md or "
+                        "INDEX:SUB, such as 2100:1",
+                        text)
+          : fmt::format("{}: no such object; did you mean {}?", text, fmt::join(close, ", ")));
+}
+
+std::string title(const KnownObject& object) {
+  const std::string key = fmt::format("{:04X}h:{}", object.key.index, object.key.sub);
+  return object.name.empty() ? key : fmt::format("{} ({})", object.name, key);
+}
+
+std::string value_text(const KnownObject& object, std::span<const std::uint8_t> bytes) {
+  const std::size_t size = canopen::size_of(object.type);
+  if (object.type == Type::text) return {bytes.begin(), bytes.end()};
+  if (size == 0 || bytes.size() != size) return hexadecimal(bytes);
+  const std::uint64_t number = canopen::take_number(bytes);
+  if (object.type == Type::real) {
+    return real_text(canopen::as_real(static_cast<std::uint32_t>(number)), object.unit);
+  }
+  if (is_choice(object) && number < object.parameter->choices.size()) {
+    return std::string(object.parameter->choices[static_cast<std::size_t>(number)]);
+  }
+  if (object.type == Type::boolean) return number != 0 ? "true" : "false";
+  if (canopen::is_signed(object.type)) return fmt::format("{}", sign_extended(bytes));
+  // What is a code or a set of bits reads better so.
+  const bool bits = object.key.index == 0x6040 || object.key.index == 0x6041 ||
+                    object.key.index == 0x603F || object.key.index == faults_object ||
+                    (object.key.index < 0x2000 && size == 4);
+  return bits ? fmt::format("0x{:0{}X}", number, 2 * size) : fmt::format("{}", number);
+}
+
+double value_number(const KnownObject& object, std::span<const std::uint8_t> bytes) {
+  const std::size_t size = canopen::size_of(object.type);
+  if (size == 0 || bytes.size() != size) return std::numeric_limits<double>::quiet_NaN();
+  if (object.type == Type::real) {
+    const auto bits = static_cast<std::uint32_t>(canopen::take_number(bytes));
+    return static_cast<double>(canopen::as_real(bits));
+  }
+  return canopen::is_signed(object.type) ? static_cast<double>(sign_extended(bytes))
+                                         : static_cast<double>(canopen::take_number(bytes));
+}
+
+std::vector<std::uint8_t> value_bytes(const KnownObject& object, const std::string& text) {
+  if (object.type == Type::text) return {text.begin(), text.end()};
+  const std::size_t size = canopen::size_of(object.type);
+  if (size == 0) return octets(object, text);
+  std::vector<std::uint8_t> bytes(size);
+  const std::uint64_t number = object.type == Type::real ? canopen::as_bits(real(object, text))
+                               : object.type == Type::boolean || is_choice(object)
+                                   ? boolean_or_choice(object, text)
+                                   : integer(object, text);
+  canopen::put_number(bytes, number);
+  return bytes;
+}
+
+std::string allowed_text(const KnownObject& object) {
+  if (object.parameter == nullptr) return "";
+  if (object.type != Type::real || (object.unit.factor == 1 && object.unit.offset == 0)) {
+    return fmt::format("{}{}{}", range_text(*object.parameter),
+                       object.unit.suffix.empty() ? "" : " ", object.unit.suffix);
+  }
+  return fmt::format("{} to {} {}", real_text(object.parameter->least.real(), object.unit),
+                     real_text(object.parameter->greatest.real(), object.unit), object.unit.suffix);
+}
+
+}  // namespace smaservo::can

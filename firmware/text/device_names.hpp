@@ -1,0 +1,25 @@
+#pragma once
+// Modes, states, sets of faults and limit reasons as texts.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "firmware/command.hpp"
+#include "firmware/safety/faults/table.hpp"
+
+namespace smaservo {
+
+std::string_view mode_name(Mode mode);
+std::optional<Mode> mode_of(std::string_view name);
+std::string_view state_name(DeviceState state);
+std::string_view health_name(Health health);
+std::string_view limit_reason_name(LimitReason reason);
+
+/// All of them with a plus in between; empty where there is none.
+std::string names_of(FaultSet set);
+/// The set back from its names; nothing where one is unknown.
+std::optional<FaultSet> named_faults(std::string_view names);
+std::string limit_reason_names(std::uint32_t bits);
+
+}  // namespace smaservo

@@ -1,0 +1,59 @@
+#pragma once
+// The trace of a device: what went into its steps, in full precision so that it can be replayed to
+// the same bits, and what came out.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/text/turn.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+
+/// A name and its text for a step. Numbers are the shortest text that reads back to the same bits;
+/// what is not a number is empty.
+struct DeviceColumn {
+  std::string_view name;
+  void (*write)(std::string& to, const Turn& turn);
+};
+
+/// Readings and command: the log. Those that a board may not have only where it has them.
+std::vector<DeviceColumn> log_columns(bool supply, bool ambient, bool driver);
+/// What the step made of them.
+std::span<const DeviceColumn> output_columns();
+/// What only a simulation knows.
+std::span<const DeviceColumn> truth_columns();
+
+void append_number(std::string& to, double value);
+
+/// Rows of such columns as text. Further columns come as texts, each with a comma before it.
+class DeviceRows {
+ public:
+  DeviceRows(std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
+
+  const std::string& header() const { return header_; }
+  void append(std::string& to, const Turn& turn, std::string_view further) const;
+
+ private:
+  std::vector<DeviceColumn> columns_;
+  std::string header_;
+};
+
+/// Writes them.
+class DeviceTraceFile {
+ public:
+  DeviceTraceFile(const std::string& path, std::vector<DeviceColumn> columns,
+                  const std::vector<std::string>& further);
+
+  void add(const Turn& turn, std::string_view further);
+  void commit();
+
+ private:
+  OutputFile file_;
+  DeviceRows rows_;
+  std::string buffer_;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,15 @@
+#pragma once
+// The node's object dictionary for people and tools, made from the firmware's tables.
+
+#include <string>
+
+namespace smaservo {
+
+/// firmware/reference/smaservo.eds, as CiA 306 has it.
+std::string eds_text();
+/// firmware/reference/smaservo.dbc: the frames of node 1 with their default mapping.
+std::string dbc_text();
+/// firmware/reference/OBJECTS.md.
+std::string object_reference();
+
+}  // namespace smaservo

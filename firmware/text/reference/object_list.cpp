@@ -1,0 +1,113 @@
+#include "firmware/text/reference/object_list.hpp"
+
+#include <map>
+
+#include "firmware/canopen/node/communication.hpp"
+#include "firmware/canopen/servo/drive_objects.hpp"
+#include "firmware/parameters/parameters.hpp"
+#include "firmware/signals.hpp"
+
+namespace smaservo {
+namespace {
+
+using canopen::Type;
+
+constexpr std::uint16_t live_values = 0x2200;
+
+std::string index_name(std::uint16_t index) {
+  for (const canopen::IndexName& row : canopen::communication_names) {
+    if (row.index == index) {
+      return std::string(row.name);
+    }
+  }
+  for (const canopen::IndexName& row : canopen::drive_object_names) {
+    if (row.index == index) {
+      return std::string(row.name);
+    }
+  }
+  return index == live_values ? "Live values" : "";
+}
+
+class List {
+ public:
+  void add(const ListedObject& object) {
+    const std::uint16_t index = object.object.key.index;
+    ListedIndex& listed = all_[index];
+    listed.index = index;
+    listed.objects.push_back(object);
+    if (listed.name.empty()) {
+      listed.name =
+          object.object.key.sub == 0 && index_name(index).empty() ? object.name : index_name(index);
+    }
+  }
+  void name(std::uint16_t index, const std::string& name) { all_[index].name = name; }
+  std::vector<ListedIndex> take() {
+    std::vector<ListedIndex> list;
+    list.reserve(all_.size());
+    for (auto& [index, listed] : all_) {
+      list.push_back(std::move(listed));
+    }
+    return list;
+  }
+
+ private:
+  std::map<std::uint16_t, ListedIndex> all_;
+};
+
+Type type_of(ValueType type) {
+  switch (type) {
+    case ValueType::real:
+      return Type::real;
+    case ValueType::number:
+      return Type::u32;
+    case ValueType::choice:
+      return Type::u8;
+    case ValueType::boolean:
+      break;
+  }
+  return Type::boolean;
+}
+
+void add_parameters(List& list) {
+  for (const Parameter<double>& row : parameters<double>) {
+    std::string meaning(row.meaning);
+    for (std::size_t i = 0; i < row.choices.size(); ++i) {
+      meaning += (i == 0 ? "; " : ", ") + std::to_string(i) + ": " + std::string(row.choices[i]);
+    }
+    const std::string path(row.path.text());
+    list.add({{row.key, type_of(row.type), canopen::readable | canopen::writable, canopen::nowhere,
+               row.standard.bits, row.least.bits, row.greatest.bits},
+              path,
+              meaning,
+              row.has_default()});
+    list.name(row.key.index, path.substr(0, path.rfind('.')));
+  }
+}
+
+void add_signals(List& list) {
+  for (std::size_t i = 0; i < signal_count; ++i) {
+    const canopen::DescribedObject d =
+        canopen::row({live_values, static_cast<std::uint8_t>(i + 1)}, Type::real,
+                     canopen::readable | canopen::in_tpdo, canopen::nowhere, signal_rows[i].name);
+    list.add(
+        {d.object, std::string(signal_rows[i].name), std::string(signal_rows[i].meaning), false});
+  }
+}
+
+}  // namespace
+
+std::vector<ListedIndex> list_objects() {
+  List list;
+  const auto add_rows = [&](std::span<const canopen::DescribedObject> rows) {
+    for (const canopen::DescribedObject& row : rows) {
+      list.add({row.object, std::string(row.name), std::string(row.meaning)});
+    }
+  };
+  add_rows(canopen::communication_rows);
+  add_rows(canopen::drive_object_rows);
+  add_signals(list);
+  add_parameters(list);
+  return list.take();
+}
+
+}  // namespace smaservo

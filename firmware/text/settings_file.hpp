@@ -1,0 +1,49 @@
+#pragma once
+// Device settings as TOML. Keys are the paths of firmware/parameters/parameters.hpp, in any unit of
+// their kind; what is left out has its default. The wire is a preset, a wire file, or all its
+// numbers:
+//
+//   [wire]
+//   based_on = "smartflex-76um"     # also: wire = "smartflex-76um", where nothing is replaced
+//   length_mm = 182                 # replaces this number; nothing else follows from it
+//
+//   [limits]
+//   current_mA = 150
+//   temperature_degC = 110
+//
+// Values are rounded to float, so that the store, CAN and a file give the same device.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/parameters/parameter_check.hpp"
+#include "model/files/wire_file.hpp"
+
+namespace smaservo {
+
+/// The settings have passed check() and have a wire. `overrides` are as on the command line, such
+/// as "limits.current_mA", "120". Throws ConfigError with file, line, key, value and what is
+/// allowed.
+Settings<double> load_settings_file(const std::string& path,
+                                    const std::vector<Override>& overrides = {});
+
+/// The same from text; `origin` is what messages call it, a wire file is looked for in `folder`.
+Settings<double> parse_settings_file(std::string_view text, const std::string& origin,
+                                     const std::vector<Override>& overrides = {},
+                                     const std::filesystem::path& folder = ".");
+
+/// The meaning of --set: "key=value" split. Throws ConfigError.
+std::vector<Override> parse_settings(const std::vector<std::string>& texts);
+
+/// Every parameter, in SI; read back it gives the same floats. Settings must have a wire.
+std::string to_toml(const Settings<double>& settings);
+
+/// A file to start from: settings_for() this wire, each key explained.
+std::string settings_template(const std::string& wire);
+
+/// The defaults, with limits as the wire's maker states them.
+Settings<double> settings_for(const Wire<double>& wire);
+
+}  // namespace smaservo

@@ -1,0 +1,120 @@
+#include "firmware/text/settings_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <optional>
+
+namespace smaservo {
+namespace {
+
+/// The shortest text that is this float when it is read as a double and rounded.
+std::string shortest(float value) {
+  const std::string text = fmt::format("{}", value);
+  return static_cast<float>(std::stod(text)) == value
+             ? text
+             : fmt::format("{}", static_cast<double>(value));
+}
+
+std::optional<Value> value_of(const Parameter<double>& row, std::string_view text) {
+  const char* const start = text.data();
+  const char* const stop = start + text.size();
+  if (row.type == ValueType::real) {
+    float value = 0;
+    const auto [at, error] = std::from_chars(start, stop, value);
+    return error == std::errc{} && at == stop ? std::optional(Value::real(value)) : std::nullopt;
+  }
+  if (row.type == ValueType::number) {
+    std::uint32_t value = 0;
+    const auto [at, error] = std::from_chars(start, stop, value);
+    return error == std::errc{} && at == stop ? std::optional(Value::number(value)) : std::nullopt;
+  }
+  static constexpr std::array<std::string_view, 2> flags{"false", "true"};
+  const std::span<const std::string_view> names =
+      row.type == ValueType::choice ? row.choices : std::span<const std::string_view>(flags);
+  for (std::uint32_t i = 0; i < names.size(); ++i) {
+    if (names[i] == text) {
+      return Value::number(i);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+KeyParts key_parts(const Parameter<double>& row) {
+  const std::string_view path = row.path.text();
+  const std::size_t dot = path.rfind('.');
+  const std::string_view suffix = row.kind.front().suffix;
+  std::string_view name = path.substr(dot + 1);
+  name.remove_suffix(suffix.empty() ? 0 : suffix.size() + 1);
+  return {path.substr(0, dot), name};
+}
+
+std::string key_with(std::string_view name, const Unit& unit) {
+  return unit.suffix.empty() ? std::string(name) : fmt::format("{}_{}", name, unit.suffix);
+}
+
+std::string value_text(const Parameter<double>& row, Value value) {
+  switch (row.type) {
+    case ValueType::real:
+      return shortest(value.real());
+    case ValueType::number:
+      return fmt::format("{}", value.number());
+    case ValueType::choice:
+      return std::string(row.choices[value.number()]);
+    case ValueType::boolean:
+      break;
+  }
+  return value.number() != 0 ? "true" : "false";
+}
+
+std::string range_text(const Parameter<double>& row) {
+  switch (row.type) {
+    case ValueType::choice:
+      return fmt::format("{}", fmt::join(row.choices, ", "));
+    case ValueType::boolean:
+      return "true, false";
+    case ValueType::real:
+    case ValueType::number:
+      break;
+  }
+  return fmt::format("{} to {}", value_text(row, row.least), value_text(row, row.greatest));
+}
+
+std::string changes_text(const Settings<double>& from, const Settings<double>& to) {
+  std::string text;
+  for (const Parameter<double>& row : parameters<double>) {
+    const Value value = row.get(to);
+    if (row.get(from) != value) {
+      text +=
+          fmt::format("{}{}={}", text.empty() ? "" : ";", row.path.text(), value_text(row, value));
+    }
+  }
+  return text;
+}
+
+std::string apply_changes(std::string_view text, Settings<double>& settings) {
+  Settings<double> changed = settings;
+  while (!text.empty()) {
+    const std::string_view one = text.substr(0, text.find(';'));
+    text.remove_prefix(std::min(text.size(), one.size() + 1));
+    const std::size_t equals = std::min(one.find('='), one.size());
+    const std::size_t i = find_parameter(one.substr(0, equals));
+    if (i == no_parameter) {
+      return fmt::format("has an unknown parameter '{}'", one.substr(0, equals));
+    }
+    const std::string_view said = one.substr(std::min(equals + 1, one.size()));
+    const std::optional<Value> value = value_of(parameters<double>[i], said);
+    if (!value) {
+      return fmt::format("has a value that {} can not have: '{}'", one.substr(0, equals), said);
+    }
+    parameters<double>[i].set(changed, *value);
+  }
+  settings = changed;
+  return {};
+}
+
+}  // namespace smaservo

@@ -1,0 +1,55 @@
+#pragma once
+// A CAN interface of Linux (SocketCAN).
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/can_frame.hpp"
+#include "hal/linux/can/can_status.hpp"
+#include "hal/linux/system/descriptor.hpp"
+
+namespace smaservo {
+
+/// A CanPort. The interface may go down, come up, disappear and come back: frames are dropped and
+/// counted meanwhile. Frames of its own do not come back; those of other programs on the same
+/// machine do come.
+class CanSocket {
+ public:
+  /// `interface` as `ip link` shows it; it may be down. Throws CanError.
+  explicit CanSocket(std::string interface);
+
+  /// One or two system calls. Error frames are counted, not given.
+  bool receive(CanFrame& frame);
+  /// One system call; false where the queue is full or the interface down. Never tries again.
+  bool send(const CanFrame& frame);
+
+  /// From now on only data frames with these 11-bit identifiers come, at most 512; the kernel
+  /// sorts out the others. Throws CanError.
+  void accept(std::span<const std::uint32_t> ids);
+
+  CanState state() const { return state_; }
+  const CanStatistics& statistics() const { return statistics_; }
+  const std::string& name() const { return interface_; }
+  /// For poll(): readable when a frame has come. The same for the port's whole life.
+  int descriptor() const { return socket_.number(); }
+
+ private:
+  int bind_interface();
+  bool bring_back();
+  void forget_error() const;
+  void failed(int error);
+  void note_error(std::uint32_t classes, unsigned controller);
+  int set_filters();
+
+  std::string interface_;
+  Descriptor socket_;
+  std::vector<std::uint32_t> accepted_;
+  bool accepts_all_ = true;
+  std::uint32_t overflow_ = 0;  ///< the kernel's count of lost frames
+  CanState state_ = CanState::active;
+  CanStatistics statistics_;
+};
+
+}  // namespace smaservo

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+
+#include "hal/linux/devices/ads131m04.hpp"
+#include "hal/linux/devices/digitizer.hpp"
+#include "hal/linux/devices/spi.hpp"
+
+namespace smaservo {
+
+struct Ads131m04Settings {
+  unsigned osr_exponent = 3;  ///< 128 << 3 = 1024: 4000 samples a second of a clock of 8.192 MHz
+  std::array<unsigned, ads131m04::channels> gain_exponents{};
+};
+
+/// An ADS131M04 at an SPI port. The converter keeps two samples: both are read, the newer one
+/// counts. Where it has been reset, by a dip of its supply, it is set up anew before its samples
+/// count again.
+class Ads131m04Digitizer : public Digitizer {
+ public:
+  /// Resets it and sets it up; throws DeviceError where it does not answer as it should.
+  Ads131m04Digitizer(std::unique_ptr<SpiPort> port, std::string name,
+                     const Ads131m04Settings& settings);
+  bool read(RawFrame& raw) override;
+
+  std::uint64_t damaged() const { return damaged_; }  ///< frames with a wrong CRC
+
+ private:
+  std::optional<ads131m04::Reply> exchange(const ads131m04::FrameBytes& out);
+  bool set_up();
+  bool set(ads131m04::Register r, std::uint16_t value);
+  std::optional<std::uint16_t> get(ads131m04::Register r);
+
+  std::unique_ptr<SpiPort> port_;
+  std::string name_;
+  Ads131m04Settings settings_;
+  bool lost_settings_ = false;
+  std::uint32_t sequence_ = 0;
+  std::uint64_t damaged_ = 0;
+};
+
+}  // namespace smaservo

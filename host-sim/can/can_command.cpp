@@ -1,0 +1,389 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+#include <unistd.h>
+
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "host-sim/can/network.hpp"
+#include "host-sim/can/port_bus.hpp"
+#include "host-sim/can/settings.hpp"
+#include "host-sim/can/status.hpp"
+#include "host-sim/can/step_test.hpp"
+#include "host-sim/can/watch.hpp"
+#include "host-sim/commands.hpp"
+
+namespace smaservo {
+namespace {
+
+using can::Remote;
+
+struct Common {
+  std::string can;
+  unsigned node = 1;
+  std::optional<std::uint32_t> key;
+  double timeout_s = 0.5;
+};
+
+/// The bus and the node of a run.
+class Session {
+ public:
+  explicit Session(const Common& common) : bus_(common.can), remote_({bus_, common.node}) {
+    remote_.client().set_timeout(static_cast<std::int64_t>(common.timeout_s * 1e6));
+    if (common.key) remote_.set("access.key", std::to_string(*common.key));
+  }
+
+  can::PortBus& bus() { return bus_; }
+  Remote& remote() { return remote_; }
+
+ private:
+  can::PortBus bus_;
+  Remote remote_;
+};
+
+void print(const std::string& text) {
+  fmt::print("{}", text);
+  std::fflush(stdout);
+}
+
+CLI::App* add(CLI::App& can, const char* name, const char* meaning,
+              const std::function<void()>& run) {
+  CLI::App* command = can.add_subcommand(name, meaning);
+  command->fallthrough();
+  command->callback(run);
+  return command;
+}
+
+/// As CLI::Range, which lets NaN pass.
+CLI::Validator seconds_of(double low, double high) {
+  return {[=](std::string& text) {
+            double value = 0;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && low <= value && value <= high;
+            return fits ? "" : fmt::format("{} is not within {} to {} s", text, low, high);
+          },
+          fmt::format("{} to {}", low, high)};
+}
+
+/// A command that only needs the node.
+void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char* name,
+               const char* meaning, void (*run)(Remote&)) {
+  add(can, name, meaning, [common, run] {
+    Session session(*common);
+    run(session.remote());
+  });
+}
+
+// Who is there.
+
+void scan(const Common& common, double listen_s) {
+  can::PortBus bus(common.can);
+  const can::FoundNodes found = can::scan(bus, static_cast<std::int64_t>(listen_s * 1e6));
+  for (const can::FoundNode& node : found.nodes) {
+    const can::SdoClient client(bus, node.node);
+    Remote remote(client);
+    fmt::print("{:>3}  {:<16}  {}\n", node.node,
+               node.nmt_state ? can::nmt_state_text(*node.nmt_state) : "",
+               node.answers ? remote.text("1008") : "does not answer to SDO");
+  }
+  if (found.without_id) fmt::print("  ?  without a node-id, answers to LSS\n");
+  if (found.nodes.empty() && !found.without_id) {
+    throw UserError(fmt::format("{}: nobody answers", bus.name()));
+  }
+}
+
+void listen(const Common& common, double for_s) {
+  can::PortBus bus(common.can);
+  const std::int64_t start_us = bus.now_us();
+  const std::int64_t until_us = start_us + static_cast<std::int64_t>(for_s * 1e6);
+  CanFrame frame;
+  while (bus.receive(frame, until_us)) {
+    print(fmt::format("{:10.4f}  {}\n", static_cast<double>(bus.now_us() - start_us) * 1e-6,
+                      can::frame_text(frame)));
+  }
+}
+
+// Objects.
+
+void get(Remote& remote, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const can::KnownObject object = can::find_object(name);
+    const std::string value = can::value_text(object, remote.read(object));
+    names.size() == 1 ? fmt::print("{}\n", value)
+                      : fmt::print("{} = {}\n", object.name.empty() ? name : object.name, value);
+  }
+}
+
+std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
+  std::vector<can::Change> changes;
+  const bool pair = texts.size() == 2 && texts[0].find('=') == std::string::npos;
+  const std::vector<Override> settings =
+      pair ? std::vector<Override>{{texts[0], texts[1]}} : parse_settings(texts);
+  for (const auto& [name, value] : settings) {
+    const can::KnownObject object = can::find_object(name);
+    if (!object.writable) throw UserError(fmt::format("{} can not be written", can::title(object)));
+    changes.emplace_back(object, can::value_bytes(object, value));
+  }
+  return changes;
+}
+
+void dump(Remote& remote, const std::string& out) {
+  OutputFile file(out);
+  file.write(fmt::format("# Parameters of node {} on {}.\n\n", remote.node(), remote.bus().name()));
+  file.write(to_toml(can::read_settings(remote)));
+  file.commit();
+}
+
+std::vector<can::Difference> differences(Remote& remote, const std::string& path) {
+  const Settings<double> node = can::read_settings(remote);
+  return can::differences(can::file_settings(path, node), node);
+}
+
+void restore(Remote& remote, const std::string& path) {
+  const auto all = differences(remote, path);
+  can::restore(remote, all);
+  print(fmt::format("{} parameters changed\n", all.size()));
+}
+
+void diff(Remote& remote, const std::string& path) {
+  const auto all = differences(remote, path);
+  print(can::differences_text(all));
+  // As diff(1) has it: 1 says that there are some.
+  if (!all.empty()) throw CLI::RuntimeError(1);
+}
+
+// Motion.
+
+struct StepArguments {
+  can::StepPlan plan;
+  std::string runs = "can-steps";
+  std::string report;
+  unsigned overlay = 4;
+};
+
+/// The newest first.
+std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("step-") && name.ends_with(".csv")) files.push_back(entry.path());
+  }
+  std::ranges::sort(files, std::ranges::greater());
+  return files;
+}
+
+void step(Remote& remote, const StepArguments& a) {
+  prepare_folder("--runs", a.runs);
+  const auto before = earlier_runs(a.runs);
+  // What can not be read is said before anything moves.
+  std::vector<can::StepRun> runs;
+  for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
+    runs.push_back(can::load_step(before[i].string()));
+  }
+  runs.insert(runs.begin(), can::run_step(remote, a.plan));
+  const unsigned number =
+      before.empty() ? 1
+                     : 1 + static_cast<unsigned>(std::strtoul(
+                               before.front().stem().string().substr(5).c_str(), nullptr, 10));
+  std::vector<std::string> names{fmt::format("step-{:04}", number)};
+  OutputFile file((std::filesystem::path(a.runs) / (names[0] + ".csv")).string());
+  file.write(can::to_csv(runs[0].recording));
+  file.commit();
+  for (std::size_t i = 0; i + 1 < runs.size(); ++i) names.push_back(before[i].stem().string());
+  print(can::step_text(runs, names));
+  if (!a.report.empty()) can::write_step_report(a.report, runs, names);
+}
+
+void record(Remote& remote, const can::RecordingPlan& plan, const std::string& out,
+            double patience_s) {
+  can::arm_recorder(remote, plan);
+  can::wait_for_recorder(remote, plan, patience_s);
+  OutputFile file(out);
+  file.write(can::to_csv(can::read_recording(remote, plan)));
+  file.commit();
+}
+
+void explain(const std::shared_ptr<Common>& common, const std::string& name) {
+  Fault fault = find_fault(name);
+  if (!name.empty() && fault == Fault::none) {
+    throw UserError(fmt::format("{}: no such fault; `host-sim explain` lists them", name));
+  }
+  if (name.empty()) {
+    Session session(*common);
+    fault = can::first_cause(session.remote());
+    if (fault == Fault::none) {
+      print(fmt::format("node {} has no fault\n", common->node));
+      return;
+    }
+  }
+  print(explain_fault(fault));
+}
+
+void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
+  auto seconds = std::make_shared<double>(0.3);
+  add(can, "scan", "Lists the nodes of the bus.", [=] { scan(*common, *seconds); })
+      ->add_option("--listen", *seconds, "s, for heartbeats")
+      ->capture_default_str()
+      ->check(seconds_of(0, 3600));
+  auto listen_s = std::make_shared<double>(1e6);
+  add(can, "listen", "Prints what is said on the bus, in words.",
+      [=] { listen(*common, *listen_s); })
+      ->add_option("--for", *listen_s, "s; without: for ever")
+      ->check(seconds_of(0, 1e6));
+  add_plain(can, common, "info", "Who the node is and what it does.",
+            [](Remote& remote) { print(can::info_text(remote)); });
+  add_plain(can, common, "faults", "Faults, their first cause, and what blocks or limits.",
+            [](Remote& remote) { print(can::faults_text(remote)); });
+  add_plain(can, common, "changes",
+            "The last changes and refusals of writes, the newest at the end.",
+            [](Remote& remote) { print(can::changes_text(remote)); });
+  auto name = std::make_shared<std::string>();
+  add(can, "explain", "What a fault means and what to check.", [=] {
+    explain(common, *name);
+  })->add_option("FAULT", *name, "name or code; without: the node's first cause");
+}
+
+void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
+  auto names = std::make_shared<std::vector<std::string>>();
+  add(can, "get", "Reads objects: parameters and live values by name, others by INDEX:SUB.",
+      [=] {
+        Session session(*common);
+        get(session.remote(), *names);
+      })
+      ->add_option("NAME", *names, "such as strain.proportional_W, live.temperature_K, 6041")
+      ->required();
+  auto values = std::make_shared<std::vector<std::string>>();
+  add(can, "set", "Writes objects; several parameters are in force together, or none.",
+      [=] {
+        const std::vector<can::Change> changes = changes_of(*values);
+        Session session(*common);
+        session.remote().change(changes);
+      })
+      ->add_option("NAME VALUE | NAME=VALUE", *values, "in any unit of its kind")
+      ->required();
+  const auto with_file = [&](const char* command, const char* meaning, const char* option,
+                             void (*run)(Remote&, const std::string&)) {
+    auto file = std::make_shared<std::string>();
+    add(can, command, meaning,
+        [=] {
+          Session session(*common);
+          run(session.remote(), *file);
+        })
+        ->add_option(option, *file, "TOML, as `host-sim describe settings` gives it")
+        ->required();
+  };
+  with_file("dump", "Writes all parameters to a settings file; - is standard output.", "FILE",
+            dump);
+  with_file("restore", "Writes what a settings file says, as one set.", "FILE", restore);
+  with_file("diff", "Compares a settings file (left) with the node (right); 1 where they differ.",
+            "FILE", diff);
+  add_plain(can, common, "store", "Keeps parameters and communication over a reset (1010h).",
+            [](Remote& remote) { remote.store(); });
+}
+
+void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
+  auto plan = std::make_shared<can::WatchPlan>();
+  auto once = std::make_shared<bool>(false);
+  CLI::App* watch = add(can, "watch", "Live values; on a terminal as a table in place.", [=] {
+    if (*once) plan->count = 1;
+    Session session(*common);
+    can::watch(session.remote(), *plan, plan->count == 0 && isatty(STDOUT_FILENO) != 0, print);
+  });
+  watch->add_option("NAME", plan->names, "objects; without: what tells most");
+  watch->add_option("--period", plan->period_s, "s")
+      ->capture_default_str()
+      ->check(seconds_of(0.01, 3600));
+  watch->add_option("--count", plan->count, "rows; without: for ever");
+  watch->add_flag("--once", *once, "one row");
+  watch->add_option("--plot", plan->plot, "draws this one, in letters");
+
+  auto record_plan = std::make_shared<can::RecordingPlan>();
+  auto out = std::make_shared<std::string>();
+  auto patience_s = std::make_shared<double>(60);
+  record_plan->signals = {"position_m", "setpoint", "temperature_K", "current_A", "resistance_ohm"};
+  CLI::App* record_command =
+      add(can, "record", "Signals at the rate of the loop into a CSV file.", [=] {
+        Session session(*common);
+        record(session.remote(), *record_plan, *out, *patience_s);
+      });
+  record_command->add_option("--signals", record_plan->signals, "up to 8, of `live.`")
+      ->delimiter(',');
+  record_command->add_option("--seconds", record_plan->seconds, "duration")
+      ->capture_default_str()
+      ->check(seconds_of(0.001, 86400));
+  record_command->add_option("--before", record_plan->before_s, "s of that, before the trigger")
+      ->check(seconds_of(0, 86400));
+  record_command->add_option("--trigger", record_plan->trigger, "SIGNAL>LEVEL or SIGNAL<LEVEL");
+  record_command->add_option("--patience", *patience_s, "s until the trigger")
+      ->capture_default_str()
+      ->check(seconds_of(0, 1e6));
+  record_command->add_option("--out", *out, "CSV file; - is standard output")->required();
+}
+
+void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
+  add_plain(can, common, "start", "NMT: operational; process data flow.",
+            [](Remote& remote) { remote.nmt(can::NmtCommand::start); });
+  add_plain(can, common, "stop", "NMT: stopped.",
+            [](Remote& remote) { remote.nmt(can::NmtCommand::stop); });
+  add_plain(can, common, "reset", "NMT: the node starts again.",
+            [](Remote& remote) { remote.nmt(can::NmtCommand::reset_node); });
+  add_plain(can, common, "enable", "Through the states of CiA 402; the wire may be heated then.",
+            [](Remote& remote) { remote.enable(); });
+  add_plain(can, common, "disable", "Current off; the wire relaxes.",
+            [](Remote& remote) { remote.disable(); });
+  add_plain(can, common, "reset-faults", "Acknowledges faults.",
+            [](Remote& remote) { remote.reset_faults(); });
+  auto target_um = std::make_shared<std::int32_t>();
+  auto patience_s = std::make_shared<double>(10);
+  CLI::App* move =
+      add(can, "move", "To a position, in Profile position; waits until it is there.", [=] {
+        Session session(*common);
+        session.remote().move(*target_um, *patience_s);
+      });
+  move->add_option("UM", *target_um, "um of contraction")->required();
+  move->add_option("--patience", *patience_s, "s")
+      ->capture_default_str()
+      ->check(seconds_of(0, 1e6));
+
+  auto a = std::make_shared<StepArguments>();
+  CLI::App* step_command =
+      add(can, "step", "A step there and back: figures, beside those of the last runs.", [=] {
+        Session session(*common);
+        step(session.remote(), *a);
+      });
+  step_command->add_option("--amplitude-um", a->plan.amplitude_um, "of contraction")
+      ->capture_default_str();
+  step_command->add_option("--seconds", a->plan.seconds, "there, and as long back")
+      ->capture_default_str()
+      ->check(seconds_of(0.2, 600));
+  step_command->add_option("--runs", a->runs, "folder that keeps the runs")->capture_default_str();
+  step_command->add_option("--overlay", a->overlay, "runs before to compare with")
+      ->capture_default_str();
+  step_command->add_option("--report", a->report, "HTML page with pictures");
+}
+
+}  // namespace
+
+void add_can_command(CLI::App& app) {
+  CLI::App* can =
+      app.add_subcommand("can", "Talks to a servo over CAN: reads, tunes, moves, records.");
+  auto common = std::make_shared<Common>();
+  can->require_subcommand(1);
+  can->add_option("--can", common->can, "can0, vcan0, ...; or udp, udp:GROUP[:PORT]")->required();
+  can->add_option("--node", common->node, "node-id")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 127));
+  can->add_option("--key", common->key, "of an access level (2003h)");
+  can->add_option("--timeout", common->timeout_s, "s for an answer")
+      ->capture_default_str()
+      ->check(seconds_of(0.01, 60));
+  add_network_commands(*can, common);
+  add_object_commands(*can, common);
+  add_watch_commands(*can, common);
+  add_motion_commands(*can, common);
+}
+
+}  // namespace smaservo

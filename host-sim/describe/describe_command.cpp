@@ -1,0 +1,70 @@
+#include <array>
+#include <fmt/format.h>
+#include <memory>
+
+#include "firmware/text/reference/canopen_reference.hpp"
+#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/reference/parameter_reference.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "host-sim/commands.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+struct DescribeArguments {
+  std::string topic;
+  std::string wire{default_wire};
+};
+
+struct Topic {
+  std::string_view name, meaning;
+  std::string (*text)(const DescribeArguments&);
+};
+
+constexpr auto topics = std::to_array<Topic>({
+    {"dbc", "the frames of node 1 on CAN (firmware/reference/smaservo.dbc)",
+     [](const DescribeArguments&) { return dbc_text(); }},
+    {"eds", "electronic data sheet of the CANopen node (firmware/reference/smaservo.eds)",
+     [](const DescribeArguments&) { return eds_text(); }},
+    {"faults", "every fault of a device, in Markdown (firmware/reference/FAULTS.md)",
+     [](const DescribeArguments&) { return fault_reference(); }},
+    {"objects", "every object of the CANopen node, in Markdown (firmware/reference/OBJECTS.md)",
+     [](const DescribeArguments&) { return object_reference(); }},
+    {"parameters", "every parameter of a device, in Markdown (firmware/reference/PARAMETERS.md)",
+     [](const DescribeArguments&) { return parameter_reference(); }},
+    {"settings", "a settings file to start from, for the wire of --wire",
+     [](const DescribeArguments& a) { return settings_template(a.wire); }},
+});
+
+std::string list_of_topics() {
+  std::string list;
+  for (const Topic& topic : topics) {
+    list += fmt::format("\n  {:<12}{}", topic.name, topic.meaning);
+  }
+  return list;
+}
+
+void describe(const DescribeArguments& a) {
+  for (const Topic& topic : topics) {
+    if (topic.name == a.topic) {
+      fmt::print("{}", topic.text(a));
+      return;
+    }
+  }
+  throw UserError(
+      fmt::format("describe {}: no such topic; the topics are:{}", a.topic, list_of_topics()));
+}
+
+}  // namespace
+
+void add_describe_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "describe", "Prints what the device knows of itself; made from the firmware's own tables.");
+  auto a = std::make_shared<DescribeArguments>();
+  command->add_option("TOPIC", a->topic, "one of:" + list_of_topics())->required();
+  command->add_option("--wire", a->wire, "preset or file that ends in .toml; " + a->wire);
+  command->callback([a] { describe(*a); });
+}
+
+}  // namespace smaservo

@@ -1,0 +1,42 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/text/reference/fault_reference.hpp"
+#include "host-sim/commands.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+void list_faults() {
+  for (const FaultRow& row : fault_rows) {
+    fmt::print("{:04X}h  {:<2}  {:<20}{}\n", row.code, class_name(row.severity), row.name,
+               row.text);
+  }
+}
+
+void explain(const std::string& name) {
+  const Fault fault = find_fault(name);
+  if (fault == Fault::none) {
+    const std::vector<std::string> close = similar_faults(name);
+    throw UserError(
+        close.empty()
+            ? fmt::format("{}: no such fault; `host-sim explain` lists them", name)
+            : fmt::format("{}: no such fault; did you mean {}?", name, fmt::join(close, ", ")));
+  }
+  fmt::print("{}", explain_fault(fault));
+}
+
+}  // namespace
+
+void add_explain_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "explain", "Says what a fault of the device means, what causes it, what to check.");
+  auto name = std::make_shared<std::string>();
+  command->add_option("FAULT", *name, "name or code, as 2310h; without: lists all of them");
+  command->callback([name] { name->empty() ? list_faults() : explain(*name); });
+}
+
+}  // namespace smaservo

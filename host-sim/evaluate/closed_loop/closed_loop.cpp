@@ -1,0 +1,155 @@
+#include "host-sim/evaluate/closed_loop/closed_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/bench/dice.hpp"
+#include "host-sim/evaluate/runs/runs.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/parallel.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double in_time_s = 0.10;
+constexpr double in_time_ratio = 1.3;
+constexpr std::size_t ideal_at = 1;
+static_assert(loop_kinds[ideal_at] == LoopKind::ideal);
+
+std::function<void(std::size_t)> reporting(const ClosedLoopOptions& options, std::string_view stage,
+                                           std::size_t total) {
+  return [&options, stage, total](std::size_t done) {
+    if (options.progress) {
+      options.progress(stage, done, total);
+    }
+  };
+}
+
+std::vector<KnownUnit> known_units(const ClosedLoopOptions& options) {
+  if (!options.wires.empty()) {
+    prepare_folder("--wires", options.wires);
+  }
+  std::vector<KnownUnit> units(static_cast<std::size_t>(options.units) * families.size());
+  parallel(
+      units.size(), options.threads,
+      [&](std::size_t i) {
+        units[i] = known_unit(families.at(i % families.size()), options.seed + i / families.size(),
+                              options.wires);
+      },
+      reporting(options, "calibration", units.size()));
+  return units;
+}
+
+LoopConditions conditions(LoopRow row, std::uint64_t seed) {
+  Dice dice(seed);
+  LoopConditions c{};
+  c.load_gain = 1 + dice.uniform(-0.005, 0.005);
+  switch (row) {
+    case LoopRow::weights:
+      c.load = ConstantLoad{MPa * dice.uniform(100, 300)};
+      break;
+    case LoopRow::spring: {
+      const double low_MPa = dice.uniform(100, 140);
+      c.load = SpringLoad{MPa * low_MPa, MPa * dice.uniform(220, 300), 0.04, 0.02};
+      break;
+    }
+    case LoopRow::light:
+      c.load = ConstantLoad{50 * MPa};
+      break;
+  }
+  return c;
+}
+
+void count(LoopFigures& figures, const LoopRun& run, const LoopRun& ideal_run) {
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    const LoopStep& step = run.steps[i];
+    figures.error.add(step.error_percent);
+    figures.cycles += step.reversals > 1 ? 1 : 0;
+    if (step.heats) {
+      figures.heating_s.push_back(step.settled_s);
+      figures.heated_in_time += step.settled_s <= in_time_s ? 1 : 0;
+    } else {
+      figures.cooling_s.push_back(step.settled_s);
+      const double limit_s = in_time_ratio * ideal_run.steps[i].settled_s;
+      figures.cooled_in_time += step.settled_s <= limit_s && std::isfinite(step.settled_s) ? 1 : 0;
+    }
+  }
+  figures.above_limit_K = std::max(figures.above_limit_K, run.above_limit_K);
+  if (run.tripped != Fault::none) {
+    figures.trips.push_back(run.tripped);
+  }
+}
+
+LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
+                           const ClosedLoopOptions& options) {
+  const auto runs = static_cast<std::size_t>(options.runs);
+  std::vector<std::array<LoopRun, loop_kinds.size()>> results(runs);
+  parallel(
+      runs * loop_kinds.size(), options.threads,
+      [&](std::size_t i) {
+        const std::size_t run = i / loop_kinds.size();
+        const std::size_t kind = i % loop_kinds.size();
+        // Rows have the same seeds, so that they differ by their loads only.
+        const std::uint64_t seed = 100'000 * options.seed + run;
+        results[run].at(kind) = run_steps(loop_kinds.at(kind), units[run % units.size()],
+                                          conditions(row, seed), options.steps, seed);
+      },
+      reporting(options, "steps", runs * loop_kinds.size()));
+  LoopRowResult result{row, {}};
+  for (LoopFigures& figures : result.kinds) {
+    figures.above_limit_K = -1000;
+  }
+  for (const auto& run : results) {
+    for (std::size_t kind = 0; kind < loop_kinds.size(); ++kind) {
+      count(result.kinds.at(kind), run.at(kind), run.at(ideal_at));
+    }
+  }
+  for (LoopFigures& figures : result.kinds) {
+    std::ranges::sort(figures.heating_s);
+    std::ranges::sort(figures.cooling_s);
+  }
+  return result;
+}
+
+}  // namespace
+
+double LoopFigures::quantile_s(bool heats, double share) const {
+  const std::vector<double>& all = heats ? heating_s : cooling_s;
+  if (all.empty()) {
+    return std::nan("");
+  }
+  const double place = std::ceil(share * static_cast<double>(all.size()));
+  return all[static_cast<std::size_t>(std::max(place, 1.0)) - 1];
+}
+
+ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
+  const std::vector<KnownUnit> units = known_units(options);
+  ClosedLoopEvaluation result{
+      options.units, options.seed, units.front().wire.nominal_stroke, {}, {}, {}};
+  for (const LoopRow row : closed_loop_rows) {
+    result.rows.push_back(evaluate_row(row, units, options));
+  }
+  for (auto& of_kind : result.bandwidth_Hz) {
+    of_kind.resize(units.size());
+  }
+  const std::size_t total = units.size() * loop_kinds.size();
+  parallel(
+      total, options.threads,
+      [&](std::size_t i) {
+        const LoopConditions at{ConstantLoad{200 * MPa}};
+        result.bandwidth_Hz.at(i % loop_kinds.size())[i / loop_kinds.size()] = bandwidth_Hz(
+            loop_kinds.at(i % loop_kinds.size()), units[i / loop_kinds.size()], at, options.seed);
+      },
+      reporting(options, "sines", total));
+  std::vector<CalibratedUnit> calibrated;
+  calibrated.reserve(units.size());
+  for (const KnownUnit& known : units) {
+    calibrated.push_back({known.unit, known.wire});
+  }
+  const auto scenarios = static_cast<std::size_t>(options.random);
+  result.hottest = run_hottest(calibrated, 100'000 * options.seed, options.random, options.threads,
+                               reporting(options, "random scenarios", scenarios));
+  return result;
+}
+
+}  // namespace smaservo

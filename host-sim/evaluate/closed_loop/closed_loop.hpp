@@ -1,0 +1,70 @@
+#pragma once
+// The table by which control is judged: the firmware on simulated units that are not its model,
+// calibrated by identify, beside an ideal sensor and two simpler loops.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host-sim/evaluate/closed_loop/hottest.hpp"
+#include "host-sim/evaluate/closed_loop/loop_runs.hpp"
+#include "host-sim/replay/error_statistics.hpp"
+
+namespace smaservo {
+
+struct ClosedLoopOptions {
+  int units = 3;      ///< of each family, with seeds from `seed` on
+  int runs = 108;     ///< of each row
+  int steps = 27;     ///< of each run
+  int random = 1000;  ///< scenarios, see hottest.hpp
+  std::uint64_t seed = 1000;
+  int threads = 1;    ///< the result does not depend on them
+  std::string wires;  ///< folder of the calibrated wires, as EvaluateOptions has it
+  std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress;
+};
+
+/// A row's loads.
+enum class LoopRow : unsigned char {
+  weights,  ///< 100..300 MPa
+  spring,   ///< 100..300 MPa
+  light     ///< 50 MPa
+};
+inline constexpr std::array closed_loop_rows{LoopRow::weights, LoopRow::spring, LoopRow::light};
+
+/// What one controller did in one row. Errors in per cent of the nominal stroke.
+struct LoopFigures {
+  ErrorStatistics error;                     ///< of a step's end
+  std::vector<double> heating_s, cooling_s;  ///< sorted; infinite where a step never settled
+  int heated_in_time = 0;                    ///< settled within 0.10 s
+  int cooled_in_time = 0;    ///< settled within 1.3 times what the ideal sensor needed
+  int cycles = 0;            ///< steps that end in a limit cycle
+  double above_limit_K = 0;  ///< the hottest of all
+  std::vector<Fault> trips;  ///< of the runs that it did not bring to their end
+
+  double quantile_s(bool heats, double share) const;
+};
+
+struct LoopRowResult {
+  LoopRow row;
+  std::array<LoopFigures, loop_kinds.size()> kinds;
+};
+
+struct ClosedLoopEvaluation {
+  int units;
+  std::uint64_t seed;
+  double stroke;
+  std::vector<LoopRowResult> rows;
+  /// Of each unit, at 200 MPa, by controller.
+  std::array<std::vector<double>, loop_kinds.size()> bandwidth_Hz;
+  std::vector<HottestRun> hottest;  ///< of the random scenarios
+};
+
+/// Throws UserError or WireError. Takes some 3 s a run, and the calibration of the units.
+ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options);
+
+std::string closed_loop_markdown(const ClosedLoopEvaluation& evaluation);
+std::string closed_loop_json(const ClosedLoopEvaluation& evaluation);
+
+}  // namespace smaservo

@@ -1,0 +1,78 @@
+#include "host-sim/evaluate/closed_loop/loop_bench.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "firmware/device/board_io.hpp"
+#include "firmware/parameters/parameters.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr std::int64_t period_ns = 1'000'000;
+
+SimSetup setup(const WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed) {
+  SimSurroundings around;
+  around.ambient_K = conditions.ambient_K;
+  around.draught = conditions.draught;
+  const double area_m2 = unit.wire.wire.geometry.area_m2();
+  return {.period_ns = period_ns,
+          .converter = {.voltage_drive = false,
+                        .greatest_A = 0.5,
+                        .slew_A_s = std::numeric_limits<double>::infinity(),
+                        .lead_ohm = 0.1},
+          .sensors = {.bits = 16,
+                      .current_full_scale_A = 0.5,
+                      .voltage_full_scale_V = 20,
+                      .load_full_scale_N = 5,
+                      .current_noise_A = 10e-6,
+                      .voltage_noise_V = 0.3e-3,
+                      .load_noise_N = 0.5e6 * area_m2,
+                      .load_gain = conditions.load_gain,
+                      .resistance_gain = conditions.resistance_gain},
+          .load = conditions.load,
+          .geometry = unit.wire.wire.geometry,
+          .surroundings = around,
+          .reads_supply = true,
+          .reads_ambient = false,
+          .reads_driver = false,
+          .seed = seed};
+}
+
+std::unique_ptr<SimulatedWire> wire(const WireUnit& unit, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  return make_simulated_wire(unit.family, unit.wire.wire, unit.sublayers, unit.scatter_K, random);
+}
+
+}  // namespace
+
+Settings<double> loop_settings(const Wire<double>& wire) {
+  Settings<double> s = default_settings<double>();
+  s.wire = wire;
+  s.limits.current_A = 0.4;
+  s.limits.power_W = 10;
+  s.limits.temperature_K = wire.limits.temperature_K;
+  s.limits.greatest_strain = 0.06;
+  s.limits.stress_Pa = wire.limits.stress_Pa;
+  s.trips.current_A = 0.45;
+  s.trips.temperature_K = wire.limits.temperature_K + 10;
+  s.trips.greatest_strain = 0.08;
+  s.trips.stress_Pa = 1.2 * wire.limits.stress_Pa;
+  return s;
+}
+
+LoopBench::LoopBench(const WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed)
+    : board_(wire(unit, seed), setup(unit, conditions, seed)) {}
+
+Inputs<double> LoopBench::read() {
+  Frame frame{};
+  const ReadStatus status = board_.read(frame);
+  peak_K_ = std::max(peak_K_, board_.truth().hottest_K);
+  return inputs_of<double>(frame, status);
+}
+
+void LoopBench::drive(double current_A) {
+  board_.drive({current_A, 0, board_.now_ns() + 3 * period_ns});
+}
+
+}  // namespace smaservo

@@ -1,0 +1,430 @@
+#include "host-sim/evaluate/closed_loop/random_scenario.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+#include "firmware/bench/dice.hpp"
+#include "firmware/text/device_names.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/evaluate/runs/runs.hpp"
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double duration_s = 20;
+constexpr double zero_degC_K = 273.15;
+
+constexpr std::array<std::string_view, random_air_count> air_names{"still", "draught", "gusts",
+                                                                   "shielded", "ambient step"};
+constexpr std::array<std::string_view, random_trouble_count> trouble_names{
+    "none",           "load change", "load lost", "stuck",       "offset",
+    "noise",          "gain",        "missing",   "lost frames", "weak supply",
+    "weak converter", "broken",      "shorted",   "slip",        "reboot"};
+constexpr std::array<std::string_view, 3> sensor_names{"current", "voltage", "load"};
+
+/// Draws one scenario, part after part; the order of the draws is that of the calls.
+class Draw {
+ public:
+  Draw(const std::vector<CalibratedUnit>& units, std::uint64_t seed) : dice_(seed) {
+    loop().name = fmt::format("random {}", seed);
+    loop().seed = seed;
+    loop().duration_s = duration_s;
+    wire(units);
+    settings();
+    board();
+    air();
+    trouble();
+    commands();
+  }
+  RandomScenario scenario() const { return result_; }
+
+ private:
+  ClosedLoopScenario& loop() { return result_.loop; }
+  Settings<double>& device() { return result_.loop.settings; }
+
+  /// 0 to count - 1.
+  std::size_t choice(std::size_t count) {
+    return std::min(static_cast<std::size_t>(dice_.uniform(0, static_cast<double>(count))),
+                    count - 1);
+  }
+  bool chance(double share) { return dice_.uniform(0, 1) < share; }
+  double log_uniform(double low, double high) {
+    return std::exp(dice_.uniform(std::log(low), std::log(high)));
+  }
+  double sign() { return dice_.coin() ? 1 : -1; }
+  template <class... Parts>
+  void note(fmt::format_string<Parts...> text, Parts&&... parts) {
+    loop().note +=
+        (loop().note.empty() ? "" : ", ") + fmt::format(text, std::forward<Parts>(parts)...);
+  }
+
+  /// The truth, and the file that the device has of it.
+  void wire(const std::vector<CalibratedUnit>& units) {
+    const CalibratedUnit& known = units[choice(units.size())];
+    PlantSetup& plant = loop().plant;
+    plant.seed = dice_.seed();
+    if (chance(0.8)) {
+      plant.family = known.unit.family == Family::ihyp ? PlantFamily::ihyp : PlantFamily::sublayers;
+      plant.wire = known.unit.wire;
+      plant.scatter_K = known.unit.scatter_K;
+      plant.sublayers = known.unit.sublayers;
+      known_ = known.wire;
+    } else {
+      // One temperature, whose heat is as far off as a calibration leaves it.
+      plant.family = PlantFamily::lumped;
+      plant.wire = load_wire(std::string(default_wire));
+      known_ = dice_.coin() ? plant.wire.wire : known.wire;
+      plant.wire.wire = known_;
+      HeatParams<double>& heat = plant.wire.wire.heat;
+      heat.convection_W_m2K *= dice_.factor(0.02);
+      heat.specific_heat_J_kgK *= dice_.factor(0.04);
+    }
+    note("{} {}", plant_name(plant.family), known.unit.seed);
+  }
+
+  void settings() {
+    Settings<double>& s = device() = settings_for(known_);
+    const double maker_A = known_.limits.current_A;
+    const std::array<double, 3> currents_A{maker_A, 2 * maker_A, 0.4};
+    s.limits.current_A = currents_A.at(choice(currents_A.size()));
+    s.limits.power_W = 10;
+    s.limits.temperature_K = zero_degC_K + dice_.uniform(100, 140);
+    s.limits.greatest_strain = 0.06;
+    s.trips.temperature_K = s.limits.temperature_K + 10;
+    s.trips.current_A = 1.15 * s.limits.current_A;
+    s.trips.greatest_strain = 0.08;
+    s.limits.stress_Pa = known_.limits.stress_Pa;
+    s.trips.stress_Pa = 1.2 * known_.limits.stress_Pa;
+    s.safe.state = static_cast<SafeState>(choice(3));
+    s.safe.hold_s = 5;
+    s.drive.kind = chance(0.2) ? DriveKind::voltage : DriveKind::current;
+    s.measuring.current_full_scale_A = 0.5;
+    note("limit {:.0f} °C, {:.2f} A", s.limits.temperature_K - zero_degC_K, s.limits.current_A);
+  }
+
+  void board() {
+    const double area_m2 = loop().plant.wire.wire.geometry.area_m2();
+    SimSetup& b = loop().board;
+    b.period_ns = 1'000'000;
+    b.converter = {.voltage_drive = device().drive.kind == DriveKind::voltage,
+                   .greatest_A = 0.5,
+                   .slew_A_s = std::numeric_limits<double>::infinity(),
+                   .lead_ohm = 0.1};
+    b.sensors = {.bits = 16,
+                 .current_full_scale_A = 0.5,
+                 .voltage_full_scale_V = 20,
+                 .load_full_scale_N = 5,
+                 .current_noise_A = 10e-6,
+                 .voltage_noise_V = 0.3e-3,
+                 .load_noise_N = 0.5 * MPa * area_m2,
+                 .load_gain = 1 + dice_.uniform(-0.02, 0.02),
+                 .resistance_gain = 1 + dice_.uniform(-0.005, 0.005)};
+    b.geometry = loop().plant.wire.wire.geometry;
+    b.reads_supply = true;
+    b.reads_ambient = dice_.coin();
+    b.reads_driver = false;
+    b.seed = dice_.seed();
+    load();
+  }
+
+  void load() {
+    SimSetup& b = loop().board;
+    low_Pa_ = high_Pa_ = MPa * dice_.uniform(10, 250);
+    switch (choice(3)) {
+      case 0:
+        low_Pa_ = MPa * dice_.uniform(20, 150);
+        high_Pa_ = low_Pa_ + MPa * dice_.uniform(20, 150);
+        b.load = SpringLoad{low_Pa_, high_Pa_, 0.04, 0.02};
+        note("spring {:.0f} to {:.0f} MPa", low_Pa_ / MPa, high_Pa_ / MPa);
+        break;
+      case 1: {
+        const double amplitude_Pa = dice_.uniform(0, 0.3) * low_Pa_;
+        b.load =
+            VaryingLoad{low_Pa_, amplitude_Pa, log_uniform(0.3, 10), 0.02 * low_Pa_, 0.5 * low_Pa_};
+        note("{:.0f} MPa varying by {:.0f}", low_Pa_ / MPa, amplitude_Pa / MPa);
+        break;
+      }
+      default:
+        b.load = ConstantLoad{low_Pa_};
+        note("{:.0f} MPa", low_Pa_ / MPa);
+    }
+  }
+
+  SimEvent& event(double at_s, double for_s) {
+    SimEvent& e = loop().events.emplace_back();
+    e.at_s = at_s;
+    e.for_s = for_s;
+    return e;
+  }
+
+  void air() {
+    SimSurroundings& around = loop().board.surroundings;
+    around.ambient_K = zero_degC_K + dice_.uniform(5, 40);
+    note("air {:.0f} °C", around.ambient_K - zero_degC_K);
+    const double kind = dice_.uniform(0, 1);
+    if (kind < 0.35) {
+      result_.air = RandomAir::still;
+      return;
+    }
+    if (kind < 0.5) {
+      result_.air = RandomAir::draught;
+      around.draught = log_uniform(1, 3);
+      note("draught {:.2f}", around.draught);
+    } else if (kind < 0.7) {
+      result_.air = RandomAir::gusts;
+      gusts();
+    } else if (kind < 0.8) {
+      result_.air = RandomAir::shielded;
+      SimEvent& e = event(chance(0.3) ? 0 : dice_.uniform(1, 10), dice_.uniform(2, duration_s));
+      e.draught = dice_.uniform(0.75, 1);
+      note("shielded {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
+    } else {
+      result_.air = RandomAir::ambient_step;
+      SimEvent& e = event(dice_.uniform(1, 12), dice_.uniform(2, duration_s));
+      e.ambient_K = zero_degC_K + dice_.uniform(5, 40);
+      note("air {:.0f} °C from {:.1f} s for {:.1f} s", *e.ambient_K - zero_degC_K, e.at_s, e.for_s);
+    }
+  }
+
+  void gusts() {
+    double at_s = chance(0.3) ? 0 : dice_.uniform(1, 6);
+    for (std::size_t i = 1 + choice(3); i > 0; --i) {
+      SimEvent& e = event(at_s, log_uniform(0.3, 8));
+      e.draught = log_uniform(1.2, 3);
+      note("draught {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
+      at_s += e.for_s + log_uniform(0.2, 4);
+    }
+  }
+
+  void trouble() {
+    result_.trouble = chance(0.4)
+                          ? RandomTrouble::none
+                          : static_cast<RandomTrouble>(1 + choice(random_trouble_count - 1));
+    if (result_.trouble == RandomTrouble::none) {
+      return;
+    }
+    const double at_s = dice_.uniform(1, 14);
+    const double for_s = chance(0.5) ? duration_s : log_uniform(0.02, 5);
+    SimEvent& e = event(at_s, for_s);
+    note("{} from {:.2f} s for {:.2f} s", random_trouble_name(result_.trouble), at_s, for_s);
+    switch (result_.trouble) {
+      case RandomTrouble::load_change:
+        e.added_stress_Pa = dice_.uniform(-0.6, 0.6) * low_Pa_;
+        note("{:+.0f} MPa", *e.added_stress_Pa / MPa);
+        break;
+      case RandomTrouble::load_lost:
+        e.added_stress_Pa = -low_Pa_;
+        break;
+      case RandomTrouble::stuck:
+      case RandomTrouble::offset:
+      case RandomTrouble::noise:
+      case RandomTrouble::gain:
+      case RandomTrouble::missing:
+        sensor(e);
+        break;
+      case RandomTrouble::lost_frames:
+        e.lost_share = chance(0.3) ? 1 : dice_.uniform(0.02, 0.8);
+        note("{:.2f}", e.lost_share);
+        break;
+      case RandomTrouble::weak_supply:
+        e.supply_V = dice_.uniform(0.5, 12);
+        note("{:.1f} V", *e.supply_V);
+        break;
+      case RandomTrouble::weak_converter:
+        // Of the whole run: a converter does not change.
+        loop().events.pop_back();
+        loop().board.converter.greatest_A = dice_.uniform(0.05, 0.3);
+        loop().board.converter.slew_A_s = log_uniform(2, 200);
+        note("{:.2f} A, {:.0f} A/s", loop().board.converter.greatest_A,
+             loop().board.converter.slew_A_s);
+        break;
+      case RandomTrouble::broken:
+        e.circuit = dice_.coin() ? Circuit::broken : Circuit::open;
+        break;
+      case RandomTrouble::shorted:
+        e.circuit = Circuit::shorted;
+        e.bridged_share = dice_.uniform(0.1, 0.95);
+        note("{:.0f} %", 100 * e.bridged_share);
+        break;
+      case RandomTrouble::slip:
+        e.slip = dice_.uniform(0.002, 0.03);
+        break;
+      case RandomTrouble::reboot:
+        e.for_s = log_uniform(0.005, 2);
+        e.reboots = true;
+        note("{:.3f} s", e.for_s);
+        break;
+      case RandomTrouble::none:
+        break;
+    }
+  }
+
+  void sensor(SimEvent& e) {
+    const std::size_t which = choice(sensor_names.size());
+    SpoiltSensor spoilt;
+    double amount = 0;
+    switch (result_.trouble) {
+      case RandomTrouble::stuck:
+        spoilt = {SensorFault::stuck, 0};
+        break;
+      case RandomTrouble::offset:
+        spoilt = {SensorFault::offset, 0};
+        amount =
+            sign() *
+            std::array{log_uniform(0.5e-3, 50e-3), log_uniform(0.01, 3), log_uniform(0.02, 1)}.at(
+                which);
+        break;
+      case RandomTrouble::noise:
+        spoilt = {SensorFault::noise, 0};
+        amount =
+            std::array{log_uniform(0.05e-3, 5e-3), log_uniform(1e-3, 0.1), log_uniform(0.01, 0.2)}
+                .at(which);
+        break;
+      case RandomTrouble::gain:
+        spoilt = {SensorFault::gain, 0};
+        amount = dice_.uniform(0.5, 1.5);
+        break;
+      default:
+        spoilt = {SensorFault::missing, 0};
+    }
+    spoilt.amount = amount;
+    e.sensor = {static_cast<Reading>(which), spoilt};
+    note("{} {:.4g}", sensor_names.at(which), amount);
+  }
+
+  // Set-points.
+
+  /// Power that holds the wire at its limit in still air.
+  double limit_W() {
+    return plant_params(known_).body.loss_W(device().limits.temperature_K -
+                                            device().limits.hot_spot_K - 298.15);
+  }
+  double setpoint(Mode mode) {
+    const bool beyond = result_.beyond;
+    const double ohm = cold_resistance_ohm(known_);
+    const double share = beyond ? dice_.uniform(-0.6, 1.4) : dice_.uniform(0.1, 0.9);
+    const double strain = smaservo::strain(known_.material, Phases<double>{0, 0}, high_Pa_) +
+                          share * known_.nominal_stroke;
+    switch (mode) {
+      case Mode::current:
+        return std::sqrt(limit_W() / ohm) * dice_.uniform(0, beyond ? 3 : 0.9);
+      case Mode::power:
+        return limit_W() * dice_.uniform(0, beyond ? 6 : 0.8);
+      case Mode::resistance:
+        return ohm * (beyond ? dice_.uniform(0.5, 1.4) : dice_.uniform(0.9, 1));
+      case Mode::temperature:
+        return beyond
+                   ? device().limits.temperature_K + dice_.uniform(-20, 80)
+                   : dice_.uniform(320, device().limits.temperature_K - device().limits.hot_spot_K);
+      case Mode::position:
+        return (device().axis.zero_strain - strain) * known_.geometry.length_m;
+      case Mode::force:
+        return known_.geometry.area_m2() *
+               (beyond ? dice_.uniform(0, 2) * high_Pa_ : dice_.uniform(low_Pa_, high_Pa_));
+      default:
+        return strain;
+    }
+  }
+
+  void stretch(Mode mode, double seconds, double from, double to) {
+    CommandStretch s{};
+    s.command.mode = mode;
+    s.command.arm = mode != Mode::off;
+    s.command.setpoint = from;
+    s.end = to;
+    s.seconds = seconds;
+    loop().program.push_back(s);
+    used_s_ += seconds;
+  }
+
+  void shape(Mode mode, double seconds) {
+    const double level = setpoint(mode);
+    const double other = setpoint(mode);
+    switch (choice(4)) {
+      case 0:
+        stretch(mode, seconds, level, level);
+        break;
+      case 1: {
+        const double each_s = log_uniform(0.1, 2);
+        for (int i = 0; i < 5; ++i) {
+          const double step = level + (other - level) * 0.25 * i;
+          stretch(mode, each_s, step, step);
+        }
+        break;
+      }
+      case 2: {
+        stretch(mode, seconds, 0.5 * (level + other), 0.5 * (level + other));
+        CommandStretch& sine = loop().program.back();
+        sine.amplitude = 0.5 * std::abs(other - level);
+        sine.from_Hz = sine.to_Hz = log_uniform(0.1, 5);
+        break;
+      }
+      default:
+        stretch(mode, seconds, level, other);
+    }
+  }
+
+  /// Faults are cleared and the device armed again, as a user does who wants to go on.
+  void insist() {
+    stretch(Mode::off, 0.05, 0, 0);
+    loop().program.back().command.clear_faults = true;
+    stretch(Mode::off, log_uniform(0.01, 1), 0, 0);
+  }
+
+  void commands() {
+    constexpr std::array modes{Mode::strain,      Mode::position, Mode::strain,
+                               Mode::temperature, Mode::power,    Mode::current,
+                               Mode::resistance,  Mode::force,    Mode::identification};
+    result_.mode = modes.at(choice(modes.size()));
+    result_.beyond = chance(0.4);
+    const bool insists = chance(0.4);
+    note("{}{}{}", mode_name(result_.mode), result_.beyond ? " beyond" : "",
+         insists ? ", insists" : "");
+    stretch(Mode::off, 0.3, 0, 0);
+    while (used_s_ < duration_s) {
+      const Mode mode = chance(0.85) ? result_.mode : modes.at(choice(modes.size()));
+      shape(mode, log_uniform(0.5, 8));
+      if (insists && chance(0.5)) {
+        insist();
+      }
+    }
+  }
+
+  Dice dice_;
+  RandomScenario result_{};
+  Wire<double> known_{};
+  double low_Pa_ = 0, high_Pa_ = 0;
+  double used_s_ = 0;
+};
+
+}  // namespace
+
+std::string_view random_air_name(RandomAir air) {
+  return air_names.at(static_cast<std::size_t>(air));
+}
+
+std::string_view random_trouble_name(RandomTrouble trouble) {
+  return trouble_names.at(static_cast<std::size_t>(trouble));
+}
+
+std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
+                                             const std::string& folder) {
+  std::vector<CalibratedUnit> units;
+  for (int i = 0; i < of_each; ++i) {
+    for (const Family family : families) {
+      const WireUnit unit = random_unit(family, seed + static_cast<std::uint64_t>(i));
+      units.push_back({unit, calibrated_wire(unit, folder)});
+    }
+  }
+  return units;
+}
+
+RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed) {
+  return Draw(units, seed).scenario();
+}
+
+}  // namespace smaservo

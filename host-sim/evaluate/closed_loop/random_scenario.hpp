@@ -1,0 +1,61 @@
+#pragma once
+// Closed loops drawn at random: what users ask of a device, and what may happen to it meanwhile.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/bench/units.hpp"
+
+namespace smaservo {
+
+/// A piece of wire, and what identify has found of it.
+struct CalibratedUnit {
+  WireUnit unit;
+  Wire<double> wire;
+};
+
+/// So many of each family, from this seed on; those that the folder has not are calibrated.
+std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
+                                             const std::string& folder);
+
+/// The air around the wire.
+enum class RandomAir : unsigned char { still, draught, gusts, shielded, ambient_step };
+inline constexpr std::size_t random_air_count = 5;
+std::string_view random_air_name(RandomAir air);
+
+/// What happens to wire, load, sensors, converter and device.
+enum class RandomTrouble : unsigned char {
+  none,
+  load_change,
+  load_lost,
+  stuck,
+  offset,
+  noise,
+  gain,
+  missing,
+  lost_frames,
+  weak_supply,
+  weak_converter,
+  broken,
+  shorted,
+  slip,
+  reboot,
+};
+inline constexpr std::size_t random_trouble_count = 15;
+std::string_view random_trouble_name(RandomTrouble trouble);
+
+struct RandomScenario {
+  ClosedLoopScenario loop;  ///< its note says what was drawn
+  Mode mode;                ///< of the most part
+  RandomAir air;
+  RandomTrouble trouble;
+  bool beyond;  ///< set-points beyond what limits and load allow
+};
+
+/// All of it from this seed, 20 s long. host-sim/README.md lists what is drawn from which range.
+RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed);
+
+}  // namespace smaservo

@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "host-sim/commands.hpp"
+#include "host-sim/evaluate/closed_loop/closed_loop.hpp"
+#include "host-sim/evaluate/closed_loop/random_scenario.hpp"
+#include "host-sim/evaluate/evaluate.hpp"
+#include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/evaluate/table.hpp"
+#include "host-sim/replay/observers.hpp"
+#include "host-sim/simulate/closed_loop_run.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
+
+namespace smaservo {
+namespace {
+
+struct EvaluateArguments {
+  EvaluateOptions options;
+  std::vector<std::string> settings;
+  std::string out, report, markdown;
+  bool json = false;
+  bool closed_loop = false;
+  int random = 1000;
+  std::optional<std::uint64_t> random_seed;
+};
+
+/// A folder gets a file of the usual name.
+std::string json_file(const std::string& out) {
+  if (!out.empty() && std::filesystem::is_directory(out)) {
+    return (std::filesystem::path(out) / "evaluate.json").string();
+  }
+  if (!out.empty() && out != "-" && !out.ends_with(".json")) {
+    throw UserError(fmt::format("--out {}: must be a folder or end in .json", out));
+  }
+  return out;
+}
+
+/// A line of progress for each stage.
+class Stages {
+ public:
+  void update(std::string_view stage, std::size_t done, std::size_t total) {
+    if (!line_ || stage != stage_) {
+      stage_ = stage;
+      line_.emplace(stage_, total);
+    }
+    line_->step(done);
+  }
+
+ private:
+  std::string stage_;
+  std::optional<Progress> line_;
+};
+
+/// One of the random scenarios, to look at.
+void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
+  const RandomScenario scenario =
+      random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
+  const LoopRunResult result = run_closed_loop(scenario.loop, {.out = a.out});
+  fmt::print(a.out == "-" ? stderr : stdout, "{}", summary(scenario.loop, result));
+}
+
+/// Where numbers and table go; opened first, for an evaluation may take an hour.
+struct Destination {
+  std::optional<OutputFile> json;
+  std::optional<TableFile> table;
+
+  void write(const std::string& numbers, const std::string& markdown) {
+    if (json) {
+      json->write(numbers);
+      json->commit();
+    }
+    if (table) {
+      table->rewrite(markdown);
+    }
+  }
+};
+
+/// The other table: of control.
+void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
+  ClosedLoopOptions options;
+  options.units = a.options.units;
+  options.runs = a.options.runs > 0 ? a.options.runs : options.runs;
+  options.seed = a.options.seed;
+  options.threads = a.options.threads;
+  options.wires = a.options.wires;
+  options.random = a.random;
+  Stages stages;
+  options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
+    stages.update(stage, done, total);
+  };
+  const ClosedLoopEvaluation evaluation = evaluate_closed_loop(options);
+  const std::string json = closed_loop_json(evaluation);
+  const std::string markdown = closed_loop_markdown(evaluation);
+  destination.write(json, markdown);
+  fmt::print(a.out == "-" ? stderr : stdout, "{}", a.json ? json : markdown);
+}
+
+void run(EvaluateArguments& a) {
+  if (a.random_seed) {
+    run_random_scenario(a, *a.random_seed);
+    return;
+  }
+  const std::string out = json_file(a.out);
+  refuse_to_overwrite(out, a.report);
+  refuse_to_overwrite(a.markdown, out);
+  refuse_to_overwrite(a.markdown, a.report);
+  Destination destination;
+  if (!out.empty()) {
+    destination.json.emplace(out);
+  }
+  if (!a.markdown.empty()) {
+    destination.table.emplace(a.markdown);
+  }
+  if (a.closed_loop) {
+    run_closed_loop(a, destination);
+    return;
+  }
+  a.options.settings = parse_settings(a.settings);
+  Evaluation evaluation;
+  {
+    Stages stages;
+    a.options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
+      stages.update(stage, done, total);
+    };
+    evaluation = evaluate(a.options);
+  }
+  destination.write(table_json(evaluation), table_markdown(evaluation));
+  if (!a.report.empty()) {
+    write_table_report(a.report, evaluation);
+  }
+  fmt::print(out == "-" || a.report == "-" ? stderr : stdout, "{}",
+             a.json ? table_json(evaluation) : table_text(evaluation));
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Judges observers by many simulated runs of wires that no observer knows.");
+  auto a = std::make_shared<EvaluateArguments>();
+  EvaluateOptions& options = a->options;
+  options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::vector<std::string> observers;
+  for (const ObserverKind& kind : observer_kinds()) {
+    observers.emplace_back(kind.name);
+  }
+  std::vector<std::string> rows;
+  for (const EvaluationRow& row : evaluation_rows()) {
+    rows.emplace_back(row.name);
+  }
+  command->add_option("--units", options.units, "wires of each family")->capture_default_str();
+  command->add_option("--runs", options.runs, "of each row; 504 of disturbed, 108 of the others");
+  command->add_option("--seed", options.seed, "of the first unit; observers are tuned with 1 to 99")
+      ->capture_default_str();
+  command->add_option("--threads", options.threads)->capture_default_str();
+  command->add_option("--observer", options.observers, "repeatable")
+      ->check(CLI::IsMember(observers))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--set", a->settings, "key=value of observer or measuring; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--row", options.rows, "rows of the table, all of them unless given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(rows))
+      ->allow_extra_args(false);
+  command->add_option("--wires", options.wires,
+                      "folder that keeps the calibrated wires; those that are there are not "
+                      "calibrated again");
+  command->add_option("--out", a->out, "numbers as JSON: file, folder, or - for standard output");
+  command->add_option("--report", a->report, "table as one HTML file");
+  command->add_option("--markdown", a->markdown, "file whose table is written again");
+  command->add_flag("--json", a->json, "print the numbers as JSON");
+  command
+      ->add_flag("--closed-loop", a->closed_loop,
+                 "judges the firmware's control in place of its observers")
+      ->excludes("--row", "--observer", "--set", "--report");
+  command->add_option("--random", a->random, "random scenarios of the closed loop")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--random-seed", a->random_seed,
+                      "only this one of them; --out takes its trace");
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

@@ -1,0 +1,61 @@
+#include "host-sim/evaluate/runs/calibrate.hpp"
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <utility>
+#include <vector>
+
+#include "host-sim/evaluate/runs/runs.hpp"
+#include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/simulate/simulate.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+Run calibration_measurement(const WireUnit& unit, std::size_t index) {
+  const double area_m2 = unit.type_file().geometry.area_m2();
+  Run run{};
+  run.name = fmt::format("{} MPa", calibration_stresses_MPa.at(index));
+  run.kind = RunKind::joule;
+  simulate_rows(calibration_run(unit, index), [&](const SimulatedRow& row) {
+    run.time_s.push_back(row.time_s);
+    run.current_A.push_back(row.current_A);
+    run.voltage_V.push_back(row.voltage_V);
+    run.stress_Pa.push_back(row.load_N / area_m2);
+    run.strain.push_back(row.strain);
+    run.resistance_ohm.push_back(row.voltage_V / row.current_A);
+  });
+  return run;
+}
+
+WireDescription calibrate(const WireUnit& unit) {
+  const Wire<double> from = unit.type_file();
+  std::vector<Run> runs;
+  runs.reserve(calibration_stresses_MPa.size());
+  for (std::size_t i = 0; i < calibration_stresses_MPa.size(); ++i) {
+    runs.push_back(calibration_measurement(unit, i));
+  }
+  const FitResult fit = fit_wire(from, runs, {});
+  return {fmt::format("{} {}", family_name(unit.family), unit.seed),
+          fit.wire,
+          {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};
+}
+
+Wire<double> calibrated_wire(const WireUnit& unit, const std::string& folder) {
+  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
+  if (!folder.empty() && std::filesystem::exists(file)) {
+    return load_wire(file.string()).wire;
+  }
+  const WireDescription found = calibrate(unit);
+  if (!folder.empty()) {
+    OutputFile output(file.string());
+    output.write(to_toml(found));
+    output.commit();
+  }
+  return found.wire;
+}
+
+std::string calibrated_name(Family family, std::uint64_t seed) {
+  return fmt::format("{}-{}.toml", family_name(family), seed);
+}
+
+}  // namespace smaservo

@@ -1,0 +1,44 @@
+#pragma once
+// The runs by which observers are judged: those that a unit is calibrated with, and those that it
+// is tested with, in conditions that the calibration has not seen.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/bench/scenario.hpp"
+#include "firmware/bench/units.hpp"
+
+namespace smaservo {
+
+inline constexpr double MPa = 1e6;
+
+inline constexpr std::array calibration_stresses_MPa{10.0,  25.0,  50.0,  100.0,
+                                                     150.0, 200.0, 300.0, 400.0};
+
+/// 60 s at 1 kHz under one of calibration_stresses_MPa: at rest at 25 °C, two full cycles, ten
+/// shrinking loops, random steps of the power.
+Scenario calibration_run(const WireUnit& unit, std::size_t index);
+
+enum class Condition : unsigned char {
+  constant,       ///< 100..400 MPa
+  spring,         ///< a bias spring, 100..300 MPa
+  varying,        ///< a load that swings and wanders, 100..300 MPa
+  light,          ///< 10..50 MPa
+  unknown_start,  ///< recorded from the middle of a motion on, 50..400 MPa
+  hold_ripple,    ///< held in mid-transformation for 20 s, power +-50 % at 2 Hz; weight or spring
+  coarse          ///< constant, by converters of 12 bits at 100 Hz
+};
+inline constexpr std::array all_conditions{
+    Condition::constant,      Condition::spring,      Condition::varying, Condition::light,
+    Condition::unknown_start, Condition::hold_ripple, Condition::coarse};
+std::string_view condition_name(Condition condition);
+
+/// 40 to 60 s, at 1 kHz and by 16 bits unless the condition says otherwise. The load cell is off
+/// by up to 0.5 %. Disturbed: the ambient temperature by up to 10 K, convection by up to 20 %, the
+/// resistance by 1 % up or down, the load cell by up to 1 %; the power is
+/// raised or lowered until the wire still runs to its end. All random numbers come from the seed.
+Scenario test_run(const WireUnit& unit, Condition condition, std::uint64_t seed,
+                  bool disturbed = false);
+
+}  // namespace smaservo

@@ -1,0 +1,126 @@
+#pragma once
+// The lumped plant as a fit needs it: each step's energy balance is solved, not linearised. The
+// linearised step with its carried heat is right in its values, but their derivatives by the
+// parameters would grow from step to step where the transformation curve bends.
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+
+/// With plain numbers, of second order in the step: the loss is the mean of that at both ends. For
+/// steps of some hundredths of the wire's time constant.
+class BalancedPlant {
+ public:
+  using K = ThreePhase<double>;
+  using Params = Plant<K>::Params;
+
+  BalancedPlant(const Params& params, const Drive<double>& start)
+      : params_(params), state_(K::rest(params.kinetics, start)) {}
+
+  double temperature_K() const { return K::drive(state_).temperature_K; }
+  Phases<double> phases() const { return K::phases(state_); }
+  /// Heat that the wire takes up per kelvin at the end of the last step, with latent heat and loss.
+  double capacity_J_K() const { return capacity_J_K_; }
+
+  void advance(const PlantInput<double>& in, double dt_s) {
+    const ThermalBody<double>& body = params_.body;
+    const double T = temperature_K();
+    const double above = T - in.ambient_K;
+    const double heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * dt_s;
+    const double plain_J_K = body.capacity_J_K + 0.5 * body.loss_slope_W_K(above) * dt_s;
+    const Heading heading = heat_J > 0 ? Heading::heating : Heading::cooling;
+    // Latent heat only adds: the step ends between here and where it would without.
+    double low = std::min(0.0, heat_J / plain_J_K);
+    double high = std::max(0.0, heat_J / plain_J_K);
+    double dT = heat_J / (body.effective_capacity_J_K(K::rates(params_.kinetics, state_, heading)) +
+                          plain_J_K - body.capacity_J_K);
+    const K::State before = state_;
+    const Phases<double> z = K::phases(before);
+    for (int i = 0; i < most_iterations; ++i) {
+      state_ = before;
+      K::advance(params_.kinetics, state_, {T + dT, in.stress_Pa});
+      const Phases<double> after = K::phases(state_);
+      heat_J_ = heat_J - plain_J_K * dT + body.latent_m2a_J * (after.martensite - z.martensite) +
+                body.latent_r2a_J * (after.r_phase - z.r_phase);
+      const bool moved = after.martensite != z.martensite || after.r_phase != z.r_phase;
+      const PhaseRates<double> rates =
+          moved ? K::rates(params_.kinetics, state_, state_.heading) : PhaseRates<double>{0, 0};
+      capacity_J_K_ = body.effective_capacity_J_K(rates) + plain_J_K - body.capacity_J_K;
+      if (std::abs(heat_J_) < 1e-5 * plain_J_K) {
+        break;
+      }
+      (heat_J_ > 0 ? low : high) = dT;
+      const double newton = dT + heat_J_ / capacity_J_K_;
+      dT = low < newton && newton < high ? newton : 0.5 * (low + high);
+    }
+  }
+
+ private:
+  static constexpr int most_iterations = 12;
+
+  Params params_;
+  K::State state_;
+  double heat_J_ = 0;  ///< what was left over
+  double capacity_J_K_ = 0;
+};
+
+/// The same path with derivatives: the temperatures are those of the plain plant, what changes them
+/// follows from the balance.
+template <class T>
+class FollowingPlant {
+ public:
+  using K = ThreePhase<T>;
+  using Params = typename Plant<K>::Params;
+
+  FollowingPlant(const Params& params, const Drive<T>& start)
+      : params_(params), state_(K::rest(params.kinetics, start)), heat_J_(T(0)) {}
+
+  const typename K::State& state() const { return state_; }
+
+  /// To a temperature that is known.
+  void move(const Drive<T>& drive) { K::advance(params_.kinetics, state_, drive); }
+
+  /// `plain` has just made the same step.
+  void advance(const BalancedPlant& plain, const PlantInput<T>& in, double dt_s) {
+    const ThermalBody<T>& body = params_.body;
+    const T before_K = K::drive(state_).temperature_K;
+    const T above = before_K - in.ambient_K;
+    const T heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * T(dt_s);
+    const T plain_J_K = body.capacity_J_K + T(0.5) * body.loss_slope_W_K(above) * T(dt_s);
+    const Phases<T> z = K::phases(state_);
+    // F(T') = 0 at the plain temperature; what the parameters do to F moves T' by -dF/F'.
+    typename K::State trial = state_;
+    K::advance(params_.kinetics, trial, {T(plain.temperature_K()), in.stress_Pa});
+    const Phases<T> there = K::phases(trial);
+    const T missing_J = heat_J - plain_J_K * (T(plain.temperature_K()) - before_K) +
+                        body.latent_m2a_J * (there.martensite - z.martensite) +
+                        body.latent_r2a_J * (there.r_phase - z.r_phase);
+    const T goal_K = T(plain.temperature_K()) + derivatives_of(missing_J) / T(plain.capacity_J_K());
+    K::advance(params_.kinetics, state_, {goal_K, in.stress_Pa});
+    const Phases<T> now = K::phases(state_);
+    heat_J_ = heat_J - plain_J_K * (goal_K - before_K) +
+              body.latent_m2a_J * (now.martensite - z.martensite) +
+              body.latent_r2a_J * (now.r_phase - z.r_phase);
+  }
+
+ private:
+  /// Without the value.
+  static T derivatives_of(T x) {
+    if constexpr (std::is_floating_point_v<T>) {
+      return T(0);
+    } else {
+      x.a = 0;
+      return x;
+    }
+  }
+
+  Params params_;
+  typename K::State state_;
+  T heat_J_;
+};
+
+}  // namespace smaservo

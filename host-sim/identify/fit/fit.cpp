@@ -1,0 +1,303 @@
+#include "host-sim/identify/fit/fit.hpp"
+
+#include <algorithm>
+#include <ceres/ceres.h>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "host-sim/identify/fit/fit_state.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+/// No deviation gets farther from its prior, in standard deviations.
+constexpr double farthest = 8;
+/// Another structure of the model that still costs so many times more is given up.
+constexpr double hopeless = 1.3;
+/// A solution is good enough when a step gains less than this share of the cost.
+constexpr double tolerance = 3e-4;
+
+CircumstanceParameters circumstances_of(const FitRun& run, const Run& original) {
+  const bool ambient_measured = !original.ambient_K.empty();
+  double greatest = 0;
+  for (const double power : run.power_W_kg) {
+    greatest = std::max(greatest, std::isnan(power) ? 0 : std::abs(power));
+  }
+  return {{{"ambient", "degC", 1, Form::sum, run.ambient_K, ambient_measured ? 0.5 : 3.0},
+           {"loss", "", 1, Form::factor, 1, 0.05},
+           {"strain_zero", "%", 0.01, Form::sum, 0, 0.02},
+           {"resistance_gain", "", 1, Form::factor, 1, 0.0015},
+           {"rate", "K/s", 1, Form::factor, 1.0 / 6, 1.5},
+           {"power_zero", "W/kg", 1, Form::sum, 0, 0.1 * greatest + 1e-9}}};
+}
+
+class Watch final : public ceres::IterationCallback {
+ public:
+  Watch(const FitOptions& options, const std::string& stage, bool& interrupted)
+      : options_(options), stage_(stage), interrupted_(interrupted) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (options_.proceed({stage_, summary.iteration, summary.cost})) {
+      return ceres::SOLVER_CONTINUE;
+    }
+    interrupted_ = true;
+    return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const FitOptions& options_;
+  const std::string& stage_;
+  bool& interrupted_;
+};
+
+}  // namespace
+
+double greatest_power(const FitRun& run) {
+  double greatest = 1e-9;
+  for (const double power : run.power_W_kg) {
+    greatest = std::isnan(power) ? greatest : std::max(greatest, std::abs(power));
+  }
+  return greatest;
+}
+
+Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options)
+    : from_(from), runs_in_full_(runs), options_(options) {
+  for (const Run& run : runs) {
+    runs_.push_back(thin_run(run, coarse_step_s));
+    zero_known_.push_back(zero_known(run.strain));
+    circumstances_.push_back(circumstances_of(runs_.back(), run));
+    Weights weights;
+    weights.power_sd = 0.03 * greatest_power(runs_.back());
+    weights_.push_back(weights);
+  }
+  with(FitVariant{from.kinetics.separate_r2a, from.kinetics.separate_r2m, from.kinetics.memory,
+                  from.material.mixture, options_.circuit});
+  u_.runs.resize(runs_.size());
+}
+
+void Fit::refine() {
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    runs_[i] = thin_run(runs_in_full_[i], fine_step_s);
+  }
+  weigh();
+}
+
+/// Changes the model's structure; what both structures know keeps its deviation.
+void Fit::with(const FitVariant& variant) {
+  std::map<std::string, double> known;
+  if (problem_) {
+    for (std::size_t i = 0; i < u_.wire.size(); ++i) {
+      known[problem_->parameters[i].key] = u_.wire[i];
+    }
+  }
+  const double cold_ohm = cold_resistance_ohm(from_);
+  problem_ = std::make_unique<FitProblem>(
+      FitProblem{from_,
+                 variant,
+                 fit_parameters(from_, variant),
+                 {{{"circuit.lead", "ohm", 1, Form::sum, 0, 0.02 * cold_ohm},
+                   {"circuit.load_gain", "", 1, Form::factor, 1, 0.03}}}});
+  u_.wire.assign(problem_->parameters.size(), 0.0);
+  for (std::size_t i = 0; i < u_.wire.size(); ++i) {
+    const std::string& key = problem_->parameters[i].key;
+    const auto own = known.find(key);
+    // A surface of its own starts where it was shared.
+    std::string shared = key;
+    for (const auto& [to, as] : {std::pair{"kinetics.r2a.", "kinetics.m2a."},
+                                 std::pair{"kinetics.r2m.", "kinetics.a2m."}}) {
+      if (key.starts_with(to)) {
+        shared = as + key.substr(std::string_view(to).size());
+      }
+    }
+    const auto other = known.find(shared);
+    u_.wire[i] = own != known.end() ? own->second : other != known.end() ? other->second : 0.0;
+  }
+  if (!variant.circuit) {
+    u_.circuit = {};
+  }
+}
+
+bool Fit::circumstance_active(std::size_t i, int index) const {
+  const FitRun& run = runs_[i];
+  switch (index) {
+    case iAmbient:
+    case iLoss:
+      return run.kind == RunKind::joule || run.kind == RunKind::settled;
+    case iZero:
+      return run.has_strain && !zero_known_[i];
+    case iGain:
+      return run.has_resistance;
+    default:
+      return run.kind == RunKind::calorimetry;
+  }
+}
+
+std::vector<double> Fit::deviations(std::size_t run) const {
+  std::vector<double> all = u_.wire;
+  all.insert(all.end(), u_.circuit.begin(), u_.circuit.end());
+  all.insert(all.end(), u_.runs[run].begin(), u_.runs[run].end());
+  return all;
+}
+
+std::vector<Active> Fit::active(const Runs& which, const Chosen& chosen) {
+  std::vector<Active> all;
+  std::size_t index = 0;
+  for (double& u : u_.wire) {
+    if (chosen(problem_->parameters[index].key)) {
+      all.push_back({&u, index, {}});
+    }
+    ++index;
+  }
+  for (double& u : u_.circuit) {
+    if (problem_->variant.circuit) {
+      all.push_back({&u, index, {}});
+    }
+    ++index;
+  }
+  for (const std::size_t run : which) {
+    for (int k = 0; k < circumstance_count; ++k) {
+      const auto own = static_cast<std::size_t>(k);
+      if (circumstance_active(run, k)) {
+        all.push_back({&u_.runs[run][own], index + own, run});
+      }
+    }
+  }
+  return all;
+}
+
+AllRunsCost Fit::all_runs_cost(const Runs& which, const std::vector<Active>& active) const {
+  std::vector<AllRunsCost::One> runs;
+  for (const std::size_t i : which) {
+    runs.push_back({run_cost(i), deviations(i), i});
+  }
+  return {std::move(runs), active, options_.threads};
+}
+
+double Fit::solve(const std::string& stage, const Runs& which, const Chosen& chosen,
+                  int iterations) {
+  if (interrupted_) {
+    return cost(which);
+  }
+  const std::vector<Active> changing = active(which, chosen);
+  AllRunsCost cost = all_runs_cost(which, changing);
+  std::vector<double> x = values(changing);
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(&cost, nullptr, x.data());
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+    problem.SetParameterLowerBound(x.data(), i, -farthest);
+    problem.SetParameterUpperBound(x.data(), i, farthest);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  solver.function_tolerance = tolerance;
+  solver.logging_type = ceres::SILENT;
+  Watch watch(options_, stage, interrupted_);
+  solver.callbacks.push_back(&watch);
+  // The path through the hysteresis turns at thresholds, so the cost has kinks, where steps become
+  // too small to go on. A new start with great ones leaves them, as long as it pays.
+  double before = std::numeric_limits<double>::infinity();
+  int left = iterations;
+  ceres::Solver::Summary summary;
+  do {
+    solver.max_num_iterations = left;
+    ceres::Solve(solver, &problem, &summary);
+    const int done = std::max(1, static_cast<int>(summary.iterations.size()) - 1);
+    iterations_ += done;
+    left -= done;
+    if (!(summary.final_cost < 0.97 * before)) {
+      break;
+    }
+    before = summary.final_cost;
+  } while (left > 0 && !interrupted_);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    *changing[i].value = x[i];
+  }
+  return summary.final_cost;
+}
+
+/// The same cost at what has been found so far.
+double Fit::cost(const Runs& which) {
+  const std::vector<Active> changing = active(which, all);
+  const AllRunsCost cost = all_runs_cost(which, changing);
+  const std::vector<double> x = values(changing);
+  std::vector<double> residuals(static_cast<std::size_t>(cost.num_residuals()));
+  const double* const block = x.data();
+  cost.Evaluate(&block, residuals.data(), nullptr);
+  double sum = 0;
+  for (const double r : residuals) {
+    sum += 0.5 * r * r;
+  }
+  return sum;
+}
+
+/// Other structures of the model, one after the other; one that explains more than its additional
+/// parameters would explain of noise is kept.
+void Fit::try_variants() {
+  const auto attempt = [&](const std::string& name, double additional, auto change) {
+    FitVariant variant = problem_->variant;
+    change(variant);
+    if (interrupted_ || variant == problem_->variant) {
+      return;
+    }
+    const FitVariant old = problem_->variant;
+    const Deviations old_u = u_;
+    const double before = cost(everything());
+    with(variant);
+    // The first steps show whether it leads anywhere.
+    const int first = std::max(1, options_.most_iterations / 13);
+    double after = joint(name, first);
+    if (after < hopeless * before) {
+      after = joint(name, options_.most_iterations / 5 - first);
+    }
+    if (interrupted_ || before - after < additional) {
+      with(old);
+      u_ = old_u;
+    } else {
+      weigh();
+    }
+  };
+  const auto has = [&](bool FitRun::* channel) {
+    return std::ranges::any_of(runs_, [&](const FitRun& run) { return run.*channel; });
+  };
+  attempt("R2A by itself", 9, [](FitVariant& v) { v.separate_r2a = true; });
+  attempt("R2M by itself", 9, [](FitVariant& v) { v.separate_r2m = true; });
+  attempt("inner loops", 4, [](FitVariant& v) {
+    v.memory = v.memory == Memory::plain ? Memory::return_point : Memory::plain;
+  });
+  if (has(&FitRun::has_resistance)) {
+    attempt("mixture", 2, [](FitVariant& v) {
+      v.mixture = v.mixture == Mixture::series ? Mixture::parallel : Mixture::series;
+    });
+  }
+}
+
+FitResult Fit::run() {
+  calorimetry();
+  stress_levels();
+  joint("all runs", options_.most_iterations);
+  weigh();
+  joint("all runs, weighed", options_.most_iterations);
+  if (options_.variants) {
+    try_variants();
+  }
+  refine();
+  joint("refinement", options_.most_iterations);
+  FitResult result;
+  describe(result);
+  uncertainty(result);
+  return result;
+}
+
+FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
+                   const FitOptions& options) {
+  if (runs.empty()) {
+    throw UserError("identify: there is no run to fit to");
+  }
+  return Fit(from, runs, options).run();
+}
+
+}  // namespace smaservo

@@ -1,0 +1,241 @@
+// What a fit leaves unexplained, and how sure it is.
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host-sim/identify/fit/fit_state.hpp"
+
+namespace smaservo {
+namespace {
+
+/// How far neighbouring residuals err together: 1 + 2 Σ ρ_k, up to the first that is not positive.
+double correlation_length(const std::vector<double>& residuals) {
+  const std::size_t n = residuals.size();
+  const auto product = [&](std::size_t lag) {
+    double sum = 0;
+    for (std::size_t i = lag; i < n; ++i) {
+      sum += residuals[i] * residuals[i - lag];
+    }
+    return sum;
+  };
+  const double variance = product(0);
+  double length = 1;
+  for (std::size_t lag = 1; lag < n / 2 && variance > 0; ++lag) {
+    const double rho = product(lag) / variance;
+    if (rho <= 0.05) {
+      break;
+    }
+    length += 2 * rho;
+  }
+  return length;
+}
+
+std::vector<double> differences(const std::vector<double>& model,
+                                const std::vector<double>& measured, bool relative) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const double d = model[i] - measured[i];
+    if (!std::isnan(d)) {
+      all.push_back(relative ? d / measured[i] : d);
+    }
+  }
+  return all;
+}
+
+double rms(const std::vector<double>& x) {
+  double sum = 0;
+  for (const double value : x) {
+    sum += value * value;
+  }
+  return x.empty() ? 0 : std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+/// Mean square of what the resistance is off, relative, where it is clear how it goes with strain.
+double certain_square(const FittedRun& run, const Weights& weights) {
+  double sum = 0;
+  double share = 0;
+  for (std::size_t i = 0; i < run.resistance_measured.size(); ++i) {
+    const double measured = run.resistance_measured[i];
+    if (std::isnan(measured)) {
+      continue;
+    }
+    const double ambiguous = run.ambiguity[i] * weights.strain_sd / weights.resistance_sd;
+    const double weight = 1 / (1 + ambiguous * ambiguous);
+    sum += weight * std::pow(run.resistance_given_strain[i] / measured - 1, 2);
+    share += weight;
+  }
+  return sum / share;
+}
+
+FitQuality quality(std::vector<double> errors, double scale) {
+  FitQuality q;
+  q.count = errors.size();
+  if (errors.empty()) {
+    return q;
+  }
+  q.rms = rms(errors) * scale;
+  for (double& error : errors) {
+    error = std::abs(error) * scale;
+  }
+  std::ranges::sort(errors);
+  q.p95 = errors[static_cast<std::size_t>(0.95 * static_cast<double>(errors.size() - 1))];
+  q.maximum = errors.back();
+  return q;
+}
+
+}  // namespace
+
+/// Martensite can only have taken the place of what is there.
+void Fit::apportion(std::size_t i) {
+  const RunCost cost = run_cost(i);
+  const std::vector<double> u = deviations(i);
+  std::vector<double> austenite;
+  for (const Predicted<double>& p : cost.model(u.data(), cost.assumed<double>(u.data()))) {
+    const double a = std::max(0.0, p.phases.austenite()) + 1e-3;
+    austenite.push_back(a / (a + std::max(0.0, p.phases.r_phase)));
+  }
+  weights_[i].austenite = std::move(austenite);
+}
+
+/// Takes each channel's deviation, and how many independent comparisons it has, from the residuals.
+void Fit::weigh() {
+  double strain2 = 0, ohm2 = 0, strains = 0, ohms = 0;
+  const auto length = [](const std::vector<double>& errors) {
+    return static_cast<double>(errors.size()) / correlation_length(errors);
+  };
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    if (runs_[i].kind == RunKind::calorimetry) {
+      const FittedRun run = fitted(i);
+      const auto d_power = differences(run.strain_model, run.strain_measured, false);
+      weights_[i].power_sd = std::max(0.005 * greatest_power(runs_[i]), rms(d_power));
+      weights_[i].power_independent = length(d_power);
+      continue;
+    }
+    apportion(i);
+    const FittedRun run = fitted(i);
+    const auto d_strain = differences(run.strain_model, run.strain_measured, false);
+    const auto d_ohm = differences(run.resistance_given_strain, run.resistance_measured, true);
+    if (!d_strain.empty()) {
+      strain2 += std::pow(rms(d_strain), 2);
+      strains += 1;
+      weights_[i].strain_independent = length(d_strain);
+    }
+    if (!d_ohm.empty()) {
+      ohm2 += certain_square(run, weights_[i]);
+      ohms += 1;
+      weights_[i].resistance_independent = length(d_ohm);
+    }
+  }
+  for (Weights& weights : weights_) {
+    weights.strain_sd = std::max(4e-5, std::sqrt(strain2 / std::max(strains, 1.0)));
+    weights.resistance_sd = std::max(1e-4, std::sqrt(ohm2 / std::max(ohms, 1.0)));
+  }
+}
+
+FittedRun Fit::fitted(std::size_t i) {
+  const RunCost cost = run_cost(i);
+  const std::vector<double> u = deviations(i);
+  FittedRun run{};
+  run.name = runs_[i].name;
+  run.kind = runs_[i].kind;
+  const Assumed<double> assumed = cost.assumed<double>(u.data());
+  run.circumstances = assumed.here;
+  run.strain_measured = run.kind == RunKind::calorimetry ? runs_[i].power_W_kg : runs_[i].strain;
+  run.resistance_measured = runs_[i].resistance_ohm;
+  std::size_t k = 0;
+  for (const Predicted<double>& p : cost.model(u.data(), assumed)) {
+    run.strain_model.push_back(p.strain);
+    run.resistance_model.push_back(p.resistance_ohm);
+    const double too_long = p.strain - run.strain_measured[k];
+    const Exchange<double> e = exchange(weights_[i], k, p);
+    const bool known = !std::isnan(too_long);
+    run.resistance_given_strain.push_back(p.resistance_ohm *
+                                          (known ? 1 - e.by_strain * too_long : 1));
+    run.ambiguity.push_back(known ? e.ambiguity : 0);
+    ++k;
+  }
+  for (const std::size_t step : runs_[i].after) {
+    run.temperature_K.push_back(runs_[i].temperature_K.empty()
+                                    ? std::numeric_limits<double>::quiet_NaN()
+                                    : runs_[i].temperature_K[step]);
+  }
+  return run;
+}
+
+/// Posterior deviations and correlations: the inverse of JᵀJ, in which every channel counts as many
+/// comparisons as it has independent ones.
+void Fit::uncertainty(FitResult& result) {
+  const std::vector<Active> changing = active(everything(), all);
+  const AllRunsCost cost = all_runs_cost(everything(), changing);
+  const auto width = static_cast<Eigen::Index>(changing.size());
+  const std::vector<double> x = values(changing);
+  std::vector<double> residuals(static_cast<std::size_t>(cost.num_residuals()));
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(
+      cost.num_residuals(), width);
+  const double* const block = x.data();
+  double* slopes = jacobian.data();
+  cost.Evaluate(&block, residuals.data(), &slopes);
+  const Eigen::MatrixXd covariance =
+      (jacobian.transpose() * jacobian).llt().solve(Eigen::MatrixXd::Identity(width, width));
+  const std::vector<FitParameter>& parameters = problem_->parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const double relative = std::min(1.0, std::sqrt(covariance(at, at)));
+    result.parameters.push_back(
+        {parameters[i], parameters[i].value(u_.wire[i]), relative * parameters[i].sd, relative});
+  }
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto a = static_cast<Eigen::Index>(i);
+      const auto b = static_cast<Eigen::Index>(k);
+      const double rho = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+      if (std::abs(rho) > 0.8 && result.parameters[i].determined() &&
+          result.parameters[k].determined()) {
+        result.correlations.push_back({parameters[k].key, parameters[i].key, rho});
+      }
+    }
+  }
+  std::ranges::sort(result.correlations, [](const Correlation& a, const Correlation& b) {
+    return std::abs(a.value) > std::abs(b.value);
+  });
+}
+
+/// What is left of channels that were measured; the others keep what they had.
+void Fit::accuracy(Accuracy<double>& of) const {
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    if (runs_[i].has_strain && runs_[i].kind != RunKind::calorimetry) {
+      of.strain = weights_[i].strain_sd;
+      of.resistance = runs_[i].has_resistance ? weights_[i].resistance_sd : of.resistance;
+    }
+  }
+}
+
+void Fit::describe(FitResult& result) {
+  const RunCost cost = run_cost(0);
+  const std::vector<double> u = deviations(0);
+  const Assumed<double> assumed = cost.assumed<double>(u.data());
+  result.wire = assumed.wire;
+  accuracy(result.wire.accuracy);
+  result.circuit = assumed.circuit;
+  result.circuit_fitted = problem_->variant.circuit;
+  result.variant = problem_->variant;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    FittedRun run = fitted(i);
+    const auto d = differences(run.strain_model, run.strain_measured, false);
+    if (run.kind == RunKind::calorimetry) {
+      run.power = quality(d, 1 / greatest_power(runs_[i]));
+    } else {
+      run.strain = quality(d, 1 / from_.nominal_stroke);
+      run.resistance = quality(differences(run.resistance_model, run.resistance_measured, true), 1);
+      run.given_strain =
+          quality(differences(run.resistance_given_strain, run.resistance_measured, true), 1);
+    }
+    result.runs.push_back(std::move(run));
+  }
+  result.interrupted = interrupted_;
+  result.iterations = iterations_;
+}
+
+}  // namespace smaservo

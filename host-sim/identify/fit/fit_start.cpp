@@ -1,0 +1,165 @@
+// Where a fit starts: paper 000's stages, transitions at zero stress, then level by level of
+// stress, then what the stress does.
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <map>
+
+#include "host-sim/identify/fit/fit_state.hpp"
+
+namespace smaservo {
+namespace {
+
+/// The deviations that a single level of stress can determine. What heats and cools the wire is
+/// left to all levels together: one alone can not tell a warmer transition from a smaller loss.
+bool of_level(const std::string& key) {
+  return (key.starts_with("kinetics.") &&
+          (key.ends_with(".temperature") || key.ends_with(".width"))) ||
+         key == "material.martensite.strain" || key == "material.martensite.resistivity" ||
+         key.ends_with(".resistivity_ratio");
+}
+
+}  // namespace
+
+/// Runs at nearly constant stress, those of one level together.
+std::vector<Fit::Runs> Fit::levels() const {
+  std::map<long, Runs> found;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    if (runs_[i].kind == RunKind::calorimetry) {
+      continue;
+    }
+    const auto [low, high] = std::ranges::minmax(runs_[i].stress_Pa);
+    if (high - low < std::max(20e6, 0.3 * high)) {
+      found[std::lround((low + high) / 2 / 15e6)].push_back(i);
+    }
+  }
+  std::vector<Runs> all;
+  all.reserve(found.size());
+  for (auto& [stress, which] : found) {
+    all.push_back(std::move(which));
+  }
+  return all;
+}
+
+/// 000, stage 1: transitions and shape at zero stress.
+void Fit::calorimetry() {
+  Runs which;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    if (runs_[i].kind == RunKind::calorimetry) {
+      which.push_back(i);
+    }
+  }
+  if (which.empty()) {
+    return;
+  }
+  solve(
+      "calorimetry", which,
+      [](const std::string& key) {
+        return (key.starts_with("kinetics.") && !key.ends_with("_stress") &&
+                !key.ends_with("_bend")) ||
+               key.starts_with("heat.latent") || key == "heat.specific_heat";
+      },
+      options_.most_iterations);
+}
+
+/// Several starts: transitions that lie beside each other by more than their width have a local
+/// minimum each.
+void Fit::start_at_level(const Runs& level) {
+  const auto index = [&](const std::string& key) {
+    return static_cast<std::size_t>(
+        std::ranges::find(problem_->parameters, key, &FitParameter::key) -
+        problem_->parameters.begin());
+  };
+  const std::size_t m2a = index("kinetics.m2a.temperature");
+  const std::size_t a2m = index("kinetics.a2m.temperature");
+  const Deviations before = u_;
+  Deviations best = u_;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double heating : {0.0, -0.75, 0.75, -1.5, 1.5, -2.5, 2.5}) {
+    for (const double cooling : {0.0, -0.75, 0.75, -1.5, 1.5, -2.5, 2.5}) {
+      u_ = before;
+      u_.wire[m2a] += heating;
+      u_.wire[a2m] += cooling;
+      const double now = cost(level);
+      if (now < least) {
+        least = now;
+        best = u_;
+      }
+    }
+  }
+  u_ = best;
+}
+
+/// 000, stages 2 and 3: each level of stress by itself, then how its values depend on the stress.
+void Fit::stress_levels() {
+  const std::vector<Runs> all_levels = levels();
+  if (all_levels.empty()) {
+    return;
+  }
+  const Deviations before = u_;
+  const std::vector<FitParameter>& parameters = problem_->parameters;
+  std::vector<Deviations> found;
+  std::vector<double> stress_Pa;
+  for (const Runs& level : all_levels) {
+    u_ = before;
+    const FitRun& first = runs_[level.front()];
+    stress_Pa.push_back(std::accumulate(first.stress_Pa.begin(), first.stress_Pa.end(), 0.0) /
+                        static_cast<double>(first.stress_Pa.size()));
+    start_at_level(level);
+    solve(fmt::format("level of {:.0f} MPa", stress_Pa.back() * 1e-6), level, of_level, 12);
+    found.push_back(u_);
+  }
+  u_ = before;
+  for (std::size_t k = 0; k < all_levels.size(); ++k) {
+    for (const std::size_t i : all_levels[k]) {
+      u_.runs[i] = found[k].runs[i];
+    }
+  }
+  const double greatest_Pa = from_.limits.stress_Pa;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const std::string& key = parameters[i].key;
+    if (!of_level(key)) {
+      continue;
+    }
+    // value(σ) = u sd + (what the stress adds); each level saw the sum of both.
+    std::vector<std::pair<std::size_t, std::function<double(double)>>> columns{
+        {i, [&](double) { return 1.0; }}};
+    if (key.starts_with("kinetics.")) {
+      const double sd = parameters[i].sd;
+      const double sd_1 = parameters[i + 1].sd;
+      if (key.ends_with(".temperature")) {
+        const double sd_2 = parameters[i + 2].sd;
+        columns.emplace_back(i + 1, [=](double stress) { return sd_1 * stress / sd; });
+        columns.emplace_back(i + 2, [=](double stress) {
+          const double s = stress / greatest_Pa;
+          return 4 * sd_2 * s * (1 - s) / sd;
+        });
+      } else {
+        columns.emplace_back(i + 1,
+                             [=](double stress) { return sd_1 * stress / greatest_Pa / sd; });
+      }
+    }
+    const auto n = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(n, n);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      Eigen::VectorXd row(n);
+      for (Eigen::Index c = 0; c < n; ++c) {
+        row[c] = columns[static_cast<std::size_t>(c)].second(stress_Pa[k]);
+      }
+      constexpr double trust = 400;  // a level's value is good to a twentieth of its prior
+      normal += trust * row * row.transpose();
+      right += trust * row * (found[k].wire[i] - before.wire[i]);
+    }
+    const Eigen::VectorXd solution = normal.llt().solve(right);
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const std::size_t k = columns[static_cast<std::size_t>(c)].first;
+      u_.wire[k] = before.wire[k] + solution[c];
+    }
+  }
+}
+
+}  // namespace smaservo

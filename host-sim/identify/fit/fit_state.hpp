@@ -1,0 +1,93 @@
+#pragma once
+// A fit while it is made: its runs, what is known of them, and the deviations found so far. Used
+// inside the fit only; fit.cpp solves, fit_start.cpp finds a start, fit_result.cpp judges.
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "host-sim/identify/fit/all_runs_cost.hpp"
+#include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/identify/fit/run_cost.hpp"
+
+namespace smaservo {
+
+/// All deviations of a fit.
+struct Deviations {
+  std::vector<double> wire;
+  std::array<double, circuit_count> circuit{};
+  std::vector<std::array<double, circumstance_count>> runs;
+};
+
+class Fit {
+ public:
+  Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options);
+
+  FitResult run();
+
+ private:
+  using Runs = std::vector<std::size_t>;
+
+  /// Which of the wire's deviations a stage may change.
+  using Chosen = std::function<bool(const std::string& key)>;
+  static bool all(const std::string& /*key*/) { return true; }
+
+  Runs everything() const {
+    Runs which(runs_.size());
+    std::iota(which.begin(), which.end(), std::size_t{0});
+    return which;
+  }
+
+  // fit.cpp
+  void with(const FitVariant& variant);
+  bool circumstance_active(std::size_t i, int index) const;
+  RunCost run_cost(std::size_t run) const {
+    return {*problem_, runs_[run], circumstances_[run], weights_[run]};
+  }
+  /// What a run's cost depends on.
+  std::vector<double> deviations(std::size_t run) const;
+  std::vector<Active> active(const Runs& which, const Chosen& chosen);
+  AllRunsCost all_runs_cost(const Runs& which, const std::vector<Active>& active) const;
+  /// Returns the cost that is reached.
+  double solve(const std::string& stage, const Runs& which, const Chosen& chosen, int iterations);
+  double joint(const std::string& stage, int iterations) {
+    return solve(stage, everything(), all, iterations);
+  }
+  double cost(const Runs& which);
+  void try_variants();
+  /// From coarse steps to fine ones.
+  void refine();
+
+  // fit_start.cpp
+  void calorimetry();
+  std::vector<Runs> levels() const;
+  void start_at_level(const Runs& level);
+  void stress_levels();
+
+  // fit_result.cpp
+  void apportion(std::size_t i);
+  void weigh();
+  FittedRun fitted(std::size_t i);
+  void accuracy(Accuracy<double>& of) const;
+  void describe(FitResult& result);
+  void uncertainty(FitResult& result);
+
+  const Wire<double>& from_;
+  const std::vector<Run>& runs_in_full_;
+  FitOptions options_;
+  std::vector<FitRun> runs_;
+  std::vector<bool> zero_known_;
+  std::vector<CircumstanceParameters> circumstances_;
+  std::vector<Weights> weights_;
+  std::unique_ptr<FitProblem> problem_;
+  Deviations u_;
+  bool interrupted_ = false;
+  int iterations_ = 0;
+};
+
+double greatest_power(const FitRun& run);
+
+}  // namespace smaservo

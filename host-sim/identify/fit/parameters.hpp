@@ -1,0 +1,227 @@
+#pragma once
+// What a fit may change about a wire, described once: name, size of a usual deviation, and how the
+// wire follows from it. Every parameter is a deviation u from the wire that the fit starts from, in
+// units of its prior standard deviation, so the prior is u = 0 ± 1. What must be positive stays so;
+// the narrower limits of a wire file are checked when it is written.
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "model/wire/wire.hpp"
+
+namespace smaservo {
+
+/// How a value follows from its deviation.
+enum class Form : unsigned char {
+  sum,     ///< value + sd u
+  factor,  ///< value exp(sd u)
+  share,   ///< between 0 and 1: logit(value) + sd u
+};
+
+struct FitParameter {
+  std::string key;
+  std::string unit;  ///< of value and sd in messages; empty for a number
+  double scale;      ///< SI by this unit
+  Form form;
+  double prior;  ///< SI
+  double sd;     ///< of the prior, in SI; relative for a factor, in logits for a share
+
+  template <class T>
+  T value(const T& u) const {
+    using std::exp;
+    switch (form) {
+      case Form::sum:
+        return T(prior) + T(sd) * u;
+      case Form::factor:
+        return T(prior) * exp(T(sd) * u);
+      case Form::share:
+        return T(prior) / (T(prior) + T(1 - prior) * exp(T(-sd) * u));
+    }
+    return T(prior);
+  }
+};
+
+/// What may be fitted besides the parameters that every wire has.
+struct FitVariant {
+  bool separate_r2a = false;  ///< R-phase to austenite has a surface of its own
+  bool separate_r2m = false;
+  Memory memory = Memory::return_point;
+  Mixture mixture = Mixture::series;
+  bool circuit = false;  ///< resistance of the leads and gain of the load cell are fitted
+
+  bool operator==(const FitVariant&) const = default;
+};
+
+namespace detail {
+
+// A surface by values that the data determine one by one: the temperature T_t of the turning
+// point, where the curve is steepest, and the width T_f - T_s, which is the inverse of its slope
+// there. Both ends of the range of stress, 0 and the greatest, have a value of their own, so that
+// a surface that is valid at both is valid between them.
+template <class T, class Take>
+Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double greatest_Pa,
+                        double temperature_sd_K, double stress_share, Take& take) {
+  const auto line = [&](const double(&c)[2], double stress) { return c[0] + c[1] * stress; };
+  const auto cubic = [&](const double(&c)[3], double stress) {
+    return c[0] + stress * (c[1] + stress * c[2]);
+  };
+  const auto width = [&](double stress) {
+    return cubic(from.finish_K, stress) - cubic(from.start_K, stress);
+  };
+  const auto turning_K = [&](double stress) {
+    return cubic(from.start_K, stress) + line(from.turning, stress) * width(stress);
+  };
+  const double w_0 = width(0);
+  const double w_1 = width(greatest_Pa);
+  const double T_0 = turning_K(0);
+  const double T_1 = turning_K(greatest_Pa);
+  const double bend_K = turning_K(greatest_Pa / 2) - (T_0 + T_1) / 2;
+  const std::string key = "kinetics." + name;
+
+  const T at_0 = take({key + ".temperature", "degC", 1, Form::sum, T_0, temperature_sd_K});
+  const double rise = (T_1 - T_0) / greatest_Pa;
+  const T slope =
+      take({key + ".temperature_stress", "K/MPa", 1e-6, Form::sum, rise, 0.04e-6 * stress_share});
+  const T bend = take({key + ".temperature_bend", "K", 1, Form::sum, bend_K, 6 * stress_share});
+  const auto both = [&](const char* part, double low, double high, double sd) {
+    const T first = take({key + part, "", 1, Form::factor, low, sd});
+    const T second = take({key + part + std::string("_stress"), "", 1, Form::factor, 1, 0.3});
+    return std::pair<T, T>(first, first * T(high / low) * second);
+  };
+  const auto [width_0, width_1] = both(".width", w_0, w_1, 0.5);
+  const auto [curvature_0, curvature_1] =
+      both(".curvature", from.curvature[0], line(from.curvature, greatest_Pa), 0.4);
+  // The turning point keeps within 0.05 and 0.95.
+  const auto inner = [](double z) { return (z - 0.05) / 0.9; };
+  const FitParameter z{key + ".turning", "", 1, Form::share, inner(from.turning[0]), 0.5};
+  const T turning_0 = take(z);
+  const T shift = take({key + ".turning_stress", "", 1, Form::sum, 0, 0.5});
+  const auto moved = [&](const T& x) {
+    using std::exp;
+    return x / (x + (T(1) - x) * exp(T(0) - shift));
+  };
+  const double end = inner(line(from.turning, greatest_Pa));
+  const double begin = inner(from.turning[0]);
+  const T z_0 = T(0.05) + T(0.9) * turning_0;
+  const T odds = T(end / (1 - end) * (1 - begin) / begin);
+  const T scaled = turning_0 * odds / (T(1) - turning_0 + turning_0 * odds);
+  const T z_1 = T(0.05) + T(0.9) * moved(scaled);
+
+  const T span = T(greatest_Pa);
+  const T dw = (width_1 - width_0) / span;
+  const T dz = (z_1 - z_0) / span;
+  // T_t = T_0 + slope σ + 4 bend (σ/σ_1)(1 - σ/σ_1)
+  const T quadratic = T(-4) * bend / (span * span);
+  const T linear = slope + T(4) * bend / span;
+  Surface<T> s;
+  s.start_K[0] = at_0 - z_0 * width_0;
+  s.start_K[1] = linear - z_0 * dw - dz * width_0;
+  s.start_K[2] = quadratic - dz * dw;
+  s.finish_K[0] = s.start_K[0] + width_0;
+  s.finish_K[1] = s.start_K[1] + dw;
+  s.finish_K[2] = s.start_K[2];
+  s.curvature[0] = curvature_0;
+  s.curvature[1] = (curvature_1 - curvature_0) / span;
+  s.turning[0] = z_0;
+  s.turning[1] = dz;
+  return s;
+}
+
+}  // namespace detail
+
+/// The wire whose parameters are given by `take(FitParameter) -> T`, called once for each of them
+/// and always in the same order.
+template <class T, class Take>
+Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take) {
+  Wire<T> w{};
+  w.geometry = {T(from.geometry.length_m), T(from.geometry.diameter_m)};
+  w.limits = {T(from.limits.current_A), T(from.limits.stress_Pa), T(from.limits.temperature_K)};
+  w.nominal_stroke = T(from.nominal_stroke);
+  w.accuracy = {T(from.accuracy.strain), T(from.accuracy.resistance)};
+
+  const double greatest_Pa = from.limits.stress_Pa;
+  const ThreePhaseParams<double>& k = from.kinetics;
+  const auto surface = [&](const Surface<double>& s, const char* name, double sd_K, double share) {
+    return detail::vary_surface<T>(s, name, greatest_Pa, sd_K, share, take);
+  };
+  const Surface<double> a2m = first_surface(k.a2m_a2r);
+  w.kinetics.m2a = surface(k.m2a, "m2a", 8, 1);
+  const Surface<T> a2m_T = surface(a2m, "a2m", 8, 1);
+  const Surface<T> a2r_T = surface(second_surface(k.a2m_a2r), "a2r", 6, 0.5);
+  w.kinetics.a2m_a2r = pair_surfaces(a2m_T, a2r_T);
+  w.kinetics.separate_r2a = variant.separate_r2a;
+  w.kinetics.separate_r2m = variant.separate_r2m;
+  if (variant.separate_r2a) {
+    w.kinetics.r2a = surface(k.separate_r2a ? k.r2a : k.m2a, "r2a", 6, 0.5);
+  }
+  if (variant.separate_r2m) {
+    w.kinetics.r2m = surface(k.separate_r2m ? k.r2m : a2m, "r2m", 6, 0.5);
+  }
+  w.kinetics.memory = variant.memory;
+  w.kinetics.smallest_reversal_K = T(k.smallest_reversal_K);
+
+  const Material<double>& m = from.material;
+  w.material.reference_K = T(m.reference_K);
+  w.material.mixture = variant.mixture;
+  const double rho = m.martensite.resistivity_ohm_m;
+  const T rho_M = take({"material.martensite.resistivity", "uohm m", 1e-6, Form::factor, rho, 0.1});
+  const auto phase = [&](const Phase<double>& p, const std::string& name, double strain_sd,
+                         double rho_sd) {
+    const std::string key = "material." + name;
+    Phase<T> to{};
+    to.strain = strain_sd > 0 ? take({key + ".strain", "%", 0.01, Form::sum, p.strain, strain_sd})
+                              : T(p.strain);
+    to.modulus_Pa = take({key + ".modulus", "GPa", 1e9, Form::factor, p.modulus_Pa, 0.4});
+    const double own = p.resistivity_ohm_m;
+    to.resistivity_ohm_m =
+        rho_sd > 0
+            ? rho_M * take({key + ".resistivity_ratio", "", 1, Form::factor, own / rho, rho_sd})
+            : rho_M;
+    const double slope = p.resistivity_ohm_m_K / own;
+    to.resistivity_ohm_m_K = to.resistivity_ohm_m * take({key + ".resistivity_temperature", "1/K",
+                                                          1, Form::sum, slope, 2e-4});
+    const double by_stress = p.resistivity_ohm_m_Pa / own;
+    // q_M = 0 (000, 'Stress dependence of the material parameters')
+    to.resistivity_ohm_m_Pa =
+        to.resistivity_ohm_m *
+        (rho_sd > 0
+             ? take({key + ".resistivity_stress", "1/GPa", 1e-9, Form::sum, by_stress, 0.1e-9})
+             : T(by_stress));
+    return to;
+  };
+  w.material.martensite = phase(m.martensite, "martensite", 0.008, 0);
+  w.material.r_phase = phase(m.r_phase, "r_phase", 0.003, 0.04);
+  w.material.austenite = phase(m.austenite, "austenite", 0, 0.06);
+
+  const HeatParams<double>& h = from.heat;
+  w.heat.density_kg_m3 = T(h.density_kg_m3);
+  w.heat.specific_heat_J_kgK =
+      take({"heat.specific_heat", "J/kgK", 1, Form::factor, h.specific_heat_J_kgK, 0.12});
+  w.heat.latent_m2a_J_kg =
+      take({"heat.latent_m2a", "kJ/kg", 1e3, Form::factor, h.latent_m2a_J_kg, 0.25});
+  // R2M takes the difference, so it can not be more.
+  const double part = h.latent_m2a_J_kg > 0 ? h.latent_r2a_J_kg / h.latent_m2a_J_kg : 0;
+  w.heat.latent_r2a_J_kg =
+      w.heat.latent_m2a_J_kg * take({"heat.latent_r2a_share", "", 1, Form::share, part, 0.4});
+  w.heat.convection_W_m2K =
+      take({"heat.convection", "W/m2K", 1, Form::factor, h.convection_W_m2K, 0.3});
+  w.heat.convection_W_m2K2 =
+      take({"heat.convection_slope", "W/m2K2", 1, Form::factor, h.convection_W_m2K2, 0.5});
+  w.heat.clamp_conductivity_W_mK =
+      take({"heat.clamp_conductivity", "W/mK", 1, Form::factor, h.clamp_conductivity_W_mK, 0.3});
+  return w;
+}
+
+/// All parameters of a variant, in their order.
+inline std::vector<FitParameter> fit_parameters(const Wire<double>& from,
+                                                const FitVariant& variant) {
+  std::vector<FitParameter> all;
+  vary_wire<double>(from, variant, [&](const FitParameter& parameter) {
+    all.push_back(parameter);
+    return parameter.value(0.0);
+  });
+  return all;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,208 @@
+#pragma once
+// What the model says about a measured run: strain and resistance at the points that a fit
+// compares. Templated on the scalar, so that automatic differentiation runs through the same model
+// as the observer.
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host-sim/identify/fit/balanced_plant.hpp"
+#include "host-sim/identify/fit/jet.hpp"
+#include "host-sim/identify/runs/run.hpp"
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+
+/// A run thinned to what the fit needs. The wire is advanced step by step; after some of the steps
+/// prediction and measurement are compared. All vectors of one kind have the same length.
+struct FitRun {
+  std::string name;
+  RunKind kind;
+  // Of every step:
+  std::vector<double> dt_s;           ///< joule
+  std::vector<double> power_W;        ///< joule and settled: mean of the step
+  std::vector<double> current2_A2;    ///< mean square of the current, for the leads' share
+  std::vector<double> stress_Pa;      ///< bath, joule, settled
+  std::vector<double> temperature_K;  ///< bath, calorimetry
+  double ambient_K = 298.15;          ///< joule, settled: first guess or measured
+  // Of every comparison:
+  std::vector<std::size_t> after;  ///< step
+  std::vector<double> strain;      ///< NaN where there is none
+  std::vector<double> resistance_ohm;
+  std::vector<double> power_W_kg;  ///< calorimetry: heat flow into the wire, rising with heating
+
+  bool has_strain = false;
+  bool has_resistance = false;
+};
+
+/// What belongs to one run and not to the wire.
+template <class T>
+struct Circumstances {
+  T ambient_K;
+  T loss;             ///< factor on the heat loss
+  T strain_zero;      ///< the run's zero of strain
+  T resistance_gain;  ///< of the run's resistance readings
+  T rate_K_s;         ///< calorimetry: of heating and cooling
+  T power_zero_W_kg;  ///< calorimetry
+};
+
+/// What the readings of all runs have in common.
+template <class T>
+struct CircuitGuess {
+  T lead_ohm;   ///< in series with the wire between the sense leads
+  T load_gain;  ///< reading by truth
+};
+
+/// All that a prediction rests on.
+template <class T>
+struct Assumed {
+  Wire<T> wire;
+  CircuitGuess<T> circuit;
+  Circumstances<T> here;
+};
+
+inline double number_of(double x) {
+  return x;
+}
+/// The value without derivatives.
+template <class T>
+double number_of(const T& x) {
+  return x.a;
+}
+
+/// Strain and resistance at a comparison, and how an error of the one would show in the other.
+template <class T>
+struct Predicted {
+  T strain;          ///< calorimetry: heat flow in W/kg
+  T resistance_ohm;  ///< 0 in calorimetry
+  /// Relative change of the resistance by strain, where martensite stands in the place of
+  /// austenite, or of R-phase.
+  T for_austenite, for_r_phase;
+  Phases<double> phases;
+};
+
+template <class T>
+void explain(const Material<T>& material, const Phases<T>& z, const T& stress_Pa, Predicted<T>& p) {
+  const Resistivity<T> rho = resistivity(material, z, {material.reference_K, stress_Pa});
+  const StrainSlopes<T> by = strain_slopes(material, stress_Pa);
+  p.for_austenite = rho.per_martensite / (rho.value * by.martensite) + T(2);
+  p.for_r_phase =
+      (rho.per_martensite - rho.per_r_phase) / (rho.value * (by.martensite - by.r_phase)) + T(2);
+  p.phases = {number_of(z.martensite), number_of(z.r_phase)};
+}
+
+/// Temperature at which the loss takes up this power in the long run.
+template <class T>
+T settled_above_K(const ThermalBody<T>& body, const T& loss, const T& power_W) {
+  using std::sqrt;
+  if (!(T(0) < power_W)) {
+    return T(0);
+  }
+  // P = loss (a θ + b θ²)
+  const T p = power_W / loss;
+  return T(2) * p /
+         (body.loss_W_K + sqrt(body.loss_W_K * body.loss_W_K + T(4) * body.loss_W_K2 * p));
+}
+
+namespace detail {
+
+template <class T>
+void predict_calorimetry(const FitRun& run, const typename Plant<ThreePhase<T>>::Params& plant,
+                         const HeatParams<T>& heat, const Circumstances<T>& c,
+                         std::vector<Predicted<T>>& predicted) {
+  using K = ThreePhase<T>;
+  auto state = K::rest(plant.kinetics, {T(run.temperature_K.front()), T(0)});
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < run.temperature_K.size(); ++i) {
+    const Phases<T> before = K::phases(state);
+    const double T_before = i == 0 ? run.temperature_K[0] : run.temperature_K[i - 1];
+    const double change_K = run.temperature_K[i] - T_before;
+    K::advance(plant.kinetics, state, {T(run.temperature_K[i]), T(0)});
+    const Phases<T> after = K::phases(state);
+    if (at < run.after.size() && run.after[at] == i) {
+      const double size_K = std::abs(change_K);
+      const T taken = heat.specific_heat_J_kgK * T(change_K) -
+                      heat.latent_m2a_J_kg * (after.martensite - before.martensite) -
+                      heat.latent_r2a_J_kg * (after.r_phase - before.r_phase);
+      const T flow = size_K > 0 ? taken * c.rate_K_s / T(size_K) : T(0);
+      predicted.push_back({c.power_zero_W_kg + flow, T(0), T(0), T(0), {}});
+      ++at;
+    }
+  }
+}
+
+}  // namespace detail
+
+/// What a step does to the wire, as far as it is assumed.
+template <class T>
+struct Acting {
+  const FitRun& run;
+  const Assumed<T>& assumed;
+
+  PlantInput<T> at(std::size_t i) const {
+    return {T(run.power_W[i]) - T(run.current2_A2[i]) * assumed.circuit.lead_ohm,
+            T(run.stress_Pa[i]) / assumed.circuit.load_gain, assumed.here.ambient_K};
+  }
+};
+
+template <class T>
+typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& assumed) {
+  auto plant = plant_params(assumed.wire);
+  plant.body.loss_W_K = plant.body.loss_W_K * assumed.here.loss;
+  plant.body.loss_W_K2 = plant.body.loss_W_K2 * assumed.here.loss;
+  if (kind == RunKind::bath) {
+    plant.ends.share = T(0);  // no clamp is colder than the bath
+  }
+  return plant;
+}
+
+/// Fills `predicted`, one for each comparison. `plain` is what is assumed without derivatives. A
+/// run starts at rest, as cooled to where it begins.
+template <class T>
+void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>& plain,
+             std::vector<Predicted<T>>& predicted) {
+  using K = ThreePhase<T>;
+  predicted.clear();
+  const auto params = plant_of(run.kind, assumed);
+  if (run.kind == RunKind::calorimetry) {
+    detail::predict_calorimetry(run, params, assumed.wire.heat, assumed.here, predicted);
+    return;
+  }
+  const Acting<T> acting{run, assumed};
+  const Acting<double> acting_plain{run, plain};
+  const auto plain_params = plant_of(run.kind, plain);
+  const T ambient_K = assumed.here.ambient_K;
+  const auto settled_K = [&](std::size_t i) {
+    return run.kind == RunKind::bath
+               ? T(run.temperature_K[i])
+               : ambient_K + settled_above_K(params.body, T(1), acting.at(i).power_W);
+  };
+  const bool in_time = run.kind == RunKind::joule;
+  const T stress_Pa = acting.at(0).stress_Pa;
+  FollowingPlant<T> plant(params, {in_time ? ambient_K : settled_K(0), stress_Pa});
+  BalancedPlant balanced(plain_params, {plain.here.ambient_K, acting_plain.at(0).stress_Pa});
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < run.stress_Pa.size() && at < run.after.size(); ++i) {
+    if (in_time) {
+      balanced.advance(acting_plain.at(i), run.dt_s[i]);
+      plant.advance(balanced, acting.at(i), run.dt_s[i]);
+    } else {
+      plant.move({settled_K(i), acting.at(i).stress_Pa});
+    }
+    if (run.after[at] == i) {
+      const typename Plant<K>::State state{plant.state(), T(0)};
+      Predicted<T> here{};
+      here.strain = Plant<K>::strain(params, state) + assumed.here.strain_zero;
+      here.resistance_ohm =
+          Plant<K>::resistance_ohm(params, state, ambient_K) * assumed.here.resistance_gain +
+          assumed.circuit.lead_ohm;
+      explain(params.material, Plant<K>::phases(state), acting.at(i).stress_Pa, here);
+      predicted.push_back(here);
+      ++at;
+    }
+  }
+}
+
+}  // namespace smaservo

@@ -1,0 +1,173 @@
+#pragma once
+// How well a wire explains one run: the residuals of the fit. Used inside the fit only.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+#include <vector>
+
+#include "host-sim/identify/fit/parameters.hpp"
+#include "host-sim/identify/fit/prediction.hpp"
+
+namespace smaservo {
+
+/// Residuals beyond this many standard deviations count less: soft L1.
+inline constexpr double robust_sd = 3;
+/// Neighbouring comparisons err together. Until the fit has shown how far, a channel of a run
+/// counts as this many independent ones.
+inline constexpr double independent_at_first = 150;
+
+template <class T>
+T robust(const T& r) {
+  using std::sqrt;
+  const T s = r * r / T(robust_sd * robust_sd);
+  // ρ(r²) = 2 δ² (sqrt(1 + r²/δ²) - 1), as the square of a residual
+  return r * sqrt(T(2) / (T(1) + sqrt(T(1) + s)));
+}
+
+/// How much a run's channels count.
+struct Weights {
+  double strain_sd = 2e-4;
+  double resistance_sd = 2e-3;  ///< relative
+  double power_sd = 0;          ///< W/kg
+  double power_independent = independent_at_first;
+  double strain_independent = independent_at_first;
+  double resistance_independent = independent_at_first;
+  /// How likely a wrong strain comes from austenite in the place of martensite, of every
+  /// comparison; otherwise it is R-phase. Empty at first: strain and resistance count by
+  /// themselves.
+  std::vector<double> austenite;
+};
+
+/// A wrong strain makes the resistance wrong. What counts of the resistance is the rest: whether it
+/// fits the strain, which is what an observer needs, and far more accurate.
+template <class T>
+struct Exchange {
+  T by_strain;       ///< relative change of the resistance
+  double ambiguity;  ///< its standard deviation: which phase it is, is not known
+};
+template <class T>
+Exchange<T> exchange(const Weights& weights, std::size_t i, const Predicted<T>& p) {
+  if (weights.austenite.empty()) {
+    return {T(0), 0};
+  }
+  const double share = weights.austenite[i];
+  return {T(share) * p.for_austenite + T(1 - share) * p.for_r_phase,
+          std::sqrt(share * (1 - share)) * std::abs(number_of(p.for_austenite - p.for_r_phase))};
+}
+
+inline double share_of(double independent, std::size_t count) {
+  return count == 0 ? 0 : std::sqrt(std::min(1.0, independent / static_cast<double>(count)));
+}
+
+inline std::size_t valid(const std::vector<double>& column) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(column, [](double x) { return !std::isnan(x); }));
+}
+
+enum CircumstanceIndex { iAmbient, iLoss, iZero, iGain, iRate, iPowerZero, circumstance_count };
+enum CircuitIndex { iLead, iLoad, circuit_count };
+
+/// What all runs of a fit have in common.
+struct FitProblem {
+  const Wire<double>& from;
+  FitVariant variant;
+  std::vector<FitParameter> parameters;
+  std::array<FitParameter, circuit_count> circuit_parameters;
+};
+
+/// Of one run.
+using CircumstanceParameters = std::array<FitParameter, circumstance_count>;
+
+/// The residuals of one run by the deviations `u`: the wire's, the circuit's, the run's own.
+class RunCost {
+ public:
+  RunCost(const FitProblem& problem, const FitRun& run, const CircumstanceParameters& circumstances,
+          const Weights& weights)
+      : problem_(problem), run_(run), circumstances_(circumstances), weights_(weights) {}
+
+  template <class T>
+  void operator()(const T* u, T* residual) const {
+    const std::vector<Predicted<T>> predicted = model(u, assumed(u));
+    const std::size_t n = run_.after.size();
+    const auto term = [](const T& error, double sd, double share) {
+      return robust(error / T(sd)) * T(share);
+    };
+    if (run_.kind == RunKind::calorimetry) {
+      const double share = share_of(weights_.power_independent, valid(run_.power_W_kg));
+      for (std::size_t i = 0; i < n; ++i) {
+        const double measured = run_.power_W_kg[i];
+        residual[i] = std::isnan(measured)
+                          ? T(0)
+                          : term(predicted[i].strain - T(measured), weights_.power_sd, share);
+      }
+      return;
+    }
+    const double strain_share = share_of(weights_.strain_independent, valid(run_.strain));
+    const double ohm_share = share_of(weights_.resistance_independent, valid(run_.resistance_ohm));
+    for (std::size_t i = 0; i < n; ++i) {
+      const Predicted<T>& p = predicted[i];
+      const bool has_strain = !std::isnan(run_.strain[i]);
+      const T too_long = has_strain ? T(p.strain - T(run_.strain[i])) : T(0);
+      residual[2 * i] = term(too_long, weights_.strain_sd, strain_share);
+      const double measured = run_.resistance_ohm[i];
+      if (std::isnan(measured)) {
+        residual[2 * i + 1] = T(0);
+        continue;
+      }
+      const Exchange<T> e = exchange(weights_, i, p);
+      const T rest = (p.resistance_ohm - T(measured)) / T(measured) - e.by_strain * too_long;
+      const double ambiguous = has_strain ? e.ambiguity * weights_.strain_sd : 0;
+      residual[2 * i + 1] = term(rest, std::hypot(weights_.resistance_sd, ambiguous), ohm_share);
+    }
+  }
+
+  template <class T>
+  Assumed<T> assumed(const T* u) const {
+    std::size_t i = 0;
+    const auto next = [&](const FitParameter& parameter) { return parameter.value(u[i++]); };
+    Assumed<T> all;
+    all.wire = vary_wire<T>(problem_.from, problem_.variant, next);
+    all.circuit.lead_ohm = next(problem_.circuit_parameters[iLead]);
+    all.circuit.load_gain = next(problem_.circuit_parameters[iLoad]);
+    all.here.ambient_K = next(circumstances_[iAmbient]);
+    all.here.loss = next(circumstances_[iLoss]);
+    all.here.strain_zero = next(circumstances_[iZero]);
+    all.here.resistance_gain = next(circumstances_[iGain]);
+    all.here.rate_K_s = next(circumstances_[iRate]);
+    all.here.power_zero_W_kg = next(circumstances_[iPowerZero]);
+    return all;
+  }
+
+  /// `all` is what is assumed at `u`.
+  template <class T>
+  std::vector<Predicted<T>> model(const T* u, const Assumed<T>& all) const {
+    std::vector<Predicted<T>> predicted;
+    if constexpr (std::is_same_v<T, double>) {
+      predict(run_, all, all, predicted);
+    } else {
+      std::vector<double> values(size());
+      std::transform(u, u + size(), values.begin(), [](const T& x) { return x.a; });
+      predict(run_, all, assumed(values.data()), predicted);
+    }
+    return predicted;
+  }
+
+  std::size_t residuals() const {
+    return run_.kind == RunKind::calorimetry ? run_.after.size() : 2 * run_.after.size();
+  }
+  /// Deviations that it depends on: the wire's, the circuit's, the run's own.
+  std::size_t size() const {
+    return problem_.parameters.size() + circuit_count + circumstance_count;
+  }
+
+ private:
+  const FitProblem& problem_;
+  const FitRun& run_;
+  const CircumstanceParameters& circumstances_;
+  const Weights& weights_;
+};
+
+}  // namespace smaservo

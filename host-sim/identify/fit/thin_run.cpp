@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "host-sim/identify/fit/fit.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr std::size_t most_compared = 1500;
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+double at(const std::vector<double>& column, std::size_t row) {
+  return column.empty() ? nothing : column[row];
+}
+
+double resistance_at(const Run& run, std::size_t row) {
+  if (!run.resistance_ohm.empty()) {
+    return run.resistance_ohm[row];
+  }
+  const double ohm = at(run.voltage_V, row) / at(run.current_A, row);
+  return std::isfinite(ohm) && ohm > 0 ? ohm : nothing;
+}
+
+/// Mean over a few rows to both sides: the noise of a load would otherwise transform the wire.
+std::vector<double> smoothed(const std::vector<double>& column) {
+  const std::size_t reach = std::min<std::size_t>(12, column.size() / 40);
+  std::vector<double> means(column.size());
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    const auto from = static_cast<std::ptrdiff_t>(i - std::min(i, reach));
+    const auto to = static_cast<std::ptrdiff_t>(std::min(i + reach + 1, column.size()));
+    means[i] = std::accumulate(column.begin() + from, column.begin() + to, 0.0) /
+               static_cast<double>(to - from);
+  }
+  return means;
+}
+
+void compare(FitRun& fit, std::size_t step, double strain, double ohm, double power) {
+  fit.after.push_back(step);
+  fit.strain.push_back(strain);
+  fit.resistance_ohm.push_back(ohm);
+  fit.power_W_kg.push_back(power);
+  fit.has_strain = fit.has_strain || !std::isnan(strain);
+  fit.has_resistance = fit.has_resistance || !std::isnan(ohm);
+}
+
+/// Row by row: in a bath, in settled states, in a calorimeter.
+void take_rows(const Run& run, FitRun& fit) {
+  const std::size_t rows =
+      run.kind == RunKind::settled ? run.current_A.size() : run.temperature_K.size();
+  const std::size_t every = (rows + most_compared - 1) / most_compared;
+  fit.stress_Pa = run.stress_Pa.empty() ? std::vector<double>(rows, 0.0) : smoothed(run.stress_Pa);
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (run.kind == RunKind::settled) {
+      fit.power_W.push_back(run.current_A[i] * run.voltage_V[i]);
+      fit.current2_A2.push_back(run.current_A[i] * run.current_A[i]);
+    } else {
+      fit.power_W.push_back(0);
+      fit.current2_A2.push_back(0);
+      fit.temperature_K.push_back(run.temperature_K[i]);
+    }
+    if (i % every == 0) {
+      compare(fit, i, at(run.strain, i), resistance_at(run, i), at(run.power_W_kg, i));
+    }
+  }
+}
+
+/// The steps between two rows: their energy and mean square of the current by the trapezoidal rule,
+/// the mean stress. A long gap is divided, with the power on the straight line across it. `ends` is
+/// the row behind every step, 0 within a gap.
+void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s, FitRun& fit,
+                std::vector<std::size_t>& ends) {
+  const auto power_W = [&](std::size_t i) { return run.current_A[i] * run.voltage_V[i]; };
+  const auto square = [&](std::size_t i) { return run.current_A[i] * run.current_A[i]; };
+  double energy_J = 0;
+  double squares = 0;
+  double stress_Pa = 0;
+  for (std::size_t i = from; i < to; ++i) {
+    const double dt_s = run.time_s[i + 1] - run.time_s[i];
+    energy_J += 0.5 * (power_W(i) + power_W(i + 1)) * dt_s;
+    squares += 0.5 * (square(i) + square(i + 1)) * dt_s;
+    stress_Pa += run.stress_Pa[i + 1] / static_cast<double>(to - from);
+  }
+  const double span_s = run.time_s[to] - run.time_s[from];
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::ceil(span_s / (1.25 * step_s))));
+  for (std::size_t part = 0; part < parts; ++part) {
+    const double share = (static_cast<double>(part) + 0.5) / static_cast<double>(parts);
+    fit.dt_s.push_back(span_s / static_cast<double>(parts));
+    fit.power_W.push_back(to == from + 1 ? power_W(from) + share * (power_W(to) - power_W(from))
+                                         : energy_J / span_s);
+    fit.current2_A2.push_back(squares / span_s);
+    fit.stress_Pa.push_back(stress_Pa);
+    ends.push_back(part + 1 == parts ? to : 0);
+  }
+}
+
+/// Over the last half of a step.
+double mean_resistance(const Run& run, std::size_t row, double step_s) {
+  double ohm = 0;
+  int count = 0;
+  for (std::size_t i = row; run.time_s[row] - run.time_s[i] < 0.6 * step_s; --i) {
+    ohm += resistance_at(run, i);
+    ++count;
+    if (i == 0) {
+      break;
+    }
+  }
+  return ohm / count;
+}
+
+void take_time(const Run& run, double step_s, FitRun& fit) {
+  std::vector<std::size_t> ends;
+  for (std::size_t from = 0; from + 1 < run.time_s.size();) {
+    std::size_t to = from + 1;
+    while (to + 1 < run.time_s.size() && run.time_s[to + 1] - run.time_s[from] < 1.25 * step_s) {
+      ++to;
+    }
+    take_steps(run, from, to, step_s, fit, ends);
+    from = to;
+  }
+  const std::size_t every = (ends.size() + most_compared - 1) / most_compared;
+  std::size_t since = 0;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    ++since;
+    if (ends[i] != 0 && since >= every) {
+      since = 0;
+      compare(fit, i, at(run.strain, ends[i]), mean_resistance(run, ends[i], step_s), nothing);
+    }
+  }
+}
+
+}  // namespace
+
+FitRun thin_run(const Run& run, double step_s) {
+  FitRun fit;
+  fit.name = run.name;
+  fit.kind = run.kind;
+  if (!run.ambient_K.empty()) {
+    fit.ambient_K = std::accumulate(run.ambient_K.begin(), run.ambient_K.end(), 0.0) /
+                    static_cast<double>(run.ambient_K.size());
+  }
+  if (run.kind == RunKind::joule) {
+    take_time(run, step_s, fit);
+  } else {
+    take_rows(run, fit);
+  }
+  return fit;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <thread>
+#include <unistd.h>
+
+#include "host-sim/commands.hpp"
+#include "host-sim/identify/fitted_wire.hpp"
+#include "host-sim/identify/report.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+struct IdentifyArguments {
+  std::vector<std::string> runs;
+  std::string from{default_wire};
+  std::vector<std::string> settings, columns;
+  std::string out, report;
+  bool json = false;
+  bool circuit = false;
+  int threads = 0;  ///< 0: as many as cores
+  std::optional<double> stress_MPa, load_N;
+};
+
+/// What Ctrl-C has asked for. A second one ends the program at once.
+class Interrupt {
+ public:
+  Interrupt() {
+    asked() = 0;
+    struct sigaction action{};
+    action.sa_handler = [](int) { asked() = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigaction(SIGINT, &action, &before_);
+  }
+  ~Interrupt() { sigaction(SIGINT, &before_, nullptr); }
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  static volatile std::sig_atomic_t& asked() {
+    static volatile std::sig_atomic_t flag = 0;
+    return flag;
+  }
+
+ private:
+  struct sigaction before_{};
+};
+
+/// Where the fit is, as a line on the terminal.
+class FitStatus {
+ public:
+  ~FitStatus() { clear(); }
+  FitStatus() = default;
+  FitStatus(const FitStatus&) = delete;
+  FitStatus& operator=(const FitStatus&) = delete;
+
+  void show(const FitProgress& at) const {
+    if (terminal_) {
+      fmt::print(stderr, "\r\033[K{}: step {}, cost {:.1f}", at.stage, at.iteration, at.cost);
+      std::fflush(stderr);
+    }
+  }
+  void clear() const {
+    if (terminal_) {
+      fmt::print(stderr, "\r\033[K");
+    }
+  }
+
+ private:
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+};
+
+void check_files(const IdentifyArguments& a) {
+  if (!a.out.ends_with(".toml")) {
+    throw UserError(fmt::format("--out {}: the name of a wire file ends in .toml", a.out));
+  }
+  for (auto run = a.runs.begin(); run != a.runs.end(); ++run) {
+    refuse_to_overwrite(*run, a.out);
+    refuse_to_overwrite(*run, a.report);
+    for (auto other = a.runs.begin(); other != run; ++other) {
+      refuse_to_overwrite(*other, *run);
+    }
+  }
+  if (a.from.ends_with(".toml")) {
+    refuse_to_overwrite(a.from, a.out);
+    refuse_to_overwrite(a.from, a.report);
+  }
+  refuse_to_overwrite(a.out, a.report);
+}
+
+std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& geometry) {
+  require("--stress-MPa", a.stress_MPa, 0, 1e4);
+  require("--load-N", a.load_N, 0, 1e5);
+  RunOptions options{geometry, {}, a.load_N, {}};
+  if (a.stress_MPa) {
+    options.stress_Pa = 1e6 * *a.stress_MPa;
+  }
+  options.trace.renames = a.columns;
+  std::vector<Run> runs;
+  runs.reserve(a.runs.size());
+  for (const std::string& path : a.runs) {
+    runs.push_back(read_run(path, options));
+  }
+  return runs;
+}
+
+FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::vector<Run>& runs) {
+  const Interrupt interrupt;
+  const FitStatus status;
+  FitOptions options;
+  options.circuit = a.circuit;
+  options.threads = a.threads > 0
+                        ? a.threads
+                        : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.proceed = [&](const FitProgress& at) {
+    status.show(at);
+    return Interrupt::asked() == 0;
+  };
+  return fit_wire(from, runs, options);
+}
+
+void run(const IdentifyArguments& a) {
+  const auto start = std::chrono::steady_clock::now();
+  check_files(a);
+  const WireDescription from = load_wire(a.from, parse_settings(a.settings));
+  OutputFile file(a.out);
+  Identification all;
+  all.from = from.name;
+  all.out = a.out;
+  all.runs = read_runs(a, from.wire.geometry);
+  all.fit = fit(a, from.wire, all.runs);
+  all.wire = fitted_wire(from, all.fit, std::filesystem::path(a.out).stem().string());
+  for (const Run& run : all.runs) {
+    all.classics.push_back(fit_classics(run));
+  }
+  all.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  file.write(to_toml(all.wire));
+  file.commit();
+  if (!a.report.empty()) {
+    write_fit_report(a.report, all);
+  }
+  fmt::print(a.report == "-" ? stderr : stdout, "{}", a.json ? fit_json(all) : fit_summary(all));
+  if (all.fit.interrupted) {
+    // The shell, and a script in it, see what ended the program.
+    std::fflush(stdout);
+    std::raise(SIGINT);
+  }
+}
+
+}  // namespace
+
+void add_identify_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("identify", "Fits a wire's parameters to measured runs of it.");
+  auto a = std::make_shared<IdentifyArguments>();
+  command
+      ->add_option("RUN", a->runs,
+                   "CSV files: in a bath, heated by current, settled states, calorimetry")
+      ->required();
+  command->add_option("--out", a->out, "wire file to write, ends in .toml")->required();
+  command->add_option("--from", a->from, "nearest preset, or file that ends in .toml")
+      ->capture_default_str();
+  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--report", a->report, "report as one HTML file");
+  command->add_flag("--json", a->json, "print the numbers as JSON");
+  command->add_flag("--circuit", a->circuit,
+                    "also fit the resistance of the leads and the gain of the load cell");
+  command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
+  command->add_option("--load-N", a->load_N, "load of the runs that have none");
+  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
+  command
+      ->add_option("--column", a->columns,
+                   "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
+      ->allow_extra_args(false);
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

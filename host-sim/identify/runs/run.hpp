@@ -1,0 +1,66 @@
+#pragma once
+// Measured runs of a wire, as its parameters are fitted to them: a trace with all its rows, in SI,
+// checked for what would make a fit wrong without anybody noticing.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/replay/trace.hpp"
+#include "model/wire/wire.hpp"
+
+namespace smaservo {
+
+/// What the wire went through, which follows from the columns, in this order:
+/// - calorimetry: `power` and temperature; a sample heated and cooled in a calorimeter.
+/// - joule: current and voltage that heat the wire, and time. A temperature may be there, but an
+///   infrared camera's or a thermocouple's on a thin wire is not to be trusted, and not needed.
+/// - settled: current and voltage that heat the wire, without time: each row is a settled state.
+/// - bath: temperature, in a liquid or an oven. Current and voltage may be there when they only
+///   measure the resistance, which is below 0.1 W per metre: 2 K in still air, less in a bath.
+/// All but calorimetry need a stress; joule and settled a strain, bath a strain or a resistance.
+enum class RunKind : unsigned char { bath, joule, settled, calorimetry };
+
+std::string_view name_of(RunKind kind);
+
+/// Vectors have one element for each row, or none where the run does not tell.
+struct Run {
+  std::string name;  ///< the file
+  RunKind kind;
+  std::vector<double> time_s, current_A, voltage_V;
+  /// From stress, or load per area, or what the options give. In calorimetry 0, when the file has
+  /// neither.
+  std::vector<double> stress_Pa;
+  /// The column strain_ref. Otherwise -displacement/length, with its zero where the wire is
+  /// longest: such a strain is 0 or negative and knows nothing of the absolute elongation.
+  std::vector<double> strain;
+  /// The column, otherwise V/I: NaN in rows where the current is below 3 % of the run's largest.
+  std::vector<double> resistance_ohm;
+  std::vector<double> temperature_K, ambient_K;
+  std::vector<double> power_W_kg;
+};
+
+struct RunOptions {
+  Geometry<double> geometry;
+  std::optional<double> stress_Pa;  ///< for files that have neither stress nor load
+  std::optional<double> load_N;     ///< the same; counts when there is no stress_Pa
+  TraceOptions trace;
+};
+
+/// Reads the whole file. Throws UserError, which says what to measure instead, for a file that
+/// - is of no kind, has fewer than 20 rows, or nothing to fit to;
+/// - shows no motion: strain within 0.3 % and resistance within 2 %, or in calorimetry temperature
+///   within 10 K, each without the outermost hundredths;
+/// - has a clipped column, as far as that is certain (run_checks.cpp says when);
+/// - contradicts itself: strain over more than 0.2, stress above 1.5 GPa, resistance more than a
+///   factor of 5 beside 0.5-1.5 µΩm, power that heats the wire by more than 1e5 K/s, temperatures
+///   that are degC in a column of K or the other way round.
+/// Throws TraceError for what no trace may have.
+Run read_run(const std::string& path, const RunOptions& options);
+
+/// Whether a run's strains are absolute elongations: a column whose smallest or greatest value is
+/// exactly 0 was made 0 there.
+bool zero_known(const std::vector<double>& strain);
+
+}  // namespace smaservo

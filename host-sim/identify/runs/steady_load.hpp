@@ -1,0 +1,28 @@
+#pragma once
+// Whether a run was measured under one load.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "host-sim/identify/runs/run.hpp"
+
+namespace smaservo {
+
+/// The value that this share of all values does not exceed.
+inline double quantile(std::vector<double> values, double share) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// Whether the stress stays within an eighth (and 5 MPa) of its median, but for a twentieth of the
+/// rows to either side.
+inline bool has_constant_stress(const Run& run) {
+  const double middle_Pa = quantile(run.stress_Pa, 0.5);
+  const double most_Pa = std::max(0.125 * std::abs(middle_Pa), 5e6);
+  return quantile(run.stress_Pa, 0.05) >= middle_Pa - most_Pa &&
+         quantile(run.stress_Pa, 0.95) <= middle_Pa + most_Pa;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,226 @@
+#include "host-sim/papers/compare/compare.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "host-sim/identify/fit/fit.hpp"
+#include "model/files/output_file.hpp"
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+namespace {
+
+using Progress = std::function<void(std::string_view)>;
+
+void require_usable(const Run& run) {
+  if (run.kind != RunKind::joule && run.kind != RunKind::bath) {
+    throw UserError(fmt::format("{}: is a {} run; compare takes runs of Joule heating or in a bath",
+                                run.name, name_of(run.kind)));
+  }
+  if (run.strain.empty()) {
+    throw UserError(
+        fmt::format("{}: has no strain_ref or displacement, which compare needs", run.name));
+  }
+}
+
+/// The wire that identify makes of the runs. Throws UserError.
+IdentifiedWire identified(const WireDescription& from, const std::vector<Run>& training,
+                          int threads) {
+  FitOptions options;
+  options.threads = threads;
+  const FitResult fit = fit_wire(from.wire, training, options);
+  IdentifiedWire found{fit.wire, static_cast<int>(fit.parameters.size()), {}, 0};
+  for (const FittedRun& run : fit.runs) {
+    found.ambient_K.push_back(run.circumstances.ambient_K);
+    found.usual_ambient_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
+  }
+  return found;
+}
+
+/// Identifies one after the other.
+class Systems {
+ public:
+  explicit Systems(const Progress& progress) : progress_(progress) {}
+
+  template <class Identify>
+  void add(const char* name, Identify identify) {
+    progress_(name);
+    Compared one;
+    try {
+      one.system = identify();
+    } catch (const UserError& error) {
+      one.system = {name, "", 0, fmt::format("not identified: {}", error.what()), {}};
+    }
+    all.push_back(std::move(one));
+  }
+
+  std::vector<Compared> all;
+
+ private:
+  const Progress& progress_;
+};
+
+/// A run whose strain has a zero of its own, moved so that it is longest where `from` is at rest
+/// there. Runs of different loads would contradict each other otherwise.
+Run placed(Run run, const Wire<double>& from) {
+  if (zero_known(run.strain)) {
+    return run;
+  }
+  using Model = Plant<ThreePhase<double>>;
+  const auto longest = std::ranges::max_element(run.strain);
+  const auto row = static_cast<std::size_t>(longest - run.strain.begin());
+  const double room_K = run.ambient_K.empty() ? 298.15 : run.ambient_K.front();
+  const Drive<double> there{run.kind == RunKind::bath ? run.temperature_K[row] : room_K,
+                            run.stress_Pa[row]};
+  const Model::Params params = plant_params(from);
+  const double shift = Model::strain(params, Model::rest(params, there)) - *longest;
+  for (double& strain : run.strain) {
+    strain += shift;
+  }
+  return run;
+}
+
+std::vector<Compared> identify_all(const WireDescription& from, const std::vector<Run>& measured,
+                                   int threads, const Progress& progress) {
+  std::vector<Run> training;
+  training.reserve(measured.size());
+  for (const Run& run : measured) {
+    training.push_back(placed(run, from.wire));
+  }
+  Systems systems(progress);
+  systems.add("one line", [&] { return one_line(training); });
+  systems.add("polynomial", [&] { return polynomial(training); });
+  systems.add("two lines", [&] { return two_lines(training); });
+  systems.add("stress-strain-resistance", [&] { return stress_strain_resistance(training); });
+  systems.add("Duhem", [&] { return duhem(from.wire, training, threads); });
+  systems.add("Liang-Rogers", [&] { return liang_rogers(from.wire, training, threads); });
+  progress("ihyp");
+  std::optional<IdentifiedWire> own;
+  std::string reason;
+  try {
+    own = identified(from, measured, threads);  // finds the zeros by itself
+  } catch (const UserError& error) {
+    reason = error.what();
+  }
+  const auto with_own = [&](auto make) {
+    if (!own) {
+      throw UserError(reason);
+    }
+    return make(*own);
+  };
+  systems.add("Preisach", [&] {
+    return with_own([&](const IdentifiedWire& wire) { return preisach(wire, training); });
+  });
+  systems.add("ihyp", [&] { return with_own(ihyp_alone); });
+  systems.add("ihyp observer", [&] { return with_own(ihyp_observer); });
+  return systems.all;
+}
+
+/// Of the differences that are numbers; 0 where there is none.
+double median_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isfinite(a[i] - b[i])) {
+      differences.push_back(a[i] - b[i]);
+    }
+  }
+  if (differences.empty()) {
+    return 0;
+  }
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::ranges::nth_element(differences, middle);
+  return *middle;
+}
+
+using Column = std::vector<double> Run::*;
+
+/// Share of a test's rows, of those that are numbers, outside of all training rows by more than
+/// `margin(value)`.
+template <class Margin>
+double share_beyond(const Run& test, const std::vector<Run>& training, Column column,
+                    Margin margin) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Run& run : training) {
+    for (const double x : run.*column) {
+      low = x < low ? x : low;
+      high = high < x ? x : high;
+    }
+  }
+  double rows = 0;
+  double outside = 0;
+  for (const double x : test.*column) {
+    rows += std::isfinite(x) ? 1 : 0;
+    outside += x < low - margin(low) || high + margin(high) < x ? 1 : 0;
+  }
+  return rows > 0 && low <= high ? outside / rows : 0;
+}
+
+Beyond beyond(const Run& test, const std::vector<Run>& training) {
+  return {
+      share_beyond(test, training, &Run::stress_Pa, [](double) { return 2e6; }),
+      share_beyond(test, training, &Run::resistance_ohm, [](double ohm) { return 0.002 * ohm; })};
+}
+
+void test(Compared& one, const Comparison& comparison) {
+  double elapsed_s = 0;
+  double rows = 0;
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    const Run& run = comparison.tests[t];
+    SystemRun result;
+    const auto start = std::chrono::steady_clock::now();
+    result.strain = one.system.strain(run);
+    const auto stop = std::chrono::steady_clock::now();
+    const double zero = comparison.free_zero[t] ? median_difference(result.strain, run.strain) : 0;
+    for (std::size_t i = 0; i < run.strain.size(); ++i) {
+      result.strain[i] -= zero;
+      const double error = result.strain[i] - run.strain[i];
+      if (std::isfinite(error)) {
+        result.error.add(100 * error / comparison.nominal_stroke);
+      }
+    }
+    if (result.error.count() > 0) {
+      elapsed_s += std::chrono::duration<double>(stop - start).count();
+      rows += static_cast<double>(run.strain.size());
+    }
+    one.error.add(result.error);
+    one.runs.push_back(std::move(result));
+  }
+  one.step_s = rows > 0 ? elapsed_s / rows : 0;
+}
+
+}  // namespace
+
+Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
+                   int threads, const Progress& progress) {
+  Comparison comparison{
+      from.name, from.wire.nominal_stroke, std::move(training), std::move(tests), {}, {}, {}};
+  for (const std::vector<Run>* runs : {&comparison.training, &comparison.tests}) {
+    std::ranges::for_each(*runs, require_usable);
+  }
+  for (const Run& run : comparison.tests) {
+    comparison.free_zero.push_back(!zero_known(run.strain));
+    comparison.beyond.push_back(beyond(run, comparison.training));
+  }
+  comparison.systems = identify_all(from, comparison.training, threads, progress);
+  progress("tests");
+  bool any = false;
+  for (Compared& one : comparison.systems) {
+    if (one.system.strain) {
+      any = true;
+      test(one, comparison);
+    }
+  }
+  if (!any) {
+    throw UserError(
+        fmt::format("no system could be identified; {}", comparison.systems.front().system.remark));
+  }
+  return comparison;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <unistd.h>
+
+#include "host-sim/commands.hpp"
+#include "host-sim/papers/compare/compare.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+struct CompareArguments {
+  std::vector<std::string> training, tests;
+  std::string from{default_wire};
+  std::vector<std::string> settings, columns;
+  std::string out, report;
+  bool json = false;
+  int threads = 0;  ///< 0: as many as cores
+  std::optional<double> stress_MPa, load_N;
+};
+
+/// What is being identified, as a line on the terminal.
+class CompareStatus {
+ public:
+  ~CompareStatus() { show("\r\033[K"); }
+  CompareStatus() = default;
+  CompareStatus(const CompareStatus&) = delete;
+  CompareStatus& operator=(const CompareStatus&) = delete;
+
+  void name(std::string_view what) const { show(fmt::format("\r\033[K{} ...", what)); }
+
+ private:
+  void show(std::string_view text) const {
+    if (terminal_) {
+      fmt::print(stderr, "{}", text);
+      std::fflush(stderr);
+    }
+  }
+
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+};
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return a == b || std::filesystem::equivalent(a, b, missing);
+}
+
+void refuse_repeats(const char* option, const std::vector<std::string>& runs) {
+  for (auto run = runs.begin(); run != runs.end(); ++run) {
+    if (std::any_of(runs.begin(), run, [&](const auto& other) { return same_file(other, *run); })) {
+      throw UserError(fmt::format("{} {}: is given twice", option, *run));
+    }
+  }
+}
+
+/// Now, and not after minutes of work.
+void require_writable(const std::string& path) {
+  std::error_code missing;
+  const auto kind = std::filesystem::status(path, missing).type();
+  using enum std::filesystem::file_type;
+  if (!path.empty() && path != "-" && (kind == not_found || kind == regular || kind == directory)) {
+    const OutputFile attempt(path);
+  }
+}
+
+void check_files(const CompareArguments& a) {
+  refuse_to_overwrite(a.out, a.report);
+  for (const std::vector<std::string>* runs : {&a.training, &a.tests}) {
+    for (const std::string& run : *runs) {
+      refuse_to_overwrite(run, a.out);
+      refuse_to_overwrite(run, a.report);
+    }
+  }
+  if (a.from.ends_with(".toml")) {
+    refuse_to_overwrite(a.from, a.out);
+    refuse_to_overwrite(a.from, a.report);
+  }
+  refuse_repeats("--train", a.training);
+  refuse_repeats("--test", a.tests);
+  for (const std::string& run : a.tests) {
+    if (std::ranges::any_of(a.training, [&](const auto& one) { return same_file(one, run); })) {
+      throw UserError(
+          fmt::format("--test {}: is a training run, too; a system may not be asked "
+                      "about what it has seen",
+                      run));
+    }
+  }
+  require_writable(a.out);
+  require_writable(a.report);
+}
+
+std::vector<Run> read_runs(const std::vector<std::string>& paths, const RunOptions& options) {
+  std::vector<Run> runs;
+  runs.reserve(paths.size());
+  for (const std::string& path : paths) {
+    runs.push_back(read_run(path, options));
+  }
+  return runs;
+}
+
+void run(const CompareArguments& a) {
+  check_files(a);
+  const WireDescription from = load_wire(a.from, parse_settings(a.settings));
+  require("--stress-MPa", a.stress_MPa, 0, 1e4);
+  require("--load-N", a.load_N, 0, 1e5);
+  RunOptions options{from.wire.geometry, {}, a.load_N, {}};
+  if (a.stress_MPa) {
+    options.stress_Pa = 1e6 * *a.stress_MPa;
+  }
+  options.trace.renames = a.columns;
+  std::vector<Run> training = read_runs(a.training, options);
+  std::vector<Run> tests = read_runs(a.tests, options);
+  const int threads = a.threads > 0
+                          ? a.threads
+                          : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Comparison comparison;
+  {
+    const CompareStatus status;
+    comparison = compare(from, std::move(training), std::move(tests), threads,
+                         [&](std::string_view system) { status.name(system); });
+  }
+  if (!a.out.empty()) {
+    OutputFile file(a.out);
+    file.write(comparison_json(comparison));
+    file.commit();
+  }
+  if (!a.report.empty()) {
+    write_comparison_report(a.report, comparison);
+  }
+  fmt::print(a.out == "-" || a.report == "-" ? stderr : stdout, "{}",
+             a.json ? comparison_json(comparison) : comparison_text(comparison));
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "Identifies models and observers on some runs and asks them about others.");
+  auto a = std::make_shared<CompareArguments>();
+  command->add_option("--train", a->training, "CSV files to identify on, with commas between")
+      ->required()
+      ->delimiter(',');
+  command->add_option("--test", a->tests, "CSV files to ask about, with commas between")
+      ->required()
+      ->delimiter(',');
+  command->add_option("--from", a->from, "nearest preset, or file that ends in .toml")
+      ->capture_default_str();
+  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--column", a->columns,
+                   "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
+  command->add_option("--load-N", a->load_N, "load of the runs that have none");
+  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
+  command->add_option("--out", a->out, "numbers as JSON");
+  command->add_option("--report", a->report, "report as one HTML file");
+  command->add_flag("--json", a->json, "print the numbers as JSON");
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

@@ -1,0 +1,222 @@
+// A comparison as text, JSON and HTML.
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host-sim/identify/fitted_wire.hpp"
+#include "host-sim/papers/compare/compare.hpp"
+#include "host-sim/report/html.hpp"
+
+namespace smaservo {
+namespace {
+
+/// Points of a plotted curve at most.
+constexpr std::size_t most_points = 3000;
+
+std::string percent(double value) {
+  return fmt::format("{:.2f}", value);
+}
+
+/// "mean / 95 % / max", "-" where there is nothing.
+std::string figures(const ErrorStatistics& error) {
+  return error.count() == 0 ? "-"
+                            : fmt::format("{} / {} / {}", percent(error.mean()),
+                                          percent(error.quantile(0.95)), percent(error.maximum()));
+}
+
+std::string step_time(const Compared& one) {
+  return one.error.count() == 0 ? "-" : fmt::format("{:.0f} ns", 1e9 * one.step_s);
+}
+
+std::string remark(const Compared& one) {
+  const char* silent = "says nothing about these tests, which lack what it needs";
+  const bool asked = static_cast<bool>(one.system.strain);
+  return asked && one.error.count() == 0 ? silent : one.system.remark;
+}
+
+std::string names(const std::vector<Run>& runs) {
+  std::string all;
+  for (const Run& run : runs) {
+    all += (all.empty() ? "" : ", ") + file_name(run.name);
+  }
+  return all;
+}
+
+std::string heading(const Comparison& comparison) {
+  std::string text = fmt::format(
+      "Identified on {}; asked about {}. Errors of the strain in % of a {:g} % stroke.",
+      names(comparison.training), names(comparison.tests), 100 * comparison.nominal_stroke);
+  for (const Run& run : comparison.training) {
+    if (!zero_known(run.strain)) {
+      text += fmt::format(
+          " {}: the strain has a zero of its own, it is taken to be longest where {} is at rest.",
+          file_name(run.name), comparison.from);
+    }
+  }
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    const Beyond& beyond = comparison.beyond[t];
+    if (beyond.stress > 0 || beyond.resistance > 0) {
+      text += fmt::format(
+          " {} goes beyond the training, so that what is said there is extrapolated: by its stress "
+          "in {:.1f} % of the rows, by its resistance in {:.1f} %.",
+          file_name(comparison.tests[t].name), 100 * beyond.stress, 100 * beyond.resistance);
+    }
+  }
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    if (comparison.free_zero[t]) {
+      text += fmt::format(
+          " {}: the strain has a zero of its own, each system's median error is "
+          "taken off.",
+          file_name(comparison.tests[t].name));
+    }
+  }
+  return text;
+}
+
+using Json = nlohmann::ordered_json;
+
+/// Without numbers where there is nothing.
+Json error_json(const ErrorStatistics& error) {
+  Json json{{"rows", error.count()}};
+  if (error.count() > 0) {
+    json["mean_percent"] = error.mean();
+    json["p95_percent"] = error.quantile(0.95);
+    json["max_percent"] = error.maximum();
+  }
+  return json;
+}
+
+std::string table_html(const Comparison& comparison) {
+  std::vector<std::string> titles{"system", "mean", "95 %", "max", "a row", "parameters"};
+  for (const Run& run : comparison.tests) {
+    titles.push_back(file_name(run.name) + ", mean");
+  }
+  std::string html = "<table>\n" + row_html(titles, "th");
+  for (const Compared& one : comparison.systems) {
+    std::vector<std::string> cells{one.system.name};
+    if (one.error.count() > 0) {
+      cells.insert(cells.end(), {percent(one.error.mean()), percent(one.error.quantile(0.95)),
+                                 percent(one.error.maximum()), step_time(one),
+                                 fmt::format("{}", one.system.parameters)});
+      for (const SystemRun& run : one.runs) {
+        cells.push_back(run.error.count() == 0 ? "-" : percent(run.error.mean()));
+      }
+    }
+    cells.resize(titles.size(), "-");
+    html += row_html(cells, "td");
+  }
+  html += "</table>\n<p class=\"caption\">";
+  for (const Compared& one : comparison.systems) {
+    const std::string said = remark(one);
+    html += fmt::format("<b>{}</b>: {}{}{}.<br>\n", escaped(one.system.name),
+                        escaped(one.system.meaning),
+                        one.system.meaning.empty() || said.empty() ? "" : "; ", escaped(said));
+  }
+  return html + "</p>\n";
+}
+
+/// What the loops of a run are drawn over.
+struct Axis {
+  const char* label;
+  std::vector<double> values;
+};
+Axis axis(const Run& run) {
+  if (run.kind == RunKind::bath) {
+    std::vector<double> degC;
+    degC.reserve(run.temperature_K.size());
+    for (const double T : run.temperature_K) {
+      degC.push_back(T - 273.15);
+    }
+    return {"temperature in °C", degC};
+  }
+  return {"resistance in Ω", run.resistance_ohm};
+}
+
+Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one) {
+  const Run& run = comparison.tests[t];
+  const Axis x = axis(run);
+  std::string data = "$data << EOD\n";
+  const std::size_t every = 1 + run.strain.size() / most_points;
+  for (std::size_t i = 0; i < run.strain.size(); i += every) {
+    data += fmt::format("{} {} {}\n", plotted(x.values[i]), plotted(100 * run.strain[i]),
+                        plotted(100 * one.runs[t].strain[i]));
+  }
+  data += "EOD\n";
+  return {fmt::format("{}: {}", file_name(run.name), one.system.name), figures(one.runs[t].error),
+          true,
+          draw({500, 360, x.label, "strain in %"}, data, "",
+               {"$data using 1:2 with lines lc rgb reference lw 2.5 title 'reference'",
+                "$data using 1:3 with lines lc rgb estimate title 'estimate'"})};
+}
+
+}  // namespace
+
+std::string comparison_text(const Comparison& comparison) {
+  std::string text = heading(comparison) + "\n\n";
+  text += fmt::format("{:<26}{:>8}{:>8}{:>8}{:>10}{:>12}\n", "", "mean", "95 %", "max", "a row",
+                      "parameters");
+  for (const Compared& one : comparison.systems) {
+    const ErrorStatistics& e = one.error;
+    if (e.count() == 0) {
+      text += fmt::format("{:<26}{:>8}{:>8}{:>8}\n", one.system.name, "-", "-", "-");
+      continue;
+    }
+    text += fmt::format("{:<26}{:>8.2f}{:>8.2f}{:>8.2f}{:>10}{:>12}\n", one.system.name, e.mean(),
+                        e.quantile(0.95), e.maximum(), step_time(one), one.system.parameters);
+  }
+  for (const Compared& one : comparison.systems) {
+    if (const std::string said = remark(one); !said.empty()) {
+      text += fmt::format("\n{}: {}.", one.system.name, said);
+    }
+  }
+  return text + "\n";
+}
+
+std::string comparison_json(const Comparison& comparison) {
+  Json json;
+  json["from"] = comparison.from;
+  json["nominal_stroke"] = comparison.nominal_stroke;
+  for (const Run& run : comparison.training) {
+    json["training"].push_back(run.name);
+  }
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    json["tests"].push_back({{"file", comparison.tests[t].name},
+                             {"free_zero", static_cast<bool>(comparison.free_zero[t])},
+                             {"stress_beyond", comparison.beyond[t].stress},
+                             {"resistance_beyond", comparison.beyond[t].resistance}});
+  }
+  for (const Compared& one : comparison.systems) {
+    Json system{{"name", one.system.name},
+                {"meaning", one.system.meaning},
+                {"remark", remark(one)},
+                {"identified", static_cast<bool>(one.system.strain)}};
+    if (one.system.strain) {
+      system["parameters"] = one.system.parameters;
+      system["step_s"] = one.step_s;
+      system["error"] = error_json(one.error);
+      for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+        Json run = error_json(one.runs[t].error);
+        run["file"] = comparison.tests[t].name;
+        system["tests"].push_back(run);
+      }
+    }
+    json["systems"].push_back(system);
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_comparison_report(const std::string& path, const Comparison& comparison) {
+  std::vector<Plot> plots;
+  for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
+    for (const Compared& one : comparison.systems) {
+      if (!one.runs.empty() && one.runs[t].error.count() > 0) {
+        plots.push_back(loop_plot(comparison, t, one));
+      }
+    }
+  }
+  write_html(path, "Systems compared",
+             fmt::format("<p>{}</p>\n", escaped(heading(comparison))) + table_html(comparison) +
+                 plots_html(plots));
+}
+
+}  // namespace smaservo

@@ -1,0 +1,85 @@
+// The project's own model and observer, and the estimator of paper 002.
+
+#include <fmt/format.h>
+#include <limits>
+
+#include "host-sim/papers/compare/system.hpp"
+#include "host-sim/papers/fits/plant_fit.hpp"
+#include "host-sim/papers/fits/strain_resistance_fit.hpp"
+#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/observers.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+std::vector<double> nothing_of(const Run& run) {
+  return std::vector<double>(run.strain.size(), std::numeric_limits<double>::quiet_NaN());
+}
+
+std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
+  const Wire<double>& wire = identified.wire;
+  const MeasurementParams<double> measuring = measuring_params(wire, {});
+  std::unique_ptr<AnyObserver> observer;
+  std::vector<double> strain;
+  strain.reserve(run.time_s.size());
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    const Sample<double> sample{run.current_A[i], run.voltage_V[i],
+                                run.stress_Pa[i] * measuring.area_m2};
+    const Measurement<double> m = measure(measuring, sample);
+    if (observer) {
+      observer->advance(m, run.time_s[i] - run.time_s[i - 1]);
+    } else {
+      const double ambient_K =
+          run.ambient_K.empty() ? identified.usual_ambient_K : run.ambient_K.front();
+      observer = make_observer("kalman", wire, {}, m, ambient_K);
+    }
+    strain.push_back(observer->estimate().strain);
+  }
+  return strain;
+}
+
+}  // namespace
+
+System stress_strain_resistance(const std::vector<Run>& runs) {
+  std::vector<Run> usable;
+  std::string unused;
+  for (const Run& run : runs) {
+    if (run.resistance_ohm.empty()) {
+      unused += (unused.empty() ? "; not used, having no resistance: " : ", ") + run.name;
+    } else {
+      usable.push_back(run);
+    }
+  }
+  if (usable.empty()) {
+    throw UserError("no run has a resistance");
+  }
+  const StrainResistanceFit fit = identify_strain_resistance(usable);
+  const std::string remark = fit.order == 0 ? "one load only: holds at its stress alone"
+                                            : fmt::format("{} loads, polynomials of order {}",
+                                                          fit.levels.size(), fit.order);
+  return {"stress-strain-resistance", "002: lines over resistance by stress, with transitions",
+          4 * (fit.order + 1) + 2, remark + unused, [params = fit.params](const Run& run) {
+            return run.resistance_ohm.empty() ? nothing_of(run) : estimate_strain(params, run);
+          }};
+}
+
+System ihyp_alone(const IdentifiedWire& identified) {
+  const Wire<double>& wire = identified.wire;
+  const PlantModel<ThreePhase<double>> model{wire.kinetics, wire.material, wire.heat,
+                                             wire.geometry};
+  return {"ihyp", "000: three phases, return-point memory, heat balance", identified.parameters, "",
+          [model, ambient_K = identified.usual_ambient_K](const Run& run) {
+            return driven_strain(model, every_row(run, ambient_K));
+          }};
+}
+
+System ihyp_observer(const IdentifiedWire& identified) {
+  return {"ihyp observer", "the same, corrected by the resistance; not in a bath",
+          identified.parameters, "", [identified](const Run& run) {
+            // In a bath no power tells the temperature.
+            return run.kind == RunKind::joule ? observed(identified, run) : nothing_of(run);
+          }};
+}
+
+}  // namespace smaservo

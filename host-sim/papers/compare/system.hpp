@@ -1,0 +1,57 @@
+#pragma once
+// Ways to know a wire's strain without a sensor for it, each identified on some runs and asked
+// about others.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host-sim/identify/runs/run.hpp"
+#include "model/wire/wire.hpp"
+
+namespace smaservo {
+
+/// One way, identified.
+struct System {
+  std::string name;
+  std::string meaning;
+  int parameters = 0;  ///< that its identification changes
+  std::string remark;  ///< what data it could not use, or why there is none
+  /// Strain of every row of a run, NaN where it says nothing. Empty where the runs could not
+  /// identify it.
+  std::function<std::vector<double>(const Run&)> strain;
+};
+
+/// Of the resistance alone: one line; a polynomial of fourth order; two lines, one for heating and
+/// one for cooling. Least squares over all rows that have both, all runs counting alike. Each
+/// throws UserError where no run has strain and resistance.
+System one_line(const std::vector<Run>& runs);
+System polynomial(const std::vector<Run>& runs);
+/// The direction is that of the last change of the resistance by more than 1 %.
+System two_lines(const std::vector<Run>& runs);
+
+/// 002. Throws UserError where no run has a resistance, and as identify_strain_resistance() says.
+System stress_strain_resistance(const std::vector<Run>& runs);
+
+/// Kinetics and heat balance from power and stress, or in a bath from its temperature, without
+/// feedback. `from` gives geometry, limits and priors. Only the strain is fitted.
+System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads);
+System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int threads);
+
+/// What identify has found.
+struct IdentifiedWire {
+  Wire<double> wire;
+  int parameters;
+  std::vector<double> ambient_K;  ///< of every training run, as far as the fit assumes
+  /// Where a run does not tell: the mean of the training.
+  double usual_ambient_K;
+};
+
+/// 003. Temperatures are those of the identified heat balance.
+System preisach(const IdentifiedWire& identified, const std::vector<Run>& runs);
+
+/// The project's model by itself, and its observer.
+System ihyp_alone(const IdentifiedWire& identified);
+System ihyp_observer(const IdentifiedWire& identified);
+
+}  // namespace smaservo

@@ -1,0 +1,125 @@
+#pragma once
+// The numbers behind the figures of paper 000. What the paper measured is here a simulated wire of
+// the family `sublayers`, which is not the model; the model is what `identify` makes of its runs.
+
+#include <array>
+#include <vector>
+
+#include "host-sim/identify/classic.hpp"
+#include "host-sim/identify/fit/fit.hpp"
+#include "model/wire/wire.hpp"
+
+namespace smaservo::paper_000 {
+
+/// The wire of the paper, smartflex-76um.
+const Wire<double>& paper_wire();
+
+/// One heating from 20 to 150 °C and the cooling back, at constant stress in a bath. Before, the
+/// wire was at -60 °C: it begins as martensite.
+struct BathRun {
+  double stress_MPa;
+  std::vector<double> temperature_K, strain;
+  std::vector<double> resistivity_ohm_m;  ///< of the wire as long as it is, at constant volume
+  std::vector<Phases<double>> phases;
+
+  std::size_t rows() const { return temperature_K.size(); }
+  std::size_t hottest() const { return rows() / 2; }
+};
+BathRun simulated_bath_run(double stress_MPa);
+BathRun model_bath_run(const Wire<double>& wire, double stress_MPa);
+
+/// Heat flow into a wire without load that a calorimeter heats from 20 to 100 °C and cools, at
+/// 10 K/min; above 0 is into the wire.
+struct CalorimetryRun {
+  std::vector<double> temperature_K, power_W_kg;
+  std::vector<double> transforming_W_kg;  ///< what of it is latent heat
+  std::vector<double> strain, resistivity_ohm_m;
+
+  std::size_t hottest() const { return temperature_K.size() / 2; }
+};
+CalorimetryRun simulated_calorimetry();
+
+/// Temperatures of the greatest heat flows: the dashed lines of figure 1.
+struct Peaks {
+  double m2a_K, a2r_K, r2m_K;
+};
+Peaks peaks(const CalorimetryRun& run);
+
+/// Fifteen as in the paper, most of them low ('Experimental results').
+inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0,  50.0, 60.0,
+                                         100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
+
+/// As `identify` reads it, every second row, with a row before them where the wire comes from.
+Run as_run(const BathRun& run);
+Run as_run(const CalorimetryRun& run);
+
+// The paper's three stages ('Parameterization method'); each takes a few seconds, once.
+
+/// What `identify` finds from the calorimetry, beginning with the preset.
+const FitResult& fitted_without_stress();
+
+/// From one level of stress alone; the first is the one without stress.
+struct Level {
+  double stress_MPa;
+  Wire<double> wire;
+};
+/// A2R is seen well enough up to here ('Stress dependence of the transformation parameters').
+inline constexpr double most_a2r_MPa = 100;
+/// Each begins with the one without stress, those above most_a2r_MPa with the one there. In the
+/// paper each begins with the level below; `identify` holds on to where it begins, so that errors
+/// would add up from level to level.
+const std::vector<Level>& fitted_levels();
+
+/// From six levels at once, beginning with the one without stress.
+const Wire<double>& fitted_model();
+
+/// How good a measure of the strain the resistance is (figure 20), over the strains that both
+/// directions go through.
+struct SelfSensing {
+  double gap;        ///< greatest resistance on cooling less that on heating at the same strain,
+                     ///< as a share of the resistance's span; negative where heating has more
+  double deviation;  ///< of the strain from the best straight line, root mean square, as a share
+                     ///< of the strain's span
+};
+SelfSensing self_sensing(const BathRun& run);
+/// Of the whole wire, in ohm.
+std::vector<double> resistances_ohm(const BathRun& run);
+
+/// Figure 5: fit_classics() and fit_adaptable() of the same cycle.
+std::vector<ClassicFit> transformation_functions(const BathRun& run);
+inline constexpr double function_stress_MPa = 200;
+
+/// Figure 6: the parts of the normalised temperature at a converted fraction; they add up to
+/// ihyp_temperature(). Each hyperbola is a branch to one end of the curve.
+struct IhypParts {
+  double initial, target, line;
+};
+IhypParts ihyp_parts(const IhypShape<double>& shape, double converted);
+
+/// Figure 8: martensite over temperature on outer curves and on the way back from a temperature
+/// on the heating curve, without stress and R-phase.
+struct InnerLoop {
+  std::vector<double> temperature_K;  ///< rising
+  std::vector<double> heating, cooling;
+  std::vector<double> back_K, back;  ///< falling
+};
+InnerLoop inner_loop();
+
+// Figures 9 and 10: what one step makes of the fractions before it. The parts of a bar add up to 1.
+/// From the bottom; m2a and r2a become austenite.
+struct HeatingBar {
+  double temperature_K;
+  double martensite, m2a, austenite, r2a, r_phase;
+};
+/// From the bottom; `either` is austenite that both A2M and A2R would take; r2m becomes martensite.
+struct CoolingBar {
+  double temperature_K;
+  double martensite, a2m, either, austenite, a2r, r_phase, r2m;
+};
+std::vector<HeatingBar> heating_bars();
+std::vector<CoolingBar> cooling_bars();
+inline constexpr double bar_step_K = 3;
+inline constexpr double heating_bars_MPa = 50;
+inline constexpr double cooling_bars_MPa = 110;  ///< where A2M and A2R meet
+
+}  // namespace smaservo::paper_000

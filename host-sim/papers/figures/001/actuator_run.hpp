@@ -1,0 +1,47 @@
+#pragma once
+// What paper 001 drives its actuator with, and what ours answers.
+
+#include <vector>
+
+#include "model/papers/duhem_actuator.hpp"
+
+namespace smaservo {
+
+/// A sinusoidal voltage of decreasing amplitude about a mean, as in 001 fig. 4: the paper prints no
+/// numbers of it. These are chosen so that the first swing goes once around the major loop, as far
+/// as the ambient temperature lets it, and later ones turn on the slopes of both sides.
+struct DecayingVoltage {
+  double mean_V;
+  double amplitude_V;
+  double decay_s;
+  double period_s;
+  double duration_s;
+
+  double voltage_V(double time_s) const;
+};
+inline constexpr DecayingVoltage paper_001_voltage{1.52, 1.5, 150, 50, 350};
+
+struct ActuatorSample {
+  double time_s;
+  double voltage_V;
+  DuhemActuator<double>::Output output;
+};
+
+/// From rest, in steps of 10 ms, a sample every 100 ms.
+std::vector<ActuatorSample> run_actuator(const DuhemActuator<double>::Params& params,
+                                         const DecayingVoltage& voltage);
+
+/// Austenite of one loop: heated from cold to the turn, cooled from there.
+struct MinorLoop {
+  std::vector<double> temperature_K;
+  std::vector<double> heating, cooling;
+};
+
+/// The major loop, then those that turn at three quarters, half and a quarter of austenite: 001
+/// fig. 7. The heating of the minor ones goes up from where the cooling has come to.
+std::vector<MinorLoop> minor_loops(const Duhem<double>::Params& params);
+
+/// With the coefficients of martensite's resistivity to the two digits that Table I prints.
+DuhemActuator<double>::Params printed_resistivity(DuhemActuator<double>::Params params);
+
+}  // namespace smaservo

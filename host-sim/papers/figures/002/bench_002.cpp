@@ -1,0 +1,155 @@
+#include "host-sim/papers/figures/002/bench_002.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fmt/format.h>
+#include <utility>
+
+#include "host-sim/simulate/simulate.hpp"
+
+namespace smaservo::bench_002 {
+namespace {
+
+constexpr double MPa = 1e6;
+
+using Steps = std::vector<DriveStep>;
+
+void full_cycles(Steps& drive, int count) {
+  for (int i = 0; i < count; ++i) {
+    drive.push_back({1, 7});
+    drive.push_back({0, 9});
+  }
+}
+
+/// Level 1 shall end 15 K above the finish at the highest stress; it is made for the first one.
+double overheat_K(const Load& load) {
+  const auto* spring = std::get_if<SpringLoad>(&load);
+  if (spring == nullptr) {
+    return 15;
+  }
+  const Surface<double> m2a = wire().wire.kinetics.m2a;
+  const auto finish_K = [&](double stress_Pa) {
+    const Isobar<double> at = isobar(m2a, stress_Pa);
+    return at.start_K + 1 / at.per_K;
+  };
+  return 15 + finish_K(spring->high_Pa) - finish_K(spring->low_Pa);
+}
+
+Scenario scenario(Family family, const Load& load, Steps drive) {
+  JouleScenario joule{.ambient_K = 298.15,
+                      .draught = 1,
+                      .overheat_K = overheat_K(load),
+                      .least_current_A = least_current_A,
+                      .rate_Hz = 200,
+                      .record_from_s = 0,
+                      .drive = std::move(drive),
+                      .load = load,
+                      .sensors = sensors()};
+  return {"bench of paper 002", wire(), 2, 0.5, family, {}, std::move(joule)};
+}
+
+Run measured(std::string name, const Scenario& scenario) {
+  Run run{};
+  run.name = std::move(name);
+  run.kind = RunKind::joule;
+  simulate_rows(scenario, [&](const SimulatedRow& row) {
+    run.time_s.push_back(row.time_s);
+    run.current_A.push_back(row.current_A);
+    run.voltage_V.push_back(row.voltage_V);
+    run.stress_Pa.push_back(stress_Pa(row.load_N));
+    run.strain.push_back(row.strain);
+    run.resistance_ohm.push_back(row.voltage_V / row.current_A);
+  });
+  return run;
+}
+
+}  // namespace
+
+WireDescription wire() {
+  return load_wire("flexinol-lt-0.15mm");
+}
+
+double stress_Pa(double load_N) {
+  static const Wire<double> wire_of_all = wire().wire;
+  return wire_of_all.stress_Pa(load_N);
+}
+
+std::vector<double> calibration_stresses_Pa() {
+  std::vector<double> all;
+  for (const double stress_MPa : {15.0, 35.0, 55.0, 75.0, 95.0, 115.0, 135.0, 155.0, 175.0}) {
+    all.push_back(stress_MPa * MPa);
+  }
+  return all;
+}
+
+Run calibration_run(Family family, double stress_Pa) {
+  Steps drive{{0, 1}};
+  full_cycles(drive, 2);
+  for (const double level : {0.62, 0.68, 0.74, 0.8}) {
+    drive.push_back({level, 5});
+    drive.push_back({0, 7});
+  }
+  for (const double level : {0.3, 0.36, 0.42, 0.48}) {
+    drive.push_back({1, 5});
+    drive.push_back({level, 5});
+  }
+  drive.push_back({1, 5});
+  drive.push_back({0, 7});
+  return measured(fmt::format("{:.0f} MPa", stress_Pa / MPa),
+                  scenario(family, ConstantLoad{stress_Pa}, std::move(drive)));
+}
+
+StrainResistanceFit calibrate(Family family) {
+  std::vector<Run> runs;
+  for (const double stress_Pa : calibration_stresses_Pa()) {
+    runs.push_back(calibration_run(family, stress_Pa));
+  }
+  return identify_strain_resistance(runs);
+}
+
+SpringLoad spring() {
+  return {20 * MPa, 170 * MPa, 0.03, 0.05};
+}
+
+Sensors sensors() {
+  return {.bits = 16,
+          .current_full_scale_A = 1,
+          .voltage_full_scale_V = 5,
+          .load_full_scale_N = 5,
+          .current_noise_A = 3e-6,
+          .voltage_noise_V = 0.1e-3,
+          .load_noise_N = 2e-3,
+          .load_gain = 1,
+          .resistance_gain = 1};
+}
+
+Run validation_run(Family family, const Load& load) {
+  Steps drive{{0, 1}};
+  full_cycles(drive, 2);
+  for (const double level : {0.6, 0.65, 0.7, 0.75}) {
+    drive.push_back({level, 7});
+    drive.push_back({0, 7});
+  }
+  for (const double level : {0.33, 0.39, 0.45, 0.5}) {
+    drive.push_back({1, 5});
+    drive.push_back({level, 7});
+  }
+  drive.push_back({0, 7});
+  return measured("validation", scenario(family, load, std::move(drive)));
+}
+
+double mean_error_percent(const std::vector<double>& strain, const Run& run) {
+  double sum = 0;
+  for (std::size_t i = 0; i < strain.size(); ++i) {
+    sum += std::abs(strain[i] - run.strain[i]);
+  }
+  return 100 * sum / (0.04 * static_cast<double>(strain.size()));
+}
+
+Run with_constant_stress(Run run) {
+  std::ranges::fill(run.stress_Pa, *std::ranges::max_element(run.stress_Pa));
+  return run;
+}
+
+}  // namespace smaservo::bench_002

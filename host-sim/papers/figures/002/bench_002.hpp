@@ -1,0 +1,43 @@
+#pragma once
+// The bench of paper 002, simulated: a Flexinol LT wire under weights or a spring, heated by a
+// current, with resistance, load and displacement measured. The paper does not say how thick it is.
+// 0.15 mm make its 1 N 57 MPa, where there is as much R-phase as its figure 2 shows, and its
+// 175 MPa the maker's limit.
+
+#include <string>
+#include <vector>
+
+#include "firmware/bench/scenario.hpp"
+#include "host-sim/papers/fits/strain_resistance_fit.hpp"
+
+namespace smaservo::bench_002 {
+
+WireDescription wire();
+double stress_Pa(double load_N);
+
+/// Loads of the calibration: 15 to 175 MPa as in section 3.2, without those that are too light for
+/// lines (see identify_strain_resistance).
+std::vector<double> calibration_stresses_Pa();
+
+/// Two full cycles, then loops that heat and loops that cool incompletely (section 3.3), at 200 Hz.
+Run calibration_run(Family family, double stress_Pa);
+/// From runs at these loads.
+StrainResistanceFit calibrate(Family family);
+
+/// A spring: from 20 MPa on the long wire to 170 MPa on one that is 3 % shorter.
+SpringLoad spring();
+Sensors sensors();
+/// Keeps the resistance measurable.
+inline constexpr double least_current_A = 0.06;
+/// The experiments of section 4.5, on a wire that was just calibrated: other levels of the power
+/// than those of the calibration.
+Run validation_run(Family family, const Load& load);
+
+/// Mean error as the paper has it: in per cent of a stroke of 4 %.
+double mean_error_percent(const std::vector<double>& strain, const Run& run);
+
+/// The run with the stress that somebody believes in who has no load cell. The paper does not say
+/// which; this is the heaviest of the run, which costs most.
+Run with_constant_stress(Run run);
+
+}  // namespace smaservo::bench_002

@@ -1,0 +1,47 @@
+#pragma once
+// The position loop of paper 002 section 5 (figures 20 and 21): PID on the estimated strain.
+
+#include <cstdint>
+#include <vector>
+
+#include "host-sim/papers/figures/002/bench_002.hpp"
+
+namespace smaservo::bench_002 {
+
+/// Gains from strain to current, per unit of strain.
+struct PidGains {
+  double proportional_A;
+  double integral_A_s;
+  double derivative_As;
+  double least_current_A;     ///< keeps the resistance measurable
+  double greatest_current_A;  ///< what the wire bears
+};
+
+/// Found by trial, as the paper's.
+PidGains gains();
+
+/// More current makes the wire shorter, so it follows strain - goal. The integral stands still
+/// while the current is at a limit and the error would drive it further.
+class PidController {
+ public:
+  explicit PidController(const PidGains& gains) : gains_(gains) {}
+  double current_A(double goal, double strain, double dt_s);
+
+ private:
+  PidGains gains_;
+  double integral_A_ = 0;
+  double before_ = 0;  ///< smoothed strain of the last step
+  bool first_ = true;
+};
+
+struct LoopRow {
+  double time_s, goal, strain, estimate, current_A, stress_Pa;
+};
+
+/// Under the spring: some random goals between 1.2 and 3.2 %, each for 22 s, 2 s to get there and
+/// 20 s held, after one full cycle that finds the estimate's place. Rows at 50 Hz, from the first
+/// goal on; steps at 1 kHz.
+std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>::Params& estimator,
+                                   int goals, std::uint64_t seed);
+
+}  // namespace smaservo::bench_002

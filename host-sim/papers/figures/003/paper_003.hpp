@@ -1,0 +1,31 @@
+#pragma once
+// The experiments of paper 003 on the project's wires: the numbers behind its figures.
+
+#include "hal/sim/simulated_wire.hpp"
+#include "host-sim/papers/figures/003/temperature_loop.hpp"
+#include "host-sim/papers/fits/preisach_fit.hpp"
+
+namespace smaservo {
+
+/// The wire, the 76 um SmartFlex, in its loop. 003's transforms between 25 and 75 °C, this one
+/// between 25 and 120 °C.
+LoopSetup loop_003();
+/// The initial controller, three times as fast as the wire by itself, and the final one.
+FixedController fixed_003(const LoopSetup& setup);
+AdaptiveController adaptive_003(const LoopSetup& setup);
+/// Swings of the temperature that die away, at 150 MPa or with a stress that swings, too.
+std::vector<LoopReference> references_003(bool dynamic);
+
+/// Identified from reversal curves at 100, 125, 150, 175 and 200 MPa in a bath (003 figure 4).
+PreisachFit fit_003(Family family, StressShift shift);
+
+/// 003 figure 5: the loop's true temperature and stress, what such a wire's strain is, and what the
+/// model says.
+struct Validation {
+  std::vector<LoopRow> rows;
+  std::vector<double> strain, model;
+  double rms;  ///< by a stroke of 4 %
+};
+Validation validation_003(Family family, const PreisachWire& model, bool dynamic);
+
+}  // namespace smaservo

@@ -1,0 +1,124 @@
+#pragma once
+// The temperature loop of paper 003, section III and figure 3: a fixed linear controller, and an
+// adaptive minimum-variance one with gain scheduling, on a wire that is heated by its current.
+// 003 leaves its equations to its reference [4]; what is here are the textbook's forms (Åström and
+// Wittenmark, 'Adaptive Control', chapters 2 and 4).
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "model/wire/wire.hpp"
+
+namespace smaservo {
+
+/// What a controller of the wire's temperature is told and decides: heating only, up to a limit.
+class TemperatureController {
+ public:
+  virtual ~TemperatureController() = default;
+  /// The power for the sample time that begins now, 0..most_W. `next_K` is the reference at its
+  /// end.
+  virtual double power_W(double measured_K, double next_K) = 0;
+};
+
+/// What both controllers are designed for: the wire without transformation, as one heat capacity.
+struct LoopDesign {
+  double sample_s;
+  double most_W;
+  double capacity_J_K;
+  double loss_W_K;
+  double ambient_K;
+};
+
+/// PID with fixed gains, by internal model control: the loop of the wire without transformation is
+/// of first order with `response_s`. The derivative acts on the filtered measurement; the integral
+/// stands still at the limits.
+class FixedController : public TemperatureController {
+ public:
+  FixedController(const LoopDesign& design, double response_s);
+  double power_W(double measured_K, double next_K) final;
+
+ private:
+  LoopDesign design_;
+  double gain_W_K_, integral_time_s_, derivative_time_s_;
+  double integral_W_ = 0;
+  double filtered_K_, filtered_before_K_;
+};
+
+/// Recursive least squares with forgetting: y = θᵀφ. While the regressors tell nothing new, the
+/// covariance stops growing at `largest_trace`.
+class RecursiveLeastSquares {
+ public:
+  using Vector = Eigen::Vector4d;
+
+  RecursiveLeastSquares(const Vector& start, double start_variance, double forgetting,
+                        double largest_trace);
+  void update(const Vector& regressors, double y);
+  const Vector& parameters() const { return parameters_; }
+
+ private:
+  Vector parameters_;
+  Eigen::Matrix4d covariance_;
+  double forgetting_, largest_trace_;
+};
+
+struct AdaptiveSettings {
+  /// Between the regions that have parameters of their own: gain scheduling.
+  std::vector<double> region_edges_K;
+  double forgetting;     ///< per sample
+  double change_weight;  ///< ρ; with 0 the power follows the thermocouple's noise
+};
+
+/// Predicts y(k+1) = a₁ y(k) + a₂ y(k-1) + b u(k) + c, with the parameters of the region that the
+/// measurement is in, and takes the power that minimises (r(k+1) - y(k+1))² + ρ (u(k) - u(k-1))²,
+/// with y in 10 K and u in shares of the greatest power.
+class AdaptiveController : public TemperatureController {
+ public:
+  AdaptiveController(const LoopDesign& design, const AdaptiveSettings& settings);
+  double power_W(double measured_K, double next_K) final;
+
+ private:
+  std::size_t region(double temperature_K) const;
+  double scaled(double temperature_K) const;
+
+  LoopDesign design_;
+  AdaptiveSettings settings_;
+  std::vector<RecursiveLeastSquares> regions_;
+  double before_ = 0;  ///< y(k-1)
+  double power_ = 0;   ///< u(k-1)
+  RecursiveLeastSquares::Vector regressors_ = RecursiveLeastSquares::Vector::Zero();
+  std::optional<std::size_t> predicting_;  ///< the region that made the prediction for this sample
+};
+
+/// What the laboratory asks for at one sample.
+struct LoopReference {
+  double temperature_K, stress_Pa;
+};
+struct LoopRow {
+  double time_s;
+  LoopReference reference, truth;
+  double current_A;
+};
+
+struct LoopSetup {
+  Wire<double> wire;
+  double sample_s = 0.02;
+  double limit_A;
+  double ambient_K = 298.15;
+  double noise_K = 0.1;       ///< of the thermocouple
+  double stress_lag_s = 0.2;  ///< of the stress' own loop
+  std::uint64_t seed = 1;
+};
+
+LoopDesign loop_design(const LoopSetup& setup);
+
+/// Plant<ThreePhase>, at rest at the ambient temperature, under the controller for one sample after
+/// each reference. Power becomes a current by the wire's resistance of the moment (003 eq. 1).
+std::vector<LoopRow> run_loop(const LoopSetup& setup, TemperatureController& controller,
+                              const std::vector<LoopReference>& references);
+
+/// Root mean square of true less reference temperature, after the first `skipped_s`.
+double tracking_error_K(const std::vector<LoopRow>& rows, double skipped_s);
+
+}  // namespace smaservo

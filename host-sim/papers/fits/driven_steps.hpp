@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "host-sim/identify/runs/run.hpp"
+
+namespace smaservo {
+
+/// What drives a wire from row to row, of joule and bath runs.
+struct DrivenSteps {
+  bool bath;
+  double ambient_K;                   ///< the run's own, or what is assumed
+  std::vector<double> dt_s, power_W;  ///< joule
+  std::vector<double> temperature_K;  ///< bath
+  std::vector<double> stress_Pa;
+  std::vector<double> strain;  ///< at the end of each step; NaN where it does not count
+};
+
+inline constexpr double usual_room_K = 298.15;
+
+/// Every row of a run; `ambient_K` counts where it does not tell. Throws UserError for other kinds
+/// of runs.
+DrivenSteps every_row(const Run& run, double ambient_K = usual_room_K);
+/// Thinned for a fit: steps of about 24 ms, the power's mean over each.
+DrivenSteps thinned(const Run& run);
+
+}  // namespace smaservo

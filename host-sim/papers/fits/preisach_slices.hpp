@@ -1,0 +1,24 @@
+#pragma once
+// Bath runs as the Preisach model is identified from them: checked, and sorted by stress.
+
+#include <vector>
+
+#include "host-sim/identify/runs/run.hpp"
+
+namespace smaservo {
+
+/// Runs at one stress.
+struct PreisachSlice {
+  double stress_Pa;
+  std::vector<const Run*> runs;
+  double shortest, longest;  ///< strain
+};
+
+/// By rising stress, at most `most` of them, each with reversal curves. Throws UserError as
+/// fit_preisach() says.
+std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t most);
+
+/// The temperature without the reversals that its noise makes: those below 0.5 K.
+std::vector<double> steady_K(const std::vector<double>& temperature_K);
+
+}  // namespace smaservo

@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host-sim/commands.hpp"
+#include "host-sim/plan/plan.hpp"
+#include "host-sim/report/html.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
+
+namespace smaservo {
+namespace {
+
+struct PlanArguments {
+  std::string wire, out{"-"}, report;
+  std::vector<std::string> settings;
+  std::vector<double> loads_N, stresses_MPa;
+  double duration_s = 60;
+  bool json = false;
+  int threads = 0;  ///< 0: as many as cores
+};
+
+/// What all outputs are made of.
+struct Planned {
+  const PlanArguments& arguments;
+  Wire<double> wire;
+  Plan plan;
+};
+
+std::string name_of(const PlannedRun& run) {
+  return fmt::format("{:.4g}MPa", 1e-6 * run.stress_Pa);
+}
+
+double load_N(const Planned& p, const PlannedRun& run) {
+  return run.stress_Pa * p.wire.geometry.area_m2();
+}
+
+double stroke(const PlannedRun& run) {
+  const auto [low, high] = std::ranges::minmax(run.strain);
+  return high - low;
+}
+
+double ratio(const Plan& plan) {
+  return std::exp(mean_logarithm(plan, &ExpectedParameter::triangle) -
+                  mean_logarithm(plan, &ExpectedParameter::plan));
+}
+
+std::string csv(const Plan& plan) {
+  std::string text = "time_s";
+  for (const PlannedRun& run : plan.runs) {
+    text += plan.runs.size() == 1 ? ",current_A" : ",current_A_" + name_of(run);
+  }
+  text += '\n';
+  for (std::size_t i = 0; i < plan.runs.front().current_A.size(); ++i) {
+    text += fmt::format("{:.2f}", static_cast<double>(i) * plan.step_s);
+    for (const PlannedRun& run : plan.runs) {
+      text += fmt::format(",{:.6f}", run.current_A[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// A deviation in the unit of the parameter; relative for a factor, in logits for a share.
+std::string deviation_text(const FitParameter& p, double share) {
+  switch (p.form) {
+    case Form::sum:
+      return fmt::format("{:.3g} {}", share * p.sd / p.scale, p.unit == "degC" ? "K" : p.unit);
+    case Form::factor:
+      return fmt::format("{:.2g} %", 100 * share * p.sd);
+    case Form::share:
+      break;
+  }
+  return fmt::format("{:.2g} logit", share * p.sd);
+}
+
+std::string instructions(const Planned& p) {
+  std::vector<std::string> loads, files;
+  for (const PlannedRun& run : p.plan.runs) {
+    loads.push_back(fmt::format("{:.4g} N", load_N(p, run)));
+    files.push_back(name_of(run) + ".csv");
+  }
+  std::string settings;
+  for (const std::string& setting : p.arguments.settings) {
+    settings += " --set " + setting;
+  }
+  return fmt::format(
+      "1. Hang {} on the wire, one after the other; heat it once, let it cool until nothing moves, "
+      "run its column.\n"
+      "2. In still air, 100 rows/s or more, a file for each load: time_s, current_A, voltage_V (at "
+      "the wire), load_N, displacement_mm, ambient_degC.\n"
+      "3. host-sim identify --from {}{} --out mine.toml {}\n",
+      fmt::join(loads, ", "), p.arguments.wire, settings, fmt::join(files, " "));
+}
+
+std::string summary(const Planned& p) {
+  const Plan& plan = p.plan;
+  std::string text = fmt::format("{:<10}{:>12}{:>12}{:>12}{:>12}{:>13}\n", "run", "load in N",
+                                 "peak in mA", "of limit", "hottest °C", "stroke in %");
+  for (const PlannedRun& run : plan.runs) {
+    text += fmt::format("{:<10}{:>12.4g}{:>12.4g}{:>12.2f}{:>12.1f}{:>13.2f}\n", name_of(run),
+                        load_N(p, run), 1e3 * std::ranges::max(run.current_A),
+                        std::ranges::max(run.current_A) / p.wire.limits.current_A,
+                        std::ranges::max(run.temperature_K) - 273.15, 100 * stroke(run));
+  }
+  text += fmt::format("\n{:<42}{:>14}{:>14}{:>14}\n", "expected deviation", "prior", "triangle",
+                      "plan");
+  for (const ExpectedParameter& e : plan.parameters) {
+    text +=
+        fmt::format("{:<42}{:>14}{:>14}{:>14}{}\n", e.parameter.key, deviation_text(e.parameter, 1),
+                    deviation_text(e.parameter, e.triangle), deviation_text(e.parameter, e.plan),
+                    e.plan < 0.5 ? "" : "  not determined");
+  }
+  text += fmt::format(
+      "\ndetermined, of {}: {} by the plan, {} by a triangle of the current; deviations {:.2f} "
+      "times as small on the geometric mean\n",
+      plan.parameters.size(), determined(plan, &ExpectedParameter::plan),
+      determined(plan, &ExpectedParameter::triangle), ratio(plan));
+  return text + instructions(p);
+}
+
+std::string json(const Planned& p) {
+  nlohmann::ordered_json all;
+  all["wire"] = p.arguments.wire;
+  all["duration_s"] = p.arguments.duration_s;
+  all["step_s"] = p.plan.step_s;
+  for (const PlannedRun& run : p.plan.runs) {
+    all["runs"].push_back({{"name", name_of(run)},
+                           {"stress_MPa", 1e-6 * run.stress_Pa},
+                           {"load_N", load_N(p, run)},
+                           {"peak_A", std::ranges::max(run.current_A)},
+                           {"hottest_degC", std::ranges::max(run.temperature_K) - 273.15},
+                           {"stroke", stroke(run)}});
+  }
+  for (const ExpectedParameter& e : p.plan.parameters) {
+    all["parameters"].push_back({{"key", e.parameter.key},
+                                 {"prior_sd", e.parameter.sd},
+                                 {"triangle", e.triangle},
+                                 {"plan", e.plan},
+                                 {"determined", e.plan < 0.5}});
+  }
+  all["determined"] = {{"triangle", determined(p.plan, &ExpectedParameter::triangle)},
+                       {"plan", determined(p.plan, &ExpectedParameter::plan)}};
+  all["ratio"] = ratio(p.plan);
+  return all.dump(2) + "\n";
+}
+
+std::vector<Plot> plots(const Plan& plan) {
+  std::vector<Plot> all;
+  for (const PlannedRun& run : plan.runs) {
+    std::string data = "$data << EOD\n";
+    for (std::size_t i = 0; i < run.current_A.size(); ++i) {
+      data += fmt::format("{} {} {} {}\n", plotted(static_cast<double>(i + 1) * plan.step_s),
+                          plotted(1e3 * run.current_A[i]), plotted(run.temperature_K[i] - 273.15),
+                          plotted(100 * run.strain[i]));
+    }
+    data += "EOD\n";
+    const std::string name = name_of(run);
+    const auto curve = [&](const char* label, int column) {
+      return draw({1000, 260, "time in s", label}, data, "unset key\n",
+                  {fmt::format("$data using 1:{} with lines lc rgb estimate", column)});
+    };
+    all.push_back({name + ": current", "", false, curve("current in mA", 2)});
+    all.push_back({name + ": temperature", "as the wire's own model expects it", true,
+                   draw({490, 260, "time in s", "temperature in °C"}, data, "unset key\n",
+                        {"$data using 1:3 with lines lc rgb estimate"})});
+    all.push_back({name + ": strain", "as the wire's own model expects it", true,
+                   draw({490, 260, "time in s", "strain in %"}, data, "unset key\n",
+                        {"$data using 1:4 with lines lc rgb estimate"})});
+  }
+  return all;
+}
+
+Plan plan(const PlanArguments& a, const Wire<double>& wire) {
+  PlanOptions options;
+  options.duration_s = a.duration_s;
+  options.threads = a.threads > 0
+                        ? a.threads
+                        : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  for (const double load_N : a.loads_N) {
+    options.stresses_Pa.push_back(wire.stress_Pa(load_N));
+  }
+  for (const double stress_MPa : a.stresses_MPa) {
+    options.stresses_Pa.push_back(1e6 * stress_MPa);
+  }
+  std::unique_ptr<Progress> progress;
+  options.progress = [&](std::size_t done, std::size_t total) {
+    if (!progress) {
+      progress = std::make_unique<Progress>("profiles tried", total);
+    }
+    progress->step(done);
+  };
+  return plan_runs(wire, options);
+}
+
+void run(const PlanArguments& a) {
+  require("--duration-s", a.duration_s, 10, 600);
+  refuse_to_overwrite(a.out, a.report);
+  if (a.out == "-" && a.report == "-") {
+    throw UserError("--out and --report can not both be standard output");
+  }
+  if (a.wire.ends_with(".toml")) {
+    refuse_to_overwrite(a.wire, a.out);
+    refuse_to_overwrite(a.wire, a.report);
+  }
+  const Wire<double> wire = load_wire(a.wire, parse_settings(a.settings)).wire;
+  const Planned planned{a, wire, plan(a, wire)};
+  OutputFile file(a.out);
+  file.write(csv(planned.plan));
+  file.commit();
+  if (!a.report.empty()) {
+    write_html(
+        a.report, "calibrate-plan " + a.wire,
+        plots_html(plots(planned.plan)) + listing_html("Expected deviations", summary(planned)));
+  }
+  fmt::print(a.out == "-" || a.report == "-" ? stderr : stdout, "{}",
+             a.json ? json(planned) : summary(planned));
+}
+
+}  // namespace
+
+void add_calibrate_plan_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate-plan", "Computes currents to run on a bench, so that identify learns the most.");
+  auto a = std::make_shared<PlanArguments>();
+  command->add_option("WIRE", a->wire, "nearest preset, or file that ends in .toml")->required();
+  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--load-N", a->loads_N, "loads, A,B,...; the best three unless given")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--stress-MPa", a->stresses_MPa, "or their stresses")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->excludes("--load-N");
+  command->add_option("--duration-s", a->duration_s, "of each run")->capture_default_str();
+  command->add_option("--out", a->out, "CSV with the currents; - for standard output")
+      ->capture_default_str();
+  command->add_option("--report", a->report, "report as one HTML file");
+  command->add_flag("--json", a->json, "print the numbers as JSON");
+  command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

@@ -1,0 +1,284 @@
+#include "host-sim/replay/replay.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+
+#include "hal/replay/board.hpp"
+#include "host-sim/replay/estimate_file.hpp"
+#include "host-sim/replay/observers.hpp"
+#include "model/files/progress.hpp"
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double lost_percent = 20;
+constexpr double settling_s = 1;
+constexpr double longest_gap_s = 60;
+constexpr double room_K = 298.15;
+
+/// The strain that the trace knows to be true, or NaN.
+class Reference {
+ public:
+  Reference(const TraceReader& trace, double length_m)
+      : strain_(trace.has(Column::strain_ref)),
+        displacement_(!strain_ && trace.has(Column::displacement)),
+        length_m_(length_m) {}
+
+  bool known() const { return strain_ || displacement_; }
+
+  /// A displacement has no zero of its own: it starts where the first estimate is.
+  double of(const TraceRow& row, double first_estimate) {
+    if (strain_) {
+      return row[Column::strain_ref];
+    }
+    if (!displacement_) {
+      return nan;
+    }
+    if (std::isnan(zero_)) {
+      zero_ = first_estimate + row[Column::displacement] / length_m_;
+    }
+    return zero_ - row[Column::displacement] / length_m_;
+  }
+
+ private:
+  bool strain_;
+  bool displacement_;
+  double length_m_;
+  double zero_ = nan;
+};
+
+/// Where the estimates of a run go: file, statistics, plots.
+class Sink {
+ public:
+  Sink(const ReplayOptions& options, const TraceReader& trace, ReplayResult& result)
+      : result_(result),
+        name_(options.trace),
+        reference_(trace, options.wire.wire.geometry.length_m),
+        stroke_(options.wire.wire.nominal_stroke) {
+    result_.has_reference = reference_.known();
+    result_.timed = trace.timed();
+    if (!options.out.empty()) {
+      std::vector<std::string> passed;
+      for (const std::size_t position : trace.unknown()) {
+        passed.push_back(trace.names()[position]);
+      }
+      file_ =
+          std::make_unique<EstimateFile>(options.out, reference_.known(), passed, trace.unknown());
+    }
+  }
+
+  /// `row` comes with everything but its reference; `inputs` with what only plots show.
+  void add(EstimateRow row, const TraceRow& source, PlotPoint point) {
+    row.strain_ref = reference_.of(source, row.strain);
+    first_s_ = std::isnan(first_s_) ? row.time_s : first_s_;
+    add_error(0, row.strain, row.strain_ref, row.time_s);
+    if (file_) {
+      file_->add(row, source.text);
+    }
+    point.time_s = std::isnan(row.time_s) ? static_cast<double>(result_.rows) : row.time_s;
+    point.strain_percent = 100 * row.strain;
+    point.strain_sd_percent = 100 * row.strain_sd;
+    point.strain_ref_percent = 100 * row.strain_ref;
+    point.resistance_ohm = row.resistance_ohm;
+    point.resistance_model_ohm = row.resistance_model_ohm;
+    point.temperature_degC = row.temperature_K - 273.15;
+    point.temperature_ref_degC = source[Column::temperature] - 273.15;
+    point.martensite = row.martensite;
+    point.r_phase = row.r_phase;
+    result_.series.add(point);
+    result_.invalid += row.valid ? 0U : 1U;
+    ++result_.rows;
+    last_ref_ = row.strain_ref;
+    last_s_ = row.time_s;
+  }
+
+  /// The estimate of another observer for the row that was added last.
+  void compare(std::size_t observer, double strain) {
+    add_error(observer, strain, last_ref_, last_s_);
+  }
+
+  void finish(const TraceReader& trace) {
+    result_.skipped = trace.skipped();
+    result_.bytes = trace.bytes();
+    result_.complaints = trace.complaints();
+    if (result_.rows == 0) {
+      throw UserError(fmt::format("{}: has no usable row", name_));
+    }
+    result_.duration_s = std::isnan(last_s_) ? 0 : last_s_ - first_s_;
+    if (file_) {
+      file_->commit();
+    }
+  }
+
+ private:
+  void add_error(std::size_t observer, double strain, double reference, double time_s) {
+    if (std::isnan(reference)) {
+      return;
+    }
+    const double percent = 100 * (strain - reference) / stroke_;
+    ObserverResult& result = result_.observers[observer];
+    result.error.add(percent);
+    const bool settled = std::isnan(time_s) || time_s - first_s_ > settling_s;
+    result.lost = result.lost || (settled && !(std::abs(percent) <= lost_percent));
+  }
+
+  ReplayResult& result_;
+  std::string name_;
+  Reference reference_;
+  double stroke_;
+  std::unique_ptr<EstimateFile> file_;
+  double first_s_ = nan;
+  double last_s_ = nan;
+  double last_ref_ = nan;
+};
+
+/// What the run was told of a load that the trace may not have.
+double default_load_N(const ReplayOptions& options, const TraceReader& trace) {
+  if (trace.has(Column::load) || trace.has(Column::stress)) {
+    return nan;
+  }
+  if (options.load_N) {
+    return *options.load_N;
+  }
+  if (options.stress_Pa) {
+    return *options.stress_Pa * options.wire.wire.geometry.area_m2();
+  }
+  throw UserError(fmt::format(
+      "{}: has neither load_N nor stress_MPa; give the load with --load-N or --stress-MPa",
+      options.trace));
+}
+
+/// Temperature and stress are known: the kinetics alone, without heat balance or resistance.
+void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& result) {
+  using K = ThreePhase<double>;
+  const auto model = plant_params(options.wire.wire);
+  const double area_m2 = options.wire.wire.geometry.area_m2();
+  const double load_N = default_load_N(options, trace);
+  result.open_loop = true;
+  result.observers = {{"model", {}, false}};
+  Sink sink(options, trace, result);
+  Progress progress("replay", trace.file_size());
+  K::State state{};
+  TraceRow row{};
+  while (trace.next(row)) {
+    const double stress_Pa = trace.has(Column::stress) ? row[Column::stress]
+                             : trace.has(Column::load) ? row[Column::load] / area_m2
+                                                       : load_N / area_m2;
+    const Drive<double> drive{row[Column::temperature], stress_Pa};
+    if (result.rows == 0) {
+      state = K::rest(model.kinetics, drive);
+    } else {
+      K::advance(model.kinetics, state, drive);
+    }
+    // In a bath the ends are as warm as the rest.
+    const Phases<double> z = K::phases(state);
+    const double elongation = strain(model.material, z, stress_Pa);
+    const double ohm = resistance_ohm(resistivity(model.material, z, drive).value,
+                                      model.length_per_area_1_m, elongation);
+    PlotPoint point{};
+    point.current_A = nan;
+    point.stress_MPa = stress_Pa * 1e-6;
+    sink.add({row[Column::time], elongation, nan, drive.temperature_K, z.martensite, z.r_phase, nan,
+              ohm, true, nan},
+             row, point);
+    progress.update(trace.bytes());
+  }
+  sink.finish(trace);
+}
+
+using Observers = std::vector<std::unique_ptr<AnyObserver>>;
+
+Observers start_observers(const ReplayOptions& options, const std::vector<Override>& settings,
+                          const ReplayResult& result, const ReplayBoard& board,
+                          const Measurement<double>& first) {
+  double ambient_K = room_K;
+  if (options.ambient_K) {
+    ambient_K = *options.ambient_K;
+  } else if (board.trace().has(Column::ambient)) {
+    ambient_K = board.row()[Column::ambient];
+  }
+  Observers observers;
+  for (const ObserverResult& wanted : result.observers) {
+    observers.push_back(make_observer(wanted.name, options.wire.wire, settings, first, ambient_K));
+  }
+  return observers;
+}
+
+void replay_electrical(const ReplayOptions& options, const MeasurementParams<double>& measuring,
+                       TraceReader reader, ReplayResult& result) {
+  const Wire<double>& wire = options.wire.wire;
+  const std::vector<Override> observer_settings = split_settings(options.settings).observer;
+  const double load_N = default_load_N(options, reader);
+  Sink sink(options, reader, result);
+  for (const std::string& name : options.observers) {
+    if (result.observers.empty() || result.has_reference) {
+      result.observers.push_back({name, {}, false});
+    }
+  }
+  Progress progress("replay", reader.file_size());
+  ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
+  Observers observers;
+  Frame frame{};
+  std::int64_t last_ns = 0;
+  while (board.read(frame) == ReadStatus::frame) {
+    const Measurement<double> m =
+        measure(measuring, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
+    const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
+    if (observers.empty() || dt_s > longest_gap_s) {
+      result.restarts += observers.empty() ? 0U : 1U;
+      observers = start_observers(options, observer_settings, result, board, m);
+    } else {
+      for (const auto& observer : observers) {
+        observer->advance(m, dt_s);
+      }
+    }
+    last_ns = frame.time_ns;
+    const Estimate<double> e = observers.front()->estimate();
+    PlotPoint point{};
+    point.current_A = frame.current_A;
+    point.stress_MPa = m.stress_Pa * 1e-6;
+    sink.add({board.row()[Column::time], e.strain, e.strain_sd, e.temperature_K, e.martensite,
+              e.r_phase, m.resistance_valid ? m.resistance_ohm : nan, e.resistance_model_ohm,
+              m.resistance_valid, nan},
+             board.row(), point);
+    for (std::size_t i = 1; i < observers.size(); ++i) {
+      sink.compare(i, observers[i]->estimate().strain);
+    }
+    progress.update(board.trace().bytes());
+  }
+  sink.finish(board.trace());
+}
+
+}  // namespace
+
+ReplayResult replay(const ReplayOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  TraceReader trace(options.trace, options.trace_options);
+  ReplayResult result;
+  const bool electrical = trace.has(Column::current) && trace.has(Column::voltage);
+  const SplitSettings settings = split_settings(options.settings);
+  check_observer_settings(options.wire.wire, settings.observer);
+  const MeasurementParams<double> measuring =
+      measuring_params(options.wire.wire, settings.measurement);
+  if (electrical && trace.timed()) {
+    replay_electrical(options, measuring, std::move(trace), result);
+  } else if (trace.has(Column::temperature) && !electrical) {
+    replay_bath(options, std::move(trace), result);
+  } else {
+    throw UserError(fmt::format(
+        "{}: needs time_s, current_A and voltage_V (and load_N or stress_MPa), or temperature_degC "
+        "and stress_MPa for the model alone; has: {}. A trace without time needs --period-s, other "
+        "names --column",
+        options.trace, fmt::join(trace.names(), ", ")));
+  }
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  result.elapsed_s = elapsed.count();
+  return result;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,55 @@
+#pragma once
+// The estimation loop on a recorded trace.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/replay/trace.hpp"
+#include "host-sim/replay/error_statistics.hpp"
+#include "host-sim/replay/measuring.hpp"
+#include "host-sim/report/series.hpp"
+#include "model/files/wire_file.hpp"
+
+namespace smaservo {
+
+struct ReplayOptions {
+  std::string trace;  ///< path, "-" for standard input
+  TraceOptions trace_options;
+  WireDescription wire;
+  std::vector<std::string> observers{"kalman"};  ///< the first one writes `out` and the plots, the
+                                                 ///< others run where there is a reference
+  std::vector<Override> settings;                ///< of observer and measurement
+  std::optional<double> load_N;                  ///< where the trace has neither load nor stress
+  std::optional<double> stress_Pa;
+  std::optional<double> ambient_K;  ///< guess; the trace's first value, or 25 °C
+  std::string out;                  ///< CSV, "-" for standard output; empty: none
+};
+
+struct ObserverResult {
+  std::string name;
+  ErrorStatistics error;  ///< in per cent of the nominal stroke
+  bool lost = false;      ///< above 20 % after the first second
+};
+
+struct ReplayResult {
+  bool open_loop = false;  ///< the trace has temperature and stress instead of voltage and current
+  bool timed = false;      ///< rows have a time
+  bool has_reference = false;
+  std::vector<ObserverResult> observers;
+  std::uint64_t rows = 0;
+  std::uint64_t skipped = 0;
+  std::uint64_t invalid = 0;   ///< rows without a valid resistance
+  std::uint64_t restarts = 0;  ///< gaps of more than a minute: what happened in them is unknown
+  std::uint64_t bytes = 0;
+  std::vector<std::string> complaints;
+  double duration_s = 0;
+  double elapsed_s = 0;
+  Series series;
+};
+
+/// Throws UserError, TraceError.
+ReplayResult replay(const ReplayOptions& options);
+
+}  // namespace smaservo

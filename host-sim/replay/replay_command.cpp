@@ -1,0 +1,148 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <memory>
+
+#include "firmware/bench/device_replay.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "host-sim/commands.hpp"
+#include "host-sim/replay/observers.hpp"
+#include "host-sim/replay/replay.hpp"
+#include "host-sim/replay/report.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+struct ReplayArguments {
+  ReplayOptions options;
+  std::string wire{default_wire};
+  std::vector<std::string> settings;
+  std::string report;
+  std::string device;
+  bool allow_differences = false;
+  std::optional<double> tolerance;
+  bool json = false;
+  std::optional<double> stress_MPa, ambient_degC;
+  std::optional<double> period_s;
+};
+
+void run_device(const ReplayArguments& a) {
+  require("--tolerance", a.tolerance, 0, 1);
+  DeviceReplayOptions options{a.options.trace, a.options.trace_options,
+                              load_settings_file(a.device), a.options.out, a.tolerance.value_or(0)};
+  options.trace_options.period_s = a.period_s.value_or(0);
+  refuse_to_overwrite(options.trace, options.out);
+  refuse_to_overwrite(a.device, options.out);
+  const DeviceReplayResult result = replay_device(options);
+  fmt::print(options.out == "-" ? stderr : stdout, "{}", summary(options, result));
+  if (!agrees(result) && !a.allow_differences) {
+    throw UserError(fmt::format("{}: the outputs differ from those in the trace{}", options.trace,
+                                a.tolerance ? " by more than the tolerance" : ""));
+  }
+}
+
+void run(ReplayArguments& a) {
+  if (!a.device.empty()) {
+    run_device(a);
+    return;
+  }
+  require("--load-N", a.options.load_N, 0, 1e5);
+  require("--stress-MPa", a.stress_MPa, 0, 1e4);
+  require("--ambient-degC", a.ambient_degC, -100, 200);
+  require("--period-s", a.period_s, 1e-6, 1e6);
+  if (a.stress_MPa) {
+    a.options.stress_Pa = 1e6 * *a.stress_MPa;
+  }
+  if (a.ambient_degC) {
+    a.options.ambient_K = 273.15 + *a.ambient_degC;
+  }
+  a.options.trace_options.period_s = a.period_s.value_or(0);
+  std::vector<Override> wire;
+  for (Override& setting : parse_settings(a.settings)) {
+    const bool running =
+        setting.first.starts_with("kalman.") || setting.first.starts_with("measurement.");
+    (running ? a.options.settings : wire).push_back(std::move(setting));
+  }
+  a.options.wire = load_wire(a.wire, wire);
+  const auto& names = a.options.observers;
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (std::find(names.begin(), name, *name) != name) {
+      throw UserError(fmt::format("--observer {}: is given twice", *name));
+    }
+  }
+  refuse_to_overwrite(a.options.trace, a.options.out);
+  refuse_to_overwrite(a.options.trace, a.report);
+  refuse_to_overwrite(a.options.out, a.report);
+  const ReplayResult result = replay(a.options);
+  if (!a.report.empty()) {
+    write_report(a.report, a.options, result);
+  }
+  // Where the estimate takes standard output, the summary must not mix with it.
+  const bool taken = a.options.out == "-" || a.report == "-";
+  fmt::print(taken ? stderr : stdout, "{}",
+             a.json ? summary_json(a.options, result) : summary(a.options, result));
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "Runs the estimation loop on a recorded trace and prints its errors.");
+  auto a = std::make_shared<ReplayArguments>();
+  std::vector<std::string> observers;
+  for (const ObserverKind& kind : observer_kinds()) {
+    observers.emplace_back(kind.name);
+  }
+  a->options.observers = observers;
+  command->add_option("TRACE", a->options.trace, "CSV file, - for standard input")->required();
+  command->add_option("--wire", a->wire, "preset or file that ends in .toml")
+      ->capture_default_str();
+  command
+      ->add_option("--observer", a->options.observers,
+                   "the first one writes the estimate; the others are compared with it where the "
+                   "trace has a reference")
+      ->check(CLI::IsMember(observers))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--set", a->settings, "key=value of wire, observer or measuring; repeatable")
+      ->allow_extra_args(false);
+  command->add_option("--out", a->options.out, "estimate as CSV, - for standard output");
+  command->add_option("--report", a->report, "report as one HTML file");
+  command->add_flag("--json", a->json, "print the numbers as JSON");
+  command->add_flag("--lenient", a->options.trace_options.lenient,
+                    "skip and count bad rows instead of refusing them");
+  command->add_option("--load-N", a->options.load_N, "load, where the trace has none");
+  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
+  command->add_option("--ambient-degC", a->ambient_degC,
+                      "first guess; the trace's first value, or 25");
+  command->add_option("--period-s", a->period_s, "between rows, where the trace has no time");
+  command
+      ->add_option("--column", a->options.trace_options.renames,
+                   "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--device", a->device,
+                   "run the whole device with these settings, with the trace's commands, and "
+                   "compare its outputs with the trace's")
+      ->excludes("--wire")
+      ->excludes("--observer")
+      ->excludes("--set")
+      ->excludes("--report")
+      ->excludes("--json")
+      ->excludes("--load-N")
+      ->excludes("--stress-MPa")
+      ->excludes("--ambient-degC");
+  command
+      ->add_flag("--allow-differences", a->allow_differences,
+                 "end well where the outputs differ from the trace's")
+      ->needs("--device");
+  command
+      ->add_option("--tolerance", a->tolerance,
+                   "let numbers differ by so large a share of their range in the trace, where "
+                   "another machine or compiler wrote it")
+      ->needs("--device")
+      ->excludes("--allow-differences");
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

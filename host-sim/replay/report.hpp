@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "host-sim/replay/replay.hpp"
+
+namespace smaservo {
+
+/// Writes one HTML file that opens without a network: numbers, plots, wire and settings. Throws
+/// UserError.
+void write_report(const std::string& path, const ReplayOptions& options,
+                  const ReplayResult& result);
+
+/// The numbers of a run for a terminal: what was read, and the error of every observer.
+std::string summary(const ReplayOptions& options, const ReplayResult& result);
+
+/// The same for machines, as one JSON object.
+std::string summary_json(const ReplayOptions& options, const ReplayResult& result);
+
+}  // namespace smaservo

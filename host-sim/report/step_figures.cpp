@@ -1,0 +1,61 @@
+#include "host-sim/report/step_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace smaservo {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double least_step_s = 0.2;
+constexpr double settled_percent = 2;
+constexpr double least_rise_percent = 2;
+
+}  // namespace
+
+void StepJudge::add(double time_s, double setpoint, double strain) {
+  if (strains_.empty() || setpoint != setpoint_) {
+    finish();
+    from_s_ = time_s;
+    setpoint_ = setpoint;
+  }
+  if (!std::isnan(setpoint)) {
+    strains_.push_back(strain);
+  }
+}
+
+void StepJudge::finish() {
+  if (static_cast<double>(strains_.size()) * period_s_ > least_step_s) {
+    steps_.push_back(judged());
+  }
+  strains_.clear();
+}
+
+StepFigures StepJudge::judged() const {
+  const auto at_s = [&](std::size_t i) { return static_cast<double>(i) * period_s_; };
+  const std::size_t n = strains_.size();
+  const std::size_t last = n / 4;
+  StepFigures f{from_s_, at_s(n), strains_.front(), setpoint_, unknown, unknown, 0, 0};
+  const double way = f.to - f.from;
+  const double sign = way < 0 ? -1 : 1;
+  std::size_t outside = 0;  ///< behind the last sample outside of the band
+  double ten_s = unknown;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double error_percent = 100 * (strains_[i] - f.to) / stroke_;
+    outside = std::abs(error_percent) > settled_percent ? i + 1 : outside;
+    f.overshoot_percent = std::max(f.overshoot_percent, sign * error_percent);
+    const double share = (strains_[i] - f.from) / way;
+    ten_s = std::isnan(ten_s) && share >= 0.1 ? at_s(i) : ten_s;
+    f.rise_s = std::isnan(f.rise_s) && share >= 0.9 ? at_s(i) - ten_s : f.rise_s;
+    f.error_percent += i >= n - last ? std::abs(error_percent) : 0;
+  }
+  f.error_percent /= static_cast<double>(last);
+  f.settling_s = outside < n ? at_s(outside) : unknown;
+  if (100 * std::abs(way) < least_rise_percent * stroke_) {
+    f.rise_s = unknown;
+  }
+  return f;
+}
+
+}  // namespace smaservo

@@ -1,0 +1,73 @@
+#include "host-sim/report/text_plot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <span>
+
+namespace smaservo::can {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<double> columns_of(std::span<const double> values, std::size_t width) {
+  const std::size_t count = std::min(values.size(), width);
+  std::vector<double> columns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t from = i * values.size() / count;
+    const std::size_t to = (i + 1) * values.size() / count;
+    double sum = 0;
+    int used = 0;
+    for (const double value : values.subspan(from, to - from)) {
+      if (std::isfinite(value)) {
+        sum += value;
+        ++used;
+      }
+    }
+    columns.push_back(used > 0 ? sum / used : nan);
+  }
+  return columns;
+}
+
+}  // namespace
+
+std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_t width,
+                      std::size_t height) {
+  std::vector<std::vector<double>> drawn;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const std::vector<double>& curve : curves) {
+    drawn.push_back(columns_of(curve, width));
+    for (const double value : drawn.back()) {
+      if (std::isfinite(value)) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
+    }
+  }
+  if (!(low <= high)) return "";
+  const double span = high > low ? high - low : 1;
+  std::vector<std::string> rows(height, std::string(width, ' '));
+  for (std::size_t curve = drawn.size(); curve-- > 0;) {
+    const std::vector<double>& columns = drawn[curve];
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (!std::isfinite(columns[i])) continue;
+      const double share = (columns[i] - low) / span;
+      const auto up =
+          static_cast<std::size_t>(std::lround(share * static_cast<double>(height - 1)));
+      rows[height - 1 - up][i] = curve == 0 ? '*' : '.';
+    }
+  }
+  std::string text;
+  for (std::size_t i = 0; i < height; ++i) {
+    const std::string label = i == 0            ? fmt::format("{:.6g}", high)
+                              : i + 1 == height ? fmt::format("{:.6g}", low)
+                                                : "";
+    rows[i].erase(rows[i].find_last_not_of(' ') + 1);
+    text += fmt::format("{:>10} |{}\n", label, rows[i]);
+  }
+  return text;
+}
+
+}  // namespace smaservo::can

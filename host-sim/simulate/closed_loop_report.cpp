@@ -1,0 +1,233 @@
+#include "host-sim/simulate/closed_loop_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+#include "firmware/text/device_names.hpp"
+#include "host-sim/report/html.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr const char* data_columns =
+    "# time setpoint reference strain estimate I P wire hot_spot hottest stress other measured\n";
+
+std::string data_block(const std::vector<LoopPoint>& points) {
+  std::string text = fmt::format("$data << EOD\n{}", data_columns);
+  for (const LoopPoint& p : points) {
+    const std::array columns{
+        p.time_s,     p.setpoint_percent, p.reference_percent, p.strain_percent, p.estimate_percent,
+        p.current_A,  p.power_W,          p.wire_degC,         p.hot_spot_degC,  p.hottest_degC,
+        p.stress_MPa, p.other_setpoint,   p.other_measured};
+    text += plotted_row(columns);
+  }
+  return text + "EOD\n";
+}
+
+/// One line of a time table: a name and when it held.
+struct Row {
+  std::string name;
+  const char* colour;
+  const Spans* spans;
+};
+
+std::vector<Row> time_table(const LoopRecord& record) {
+  std::vector<Row> rows;
+  const auto add = [&](const auto& all, auto name, const char* colour) {
+    for (const auto& [key, spans] : all) {
+      rows.push_back({std::string(name(key)), colour, &spans});
+    }
+  };
+  add(record.states, state_name, "measured");
+  add(record.limits, limit_reason_name, "estimate");
+  add(record.warnings, fault_name, "0xddaa33");
+  add(record.latched, fault_name, "0xb00020");
+  return rows;
+}
+
+class LoopPlots {
+ public:
+  LoopPlots(const ClosedLoopScenario& scenario, const LoopRecord& record)
+      : scenario_(scenario),
+        record_(record),
+        points_(record.series.points()),
+        data_(data_block(points_)) {}
+
+  std::vector<Plot> all() const {
+    std::vector<Plot> plots{strain()};
+    if (shows(&LoopPoint::other_measured)) {
+      plots.push_back(other());
+    }
+    for (Plot plot : {drive(), temperature(), stress(), times()}) {
+      plots.push_back(std::move(plot));
+    }
+    return plots;
+  }
+
+ private:
+  bool shows(double LoopPoint::* value) const {
+    return std::ranges::any_of(points_,
+                               [&](const LoopPoint& p) { return std::isfinite(p.*value); });
+  }
+
+  Plot strain() const {
+    std::vector<std::string> curves;
+    if (shows(&LoopPoint::setpoint_percent)) {
+      curves.emplace_back("$data using 1:2 with steps lc rgb measured lw 2 title 'set-point'");
+    }
+    if (shows(&LoopPoint::reference_percent)) {
+      curves.emplace_back(
+          "$data using 1:3 with lines lc rgb '#228833' dt 2 title 'reference of the planner'");
+    }
+    curves.emplace_back("$data using 1:4 with lines lc rgb reference lw 2 title 'true strain'");
+    curves.emplace_back("$data using 1:5 with lines lc rgb estimate title 'estimate'");
+    return wide("Strain", "What is asked for, what is, and what the observer believes.",
+                "strain in %", 340, "", curves);
+  }
+
+  Plot other() const {
+    return wide("Other modes", "Set-points that are not a length, in SI units of their mode.", "",
+                240, "",
+                {"$data using 1:12 with lines lc rgb measured lw 2 title 'set-point'",
+                 "$data using 1:13 with lines lc rgb estimate title 'as the device measures it'"});
+  }
+
+  Plot drive() const {
+    return wide("Current and power",
+                "The current as it flows; the power that the controller wants.", "current in A",
+                240,
+                "set y2label 'power in W'\nset y2tics\nset y2range [0:*]\nset yrange [0:*]\n"
+                "set border 11\n",
+                {"$data using 1:7 axes x1y2 with lines lc rgb band lw 2 title 'power'",
+                 "$data using 1:6 with lines lc rgb estimate title 'current'"});
+  }
+
+  Plot temperature() const {
+    std::vector<std::string> curves{
+        "$data using 1:10 with lines lc rgb reference lw 2 title 'hottest point, true'"};
+    if (shows(&LoopPoint::hot_spot_degC)) {
+      curves.emplace_back(
+          "$data using 1:9 with lines lc rgb measured title 'hottest point, as feared'");
+    }
+    curves.emplace_back("$data using 1:8 with lines lc rgb estimate title 'wire, estimated'");
+    curves.push_back(fmt::format("{} with lines lc rgb '#b00020' dt 2 title 'limit'",
+                                 scenario_.settings.limits.temperature_K - 273.15));
+    return wide("Temperature", "The hottest point must stay below the limit.", "temperature in °C",
+                280, "", curves);
+  }
+
+  Plot stress() const {
+    return wide("Stress", "Of the wire, as it is.", "stress in MPa", 200, "set yrange [0:*]\n",
+                {"$data using 1:11 with lines lc rgb reference notitle"});
+  }
+
+  /// States, limit reasons, warnings and faults as bars.
+  Plot times() const {
+    const std::vector<Row> rows = time_table(record_);
+    std::string more =
+        fmt::format("set yrange [{}:0.5]\nset ytics (", 0.5 - static_cast<double>(rows.size()));
+    std::string data;
+    std::vector<std::string> curves;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto y = -static_cast<double>(i);
+      more += fmt::format("{}'{}' {}", i == 0 ? "" : ", ", rows[i].name, y);
+      data += fmt::format("$row{} << EOD\n", i);
+      for (const auto& [from_s, to_s] : *rows[i].spans) {
+        data += fmt::format("{:.6g} {} {:.6g} 0\n", from_s, y,
+                            std::max(to_s - from_s, scenario_.duration_s / 1000));
+      }
+      data += "EOD\n";
+      curves.push_back(fmt::format(
+          "$row{} using 1:2:3:4 with vectors nohead lw 7 lc rgb {} notitle", i, rows[i].colour));
+    }
+    more += ") noenhanced\n" + fmt::format("set xrange [0:{}]\n", scenario_.duration_s);
+    Plot plot{"States, limits, faults",
+              "Grey: state. Blue: what limits the output. Amber: warnings. Red: latched faults.",
+              false,
+              draw({1000, 90 + 18 * static_cast<int>(rows.size()), "time in s", ""}, data,
+                   margins + more, curves)};
+    return plot;
+  }
+
+  static constexpr const char* margins = "set lmargin at screen 0.14\nset rmargin at screen 0.91\n";
+
+  Plot wide(const char* title, const char* caption, const char* y_label, int height,
+            const std::string& more, const std::vector<std::string>& curves) const {
+    return {
+        title, caption, false,
+        draw({1000, height, "time in s", y_label}, data_,
+             margins + fmt::format("set xrange [0:{}]\n", scenario_.duration_s) + more, curves)};
+  }
+
+  const ClosedLoopScenario& scenario_;
+  const LoopRecord& record_;
+  std::vector<LoopPoint> points_;
+  std::string data_;
+};
+
+std::string cell_html(double value, int decimals) {
+  return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, decimals);
+}
+
+std::string numbers_html(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
+  const double limit_K = scenario.settings.limits.temperature_K;
+  std::string html = "<table>\n";
+  html +=
+      row_html({"hottest point, true", fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C",
+                                                   result.greatest_hottest_K - 273.15,
+                                                   result.greatest_hottest_s, limit_K - 273.15)},
+               "td");
+  html += row_html({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.greatest_current_A)},
+                   "td");
+  html += row_html(
+      {"estimate at most off by",
+       fmt::format("{:.2f} % of the nominal stroke",
+                   100 * result.greatest_estimate_error / scenario.settings.wire.nominal_stroke)},
+      "td");
+  for (const auto& [fault, time_s] : result.faults) {
+    html += row_html({std::string(fault_name(fault)), fmt::format("latched at {:.3f} s", time_s)},
+                     "td");
+  }
+  return html + "</table>\n";
+}
+
+std::string steps_html(const LoopRunResult& result) {
+  if (result.strain_steps.empty()) {
+    return "";
+  }
+  std::string html = "<h2>Steps</h2>\n<table>\n";
+  html +=
+      row_html({"at s", "from %", "to %", "rise s", "settling s", "overshoot %", "error %"}, "th");
+  for (const StepFigures& s : result.strain_steps) {
+    html += row_html(
+        {fmt::format("{:.3f}", s.from_s), fmt::format("{:.3f}", 100 * s.from),
+         fmt::format("{:.3f}", 100 * s.to), cell_html(s.rise_s, 3), cell_html(s.settling_s, 3),
+         fmt::format("{:.2f}", s.overshoot_percent), fmt::format("{:.2f}", s.error_percent)},
+        "td");
+  }
+  return html +
+         "</table>\n<p class=\"caption\">From and to are strain; overshoot and steady error (mean "
+         "over the last quarter) are in % of the nominal stroke; settling is to ±2 % of it.</p>\n";
+}
+
+}  // namespace
+
+void write_report(const std::string& path, const ClosedLoopScenario& scenario,
+                  const LoopRunResult& result) {
+  std::string html =
+      fmt::format("<p>{}</p>\n<p>{} steps, {:.4g} s, plant {}, wire {}</p>\n",
+                  escaped(scenario.note), result.steps, result.duration_s,
+                  plant_name(scenario.plant.family), escaped(scenario.plant.wire.name));
+  html += numbers_html(scenario, result);
+  if (result.record) {
+    html += plots_html(LoopPlots(scenario, *result.record).all());
+  }
+  html += steps_html(result);
+  html += listing_html("Wire as it is", to_toml(scenario.plant.wire));
+  write_html(path, scenario.name, html);
+}
+
+}  // namespace smaservo

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "host-sim/simulate/closed_loop_run.hpp"
+
+namespace smaservo {
+
+/// Writes one HTML file that opens without a network: numbers, plots, the device's faults. Without
+/// a record in the result there are no plots. Throws UserError.
+void write_report(const std::string& path, const ClosedLoopScenario& scenario,
+                  const LoopRunResult& result);
+
+}  // namespace smaservo

@@ -1,0 +1,255 @@
+#include "host-sim/simulate/closed_loop_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+
+#include "firmware/bench/closed_loop.hpp"
+#include "firmware/text/device_names.hpp"
+#include "firmware/text/device_trace.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double zero_degC_K = 273.15;
+constexpr double estimate_settles_s = 1;
+
+/// The length that is asked for, as a strain; NaN in modes that do not control it.
+double wanted_strain(const Settings<double>& settings, Mode mode, double value) {
+  if (mode == Mode::strain) {
+    return value;
+  }
+  return mode == Mode::position
+             ? settings.axis.zero_strain - value / settings.wire.geometry.length_m
+             : nan;
+}
+
+/// What a mode controls, as the device measures it.
+double controlled(const Turn& turn) {
+  const Sample<double>& sample = turn.inputs.sample;
+  switch (turn.output.mode) {
+    case Mode::current:
+      return sample.current_A;
+    case Mode::power:
+      return sample.current_A * sample.voltage_V;
+    case Mode::resistance:
+      return turn.output.measurement.resistance_valid ? turn.output.measurement.resistance_ohm
+                                                      : nan;
+    case Mode::temperature:
+      return turn.output.estimate.temperature_K;
+    case Mode::force:
+      return sample.load_N;
+    case Mode::off:
+    case Mode::strain:
+    case Mode::position:
+    case Mode::identification:
+      break;
+  }
+  return nan;
+}
+
+/// Writes down what a report shows.
+class Recorder {
+ public:
+  Recorder(const ClosedLoopScenario& scenario, LoopRecord& record)
+      : settings_(scenario.settings), record_(record), gap_s_(scenario.duration_s / 500) {}
+
+  void add(const Turn& turn) {
+    const Output<double>& out = turn.output;
+    const bool length = out.mode == Mode::strain || out.mode == Mode::position;
+    const double controlled_now = controlled(turn);
+    const bool other = !std::isnan(controlled_now);
+    record_.series.add({.time_s = turn.time_s,
+                        .setpoint_percent = 100 * wanted_strain(settings_, turn.command.mode,
+                                                                turn.command.setpoint),
+                        .reference_percent =
+                            length ? 100 * wanted_strain(settings_, out.mode, out.reference) : nan,
+                        .strain_percent = 100 * turn.truth.strain,
+                        .estimate_percent = 100 * out.estimate.strain,
+                        .current_A = turn.truth.current_A,
+                        .power_W = out.power_W,
+                        .wire_degC = out.estimate.temperature_K - zero_degC_K,
+                        .hot_spot_degC = out.hot_spot_K > 0 ? out.hot_spot_K - zero_degC_K : nan,
+                        .hottest_degC = turn.truth.hottest_K - zero_degC_K,
+                        .stress_MPa = turn.truth.stress_Pa * 1e-6,
+                        .other_setpoint = other ? out.setpoint : nan,
+                        .other_measured = controlled_now});
+    held(record_.states, out.state, turn.time_s);
+    for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
+      if ((out.limit_reasons >> i & 1U) != 0) {
+        held(record_.limits, static_cast<LimitReason>(i), turn.time_s);
+      }
+    }
+    faults(record_.latched, out.latched, turn.time_s);
+    faults(record_.warnings, out.warnings, turn.time_s);
+  }
+
+ private:
+  template <class Key>
+  void held(std::map<Key, Spans>& spans, Key key, double time_s) const {
+    Spans& all = spans[key];
+    if (all.empty() || time_s - all.back().second > gap_s_) {
+      all.emplace_back(time_s, time_s);
+    }
+    all.back().second = time_s;
+  }
+  void faults(std::map<Fault, Spans>& spans, FaultSet set, double time_s) const {
+    for (unsigned i = 0; !set.empty() && i < static_cast<unsigned>(Fault::count); ++i) {
+      if (set.has(static_cast<Fault>(i))) {
+        held(spans, static_cast<Fault>(i), time_s);
+      }
+    }
+  }
+
+  const Settings<double>& settings_;
+  LoopRecord& record_;
+  double gap_s_;  ///< shorter interruptions would not be seen
+};
+
+class Judge {
+ public:
+  Judge(const ClosedLoopScenario& scenario, LoopRunResult& result)
+      : settings_(scenario.settings),
+        result_(result),
+        steps_(scenario.settings.wire.nominal_stroke, scenario.settings.timing.period_s) {}
+
+  void add(const Turn& turn) {
+    const bool runs = turn.output.state == DeviceState::running;
+    steps_.add(turn.time_s,
+               runs ? wanted_strain(settings_, turn.command.mode, turn.command.setpoint) : nan,
+               turn.truth.strain);
+    if (turn.truth.hottest_K > result_.greatest_hottest_K) {
+      result_.greatest_hottest_K = turn.truth.hottest_K;
+      result_.greatest_hottest_s = turn.time_s;
+    }
+    result_.greatest_current_A = std::max(result_.greatest_current_A, turn.truth.current_A);
+    if (turn.time_s > estimate_settles_s) {
+      result_.greatest_estimate_error =
+          std::max(result_.greatest_estimate_error,
+                   std::abs(turn.output.estimate.strain - turn.truth.strain));
+    }
+    const FaultSet fresh = turn.output.latched - latched_;
+    latched_ = turn.output.latched;
+    for (unsigned i = 0; !fresh.empty() && i < static_cast<unsigned>(Fault::count); ++i) {
+      if (fresh.has(static_cast<Fault>(i))) {
+        result_.faults.emplace_back(static_cast<Fault>(i), turn.time_s);
+      }
+    }
+  }
+  void finish() {
+    steps_.finish();
+    result_.strain_steps = steps_.steps();
+  }
+
+ private:
+  const Settings<double>& settings_;
+  LoopRunResult& result_;
+  StepJudge steps_;
+  FaultSet latched_;
+};
+
+/// The trace of the first wire, with what the second one does beside it.
+class LoopFile {
+ public:
+  LoopFile(const std::string& path, const ClosedLoopScenario& scenario)
+      : file_(path, columns(scenario.board),
+              scenario.pair ? std::vector<std::string>{"other_strain_ref", "other_current_A",
+                                                       "other_hottest_K"}
+                            : std::vector<std::string>{}) {}
+
+  void add(const ClosedLoop& loop) {
+    further_.clear();
+    if (const auto other = loop.other()) {
+      for (const double value : {other->strain, other->current_A, other->hottest_K}) {
+        further_ += ',';
+        append_number(further_, value);
+      }
+    }
+    file_.add(loop.turn(), further_);
+  }
+  void commit() { file_.commit(); }
+
+ private:
+  static std::vector<DeviceColumn> columns(const SimSetup& board) {
+    std::vector<DeviceColumn> all =
+        log_columns(board.reads_supply, board.reads_ambient, board.reads_driver);
+    all.insert(all.end(), output_columns().begin(), output_columns().end());
+    all.insert(all.end(), truth_columns().begin(), truth_columns().end());
+    return all;
+  }
+
+  DeviceTraceFile file_;
+  std::string further_;
+};
+
+std::string cell_text(double value, int decimals) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+}
+
+}  // namespace
+
+LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options) {
+  LoopRunResult result;
+  std::unique_ptr<LoopFile> file;
+  if (!options.out.empty()) {
+    file = std::make_unique<LoopFile>(options.out, scenario);
+  }
+  std::optional<Recorder> recorder;
+  if (options.record) {
+    recorder.emplace(scenario, result.record.emplace());
+  }
+  Judge judge(scenario, result);
+  ClosedLoop loop(scenario);
+  const auto start = std::chrono::steady_clock::now();
+  while (loop.step()) {
+    judge.add(loop.turn());
+    if (recorder) {
+      recorder->add(loop.turn());
+    }
+    if (file) {
+      file->add(loop);
+    }
+    ++result.steps;
+  }
+  judge.finish();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  result.elapsed_s = elapsed.count();
+  result.duration_s =
+      static_cast<double>(result.steps) * static_cast<double>(scenario.board.period_ns) * 1e-9;
+  if (file) {
+    file->commit();
+  }
+  return result;
+}
+
+std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
+  std::string text = fmt::format("{}: {} steps, {:.4g} s, {:.0f} times real time\n{}\n",
+                                 scenario.name, result.steps, result.duration_s,
+                                 result.duration_s / result.elapsed_s, scenario.note);
+  text += fmt::format(
+      "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, estimate at "
+      "most {:.1f} % of the stroke off\n",
+      result.greatest_hottest_K - zero_degC_K, result.greatest_hottest_s,
+      1e3 * result.greatest_current_A,
+      100 * result.greatest_estimate_error / scenario.settings.wire.nominal_stroke);
+  for (const auto& [fault, time_s] : result.faults) {
+    text += fmt::format("{:.3f} s: {}\n", time_s, fault_name(fault));
+  }
+  if (result.strain_steps.empty()) {
+    return text;
+  }
+  text += fmt::format("{:>9}{:>8}{:>8}{:>9}{:>11}{:>13}{:>11}\n", "step at s", "from %", "to %",
+                      "rise s", "settling s", "overshoot %", "error %");
+  for (const StepFigures& s : result.strain_steps) {
+    text += fmt::format("{:>9.3f}{:>8.3f}{:>8.3f}{:>9}{:>11}{:>13.2f}{:>11.2f}\n", s.from_s,
+                        100 * s.from, 100 * s.to, cell_text(s.rise_s, 3),
+                        cell_text(s.settling_s, 3), s.overshoot_percent, s.error_percent);
+  }
+  return text + "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
+}
+
+}  // namespace smaservo

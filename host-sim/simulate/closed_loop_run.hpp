@@ -1,0 +1,62 @@
+#pragma once
+// A closed loop from beginning to end: its trace, and what it says about the device.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/command.hpp"
+#include "host-sim/report/series.hpp"
+#include "host-sim/report/step_figures.hpp"
+
+namespace smaservo {
+
+/// What the plots of a closed loop show, in the units of their axes. NaN leaves a gap.
+struct LoopPoint {
+  double time_s;
+  double setpoint_percent, reference_percent, strain_percent, estimate_percent;
+  double current_A, power_W;
+  double wire_degC, hot_spot_degC, hottest_degC;
+  double stress_MPa;
+  double other_setpoint, other_measured;  ///< of modes that do not control the length, in SI
+};
+
+/// When something held, as from and to.
+using Spans = std::vector<std::pair<double, double>>;
+
+/// What a report shows of a run.
+struct LoopRecord {
+  SeriesOf<LoopPoint, &LoopPoint::strain_percent> series;
+  std::map<LimitReason, Spans> limits;
+  std::map<Fault, Spans> latched, warnings;
+  std::map<DeviceState, Spans> states;
+};
+
+struct LoopRunResult {
+  std::uint64_t steps = 0;
+  double duration_s = 0, elapsed_s = 0;
+  std::vector<StepFigures> strain_steps;
+  double greatest_hottest_K = 0;
+  double greatest_hottest_s = 0;
+  double greatest_current_A = 0;
+  double greatest_estimate_error = 0;            ///< of the strain, after the first second
+  std::vector<std::pair<Fault, double>> faults;  ///< as they latched, with their times
+  std::optional<LoopRecord> record;
+};
+
+struct LoopRunOptions {
+  std::string out;      ///< CSV, "-" for standard output; empty: none
+  bool record = false;  ///< for a report
+};
+
+/// Throws UserError.
+LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options);
+
+/// The numbers for a terminal.
+std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& result);
+
+}  // namespace smaservo

@@ -1,0 +1,32 @@
+#pragma once
+// Runs a scenario on a simulated wire, measured by noisy and quantised sensors.
+
+#include <functional>
+
+#include "firmware/bench/scenario.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+
+/// What is measured, and the strain as it is.
+struct SimulatedRow {
+  double time_s, current_A, voltage_V, load_N, strain;
+};
+using RowSink = std::function<void(const SimulatedRow&)>;
+
+/// Writes the trace; the same scenario gives the same trace.
+void simulate(const Scenario& scenario, OutputFile& trace);
+
+/// The same rows in memory, before they are rounded to the digits of a file. The scenario's run
+/// must be a JouleScenario; throws std::bad_variant_access for a bath.
+void simulate_rows(const Scenario& scenario, const RowSink& sink);
+
+/// What is known of a bath at each of its steps; the temperature is noisy.
+struct SimulatedBathRow {
+  double temperature_K, stress_Pa, strain;
+};
+/// The same for a BathScenario.
+void simulate_bath_rows(const Scenario& scenario,
+                        const std::function<void(const SimulatedBathRow&)>& sink);
+
+}  // namespace smaservo

@@ -1,0 +1,64 @@
+#include <fmt/format.h>
+#include <memory>
+
+#include "firmware/bench/scenario.hpp"
+#include "host-sim/commands.hpp"
+#include "host-sim/simulate/closed_loop_report.hpp"
+#include "host-sim/simulate/simulate.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+namespace {
+
+struct SimulateArguments {
+  std::string scenario, out, report;
+};
+
+void run_loop(const SimulateArguments& a) {
+  const ClosedLoopScenario scenario = load_closed_loop(a.scenario);
+  const LoopRunResult result =
+      run_closed_loop(scenario, {.out = a.out, .record = !a.report.empty()});
+  if (!a.report.empty()) {
+    write_report(a.report, scenario, result);
+  }
+  // Where a file takes standard output, the summary must not mix with it.
+  const bool taken = a.out == "-" || a.report == "-";
+  fmt::print(taken ? stderr : stdout, "{}", summary(scenario, result));
+}
+
+void run(const SimulateArguments& a) {
+  refuse_to_overwrite(a.scenario, a.out);
+  refuse_to_overwrite(a.scenario, a.report);
+  refuse_to_overwrite(a.out, a.report);
+  if (is_closed_loop(a.scenario)) {
+    run_loop(a);
+    return;
+  }
+  if (!a.report.empty()) {
+    throw UserError(
+        fmt::format("{}: has no [device], so there is nothing to report; replay "
+                    "--report shows what an observer makes of the trace",
+                    a.scenario));
+  }
+  const Scenario scenario = load_scenario(a.scenario);
+  OutputFile file(a.out.empty() ? "-" : a.out);
+  simulate(scenario, file);
+  file.commit();
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Makes a trace with a plant that no observer knows, or runs a device on it.");
+  auto a = std::make_shared<SimulateArguments>();
+  command
+      ->add_option("--scenario,SCENARIO", a->scenario, "TOML file; host-sim/README.md has the keys")
+      ->required();
+  command->add_option("--out", a->out,
+                      "trace as CSV, - for standard output, where it goes without a [device]");
+  command->add_option("--report", a->report, "report as one HTML file, where there is a [device]");
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo

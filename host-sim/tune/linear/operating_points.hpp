@@ -1,0 +1,77 @@
+#pragma once
+// A wire under its load, linearised along both branches of its hysteresis: what power does to its
+// temperature, and its temperature to everything that a loop controls.
+
+#include <string>
+#include <vector>
+
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+
+/// A constant load (stroke 0), or a spring: a straight line from the stress on the wire at rest to
+/// that on one shorter by `stroke`.
+struct TunedLoad {
+  double low_Pa, high_Pa;
+  double stroke;
+
+  bool is_spring() const { return stroke > 0; }
+  /// On a wire that is `shorter` than at rest, a strain.
+  double stress_Pa(double shorter) const {
+    return is_spring() ? low_Pa + shorter / stroke * (high_Pa - low_Pa) : low_Pa;
+  }
+};
+
+/// What a tuned wire is, and what surrounds it.
+struct TunedPlant {
+  Wire<double> wire;
+  TunedLoad load;
+  double ambient_K;
+  double draught = 1;  ///< factor on the wire's loss
+};
+
+using LumpedModel = Plant<ThreePhase<double>>;
+/// With the draught in its loss.
+LumpedModel::Params lumped_params(const TunedPlant& plant);
+
+/// One step of a wire with its load, which moves along without mass; its stress afterwards.
+double advance_loaded(const TunedPlant& plant, const LumpedModel::Params& params,
+                      LumpedModel::State& state, double power_W, double rest_strain, double dt_s);
+
+enum class Motion : unsigned char {
+  heating,  ///< contracts
+  cooling,  ///< stretches
+  turned,   ///< between the branches: it has turned, and keeps its strain
+};
+std::string motion_name(Motion motion);
+
+/// A wire in motion. C dT/dt = P - loss; everything else follows the temperature at once.
+struct OperatingPoint {
+  Motion motion;
+  double share;  ///< of the stroke that is contracted
+  LumpedModel::State state;
+  double stress_Pa, strain, ohm, temperature_K;
+  double capacity_J_K;  ///< with the latent heat, and what the load adds by its stress
+  double loss_W, loss_slope_W_K;
+  double strain_1_K, ohm_1_K, load_N_K;  ///< by temperature, the load moving along
+};
+
+struct Branches {
+  double rest_strain;  ///< cold, at ambient temperature
+  double hot_strain;   ///< as short as the limits let it become
+  double hottest_K;    ///< there
+  double hot_Pa;       ///< stress there
+  double least_ohm, greatest_ohm;
+  double heat_J;     ///< for the whole stroke from rest, without losses
+  double cooling_s;  ///< in which it stretches from 90 % to 10 % without current
+  double fastest_cooling_1_s;
+  std::vector<OperatingPoint> points;  ///< of each branch at equal shares, and three turned ones
+
+  double stroke() const { return rest_strain - hot_strain; }
+};
+
+/// A full cycle from rest, up to 12 K beyond the transformation or `most_K`, with so many stops on
+/// each branch. A wire that can not reach a place has no stop there. Steps of 0.02 K.
+Branches trace_branches(const TunedPlant& plant, double most_K, int stops = 9);
+
+}  // namespace smaservo

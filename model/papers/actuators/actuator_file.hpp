@@ -1,0 +1,37 @@
+#pragma once
+// Descriptions of spring-biased actuators (model/papers/duhem_actuator.hpp): TOML files with all
+// their parameters. The presets of this folder are built into the program.
+
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "model/papers/duhem_actuator.hpp"
+
+namespace smaservo {
+
+/// What is wrong with a description: names file, key, value and what is allowed.
+class ActuatorError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One .toml file of this folder.
+struct ActuatorPreset {
+  std::string_view name;
+  std::string_view text;
+};
+std::span<const ActuatorPreset> actuator_presets();
+
+/// A preset's name or the path of a file that ends in ".toml". All keys are required, in any unit
+/// of their kind; others are refused. Throws ActuatorError.
+DuhemActuator<double>::Params load_actuator(const std::string& name_or_path);
+
+/// The same from text; `origin` is what error messages call it.
+DuhemActuator<double>::Params parse_actuator(std::string_view text, const std::string& origin);
+
+/// Table I of paper 001.
+inline constexpr std::string_view paper_001_actuator = "spring-biased-381um";
+
+}  // namespace smaservo

@@ -1,0 +1,268 @@
+#pragma once
+// A wire divided along its length: heat flows between the segments and into two cold clamps, each
+// segment has its own temperature and history. The plant behind simulated traces; the observers
+// know only the lumped one.
+
+#include <array>
+#include <cstddef>
+
+#include "model/kinetics.hpp"
+#include "model/three_phase/three_phase_row.hpp"
+#include "model/wire/convection.hpp"
+#include "model/wire/material.hpp"
+#include "model/wire/wire.hpp"
+
+namespace smaservo {
+
+template <Kinetics K, std::size_t segments>
+struct DistributedPlant {
+  using S = typename K::Scalar;
+  static_assert(segments >= 2);
+  template <class T>
+  using PerSegment = std::array<T, segments>;
+
+  struct Params {
+    PerSegment<typename K::Params> kinetics;  ///< may scatter along the wire
+    Material<S> material;
+    HeatParams<S> heat;
+    Geometry<S> geometry;
+    PerSegment<S> length_m;      ///< sums up to geometry.length_m
+    S specific_heat_1_K = S(0);  ///< what the specific heat gains per kelvin above 25 °C, relative
+    S parallel_share = S(0);     ///< 0: the material's mixture of resistivities; else its way from
+                                 ///< series to parallel, up to 1
+    ConvectionTable<S> convection;
+  };
+
+  /// What the segments' states say, side by side: loops over it run in vector registers.
+  struct Profile {
+    PerSegment<S> temperature_K, martensite, r_phase;
+    S stress_Pa;  ///< the same in all segments
+  };
+
+  struct State {
+    PerSegment<typename K::State> kinetics;
+    PerSegment<S> heat_J;  ///< what a segment's last linearisation could not place
+    Profile profile;       ///< of `kinetics`
+    typename Row<K, segments>::Kept kept;
+  };
+
+  /// What surrounds the wire during one step.
+  struct Surroundings {
+    S stress_Pa;
+    S ambient_K;  ///< of the air and of the clamps
+  };
+
+  static State rest(const Params& p, const Drive<S>& u) {
+    State s{};
+    for (std::size_t i = 0; i < segments; ++i) {
+      s.kinetics[i] = K::rest(p.kinetics[i], u);
+      s.heat_J[i] = S(0);
+    }
+    s.profile = profile_of(s.kinetics);
+    return s;
+  }
+
+  /// Without heat balance: all segments go to this drive.
+  static void soak(const Params& p, State& s, const Drive<S>& u) {
+    for (std::size_t i = 0; i < segments; ++i) {
+      K::advance(p.kinetics[i], s.kinetics[i], u);
+    }
+    s.profile = profile_of(s.kinetics);
+  }
+
+  static S strain(const Params& p, const State& s) {
+    const PerSegment<S> each = strains(p, s.profile);
+    S sum = S(0);
+    for (std::size_t i = 0; i < segments; ++i) {
+      sum = sum + each[i] * p.length_m[i];
+    }
+    return sum / p.geometry.length_m;
+  }
+
+  static S resistance_ohm(const Params& p, const State& s) {
+    S sum = S(0);
+    for (const S& each_ohm : resistances_ohm(p, s.profile)) {
+      sum = sum + each_ohm;
+    }
+    return sum;
+  }
+
+  static S temperature_K(const State& s, std::size_t segment) {
+    return s.profile.temperature_K[segment];
+  }
+
+  /// As Plant::advance() for each segment, with the conduction between neighbours solved along
+  /// with it, implicitly. The step is not divided: dt_s up to 1 ms. Convection is Churchill and
+  /// Chu's times `draught`, taken at the step's start.
+  static void advance(const Params& p, State& s, const S& current_A, const Surroundings& around,
+                      const S& draught, const S& dt_s) {
+    const Profile before = s.profile;
+    const Balance b = balance(p, s, before, current_A, around, draught, dt_s);
+    const PerSegment<S> dT = solve(b);
+    PerSegment<S> to_K;
+    for (std::size_t i = 0; i < segments; ++i) {
+      to_K[i] = before.temperature_K[i] + dT[i];
+    }
+    Row<K, segments>::advance(p.kinetics, s.kinetics, s.kept, to_K, around.stress_Pa);
+    s.profile = profile_of(s.kinetics);
+    const Profile& after = s.profile;
+    const PerLink flow_J = flows_J(b, dT, S(0));
+    for (std::size_t i = 0; i < segments; ++i) {
+      // The specific heat is a line: its mean over the step is that of the step's middle.
+      const S capacity_J_K =
+          b.mass_kg[i] * specific_heat_J_kgK(p, after.temperature_K[i] - S(0.5) * dT[i]);
+      s.heat_J[i] =
+          b.heat_J[i] - (capacity_J_K + b.loss_J_K[i]) * dT[i] - flow_J[i] + flow_J[i + 1] +
+          b.mass_kg[i] * (p.heat.latent_m2a_J_kg * (after.martensite[i] - before.martensite[i]) +
+                          p.heat.latent_r2a_J_kg * (after.r_phase[i] - before.r_phase[i]));
+    }
+  }
+
+ private:
+  static Profile profile_of(const PerSegment<typename K::State>& kinetics) {
+    Profile now;
+    for (std::size_t i = 0; i < segments; ++i) {
+      const Phases<S> z = K::phases(kinetics[i]);
+      now.temperature_K[i] = K::drive(kinetics[i]).temperature_K;
+      now.martensite[i] = z.martensite;
+      now.r_phase[i] = z.r_phase;
+    }
+    now.stress_Pa = K::drive(kinetics[0]).stress_Pa;
+    return now;
+  }
+
+  /// Between a segment and its left neighbour or clamp; last: the right clamp.
+  using PerLink = std::array<S, segments + 1>;
+
+  /// One step's heat, linear in the changes of the temperatures.
+  struct Balance {
+    PerSegment<S> mass_kg, heat_J, effective_J_K, loss_J_K;
+    PerLink link_J_K;
+  };
+
+  static Balance balance(const Params& p, State& s, const Profile& now, const S& current_A,
+                         const Surroundings& around, const S& draught, const S& dt_s) {
+    Balance b;
+    const S area = p.geometry.area_m2();
+    const S conductance = p.heat.clamp_conductivity_W_mK * area * dt_s;
+    b.link_J_K[0] = conductance / (S(0.5) * p.length_m[0]);
+    b.link_J_K[segments] = conductance / (S(0.5) * p.length_m[segments - 1]);
+    for (std::size_t i = 1; i < segments; ++i) {
+      b.link_J_K[i] = conductance / (S(0.5) * (p.length_m[i - 1] + p.length_m[i]));
+    }
+    const PerSegment<S> h =
+        p.convection.h_W_m2K(p.geometry.diameter_m, now.temperature_K, around.ambient_K);
+    const S surface_s = draught * p.geometry.surface_m2() / p.geometry.length_m * dt_s;
+    const PerSegment<S> ohm = resistances_ohm(p, now);
+    const S joule = current_A * current_A * dt_s;
+    const PerLink flow_J = flows_J(b, now.temperature_K, around.ambient_K);
+    for (std::size_t i = 0; i < segments; ++i) {
+      b.mass_kg[i] = p.heat.density_kg_m3 * area * p.length_m[i];
+      b.loss_J_K[i] = h[i] * surface_s * p.length_m[i];
+      b.heat_J[i] = s.heat_J[i] + joule * ohm[i] -
+                    b.loss_J_K[i] * (now.temperature_K[i] - around.ambient_K) - flow_J[i] +
+                    flow_J[i + 1];
+    }
+    PerSegment<Heading> heading;
+    for (std::size_t i = 0; i < segments; ++i) {
+      heading[i] = S(0) < b.heat_J[i] ? Heading::heating : Heading::cooling;
+    }
+    const auto rates = Row<K, segments>::rates(p.kinetics, s.kinetics, s.kept, heading);
+    for (std::size_t i = 0; i < segments; ++i) {
+      const ThermalBody<S> body{b.mass_kg[i] * specific_heat_J_kgK(p, now.temperature_K[i]),
+                                b.mass_kg[i] * p.heat.latent_m2a_J_kg,
+                                b.mass_kg[i] * p.heat.latent_r2a_J_kg, S(0), S(0)};
+      b.effective_J_K[i] = body.effective_capacity_J_K(rates[i]);
+    }
+    return b;
+  }
+
+  /// From the left neighbour to the right one, through each link; `ends` is that of the clamps.
+  static PerLink flows_J(const Balance& b, const PerSegment<S>& value, const S& ends) {
+    PerLink flow;
+    flow[0] = b.link_J_K[0] * (value[0] - ends);
+    for (std::size_t i = 1; i < segments; ++i) {
+      flow[i] = b.link_J_K[i] * (value[i] - value[i - 1]);
+    }
+    flow[segments] = b.link_J_K[segments] * (ends - value[segments - 1]);
+    return flow;
+  }
+
+  /// Gauss' elimination on the symmetric tridiagonal system, from both ends to the middle: two
+  /// chains of divisions that do not wait for each other.
+  static PerSegment<S> solve(const Balance& b) {
+    constexpr std::size_t middle = segments / 2;
+    PerSegment<S> diagonal, factor, right = b.heat_J;
+    for (std::size_t i = 0; i < segments; ++i) {
+      diagonal[i] = b.effective_J_K[i] + b.loss_J_K[i] + b.link_J_K[i] + b.link_J_K[i + 1];
+    }
+    const auto eliminate = [&](std::size_t from, std::size_t to, const S& link) {
+      const S inverse = S(1) / diagonal[from];
+      factor[from] = link * inverse;
+      diagonal[to] = diagonal[to] - link * link * inverse;
+      right[to] = right[to] + factor[from] * right[from];
+      right[from] = right[from] * inverse;
+    };
+    for (std::size_t i = 0; i < middle; ++i) {
+      eliminate(i, i + 1, b.link_J_K[i + 1]);
+    }
+    for (std::size_t i = segments - 1; i > middle; --i) {
+      eliminate(i, i - 1, b.link_J_K[i]);
+    }
+    PerSegment<S> dT;
+    dT[middle] = right[middle] / diagonal[middle];
+    for (std::size_t i = middle; i > 0; --i) {
+      dT[i - 1] = right[i - 1] + factor[i - 1] * dT[i];
+    }
+    for (std::size_t i = middle + 1; i < segments; ++i) {
+      dT[i] = right[i] + factor[i] * dT[i - 1];
+    }
+    return dT;
+  }
+
+  static S specific_heat_J_kgK(const Params& p, const S& T) {
+    return p.heat.specific_heat_J_kgK * (S(1) + p.specific_heat_1_K * (T - S(298.15)));
+  }
+  static PerSegment<S> strains(const Params& p, const Profile& now) {
+    const StrainSlopes<S> by = strain_slopes(p.material, now.stress_Pa);
+    PerSegment<S> strain;
+    for (std::size_t i = 0; i < segments; ++i) {
+      strain[i] = by.austenite + now.martensite[i] * by.martensite + now.r_phase[i] * by.r_phase;
+    }
+    return strain;
+  }
+  static PerSegment<S> resistivities(const Material<S>& m, const Profile& now) {
+    PerSegment<S> rho;
+    for (std::size_t i = 0; i < segments; ++i) {
+      rho[i] = resistivity(m, {now.martensite[i], now.r_phase[i]},
+                           Drive<S>{now.temperature_K[i], now.stress_Pa})
+                   .value;
+    }
+    return rho;
+  }
+  static PerSegment<S> mixed_resistivities(const Params& p, const Profile& now) {
+    if (!(S(0) < p.parallel_share)) {
+      return resistivities(p.material, now);
+    }
+    Material<S> m = p.material;
+    m.mixture = Mixture::series;
+    PerSegment<S> rho = resistivities(m, now);
+    m.mixture = Mixture::parallel;
+    const PerSegment<S> parallel = resistivities(m, now);
+    for (std::size_t i = 0; i < segments; ++i) {
+      rho[i] = rho[i] + p.parallel_share * (parallel[i] - rho[i]);
+    }
+    return rho;
+  }
+  static PerSegment<S> resistances_ohm(const Params& p, const Profile& now) {
+    PerSegment<S> ohm = mixed_resistivities(p, now);
+    const PerSegment<S> strain = strains(p, now);
+    const S per_area_1_m2 = S(1) / p.geometry.area_m2();
+    for (std::size_t i = 0; i < segments; ++i) {
+      ohm[i] = smaservo::resistance_ohm(ohm[i], p.length_m[i] * per_area_1_m2, strain[i]);
+    }
+    return ohm;
+  }
+};
+
+}  // namespace smaservo

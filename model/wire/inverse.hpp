@@ -1,0 +1,191 @@
+#pragma once
+// The three-phase model the other way round: the temperature at which a wire, from where it is now,
+// would have a given strain. Along the branch and its turning points, explicit as the ihyp curve is
+// in this direction (000, 'Inverse'); nothing iterates to a tolerance.
+
+#include <cstddef>
+
+#include "model/wire/plant.hpp"
+
+namespace smaservo {
+
+/// A place on the branch ahead of a wire.
+template <class S>
+struct BranchPoint {
+  S temperature_K;
+  Phases<S> phases;  ///< of the wire's middle
+};
+
+template <class S, std::size_t depth = 8>
+struct Inverse {
+  using K = ThreePhase<S, depth>;
+  using Model = Plant<K>;
+
+  /// Where heating brings the wire to `goal`, a strain not above its present one. Below what heat
+  /// can do: the end of the transformation, where 2 % is left. Exact for a wire whose R2A shares
+  /// M2A's surface; with a surface of its own up to 3 % of the stroke off under 50 MPa, 1 % from
+  /// 150 MPa on.
+  static BranchPoint<S> heating(const typename Model::Params& p, const typename K::State& s,
+                                const S& stress_Pa, const S& goal);
+
+  /// Where cooling does, with `goal` not below the present strain. A2R runs beside A2M there, so
+  /// this is two steps of Newton's method from a guess: at worst 4 % of the stroke off under 10
+  /// MPa, where there is most R-phase, 1.2 % under 50 MPa, 0.04 % from 100 MPa on; 0.12 % in 95 of
+  /// 100 cases. A further goal is nowhere warmer by more than 0.1 K, and not at all from 50 MPa on.
+  /// An R2M of its own is taken for A2M.
+  static BranchPoint<S> cooling(const typename Model::Params& p, const typename K::State& s,
+                                const S& stress_Pa, const S& goal);
+
+ private:
+  /// Strain by the phases of the middle.
+  struct Slopes {
+    S none, martensite, r_phase;
+    S strain(const Phases<S>& z) const {
+      return none + z.martensite * martensite + z.r_phase * r_phase;
+    }
+  };
+  static Slopes slopes(const typename Model::Params& p, const S& stress_Pa) {
+    const StrainSlopes<S> by = strain_slopes(p.material, stress_Pa);
+    const S middle = S(1) - p.ends.share;
+    const Phases<S> cold = p.ends.phases;
+    return {
+        by.austenite + p.ends.share * (cold.martensite * by.martensite + cold.r_phase * by.r_phase),
+        middle * by.martensite, middle * by.r_phase};
+  }
+
+  /// How far from here to there, at most `most`.
+  static S share(const S& from, const S& to, const S& goal, const S& most) {
+    const S way = to - from;
+    const S tiny = S(1e-7);
+    if (way < tiny && S(0) - tiny < way) {
+      return most;
+    }
+    const S part = (goal - from) / way;
+    return part < S(0) ? S(0) : most < part ? most : part;
+  }
+  static S temperature_K(const Isobar<S>& at, const S& left) {
+    const S least = S(1e-3);
+    const S bounded = left < least ? least : S(1) - least < left ? S(1) - least : left;
+    return at.start_K + ihyp_temperature(at.shape, {S(1) - bounded, bounded}) / at.per_K;
+  }
+  /// An outer branch ends where its curve has 2 % left, up to 200 K beyond its start: the share of
+  /// the way from here. The tail behind it is for no wire.
+  static S to_the_end(const S& left) {
+    const S least = S(0.02);
+    return left < least ? S(0) : S(1) - least / left;
+  }
+  static S positive(const S& x) { return x < S(0) ? S(0) : x; }
+
+  /// Where a way to a turning point begins.
+  struct Start {
+    Phases<S> phases;
+    Pair<S> left;
+    S returning;
+  };
+  /// A share of a way that is left, with its slope over the temperature.
+  struct Line {
+    S value, slope_1_K;
+  };
+  static Line ratio(const S& left, const S& slope_1_K, const S& way) {
+    if (way < S(1e-7) || way < left) {
+      return {S(1), S(0)};
+    }
+    return left < S(0) ? Line{S(0), S(0)} : Line{left / way, slope_1_K / way};
+  }
+
+  static constexpr int corrections = 2;
+  /// A step of Newton's method on both curves, A2M and A2R, as ThreePhase follows them from the
+  /// start to the turning point.
+  static void correct(const Slopes& by, const Isobar<Pair<S>>& at, const Start& from,
+                      const typename K::ColdTurn& turn, const S& goal, BranchPoint<S>& point);
+};
+
+template <class S, std::size_t depth>
+BranchPoint<S> Inverse<S, depth>::heating(const typename Model::Params& p,
+                                          const typename K::State& s, const S& stress_Pa,
+                                          const S& goal) {
+  const Slopes by = slopes(p, stress_Pa);
+  const Isobar<S> at = isobar(p.kinetics.m2a, stress_Pa);
+  Phases<S> from = K::phases(s);
+  S left = s.heading == Heading::heating ? s.reverse.m2a : at.remaining(s.reached.temperature_K);
+  const auto& turns = s.hot;
+  // From the newest turning point outwards; the last one is the end at infinity.
+  for (std::size_t i = turns.size();; --i) {
+    const typename K::HotTurn& turn = turns.at(i);
+    const S there = by.strain({turn.martensite, turn.r_phase});
+    const S here = by.strain(from);
+    if (i == 0 || there < goal) {
+      const S part = share(here, there, goal, i == 0 ? to_the_end(left) : S(1));
+      return {temperature_K(at, left + part * (turn.left.m2a - left)),
+              {from.martensite + part * (turn.martensite - from.martensite),
+               from.r_phase + part * (turn.r_phase - from.r_phase)}};
+    }
+    from = {turn.martensite, turn.r_phase};
+    left = turn.left.m2a;
+  }
+}
+
+template <class S, std::size_t depth>
+BranchPoint<S> Inverse<S, depth>::cooling(const typename Model::Params& p,
+                                          const typename K::State& s, const S& stress_Pa,
+                                          const S& goal) {
+  const Slopes by = slopes(p, stress_Pa);
+  const Isobar<Pair<S>> at = isobar(p.kinetics.a2m_a2r, Pair<S>(stress_Pa));
+  Start from{K::phases(s), s.forward.a2m_a2r, s.returning};
+  if (s.heading == Heading::heating) {
+    from.left = at.remaining(Pair<S>(s.reached.temperature_K));
+    from.returning = positive(s.cold.newest().r_phase - s.r_phase);
+  }
+  const auto& turns = s.cold;
+  for (std::size_t i = turns.size();; --i) {
+    const typename K::ColdTurn& turn = turns.at(i);
+    const Phases<S> to{S(1) - turn.austenite - turn.r_phase, turn.r_phase};
+    const S there = by.strain(to);
+    const S here = by.strain(from.phases);
+    if (i == 0 || goal < there) {
+      // In a first guess R-phase comes and goes in step with martensite.
+      const S part = share(here, there, goal, i == 0 ? to_the_end(from.left.first()) : S(1));
+      const S left = from.left.first() + part * (turn.left.a2m_a2r.first() - from.left.first());
+      BranchPoint<S> point{temperature_K(first_isobar(at), left), {}};
+      for (int k = 0; k < corrections; ++k) {
+        correct(by, at, from, turn, here + part * (there - here), point);
+      }
+      return point;
+    }
+    from = {to, turn.left.a2m_a2r, turn.returning};
+  }
+}
+
+template <class S, std::size_t depth>
+void Inverse<S, depth>::correct(const Slopes& by, const Isobar<Pair<S>>& at, const Start& from,
+                                const typename K::ColdTurn& turn, const S& goal,
+                                BranchPoint<S>& point) {
+  const Pair<S> way = from.left - turn.left.a2m_a2r;
+  const Pair<S> left = at.remaining(Pair<S>(point.temperature_K));
+  const Pair<S> slope_1_K = at.remaining_1_K(left);
+  // What A2M has left of its way to the turning point, A2R without one, and of its way there: all
+  // of it before the start.
+  const Line a2m = ratio(left.first() - turn.left.a2m_a2r.first(), slope_1_K.first(), way.first());
+  const Line a2r = ratio(left.second(), slope_1_K.second(), from.left.second());
+  const Line back =
+      ratio(left.second() - turn.left.a2m_a2r.second(), slope_1_K.second(), way.second());
+  const S returning = from.returning < S(2) * way.second() ? from.returning : S(0);
+  const S r = from.phases.r_phase - turn.r_phase + returning;
+  const S a = from.phases.austenite() - turn.austenite - returning;
+  // z_M' = z_M + (a + r) (1 - r_A2M);  z_R' = z_R + back - r + (r + a (1 - r_A2R)) r_A2M
+  const S stays = r + a * (S(1) - a2r.value);
+  const Phases<S> z{from.phases.martensite + (a + r) * (S(1) - a2m.value),
+                    from.phases.r_phase + returning * (S(1) - back.value) - r + stays * a2m.value};
+  const PhaseRates<S> rates{
+      S(0) - (a + r) * a2m.slope_1_K,
+      stays * a2m.slope_1_K - a * a2r.slope_1_K * a2m.value - returning * back.slope_1_K};
+  const S per_K = rates.martensite_1_K * by.martensite + rates.r_phase_1_K * by.r_phase;
+  const S most_K = S(20);
+  const S full_K = per_K < S(0) ? (goal - by.strain(z)) / per_K : S(0);
+  const S warmer_K = full_K < S(0) - most_K ? S(0) - most_K : most_K < full_K ? most_K : full_K;
+  point = {
+      point.temperature_K + warmer_K,
+      {z.martensite + rates.martensite_1_K * warmer_K, z.r_phase + rates.r_phase_1_K * warmer_K}};
+}
+
+}  // namespace smaservo

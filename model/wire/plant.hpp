@@ -1,0 +1,115 @@
+#pragma once
+// A wire of one temperature: power and load in, strain and resistance out.
+
+#include "model/kinetics.hpp"
+#include "model/wire/heat.hpp"
+#include "model/wire/material.hpp"
+#include "model/wire/wire.hpp"
+
+namespace smaservo {
+
+/// What acts on the wire during one step.
+template <class S>
+struct PlantInput {
+  S power_W;
+  S stress_Pa;
+  S ambient_K;
+};
+
+template <Kinetics K>
+struct Plant {
+  using S = typename K::Scalar;
+
+  struct Params {
+    typename K::Params kinetics;
+    Material<S> material;
+    ThermalBody<S> body;
+    ColdEnds<S> ends;
+    S length_per_area_1_m;
+  };
+
+  struct State {
+    typename K::State kinetics;
+    S heat_J;  ///< heat that the last step took in and could not place: its linearisation error
+  };
+
+  static State rest(const Params& p, const Drive<S>& u) { return {K::rest(p.kinetics, u), S(0)}; }
+
+  static S temperature_K(const State& s) { return K::drive(s.kinetics).temperature_K; }
+  static Phases<S> phases(const State& s) { return K::phases(s.kinetics); }
+  static S strain(const Params& p, const State& s) {
+    return smaservo::strain(p.material, p.ends.average(phases(s)), K::drive(s.kinetics).stress_Pa);
+  }
+  static S resistance_ohm(const Params& p, const State& s, const S& ambient_K) {
+    return resistance_ohm(p, phases(s), K::drive(s.kinetics), ambient_K);
+  }
+  /// Of a wire whose middle is at `u` and has these phases.
+  static S resistance_ohm(const Params& p, const Phases<S>& phases, const Drive<S>& u,
+                          const S& ambient_K) {
+    const Drive<S> average{p.ends.average_K(u.temperature_K, ambient_K), u.stress_Pa};
+    const Phases<S> z = p.ends.average(phases);
+    return smaservo::resistance_ohm(resistivity(p.material, z, average).value,
+                                    p.length_per_area_1_m,
+                                    smaservo::strain(p.material, z, u.stress_Pa));
+  }
+
+  /// dt_s > 0, meant for 10 us to 20 ms. Latent heat enters through the effective heat capacity,
+  /// implicitly, so no step is stiff; what the linearisation misses is carried into the next step,
+  /// so no energy is lost. A step that would move the temperature by more than 1 K is divided.
+  static void advance(const Params& p, State& s, const PlantInput<S>& in, const S& dt_s) {
+    const int parts = divisions(p, s, in, dt_s);
+    const S part_s = dt_s / S(parts);
+    for (int i = 0; i < parts; ++i) {
+      advance_part(p, s, in, part_s);
+    }
+  }
+
+ private:
+  static constexpr int max_divisions = 64;
+
+  static int divisions(const Params& p, const State& s, const PlantInput<S>& in, const S& dt_s) {
+    const S heat_J =
+        s.heat_J + (in.power_W - p.body.loss_W(temperature_K(s) - in.ambient_K)) * dt_s;
+    const S magnitude_J = heat_J < S(0) ? S(0) - heat_J : heat_J;
+    int parts = 1;
+    while (parts < max_divisions && p.body.capacity_J_K * S(parts) < magnitude_J) {
+      parts *= 2;
+    }
+    return parts;
+  }
+
+  static void advance_part(const Params& p, State& s, const PlantInput<S>& in, const S& dt_s) {
+    const S T = temperature_K(s);
+    const S above = T - in.ambient_K;
+    const S heat_J = s.heat_J + (in.power_W - p.body.loss_W(above)) * dt_s;
+    const Heading heading = S(0) < heat_J ? Heading::heating : Heading::cooling;
+    const PhaseRates<S> rates = K::rates(p.kinetics, s.kinetics, heading);
+    const Phases<S> before = phases(s);
+    // (m c_eff + h S dt) dT = (P - Q(T)) dt
+    const S loss_J_K = p.body.loss_slope_W_K(above) * dt_s;
+    const S dT = heat_J / (p.body.effective_capacity_J_K(rates) + loss_J_K);
+    K::advance(p.kinetics, s.kinetics, {T + dT, in.stress_Pa});
+    const Phases<S> after = phases(s);
+    s.heat_J = heat_J - (p.body.capacity_J_K + loss_J_K) * dT +
+               p.body.latent_m2a_J * (after.martensite - before.martensite) +
+               p.body.latent_r2a_J * (after.r_phase - before.r_phase);
+  }
+};
+
+/// A plant with the wire's own model.
+template <class S>
+typename Plant<ThreePhase<S>>::Params plant_params(const Wire<S>& wire) {
+  return {wire.kinetics, wire.material, thermal_body(wire.geometry, wire.heat),
+          cold_ends(wire.geometry, wire.heat, wire.kinetics), wire.length_per_area_1_m()};
+}
+
+/// Resistance of the wire as it lies on the table: at rest at 25 °C without load.
+template <class S>
+S cold_resistance_ohm(const Wire<S>& wire) {
+  using Model = Plant<ThreePhase<S>>;
+  const S room_K = S(298.15);
+  const auto params = plant_params(wire);
+  return Model::resistance_ohm(params, Model::rest(params, {room_K, S(0)}), room_K);
+}
+
+}  // namespace smaservo

@@ -1,0 +1,116 @@
+#pragma once
+// One wire: geometry, the maker's limits and the parameters of all model blocks.
+
+#include <cmath>
+#include <numbers>
+
+#include "model/three_phase/three_phase.hpp"
+#include "model/wire/heat.hpp"
+#include "model/wire/material.hpp"
+
+namespace smaservo {
+
+template <class S>
+struct Geometry {
+  S length_m;
+  S diameter_m;
+
+  constexpr S area_m2() const { return S(std::numbers::pi / 4) * diameter_m * diameter_m; }
+  constexpr S surface_m2() const { return S(std::numbers::pi) * diameter_m * length_m; }
+};
+
+template <class S>
+struct HeatParams {
+  S density_kg_m3;
+  S specific_heat_J_kgK;
+  S latent_m2a_J_kg;
+  S latent_r2a_J_kg;
+  S convection_W_m2K;         ///< h at the ambient temperature
+  S convection_W_m2K2;        ///< its slope over the temperature above ambient
+  S clamp_conductivity_W_mK;  ///< of the wire, towards clamps at ambient temperature; 0: none
+};
+
+/// What the maker allows and where the parameters hold.
+template <class S>
+struct Limits {
+  S current_A;
+  S stress_Pa;
+  S temperature_K;
+};
+
+/// How far the model is from the wire: what a calibration could not explain, root mean square. The
+/// observers trust their model by that of the strain; that of the resistance is there to be read.
+template <class S>
+struct Accuracy {
+  S strain;      ///< of the model by itself, from power and load
+  S resistance;  ///< relative, of the resistance that it gives to a strain
+};
+
+template <class S>
+struct Wire {
+  Geometry<S> geometry;
+  Limits<S> limits;
+  S nominal_stroke;  ///< strain that errors are related to, 0.04 by convention
+  ThreePhaseParams<S> kinetics;
+  Material<S> material;
+  HeatParams<S> heat;
+  Accuracy<S> accuracy;
+
+  constexpr S length_per_area_1_m() const { return geometry.length_m / geometry.area_m2(); }
+  constexpr S stress_Pa(S load_N) const { return load_N / geometry.area_m2(); }
+};
+
+/// How far the cold of a clamp reaches into the wire: λ = sqrt(k d/(4 h)).
+template <class S>
+S clamp_reach_m(const Geometry<S>& geometry, const HeatParams<S>& heat) {
+  using std::sqrt;
+  return sqrt(heat.clamp_conductivity_W_mK * geometry.diameter_m / (S(4) * heat.convection_W_m2K));
+}
+
+/// The ends that a clamp keeps cold. They neither contract nor lose resistance, so a wire of one
+/// temperature that takes no account of them ends up to 3 % of its stroke too short.
+template <class S>
+struct ColdEnds {
+  S share;           ///< of the wire's length
+  Phases<S> phases;  ///< what they consist of
+
+  constexpr Phases<S> average(const Phases<S>& middle) const {
+    return {middle.martensite + share * (phases.martensite - middle.martensite),
+            middle.r_phase + share * (phases.r_phase - middle.r_phase)};
+  }
+  constexpr S average_K(const S& middle_K, const S& ambient_K) const {
+    return middle_K - share * (middle_K - ambient_K);
+  }
+};
+
+/// The temperature rises over the reach λ as 1 - exp(-x/λ); where the front of the transformation
+/// stands in it depends on how hot the middle is. 0.87 λ at each end is the best constant against
+/// the distributed plant.
+template <class S>
+ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
+                      const ThreePhaseParams<S>& kinetics) {
+  const Drive<S> room{S(298.15), S(150e6)};
+  return {S(1.74) * clamp_reach_m(geometry, heat) / geometry.length_m,
+          ThreePhase<S>::phases(ThreePhase<S>::rest(kinetics, room))};
+}
+
+/// The wire's middle as one body. A fin of length L between two cold clamps is in its middle
+/// cooler than without them by the factor 1 - 1/cosh(L/2λ); the loss is raised by the inverse.
+template <class S>
+ThermalBody<S> thermal_body(const Geometry<S>& geometry, const HeatParams<S>& heat) {
+  using std::exp;
+  const S mass_kg = heat.density_kg_m3 * geometry.area_m2() * geometry.length_m;
+  S clamps = S(1);
+  if (S(0) < heat.clamp_conductivity_W_mK) {
+    const S half = geometry.length_m / (S(2) * clamp_reach_m(geometry, heat));
+    // 1 - 1/cosh x = (1 - e^-x)²/(1 + e^-2x)
+    const S cold = exp(S(0) - half);
+    const S warm = S(1) - cold;
+    clamps = half < S(20) ? (S(1) + cold * cold) / (warm * warm) : S(1);
+  }
+  return {mass_kg * heat.specific_heat_J_kgK, mass_kg * heat.latent_m2a_J_kg,
+          mass_kg * heat.latent_r2a_J_kg, clamps * geometry.surface_m2() * heat.convection_W_m2K,
+          clamps * geometry.surface_m2() * heat.convection_W_m2K2};
+}
+
+}  // namespace smaservo

@@ -1,0 +1,363 @@
+// What the loop does with frames, time and parameters, on a board and a clock of the test's.
+
+#include "firmware/daemon/loop/loop.hpp"
+
+#include <cmath>
+#include <deque>
+#include <gtest/gtest.h>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "firmware/bench/closed_loop.hpp"
+#include "firmware/daemon/boards/simulation.hpp"
+#include "firmware/daemon/loop/desk.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "hal/faulty_board.hpp"
+
+namespace smaservo::test::loop_test {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+Settings<double> test_settings() {
+  return standard_settings();
+}
+
+TEST(Ring, GivesEverythingInItsOrder) {
+  Ring<std::uint64_t> ring(5);
+  EXPECT_EQ(ring.room(), 8U);
+  constexpr std::uint64_t count = 20'000;
+  const std::jthread writer([&] {
+    for (std::uint64_t i = 1; i <= count;) {
+      if (ring.push(i)) {
+        ++i;
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  });
+  for (std::uint64_t i = 1; i <= count;) {
+    std::uint64_t value = 0;
+    if (ring.pop(value)) {
+      ASSERT_EQ(value, i++);
+    } else {
+      std::this_thread::yield();
+    }
+  }
+}
+
+TEST(Ring, RefusesWhatItHasNoRoomFor) {
+  Ring<int> ring(4);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(ring.push(i));
+  }
+  EXPECT_FALSE(ring.push(4));
+  int value = 0;
+  EXPECT_TRUE(ring.pop(value));
+  EXPECT_TRUE(ring.push(5));
+}
+
+TEST(Latest, NeverTearsAndNeverGoesBack) {
+  struct Value {
+    std::uint64_t a, b[30];
+  };
+  Latest<Value> latest;
+  Value seen{};
+  EXPECT_FALSE(latest.take(seen));
+  constexpr std::uint64_t count = 200'000;
+  const std::jthread writer([&] {
+    Value value{};
+    for (std::uint64_t i = 1; i <= count; ++i) {
+      value.a = i;
+      for (std::uint64_t& b : value.b) {
+        b = i;
+      }
+      latest.put(value);
+    }
+  });
+  std::uint64_t last = 0;
+  while (last < count) {
+    if (latest.take(seen)) {
+      ASSERT_GT(seen.a, last);
+      last = seen.a;
+      for (const std::uint64_t b : seen.b) {
+        ASSERT_EQ(b, last);
+      }
+    }
+  }
+  EXPECT_FALSE(latest.take(seen));
+}
+
+TEST(Histogram, QuantilesAreThoseOfTheSortedTimes) {
+  Histogram histogram;
+  std::mt19937_64 random(7);
+  std::lognormal_distribution<double> times(10, 2);
+  std::vector<std::int64_t> all;
+  double sum = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    all.push_back(static_cast<std::int64_t>(times(random)));
+    histogram.add(all.back());
+    sum += static_cast<double>(all.back());
+  }
+  std::ranges::sort(all);
+  for (const double share : {0.001, 0.1, 0.5, 0.9, 0.999, 1.0}) {
+    const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(all.size())));
+    const auto exact = static_cast<double>(all.at(n - 1));
+    const auto said = static_cast<double>(histogram.quantile_ns(share));
+    EXPECT_GE(said, exact) << share;
+    EXPECT_LE(said, exact * 1.04 + 1) << share;
+  }
+  EXPECT_EQ(histogram.greatest_ns(), all.back());
+  EXPECT_NEAR(histogram.mean_ns(), sum / 20'000, 1e-6 * sum);
+}
+
+/// Sleeps wake up as late as the test says; what happens in between takes as long as it says.
+struct FakeClock {
+  struct Time {
+    std::int64_t now_ns = 1'000'000'007;
+    std::int64_t late_ns = 0;
+  };
+  Time* time;
+  std::int64_t now_ns() const { return time->now_ns; }
+  void sleep_until(std::int64_t until_ns) const {
+    time->now_ns = std::max(time->now_ns, until_ns) + time->late_ns;
+  }
+};
+
+TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
+  FakeClock::Time time;
+  Pace<FakeClock> pace(ms, FakeClock{&time});
+  pace.wait();
+  const std::int64_t first_ns = time.now_ns;
+  std::mt19937_64 random(3);
+  std::int64_t turns = 0;
+  std::uint64_t missed = 0;
+  std::int64_t before_ns = first_ns;
+  for (int i = 0; i < 5000; ++i) {
+    // Work of up to four periods, now and then; late by up to a tenth of one.
+    const std::int64_t work_ns = static_cast<std::int64_t>(random() % (i % 7 == 0 ? 4 * ms : ms));
+    time.now_ns += work_ns;
+    time.late_ns = static_cast<std::int64_t>(random() % (ms / 10));
+    const Woke woke = pace.wait();
+    ++turns;
+    missed += woke.missed;
+    EXPECT_EQ(woke.late_ns, time.late_ns);
+    // On the grid of the period, and never two turns in one of its meshes.
+    const std::int64_t at_ns = time.now_ns - woke.late_ns;
+    EXPECT_EQ((at_ns - first_ns) % ms, 0);
+    EXPECT_GE(at_ns, before_ns);
+    before_ns = at_ns + ms;
+    EXPECT_EQ(at_ns, first_ns + (turns + static_cast<std::int64_t>(missed)) * ms);
+  }
+  EXPECT_GT(missed, 100U);
+}
+
+/// All that a loop needs.
+struct Bench {
+  explicit Bench(const ClosedLoopScenario& scenario)
+      : simulation(scenario),
+        board(simulation),
+        desk(scenario.settings, links),
+        axis(desk.first()),
+        demonstration(scenario.settings) {}
+
+  Loop<FaultyBoard<Simulation>, NoPace> loop(Partner& partner) {
+    const auto period_ns =
+        static_cast<std::int64_t>(std::llround(desk.settings().timing.period_s * 1e9));
+    return {board, NoPace{}, axis, partner, links, figures, {period_ns, 3 * period_ns, true}};
+  }
+  Output<double> output() {
+    Output<double> now{};
+    links.output.take(now);
+    return now;
+  }
+
+  LoopLinks links;
+  LoopFigures figures;
+  Simulation simulation;
+  FaultyBoard<Simulation> board;
+  ParameterDesk desk;
+  Axis axis;
+  Demonstration demonstration;
+};
+
+TEST(Loop, IsTheVeryLoopOfHostSim) {
+  const ClosedLoopScenario scenario =
+      load_closed_loop(SMASERVO_SOURCE_DIR "/host-sim/scenarios/sensor-faults.toml");
+  ClosedLoop expected(scenario);
+  Bench bench(scenario);
+  auto loop = bench.loop(bench.simulation);
+  std::uint64_t turns = 0;
+  bool heated = false;
+  while (expected.step()) {
+    ASSERT_TRUE(loop.turn());
+    const Output<double> now = bench.output();
+    const Output<double>& then = expected.turn().output;
+    ASSERT_EQ(now.current_A, then.current_A) << turns;
+    ASSERT_EQ(now.estimate.strain, then.estimate.strain) << turns;
+    ASSERT_EQ(now.latched.bits(), then.latched.bits()) << turns;
+    ASSERT_EQ(now.time_us, then.time_us);
+    heated = heated || now.current_A > 0;
+    ++turns;
+  }
+  EXPECT_FALSE(loop.turn());
+  EXPECT_EQ(bench.figures.turns.load(), turns);
+  EXPECT_TRUE(heated);
+}
+
+/// The current through the wire some turns after a fault was injected into a wire that is heated.
+double current_after(void (*inject)(BoardFaults&), FaultSet& latched, bool& stops_counted) {
+  Bench bench(standard_closed_loop(test_settings()));
+  auto loop = bench.loop(bench.demonstration);
+  for (int i = 0; i < 1200; ++i) {
+    loop.turn();
+  }
+  EXPECT_GT(bench.simulation.truth().current_A, 0.01);
+  EXPECT_TRUE(bench.output().latched.empty());
+  inject(bench.board.faults);
+  for (int i = 0; i < 20; ++i) {
+    loop.turn();
+  }
+  latched = bench.output().latched;
+  stops_counted = std::ranges::any_of(
+      bench.figures.stops, [](const LoopFigures::Stop& stop) { return stop.count.load() > 0; });
+  return bench.simulation.truth().current_A;
+}
+
+TEST(Loop, WhateverFailsTheHeatGoesOff) {
+  struct Case {
+    const char* name;
+    Fault fault;
+    void (*inject)(BoardFaults&);
+  };
+  const Case cases[] = {
+      {"no frames", Fault::sample_stale, [](BoardFaults& f) { f.lose_every = 1; }},
+      {"no current", Fault::sensor_invalid, [](BoardFaults& f) { f.current_missing = true; }},
+      {"no voltage", Fault::sensor_invalid, [](BoardFaults& f) { f.voltage_missing = true; }},
+      {"stuck", Fault::sample_frozen, [](BoardFaults& f) { f.stuck = true; }},
+      {"stop", Fault::emergency_stop, [](BoardFaults& f) { f.emergency_stop = true; }},
+      {"driver", Fault::driver_fault, [](BoardFaults& f) { f.driver_fault = true; }},
+  };
+  for (const Case& c : cases) {
+    FaultSet latched;
+    bool counted = false;
+    EXPECT_EQ(current_after(c.inject, latched, counted), 0) << c.name;
+    EXPECT_TRUE(latched.has(c.fault)) << c.name;
+    EXPECT_TRUE(counted) << c.name;
+  }
+}
+
+TEST(Loop, ADeadDriveLosesItsLease) {
+  // The board itself ends the heat: no command arrives any more.
+  FaultSet latched;
+  bool counted = false;
+  EXPECT_EQ(current_after([](BoardFaults& f) { f.drive_dead = true; }, latched, counted), 0);
+}
+
+TEST(Loop, ParametersComeIntoForceAsAWholeAndAtOnce) {
+  Bench bench(standard_closed_loop(test_settings()));
+  Ring<TurnRecord> ring(64);
+  bench.links.record = &ring;
+  auto loop = bench.loop(bench.demonstration);
+  Settings<double> settings = bench.desk.settings();
+  TurnRecord record{};
+  for (int i = 0; i < 40; ++i) {
+    if (i % 10 == 5) {
+      settings.limits.current_A *= 0.9;
+      settings.strain.proportional += 0.1;
+      settings = stored_settings<double>(settings);
+      ASSERT_TRUE(bench.desk.change(settings));
+    }
+    ASSERT_TRUE(loop.turn());
+    ASSERT_TRUE(ring.pop(record));
+    EXPECT_EQ(record.set != 0, i % 10 == 5);
+    if (record.set != 0) {
+      const std::string text = bench.desk.take_text(record.set);
+      EXPECT_NE(text.find("limits.current_A="), std::string::npos) << text;
+      EXPECT_NE(text.find("strain.proportional"), std::string::npos) << text;
+    }
+    bench.desk.tidy();
+  }
+}
+
+TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
+  Bench bench(standard_closed_loop(test_settings()));
+  Settings<double> settings = bench.desk.settings();
+  int taken = 0;
+  for (int i = 0; i < 20; ++i) {
+    settings.limits.current_A *= 0.99;
+    settings = stored_settings<double>(settings);
+    taken += bench.desk.change(settings) ? 1 : 0;
+  }
+  EXPECT_EQ(taken, 8);
+}
+
+/// A master that sends so many set-points before each turn.
+class BusyPartner : public Partner {
+ public:
+  std::deque<std::uint32_t> setpoints;
+  Heard listen(double /*time_s*/) override {
+    const std::uint32_t come = setpoints.front();
+    setpoints.pop_front();
+    return {{.fresh = true}, {}, false, come};
+  }
+};
+
+TEST(Loop, CountsSetpointsThatNewerOnesSupersede) {
+  Bench bench(standard_closed_loop(test_settings()));
+  BusyPartner partner;
+  partner.setpoints = {1, 0, 2, 1, 3};
+  auto loop = bench.loop(partner);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(loop.turn());
+  }
+  EXPECT_EQ(bench.figures.setpoints.load(), 7U);
+  EXPECT_EQ(bench.figures.superseded.load(), 3U);
+}
+
+/// Frames at the times that a test gives; the device's time must stay what it can step over.
+class TimesBoard {
+ public:
+  std::deque<std::int64_t> times_ns;
+  ReadStatus read(Frame& frame) {
+    if (times_ns.empty()) {
+      return ReadStatus::end;
+    }
+    frame = {};
+    frame.time_ns = times_ns.front();
+    times_ns.pop_front();
+    return ReadStatus::frame;
+  }
+  void drive(const DriveCommand& /*command*/) {}
+  void safe_off() { ++offs; }
+  void kick() { ++kicks; }
+  static std::int64_t now_ns() { return 0; }
+  int offs = 0, kicks = 0;
+};
+
+TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
+  LoopLinks links;
+  LoopFigures figures;
+  const ParameterDesk desk(test_settings(), links);
+  Axis axis(desk.first());
+  NoPartner nobody;
+  TimesBoard board;
+  board.times_ns = {5 * ms, 6 * ms, 7 * ms, 507 * ms, 508 * ms, 508 * ms};
+  Ring<TurnRecord> ring(16);
+  links.record = &ring;
+  Loop loop(board, NoPace{}, axis, nobody, links, figures, {ms, 3 * ms, true});
+  const double expected_s[] = {0, 0.001, 0.002, 0.022, 0.023, 0.0231};
+  for (const double time_s : expected_s) {
+    ASSERT_TRUE(loop.turn());
+    TurnRecord record{};
+    ASSERT_TRUE(ring.pop(record));
+    EXPECT_DOUBLE_EQ(record.turn.time_s, time_s);
+  }
+  EXPECT_FALSE(loop.turn());
+  EXPECT_EQ(board.offs, 1);
+  EXPECT_EQ(board.kicks, 0) << "a wire that is not heated needs no lease";
+}
+
+}  // namespace
+}  // namespace smaservo::test::loop_test

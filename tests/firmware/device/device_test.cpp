@@ -1,0 +1,64 @@
+#include "firmware/device/device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/firmware/device/test_device.hpp"
+
+namespace smaservo {
+
+// On the boards it runs in single precision: that must compile without a warning as well.
+template struct Device<float>;
+
+}  // namespace smaservo
+
+namespace smaservo::device_test {
+namespace {
+
+TEST(Device, HoldsAStrain) {
+  const Settings<double> settings = test_settings();
+  const Prepared<double> p = prepare(settings);
+  TestBench bench(settings.wire, 150e6);
+  Device<double>::State s = Device<double>::start();
+  const Command<double> command{
+      .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = bench.strain() - 0.02};
+  for (int i = 0; i < 1000; ++i) {
+    const Output<double> out = Device<double>::step(p, s, bench.inputs(), command, 1e-3);
+    bench.advance(out.current_A, 1e-3);
+  }
+  EXPECT_NEAR(bench.strain(), command.setpoint, 4e-4);
+}
+
+TEST(Device, FloatFollowsDouble) {
+  const Prepared<double> p = prepare(test_settings());
+  const Prepared<float> p_float = prepare(test_settings<float>());
+  TestBench exact(p.settings.wire, 150e6), quick(p.settings.wire, 150e6);
+  Device<double>::State s = Device<double>::start();
+  Device<float>::State s_float = Device<float>::start();
+  const double longest = exact.strain();
+  const double stroke = p.settings.wire.nominal_stroke;
+  double in_motion = 0, at_rest = 0;
+  // Timers of a float may end a step earlier: both arm before they move.
+  for (int i = 0; i < 4000; ++i) {
+    constexpr double contraction[] = {0, 0.01, 0.03, 0.02, 0.005};
+    const double setpoint = longest - contraction[i / 800];
+    const Command<double> command{
+        .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = setpoint};
+    const Command<float> command_float{
+        .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = static_cast<float>(setpoint)};
+    exact.advance(Device<double>::step(p, s, exact.inputs(), command, 1e-3).current_A, 1e-3);
+    const Output<float> out =
+        Device<float>::step(p_float, s_float, quick.inputs<float>(), command_float, 1e-3F);
+    quick.advance(static_cast<double>(out.current_A), 1e-3);
+    const double apart = std::abs(exact.strain() - quick.strain()) / stroke;
+    in_motion = std::max(in_motion, apart);
+    at_rest = i % 800 < 600 ? at_rest : std::max(at_rest, apart);
+  }
+  EXPECT_LT(exact.strain(), longest - 0.003);
+  EXPECT_LT(in_motion, 2e-4);
+  EXPECT_LT(at_rest, 1e-4);
+}
+
+}  // namespace
+}  // namespace smaservo::device_test

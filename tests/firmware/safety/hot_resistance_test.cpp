@@ -1,0 +1,56 @@
+// A wire that is cooled less than the observer believes: only its resistance tells.
+
+#include "firmware/safety/monitor/hot_resistance.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/device/rig.hpp"
+
+namespace smaservo::hot_resistance_test {
+namespace {
+
+/// Held at its temperature limit by all the power that it gets, 40 K beyond its last martensite.
+Rig rig_at_limit() {
+  Settings<double> settings = test_settings();
+  settings.limits.temperature_K = 413.15;
+  settings.trips.temperature_K = 423.15;
+  settings.limits.least_strain = -0.05;
+  Rig rig = plain_rig(settings, 50e6);
+  rig.run(0.1);
+  rig.arm(Mode::power, 10);
+  rig.run(3);
+  return rig;
+}
+
+TEST(HotResistance, KeepsAWireThatIsCooledLessBelowItsLimit) {
+  for (const double draught : {0.9, 0.8, 0.7}) {
+    Rig rig = rig_at_limit();
+    ASSERT_EQ(rig.out.state, DeviceState::running);
+    rig.draught = draught;
+    rig.run(3);
+    EXPECT_LE(rig.hottest_K, rig.settings.limits.temperature_K + 3) << draught;
+    EXPECT_NEAR(rig.state.monitor.wire.hot.temperature_K, rig.wire->hottest_K(), 5) << draught;
+    EXPECT_FALSE(rig.out.latched.has(Fault::overheat_signature)) << draught;
+  }
+}
+
+TEST(HotResistance, NeedsAustenite) {
+  Rig rig = plain_rig();
+  rig.run(0.1);
+  rig.arm(Mode::strain, rig.wire->strain() - 0.01);
+  rig.run(1);
+  EXPECT_EQ(rig.state.monitor.wire.hot.temperature_K, 0);
+}
+
+TEST(HotResistance, DoesNotTakeMartensiteForHeat) {
+  Rig rig = rig_at_limit();
+  rig.command.setpoint = 0;
+  for (int i = 0; i < 1000; ++i) {
+    rig.step();
+    EXPECT_LT(rig.state.monitor.wire.hot.temperature_K, rig.settings.limits.temperature_K);
+  }
+  EXPECT_TRUE(rig.out.latched.empty());
+}
+
+}  // namespace
+}  // namespace smaservo::hot_resistance_test

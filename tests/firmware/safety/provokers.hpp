@@ -1,0 +1,295 @@
+#pragma once
+// For each fault a way to provoke it on a simulated wire.
+
+#include <vector>
+
+#include "tests/firmware/device/rig.hpp"
+
+namespace smaservo {
+
+struct Provoker {
+  Fault fault;
+  std::function<void(Rig&)> cause;
+  std::function<void(Settings<double>&)> change = [](Settings<double>&) {};
+  double within_s = 0;  ///< until the condition that it names is there: heat, a filter, a count
+  double before_s = 0;  ///< off for so long before it is armed; only where it comes before arming
+};
+
+using Readings = Inputs<double>;
+
+/// The readings are changed from now on, all the same way.
+inline std::function<void(Rig&)> reading(std::function<void(Readings&)> change) {
+  return [change](Rig& rig) { rig.tamper_inputs = change; };
+}
+/// What flows is no longer what is given.
+inline std::function<void(Rig&)> driving(std::function<double(double)> flowing) {
+  return [flowing](Rig& rig) { rig.tamper_drive = flowing; };
+}
+inline std::function<void(Rig&)> reported(Fault fault) {
+  return reading([fault](Readings& in) { in.external = fault; });
+}
+inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+inline double while_given(double given_A, double flowing_A) {
+  return given_A > 0 ? flowing_A : 0;
+}
+
+/// As much as the limits allow, whatever the wire does.
+inline void give_power(Rig& rig, double power_W) {
+  rig.command.mode = Mode::power;
+  rig.command.setpoint = power_W;
+}
+inline void give_current(Rig& rig, double current_A) {
+  rig.command.mode = Mode::current;
+  rig.command.setpoint = current_A;
+}
+inline constexpr double all_W = 10;
+/// A loss margin with which what a wire can take for long is no limit. With a least
+/// strain that is out of reach only its temperature limits the heat.
+inline constexpr double heats_for_long = 20;
+
+/// A drive's fault begins when the current of the first step flows.
+inline constexpr double late_s = 0.001;
+
+inline std::vector<Provoker> drive_provokers() {
+  return {
+      {Fault::supply_low, [](Rig& rig) { rig.supply_V = 3; }},
+      {Fault::supply_high, [](Rig& rig) { rig.supply_V = 40; }},
+      {Fault::over_current, driving([](double A) { return while_given(A, 0.47); })},
+      {Fault::current_saturated, driving([](double A) { return while_given(A, 0.6); }),
+       [](Settings<double>& s) { s.trips.current_A = 1; }},
+      {Fault::voltage_saturated, reading([](Readings& in) { in.sample.voltage_V = 20; })},
+      {Fault::current_offset, reading([](Readings& in) { in.sample.current_A += 0.003; })},
+      {Fault::current_control, driving([](double A) { return 0.5 * A; }), {}, late_s},
+      {Fault::current_while_off, driving([](double A) { return std::max(A, 0.03); })},
+      {Fault::driver_fault, reading([](Readings& in) { in.driver_fault = true; })},
+      {Fault::driver_warm, reading([](Readings& in) { in.driver_K = 352; })},
+      {Fault::driver_hot, reading([](Readings& in) { in.driver_K = 360; })},
+      {Fault::kelvin_mismatch,
+       // A crimp of 40 ohm: the chopper's voltage does not reach the wire.
+       [](Rig& rig) {
+         give_power(rig, rig.out.power_W);
+         rig.tamper_drive = [&rig](double A) {
+           return A > 0 ? rig.out.voltage_V / (rig.wire->resistance_ohm() + 40) : 0;
+         };
+       },
+       [](Settings<double>& s) { s.drive.kind = DriveKind::voltage; }, late_s},
+  };
+}
+
+inline std::vector<Provoker> circuit_provokers() {
+  return {
+      {Fault::wire_open,
+       [](Rig& rig) {
+         rig.tamper_drive = [](double) { return 0; };
+         rig.tamper_inputs = [&rig](Readings& in) {
+           in.sample.voltage_V = rig.out.current_A > 0 ? 20 : 0;
+         };
+       }},
+      {Fault::wire_short, reading([](Readings& in) { in.sample.voltage_V *= 0.3; })},
+      {Fault::sense_lead_open, reading([](Readings& in) { in.sample.voltage_V = 1e-4; })},
+      {Fault::resistance_jump, reading([](Readings& in) { in.sample.voltage_V *= 0.88; })},
+      // The sense leads are on a resistor like the cold wire.
+      {Fault::no_response,
+       [](Rig& rig) {
+         give_power(rig, all_W);
+         rig.tamper_inputs = [](Readings& in) { in.sample.voltage_V = 24 * in.sample.current_A; };
+       },
+       [](Settings<double>& s) {
+         s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
+         s.limits.temperature_K = 450;
+         s.trips.temperature_K = 460;
+       },
+       0.06},
+  };
+}
+
+/// All power, and once there is nothing but austenite its resistance rises at once.
+inline std::function<void(Rig&)> resistance_rises(double factor) {
+  return [factor](Rig& rig) {
+    give_power(rig, all_W);
+    rig.tamper_inputs = [&rig, factor, start = rig.steps](Readings& in) {
+      in.sample.voltage_V *= rig.steps - start > 350 ? factor : 1;
+    };
+  };
+}
+
+inline std::vector<Provoker> heat_provokers() {
+  const auto contract = [](Rig& rig) { rig.command.setpoint = 0.004; };
+  const auto gentle = [](Settings<double>& s) {
+    s.limits.current_A = 0.15;
+    s.limits.loss_margin = heats_for_long;
+    s.limits.least_strain = -0.05;
+    s.trips.heating_rate_K_s = 2000;
+  };
+  const auto full_power = [](Rig& rig) {
+    rig.prepared.settings.limits.current_A = 0.4;
+    give_power(rig, all_W);
+  };
+  const auto allow_hotter = [](Settings<double>& s) {
+    s.limits.least_strain = -0.05;
+    s.trips.following_error = 1;
+  };
+  return {
+      {Fault::over_temperature, contract, [](Settings<double>& s) { s.trips.temperature_K = 385; },
+       0.1},
+      // The observer takes the wire for colder than its heat says.
+      {Fault::heat_limit,
+       [](Rig& rig) {
+         rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 25; };
+         give_power(rig, all_W);
+       },
+       [](Settings<double>& s) {
+         s.limits.temperature_K = 385;
+         s.limits.loss_margin = heats_for_long;
+         s.limits.least_strain = -0.05;
+       },
+       0.1},
+      {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.4},
+      // And the driver stays at the current that it was given.
+      {Fault::overheat_signature,
+       [](Rig& rig) {
+         resistance_rises(1.013)(rig);
+         rig.tamper_drive = [most_A = 0.0](double A) mutable {
+           most_A = std::min(std::max(most_A, A), 0.15);
+           return while_given(A, std::max(A, most_A));
+         };
+       },
+       allow_hotter, 0.4},
+      {Fault::heating_fast, full_power, gentle, 0.06},
+      {Fault::heating_rate, full_power,
+       [gentle](Settings<double>& s) {
+         gentle(s);
+         s.trips.heating_rate_K_s = 1500;
+       },
+       0.06},
+  };
+}
+
+/// The wire slips so many times: its stress falls by a third, more of it lies between the leads.
+inline void slip(Rig& rig, int times) {
+  const int start = rig.steps;
+  const double held_Pa = rig.stress_Pa;
+  rig.tamper_inputs = [&rig, start, held_Pa, times](Readings& in) {
+    const int slips = std::min((rig.steps - start) / 150 + 1, times);
+    const bool just_now = (rig.steps - start) % 150 < 30 && (rig.steps - start) / 150 < times;
+    rig.stress_Pa = just_now ? 0.65 * held_Pa : held_Pa;
+    in.sample.load_N = rig.load_N();
+    in.sample.voltage_V *= 1 + 0.015 * slips;
+  };
+}
+
+/// Full cycles of 2 s.
+inline void go_to_and_fro(Rig& rig) {
+  const int start = rig.steps;
+  const double top = rig.wire->strain() + 0.012;
+  rig.tamper_command = [&rig, start, top](Command<double>& c) {
+    c.setpoint = (rig.steps - start) % 2000 < 1000 ? 0.008 : top;
+  };
+}
+
+inline std::vector<Provoker> load_provokers() {
+  return {
+      {Fault::load_lost, [](Rig& rig) { rig.stress_Pa = 0.2e6; }, {}, 0.001},
+      {Fault::over_stress, [](Rig& rig) { rig.stress_Pa = 650e6; }, {}, 0.001},
+      {Fault::over_strain,
+       [](Rig& rig) {
+         rig.stress_Pa = 400e6;
+         rig.command.setpoint = 0.06;
+       },
+       [](Settings<double>& s) { s.trips.greatest_strain = 0.045; }, 0.2},
+      {Fault::slip_seen, [](Rig& rig) { slip(rig, 1); }, {}, 0.01},
+      {Fault::clamp_slip, [](Rig& rig) { slip(rig, 3); }, {}, 0.32},
+      {Fault::drift, [](Rig&) {},
+       [](Settings<double>& s) {
+         s.wire.geometry.length_m *= 0.96;
+         s.trips.drift = 0.02;
+       },
+       1.5, 12},
+      {Fault::cycles, go_to_and_fro, [](Settings<double>& s) { s.trips.cycles = 2; }, 6},
+      {Fault::cold_resistance, [](Rig&) {},
+       [](Settings<double>& s) { s.trips.resistance_high = 0.98; }, 0, 12},
+      {Fault::duty,
+       [](Rig& rig) {
+         rig.tamper_command = [&rig](Command<double>&) { rig.state.controller.duty = 0.9; };
+       },
+       [](Settings<double>& s) { s.limits.duty = 0.5; }},
+  };
+}
+
+inline std::vector<Provoker> estimate_provokers() {
+  const auto estimate = [](std::function<void(Estimate<double>&)> change) {
+    return [change](Rig& rig) { rig.tamper_estimate = change; };
+  };
+  return {
+      // No phase has so little.
+      {Fault::model_divergence,
+       [](Rig& rig) {
+         give_current(rig, rig.out.current_A);
+         // Slowly enough to be no jump.
+         rig.tamper_inputs = [&rig, start = rig.steps](Readings& in) {
+           in.sample.voltage_V *= std::max(0.7, 1 - 0.004 * (rig.steps - start));
+         };
+       },
+       [](Settings<double>& s) {
+         s.limits.temperature_K = 590;
+         s.trips.temperature_K = 600;
+       },
+       0.1},
+      {Fault::estimate_invalid, estimate([](Estimate<double>& e) { e.strain = not_a_number; })},
+      {Fault::estimate_unsure, estimate([](Estimate<double>& e) { e.health = Health::searching; })},
+      // A limit holds back, and the reference goes on with 0.35 1/s.
+      {Fault::following_error, [](Rig& rig) { rig.prepared.settings.limits.current_A = 0.05; },
+       [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.04},
+      {Fault::power_balance,
+       [](Rig& rig) {
+         rig.draught = 0.5;
+         go_to_and_fro(rig);
+       },
+       [](Settings<double>& s) { s.trips.following_error = 1; }, 20},
+      {Fault::ambient_range, reading([](Readings& in) { in.ambient_K = 340; })},
+      {Fault::started_outside, [](Rig& rig) { rig.stress_Pa = 550e6; }},
+  };
+}
+
+inline std::vector<Provoker> machine_provokers() {
+  return {
+      {Fault::sensor_invalid, reading([](Readings& in) { in.sample.voltage_V = not_a_number; })},
+      {Fault::sample_stale, reading([](Readings& in) { in.fresh = false; })},
+      {Fault::sample_frozen, reading([](Readings& in) { in.sequence = 7; }), {}, 0.001},
+      {Fault::control_invalid, [](Rig& rig) { rig.command.setpoint = not_a_number; }},
+      {Fault::deadline_missed, reading([](Readings& in) { in.deadline_missed = true; }), {}, 0.01},
+      {Fault::command_timeout, [](Rig& rig) { rig.command.fresh = false; }},
+      {Fault::emergency_stop, reading([](Readings& in) { in.emergency_stop = true; })},
+      // Pulses that are too short for current_while_off.
+      {Fault::cooling_timeout,
+       [](Rig& rig) {
+         rig.tamper_drive = [&rig](double A) { return rig.steps % 20 == 0 ? 0.25 : A; };
+       },
+       {},
+       14},
+      {Fault::bus_lost, reported(Fault::bus_lost)},
+      {Fault::duplicate_node, reported(Fault::duplicate_node)},
+      {Fault::unclean_boot, reported(Fault::unclean_boot)},
+      {Fault::store_corrupt, reported(Fault::store_corrupt)},
+      {Fault::bad_configuration, reported(Fault::bad_configuration)},
+      {Fault::not_configured, reported(Fault::not_configured)},
+  };
+}
+
+inline std::vector<Provoker> provokers() {
+  std::vector<Provoker> all;
+  for (const auto& some : {drive_provokers(), circuit_provokers(), heat_provokers(),
+                           load_provokers(), estimate_provokers(), machine_provokers()}) {
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+/// Those that are looked for while no current is given.
+inline bool comes_while_off(Fault fault) {
+  return fault_row(fault).severity == FaultClass::B || fault == Fault::current_while_off ||
+         fault == Fault::cooling_timeout;
+}
+
+}  // namespace smaservo

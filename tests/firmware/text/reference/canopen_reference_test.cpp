@@ -1,0 +1,82 @@
+#include "firmware/text/reference/canopen_reference.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "host-sim/can/eds_file.hpp"
+#include "tests/firmware/canopen/servo/servo_rig.hpp"
+#include "tests/host-sim/program.hpp"
+
+namespace smaservo::test {
+namespace {
+
+using canopen::Abort;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Anew: build/release/host-sim/host-sim describe eds > firmware/reference/smaservo.eds, likewise
+/// dbc and objects (OBJECTS.md).
+TEST(CanopenReference, TheFilesAreUpToDate) {
+  const std::string folder = SMASERVO_SOURCE_DIR "/firmware/canopen/";
+  EXPECT_EQ(file_text(folder + "smaservo.eds"), eds_text());
+  EXPECT_EQ(file_text(folder + "smaservo.dbc"), dbc_text());
+  EXPECT_EQ(file_text(folder + "OBJECTS.md"), object_reference());
+}
+
+TEST(CanopenReference, TheDataSheetAvoidsWhatReadersStumbleOver) {
+  const std::string text = eds_text();
+  EXPECT_THAT(text, Not(HasSubstr("=\n"))) << "an empty key";
+  EXPECT_THAT(text, Not(HasSubstr("rwr")));
+  for (const char* section : {"[FileInfo]", "[DeviceInfo]", "[DummyUsage]", "[MandatoryObjects]",
+                              "[OptionalObjects]", "[ManufacturerObjects]"}) {
+    EXPECT_THAT(text, HasSubstr(section));
+  }
+}
+
+/// What the data sheet says of an object is what the node does: it exists, it reads as its default,
+/// its access is refused where it should be, a PDO takes it where it may.
+TEST(CanopenReference, TheNodeIsAsTheDataSheetSays) {
+  canopen::ServoRig rig;
+  rig.staging = Staging<double>(default_settings<double>());
+  const Eds eds = parse_eds(eds_text(), "smaservo.eds", canopen::ServoRig::id);
+  EXPECT_LT(400U, eds.objects.size());
+  for (const EdsObject& object : eds.objects) {
+    canopen::Entry entry{};
+    ASSERT_EQ(rig.servo.node().find(object.key, entry), Abort::none)
+        << std::hex << object.key.index << ' ' << int{object.key.sub};
+    EXPECT_EQ(entry.type, object.type) << object.name;
+    const unsigned rights = canopen::readable | canopen::writable;
+    EXPECT_EQ(entry.access & rights, object.access & rights) << object.name;
+    EXPECT_EQ((entry.access & (canopen::in_rpdo | canopen::in_tpdo)) != 0,
+              (object.access & (canopen::in_rpdo | canopen::in_tpdo)) != 0)
+        << object.name;
+    const bool compares = (object.access & canopen::readable) != 0 &&
+                          (object.access & canopen::writable) != 0 &&
+                          object.type != canopen::Type::real && canopen::size_of(object.type) != 0;
+    if (compares) {
+      EXPECT_EQ(rig.upload(object.key).data, object.standard)
+          << object.name << std::hex << ' ' << object.key.index;
+    }
+  }
+}
+
+TEST(CanopenReference, NothingIsServedThatTheDataSheetDoesNotTell) {
+  canopen::ServoRig rig;
+  const Eds eds = parse_eds(eds_text(), "smaservo.eds", canopen::ServoRig::id);
+  auto known = eds.objects.begin();
+  for (unsigned index = 0x1000; index <= 0x6FFF; ++index) {
+    for (unsigned sub = 0; sub < 32; ++sub) {
+      const Key key{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub)};
+      while (known != eds.objects.end() && known->key < key) {
+        ++known;
+      }
+      canopen::Entry entry{};
+      const bool served = rig.servo.node().find(key, entry) == Abort::none;
+      EXPECT_EQ(served, known != eds.objects.end() && known->key == key)
+          << std::hex << index << ' ' << sub;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace smaservo::test

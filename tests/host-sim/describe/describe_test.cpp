@@ -1,0 +1,56 @@
+// `host-sim describe` as its user meets it, and the pages that are made by it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "firmware/parameters/parameters.hpp"
+#include "firmware/text/reference/parameter_reference.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "tests/host-sim/program.hpp"
+
+namespace smaservo::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Describe, TheCommittedParameterReferenceIsUpToDate) {
+  EXPECT_TRUE(file_text(SMASERVO_SOURCE_DIR "/firmware/reference/PARAMETERS.md") ==
+              parameter_reference())
+      << "firmware/reference/PARAMETERS.md is stale; make it anew from the top folder:\n"
+         "  build/release/host-sim/host-sim describe parameters > firmware/reference/PARAMETERS.md";
+}
+
+TEST(Describe, TheReferenceHasEveryParameter) {
+  const std::string page = parameter_reference();
+  for (const Parameter<float>& row : parameters<float>) {
+    EXPECT_THAT(page, HasSubstr("`" + std::string(row.path.text()) + "`"));
+  }
+}
+
+TEST(Describe, PrintsTheReference) {
+  Program program;
+  const Finished f = program.run({"describe", "parameters"});
+  EXPECT_EQ(f.status, 0);
+  EXPECT_EQ(f.out, parameter_reference());
+}
+
+TEST(Describe, PrintsSettingsThatCanBeRead) {
+  Program program;
+  const Finished f = program.run({"describe", "settings", "--wire", "flexinol-ht-0.10mm"});
+  EXPECT_EQ(f.status, 0);
+  const std::string file = program.folder().write("device.toml", f.out);
+  EXPECT_EQ(load_settings_file(file).wire.geometry.diameter_m, static_cast<double>(1e-4F));
+}
+
+TEST(Describe, UnknownTopicsAndWiresEndWith1) {
+  Program program;
+  Finished f = program.run({"describe", "weather"});
+  EXPECT_EQ(f.status, 1);
+  EXPECT_THAT(f.err, HasSubstr("describe weather: no such topic; the topics are:\n  dbc "));
+  f = program.run({"describe", "settings", "--wire", "copper"});
+  EXPECT_EQ(f.status, 1);
+  EXPECT_THAT(f.err, HasSubstr("copper: no such wire"));
+}
+
+}  // namespace
+}  // namespace smaservo::test

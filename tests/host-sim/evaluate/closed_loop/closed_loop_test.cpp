@@ -1,0 +1,55 @@
+#include "host-sim/evaluate/closed_loop/closed_loop.hpp"
+
+#include <algorithm>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace smaservo {
+namespace {
+
+using testing::HasSubstr;
+
+/// Two units with wires that identify has found.
+ClosedLoopOptions golden_units() {
+  ClosedLoopOptions options;
+  options.units = 1;
+  options.runs = 2;
+  options.steps = 4;
+  options.random = 2;
+  options.wires = SMASERVO_SOURCE_DIR "/tests/golden/evaluate";
+  return options;
+}
+
+/// All in one test: each is a process of its own, and the runs are the cost.
+TEST(ClosedLoopEvaluation, TheDeviceHoldsWhatTheOthersDoNot) {
+  ClosedLoopOptions options = golden_units();
+  const ClosedLoopEvaluation evaluation = evaluate_closed_loop(options);
+  ASSERT_EQ(evaluation.rows.size(), closed_loop_rows.size());
+  for (const LoopRowResult& row : evaluation.rows) {
+    const auto& [device, ideal, resistance, position_002] = row.kinds;
+    for (const LoopFigures& figures : row.kinds) {
+      EXPECT_EQ(figures.heating_s.size() + figures.cooling_s.size(), 8U);
+      EXPECT_TRUE(std::ranges::is_sorted(figures.heating_s));
+    }
+    // What has become too good has probably become wrong.
+    EXPECT_LT(device.error.mean(), 2.5);
+    EXPECT_GT(device.error.mean(), 0.05);
+    EXPECT_LT(ideal.error.mean(), 0.3);
+    EXPECT_LT(device.error.mean(), resistance.error.mean());
+    EXPECT_EQ(device.cycles, 0);
+    EXPECT_TRUE(device.trips.empty());
+    EXPECT_TRUE(ideal.trips.empty());
+    EXPECT_LT(device.above_limit_K, 3);
+    EXPECT_EQ(ideal.cooled_in_time, static_cast<int>(ideal.cooling_s.size()));
+  }
+  for (const double Hz : evaluation.bandwidth_Hz.front()) {
+    EXPECT_GT(Hz, 2);
+    EXPECT_LT(Hz, 4.5);
+  }
+  options.threads = 2;
+  EXPECT_EQ(closed_loop_json(evaluate_closed_loop(options)), closed_loop_json(evaluation));
+  EXPECT_THAT(closed_loop_markdown(evaluation), HasSubstr("| spring | ideal sensor |"));
+}
+
+}  // namespace
+}  // namespace smaservo

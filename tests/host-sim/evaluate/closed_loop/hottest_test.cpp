@@ -1,0 +1,55 @@
+#include "host-sim/evaluate/closed_loop/hottest.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "firmware/parameters/parameter_check.hpp"
+
+namespace smaservo {
+namespace {
+
+std::vector<CalibratedUnit> hottest_units() {
+  return calibrated_units(1, 1000, SMASERVO_SOURCE_DIR "/tests/golden/evaluate");
+}
+
+TEST(Hottest, NeverAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
+  const std::vector<CalibratedUnit> units = hottest_units();
+  const auto runs = run_hottest(units, 1, 60, 1, [](std::size_t) {});
+  int hot = 0;
+  for (const HottestRun& run : runs) {
+    EXPECT_LE(run.above_limit_K, hottest_allowed_K) << "seed " << run.seed;
+    hot += run.above_limit_K > -20 ? 1 : 0;
+  }
+  EXPECT_GE(hot, 5) << "scenarios that never come near the limit prove nothing";
+  const auto again = run_hottest(units, 1, 60, 2, [](std::size_t) {});
+  EXPECT_EQ(hottest_markdown(again), hottest_markdown(runs));
+}
+
+TEST(RandomScenario, IsDrawnFromItsSeedAlone) {
+  const std::vector<CalibratedUnit> units = hottest_units();
+  const RandomScenario one = random_scenario(units, 7);
+  random_scenario(units, 8);
+  const RandomScenario same = random_scenario(units, 7);
+  EXPECT_EQ(one.loop.note, same.loop.note);
+  EXPECT_NE(one.loop.note, random_scenario(units, 8).loop.note);
+}
+
+TEST(RandomScenario, DrawsEverythingWithSettingsThatADeviceTakes) {
+  const std::vector<CalibratedUnit> units = hottest_units();
+  std::array<int, random_air_count> airs{};
+  std::array<int, random_trouble_count> troubles{};
+  std::array<int, mode_count> modes{};
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    const RandomScenario s = random_scenario(units, seed);
+    ++airs.at(static_cast<std::size_t>(s.air));
+    ++troubles.at(static_cast<std::size_t>(s.trouble));
+    ++modes.at(static_cast<std::size_t>(s.mode));
+    EXPECT_TRUE(check(s.loop.settings).ok()) << seed;
+  }
+  EXPECT_GT(std::ranges::min(airs), 10);
+  EXPECT_GT(std::ranges::min(troubles), 5);
+  EXPECT_EQ(std::ranges::count(modes, 0), 1) << "all but off";
+}
+
+}  // namespace
+}  // namespace smaservo

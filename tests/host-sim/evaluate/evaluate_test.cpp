@@ -1,0 +1,169 @@
+#include "host-sim/evaluate/evaluate.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/evaluate/table.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/parallel.hpp"
+#include "tests/host-sim/program.hpp"
+
+namespace smaservo::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Wires that stand for calibrated ones, which take a minute each: the units as they were drawn.
+void write_wires(const TemporaryFolder& folder) {
+  for (const Family family : families) {
+    folder.write(calibrated_name(family, first_test_seed),
+                 to_toml(random_unit(family, first_test_seed).wire));
+  }
+}
+
+EvaluateOptions small(const TemporaryFolder& wires) {
+  EvaluateOptions options;
+  options.units = 1;
+  options.runs = 2;
+  options.rows = {"standard", "hold", "coarse"};
+  options.wires = wires.path();
+  return options;
+}
+
+std::string error_of(const EvaluateOptions& options) {
+  try {
+    evaluate(options);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Evaluate, IsTheSameForAnyNumberOfThreads) {
+  const TemporaryFolder wires;
+  write_wires(wires);
+  EvaluateOptions options = small(wires);
+  std::vector<std::size_t> done;
+  options.progress = [&](std::string_view stage, std::size_t parts, std::size_t total) {
+    if (stage == "runs") {
+      EXPECT_EQ(total, 6U);
+      done.push_back(parts);
+    }
+  };
+  const Evaluation alone = evaluate(options);
+  EXPECT_THAT(done, ElementsAre(1, 2, 3, 4, 5, 6));
+  options.threads = 2;
+  EXPECT_EQ(table_json(evaluate(options)), table_json(alone));
+
+  ASSERT_EQ(alone.observers.size(), 2U);
+  EXPECT_EQ(alone.observers[0].rows.size(), 3U);
+  EXPECT_EQ(alone.observers[1].observer, "open-loop");
+  ASSERT_EQ(alone.observers[1].rows.size(), 1U) << "the hold";
+  for (const RowResult& row : alone.observers[0].rows) {
+    EXPECT_EQ(row.all.runs, 2);
+    EXPECT_EQ(row.by_family[0].runs, 1);
+    EXPECT_EQ(row.all.error.count(),
+              row.by_family[0].error.count() + row.by_family[1].error.count());
+    EXPECT_GT(row.all.error.mean(), 0.02);
+    EXPECT_LT(row.all.error.mean(), 5);
+  }
+}
+
+TEST(Evaluate, ObserversAreJudgedOnTheSameRuns) {
+  const TemporaryFolder wires;
+  write_wires(wires);
+  EvaluateOptions options = small(wires);
+  options.rows = {"standard"};
+  const double alone = evaluate(options).observers[0].rows[0].all.error.mean();
+  options.observers = {"line", "kalman"};
+  const Evaluation both = evaluate(options);
+  ASSERT_EQ(both.observers.size(), 2U);
+  EXPECT_EQ(both.observers[1].rows[0].all.error.mean(), alone);
+  EXPECT_GT(both.observers[0].rows[0].all.error.mean(), 2 * alone);
+}
+
+TEST(Evaluate, SettingsReachTheObserver) {
+  const TemporaryFolder wires;
+  write_wires(wires);
+  EvaluateOptions options = small(wires);
+  options.rows = {"coarse"};
+  const double usual = evaluate(options).observers[0].rows[0].all.error.mean();
+  options.settings = {{"kalman.resistance_model_sd", "0.2"}};
+  EXPECT_NE(evaluate(options).observers[0].rows[0].all.error.mean(), usual);
+}
+
+TEST(Evaluate, MistakesAreNamed) {
+  const TemporaryFolder folder;
+  const EvaluateOptions good = small(folder);
+  EvaluateOptions bad = good;
+  bad.units = 0;
+  EXPECT_THAT(error_of(bad), HasSubstr("--units 0: must be between 1 and 1000"));
+  bad = good;
+  bad.rows = {"windy"};
+  EXPECT_THAT(error_of(bad), HasSubstr("--row windy: no such row; there are: standard, disturbed"));
+  bad = good;
+  bad.observers = {"oracle"};
+  EXPECT_THAT(error_of(bad), HasSubstr("--observer oracle: no such observer"));
+  bad = good;
+  bad.observers = {"line", "line"};
+  EXPECT_THAT(error_of(bad), HasSubstr("--observer line: is given twice"));
+  bad = good;
+  bad.settings = {{"wire.length_m", "1"}};
+  EXPECT_THAT(error_of(bad), HasSubstr("--set wire.length_m: unknown key"));
+  bad = good;
+  bad.wires = folder.write("file", "");
+  EXPECT_THAT(error_of(bad), HasSubstr("--wires " + bad.wires + ": "));
+}
+
+TEST(EvaluateCommand, WritesWhatItIsAskedFor) {
+  Program program;
+  const Finished run =
+      program.run({"evaluate", "--row", "uncalibrated", "--units", "1", "--runs", "2", "--out",
+                   "t.json", "--report", "t.html", "--threads", "2"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("\nkalman\nrow "));
+  EXPECT_THAT(run.out, HasSubstr("\nuncalibrated  "));
+  EXPECT_EQ(run.err, "");
+  const auto json = nlohmann::json::parse(file_text(program.folder() / "t.json"));
+  EXPECT_EQ(json["observers"]["kalman"][0]["all"]["runs"], 2);
+  EXPECT_THAT(file_text(program.folder() / "t.html"), HasSubstr("uncalibrated"));
+}
+
+TEST(EvaluateCommand, RefusesBeforeItWorks) {
+  Program program;
+  EXPECT_EQ(program.run({"evaluate", "--row", "standard,windy"}).status, 2);
+  EXPECT_EQ(program.run({"evaluate", "--observer", "oracle"}).status, 2);
+  const Finished units = program.run({"evaluate", "--units", "0"});
+  EXPECT_EQ(units.status, 1);
+  EXPECT_THAT(units.err, HasSubstr("--units 0"));
+  const Finished out = program.run({"evaluate", "--out", "table.txt"});
+  EXPECT_EQ(out.status, 1);
+  EXPECT_THAT(out.err, HasSubstr("--out table.txt: must be a folder or end in .json"));
+}
+
+TEST(Parallel, ThrowsWhatTheFirstFailureHasThrown) {
+  for (int threads = 1; threads <= 4; ++threads) {
+    std::size_t finished = 0;
+    try {
+      parallel(
+          100, threads,
+          [](std::size_t i) {
+            if (i >= 10) {
+              throw UserError(std::to_string(i));
+            }
+          },
+          [&](std::size_t) { ++finished; });
+      ADD_FAILURE() << "nothing thrown";
+    } catch (const UserError& error) {
+      EXPECT_STREQ(error.what(), "10");
+    }
+    EXPECT_GE(finished, 11U);
+    EXPECT_LT(finished, 100U);
+  }
+}
+
+}  // namespace
+}  // namespace smaservo::test

@@ -1,0 +1,298 @@
+// host-sim identify as its user meets it, and what its files say.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host-sim/identify/fitted_wire.hpp"
+#include "host-sim/identify/report.hpp"
+#include "model/files/wire_fields.hpp"
+#include "tests/host-sim/program.hpp"
+#include "tests/host-sim/recordings.hpp"
+
+namespace smaservo::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+using Texts = Program::Texts;
+
+/// A bath run without resistance.
+std::string bath_file(double stress_MPa = 150) {
+  const Recording r;
+  return csv({{"temperature_degC", r.temperature_degC},
+              {"strain_ref", r.strain},
+              {"stress_MPa", std::vector<double>(r.strain.size(), stress_MPa)}});
+}
+
+/// A wire whose strain runs up and down ten times while it is heated once.
+std::string impossible_csv() {
+  Recording r;
+  for (std::size_t i = 0; i < r.strain.size(); ++i) {
+    r.strain[i] = 0.04 + 0.03 * std::sin(0.6 * r.temperature_degC[i]);
+  }
+  return csv({{"temperature_degC", r.temperature_degC},
+              {"strain_ref", r.strain},
+              {"stress_MPa", std::vector<double>(r.strain.size(), 150.0)}});
+}
+
+/// The fit of bath_file() as the program does it.
+FitResult fitted(const std::function<bool(const FitProgress&)>& proceed = [](const auto&) {
+  return true;
+}) {
+  const TemporaryFolder folder;
+  const WireDescription from = load_wire("smartflex-76um");
+  const Run run = read_run(folder.write("bath.csv", bath_file()), {from.wire.geometry, {}, {}, {}});
+  FitOptions options;
+  options.proceed = proceed;
+  FitResult fit = fit_wire(from.wire, {run}, options);
+  fit.runs.front().name = "bath.csv";
+  return fit;
+}
+
+Texts identify(const Texts& more) {
+  Texts arguments{"identify", "--out", "w.toml"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(Identify, WrongArgumentsEndWith2) {
+  const Texts wrong[] = {{"identify"},
+                         {"identify", "bath.csv"},
+                         {"identify", "--out", "w.toml"},
+                         identify({"--threads", "0", "bath.csv"}),
+                         identify({"--observer", "kalman", "bath.csv"}),
+                         identify({"--stress-MPa", "1", "--load-N", "1", "bath.csv"})};
+  Program program;
+  program.folder().write("bath.csv", bath_file());
+  for (const Texts& arguments : wrong) {
+    EXPECT_EQ(program.run(arguments).status, 2) << ::testing::PrintToString(arguments);
+  }
+  EXPECT_THAT(program.folder().names(), ElementsAre("bath.csv"));
+}
+
+TEST(Identify, MistakesEndWith1AndNameWhatIsWrong) {
+  const std::pair<Texts, const char*> wrong[] = {
+      {{"identify", "--out", "w.csv", "bath.csv"}, "--out w.csv: the name of a wire file"},
+      {{"identify", "--out", "-", "bath.csv"}, "--out -: the name of a wire file"},
+      {{"identify", "--out", "no/w.toml", "bath.csv"}, "no/w.toml: cannot be written"},
+      {{"identify", "--out", "run.toml", "run.toml"}, "run.toml: is the same file as run.toml"},
+      {{"identify", "--out", "./f.toml", "--from", "f.toml", "bath.csv"}, "./f.toml: is the same"},
+      {identify({"bath.csv", "./bath.csv"}), "./bath.csv: is the same file as bath.csv"},
+      {identify({"--report", "bath.csv", "bath.csv"}), "bath.csv: is the same file as bath.csv"},
+      {identify({"--report", "w.toml", "bath.csv"}), "w.toml: is the same file as w.toml"},
+      {identify({"--from", "nothing", "bath.csv"}), "nothing: no such wire"},
+      {identify({"--set", "kalman.loss_walk=1", "bath.csv"}), "kalman"},
+      {identify({"--set", "wire.length_mm=0", "bath.csv"}), "wire.length_mm = 0"},
+      {identify({"--stress-MPa", "-1", "bath.csv"}), "--stress-MPa -1: must be between"},
+      {identify({"missing.csv"}), "missing.csv: No such file"},
+      {identify({"still.csv"}), "still.csv"},
+  };
+  Program program;
+  program.folder().write("bath.csv", bath_file());
+  program.folder().write("run.toml", bath_file());
+  program.folder().write("f.toml", to_toml(load_wire("smartflex-76um")));
+  program.folder().write("still.csv", csv({{"temperature_degC", std::vector<double>(50, 25.0)},
+                                           {"strain_ref", std::vector<double>(50, 0.04)},
+                                           {"stress_MPa", std::vector<double>(50, 100.0)}}));
+  for (const auto& [arguments, said] : wrong) {
+    const Finished f = program.run(arguments);
+    EXPECT_EQ(f.status, 1) << said;
+    EXPECT_THAT(f.err, HasSubstr(said));
+    EXPECT_EQ(f.out, "");
+  }
+  EXPECT_THAT(program.folder().names(),
+              UnorderedElementsAre("bath.csv", "run.toml", "f.toml", "still.csv"));
+}
+
+TEST(Identify, AFitThatExplainsNothingLeavesTheOldFile) {
+  Program program;
+  program.folder().write("odd.csv", impossible_csv());
+  program.folder().write("w.toml", "the old one");
+  const Finished f = program.run(identify({"--report", "r.html", "odd.csv"}));
+  EXPECT_EQ(f.status, 1);
+  EXPECT_THAT(f.err, HasSubstr("odd.csv: the fitted model misses its strain by"));
+  EXPECT_EQ(f.out, "");
+  EXPECT_THAT(program.folder().names(), UnorderedElementsAre("odd.csv", "w.toml"));
+  EXPECT_EQ(file_text(program.folder() / "w.toml"), "the old one");
+}
+
+/// But for rounding.
+bool same(const WireEntry& a, const WireEntry& b) {
+  return a.word == b.word && std::ranges::equal(a.numbers, b.numbers, [](double x, double y) {
+           return std::abs(x - y) <= 1e-12 * std::abs(y);
+         });
+}
+
+TEST(Identify, WritesTheWireThatWasFitted) {
+  Program program;  // NOLINT(misc-const-correctness): run() changes it
+  program.folder().write("bath.csv", bath_file());
+  const Finished f = program.run(identify({"--threads", "1", "bath.csv"}));
+  ASSERT_EQ(f.status, 0) << f.err;
+  const FitResult fit = fitted();
+  const std::string text = file_text(program.folder() / "w.toml");
+  EXPECT_EQ(text, to_toml(fitted_wire(load_wire("smartflex-76um"), fit, "w")));
+  const WireDescription loaded = load_wire(program.folder() / "w.toml");
+  EXPECT_EQ(loaded.name, "w");
+  const WireEntries read = describe_wire(loaded.wire);
+  const WireEntries expected = describe_wire(fit.wire);
+  ASSERT_EQ(read.size(), expected.size());
+  for (const auto& field : expected) {
+    EXPECT_TRUE(same(read.at(field.first), field.second)) << field.first;
+  }
+}
+
+TEST(Identify, SourcesSayWhatIsNewAndWhatIsNot) {
+  const WireDescription from = load_wire("smartflex-76um", {{"wire.length_mm", "120"}});
+  const FitResult fit = fitted();
+  const WireDescription wire = fitted_wire(from, fit, "mine");
+  const std::map<std::string, std::string> sources(wire.sources.begin(), wire.sources.end());
+  EXPECT_EQ(sources.at("wire.length"), "given with --set");
+  EXPECT_THAT(sources.at("limits.temperature"), HasSubstr("paper 000"));
+  EXPECT_THAT(sources.at("kinetics.m2a"), HasSubstr("identified from bath.csv; "));
+  EXPECT_THAT(sources.at("kinetics.m2a"), HasSubstr("width "));
+  EXPECT_THAT(sources.at("kinetics.m2a"), HasSubstr("kept from smartflex-76um: "));
+  EXPECT_THAT(sources.at("heat"),
+              HasSubstr("not determined by bath.csv, kept from smartflex-76um"));
+  EXPECT_FALSE(sources.contains("kinetics")) << "spoke of what is new now";
+  EXPECT_FALSE(sources.contains("material.martensite.strain")) << "measured now";
+  EXPECT_TRUE(sources.contains("material.martensite.resistivity")) << "still the paper's";
+}
+
+TEST(Identify, FiguresAreInTheUnitsOfMessages) {
+  const FittedParameter sum{{"a.temperature", "degC", 1, Form::sum, 353.15, 8}, 350.65, 0.25, 0.03};
+  EXPECT_NEAR(figure(sum).value, 77.5, 1e-9);
+  EXPECT_NEAR(figure(sum).prior, 80, 1e-9);
+  EXPECT_NEAR(figure(sum).sd, 0.25, 1e-12);
+  const FittedParameter factor{{"a.modulus", "GPa", 1e9, Form::factor, 30e9, 0.4}, 40e9, 0.1, 0.25};
+  EXPECT_NEAR(figure(factor).value, 40, 1e-9);
+  EXPECT_NEAR(figure(factor).sd, 4, 1e-9);
+  EXPECT_NEAR(figure(factor).prior_sd, 12, 1e-9);
+  const FittedParameter share{{"a.turning", "", 1, Form::share, 0.5, 0.4}, 0.2, 0.1, 0.25};
+  EXPECT_NEAR(figure(share).sd, 0.016, 1e-12) << "the logit's slope is 1/(x (1 - x))";
+  EXPECT_EQ(with_deviation(74.8123, 0.12), "74.81 ± 0.12");
+  EXPECT_EQ(with_deviation(-12345, 600), "-12345 ± 600");
+  EXPECT_EQ(with_deviation(-1e-15, 6), "0.0 ± 6.0");
+}
+
+TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
+  Program program;
+  program.folder().write("bath.csv", bath_file());
+  const Finished f = program.run(identify({"--json", "bath.csv"}));
+  ASSERT_EQ(f.status, 0) << f.err;
+  const auto json = nlohmann::json::parse(f.out);
+  std::size_t determined = 0;
+  for (const auto& parameter : json["parameters"]) {
+    const std::string key = parameter["key"];
+    const bool electrical = key.find("resistivity") != std::string::npos;
+    if (electrical || key.starts_with("heat.")) {
+      EXPECT_FALSE(parameter["determined"]) << key;
+      EXPECT_NEAR(parameter["value"].get<double>(), parameter["prior"].get<double>(),
+                  1e-6 * std::abs(parameter["prior"].get<double>()))
+          << key;
+    }
+    determined += parameter["determined"].get<bool>() ? 1U : 0U;
+    if (key == "kinetics.m2a.width" || key == "material.martensite.strain") {
+      EXPECT_TRUE(parameter["determined"]) << key;
+    }
+  }
+  EXPECT_GE(determined, 5U);
+  EXPECT_TRUE(json["runs"][0].contains("classic_rms_percent"));
+  EXPECT_FALSE(json["runs"][0].contains("resistance"));
+  const Finished text = program.run(identify({"bath.csv"}));
+  EXPECT_THAT(text.out, HasSubstr("not determined by these runs, kept from smartflex-76um:"));
+  EXPECT_THAT(text.out, HasSubstr("material.austenite: modulus, resistivity_ratio"));
+}
+
+/// The wire file of two runs.
+std::string file_by(const char* threads) {
+  Program program;
+  program.folder().write("a.csv", bath_file(100));
+  program.folder().write("b.csv", bath_file(120));
+  const Finished f = program.run(identify({"--threads", threads, "a.csv", "b.csv"}));
+  EXPECT_EQ(f.status, 0) << f.err;
+  return file_text(program.folder() / "w.toml");
+}
+
+TEST(Identify, SameRunsSameFile) {
+  EXPECT_EQ(file_by("1"), file_by("1"));
+}
+
+TEST(Identify, ThreadsDoNotChangeTheFile) {
+  const std::string one = file_by("1");
+  EXPECT_EQ(file_by("2"), one);
+  EXPECT_EQ(file_by("3"), one);
+}
+
+TEST(Identify, AnInterruptedFitSaysSo) {
+  int steps = 0;
+  const FitResult fit = fitted([&](const FitProgress&) { return ++steps < 20; });
+  ASSERT_TRUE(fit.interrupted);
+  const WireDescription wire = fitted_wire(load_wire("smartflex-76um"), fit, "w");
+  EXPECT_THAT(to_toml(wire), HasSubstr("bath.csv (interrupted before it was finished)"));
+  const Identification all{
+      "smartflex-76um", "w.toml", std::vector<smaservo::Run>(1), fit, wire, {{}}, 1};
+  EXPECT_THAT(fit_summary(all), HasSubstr("INTERRUPTED"));
+  EXPECT_TRUE(nlohmann::json::parse(fit_json(all))["interrupted"]);
+}
+
+/// Whether the process catches SIGINT by now.
+bool listens(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("SigCgt:")) {
+      return (std::stoul(line.substr(7), nullptr, 16) >> (SIGINT - 1) & 1U) != 0;
+    }
+  }
+  return false;
+}
+
+TEST(Identify, CtrlCKeepsTheBestSoFar) {
+  std::signal(SIGINT, SIG_DFL);  // jobs in the background inherit that it is ignored
+  Program program;
+  program.folder().write("bath.csv", bath_file());
+  ASSERT_EQ(program.run({"identify", "--out", "near.toml", "bath.csv"}).status, 0);
+  const pid_t child =
+      program.start(identify({"--from", "near.toml", "bath.csv"}),
+                    open("/dev/null", O_RDONLY | O_CLOEXEC), program.folder() / "summary");
+  while (!listens(child)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGINT);
+  const Finished f = program.wait(child);
+  EXPECT_EQ(f.status, 128 + SIGINT) << f.err;
+  EXPECT_THAT(f.out, HasSubstr("INTERRUPTED"));
+  EXPECT_THAT(file_text(program.folder() / "w.toml"), HasSubstr("interrupted"));
+  EXPECT_NO_THROW(load_wire(program.folder() / "w.toml"));
+}
+
+TEST(Identify, TheReportHasTheNumbersAndPicturesOfEveryRun) {
+  Program program;
+  program.folder().write("<b>.csv", bath_file());
+  const Finished f = program.run(identify({"--report", "r.html", "<b>.csv"}));
+  ASSERT_EQ(f.status, 0) << f.err;
+  const std::string html = file_text(program.folder() / "r.html");
+  EXPECT_TRUE(html.starts_with("<!doctype html>"));
+  EXPECT_TRUE(html.ends_with("</html>\n"));
+  EXPECT_THAT(html, HasSubstr("&lt;b&gt;.csv: strain over temperature"));
+  EXPECT_THAT(html, HasSubstr("&lt;b&gt;.csv: what is left"));
+  EXPECT_THAT(html, Not(HasSubstr("<b>")));
+  EXPECT_THAT(html, HasSubstr("kinetics.a2m.turning"));
+  EXPECT_THAT(html, HasSubstr("<td>not determined</td>"));
+  std::size_t pictures = 0;
+  for (std::size_t at = 0; (at = html.find("data:image/svg+xml", at)) != std::string::npos; ++at) {
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, 2U);
+}
+
+}  // namespace
+}  // namespace smaservo::test

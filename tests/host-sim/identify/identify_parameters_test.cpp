@@ -1,0 +1,71 @@
+// What a fit may change about a wire.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "host-sim/identify/fit/parameters.hpp"
+#include "model/files/wire_fields.hpp"
+#include "model/files/wire_file.hpp"
+
+namespace smaservo::test {
+namespace {
+
+constexpr FitVariant variants[] = {{}, {.separate_r2a = true, .separate_r2m = true}};
+
+template <class F>
+Wire<double> varied(const Wire<double>& from, const FitVariant& variant, F deviation) {
+  return vary_wire<double>(
+      from, variant, [&](const FitParameter& parameter) { return parameter.value(deviation()); });
+}
+
+TEST(FitParameters, WithoutDeviationTheWireIsWhatItWas) {
+  for (const char* name : {"smartflex-76um", "flexinol-lt-0.15mm", "flexinol-ht-0.38mm"}) {
+    const Wire<double> from = load_wire(name).wire;
+    const WireEntries before = describe_wire(from);
+    const WireEntries after = describe_wire(varied(from, {}, [] { return 0.0; }));
+    ASSERT_EQ(before.size(), after.size());
+    for (const auto& [path, entry] : before) {
+      SCOPED_TRACE(fmt::format("{} {}", name, path));
+      const WireEntry& other = after.at(path);
+      EXPECT_EQ(entry.word, other.word);
+      ASSERT_LE(entry.numbers.size(), other.numbers.size());
+      // A coefficient counts by what it does at 500 MPa.
+      double scale = 1;
+      for (std::size_t i = 0; i < entry.numbers.size(); ++i) {
+        EXPECT_NEAR(scale * entry.numbers[i], scale * other.numbers[i],
+                    1e-9 * (1e-6 + std::abs(entry.numbers.front())));
+        scale *= 500e6;
+      }
+    }
+  }
+}
+
+TEST(FitParameters, AWireThatIsOffIsStillOne) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (const FitVariant& variant : variants) {
+    for (int i = 0; i < 300; ++i) {
+      WireDescription description = load_wire("smartflex-76um");
+      description.wire = varied(description.wire, variant, [&] { return 0.6 * normal(random); });
+      EXPECT_NO_THROW(parse_wire(to_toml(description), "varied.toml")) << to_toml(description);
+    }
+  }
+}
+
+TEST(FitParameters, EachChangesTheWireByItself) {
+  const Wire<double> from = load_wire("smartflex-76um").wire;
+  const auto text = [&](const Wire<double>& wire) { return to_toml({"", wire, {}}); };
+  for (const FitVariant& variant : variants) {
+    const std::vector<FitParameter> all = fit_parameters(from, variant);
+    const std::string unchanged = text(varied(from, variant, [] { return 0.0; }));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      std::size_t at = 0;
+      EXPECT_NE(text(varied(from, variant, [&] { return at++ == i ? 0.5 : 0.0; })), unchanged)
+          << all[i].key;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace smaservo::test

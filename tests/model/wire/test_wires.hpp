@@ -1,0 +1,78 @@
+#pragma once
+// Wires and models that several tests share.
+
+#include "model/files/wire_file.hpp"
+#include "model/papers/cosine.hpp"
+#include "model/papers/duhem.hpp"
+#include "model/papers/liang_rogers.hpp"
+#include "model/wire/wire.hpp"
+
+namespace smaservo::test {
+
+inline constexpr double celsius_K = 273.15;
+inline constexpr double MPa = 1e6;
+
+/// The 76 um wire of paper 000.
+inline const Wire<double>& paper_wire() {
+  static const Wire<double> wire = load_wire("smartflex-76um").wire;
+  return wire;
+}
+
+/// Its kinetics with the paper's scaling: no memory, every reversal counts.
+inline ThreePhase<double>::Params plain_kinetics() {
+  ThreePhase<double>::Params p = paper_wire().kinetics;
+  p.memory = Memory::plain;
+  p.smallest_reversal_K = 0;
+  return p;
+}
+
+/// R2M and R2A with surfaces of their own, several kelvin away from A2M's and M2A's.
+inline ThreePhase<double>::Params separate_kinetics() {
+  ThreePhase<double>::Params p = paper_wire().kinetics;
+  p.separate_r2a = true;
+  p.r2a = {{celsius_K + 66, 0.12 / MPa, 0}, {celsius_K + 71, 0.13 / MPa, 0}, {3, 0}, {0.5, 0}};
+  p.separate_r2m = true;
+  p.r2m = {{celsius_K + 48, 0.13 / MPa, 0}, {celsius_K + 39, 0.13 / MPa, 0}, {3, 0}, {0.45, 0}};
+  return p;
+}
+
+/// The same parameters for another scalar.
+template <class S>
+typename ThreePhase<S>::Params kinetics_for(const ThreePhase<double>::Params& from) {
+  const auto cast = [](double value) { return S(value); };
+  const auto surface = [&](const Surface<double>& s) { return convert_surface<S>(s, cast); };
+  typename ThreePhase<S>::Params to{};
+  to.m2a = surface(from.m2a);
+  to.a2m_a2r =
+      pair_surfaces(surface(first_surface(from.a2m_a2r)), surface(second_surface(from.a2m_a2r)));
+  to.r2a = surface(from.r2a);
+  to.r2m = surface(from.r2m);
+  to.separate_r2a = from.separate_r2a;
+  to.separate_r2m = from.separate_r2m;
+  to.memory = from.memory;
+  to.smallest_reversal_K = S(from.smallest_reversal_K);
+  return to;
+}
+
+/// The makers' transition temperatures of the Flexinol LT alloy, slopes as usual for it.
+template <class S>
+typename Cosine<S>::Params flexinol_cosine() {
+  const auto K = [](double celsius) { return S(celsius + celsius_K); };
+  return {{K(68), K(78), S(8e6)}, {K(52), K(42), S(7e6)}};
+}
+
+/// The same alloy as Gaussians: start and finish two deviations from the centre, roughly.
+template <class S>
+typename Duhem<S>::Params flexinol_duhem() {
+  const auto K = [](double celsius) { return S(celsius + celsius_K); };
+  return {{K(73), S(3), S(1 / 8e6)}, {K(47), S(2.5), S(1 / 7e6)}};
+}
+
+/// The same with an R-phase; its slope is that of the B2-R transformation in many NiTi alloys.
+template <class S>
+typename LiangRogers<S>::Params flexinol_liang_rogers() {
+  const typename Cosine<S>::Params two = flexinol_cosine<S>();
+  return {two.m2a, two.a2m, {S(64 + celsius_K), S(59 + celsius_K), S(15e6)}};
+}
+
+}  // namespace smaservo::test
