@@ -66,7 +66,7 @@ measure_mcu() {
     }
   done
   printf '%s\n' "$out" | mcu_sums
-  arm-none-eabi-size "$root/build/mcu-$target/hal/cortex-m/smaservo_mcu.elf" |
+  arm-none-eabi-size "$root/build/mcu-$target/firmware/mcu/smaservo_mcu.elf" |
     awk 'NR == 2 { printf "text %d\ndata %d\nbss %d\n", $1, $2, $3 }'
 }
 

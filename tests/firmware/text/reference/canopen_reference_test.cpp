@@ -17,7 +17,7 @@ using testing::Not;
 /// Anew: build/release/host-sim/host-sim describe eds > firmware/reference/smaservo.eds, likewise
 /// dbc and objects (OBJECTS.md).
 TEST(CanopenReference, TheFilesAreUpToDate) {
-  const std::string folder = SMASERVO_SOURCE_DIR "/firmware/canopen/";
+  const std::string folder = SMASERVO_SOURCE_DIR "/firmware/reference/";
   EXPECT_EQ(file_text(folder + "smaservo.eds"), eds_text());
   EXPECT_EQ(file_text(folder + "smaservo.dbc"), dbc_text());
   EXPECT_EQ(file_text(folder + "OBJECTS.md"), object_reference());
