@@ -99,11 +99,11 @@ measured = 0x999999
 
 std::string drawn(const char* command, const Axes& axes, const std::string& data,
                   const std::string& more, const std::vector<std::string>& curves) {
-  return gnuplot(fmt::format(
-      "set terminal svg size {},{} dynamic mouse standalone font 'sans-serif,13' lw 1.2\n{}"
-      "set xlabel \"{}\"\nset ylabel \"{}\"\n{}{}{} {}\n",
-      axes.width, axes.height, style, axes.x_label, axes.y_label, more, data, command,
-      fmt::join(curves, ", ")));
+  return gnuplot(
+      fmt::format("set terminal svg size {},{} dynamic font 'sans-serif,13' lw 1.2\n{}"
+                  "set xlabel \"{}\"\nset ylabel \"{}\"\n{}{}{} {}\n",
+                  axes.width, axes.height, style, axes.x_label, axes.y_label, more, data, command,
+                  fmt::join(curves, ", ")));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ struct Plot {
   std::string title;
   std::string caption;
   bool half_width;  ///< two of these stand side by side
-  std::string svg;  ///< a document that needs nothing else; the mouse shows coordinates
+  std::string svg;  ///< a document that needs nothing else and runs no script
 };
 
 struct Axes {

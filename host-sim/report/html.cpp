@@ -39,7 +39,7 @@ table { border-collapse: collapse; margin: .75rem 0; font-variant-numeric: tabul
 th, td { padding: .2rem .9rem .2rem 0; text-align: right; border-bottom: 1px solid #ddd; }
 th:first-child, td:first-child { text-align: left; }
 .lost { color: #b00020; font-weight: bold; }
-object { display: block; width: 100%; aspect-ratio: var(--shape); }
+img { display: block; width: 100%; aspect-ratio: var(--shape); }
 .plots { display: flex; flex-wrap: wrap; gap: 0 2%; }
 .plots section { width: 100%; break-inside: avoid; }
 .plots section.half { width: 49%; }
@@ -85,13 +85,14 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+// An <img>, not an <object>: Chromium leaves some of the documents that many objects hold
+// unpainted.
 std::string plots_html(const std::vector<Plot>& plots) {
   std::string html = "<div class=\"plots\">\n";
   for (const Plot& plot : plots) {
     html += fmt::format(
-        "<section{}><h2>{}</h2>\n<p class=\"caption\">{}</p>\n<object style=\"--shape:{}\" "
-        "type=\"image/svg+xml\" aria-label=\"{}\" data=\"data:image/svg+xml;base64,{}\"></object>"
-        "</section>\n",
+        "<section{}><h2>{}</h2>\n<p class=\"caption\">{}</p>\n<img style=\"--shape:{}\" alt=\"{}\" "
+        "src=\"data:image/svg+xml;base64,{}\"></section>\n",
         plot.half_width ? " class=\"half\"" : "", escaped(plot.title), escaped(plot.caption),
         shape(plot), escaped(plot.title), base64(plot.svg));
   }

@@ -97,7 +97,7 @@ TEST(FiguresCommand, WritesAPageAndOneSvgForEachPanel) {
     EXPECT_TRUE(is_well_formed_svg(file_text(entry.path()))) << name;
   }
   EXPECT_GE(pictures, 15U);
-  EXPECT_EQ(count(page, "<object"), pictures);
+  EXPECT_EQ(count(page, "<img"), pictures);
   for (const int figure : {1, 2, 5, 6, 8, 9, 10, 13, 14, 15, 16, 17, 18, 19, 20}) {
     EXPECT_THAT(page, HasSubstr("000, figure " + std::to_string(figure) + ":"));
   }
