@@ -90,6 +90,11 @@ replay_all() {
   printf '\nError in %% of the nominal stroke. The reports are in %s.\n' "$(near "$out")"
 }
 
+run_build() {
+  run_setup
+  build release host-sim smaservod
+}
+
 run_replay() {
   run_setup
   build release host-sim

@@ -125,6 +125,7 @@ run_check() {
   check_format || failed+=' formatting'
   check_shell || failed+=' shellcheck'
   check_rules || failed+=' rules'
+  check_rooms || failed+=' rooms'
   say 'checking with clang-tidy'
   check_tidy "$@" || failed+=' clang-tidy'
   if [[ -n $failed ]]; then
