@@ -18,7 +18,6 @@ void add_evaluate_command(CLI::App& app);
 void add_explain_command(CLI::App& app);
 void add_figures_command(CLI::App& app);
 void add_identify_command(CLI::App& app);
-void add_node_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_tune_command(CLI::App& app);

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "host-sim/commands.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace {
 
@@ -23,7 +23,6 @@ int run(int argc, char** argv) {
   smaservo::add_explain_command(app);
   smaservo::add_figures_command(app);
   smaservo::add_identify_command(app);
-  smaservo::add_node_command(app);
   smaservo::add_replay_command(app);
   smaservo::add_simulate_command(app);
   smaservo::add_tune_command(app);

@@ -21,12 +21,15 @@ struct Unit {
 /// All units of one kind; the first one is SI's own. A kind without dimension has the suffix "".
 using Kind = std::span<const Unit>;
 
+/// 0 degC.
+inline constexpr double zero_degC_K = 273.15;
+
 namespace kind {
 
 inline constexpr auto number = std::to_array<Unit>({{"", 1}, {"percent", 0.01}});
 inline constexpr auto count = std::to_array<Unit>({{"", 1}});
 inline constexpr auto time = std::to_array<Unit>({{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}});
-inline constexpr auto temperature = std::to_array<Unit>({{"K", 1}, {"degC", 1, 273.15}});
+inline constexpr auto temperature = std::to_array<Unit>({{"K", 1}, {"degC", 1, zero_degC_K}});
 inline constexpr auto temperature_difference = std::to_array<Unit>({{"K", 1}});
 inline constexpr auto length = std::to_array<Unit>({{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}});
 inline constexpr auto current = std::to_array<Unit>({{"A", 1}, {"mA", 1e-3}});

@@ -8,7 +8,7 @@
 
 #include "firmware/bench/scenario_tables.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "model/files/output_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -67,7 +67,7 @@ SimSetup read_board(Table& root, Table& plant, const ClosedLoopScenario& scenari
   board.sensors = read_sensors(root.table_or_empty("sensors"), scenario.settings);
   board.load = root.has("load") ? read_load(root.table("load")) : Load{ConstantLoad{150 * MPa}};
   board.geometry = scenario.plant.wire.wire.geometry;
-  board.surroundings.ambient_K = 273.15 + plant.number("ambient_degC", -40, 80, 25);
+  board.surroundings.ambient_K = zero_degC_K + plant.number("ambient_degC", -40, 80, 25);
   board.surroundings.draught = plant.number("draught", 0.1, 10, 1);
   board.reads_supply = board.reads_driver = true;
   board.reads_ambient = false;

@@ -1,6 +1,6 @@
 #pragma once
 // A device on a simulated wire, and what is asked of both: a TOML file with a [device] table,
-// host-sim/README.md has the keys.
+// host-sim/simulate/README.md has the keys.
 
 #include <filesystem>
 #include <optional>

@@ -16,7 +16,7 @@
 #include "firmware/text/device_log.hpp"
 #include "firmware/text/device_trace.hpp"
 #include "hal/replay/board.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/progress.hpp"
 
 namespace smaservo {

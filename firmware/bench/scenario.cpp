@@ -6,6 +6,7 @@
 #include <random>
 
 #include "firmware/bench/scenario_tables.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 
@@ -120,13 +121,13 @@ Scenario load_scenario(const std::filesystem::path& file) {
                    bath.numbers("turning_degC", -50, 250),
                    bath.number("temperature_noise_K", 0, 5)};
     for (double& turning : b.turning_K) {
-      turning += 273.15;
+      turning += zero_degC_K;
     }
     bath.finish();
     scenario.run = b;
   } else {
     Table joule = root.table("joule");
-    JouleScenario j{273.15 + joule.number("ambient_degC", -40, 80),
+    JouleScenario j{zero_degC_K + joule.number("ambient_degC", -40, 80),
                     joule.number("draught", 0.1, 10),
                     joule.number("overheat_K", 0, 100),
                     1e-3 * joule.number("least_current_mA", 0, 1e4),

@@ -1,5 +1,5 @@
 #pragma once
-// What `simulate` does to a wire: a TOML file, host-sim/README.md has the keys.
+// What `simulate` does to a wire: a TOML file, host-sim/simulate/README.md has the keys.
 
 #include <cstdint>
 #include <filesystem>

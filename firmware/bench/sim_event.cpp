@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "firmware/bench/scenario_tables.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -23,7 +24,7 @@ constexpr std::array<double, reading_count> greatest_amounts{1e3, 1e4, 1e4, 1e4,
 
 void read_surroundings(Table& table, SimEvent& event) {
   if (table.has("ambient_degC")) {
-    event.ambient_K = 273.15 + table.number("ambient_degC", -60, 150);
+    event.ambient_K = zero_degC_K + table.number("ambient_degC", -60, 150);
   }
   if (table.has("draught")) {
     event.draught = table.number("draught", 0.1, 20);

@@ -11,6 +11,7 @@
 
 #include "firmware/text/settings_file.hpp"
 #include "hal/linux/system/clock.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

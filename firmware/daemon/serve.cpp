@@ -7,7 +7,6 @@
 #include "firmware/daemon/boards/simulation.hpp"
 #include "firmware/daemon/bus/bus_service.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

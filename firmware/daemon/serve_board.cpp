@@ -11,6 +11,7 @@
 #include "firmware/daemon/serve.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/linux/can/open_can.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

@@ -2,6 +2,7 @@
 // The parameters of the device itself: everything but its wire.
 
 #include "firmware/parameters/parameter.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 
@@ -104,7 +105,7 @@ constexpr auto limit_rows() {
       real<Member<S, g, &G::power_W>>({0x2020, 3}, "limits.power_W", kind::power, live, 1e-3F, 2,
                                       1000, "greatest power into the wire"),
       real<Member<S, g, &G::temperature_K>>({0x2020, 4}, "limits.temperature_K", kind::temperature,
-                                            live, 273.15F, 393.15F, 600,
+                                            live, static_cast<float>(zero_degC_K), 393.15F, 600,
                                             "of the wire's hottest spot"),
       real<Member<S, g, &G::hot_spot_K>>({0x2020, 5}, "limits.hot_spot_K",
                                          kind::temperature_difference, live, 0, 18, 100,
@@ -136,7 +137,7 @@ constexpr auto trip_rows() {
       real<Member<S, g, &G::current_A>>({0x2021, 1}, "trips.current_A", kind::current, when, 1e-3F,
                                         0.15F, 25, "greatest current"),
       real<Member<S, g, &G::temperature_K>>({0x2021, 2}, "trips.temperature_K", kind::temperature,
-                                            when, 273.15F, 403.15F, 650,
+                                            when, static_cast<float>(zero_degC_K), 403.15F, 650,
                                             "of the wire's hottest spot"),
       real<Member<S, g, &G::stress_Pa>>({0x2021, 3}, "trips.stress_Pa", kind::stress, when, 1e6F,
                                         200e6F, 3e9F, "greatest stress"),
@@ -169,7 +170,8 @@ constexpr auto trip_rows() {
                                                  kind::temperature, when, 173.15F, 333.15F, 400,
                                                  "warmest air"),
       real<Member<S, g, &G::driver_K>>({0x2021, 15}, "trips.driver_K", kind::temperature, when,
-                                       273.15F, 358.15F, 450, "of the output stage"),
+                                       static_cast<float>(zero_degC_K), 358.15F, 450,
+                                       "of the output stage"),
       real<Member<S, g, &G::drift>>({0x2021, 16}, "trips.drift", kind::number, when, 1e-3F, 0.05F,
                                     1, "of the resistance, relative: fatigue"),
       number<Member<S, g, &G::cycles>>({0x2021, 17}, "trips.cycles", when, 1, 100000, 0xFFFFFFFF,

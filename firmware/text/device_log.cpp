@@ -9,7 +9,7 @@
 
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/settings_text.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -11,8 +11,8 @@
 #include <toml++/toml.h>
 
 #include "firmware/text/settings_text.hpp"
+#include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
-#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

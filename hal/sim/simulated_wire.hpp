@@ -1,7 +1,7 @@
 #pragma once
 // The wires behind simulated traces, in two families that no observer knows. Both: temperature
 // distributed along the wire, clamps at ambient temperature, transition temperatures that scatter
-// along the wire, convection after Churchill and Chu. host-sim/README.md compares them.
+// along the wire, convection after Churchill and Chu. host-sim/simulate/README.md compares them.
 
 #include <array>
 #include <cstdint>

@@ -15,6 +15,8 @@
 #include "host-sim/can/step_test.hpp"
 #include "host-sim/can/watch.hpp"
 #include "host-sim/commands.hpp"
+#include "model/files/error.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::can {
 namespace {

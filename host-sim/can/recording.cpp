@@ -11,6 +11,7 @@
 
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::can {
 namespace {

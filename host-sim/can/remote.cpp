@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "firmware/text/device_names.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::can {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "firmware/parameters/key.hpp"
 #include "host-sim/can/bus.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::can {
 

@@ -4,6 +4,7 @@
 
 #include "firmware/text/settings_file.hpp"
 #include "firmware/text/settings_text.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::can {
 namespace {

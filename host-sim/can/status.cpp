@@ -5,6 +5,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/canopen/change_text.hpp"
 #include "firmware/text/device_names.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -44,8 +45,8 @@ std::string info_text(Remote& remote) {
   text += line("wire", device_state(remote));
   text += line("position",
                fmt::format("{} um, target {} um", remote.text("6064"), remote.text("607A")));
-  text +=
-      line("temperature", fmt::format("{:.1f} degC", remote.number("live.temperature_K") - 273.15));
+  text += line("temperature",
+               fmt::format("{:.1f} degC", remote.number("live.temperature_K") - zero_degC_K));
   text += line("faults", or_none(names_of(fault_set(remote, "latched"))));
   text += line("loop",
                fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",

@@ -7,12 +7,13 @@
 #include "firmware/command.hpp"
 #include "host-sim/report/html.hpp"
 #include "host-sim/report/text_plot.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::can {
 namespace {
 
 constexpr double before_s = 0.1;
-constexpr double celsius_K = 273.15;
 constexpr std::int64_t step_poll_us = 20'000;
 
 enum class StepState : std::uint8_t { none, running, done, broken_off };
@@ -134,7 +135,7 @@ std::string data_block(const StepRun& run, std::size_t number) {
         (static_cast<double>(i) - static_cast<double>(edges.there)) * run.recording.period_s;
     text += plotted_row(std::array{time_s, 1e6 * (positions[i] - positions.front()),
                                    1e6 * (setpoints[i] - setpoints.front()),
-                                   temperatures[i] - celsius_K, 1e3 * currents[i]});
+                                   temperatures[i] - zero_degC_K, 1e3 * currents[i]});
   }
   return text + "EOD\n";
 }
@@ -177,7 +178,7 @@ std::string row_of(const std::string& name, const StepResult& result) {
   };
   return fmt::format("{:<24}{:>8}{:>12}{:>10}{:>10}{:>10}\n", name, number(f.rise_s, 3),
                      number(f.overshoot_percent, 1), number(f.settling_s, 3),
-                     number(f.error_percent, 2), number(result.peak_K - celsius_K, 1));
+                     number(f.error_percent, 2), number(result.peak_K - zero_degC_K, 1));
 }
 
 }  // namespace

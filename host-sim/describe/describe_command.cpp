@@ -7,7 +7,7 @@
 #include "firmware/text/reference/parameter_reference.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/commands.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

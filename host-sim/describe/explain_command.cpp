@@ -5,7 +5,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/reference/fault_reference.hpp"
 #include "host-sim/commands.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -12,6 +12,7 @@
 #include "host-sim/replay/measuring.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/simulate/simulate.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/parallel.hpp"
 

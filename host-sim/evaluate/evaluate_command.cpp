@@ -13,6 +13,7 @@
 #include "host-sim/evaluate/table.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/simulate/closed_loop_run.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "host-sim/evaluate/figures.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host-sim/identify/fitted_wire.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -35,11 +36,12 @@ std::string data_block(const FittedRun& run, const std::vector<double>& place,
   for (std::size_t i = 0; i < place.size(); ++i) {
     const double measured = at(run.strain_measured, i);
     const double model = at(run.strain_model, i);
-    text += fmt::format(
-        "{} {} {} {} {} {} {}\n", plotted(place[i]), plotted(at(run.temperature_K, i) - 273.15),
-        plotted(heat ? measured : 100 * measured), plotted(heat ? model : 100 * model),
-        plotted(heat ? model - measured : 100 * (model - measured) / nominal_stroke),
-        plotted(at(run.resistance_measured, i)), plotted(at(run.resistance_model, i)));
+    text +=
+        fmt::format("{} {} {} {} {} {} {}\n", plotted(place[i]),
+                    plotted(at(run.temperature_K, i) - zero_degC_K),
+                    plotted(heat ? measured : 100 * measured), plotted(heat ? model : 100 * model),
+                    plotted(heat ? model - measured : 100 * (model - measured) / nominal_stroke),
+                    plotted(at(run.resistance_measured, i)), plotted(at(run.resistance_model, i)));
   }
   return text + "EOD\n";
 }
@@ -91,8 +93,8 @@ class RunDrawing {
     const Circumstances<double>& c = run_.circumstances;
     std::string text;
     if (run_.kind == RunKind::joule || run_.kind == RunKind::settled) {
-      text =
-          fmt::format("Ambient {:.1f} °C, heat loss times {:.3f}. ", c.ambient_K - 273.15, c.loss);
+      text = fmt::format("Ambient {:.1f} °C, heat loss times {:.3f}. ", c.ambient_K - zero_degC_K,
+                         c.loss);
     }
     if (run_.strain.count > 0) {
       text += fmt::format("The run's zero of strain stands at {:.3f} %. ", 100 * c.strain_zero);

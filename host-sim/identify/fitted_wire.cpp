@@ -8,7 +8,8 @@
 #include <limits>
 #include <map>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -152,7 +153,7 @@ std::string group_of(std::string_view key) {
 
 Figure figure(const FittedParameter& fitted) {
   const FitParameter& p = fitted.parameter;
-  const double zero = p.unit == "degC" ? 273.15 : 0;
+  const double zero = p.unit == "degC" ? zero_degC_K : 0;
   const auto deviation = [&](double value, double sd) {
     switch (p.form) {
       case Form::sum:

@@ -11,6 +11,7 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

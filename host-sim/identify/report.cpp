@@ -9,6 +9,7 @@
 #include "host-sim/identify/fit_plots.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -181,7 +182,7 @@ Json run_json(const Identification& all, std::size_t i) {
   }
   const Circumstances<double>& c = run.circumstances;
   if (run.kind == RunKind::joule || run.kind == RunKind::settled) {
-    json["ambient_degC"] = c.ambient_K - 273.15;
+    json["ambient_degC"] = c.ambient_K - zero_degC_K;
     json["loss_factor"] = c.loss;
   }
   if (run.strain.count > 0) {

@@ -10,7 +10,7 @@
 #include "host-sim/identify/fit/all_runs_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/plan/plan_profile.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/parallel.hpp"
 #include "model/wire/plant.hpp"
 

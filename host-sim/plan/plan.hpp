@@ -1,6 +1,6 @@
 #pragma once
 // Which currents to run on a bench, so that identify can determine a wire's parameters: profiles
-// chosen by the deviations that a fit to such runs would leave. host-sim/identify/README.md has the
+// chosen by the deviations that a fit to such runs would leave. host-sim/plan/README.md has the
 // method.
 
 #include <cstddef>

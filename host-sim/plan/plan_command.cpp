@@ -9,8 +9,10 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/plan/plan.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -105,7 +107,7 @@ std::string summary(const Planned& p) {
     text += fmt::format("{:<10}{:>12.4g}{:>12.4g}{:>12.2f}{:>12.1f}{:>13.2f}\n", name_of(run),
                         load_N(p, run), 1e3 * std::ranges::max(run.current_A),
                         std::ranges::max(run.current_A) / p.wire.limits.current_A,
-                        std::ranges::max(run.temperature_K) - 273.15, 100 * stroke(run));
+                        std::ranges::max(run.temperature_K) - zero_degC_K, 100 * stroke(run));
   }
   text += fmt::format("\n{:<42}{:>14}{:>14}{:>14}\n", "expected deviation", "prior", "triangle",
                       "plan");
@@ -133,7 +135,7 @@ std::string json(const Planned& p) {
                            {"stress_MPa", 1e-6 * run.stress_Pa},
                            {"load_N", load_N(p, run)},
                            {"peak_A", std::ranges::max(run.current_A)},
-                           {"hottest_degC", std::ranges::max(run.temperature_K) - 273.15},
+                           {"hottest_degC", std::ranges::max(run.temperature_K) - zero_degC_K},
                            {"stroke", stroke(run)}});
   }
   for (const ExpectedParameter& e : p.plan.parameters) {
@@ -154,9 +156,10 @@ std::vector<Plot> plots(const Plan& plan) {
   for (const PlannedRun& run : plan.runs) {
     std::string data = "$data << EOD\n";
     for (std::size_t i = 0; i < run.current_A.size(); ++i) {
-      data += fmt::format("{} {} {} {}\n", plotted(static_cast<double>(i + 1) * plan.step_s),
-                          plotted(1e3 * run.current_A[i]), plotted(run.temperature_K[i] - 273.15),
-                          plotted(100 * run.strain[i]));
+      data +=
+          fmt::format("{} {} {} {}\n", plotted(static_cast<double>(i + 1) * plan.step_s),
+                      plotted(1e3 * run.current_A[i]), plotted(run.temperature_K[i] - zero_degC_K),
+                      plotted(100 * run.strain[i]));
     }
     data += "EOD\n";
     const std::string name = name_of(run);

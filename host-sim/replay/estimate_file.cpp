@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "model/units.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -85,7 +87,7 @@ void EstimateFile::add(const EstimateRow& row, std::string_view trace_row) {
   to = append_fixed(to, row.time_s, 6);
   field(row.strain, 7);
   field(row.strain_sd, 7);
-  field(row.temperature_K - 273.15, 3);
+  field(row.temperature_K - zero_degC_K, 3);
   field(row.martensite, 5);
   field(row.r_phase, 5);
   field(1 - row.martensite - row.r_phase, 5);

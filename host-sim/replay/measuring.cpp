@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <string>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "observer/bank.hpp"
 #include "observer/divided.hpp"
 #include "observer/line.hpp"

@@ -9,7 +9,9 @@
 #include "hal/replay/board.hpp"
 #include "host-sim/replay/estimate_file.hpp"
 #include "host-sim/replay/observers.hpp"
+#include "model/files/error.hpp"
 #include "model/files/progress.hpp"
+#include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {
@@ -86,8 +88,8 @@ class Sink {
     point.strain_ref_percent = 100 * row.strain_ref;
     point.resistance_ohm = row.resistance_ohm;
     point.resistance_model_ohm = row.resistance_model_ohm;
-    point.temperature_degC = row.temperature_K - 273.15;
-    point.temperature_ref_degC = source[Column::temperature] - 273.15;
+    point.temperature_degC = row.temperature_K - zero_degC_K;
+    point.temperature_ref_degC = source[Column::temperature] - zero_degC_K;
     point.martensite = row.martensite;
     point.r_phase = row.r_phase;
     result_.series.add(point);

@@ -8,7 +8,8 @@
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/replay.hpp"
 #include "host-sim/replay/report.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -54,7 +55,7 @@ void run(ReplayArguments& a) {
     a.options.stress_Pa = 1e6 * *a.stress_MPa;
   }
   if (a.ambient_degC) {
-    a.options.ambient_K = 273.15 + *a.ambient_degC;
+    a.options.ambient_K = zero_degC_K + *a.ambient_degC;
   }
   a.options.trace_options.period_s = a.period_s.value_or(0);
   std::vector<Override> wire;

@@ -8,6 +8,7 @@
 
 #include "firmware/text/device_names.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -114,7 +115,7 @@ class LoopPlots {
     }
     curves.emplace_back("$data using 1:8 with lines lc rgb estimate title 'wire, estimated'");
     curves.push_back(fmt::format("{} with lines lc rgb '#b00020' dt 2 title 'limit'",
-                                 scenario_.settings.limits.temperature_K - 273.15));
+                                 scenario_.settings.limits.temperature_K - zero_degC_K));
     return wide("Temperature", "The hottest point must stay below the limit.", "temperature in °C",
                 280, "", curves);
   }
@@ -175,11 +176,11 @@ std::string cell_html(double value, int decimals) {
 std::string numbers_html(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
   const double limit_K = scenario.settings.limits.temperature_K;
   std::string html = "<table>\n";
-  html +=
-      row_html({"hottest point, true", fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C",
-                                                   result.greatest_hottest_K - 273.15,
-                                                   result.greatest_hottest_s, limit_K - 273.15)},
-               "td");
+  html += row_html(
+      {"hottest point, true", fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C",
+                                          result.greatest_hottest_K - zero_degC_K,
+                                          result.greatest_hottest_s, limit_K - zero_degC_K)},
+      "td");
   html += row_html({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.greatest_current_A)},
                    "td");
   html += row_html(

@@ -10,12 +10,12 @@
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/device_trace.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double zero_degC_K = 273.15;
 constexpr double estimate_settles_s = 1;
 
 /// The length that is asked for, as a strain; NaN in modes that do not control it.

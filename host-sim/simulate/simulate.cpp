@@ -7,6 +7,8 @@
 #include <random>
 
 #include "hal/sim/simulated_bench.hpp"
+#include "model/files/output_file.hpp"
+#include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {
@@ -82,7 +84,7 @@ void simulate(const Scenario& scenario, OutputFile& trace) {
   if (std::holds_alternative<BathScenario>(scenario.run)) {
     trace.write("temperature_degC,stress_MPa,strain_ref\n");
     simulate_bath_rows(scenario, [&](const SimulatedBathRow& row) {
-      trace.write(fmt::format("{:.3f},{:.3f},{:.6f}\n", row.temperature_K - 273.15,
+      trace.write(fmt::format("{:.3f},{:.3f},{:.6f}\n", row.temperature_K - zero_degC_K,
                               row.stress_Pa * 1e-6, row.strain));
     });
     return;

@@ -5,6 +5,7 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/simulate/closed_loop_report.hpp"
 #include "host-sim/simulate/simulate.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {
@@ -53,7 +54,8 @@ void add_simulate_command(CLI::App& app) {
       "simulate", "Makes a trace with a plant that no observer knows, or runs a device on it.");
   auto a = std::make_shared<SimulateArguments>();
   command
-      ->add_option("--scenario,SCENARIO", a->scenario, "TOML file; host-sim/README.md has the keys")
+      ->add_option("--scenario,SCENARIO", a->scenario,
+                   "TOML file; host-sim/simulate/README.md has the keys")
       ->required();
   command->add_option("--out", a->out,
                       "trace as CSV, - for standard output, where it goes without a [device]");

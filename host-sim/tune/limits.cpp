@@ -9,7 +9,8 @@
 #include "host-sim/tune/estimate_noise.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -92,8 +93,8 @@ void require_motion(const TuneTask& task, const Branches& b) {
     throw UserError(fmt::format(
         "in air of {:.4g} °C under {:.4g} MPa: the wire contracts by {:.2g} % up to {:.4g} °C and "
         "stretches again over {} of 9 parts of it; it needs colder air or another load",
-        task.plant.ambient_K - 273.15, 1e-6 * task.plant.load.low_Pa, 100 * b.stroke(),
-        b.hottest_K - 273.15, count(Motion::cooling)));
+        task.plant.ambient_K - zero_degC_K, 1e-6 * task.plant.load.low_Pa, 100 * b.stroke(),
+        b.hottest_K - zero_degC_K, count(Motion::cooling)));
   }
 }
 

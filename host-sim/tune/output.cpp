@@ -8,6 +8,7 @@
 #include <toml++/toml.h>
 
 #include "host-sim/tune/tune.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -35,8 +36,8 @@ std::string heading(const Tuned& t) {
   return fmt::format(
       "{} under {} in air of {:.4g} °C: contracts by {:.2f} % up to {:.0f} °C, stretches again in "
       "{:.2g} s; holding takes up to {:.3g} A, the current limit {:.3g} V\n",
-      t.wire, load_text(t.task), t.task.plant.ambient_K - 273.15, 100 * b.stroke(),
-      b.hottest_K - 273.15, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
+      t.wire, load_text(t.task), t.task.plant.ambient_K - zero_degC_K, 100 * b.stroke(),
+      b.hottest_K - zero_degC_K, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
 }
 
 std::string settings_text(const Tuned& t) {
@@ -90,7 +91,7 @@ std::string steps_text(const Tuned& t) {
                         fmt::format("{:.2f} to {:.2f} %{}", 100 * s.from, 100 * s.to, who),
                         s.rise_s, s.settling_s, percent_of_stroke(t, s.overshoot),
                         percent_of_stroke(t, s.steady_error), percent_of_stroke(t, s.ripple),
-                        s.hottest_K - 273.15);
+                        s.hottest_K - zero_degC_K);
   };
   for (std::size_t i = 0; i < t.worst.size(); ++i) {
     row("", t.expected.runs.front().steps[i]);
@@ -129,7 +130,7 @@ std::string tuned_json(const Tuned& t) {
   nlohmann::ordered_json all;
   const Branches& b = t.proposal.branches;
   all["wire"] = t.wire;
-  all["ambient_degC"] = t.task.plant.ambient_K - 273.15;
+  all["ambient_degC"] = t.task.plant.ambient_K - zero_degC_K;
   all["load"] = {{"low_MPa", 1e-6 * t.task.plant.load.low_Pa},
                  {"high_MPa", 1e-6 * t.task.plant.load.high_Pa},
                  {"stroke", t.task.plant.load.stroke}};

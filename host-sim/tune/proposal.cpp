@@ -11,7 +11,7 @@
 #include "host-sim/tune/linear/heat_law.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "observer/kalman.hpp"
 
 namespace smaservo {

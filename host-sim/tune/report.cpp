@@ -8,6 +8,7 @@
 
 #include "host-sim/report/html.hpp"
 #include "host-sim/tune/tune.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -93,7 +94,7 @@ std::string step_data(const Tuned& t) {
                         plotted(100 * e.setpoint[i]));
     for (const ExpectedRun& r : e.runs) {
       text += fmt::format(" {} {} {}", plotted(100 * r.strain[i]),
-                          plotted(r.temperature_K[i] - 273.15), plotted(1e3 * r.current_A[i]));
+                          plotted(r.temperature_K[i] - zero_degC_K), plotted(1e3 * r.current_A[i]));
     }
     text += '\n';
   }

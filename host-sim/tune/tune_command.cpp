@@ -8,7 +8,9 @@
 
 #include "host-sim/commands.hpp"
 #include "host-sim/tune/tune.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -79,7 +81,7 @@ void run(const TuneArguments& a) {
   const WireDescription description = load_wire(a.wire, parse_settings(a.settings));
   const TunedLoad tuned_load = load(a, description.wire);
   require_allowed(description.wire, tuned_load);
-  const TuneTask task{{description.wire, tuned_load, a.ambient_degC + 273.15, 1},
+  const TuneTask task{{description.wire, tuned_load, a.ambient_degC + zero_degC_K, 1},
                       a.current_A.value_or(std::numeric_limits<double>::infinity()),
                       24,
                       1};

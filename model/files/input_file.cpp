@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 

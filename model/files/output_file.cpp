@@ -7,6 +7,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include "model/files/error.hpp"
+
 namespace smaservo {
 
 namespace fs = std::filesystem;

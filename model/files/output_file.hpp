@@ -1,23 +1,10 @@
 #pragma once
 
 #include <cstdio>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace smaservo {
-
-/// A mistake of the user's or the machine's that a message explains; ends the program with 1.
-class UserError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// One that only a person mends, in a file or an option: to try again changes nothing.
-class ConfigError : public UserError {
- public:
-  using UserError::UserError;
-};
 
 /// A file that appears under its name only when it is complete: written beside, then renamed.
 /// "-" is standard output; devices and pipes are written as they are. Throws UserError when it

@@ -5,7 +5,7 @@
 
 namespace smaservo {
 
-/// One .toml file of this folder: an alloy with its sizes.
+/// One .toml file of model/wires: an alloy with its sizes.
 struct Preset {
   std::string_view family;
   std::string_view text;

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
-#include "model/files/output_file.hpp"
 
 namespace smaservo {
 

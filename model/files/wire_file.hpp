@@ -1,6 +1,6 @@
 #pragma once
 // Wire descriptions: TOML files with geometry, limits, model parameters and where each number comes
-// from. The presets of this folder are built into the program. model/wires/README.md has the keys.
+// from. The presets of model/wires are built into the program. model/wires/README.md has the keys.
 
 #include <filesystem>
 #include <stdexcept>

@@ -8,6 +8,7 @@
 #include "model/papers/duhem.hpp"
 #include "model/papers/duhem_resistivity.hpp"
 #include "model/papers/spring_bias.hpp"
+#include "model/units.hpp"
 #include "model/wire/material.hpp"
 
 namespace smaservo {
@@ -31,7 +32,7 @@ struct DuhemHeat {
     using std::erf;
     // 001 eq. 2
     return heading == Heading::heating
-               ? heating_W_m2K - heating_W_m2K2 * (temperature_K - S(273.15))
+               ? heating_W_m2K - heating_W_m2K2 * (temperature_K - S(zero_degC_K))
                : cooling_W_m2K +
                      cooling_step_W_m2K * erf((temperature_K - cooling_centre_K) / cooling_width_K);
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "model/units.hpp"
+
 namespace smaservo {
 
 template <class S>
@@ -38,7 +40,7 @@ struct DuhemResistivity {
       sum = sum * above + martensite_ohm_m_K[power];
     }
     // 001 eq. 23; its temperature is in °C
-    return (step_ohm_m - step_ohm_m_K * (temperature_K - S(273.15))) *
+    return (step_ohm_m - step_ohm_m_K * (temperature_K - S(zero_degC_K))) *
                (S(1) + erf((temperature_K - step_centre_K) / step_width_K)) +
            sum;
   }

@@ -20,6 +20,7 @@
 
 #include "firmware/bench/closed_loop_scenario.hpp"
 #include "hal/sim/board.hpp"
+#include "model/units.hpp"
 #include "testboard.hpp"
 
 namespace smaservo {
@@ -114,7 +115,7 @@ class Plant {
   const BoardOutput& output() const { return output_; }
   void print() const {
     std::printf("PLANT strain_percent=%.4f span_percent=%.4f hottest_degC=%.1f cuts=%llu\n",
-                100 * tail_.mean(), 100 * tail_.span(), hottest_K_ - 273.15,
+                100 * tail_.mean(), 100 * tail_.span(), hottest_K_ - zero_degC_K,
                 static_cast<unsigned long long>(output_.cuts));
   }
 

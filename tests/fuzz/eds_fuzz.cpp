@@ -1,7 +1,7 @@
 // Any text is a data sheet, or refused with a message.
 
-#include "host-sim/can/eds_file.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "tests/can/eds_node/eds_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);  // NOLINT(*-cast)

@@ -23,7 +23,7 @@
 #include "firmware/bench/closed_loop_scenario.hpp"
 #include "firmware/parameters/store_image.hpp"
 #include "hal/cortex-m/wire_link.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::mcu {
 namespace {

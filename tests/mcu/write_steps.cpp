@@ -17,7 +17,7 @@
 #include "firmware/device/board_io.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/replay/board.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/firmware/device/random_use.hpp"
 #include "tests/firmware/parameters/random_settings.hpp"
 #include "tests/mcu/step_file.hpp"

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "model/units.hpp"
 #include "tests/model/wire/test_wires.hpp"
 
 namespace smaservo::test {
@@ -32,7 +33,7 @@ inline Loop full_loop(const ThreePhase<double>::Params& kinetics, const Material
                       double stress_Pa) {
   using K = ThreePhase<double>;
   constexpr int steps = 2600;
-  const auto temperature_K = [](int i) { return celsius_K + 20 + 130.0 * i / steps; };
+  const auto temperature_K = [](int i) { return zero_degC_K + 20 + 130.0 * i / steps; };
   K::State s = K::rest(kinetics, {temperature_K(0), stress_Pa});
   Loop loop;
   const auto visit = [&](int i, std::vector<LoopPoint>& branch) {

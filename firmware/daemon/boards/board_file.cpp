@@ -8,6 +8,7 @@
 
 #include "firmware/parameters/parameters.hpp"
 #include "model/files/toml_table.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 constexpr std::array<std::string_view, 2> front_end_names{"ads131m04", "iio"};
 constexpr std::array<std::string_view, 3> drive_names{"iio-dac", "spi-dac", "pwm"};
 constexpr std::array<std::string_view, 3> reading_names{"current", "voltage", "load"};
-constexpr double zero_degC_K = 273.15;
 
 std::string text_or(Table& table, std::string_view key, const std::string& otherwise) {
   return table.has(key) ? table.text(key) : otherwise;

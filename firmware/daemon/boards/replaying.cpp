@@ -2,8 +2,6 @@
 
 #include <limits>
 
-#include "model/files/output_file.hpp"
-
 namespace smaservo {
 namespace {
 

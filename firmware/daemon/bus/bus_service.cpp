@@ -19,6 +19,7 @@
 #include "firmware/text/reference/canopen_reference.hpp"
 #include "hal/linux/can/open_can.hpp"
 #include "hal/linux/system/clock.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

@@ -11,7 +11,7 @@
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
 #include "firmware/text/settings_text.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::can {
 namespace {

@@ -10,13 +10,13 @@
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/evaluate/runs/calibrate.hpp"
 #include "host-sim/evaluate/runs/runs.hpp"
+#include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {
 namespace {
 
 constexpr double duration_s = 20;
-constexpr double zero_degC_K = 273.15;
 
 constexpr std::array<std::string_view, random_air_count> air_names{"still", "draught", "gusts",
                                                                    "shielded", "ambient step"};

@@ -55,7 +55,8 @@ struct RandomScenario {
   bool beyond;  ///< set-points beyond what limits and load allow
 };
 
-/// All of it from this seed, 20 s long. host-sim/README.md lists what is drawn from which range.
+/// All of it from this seed, 20 s long. host-sim/evaluate/README.md lists what is drawn from which
+/// range.
 RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed);
 
 }  // namespace smaservo

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "host-sim/identify/fit/fit_state.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

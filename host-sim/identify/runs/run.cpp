@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "host-sim/identify/runs/run_checks.hpp"
-#include "model/files/output_file.hpp"
 
 namespace smaservo {
 namespace {

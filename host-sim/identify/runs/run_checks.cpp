@@ -7,7 +7,8 @@
 #include <numeric>
 #include <span>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -106,7 +107,7 @@ void check_units(const Run& run, const Geometry<double>& geometry) {
     const auto [coldest, hottest] = std::ranges::minmax(run.temperature_K);
     if (hottest < coldest_K || coldest > hottest_K) {
       fail(run, fmt::format("temperatures are {:.4g} to {:.4g} K ({:.4g} to {:.4g} degC); {}",
-                            coldest, hottest, coldest - 273.15, hottest - 273.15,
+                            coldest, hottest, coldest - zero_degC_K, hottest - zero_degC_K,
                             hottest < coldest_K ? "are they degC in a column of K?"
                                                 : "are they K in a column of degC?"));
     }

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host-sim/identify/fit/fit.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {

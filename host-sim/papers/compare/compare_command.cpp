@@ -8,6 +8,7 @@
 
 #include "host-sim/commands.hpp"
 #include "host-sim/papers/compare/compare.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

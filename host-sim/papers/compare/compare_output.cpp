@@ -6,6 +6,7 @@
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -125,7 +126,7 @@ Axis axis(const Run& run) {
     std::vector<double> degC;
     degC.reserve(run.temperature_K.size());
     for (const double T : run.temperature_K) {
-      degC.push_back(T - 273.15);
+      degC.push_back(T - zero_degC_K);
     }
     return {"temperature in °C", degC};
   }

@@ -8,7 +8,7 @@
 #include "host-sim/papers/fits/strain_resistance_fit.hpp"
 #include "host-sim/replay/measuring.hpp"
 #include "host-sim/replay/observers.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -6,7 +6,6 @@
 #include "host-sim/papers/compare/system.hpp"
 #include "host-sim/papers/fits/plant_fit.hpp"
 #include "host-sim/papers/fits/preisach_fit.hpp"
-#include "model/files/output_file.hpp"
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"
 

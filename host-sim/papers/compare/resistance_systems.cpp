@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "host-sim/papers/compare/system.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "host-sim/papers/figures/figure.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "host-sim/identify/fit/fit.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "observer/kalman.hpp"
 
 namespace smaservo {

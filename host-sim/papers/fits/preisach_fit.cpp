@@ -10,7 +10,7 @@
 #include "host-sim/papers/fits/nonnegative.hpp"
 #include "host-sim/papers/fits/preisach_cells.hpp"
 #include "host-sim/papers/fits/preisach_slices.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -5,7 +5,8 @@
 #include <fmt/format.h>
 
 #include "host-sim/identify/runs/steady_load.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -38,7 +39,7 @@ double checked_stress_Pa(const Run& run) {
   if (!(start < 0.1 || start > 0.9)) {
     fail(run, fmt::format("begins at {:.1f} °C, in the middle of its range, where nobody knows the "
                           "wire's history; begin at the hottest or the coldest point",
-                          run.temperature_K.front() - 273.15));
+                          run.temperature_K.front() - zero_degC_K));
   }
   return middle_Pa;
 }

@@ -10,7 +10,7 @@
 
 #include "host-sim/identify/runs/steady_load.hpp"
 #include "host-sim/papers/fits/full_branches.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {

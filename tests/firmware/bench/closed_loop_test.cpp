@@ -11,7 +11,6 @@
 #include "firmware/bench/device_replay.hpp"
 #include "host-sim/simulate/closed_loop_report.hpp"
 #include "host-sim/simulate/closed_loop_run.hpp"
-#include "model/files/output_file.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::scenario_test {

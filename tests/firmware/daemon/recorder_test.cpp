@@ -12,7 +12,7 @@
 #include "firmware/daemon/boards/simulation.hpp"
 #include "firmware/daemon/loop/loop.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::recorder_test {

@@ -144,7 +144,7 @@ std::string objects_of(std::span<const Parameter<float>> rows) {
       constexpr std::string_view digits = "0123456789ABCDEF";
       text += "{0x";
       for (const int shift : {12, 8, 4, 0}) {
-        text += digits[(static_cast<unsigned>(row.key.index) >> shift) & 16U];
+        text += digits[(static_cast<unsigned>(row.key.index) >> shift) & 15U];
       }
       text += ", \"";
       index = row.key.index;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/firmware/parameters/random_settings.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 

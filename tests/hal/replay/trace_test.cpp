@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "model/units.hpp"
 #include "tests/hal/replay/traces.hpp"
 
 namespace smaservo::test::trace_test {
@@ -138,7 +139,7 @@ TEST(TraceRename, GivesAColumnAnotherNameAndFactor) {
 
 TEST(TraceRename, FactorComesBeforeTheUnit) {
   const TraceContents t = read_trace("T\n20\n", renamed({"temperature_degC=T*2"}));
-  EXPECT_DOUBLE_EQ(t.at(0, Column::temperature), 273.15 + 40);
+  EXPECT_DOUBLE_EQ(t.at(0, Column::temperature), zero_degC_K + 40);
 }
 
 TEST(TraceRename, TakesAwayAMeaning) {

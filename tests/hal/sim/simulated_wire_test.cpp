@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "model/files/wire_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::test::simulated_wire_test {
 namespace {
-
-constexpr double celsius_K = 273.15;
 
 class SimulatedFamily : public ::testing::TestWithParam<Family> {
  protected:
@@ -50,8 +49,8 @@ Cycle cycle(SimulatedWire& wire, double stress_MPa) {
 TEST_P(SimulatedFamily, TransformsWhereTheRealWireDoes) {
   const auto wire = make();
   const Cycle none = cycle(*wire, 0);
-  EXPECT_TRUE(none.heating_K > 70 + celsius_K && none.heating_K < 80 + celsius_K);
-  EXPECT_TRUE(none.cooling_K > 36 + celsius_K && none.cooling_K < 44 + celsius_K);
+  EXPECT_TRUE(none.heating_K > 70 + zero_degC_K && none.heating_K < 80 + zero_degC_K);
+  EXPECT_TRUE(none.cooling_K > 36 + zero_degC_K && none.cooling_K < 44 + zero_degC_K);
   const Cycle high = cycle(*wire, 300);
   for (const double K_MPa :
        {(high.heating_K - none.heating_K) / 300, (high.cooling_K - none.cooling_K) / 300}) {

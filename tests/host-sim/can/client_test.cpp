@@ -8,7 +8,7 @@
 #include "host-sim/can/step_test.hpp"
 #include "host-sim/can/watch.hpp"
 #include "host-sim/report/text_plot.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 #include "tests/host-sim/can/simulated_bus.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "host-sim/evaluate/runs/calibrate.hpp"
 #include "host-sim/evaluate/table.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/parallel.hpp"
 #include "tests/host-sim/program.hpp"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host-sim/evaluate/figures.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {

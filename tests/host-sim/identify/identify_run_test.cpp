@@ -4,7 +4,8 @@
 #include <random>
 
 #include "host-sim/identify/runs/run.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
+#include "model/units.hpp"
 #include "tests/host-sim/recordings.hpp"
 #include "tests/host-sim/replay/measured_data.hpp"
 
@@ -171,7 +172,7 @@ TEST(RunChecks, ContradictoryUnits) {
   EXPECT_THAT(refusal({{"temperature_K", converted(r.temperature_degC, 0.1, 60, 120)}, strain}),
               HasSubstr("degC in a column of K?"));
   Values kelvin = r.temperature_degC;
-  std::ranges::for_each(kelvin, [](double& T) { T += 273.15; });
+  std::ranges::for_each(kelvin, [](double& T) { T += zero_degC_K; });
   EXPECT_THAT(refusal({{"temperature_degC", kelvin}, strain}), HasSubstr("K in a column of degC?"));
   EXPECT_THAT(refusal({warm, strain, {"resistance_ohm", times(1e-3, r.ohm)}}), HasSubstr("uohm_m"));
   const RecordedColumn time{"time_s", r.time_s};

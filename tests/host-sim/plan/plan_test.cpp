@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host-sim/plan/plan_profile.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/wire_file.hpp"
 #include "model/wire/plant.hpp"
 #include "tests/host-sim/program.hpp"

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "model/files/output_file.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 
 namespace smaservo::test {

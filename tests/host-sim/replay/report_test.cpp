@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 
 namespace smaservo::test {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "model/files/output_file.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 
 namespace smaservo::test {

@@ -6,8 +6,9 @@
 #include "firmware/parameters/parameter_check.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/wire_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -16,8 +17,10 @@ constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 TuneTask proposal_task(const char* wire, double stress_MPa, double ambient_degC = 25) {
   const double stress_Pa = 1e6 * stress_MPa;
-  return {
-      {load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, ambient_degC + 273.15, 1}, unlimited, 8, 1};
+  return {{load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, ambient_degC + zero_degC_K, 1},
+          unlimited,
+          8,
+          1};
 }
 TuneTask spring(const char* wire, double low_MPa, double high_MPa) {
   TuneTask t = proposal_task(wire, low_MPa);

@@ -9,6 +9,7 @@
 
 #include "model/files/wire_fields.hpp"
 #include "model/files/wire_file.hpp"
+#include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {
@@ -158,10 +159,10 @@ TEST(Presets, FlexinolHasTheMakersTransitionTemperatures) {
                       {"flexinol-ht-0.10mm", 88, 98, 72, 62}};
   for (const auto& alloy : alloys) {
     const auto k = load_wire(alloy.name).wire.kinetics;
-    EXPECT_NEAR(k.m2a.start_K[0] - 273.15, alloy.as, 1e-9);
-    EXPECT_NEAR(k.m2a.finish_K[0] - 273.15, alloy.af, 1e-9);
-    EXPECT_NEAR(k.a2m_a2r.start_K[0].first() - 273.15, alloy.ms, 1e-9);
-    EXPECT_NEAR(k.a2m_a2r.finish_K[0].first() - 273.15, alloy.mf, 1e-9);
+    EXPECT_NEAR(k.m2a.start_K[0] - zero_degC_K, alloy.as, 1e-9);
+    EXPECT_NEAR(k.m2a.finish_K[0] - zero_degC_K, alloy.af, 1e-9);
+    EXPECT_NEAR(k.a2m_a2r.start_K[0].first() - zero_degC_K, alloy.ms, 1e-9);
+    EXPECT_NEAR(k.a2m_a2r.finish_K[0].first() - zero_degC_K, alloy.mf, 1e-9);
   }
 }
 
@@ -191,7 +192,7 @@ TEST(Presets, SmartFlexCurrentHoldsSeventyDegrees) {
 TEST(Presets, DefaultWireHonoursPaper000) {
   const Wire<double> w = load_wire(std::string(default_wire)).wire;
   const auto middle_degC = [](double start_K, double finish_K) {
-    return (start_K + finish_K) / 2 - 273.15;
+    return (start_K + finish_K) / 2 - zero_degC_K;
   };
   const auto& k = w.kinetics;
   EXPECT_NEAR(middle_degC(k.m2a.start_K[0], k.m2a.finish_K[0]), 75, 1);

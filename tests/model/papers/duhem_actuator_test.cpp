@@ -6,13 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "model/papers/actuators/actuator_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::duhem_actuator_test {
 namespace {
 
 using Model = DuhemActuator<double>;
 
-constexpr double celsius_K = 273.15;
 constexpr double pi = std::numbers::pi;
 
 class DuhemActuatorTest : public testing::Test {
@@ -23,7 +23,7 @@ class DuhemActuatorTest : public testing::Test {
       p.density_kg_m3 * pi / 4 * p.bias.diameter_m * p.bias.diameter_m * p.bias.length_m;
 
   double celsius(const Model::State& s) const {
-    return Model::output(p, s).temperature_K - celsius_K;
+    return Model::output(p, s).temperature_K - zero_degC_K;
   }
 
   /// Moves the wire by its kinetics alone.
@@ -33,7 +33,7 @@ class DuhemActuatorTest : public testing::Test {
       Duhem<double>::advance(p.kinetics, s.kinetics, {500, s.kinetics.drive.stress_Pa});
     }
     Duhem<double>::advance(p.kinetics, s.kinetics,
-                           {celsius + celsius_K, s.kinetics.drive.stress_Pa});
+                           {celsius + zero_degC_K, s.kinetics.drive.stress_Pa});
     s.heading = heading;
     return s;
   }
@@ -42,7 +42,7 @@ class DuhemActuatorTest : public testing::Test {
   double rate(double celsius, Heading heading, double power_W) const {
     Model::State s = at(celsius, heading);
     Model::advance(p, s, PowerSource<double>{power_W}, 1e-5);
-    return (s.kinetics.drive.temperature_K - celsius - celsius_K) / 1e-5;
+    return (s.kinetics.drive.temperature_K - celsius - zero_degC_K) / 1e-5;
   }
 
   void run(Model::State& s, double power_W, double seconds, double dt_s) const {
@@ -215,8 +215,8 @@ TEST_F(DuhemActuatorTest, OutputsBelongToEachOther) {
         EXPECT_DOUBLE_EQ(out.stress_Pa, p.bias.spring_stress_Pa(strain));
         // 001 eq. 20 and 19
         const double ohm_per_rho = 4 * 0.2286 * (1 + 2 * strain) / (pi * 3.81e-4 * 3.81e-4);
-        const double R_A = ohm_per_rho * p.resistivity.austenite(T + celsius_K, p.ambient_K);
-        const double R_M = ohm_per_rho * p.resistivity.martensite(T + celsius_K, p.ambient_K);
+        const double R_A = ohm_per_rho * p.resistivity.austenite(T + zero_degC_K, p.ambient_K);
+        const double R_M = ohm_per_rho * p.resistivity.martensite(T + zero_degC_K, p.ambient_K);
         EXPECT_NEAR(1 / out.resistance_ohm, (1 - out.martensite) / R_A + out.martensite / R_M,
                     1e-12);
         EXPECT_TRUE(out.temperature_valid && out.strain_valid);

@@ -4,20 +4,21 @@
 #include <gtest/gtest.h>
 
 #include "model/papers/actuators/actuator_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::duhem_resistivity_test {
 namespace {
-
-constexpr double celsius_K = 273.15;
 
 class DuhemResistivityTest : public testing::Test {
  protected:
   DuhemActuator<double>::Params p = load_actuator(std::string(paper_001_actuator));
   const DuhemResistivity<double>& rho = p.resistivity;
 
-  double austenite(double celsius) const { return rho.austenite(celsius + celsius_K, p.ambient_K); }
+  double austenite(double celsius) const {
+    return rho.austenite(celsius + zero_degC_K, p.ambient_K);
+  }
   double martensite(double celsius) const {
-    return rho.martensite(celsius + celsius_K, p.ambient_K);
+    return rho.martensite(celsius + zero_degC_K, p.ambient_K);
   }
 };
 
@@ -39,7 +40,7 @@ TEST_F(DuhemResistivityTest, MartensitesIsThePrintedSum) {
 
 TEST_F(DuhemResistivityTest, PhasesAreSideBySide) {
   const double T = 60;
-  const double K = T + celsius_K;
+  const double K = T + zero_degC_K;
   EXPECT_DOUBLE_EQ(rho.parallel(0, K, p.ambient_K), austenite(T));
   EXPECT_DOUBLE_EQ(rho.parallel(1, K, p.ambient_K), martensite(T));
   EXPECT_NEAR(1 / rho.parallel(0.3, K, p.ambient_K), 0.7 / austenite(T) + 0.3 / martensite(T),

@@ -8,30 +8,30 @@
 #include <numbers>
 #include <random>
 
+#include "model/units.hpp"
+
 namespace smaservo::duhem_test {
 namespace {
 
 using Model = Duhem<double>;
 
-constexpr double celsius_K = 273.15;
-
 /// Table I of 001.
-constexpr Model::Params table_1{{celsius_K + 78.9, 11.2, 0}, {celsius_K + 34, 5.8, 0}};
+constexpr Model::Params table_1{{zero_degC_K + 78.9, 11.2, 0}, {zero_degC_K + 34, 5.8, 0}};
 /// A loop so narrow and wide in its slopes that both processes act nearly everywhere.
-constexpr Model::Params overlapping{{celsius_K + 60, 7, 0}, {celsius_K + 48, 6, 0}};
+constexpr Model::Params overlapping{{zero_degC_K + 60, 7, 0}, {zero_degC_K + 48, 6, 0}};
 
 Drive<double> at(double celsius) {
-  return {celsius + celsius_K, 0};
+  return {celsius + zero_degC_K, 0};
 }
 
 /// 001 eq. 6, by the error function itself.
 double h(const Model::Process& process, double celsius) {
-  const double z = (celsius + celsius_K - process.centre_K) / process.deviation_K;
+  const double z = (celsius + zero_degC_K - process.centre_K) / process.deviation_K;
   return 0.5 * (1 + std::erf(z / std::numbers::sqrt2));
 }
 
 double g(const Model::Process& process, double celsius) {
-  const double z = (celsius + celsius_K - process.centre_K) / process.deviation_K;
+  const double z = (celsius + zero_degC_K - process.centre_K) / process.deviation_K;
   return std::exp(-z * z / 2) / (process.deviation_K * std::sqrt(2 * std::numbers::pi));
 }
 
@@ -116,8 +116,8 @@ TEST(Duhem, NothingTransformsInTheDeadZone) {
   // only to h_+(58 °C) = 3.1 % and 1 - h_-(48 °C) = 0.8 % of what there is to convert.
   for (const double inside : {0.2, 0.5, 0.8}) {
     Model::State s = Model::rest(table_1, at(150));
-    Model::advance(table_1, s, at(table_1.a2m.centre_K - celsius_K));
-    Model::advance(table_1, s, at(table_1.m2a.centre_K - celsius_K - 6 + 12 * inside));
+    Model::advance(table_1, s, at(table_1.a2m.centre_K - zero_degC_K));
+    Model::advance(table_1, s, at(table_1.m2a.centre_K - zero_degC_K - 6 + 12 * inside));
     Model::advance(table_1, s, at(58));
     const double begin = s.martensite;
     Model::advance(table_1, s, at(48));
@@ -140,14 +140,14 @@ TEST(Duhem, EqualStressSlopesOnlyShiftTheLoop) {
     const double T = anywhere(random);
     const double stress_Pa = stress(random);
     Model::advance(overlapping, plain, at(T));
-    Model::advance(stressed, shifted, {T + celsius_K + 0.13e-6 * stress_Pa, stress_Pa});
+    Model::advance(stressed, shifted, {T + zero_degC_K + 0.13e-6 * stress_Pa, stress_Pa});
     ASSERT_NEAR(plain.martensite, shifted.martensite, 1e-11);
   }
 }
 
 TEST(Duhem, WithoutALoopThereIsOneCurveReachedWithoutAJump) {
   // The curves cross at 2.5 deviations below the centres, at 25 °C; below there is no loop.
-  const Model::Params crossing{{celsius_K + 50, 10, 0}, {celsius_K + 35, 4, 0}};
+  const Model::Params crossing{{zero_degC_K + 50, 10, 0}, {zero_degC_K + 35, 4, 0}};
   EXPECT_TRUE(Model::ordered(crossing, at(25.01)));
   EXPECT_FALSE(Model::ordered(crossing, at(24.99)));
   std::mt19937_64 random{4};
@@ -189,14 +189,14 @@ TEST(Duhem, DifferentiatesAutomatically) {
   const auto martensite = [](auto centre_K) {
     using S = decltype(centre_K);
     using K = Duhem<S>;
-    const typename K::Params p{{centre_K, S(7), S(0)}, {S(celsius_K + 48), S(6), S(0)}};
-    typename K::State s = K::rest(p, {S(celsius_K + 80), S(0)});
+    const typename K::Params p{{centre_K, S(7), S(0)}, {S(zero_degC_K + 48), S(6), S(0)}};
+    typename K::State s = K::rest(p, {S(zero_degC_K + 80), S(0)});
     for (const double T : {45.0, 58.0, 52.0, 61.0}) {
-      K::advance(p, s, {S(celsius_K + T), S(0)});
+      K::advance(p, s, {S(zero_degC_K + T), S(0)});
     }
     return s.martensite;
   };
-  const double centre_K = celsius_K + 60;
+  const double centre_K = zero_degC_K + 60;
   const double by_difference = (martensite(centre_K + 1e-4) - martensite(centre_K - 1e-4)) / 2e-4;
   EXPECT_GT(by_difference, 0.01);
   EXPECT_NEAR(martensite(Jet(centre_K, 0)).v[0], by_difference, 1e-8);

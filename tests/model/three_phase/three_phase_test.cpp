@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "model/units.hpp"
 #include "tests/model/loop.hpp"
 #include "tests/model/wire/test_wires.hpp"
 
@@ -44,12 +45,12 @@ class Paper000 : public ::testing::TestWithParam<Memory> {
     for (std::size_t i = 1; i < branch.size(); ++i) {
       best = change(i) > change(best) ? i : best;
     }
-    return branch[best].temperature_K - celsius_K;
+    return branch[best].temperature_K - zero_degC_K;
   }
 
   static const LoopPoint& at(const std::vector<LoopPoint>& branch, double celsius) {
     return *std::ranges::min_element(branch, {}, [&](const LoopPoint& p) {
-      return std::abs(p.temperature_K - celsius_K - celsius);
+      return std::abs(p.temperature_K - zero_degC_K - celsius);
     });
   }
 };

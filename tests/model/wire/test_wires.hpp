@@ -5,11 +5,11 @@
 #include "model/papers/cosine.hpp"
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"
+#include "model/units.hpp"
 #include "model/wire/wire.hpp"
 
 namespace smaservo::test {
 
-inline constexpr double celsius_K = 273.15;
 inline constexpr double MPa = 1e6;
 
 /// The 76 um wire of paper 000.
@@ -30,9 +30,9 @@ inline ThreePhase<double>::Params plain_kinetics() {
 inline ThreePhase<double>::Params separate_kinetics() {
   ThreePhase<double>::Params p = paper_wire().kinetics;
   p.separate_r2a = true;
-  p.r2a = {{celsius_K + 66, 0.12 / MPa, 0}, {celsius_K + 71, 0.13 / MPa, 0}, {3, 0}, {0.5, 0}};
+  p.r2a = {{zero_degC_K + 66, 0.12 / MPa, 0}, {zero_degC_K + 71, 0.13 / MPa, 0}, {3, 0}, {0.5, 0}};
   p.separate_r2m = true;
-  p.r2m = {{celsius_K + 48, 0.13 / MPa, 0}, {celsius_K + 39, 0.13 / MPa, 0}, {3, 0}, {0.45, 0}};
+  p.r2m = {{zero_degC_K + 48, 0.13 / MPa, 0}, {zero_degC_K + 39, 0.13 / MPa, 0}, {3, 0}, {0.45, 0}};
   return p;
 }
 
@@ -57,14 +57,14 @@ typename ThreePhase<S>::Params kinetics_for(const ThreePhase<double>::Params& fr
 /// The makers' transition temperatures of the Flexinol LT alloy, slopes as usual for it.
 template <class S>
 typename Cosine<S>::Params flexinol_cosine() {
-  const auto K = [](double celsius) { return S(celsius + celsius_K); };
+  const auto K = [](double celsius) { return S(celsius + zero_degC_K); };
   return {{K(68), K(78), S(8e6)}, {K(52), K(42), S(7e6)}};
 }
 
 /// The same alloy as Gaussians: start and finish two deviations from the centre, roughly.
 template <class S>
 typename Duhem<S>::Params flexinol_duhem() {
-  const auto K = [](double celsius) { return S(celsius + celsius_K); };
+  const auto K = [](double celsius) { return S(celsius + zero_degC_K); };
   return {{K(73), S(3), S(1 / 8e6)}, {K(47), S(2.5), S(1 / 7e6)}};
 }
 
@@ -72,7 +72,7 @@ typename Duhem<S>::Params flexinol_duhem() {
 template <class S>
 typename LiangRogers<S>::Params flexinol_liang_rogers() {
   const typename Cosine<S>::Params two = flexinol_cosine<S>();
-  return {two.m2a, two.a2m, {S(64 + celsius_K), S(59 + celsius_K), S(15e6)}};
+  return {two.m2a, two.a2m, {S(64 + zero_degC_K), S(59 + zero_degC_K), S(15e6)}};
 }
 
 }  // namespace smaservo::test

@@ -3,6 +3,7 @@
 
 #include "host-sim/papers/figures/000/paper_000_drawing.hpp"
 #include "model/three_phase/ihyp.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace paper_000 {
@@ -25,7 +26,7 @@ PaperFigure figure_1() {
       fmt::format("Simulated wire without stress. Heating: one transformation at {:.0f} "
                   "°C. Cooling: two, A2R at {:.0f} °C lifts the resistance, R2M at "
                   "{:.0f} °C the strain. Heat flow is without specific heat.",
-                  at.m2a_K - 273.15, at.a2r_K - 273.15, at.r2m_K - 273.15),
+                  at.m2a_K - zero_degC_K, at.a2r_K - zero_degC_K, at.r2m_K - zero_degC_K),
       {}};
   for (const auto& row : rows) {
     const std::string range = fmt::format("set xrange [20:100]\nset yrange {}\n", row.range);
@@ -114,7 +115,7 @@ PaperFigure figure_6() {
     z.push_back(x);
     low.push_back(parts.initial / m2a.per_K);
     high.push_back(parts.target / m2a.per_K);
-    straight.push_back(m2a.start_K + parts.line / m2a.per_K - 273.15);
+    straight.push_back(m2a.start_K + parts.line / m2a.per_K - zero_degC_K);
     sum.push_back(straight.back() + low.back() + high.back());
   }
   return {
@@ -162,7 +163,7 @@ template <class Bar, class Parts>
 std::string bars_block(const std::vector<Bar>& bars, Parts parts_of) {
   std::vector<Column> columns;
   for (const Bar& bar : bars) {
-    Column row{bar.temperature_K - 273.15, 0};
+    Column row{bar.temperature_K - zero_degC_K, 0};
     for (const double part : parts_of(bar)) {
       row.push_back(row.back() + part);
     }
@@ -218,7 +219,7 @@ PaperFigure figure_10() {
 Column degC(const Column& kelvin) {
   Column all;
   for (const double T : kelvin) {
-    all.push_back(T - 273.15);
+    all.push_back(T - zero_degC_K);
   }
   return all;
 }
@@ -275,7 +276,7 @@ std::string line(std::string_view data, std::string_view columns, std::string_vi
 
 std::string marker(double temperature_K) {
   return fmt::format("set arrow from {0:.1f}, graph 0 to {0:.1f}, graph 1 nohead dt 2\n",
-                     temperature_K - 273.15);
+                     temperature_K - zero_degC_K);
 }
 
 Plot half_panel(std::string title, std::string caption, const char* x_label, const char* y_label,

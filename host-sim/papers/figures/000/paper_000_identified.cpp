@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host-sim/papers/figures/000/paper_000_drawing.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::paper_000 {
 namespace {
@@ -18,7 +19,7 @@ PaperFigure figure_13() {
     const BathRun run = simulated_bath_run(stress_MPa);
     for (std::size_t i = 0; i < run.rows(); ++i) {
       const std::size_t cools = i > run.hottest() ? 1 : 0;
-      T[cools].push_back(run.temperature_K[i] - 273.15);
+      T[cools].push_back(run.temperature_K[i] - zero_degC_K);
       sigma[cools].push_back(stress_MPa);
       eps[cools].push_back(100 * run.strain[i]);
       rho[cools].push_back(1e6 * run.resistivity_ohm_m[i]);
@@ -76,7 +77,7 @@ std::string pure_strain(const Phase<double>& phase, double stress_Pa) {
 }
 std::string pure_resistivity(const Phase<double>& phase, double reference_K, double stress_Pa) {
   const double at_0_degC = phase.resistivity_ohm_m + stress_Pa * phase.resistivity_ohm_m_Pa -
-                           (reference_K - 273.15) * phase.resistivity_ohm_m_K;
+                           (reference_K - zero_degC_K) * phase.resistivity_ohm_m_K;
   return fmt::format("{:.8g} + {:.6g}*x", 1e6 * at_0_degC, 1e6 * phase.resistivity_ohm_m_K);
 }
 
@@ -179,8 +180,10 @@ constexpr const char* solid = "lw 1.8";
 constexpr const char* dashed = "dt 2 lw 1.8";
 
 PaperFigure figure_16() {
-  const auto start = [](const Isobar<double>& at) { return at.start_K - 273.15; };
-  const auto finish = [](const Isobar<double>& at) { return at.start_K + 1 / at.per_K - 273.15; };
+  const auto start = [](const Isobar<double>& at) { return at.start_K - zero_degC_K; };
+  const auto finish = [](const Isobar<double>& at) {
+    return at.start_K + 1 / at.per_K - zero_degC_K;
+  };
   Plot plot = over_stress("transition temperatures", temperature_axis,
                           {of_process(Process::m2a, "M2A/R2A start", solid, start),
                            of_process(Process::m2a, "M2A/R2A finish", dashed, finish),

@@ -4,13 +4,12 @@
 #include <utility>
 
 #include "host-sim/papers/figures/000/paper_000.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::paper_000 {
 namespace {
 
 using Kinetics = ThreePhase<double>;
-
-constexpr double celsius_K = 273.15;
 
 /// The paper's model: inner loops by scaling, without memory.
 Kinetics::Params paper_kinetics() {
@@ -90,7 +89,7 @@ Peaks peaks(const CalorimetryRun& run) {
   double r2m = 0;
   for (std::size_t i = run.hottest(); i < power.size(); ++i) {
     const double T = run.temperature_K[i];
-    const bool above = T > 50 + celsius_K;
+    const bool above = T > 50 + zero_degC_K;
     double& greatest = above ? a2r : r2m;
     if (-power[i] > greatest) {
       greatest = -power[i];
@@ -160,9 +159,9 @@ InnerLoop inner_loop() {
   p.a2m_a2r = pair_surfaces(first_surface(p.a2m_a2r), a2r);
   const Isobar<double> m2a = isobar(p.m2a, 0.0);
   const Isobar<double> a2m = isobar(first_surface(p.a2m_a2r), 0.0);
-  const double cold_K = 10 + celsius_K;
-  const double hot_K = 110 + celsius_K;
-  const double reversal_K = 75 + celsius_K;
+  const double cold_K = 10 + zero_degC_K;
+  const double hot_K = 110 + zero_degC_K;
+  const double reversal_K = 75 + zero_degC_K;
   const double step_K = 0.5;
   InnerLoop loop;
   for (double T = cold_K; T <= hot_K; T += step_K) {
@@ -183,11 +182,11 @@ std::vector<HeatingBar> heating_bars() {
   const Kinetics::Params p = paper_kinetics();
   const double stress_Pa = 1e6 * heating_bars_MPa;
   // R-phase and martensite, as far as they are when the first bar begins
-  Kinetics::State state = Kinetics::rest(p, {50 + celsius_K, stress_Pa});
-  double T = 66 + celsius_K;
+  Kinetics::State state = Kinetics::rest(p, {50 + zero_degC_K, stress_Pa});
+  double T = 66 + zero_degC_K;
   Kinetics::advance(p, state, {T, stress_Pa});
   std::vector<HeatingBar> bars;
-  while (T < 99 + celsius_K) {
+  while (T < 99 + zero_degC_K) {
     T += bar_step_K;
     const Phases<double> before = Kinetics::phases(state);
     Kinetics::advance(p, state, {T, stress_Pa});
@@ -203,10 +202,10 @@ std::vector<CoolingBar> cooling_bars() {
   const double stress_Pa = 1e6 * cooling_bars_MPa;
   const Isobar<double> a2m = isobar(first_surface(p.a2m_a2r), stress_Pa);
   const Isobar<double> a2r = isobar(second_surface(p.a2m_a2r), stress_Pa);
-  double T = 75 + celsius_K;
+  double T = 75 + zero_degC_K;
   Kinetics::State state = Kinetics::rest(p, {T, stress_Pa});
   std::vector<CoolingBar> bars;
-  while (T > 39 + celsius_K) {
+  while (T > 39 + zero_degC_K) {
     const double before_K = T;
     T -= bar_step_K;
     const Phases<double> before = Kinetics::phases(state);

@@ -7,13 +7,13 @@
 #include "host-sim/papers/figures/001/actuator_run.hpp"
 #include "host-sim/papers/figures/figure.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
 
 using Params = DuhemActuator<double>::Params;
 
-constexpr double celsius_K = 273.15;
 constexpr const char* colours_001 = "heating = 0xb2182b\ncooling = 0x2166ac\n";
 
 /// A curve in the colours_001 of its direction; column 8 is 1 while heating.
@@ -33,7 +33,7 @@ std::string data_block(const std::vector<ActuatorSample>& run) {
     const std::size_t next = std::min(i + 1, run.size() - 1);
     const bool heating = run[next].output.temperature_K > run[next - 1].output.temperature_K;
     text += fmt::format("{} {} {} {} {} {} {} {}\n", plotted(run[i].time_s),
-                        plotted(run[i].voltage_V), plotted(out.temperature_K - celsius_K),
+                        plotted(run[i].voltage_V), plotted(out.temperature_K - zero_degC_K),
                         plotted(out.martensite), plotted(100 * out.transformation_strain),
                         plotted(out.stress_Pa / 1e6), plotted(out.resistance_ohm), heating ? 1 : 0);
   }
@@ -69,7 +69,7 @@ PaperFigure slopes_integrated(const Params& p) {
   std::string data = "$data << EOD\n";
   for (const MinorLoop& loop : minor_loops(p.kinetics)) {
     for (std::size_t i = 0; i < loop.cooling.size(); ++i) {
-      data += fmt::format("{} {} {}\n", plotted(loop.temperature_K[i] - celsius_K),
+      data += fmt::format("{} {} {}\n", plotted(loop.temperature_K[i] - zero_degC_K),
                           plotted(loop.cooling[i]), plotted(loop.heating[i]));
     }
     data += "\n";
@@ -105,7 +105,7 @@ PaperFigure resistivities(const Params& p) {
   const Params printed = printed_resistivity(p);
   std::string data = "$data << EOD\n";
   for (double T = p.resistivity.lowest_K; T <= p.resistivity.highest_K; T += 0.5) {
-    data += fmt::format("{} {} {} {}\n", plotted(T - celsius_K),
+    data += fmt::format("{} {} {} {}\n", plotted(T - zero_degC_K),
                         plotted(1e6 * p.resistivity.austenite(T, p.ambient_K)),
                         plotted(1e6 * p.resistivity.martensite(T, p.ambient_K)),
                         plotted(1e6 * printed.resistivity.martensite(T, p.ambient_K)));

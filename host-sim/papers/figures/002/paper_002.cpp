@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host-sim/papers/figures/002/paper_002_parts.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace bench_002 {
@@ -35,7 +36,7 @@ PaperFigure figure_2() {
   const std::vector<RigRow> rows = major_loop(shown_family, 1);
   Rows over_time;
   for (const RigRow& row : rows) {
-    over_time.push_back({row.time_s - rows.front().time_s, row.temperature_K - 273.15});
+    over_time.push_back({row.time_s - rows.front().time_s, row.temperature_K - zero_degC_K});
   }
   return {
       2,
@@ -57,8 +58,8 @@ PaperFigure figure_4() {
     for (const Surface<double>* surface :
          std::initializer_list<const Surface<double>*>{&k.m2a, &a2m, &a2r}) {
       const Isobar<double> at = isobar(*surface, 1e6 * stress_MPa);
-      row.push_back(at.start_K - 273.15);
-      row.push_back(at.start_K + 1 / at.per_K - 273.15);
+      row.push_back(at.start_K - zero_degC_K);
+      row.push_back(at.start_K + 1 / at.per_K - zero_degC_K);
     }
     rows.push_back(row);
   }

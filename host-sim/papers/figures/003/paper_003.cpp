@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "host-sim/papers/figures/figure.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
 
-constexpr double ice_point_K = 273.15;
 using Lines = std::vector<std::string>;
 
 constexpr const char* colours_003 = "heating = 0xcc0000\ncooling = 0x0044cc\n";
@@ -88,9 +88,9 @@ PaperFigure loop_figure() {
   std::string data = "$data << EOD\n# time reference initial final\n";
   for (std::size_t i = 0; i < initial.size(); i += 4) {
     data += fmt::format("{} {} {} {}\n", plotted(initial[i].time_s),
-                        plotted(initial[i].reference.temperature_K - ice_point_K),
-                        plotted(initial[i].truth.temperature_K - ice_point_K),
-                        plotted(final_[i].truth.temperature_K - ice_point_K));
+                        plotted(initial[i].reference.temperature_K - zero_degC_K),
+                        plotted(initial[i].truth.temperature_K - zero_degC_K),
+                        plotted(final_[i].truth.temperature_K - zero_degC_K));
   }
   data += "EOD\n";
   const auto error = [](const std::vector<LoopRow>& rows) { return tracking_error_K(rows, 2); };
@@ -124,7 +124,7 @@ Plot slice_plot(const PreisachWire& wire, double stress_Pa) {
   for (int hot = 25; hot <= 125; hot += 2) {
     for (int cold = 25; cold <= 125; cold += 2) {
       const double F = cold <= hot
-                           ? wire.increment(hot + ice_point_K, cold + ice_point_K, stress_Pa)
+                           ? wire.increment(hot + zero_degC_K, cold + zero_degC_K, stress_Pa)
                            : std::numeric_limits<double>::quiet_NaN();
       data += fmt::format("{} {} {}\n", cold, hot, plotted(100 * F));
     }
@@ -160,8 +160,8 @@ std::string validation_data(const Validation& v, const Validation& of_003) {
   for (std::size_t i = 0; i < v.rows.size(); i += 5) {
     const LoopRow& row = v.rows[i];
     data += fmt::format("{} {} {} {} {} {} {} {}\n", plotted(row.time_s),
-                        plotted(row.reference.temperature_K - ice_point_K),
-                        plotted(row.truth.temperature_K - ice_point_K),
+                        plotted(row.reference.temperature_K - zero_degC_K),
+                        plotted(row.truth.temperature_K - zero_degC_K),
                         plotted(1e-6 * row.reference.stress_Pa),
                         plotted(1e-6 * row.truth.stress_Pa), plotted(100 * v.strain[i]),
                         plotted(100 * v.model[i]), plotted(100 * of_003.model[i]));

@@ -5,6 +5,7 @@
 #include "host-sim/papers/figures/003/paper_003.hpp"
 #include "host-sim/papers/fits/reversal_curves.hpp"
 #include "model/files/wire_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -30,8 +31,8 @@ FixedController fixed_003(const LoopSetup& setup) {
 
 AdaptiveController adaptive_003(const LoopSetup& setup) {
   // Martensite comes below 70 °C and goes above 85 °C at 100 to 200 MPa.
-  constexpr double ice_K = 273.15;
-  return {loop_design(setup), {{ice_K + 50, ice_K + 70, ice_K + 85, ice_K + 100}, 0.98, 3}};
+  return {loop_design(setup),
+          {{zero_degC_K + 50, zero_degC_K + 70, zero_degC_K + 85, zero_degC_K + 100}, 0.98, 3}};
 }
 
 std::vector<LoopReference> references_003(bool dynamic) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/text/settings_file.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test::board_file_test {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "host-sim/can/eds_file.hpp"
+#include "tests/can/eds_node/eds_file.hpp"
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
 #include "tests/host-sim/program.hpp"
 

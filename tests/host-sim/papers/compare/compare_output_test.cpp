@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host-sim/papers/compare/compare.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "tests/host-sim/recordings.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 

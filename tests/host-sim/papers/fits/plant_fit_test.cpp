@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/wire_file.hpp"
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "host-sim/papers/fits/reversal_curves.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 #include "model/files/wire_file.hpp"
 #include "tests/model/papers/preisach_relays.hpp"
 

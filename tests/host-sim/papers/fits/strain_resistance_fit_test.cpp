@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "model/papers/actuators/actuator_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
@@ -67,7 +68,7 @@ TEST(Table1, CoefficientsRoundToThePrintedOnes) {
 TEST(Table1, PrintedCoefficientsCannotBeMeant) {
   Model::Params p = table_1();
   const auto at = [&](double celsius) {
-    return p.resistivity.martensite(celsius + 273.15, p.ambient_K);
+    return p.resistivity.martensite(celsius + zero_degC_K, p.ambient_K);
   };
   // NiTi: near 1 µΩm in either phase.
   for (double T = 24; T <= 102; T += 1) {

@@ -9,12 +9,11 @@
 #include <random>
 
 #include "model/three_phase/ihyp.hpp"
+#include "model/units.hpp"
 #include "tests/host-sim/replay/measured_data.hpp"
 
 namespace smaservo::paper_000 {
 namespace {
-
-constexpr double celsius_K = 273.15;
 
 void expect_between(double value, double low, double high) {
   EXPECT_GE(value, low);
@@ -45,8 +44,8 @@ double share(const CalorimetryRun& run, const std::vector<double>& column, bool 
   const auto at = [&](double degC) {
     std::size_t nearest = cools ? run.hottest() : 0;
     for (std::size_t i = nearest; i < (cools ? column.size() : run.hottest() + 1); ++i) {
-      if (std::abs(run.temperature_K[i] - degC - celsius_K) <
-          std::abs(run.temperature_K[nearest] - degC - celsius_K)) {
+      if (std::abs(run.temperature_K[i] - degC - zero_degC_K) <
+          std::abs(run.temperature_K[nearest] - degC - zero_degC_K)) {
         nearest = i;
       }
     }
@@ -58,12 +57,12 @@ double share(const CalorimetryRun& run, const std::vector<double>& column, bool 
 // 'Analysis of phase transformations', figure 1
 TEST(Paper000, TransformsAt75And60And40DegreesWithoutStress) {
   const Peaks simulated = peaks(simulated_calorimetry());
-  EXPECT_NEAR(simulated.m2a_K - celsius_K, 75, 2.1);
-  EXPECT_NEAR(simulated.a2r_K - celsius_K, 60, 2.1);
-  EXPECT_NEAR(simulated.r2m_K - celsius_K, 40, 2.1);
+  EXPECT_NEAR(simulated.m2a_K - zero_degC_K, 75, 2.1);
+  EXPECT_NEAR(simulated.a2r_K - zero_degC_K, 60, 2.1);
+  EXPECT_NEAR(simulated.r2m_K - zero_degC_K, 40, 2.1);
   const auto middle_degC = [](const Surface<double>& surface) {
     const Isobar<double> at = isobar(surface, 0.0);
-    return at.start_K + 0.5 / at.per_K - celsius_K;
+    return at.start_K + 0.5 / at.per_K - zero_degC_K;
   };
   const ThreePhaseParams<double>& k = paper_wire().kinetics;
   EXPECT_NEAR(middle_degC(k.m2a), 75, 1);
@@ -244,9 +243,9 @@ TEST(Paper000, FifteenRunsFrom20To150Degrees) {
   EXPECT_EQ(stresses_MPa.front(), 10);
   EXPECT_EQ(stresses_MPa.back(), 400);
   const BathRun run = simulated_bath_run(stresses_MPa.back());
-  EXPECT_DOUBLE_EQ(run.temperature_K.front(), 20 + celsius_K);
-  EXPECT_DOUBLE_EQ(run.temperature_K[run.hottest()], 150 + celsius_K);
-  EXPECT_DOUBLE_EQ(run.temperature_K.back(), 20 + celsius_K);
+  EXPECT_DOUBLE_EQ(run.temperature_K.front(), 20 + zero_degC_K);
+  EXPECT_DOUBLE_EQ(run.temperature_K[run.hottest()], 150 + zero_degC_K);
+  EXPECT_DOUBLE_EQ(run.temperature_K.back(), 20 + zero_degC_K);
   // From full martensite, and at this stress back to it.
   EXPECT_GT(run.phases.front().martensite, 0.999);
   EXPECT_LT(run.phases[run.hottest()].martensite, 0.001);
@@ -259,7 +258,7 @@ TEST(Paper000, CalorimetryFindsTheTransitions) {
   const ThreePhaseParams<double>& k = fit.wire.kinetics;
   const auto turning_degC = [](const Surface<double>& surface) {
     const Isobar<double> at = isobar(surface, 0.0);
-    return at.start_K + at.shape.turning / at.per_K - celsius_K;
+    return at.start_K + at.shape.turning / at.per_K - zero_degC_K;
   };
   EXPECT_NEAR(turning_degC(k.m2a), 75, 2);
   EXPECT_NEAR(turning_degC(second_surface(k.a2m_a2r)), 60, 2);

@@ -11,11 +11,10 @@
 
 #include "host-sim/papers/figures/figure.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 namespace {
-
-constexpr double celsius_K = 273.15;
 
 class ActuatorRunTest : public testing::Test {
  protected:
@@ -116,11 +115,11 @@ TEST_F(ActuatorRunTest, TemperatureSlowsDownAboveAustenitesAndBelowMartensitesSt
   int rising = 0;
   int falling = 0;
   for (std::size_t i = 10; i + 10 < run().size() && run()[i].time_s < 200; ++i) {
-    if (kelvin(i - 1) < 58 + celsius_K && kelvin(i) >= 58 + celsius_K) {
+    if (kelvin(i - 1) < 58 + zero_degC_K && kelvin(i) >= 58 + zero_degC_K) {
       ++rising;
       EXPECT_LT(slope_after(i + 8), 0.5 * slope_before(i - 3)) << run()[i].time_s;
     }
-    if (kelvin(i - 1) > 48 + celsius_K && kelvin(i) <= 48 + celsius_K) {
+    if (kelvin(i - 1) > 48 + zero_degC_K && kelvin(i) <= 48 + zero_degC_K) {
       ++falling;
       EXPECT_LT(slope_after(i + 8), 0.5 * slope_before(i)) << run()[i].time_s;
     }
@@ -132,8 +131,8 @@ TEST_F(ActuatorRunTest, TemperatureSlowsDownAboveAustenitesAndBelowMartensitesSt
 TEST_F(ActuatorRunTest, NothingTransformsBetweenTheStarts) {
   // 001 section VII's dead zone; 3.1 % is what Table I's Gaussian leaves in it (duhem_test.cpp).
   for (std::size_t i = 1; i < run().size(); ++i) {
-    const bool inside = std::min(kelvin(i), kelvin(i - 1)) > 48 + celsius_K &&
-                        std::max(kelvin(i), kelvin(i - 1)) < 58 + celsius_K;
+    const bool inside = std::min(kelvin(i), kelvin(i - 1)) > 48 + zero_degC_K &&
+                        std::max(kelvin(i), kelvin(i - 1)) < 58 + zero_degC_K;
     if (inside) {
       const double per_K =
           std::abs(martensite(i) - martensite(i - 1)) / std::abs(kelvin(i) - kelvin(i - 1));
@@ -147,7 +146,7 @@ TEST_F(ActuatorRunTest, AusteniteHasTheLowerResistance) {
   // 001 figure 13: at 60 °C, martensite before the first turn and austenite after it.
   const auto hot = static_cast<std::ptrdiff_t>(turns()[0]);
   const auto beyond = [](const ActuatorSample& s) {
-    return s.output.temperature_K > 60 + celsius_K;
+    return s.output.temperature_K > 60 + zero_degC_K;
   };
   const auto rising = std::ranges::find_if(run(), beyond);
   const auto falling = std::find_if_not(run().begin() + hot, run().end(), beyond);
@@ -166,7 +165,7 @@ TEST_F(ActuatorRunTest, MinorLoopsOfFigure7AreScaledCopies) {
       const double T = loops[loop].temperature_K[i];
       const double h =
           0.5 * std::erfc((cooling.centre_K - T) / (cooling.deviation_K * std::numbers::sqrt2));
-      if (T < 45 + celsius_K) {
+      if (T < 45 + zero_degC_K) {
         ASSERT_NEAR(loops[loop].cooling[i], n * h, 0.0015);
       }
       ASSERT_LE(loops[loop].heating[i], h + 1e-12);

@@ -1,9 +1,9 @@
-#include "host-sim/can/plain_node.hpp"
+#include "tests/can/eds_node/plain_node.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::test {
 namespace {

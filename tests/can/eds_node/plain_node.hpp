@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "firmware/canopen/node/node.hpp"
-#include "host-sim/can/eds_file.hpp"
+#include "tests/can/eds_node/eds_file.hpp"
 
 namespace smaservo {
 

@@ -1,4 +1,4 @@
-#include "host-sim/can/eds_file.hpp"
+#include "tests/can/eds_node/eds_file.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "model/files/output_file.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo {
 namespace {

@@ -1,4 +1,4 @@
-#include "host-sim/can/plain_node.hpp"
+#include "tests/can/eds_node/plain_node.hpp"
 
 #include <chrono>
 #include <csignal>

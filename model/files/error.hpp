@@ -1,0 +1,20 @@
+#pragma once
+// What ends a program with a message.
+
+#include <stdexcept>
+
+namespace smaservo {
+
+/// A mistake of the user's or the machine's that a message explains; ends the program with 1.
+class UserError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One that only a person mends, in a file or an option: to try again changes nothing.
+class ConfigError : public UserError {
+ public:
+  using UserError::UserError;
+};
+
+}  // namespace smaservo
