@@ -19,7 +19,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double room_K = 298.15;
+constexpr double usual_ambient_K = 298.15;
 constexpr std::string_view model_alone = "open-loop";
 
 /// Runs of all rows have the same seeds, so that rows differ by their conditions only; far from the
@@ -77,7 +77,7 @@ void check(const EvaluateOptions& options) {
   check_observer_settings(preset, settings.observer);
   measuring_params(preset, settings.measurement);
   for (auto name = options.observers.begin(); name != options.observers.end(); ++name) {
-    make_observer(*name, preset, settings.observer, {}, room_K);
+    make_observer(*name, preset, settings.observer, {}, usual_ambient_K);
     if (std::find(options.observers.begin(), name, *name) != name) {
       throw UserError(fmt::format("--observer {}: is given twice", *name));
     }
@@ -166,7 +166,7 @@ std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& 
     if (running) {
       running->advance(m, row.time_s - judged.back().time_s);
     } else {
-      running = make_observer(observer, wire, settings.observer, m, room_K);
+      running = make_observer(observer, wire, settings.observer, m, usual_ambient_K);
     }
     const Estimate<double> e = running->estimate();
     judged.push_back({row.time_s, row.strain, e.strain, e.strain_sd, e.health});

@@ -21,7 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double lost_percent = 20;
 constexpr double settling_s = 1;
 constexpr double longest_gap_s = 60;
-constexpr double room_K = 298.15;
+constexpr double usual_ambient_K = 298.15;
 
 /// The strain that the trace knows to be true, or NaN.
 class Reference {
@@ -198,7 +198,7 @@ using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 Observers start_observers(const ReplayOptions& options, const std::vector<Override>& settings,
                           const ReplayResult& result, const ReplayBoard& board,
                           const Measurement<double>& first) {
-  double ambient_K = room_K;
+  double ambient_K = usual_ambient_K;
   if (options.ambient_K) {
     ambient_K = *options.ambient_K;
   } else if (board.trace().has(Column::ambient)) {
