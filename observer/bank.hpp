@@ -191,8 +191,8 @@ template <class S>
 void KalmanBank<S>::search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
   for (std::size_t i = 0; i < hypotheses; ++i) {
     if (is_alive(s, i) && i != s.leader) {
-      s.missed[i].time_s = s.missed[i].time_s + dt_s;
-      s.missed[i].energy_J = s.missed[i].energy_J + m.power_W * dt_s;
+      s.missed[i].time_s += dt_s;
+      s.missed[i].energy_J += m.power_W * dt_s;
     }
   }
   const Heading heading = likeliest(s).kinetics.heading;
@@ -351,8 +351,7 @@ void KalmanBank<S>::follow(const Params& p, State& s, std::size_t i, const Measu
   // Without the logarithm of the variance: the filters count the resistance model's coloured
   // error as white noise, and that term would then decide alone, for the most confident one.
   if (m.resistance_valid && searching(s)) {
-    s.log_likelihood[i] =
-        s.log_likelihood[i] - S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
+    s.log_likelihood[i] -= S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
     s.log_weight[i] = s.log_likelihood[i] + log_prior(f);
   }
   s.last[i] = estimate_one(p, s, i);
@@ -376,8 +375,8 @@ void KalmanBank<S>::choose(State& s) {
   s.leader = static_cast<std::uint8_t>(best);
   const S most = s.log_weight[best];
   for (std::size_t i = 0; i < hypotheses; ++i) {
-    s.log_likelihood[i] = s.log_likelihood[i] - most;
-    s.log_weight[i] = s.log_weight[i] - most;
+    s.log_likelihood[i] -= most;
+    s.log_weight[i] -= most;
     if (i != best && !(least_log_weight < s.log_weight[i])) {
       drop(s, i);
     }
@@ -438,22 +437,22 @@ Estimate<S> KalmanBank<S>::estimate(const State& s) {
     }
     const S w = i == s.leader ? S(1) : exp(s.log_weight[i]);  // relative to the leader
     const Estimate<S>& e = s.last[i];
-    weights = weights + w;
-    mean.strain = mean.strain + w * e.strain;
-    square = square + w * (e.strain * e.strain + e.strain_sd * e.strain_sd);
-    scatter = scatter + w * e.strain * e.strain;
-    mean.temperature_K = mean.temperature_K + w * e.temperature_K;
-    mean.martensite = mean.martensite + w * e.martensite;
-    mean.r_phase = mean.r_phase + w * e.r_phase;
-    mean.resistance_model_ohm = mean.resistance_model_ohm + w * e.resistance_model_ohm;
+    weights += w;
+    mean.strain += w * e.strain;
+    square += w * (e.strain * e.strain + e.strain_sd * e.strain_sd);
+    scatter += w * e.strain * e.strain;
+    mean.temperature_K += w * e.temperature_K;
+    mean.martensite += w * e.martensite;
+    mean.r_phase += w * e.r_phase;
+    mean.resistance_model_ohm += w * e.resistance_model_ohm;
   }
-  mean.strain = mean.strain / weights;
+  mean.strain /= weights;
   const S variance = square / weights - mean.strain * mean.strain;
   mean.strain_sd = sqrt(variance < S(0) ? S(0) : variance);
-  mean.temperature_K = mean.temperature_K / weights;
-  mean.martensite = mean.martensite / weights;
-  mean.r_phase = mean.r_phase / weights;
-  mean.resistance_model_ohm = mean.resistance_model_ohm / weights;
+  mean.temperature_K /= weights;
+  mean.martensite /= weights;
+  mean.r_phase /= weights;
+  mean.resistance_model_ohm /= weights;
   scatter = scatter / weights - mean.strain * mean.strain;
   mean.health = scatter < agreed_sd * agreed_sd ? Health::good : Health::searching;
   return mean;

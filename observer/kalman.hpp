@@ -171,7 +171,7 @@ struct KalmanObserver {
       }
     } else {
       for (int i = 0; i < size; ++i) {
-        const S less = S(0) - a[i];
+        const S less = -a[i];
         for (int j = i; j < size; ++j) {
           P(i, j) = P(j, i) = sum_of_products(P(i, j), Product<S>{less, b[j]});
         }
@@ -187,7 +187,7 @@ struct KalmanObserver {
   static constexpr S clamp(const S& x, const S& low, const S& high) {
     return x < low ? low : high < x ? high : x;
   }
-  static constexpr S magnitude(const S& x) { return x < S(0) ? S(0) - x : x; }
+  static constexpr S magnitude(const S& x) { return x < S(0) ? -x : x; }
 };
 
 template <class S>
@@ -216,7 +216,7 @@ void KalmanObserver<S>::start_at_rest(const Params& p, State& s, const Measureme
   s.covariance[iAmbient][iAmbient] = S(0);
   for (int i = 0; i <= iAmbient; ++i) {
     for (int j = 0; j <= iAmbient; ++j) {
-      s.covariance[i][j] = s.covariance[i][j] + along[i] * along[j] * variance;
+      s.covariance[i][j] += along[i] * along[j] * variance;
     }
   }
 }
@@ -246,7 +246,7 @@ template <class S>
 void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
   if (m.stress_valid) {
     const S alpha = dt_s / (dt_s + p.tuning.stress_filter_s);
-    s.stress_Pa = s.stress_Pa + alpha * (m.stress_Pa - s.stress_Pa);
+    s.stress_Pa += alpha * (m.stress_Pa - s.stress_Pa);
   }
   const Linear f = predict_mean(p, s, m.power_W, dt_s);
   predict_covariance(p, Covariance(&s.covariance[0][0]), f, dt_s);
@@ -325,7 +325,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   temperature[iM] = (body.latent_m2a_J * (t.m_m - S(1)) + body.latent_r2a_J * t.r_m) * per;
   temperature[iR] = (body.latent_m2a_J * t.m_r + body.latent_r2a_J * (t.r_r - S(1))) * per;
   temperature[iAmbient] = loss_J_K * per;
-  temperature[iLoss] = S(0) - unit_loss_J * per;
+  temperature[iLoss] = -(unit_loss_J * per);
 
   // A walk that the loss holds at this deviation; the ambient air is not exact, either: 6 K.
   const S sd_K = p.tuning.heat_error * (magnitude(above) + S(6));
@@ -339,8 +339,8 @@ void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const 
   // Three rows: tau of the temperature; m and r of the phases at a given temperature after.
   const typename Kinetics::Transfer& t = f.tangent.transfer;
   const Vector& a = f.temperature;
-  const S against_m = S(0) - f.moved.martensite_1_K;
-  const S against_r = S(0) - f.moved.r_phase_1_K;
+  const S against_m = -f.moved.martensite_1_K;
+  const S against_r = -f.moved.r_phase_1_K;
   const Vector tau =
       combined<iT, iM, iR, iAmbient, iLoss>(P, a[iT], a[iM], a[iR], a[iAmbient], a[iLoss]);
   const Vector m = combined<iM, iR, iT>(P, t.m_m, t.m_r, against_m);
@@ -466,8 +466,7 @@ void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>&
                        S(1) + q.resistance_range);
   s.innovation_ohm = innovation;
   s.innovation_variance = variance;
-  s.mismatch =
-      s.mismatch + dt_s / (dt_s + S(2)) * (magnitude(innovation) / expect.ohm - s.mismatch);
+  s.mismatch += dt_s / (dt_s + S(2)) * (magnitude(innovation) / expect.ohm - s.mismatch);
 }
 
 }  // namespace smaservo

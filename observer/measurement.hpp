@@ -54,7 +54,7 @@ Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
     return m;
   }
   m.power_W = power_W;
-  const S magnitude_A = I < S(0) ? S(0) - I : I;
+  const S magnitude_A = I < S(0) ? -I : I;
   if (magnitude_A < p.least_current_A) {
     return m;
   }

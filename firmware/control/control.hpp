@@ -213,7 +213,7 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
                          q.strain.derivative_filter_s);
   s.streams = arrived;
   const S error = s.reference - strain + q.trajectory.lead_s * s.moves_1_s;
-  const S size = error < S(0) ? S(0) - error : error;
+  const S size = error < S(0) ? -error : error;
   const S band = q.strain.dead_band;
   // Between the branches of the hysteresis a wire keeps its strain: inside of the band its
   // temperature is held. A motion that has begun goes on to the middle of the band.
@@ -294,7 +294,7 @@ S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mod
     s.entered = s.rebase = false;
   }
   const S given_W = range.within(allowed_W + s.transfer_W);
-  s.transfer_W = s.transfer_W - s.transfer_W * (dt_s / (dt_s + q.transfer_s));
+  s.transfer_W -= s.transfer_W * (dt_s / (dt_s + q.transfer_s));
   // What the model asks for beyond the limits is no error that the integral has to answer for: it
   // asks for more cooling than there is in every motion.
   const S from_model_W = range.within(wanted.forward_W) + wanted.feedback_W;
@@ -328,7 +328,7 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
   const S share = current_A / q.limits.current_A;
   s.duty = averaged(s.duty, share * share, dt_s, q.limits.duty_window_s);
   s.sustained_W = averaged(s.sustained_W, s.power_W, dt_s, time_constant_s(p));
-  s.elapsed_s = s.elapsed_s + dt_s;
+  s.elapsed_s += dt_s;
   const auto drive =
       CurrentLoop<S>::step(q.drive, s.current_loop, current_A, known.measured_A, ohm, dt_s);
   const S reference = demand.mode == Mode::position

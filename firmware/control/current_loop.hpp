@@ -34,7 +34,7 @@ struct CurrentLoop {
 
  private:
   static S within(const S& x, const S& bound) {
-    return x < S(0) - bound ? S(0) - bound : bound < x ? bound : x;
+    return x < -bound ? -bound : bound < x ? bound : x;
   }
 };
 

@@ -42,7 +42,7 @@ struct Pid {
   }
 
   static S outside(const S& error, const S& band) {
-    return band < error ? error - band : error < S(0) - band ? error + band : S(0);
+    return band < error ? error - band : error < -band ? error + band : S(0);
   }
 };
 
@@ -55,7 +55,7 @@ S Pid<S>::step(const LoopGains<S>& q, const GainScale<S>& scale, const S& direct
   // y - c r, filtered
   const S change = measured - q.derivative_weight * reference - s.filtered;
   const S rises_1_s = change / (dt_s + q.derivative_filter_s);
-  s.filtered = s.filtered + rises_1_s * dt_s;
+  s.filtered += rises_1_s * dt_s;
   s.integral_W = q.integral_1_s > S(0)
                      ? s.integral_W + scale.integral * q.integral_1_s * K_error * dt_s
                      : S(0);

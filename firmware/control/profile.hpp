@@ -26,7 +26,7 @@ struct Profile {
     const int half = static_cast<int>(S(2) * loop);
     S amplitude = S(0.45);
     for (int i = 0; i < half / 2; ++i) {
-      amplitude = amplitude * S(0.85);
+      amplitude *= S(0.85);
     }
     return half % 2 == 0 ? S(0.55) - amplitude : S(0.55) + amplitude;
   }

@@ -49,7 +49,7 @@ struct BlackBox {
     if (frame.taken && fault) {
       return;
     }
-    since_s = since_s + dt_s;
+    since_s += dt_s;
     // Half a step early rather than half a step late: a sum of steps misses the interval.
     if (fault || count == 0 || interval_s <= since_s + S(0.5) * dt_s) {
       since_s = S(0);

@@ -220,7 +220,7 @@ void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
   }
   const S share = least_A / out.current_A;
   out.current_A = least_A;
-  out.voltage_V = out.voltage_V * share;
+  out.voltage_V *= share;
   out.power_W = out.power_W * share * share;
   s.controller.current_loop.asked_A = out.current_A;
   s.controller.power_W = out.power_W;

@@ -162,7 +162,7 @@ bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress
     return within(S(0.05), at.shape.turning, S(0.95));
   }
   const S span_K = S(1) / at.per_K;
-  return within(S(1), relation == Relation::heats ? span_K : S(0) - span_K, S(450)) &&
+  return within(S(1), relation == Relation::heats ? span_K : -span_K, S(450)) &&
          within(S(150), at.start_K, S(600)) && within(S(150), at.start_K + span_K, S(600));
 }
 

@@ -150,7 +150,7 @@ class Staging {
     if (!on_trial()) {
       return false;
     }
-    trial_s_ = trial_s_ - dt_s;
+    trial_s_ -= dt_s;
     if (on_trial()) {
       return false;
     }

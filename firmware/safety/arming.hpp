@@ -25,8 +25,8 @@ struct ArmingCheck {
 
   void take(const Seen<S>& seen, const S& since_s) {
     if (!(since_s < settling_s) && seen.measurement.resistance_valid) {
-      sum_ohm = sum_ohm + seen.measurement.resistance_ohm;
-      samples = samples + S(1);
+      sum_ohm += seen.measurement.resistance_ohm;
+      samples += S(1);
     }
   }
 

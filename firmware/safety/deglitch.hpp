@@ -46,7 +46,7 @@ struct Deglitch {
       const S limit_s = S(fault_deglitch_s[i]);
       S& held = held_s[i];
       if (!now.has(fault)) {
-        held = held - dt_s;
+        held -= dt_s;
         if (!(S(0) < held)) {
           pending.set(fault, false);
           active.set(fault, false);

@@ -95,12 +95,12 @@ auto Supervisor<S>::step(const Seen<S>& seen, State& s, FaultSet active_now, std
   const FailsafeOutput next = failsafe(in);
   // An attempt to arm is used up, by being refused as well; only while starting it waits.
   s.arm_edge = s.arm_edge && s.state == DeviceState::starting;
-  s.in_state_s = s.in_state_s + seen.dt_s;
+  s.in_state_s += seen.dt_s;
   if (next.state != s.state) {
     enter(seen, s, next.state);
   }
   if (next.heat == Heat::release) {
-    s.safe_strain = s.safe_strain + q.safe.release_1_s * seen.dt_s;
+    s.safe_strain += q.safe.release_1_s * seen.dt_s;
   }
 
   const bool heated = is_heated(s.state);

@@ -115,8 +115,8 @@ std::unique_ptr<SimulatedWire> make_ihyp(const Wire<double>& wire, double scatte
     k = wire.kinetics;
     k.smallest_reversal_K = 0;
     const auto shift = [](auto& surface, auto by) {
-      surface.start_K[0] = surface.start_K[0] + by;
-      surface.finish_K[0] = surface.finish_K[0] + by;
+      surface.start_K[0] += by;
+      surface.finish_K[0] += by;
     };
     shift(k.m2a, warmer_K);
     shift(k.a2m_a2r, Pair<double>(warmer_K));

@@ -62,7 +62,7 @@ struct Cosine {
     const CosineBranch<S> branch =
         heading == s.heading ? s.branch : CosineBranch<S>::at(pool(s, heading), x);
     const S pool_1_K = branch.pool_1_K(acting, x);
-    return {heading == Heading::heating ? pool_1_K : S(0) - pool_1_K, S(0)};
+    return {heading == Heading::heating ? pool_1_K : -pool_1_K, S(0)};
   }
 
  private:

@@ -75,7 +75,7 @@ struct Duhem {
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     const Place place = heating_place(p, s.drive);
     if (!has_loop(place)) {
-      return {S(0) - density(place.other) / p.a2m.deviation_K, S(0)};
+      return {-density(place.other) / p.a2m.deviation_K, S(0)};
     }
     return heading == Heading::heating
                ? PhaseRates<S>{slope(s.martensite, place) / p.m2a.deviation_K, S(0)}
@@ -94,7 +94,7 @@ struct Duhem {
   static Place heating_place(const Params& p, const Drive<S>& u) {
     return {p.m2a.deviations(u), p.a2m.deviations(u)};
   }
-  static Place mirrored(const Place& place) { return {S(0) - place.other, S(0) - place.own}; }
+  static Place mirrored(const Place& place) { return {-place.other, -place.own}; }
   static bool has_loop(const Place& place) { return place.own < place.other; }
 
   /// The share of a Gaussian that lies above z: 1 - h of 001 eq. 6.
@@ -115,8 +115,8 @@ struct Duhem {
   static Band band(const Place& place) {
     if (place.other < S(0)) {
       // Both shares are near 1: subtract the small ones.
-      const S own = right(S(0) - place.own);
-      const S other = right(S(0) - place.other);
+      const S own = right(-place.own);
+      const S other = right(-place.other);
       return {S(1) - own, S(1) - other, other - own};
     }
     const S own = right(place.own);
@@ -130,7 +130,7 @@ struct Duhem {
     const S above = pool - major.other;
     // 001 eq. 9, in 0..1; beyond it is rounding
     const S n = !(S(0) < above) ? S(0) : above < major.width ? above / major.width : S(1);
-    return S(0) - n * density(place.own);
+    return -n * density(place.own);
   }
 
   /// What is left of the pool after a straight way. With a and b the places of both processes, p
@@ -149,7 +149,7 @@ struct Duhem {
     }
     S left = most;
     if (most < begun) {
-      left -= (begun - most) * expm1(S(0) - overlap(from, to));
+      left -= (begun - most) * expm1(-overlap(from, to));
     }
     left *= ended / begun;
     const S least = right(to.other);

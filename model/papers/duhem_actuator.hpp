@@ -112,7 +112,7 @@ struct DuhemActuator {
   template <class Source>
   static void advance(const Params& p, State& s, const Source& source, const S& dt_s) {
     const S rate = rate_K_s(p, s, source);
-    const S move_K = (rate < S(0) ? S(0) - rate : rate) * dt_s;
+    const S move_K = (rate < S(0) ? -rate : rate) * dt_s;
     int parts = 1;
     while (parts < 1024 && S(0.1) * S(parts) < move_K) {
       parts *= 2;

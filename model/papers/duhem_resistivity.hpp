@@ -29,7 +29,7 @@ struct DuhemResistivity {
     using std::exp;
     // 001 eq. 22
     return austenite_ohm_m +
-           austenite_cold_ohm_m * exp(S(0) - austenite_decay_1_K * (temperature_K - ambient_K));
+           austenite_cold_ohm_m * exp(-austenite_decay_1_K * (temperature_K - ambient_K));
   }
 
   S martensite(const S& temperature_K, const S& ambient_K) const {

@@ -80,8 +80,8 @@ struct LiangRogers {
     const S before = s.martensite + s.r_phase;
     if (acts && S(0) < before) {
       const S factor = s.main.convert(before, x) / before;
-      s.martensite = s.martensite * factor;
-      s.r_phase = s.r_phase * factor;
+      s.martensite *= factor;
+      s.r_phase *= factor;
     }
     return acts;
   }
@@ -136,7 +136,7 @@ struct LiangRogers {
     const S y = p.a2r.progress(s.drive);
     const S pool_1_K = x < s.main.progress ? S(0) : s.main.pool_1_K(p.a2m, x);
     const S share_1_K = y < s.share.progress ? S(0) : s.share.pool_1_K(p.a2r, y);
-    return {S(0) - pool_1_K, pool_1_K * (S(1) - austenite_share(s)) - others(s) * share_1_K};
+    return {-pool_1_K, pool_1_K * (S(1) - austenite_share(s)) - others(s) * share_1_K};
   }
 };
 

@@ -172,7 +172,7 @@ struct Preisach {
     if (turned || u.stress_Pa < s.drive.stress_Pa || s.drive.stress_Pa < u.stress_Pa) {
       s.settled = S(0);
       s.memory.each_settled([&](const S& sign, const S& hot, const S& cold) {
-        s.settled = s.settled + sign * increment(p, at, hot, cold);
+        s.settled += sign * increment(p, at, hot, cold);
       });
     }
     s.martensite = s.settled + branch(p, at, s);
@@ -197,7 +197,7 @@ struct Preisach {
     const Corners c = corners(p, at, hot.index, cold.index);
     if (heating) {
       const S per_cell = c.hotter - c.low + cold.share * (c.high - c.warmer - c.hotter + c.low);
-      return {S(0) - per_cell / width_K(p, hot.index), S(0)};
+      return {-per_cell / width_K(p, hot.index), S(0)};
     }
     const S per_cell = c.warmer - c.low + hot.share * (c.high - c.hotter - c.warmer + c.low);
     return {per_cell / width_K(p, cold.index), S(0)};
@@ -263,7 +263,7 @@ struct Preisach {
   static Corners corners(const Params& p, const Place& at, std::size_t hot, std::size_t cold) {
     if (hot == cold) {
       const S whole = at_nodes(p, at, hot + 1, cold);
-      return {S(0), whole, S(0) - whole, S(0)};
+      return {S(0), whole, -whole, S(0)};
     }
     return {at_nodes(p, at, hot, cold), at_nodes(p, at, hot + 1, cold),
             hot == cold + 1 ? S(0) : at_nodes(p, at, hot, cold + 1),
@@ -281,7 +281,7 @@ struct Preisach {
 
   /// What the branch from the newest turning point to the input has converted.
   static S branch(const Params& p, const Place& at, const State& s) {
-    return s.memory.heats() ? S(0) - increment(p, at, s.memory.input, s.memory.newest())
+    return s.memory.heats() ? -increment(p, at, s.memory.input, s.memory.newest())
                             : increment(p, at, s.memory.newest(), s.memory.input);
   }
 };

@@ -62,7 +62,7 @@ struct ResistanceLines {
   static ResistanceBranch<S> through(const ResistancePoint<S>& start,
                                      const ResistancePoint<S>& finish) {
     const S way = finish.resistance - start.resistance;
-    const S width = way < S(0) ? S(0) - way : way;
+    const S width = way < S(0) ? -way : way;
     if (width < S(2e-3)) {
       return {start, finish, false, {S(0), S(0)}};
     }

@@ -65,6 +65,11 @@ class Fixed {
   friend constexpr Fixed operator*(const Fixed& a, const Fixed& b) { return product(a, b); }
   friend constexpr Fixed operator/(const Fixed& a, const Fixed& b) { return quotient(a, b); }
 
+  constexpr Fixed& operator+=(const Fixed& b) { return *this = *this + b; }
+  constexpr Fixed& operator-=(const Fixed& b) { return *this = *this - b; }
+  constexpr Fixed& operator*=(const Fixed& b) { return *this = *this * b; }
+  constexpr Fixed& operator/=(const Fixed& b) { return *this = *this / b; }
+
   /// Of two numbers in formats of their own, without a step in between.
   template <int of_a, int of_b>
   static constexpr Fixed product(const Fixed<of_a>& a, const Fixed<of_b>& b) {

@@ -59,6 +59,11 @@ class Pair {
   [[gnu::always_inline]] friend constexpr Pair operator/(const Pair& a, const Pair& b) {
     return {a.first_ / b.first_, a.second_ / b.second_};
   }
+  [[gnu::always_inline]] friend constexpr Pair operator-(const Pair& a) {
+    return {-a.first_, -a.second_};
+  }
+  [[gnu::always_inline]] constexpr Pair& operator+=(const Pair& b) { return *this = *this + b; }
+  [[gnu::always_inline]] constexpr Pair& operator-=(const Pair& b) { return *this = *this - b; }
   friend constexpr Mask operator<(const Pair& a, const Pair& b) {
     return {a.first_ < b.first_, a.second_ < b.second_};
   }
@@ -95,6 +100,9 @@ class Pair<S> {
   friend constexpr Pair operator-(Pair a, Pair b) { return of(a.lanes_ - b.lanes_); }
   friend constexpr Pair operator*(Pair a, Pair b) { return of(a.lanes_ * b.lanes_); }
   friend constexpr Pair operator/(Pair a, Pair b) { return of(a.lanes_ / b.lanes_); }
+  friend constexpr Pair operator-(Pair a) { return of(-a.lanes_); }
+  constexpr Pair& operator+=(Pair b) { return *this = *this + b; }
+  constexpr Pair& operator-=(Pair b) { return *this = *this - b; }
   friend constexpr auto operator<(Pair a, Pair b) { return a.lanes_ < b.lanes_; }
   friend Pair sqrt(Pair a) { return {std::sqrt(a.lanes_[0]), std::sqrt(a.lanes_[1])}; }
   template <class Mask>

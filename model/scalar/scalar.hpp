@@ -1,5 +1,7 @@
 #pragma once
-// What the core asks of every scalar beyond its arithmetic.
+// What the core asks of every scalar beyond its arithmetic: + - * /, their assignments, the unary
+// minus and the comparisons. -x has the bits of 0 - x but for the sign of an IEEE zero, and nothing
+// in the core may depend on that sign.
 
 #include <cmath>
 

@@ -88,9 +88,9 @@ Split<S> ihyp_fraction(const IhypShape<S>& shape, S tau) {
     const S slope2 = slope * slope;
     const S bent = value * half_bend;
     if constexpr (std::numeric_limits<S>::digits <= 24) {
-      v = v - value * slope / (slope2 - bent);
+      v -= value * slope / (slope2 - bent);
     } else {
-      v = v - value * (slope2 - bent) / (slope * (slope2 - (bent + bent)) + value * value * A);
+      v -= value * (slope2 - bent) / (slope * (slope2 - (bent + bent)) + value * value * A);
     }
   }
 

@@ -79,7 +79,7 @@ struct Isobar {
   }
   /// Its derivative by temperature, from the remaining fraction there.
   S remaining_1_K(S remaining) const {
-    return S(0) - per_K / ihyp_slope(shape, Split<S>{S(1) - remaining, remaining});
+    return -(per_K / ihyp_slope(shape, Split<S>{S(1) - remaining, remaining}));
   }
 };
 

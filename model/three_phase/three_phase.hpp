@@ -126,14 +126,14 @@ struct ThreePhase {
     const S r = scale(to.r_phase, s.r_phase);
     const S a = scale(to.austenite(), phases(s).austenite());
     for (HotTurn& turn : s.hot) {
-      turn.martensite = turn.martensite * m;
+      turn.martensite *= m;
       turn.r_phase = least(turn.r_phase * r, S(1) - turn.martensite);
     }
     S outer = S(0);  // no more can return than the turning point before had
     for (ColdTurn& turn : s.cold) {
       // R-phase that the turn has more than the state is austenite now.
       const S more = turn.r_phase - s.r_phase;
-      turn.austenite = turn.austenite * a;
+      turn.austenite *= a;
       turn.r_phase = least(to.r_phase + more * (more < S(0) ? r : a), S(1) - turn.austenite);
       turn.returning = least(turn.returning * a, outer);
       outer = turn.r_phase;
@@ -141,8 +141,8 @@ struct ThreePhase {
     s.returning = least(s.returning * a, outer);
     s.martensite = to.martensite;
     s.r_phase = to.r_phase;
-    s.drive.temperature_K = s.drive.temperature_K + warmer_K;
-    s.reached.temperature_K = s.reached.temperature_K + warmer_K;
+    s.drive.temperature_K += warmer_K;
+    s.reached.temperature_K += warmer_K;
     const bool small = warmer_K < S(0.02) && S(-0.02) < warmer_K;
     if (s.heading == Heading::heating) {
       const S m2a = s.reverse.m2a + warmer_K * tangent.reverse_1_K.m2a;
@@ -266,20 +266,20 @@ struct ThreePhase {
     const S to = s.drive.stress_Pa;
     return s.heading == Heading::heating
                ? cooler + p.m2a.start_shift_K(from, to)
-               : S(0) - cooler - p.a2m_a2r.start_shift_K(Pair<S>(from), Pair<S>(to)).first();
+               : -cooler - p.a2m_a2r.start_shift_K(Pair<S>(from), Pair<S>(to)).first();
   }
 
   /// Where temperature and stress change together so that nothing transforms, the farthest point
   /// goes with them: the other direction's processes are not to begin where the wire was long ago.
   static void follow_stress(const Params& p, State& s) {
     const S change_Pa = s.drive.stress_Pa - s.reached.stress_Pa;
-    const S by_Pa = change_Pa < S(0) ? S(0) - change_Pa : change_Pa;
+    const S by_Pa = change_Pa < S(0) ? -change_Pa : change_Pa;
     const S returned = returned_K(p, s);
     // 2 MPa: less is a load cell's noise, which would drag the farthest point along by steps
     // that do not belong to it.
     if (S(2e6) < by_Pa || returned < S(0)) {
       const S back_K = positive(returned);
-      s.reached = {s.drive.temperature_K + (s.heading == Heading::heating ? back_K : S(0) - back_K),
+      s.reached = {s.drive.temperature_K + (s.heading == Heading::heating ? back_K : -back_K),
                    s.drive.stress_Pa};
     }
   }
@@ -403,7 +403,7 @@ struct ThreePhase {
     const Phases<S> start = phases(s);
     S lost_r = S(0);
     while (s.cold.size() > 0 && !(s.cold.newest().left.a2m_a2r.first() < now.a2m_a2r.first())) {
-      lost_r = lost_r + pass_cold_turn(s, now);
+      lost_r += pass_cold_turn(s, now);
     }
     [[maybe_unused]] const S excess_r = positive(s.r_phase - s.cold.newest().r_phase);
     return_r_phase(s, now);
@@ -431,19 +431,19 @@ struct ThreePhase {
     }
     const S rest = least(r * stays_r + a * on_the_way, r + a);
     // z_M += z_A (1 - r_A2M) + z_R (1 - r_R2M);  z_R += z_A (1 - r_A2R)
-    s.martensite = s.martensite + (a + r - rest);
+    s.martensite += a + r - rest;
     s.r_phase = least(positive(s.r_phase + (rest - r - a * r_a2r * r_a2m)), S(1) - s.martensite);
     s.forward.a2m_a2r = select(acts, now.a2m_a2r, before);
     s.forward.r2m = p.separate_r2m ? least(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
     s.reached = s.drive;
     if constexpr (linearise) {
       // Of the austenite before: a stays, g is R-phase now; of the R-phase before, b stays.
-      lost_r = lost_r + excess_r * (S(1) - stays_r);
+      lost_r += excess_r * (S(1) - stays_r);
       const S a0 = start.austenite();
       const S stays = share(phases(s).austenite(), a0);
       const S b = share(start.r_phase - lost_r, start.r_phase);
       const S g = least(share(s.r_phase - start.r_phase + lost_r, a0), S(1) - stays);
-      return {stays + g, stays + g - b, S(0) - g, b - g};
+      return {stays + g, stays + g - b, -g, b - g};
     }
     return {};
   }
@@ -467,7 +467,7 @@ struct ThreePhase {
     const S excess_r = s.r_phase - (passed.r_phase - s.returning);
     const S a = positive(phases(s).austenite() - passed.austenite - s.returning);
     const S leaves_r = r2m_late ? S(0) : positive(excess_r);
-    const S comes_r = least(a, positive(S(0) - excess_r));
+    const S comes_r = least(a, positive(-excess_r));
     s.martensite = s.martensite + (a - comes_r) + leaves_r;
     s.r_phase = s.r_phase + (s.returning - staying) + comes_r - leaves_r;
     close_innermost_loop(s);
@@ -488,7 +488,7 @@ struct ThreePhase {
     const S a2r = now.a2m_a2r.second();
     if (a2r < turn.left.a2m_a2r.second()) {
       const S stays = least(turn.austenite, phases(s).austenite());
-      s.r_phase = s.r_phase + stays * move_by_a2r(turn, a2r);
+      s.r_phase += stays * move_by_a2r(turn, a2r);
     }
   }
   /// Returns the share of its austenite.
@@ -496,8 +496,8 @@ struct ThreePhase {
     const Pair<S> left = turn.left.a2m_a2r;
     const S share = S(1) - a2r / left.second();
     const S converted = share * turn.austenite;
-    turn.austenite = turn.austenite - converted;
-    turn.r_phase = turn.r_phase + converted;
+    turn.austenite -= converted;
+    turn.r_phase += converted;
     turn.left.a2m_a2r = Pair<S>(left.first(), a2r);
     return share;
   }
@@ -509,8 +509,8 @@ struct ThreePhase {
     if (S(0) < s.returning) {
       const S back = s.returning * (S(1) - ratio(now.a2m_a2r.second(), s.forward.a2m_a2r.second(),
                                                  s.cold.newest().left.a2m_a2r.second()));
-      s.returning = s.returning - back;
-      s.r_phase = s.r_phase + back;
+      s.returning -= back;
+      s.r_phase += back;
     }
   }
 
@@ -535,17 +535,17 @@ struct ThreePhase {
                       : flow(slope.a2m_a2r.first(), left.first(), goal.first(), r);
     S a2r = flow(slope.a2m_a2r.second(), left.second(), S(0), a);
     if (S(0) < s.returning) {
-      a2r = a2r + flow(slope.a2m_a2r.second(), left.second(), goal.second(), s.returning);
+      a2r += flow(slope.a2m_a2r.second(), left.second(), goal.second(), s.returning);
     }
     // Per kelvin of rising temperature: what cooling adds is negative.
-    return {S(0) - a2m - r2m, r2m - a2r};
+    return {-a2m - r2m, r2m - a2r};
   }
 
   /// What a pool loses per kelvin. Nearer than 0.05 K to its turning point the rate is that at
   /// 0.05 K: an observer may have left a pool there that can not all go.
   static S flow(const S& slope, const S& left, const S& target, const S& pool) {
     const S room = left - target;
-    const S shortest = S(0.05) * (slope < S(0) ? S(0) - slope : slope);
+    const S shortest = S(0.05) * (slope < S(0) ? -slope : slope);
     const S longer = room < shortest ? shortest : room;
     return S(0) < longer ? slope * pool / longer : S(0);
   }

@@ -27,7 +27,7 @@ S sixth_root(const S& x) {
   for (int i = 0; i < 2; ++i) {
     const S y3 = y * y * y;
     const S y6 = y3 * y3;
-    y = y * ((S(5) * y6 + S(7) * a) / (S(7) * y6 + S(5) * a));
+    y *= (S(5) * y6 + S(7) * a) / (S(7) * y6 + S(5) * a);
   }
   return y;
 }
@@ -65,7 +65,7 @@ class ConvectionTable {
     // By itself: here vector registers can be used.
     for (std::size_t k = 0; k < n; ++k) {
       const S difference_K = temperature_K[k] - ambient_K;
-      const S apart_K = difference_K < S(0) ? S(0) - difference_K : difference_K;
+      const S apart_K = difference_K < S(0) ? -difference_K : difference_K;
       const S root = S(0.60) + moving[k] * sixth_root(apart_K);
       h[k] = still[k] * root * root;
     }

@@ -74,7 +74,7 @@ struct DistributedPlant {
     const PerSegment<S> each = strains(p, s.profile);
     S sum = S(0);
     for (std::size_t i = 0; i < segments; ++i) {
-      sum = sum + each[i] * p.length_m[i];
+      sum += each[i] * p.length_m[i];
     }
     return sum / p.geometry.length_m;
   }
@@ -82,7 +82,7 @@ struct DistributedPlant {
   static S resistance_ohm(const Params& p, const State& s) {
     S sum = S(0);
     for (const S& each_ohm : resistances_ohm(p, s.profile)) {
-      sum = sum + each_ohm;
+      sum += each_ohm;
     }
     return sum;
   }
@@ -199,9 +199,9 @@ struct DistributedPlant {
     const auto eliminate = [&](std::size_t from, std::size_t to, const S& link) {
       const S inverse = S(1) / diagonal[from];
       factor[from] = link * inverse;
-      diagonal[to] = diagonal[to] - link * link * inverse;
-      right[to] = right[to] + factor[from] * right[from];
-      right[from] = right[from] * inverse;
+      diagonal[to] -= link * link * inverse;
+      right[to] += factor[from] * right[from];
+      right[from] *= inverse;
     };
     for (std::size_t i = 0; i < middle; ++i) {
       eliminate(i, i + 1, b.link_J_K[i + 1]);
@@ -250,7 +250,7 @@ struct DistributedPlant {
     m.mixture = Mixture::parallel;
     const PerSegment<S> parallel = resistivities(m, now);
     for (std::size_t i = 0; i < segments; ++i) {
-      rho[i] = rho[i] + p.parallel_share * (parallel[i] - rho[i]);
+      rho[i] += p.parallel_share * (parallel[i] - rho[i]);
     }
     return rho;
   }

@@ -67,8 +67,7 @@ struct ThermalBody {
   /// Heat that the wire takes up per kelvin while it transforms at these rates. Never less than
   /// without them: latent heat only adds.
   constexpr S effective_capacity_J_K(const PhaseRates<S>& rates) const {
-    const S latent_J_K =
-        S(0) - latent_m2a_J * rates.martensite_1_K - latent_r2a_J * rates.r_phase_1_K;
+    const S latent_J_K = -(latent_m2a_J * rates.martensite_1_K) - latent_r2a_J * rates.r_phase_1_K;
     return latent_J_K < S(0) ? capacity_J_K : capacity_J_K + latent_J_K;
   }
 };

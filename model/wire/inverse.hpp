@@ -57,7 +57,7 @@ struct Inverse {
   static S share(const S& from, const S& to, const S& goal, const S& most) {
     const S way = to - from;
     const S tiny = S(1e-7);
-    if (way < tiny && S(0) - tiny < way) {
+    if (way < tiny && -tiny < way) {
       return most;
     }
     const S part = (goal - from) / way;
@@ -177,12 +177,12 @@ void Inverse<S, depth>::correct(const Slopes& by, const Isobar<Pair<S>>& at, con
   const Phases<S> z{from.phases.martensite + (a + r) * (S(1) - a2m.value),
                     from.phases.r_phase + returning * (S(1) - back.value) - r + stays * a2m.value};
   const PhaseRates<S> rates{
-      S(0) - (a + r) * a2m.slope_1_K,
+      -((a + r) * a2m.slope_1_K),
       stays * a2m.slope_1_K - a * a2r.slope_1_K * a2m.value - returning * back.slope_1_K};
   const S per_K = rates.martensite_1_K * by.martensite + rates.r_phase_1_K * by.r_phase;
   const S most_K = S(20);
   const S full_K = per_K < S(0) ? (goal - by.strain(z)) / per_K : S(0);
-  const S warmer_K = full_K < S(0) - most_K ? S(0) - most_K : most_K < full_K ? most_K : full_K;
+  const S warmer_K = full_K < -most_K ? -most_K : most_K < full_K ? most_K : full_K;
   point = {
       point.temperature_K + warmer_K,
       {z.martensite + rates.martensite_1_K * warmer_K, z.r_phase + rates.r_phase_1_K * warmer_K}};

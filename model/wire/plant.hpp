@@ -70,7 +70,7 @@ struct Plant {
   static int divisions(const Params& p, const State& s, const PlantInput<S>& in, const S& dt_s) {
     const S heat_J =
         s.heat_J + (in.power_W - p.body.loss_W(temperature_K(s) - in.ambient_K)) * dt_s;
-    const S magnitude_J = heat_J < S(0) ? S(0) - heat_J : heat_J;
+    const S magnitude_J = heat_J < S(0) ? -heat_J : heat_J;
     int parts = 1;
     while (parts < max_divisions && p.body.capacity_J_K * S(parts) < magnitude_J) {
       parts *= 2;

@@ -156,10 +156,10 @@ struct Sublayers {
     S martensite = S(0);
     S r_phase = S(0);
     const auto moves_m = [&](std::size_t i) {
-      martensite = martensite + S(1);
-      r_phase = r_phase - s.r_phase_part[i];
+      martensite += S(1);
+      r_phase -= s.r_phase_part[i];
     };
-    const auto moves_q = [&](std::size_t i) { r_phase = r_phase + (S(1) - s.martensite[i]); };
+    const auto moves_q = [&](std::size_t i) { r_phase += S(1) - s.martensite[i]; };
     if (heading == Heading::heating) {
       for_each_falling(p.m2a, s.drive, p.ramp_K, s.m_place, s.martensite, moves_m);
       for_each_falling(p.r2a, s.drive, p.ramp_K, s.r_place, s.r_phase_part, moves_q);
@@ -206,7 +206,7 @@ struct Sublayers {
     S sum[4] = {of(0), of(1), of(2), of(3)};
     for (std::size_t i = 4; i < layers; i += 4) {
       for (std::size_t lane = 0; lane < 4; ++lane) {
-        sum[lane] = sum[lane] + of(i + lane);
+        sum[lane] += of(i + lane);
       }
     }
     return ((sum[0] + sum[2]) + (sum[1] + sum[3])) / S(layers);

@@ -104,7 +104,7 @@ ThermalBody<S> thermal_body(const Geometry<S>& geometry, const HeatParams<S>& he
   if (S(0) < heat.clamp_conductivity_W_mK) {
     const S half = geometry.length_m / (S(2) * clamp_reach_m(geometry, heat));
     // 1 - 1/cosh x = (1 - e^-x)²/(1 + e^-2x)
-    const S cold = exp(S(0) - half);
+    const S cold = exp(-half);
     const S warm = S(1) - cold;
     clamps = half < S(20) ? (S(1) + cold * cold) / (warm * warm) : S(1);
   }

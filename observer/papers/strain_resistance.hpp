@@ -95,13 +95,13 @@ struct StrainResistance {
       return;
     }
     const S weight = dt_s / (dt_s + S(smoothing_s));
-    s.smoothed = s.smoothed + weight * (m.resistance_ohm / p.martensite_ohm - s.smoothed);
+    s.smoothed += weight * (m.resistance_ohm / p.martensite_ohm - s.smoothed);
     const S rise = s.smoothed - s.reached;
     // The resistance falls on heating.
-    const S ahead = s.heading == Heading::heating ? S(0) - rise : rise;
-    if (ahead < S(0) - p.smallest_reversal) {
+    const S ahead = s.heading == Heading::heating ? -rise : rise;
+    if (ahead < -p.smallest_reversal) {
       s.heading = s.heading == Heading::heating ? Heading::cooling : Heading::heating;
-      move(p, s, S(0) - ahead);
+      move(p, s, -ahead);
     } else if (S(0) < ahead) {
       move(p, s, ahead);
     }
@@ -159,7 +159,7 @@ struct StrainResistance {
     using std::log;
     const S farthest = S(-80) / p.decay;  // exp() of more would not fit into a float
     const S from = z < farthest ? farthest : z;
-    const S near = exp(S(0) - p.decay * from);
+    const S near = exp(-p.decay * from);
     const S after = from + log(near * (S(1) - decayed) + decayed) / p.decay;
     return S(0) < from && after < S(0) ? S(0) : after;
   }

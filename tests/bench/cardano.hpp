@@ -50,7 +50,7 @@ Split<S> cardano_fraction(const IhypShape<S>& shape, S tau) {
   const S K = G * (z + z * z - (S(1) - z) * (S(1) - z));
   const S rest = h - K;
   const S w = greatest_cubic_root((S(2) * B - A + (S(1) - G) - rest) / B, (B - S(2) * A - rest) / B,
-                                  S(0) - A / B);
+                                  -A / B);
   const S far = S(1) / (S(1) + w);
   const S near = w / (S(1) + w);
   return lower ? Split<S>{far, near} : Split<S>{near, far};
@@ -78,7 +78,7 @@ Split<S> newton_fraction(const IhypShape<S>& shape, S tau) {
     const S u = b - y;
     const S excess = x + G * u * u * u / (x * y) - h;
     const S slope = S(1) + G * (z * z * z / (x * x) + b * b * b / (y * y) - S(1));
-    y = y + excess / slope;
+    y += excess / slope;
   }
   return lower ? Split<S>{y, S(1) - y} : Split<S>{S(1) - y, y};
 }

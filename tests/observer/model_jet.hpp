@@ -22,6 +22,7 @@ struct Jet : ceres::Jet<double, iAfter + 1> {
   const Base& base() const { return *this; }
   friend Jet operator+(const Jet& x, const Jet& y) { return x.base() + y.base(); }
   friend Jet operator-(const Jet& x, const Jet& y) { return x.base() - y.base(); }
+  friend Jet operator-(const Jet& x) { return -x.base(); }
   friend Jet operator*(const Jet& x, const Jet& y) { return x.base() * y.base(); }
   friend Jet operator/(const Jet& x, const Jet& y) { return x.base() / y.base(); }
   friend bool operator<(const Jet& x, const Jet& y) { return x.a < y.a; }

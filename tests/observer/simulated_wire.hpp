@@ -93,8 +93,8 @@ class LumpedWire {
     k.smallest_reversal_K = 0;
     k.m2a.start_K[0] += deviations.heating_K;
     k.m2a.finish_K[0] += deviations.heating_K;
-    k.a2m_a2r.start_K[0] = k.a2m_a2r.start_K[0] + Pair<double>(deviations.cooling_K);
-    k.a2m_a2r.finish_K[0] = k.a2m_a2r.finish_K[0] + Pair<double>(deviations.cooling_K);
+    k.a2m_a2r.start_K[0] += Pair<double>(deviations.cooling_K);
+    k.a2m_a2r.finish_K[0] += Pair<double>(deviations.cooling_K);
     state_ = Model::rest(params_, {ambient_K_, stress_Pa});
   }
 

@@ -62,7 +62,7 @@ bool EstimateMonitor<S>::diverged(const Seen<S>& seen, State& s) {
     return false;
   }
   const S share = filter_1_s * seen.dt_s;
-  s.innovation_ohm = s.innovation_ohm + share * (f.innovation_ohm - s.innovation_ohm);
+  s.innovation_ohm += share * (f.innovation_ohm - s.innovation_ohm);
   return far * f.innovation_variance * share < S(2) * s.innovation_ohm * s.innovation_ohm;
 }
 

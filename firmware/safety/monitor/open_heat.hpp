@@ -58,7 +58,7 @@ struct OpenHeat {
     observed_J =
         C * (e.temperature_K - air_K) + L * austenite + (L - body.latent_r2a_J) * e.r_phase;
     const S missing_J = observed_J - heat_J;
-    heat_J = heat_J + (net_W + (missing_J < S(0) ? cools_1_s : warms_1_s) * missing_J) * seen.dt_s;
+    heat_J += (net_W + (missing_J < S(0) ? cools_1_s : warms_1_s) * missing_J) * seen.dt_s;
   }
 };
 

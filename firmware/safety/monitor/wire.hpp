@@ -141,7 +141,7 @@ bool WireMonitor<S>::jumped(const Seen<S>& seen, State& s) {
   if (most_J * s.steady_ohm < magnitude(R - s.steady_ohm) * body.latent_m2a_J) {
     return true;
   }
-  s.steady_ohm = s.steady_ohm + (R - s.steady_ohm) * (seen.dt_s / (seen.dt_s + jump_s));
+  s.steady_ohm += (R - s.steady_ohm) * (seen.dt_s / (seen.dt_s + jump_s));
   return false;
 }
 
@@ -168,13 +168,13 @@ void WireMonitor<S>::mechanics(const Seen<S>& seen, State& s, FaultSet& now) {
   // A load that is taken away shortens the wire and lowers its resistance; a wire that slips
   // relaxes while more of it comes to lie between the leads. One that has lost its load is neither.
   const S jump_ohm = seen.filter.innovation_ohm - s.innovation_ohm;
-  s.innovation_ohm = s.innovation_ohm + S(20) * seen.dt_s * jump_ohm;
+  s.innovation_ohm += S(20) * seen.dt_s * jump_ohm;
   const bool slipping = m.stress_valid && m.resistance_valid && seen.sure() && !slack &&
                         m.stress_Pa < S(0.8) * seen.filter.stress_Pa &&
                         S(0.01) * seen.filter.model_ohm < jump_ohm;
-  s.slips = s.slips - s.slips * slip_forgotten_1_s * seen.dt_s;
+  s.slips -= s.slips * slip_forgotten_1_s * seen.dt_s;
   if (slipping && !s.slipping) {
-    s.slips = s.slips + S(1);
+    s.slips += S(1);
   }
   s.slipping = slipping;
   now.add(Fault::slip_seen, S(0.5) < s.slips);

@@ -36,8 +36,8 @@ struct ZeroCurrent {
       return;
     }
     samples = samples < most_samples ? samples + S(1) : samples;
-    current_A = current_A + (I - current_A) / samples;
-    voltage_V = voltage_V + (V - voltage_V) / samples;
+    current_A += (I - current_A) / samples;
+    voltage_V += (V - voltage_V) / samples;
   }
 
   /// The sample as an ideal front end would read it.

@@ -150,8 +150,8 @@ struct Acting {
 template <class T>
 typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& assumed) {
   auto plant = plant_params(assumed.wire);
-  plant.body.loss_W_K = plant.body.loss_W_K * assumed.here.loss;
-  plant.body.loss_W_K2 = plant.body.loss_W_K2 * assumed.here.loss;
+  plant.body.loss_W_K *= assumed.here.loss;
+  plant.body.loss_W_K2 *= assumed.here.loss;
   if (kind == RunKind::bath) {
     plant.ends.share = T(0);  // no clamp is colder than the bath
   }

@@ -52,8 +52,8 @@ class LumpedRigWire : public RigWire {
     k.smallest_reversal_K = 0;
     k.m2a.start_K[0] += unlike.shift_K;
     k.m2a.finish_K[0] += unlike.shift_K;
-    k.a2m_a2r.start_K[0] = k.a2m_a2r.start_K[0] + Pair<double>(unlike.shift_K);
-    k.a2m_a2r.finish_K[0] = k.a2m_a2r.finish_K[0] + Pair<double>(unlike.shift_K);
+    k.a2m_a2r.start_K[0] += Pair<double>(unlike.shift_K);
+    k.a2m_a2r.finish_K[0] += Pair<double>(unlike.shift_K);
     state_ = Model::rest(params_, {unlike.ambient_K, stress_Pa});
   }
   void advance(double current_A, double stress_Pa, double draught, double dt_s) final {
@@ -100,8 +100,8 @@ class DistributedRigWire : public RigWire {
       const double shift_K = unlike.shift_K + normal(random);
       k.m2a.start_K[0] += shift_K;
       k.m2a.finish_K[0] += shift_K;
-      k.a2m_a2r.start_K[0] = k.a2m_a2r.start_K[0] + Pair<double>(shift_K);
-      k.a2m_a2r.finish_K[0] = k.a2m_a2r.finish_K[0] + Pair<double>(shift_K);
+      k.a2m_a2r.start_K[0] += Pair<double>(shift_K);
+      k.a2m_a2r.finish_K[0] += Pair<double>(shift_K);
     }
     state_ = Model::rest(params_, {unlike.ambient_K, stress_Pa});
   }

@@ -110,6 +110,39 @@ TYPED_TEST(FixedTest, Algebra) {
   }
 }
 
+TYPED_TEST(FixedTest, MinusAndAssignmentsAreShortForTheLongForms) {
+  std::mt19937_64 random(6);
+  const auto same = [](const TypeParam& x, const TypeParam& y) {
+    ASSERT_EQ(x.raw(), y.raw());
+    ASSERT_EQ(x.overflowed(), y.overflowed());
+  };
+  const TypeParam least = TypeParam::of_raw(std::numeric_limits<std::int32_t>::min());
+  const TypeParam greatest = TypeParam::of_raw(std::numeric_limits<std::int32_t>::max());
+  const TypeParam extremes[] = {
+      least,         greatest,  greatest + greatest,  TypeParam(0),
+      least + least, -greatest, TypeParam::of_raw(1), TypeParam::of_raw(-1)};
+  EXPECT_TRUE((-least).overflowed());
+  EXPECT_EQ(-least, greatest);
+  for (int i = 0; i < repeats; ++i) {
+    const auto number = [&] {
+      return random() % 4 == 0 ? extremes[random() % 8] : any<TypeParam::fraction>(random);
+    };
+    const TypeParam a = number();
+    const TypeParam b = number();
+    same(-a, TypeParam(0) - a);
+    TypeParam x = a;
+    same(x += b, a + b);
+    same(x = a, a);
+    same(x -= b, a - b);
+    same(x = a, a);
+    same(x *= b, a * b);
+    same(x = a, a);
+    same(x /= b, a / b);
+    same(x = b, b);
+    same(x += x, b + b);
+  }
+}
+
 TYPED_TEST(FixedTest, WhatHasOverflowedStaysSo) {
   const TypeParam most = TypeParam::of_raw(std::numeric_limits<std::int32_t>::max());
   const TypeParam over = most + most;

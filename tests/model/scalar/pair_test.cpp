@@ -29,6 +29,10 @@ TYPED_TEST(PairTest, EachLaneComputesWhatTheScalarDoesToTheBit) {
     };
     expect(x + y, a + c, b + d);
     expect(x - y, a - c, b - d);
+    expect(-x, -a, -b);
+    Pair<S> z = x;
+    expect(z += y, a + c, b + d);
+    expect(z -= x, a + c - a, b + d - b);
     expect(x * y, a * c, b * d);
     expect(x / y, a / c, b / d);
     expect(sqrt(x), std::sqrt(a), std::sqrt(b));

@@ -1,6 +1,9 @@
 #include "model/scalar/scaled.hpp"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
@@ -132,6 +135,40 @@ TEST(Scaled, Algebra) {
     if (!(a == Scaled(0))) {
       ASSERT_EQ(a / a, Scaled(1));
     }
+  }
+}
+
+TEST(Scaled, MinusAndAssignmentsAreShortForTheLongForms) {
+  Numbers numbers(12);
+  std::mt19937_64 random(13);
+  const auto same = [](const Scaled& x, const Scaled& y) {
+    using Bits = std::array<std::uint32_t, 2>;
+    ASSERT_EQ(std::bit_cast<Bits>(x), std::bit_cast<Bits>(y));
+  };
+  const Scaled great = Scaled::of(0x1.fffffp199);
+  const Scaled extremes[] = {Scaled(0),
+                             Scaled::of(0x1p-200),
+                             great,
+                             -great,
+                             great + great,
+                             great * great,
+                             Scaled(1) / Scaled(0),
+                             -Scaled::of(0x1p-200)};
+  for (int i = 0; i < repeats; ++i) {
+    const auto number = [&] { return random() % 4 == 0 ? extremes[random() % 8] : numbers.next(); };
+    const Scaled a = number();
+    const Scaled b = number();
+    same(-a, Scaled(0) - a);
+    Scaled x = a;
+    same(x += b, a + b);
+    same(x = a, a);
+    same(x -= b, a - b);
+    same(x = a, a);
+    same(x *= b, a * b);
+    same(x = a, a);
+    same(x /= b, a / b);
+    same(x = b, b);
+    same(x += x, b + b);
   }
 }
 
