@@ -315,8 +315,8 @@ void KalmanBank<S>::place(const Params& p, State& s, std::size_t i, const Measur
   Filter::start(p, s.filter[i], m, s.start_ambient_K, first.temperature_K, first.phases, S(0.15),
                 S(8));
   auto& P = s.filter[i].covariance;
-  P[Filter::iLoss][Filter::iLoss] = moving_loss_sd * moving_loss_sd;
-  P[Filter::iResistance][Filter::iResistance] = moving_resistance_sd * moving_resistance_sd;
+  P.at(Filter::iLoss, Filter::iLoss) = moving_loss_sd * moving_loss_sd;
+  P.at(Filter::iResistance, Filter::iResistance) = moving_resistance_sd * moving_resistance_sd;
 }
 
 /// Share of martensite (or else R-phase) in austenite that explains the resistance.

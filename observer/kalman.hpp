@@ -3,12 +3,11 @@
 // wire's heat balance and kinetics and corrects by the resistance. observer/README.md says what
 // was tried, and what the filter reaches.
 
-#include <Eigen/Core>
 #include <cmath>
-#include <type_traits>
 
 #include "model/scalar/scalar.hpp"
 #include "model/wire/plant.hpp"
+#include "observer/covariance.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {
@@ -64,18 +63,11 @@ struct KalmanObserver {
     KalmanTuning<S> tuning;
   };
 
-  /// The filter's states: temperature, martensite and R-phase of the wire's middle; slowly
-  /// varying: ambient temperature, a factor on the heat loss, a factor on the resistance.
-  enum Index { iT, iM, iR, iAmbient, iLoss, iResistance, size };
-  /// Where there are vector registers, rows are padded to whole ones; the padding stays zero.
-  static constexpr bool has_vectors = EIGEN_MAX_STATIC_ALIGN_BYTES > 0;
-  static constexpr int width = has_vectors && sizeof(S) == sizeof(float) ? 8 : size;
-  using Vector = Eigen::Matrix<S, 1, width>;
-  using Matrix = Eigen::Matrix<S, size, width, Eigen::RowMajor>;
+  using enum FilterStates::Index;
+  using Vector = typename Covariance<S>::Vector;
 
   struct State {
-    alignas(16) S
-        covariance[std::size_t{size}][std::size_t{width}];  ///< symmetric, both halves are kept
+    Covariance<S> covariance;
     typename Kinetics::State kinetics;
     PhaseRates<S> rates;  ///< after the last step
     S heat_J;             ///< what the last step's linearisation could not place
@@ -137,50 +129,8 @@ struct KalmanObserver {
   static Expected expected(const Params& p, const State& s);
 
  private:
-  using Covariance = Eigen::Map<Matrix, Eigen::Aligned16>;
-
-  /// Whole rows at once; elsewhere element by element, each pair of equal ones once.
-  static constexpr bool by_rows = has_vectors && std::is_floating_point_v<S>;
-
-  /// Σ factor row
-  template <int... rows, class... Factors>
-  static Vector combined(const Covariance& P, const Factors&... factors) {
-    if constexpr (by_rows) {
-      return (... + (factors * P.row(rows)));
-    } else {
-      Vector sum;
-      for (int j = 0; j < size; ++j) {
-        sum[j] = sum_of_products(Product<S>{factors, P(rows, j)}...);
-      }
-      return sum;
-    }
-  }
-  /// The other elements are zero in one of them.
-  template <int... at>
-  static S dot(const Vector& a, const Vector& b) {
-    if constexpr (by_rows) {
-      return a.dot(b);
-    } else {
-      return sum_of_products(Product<S>{a[at], b[at]}...);
-    }
-  }
-  static void subtract_outer(Covariance& P, const Vector& a, const Vector& b) {
-    if constexpr (by_rows) {
-      for (int i = 0; i < size; ++i) {
-        P.row(i) -= a[i] * b;
-      }
-    } else {
-      for (int i = 0; i < size; ++i) {
-        const S less = -a[i];
-        for (int j = i; j < size; ++j) {
-          P(i, j) = P(j, i) = sum_of_products(P(i, j), Product<S>{less, b[j]});
-        }
-      }
-    }
-  }
-
-  static void predict_covariance(const Params& p, Covariance P, const Linear& f, const S& dt_s);
-  static void keep_on_simplex(const Covariance& P, const Phases<S>& z, Vector& change);
+  static void predict_covariance(const Params& p, Covariance<S>& P, const Linear& f, const S& dt_s);
+  static void keep_on_simplex(const Covariance<S>& P, const Phases<S>& z, Vector& change);
   static void correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
                       const Expected& expect, const S& dt_s);
 
@@ -213,10 +163,10 @@ void KalmanObserver<S>::start_at_rest(const Params& p, State& s, const Measureme
   // In a warmer room the wire would be warmer and rest with other phases.
   const S along[] = {S(1), rest_slope.martensite_1_K, rest_slope.r_phase_1_K, S(1)};
   const S variance = t.start_ambient_sd_K * t.start_ambient_sd_K;
-  s.covariance[iAmbient][iAmbient] = S(0);
+  s.covariance.at(iAmbient, iAmbient) = S(0);
   for (int i = 0; i <= iAmbient; ++i) {
     for (int j = 0; j <= iAmbient; ++j) {
-      s.covariance[i][j] += along[i] * along[j] * variance;
+      s.covariance.at(i, j) += along[i] * along[j] * variance;
     }
   }
 }
@@ -237,7 +187,7 @@ void KalmanObserver<S>::start(const Params& p, State& s, const Measurement<S>& m
   const S sd[size] = {temperature_sd_K,     fraction_sd,     fraction_sd,
                       t.start_ambient_sd_K, t.start_loss_sd, t.start_resistance_sd};
   for (int i = 0; i < size; ++i) {
-    s.covariance[i][i] = sd[i] * sd[i];
+    s.covariance.at(i, i) = sd[i] * sd[i];
   }
   s.model_ohm = expected(p, s).ohm;
 }
@@ -249,7 +199,7 @@ void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>&
     s.stress_Pa += alpha * (m.stress_Pa - s.stress_Pa);
   }
   const Linear f = predict_mean(p, s, m.power_W, dt_s);
-  predict_covariance(p, Covariance(&s.covariance[0][0]), f, dt_s);
+  predict_covariance(p, s.covariance, f, dt_s);
   const Expected expect = expected(p, s);
   s.model_ohm = expect.ohm;
   s.innovation_ohm = S(0);
@@ -265,9 +215,9 @@ Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
   const StrainSlopes<S> by = strain_slopes(p.model.material, s.stress_Pa);
   const S by_m = (S(1) - p.model.ends.share) * by.martensite;
   const S by_r = (S(1) - p.model.ends.share) * by.r_phase;
-  const auto& P = s.covariance;
+  const Covariance<S>& P = s.covariance;
   const S variance =
-      by_m * by_m * P[iM][iM] + S(2) * by_m * by_r * P[iM][iR] + by_r * by_r * P[iR][iR];
+      by_m * by_m * P.at(iM, iM) + S(2) * by_m * by_r * P.at(iM, iR) + by_r * by_r * P.at(iR, iR);
   return {strain(p.model.material, z, s.stress_Pa),
           sqrt(p.tuning.reported * p.tuning.reported * (variance < S(0) ? S(0) : variance) +
                p.tuning.strain_model_sd * p.tuning.strain_model_sd),
@@ -333,66 +283,22 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   return {temperature, tangent, moved, noise_K2, magnitude(dM), magnitude(dR)};
 }
 
+/// P <- F P Fᵀ + Q. Heat that the balance does not know of moves temperature and phases together;
+/// what was converted may have been more or less.
 template <class S>
-void KalmanObserver<S>::predict_covariance(const Params& p, Covariance P, const Linear& f,
+void KalmanObserver<S>::predict_covariance(const Params& p, Covariance<S>& P, const Linear& f,
                                            const S& dt_s) {
-  // Three rows: tau of the temperature; m and r of the phases at a given temperature after.
   const typename Kinetics::Transfer& t = f.tangent.transfer;
-  const Vector& a = f.temperature;
-  const S against_m = -f.moved.martensite_1_K;
-  const S against_r = -f.moved.r_phase_1_K;
-  const Vector tau =
-      combined<iT, iM, iR, iAmbient, iLoss>(P, a[iT], a[iM], a[iR], a[iAmbient], a[iLoss]);
-  const Vector m = combined<iM, iR, iT>(P, t.m_m, t.m_r, against_m);
-  const Vector r = combined<iM, iR, iT>(P, t.r_m, t.r_r, against_r);
-  using Term = Product<S>;
-  const auto along_m = [&](const Vector& v) {
-    return sum_of_products(Term{t.m_m, v[iM]}, Term{t.m_r, v[iR]}, Term{against_m, v[iT]});
-  };
-  const auto along_r = [&](const Vector& v) {
-    return sum_of_products(Term{t.r_m, v[iM]}, Term{t.r_r, v[iR]}, Term{against_r, v[iT]});
-  };
-
-  // Heat that the balance does not know of moves temperature and phases together.
   const KalmanTuning<S>& q = p.tuning;
-  const S z_m = f.tangent.rates.martensite_1_K;
-  const S z_r = f.tangent.rates.r_phase_1_K;
   const S per_fraction = q.fraction_noise * q.fraction_noise;
-  const S noise_m = per_fraction * f.converted_m;
-  const S noise_r = per_fraction * f.converted_r;
-  const S TT = dot<iT, iM, iR, iAmbient, iLoss>(a, tau) + f.noise_K2;
-  const S Tm = along_m(tau);
-  const S Tr = along_r(tau);
-  const S TM = sum_of_products(Tm, Term{z_m, TT});
-  const S TR = sum_of_products(Tr, Term{z_r, TT});
-  const S MM = sum_of_products(along_m(m), Term{z_m, Tm + TM}) + noise_m;
-  const S MR = sum_of_products(along_r(m), Term{z_m, Tr}, Term{z_r, TM});
-  const S RR = sum_of_products(along_r(r), Term{z_r, Tr + TR}) + noise_r;
-  if constexpr (by_rows) {
-    P.row(iT) = tau;
-    P.row(iM) = m + z_m * tau;
-    P.row(iR) = r + z_r * tau;
-  } else {
-    for (int j = iAmbient; j < size; ++j) {
-      P(iT, j) = tau[j];
-      P(iM, j) = sum_of_products(m[j], Term{z_m, tau[j]});
-      P(iR, j) = sum_of_products(r[j], Term{z_r, tau[j]});
-    }
-  }
-  P(iT, iT) = TT;
-  P(iT, iM) = P(iM, iT) = TM;
-  P(iT, iR) = P(iR, iT) = TR;
-  P(iM, iM) = MM;
-  P(iM, iR) = P(iR, iM) = MR;
-  P(iR, iR) = RR;
-  for (int j = iAmbient; j < size; ++j) {
-    P(j, iT) = P(iT, j);
-    P(j, iM) = P(iM, j);
-    P(j, iR) = P(iR, j);
-  }
-  P(iAmbient, iAmbient) += q.ambient_walk_K * q.ambient_walk_K * dt_s;
-  P(iLoss, iLoss) += q.loss_walk * q.loss_walk * dt_s;
-  P(iResistance, iResistance) += q.resistance_walk * q.resistance_walk * dt_s;
+  P.propagate({f.temperature,
+               {t.m_m, t.m_r, -f.moved.martensite_1_K},
+               {t.r_m, t.r_r, -f.moved.r_phase_1_K},
+               f.tangent.rates.martensite_1_K,
+               f.tangent.rates.r_phase_1_K},
+              {f.noise_K2, per_fraction * f.converted_m, per_fraction * f.converted_r,
+               q.ambient_walk_K * q.ambient_walk_K * dt_s, q.loss_walk * q.loss_walk * dt_s,
+               q.resistance_walk * q.resistance_walk * dt_s});
 }
 
 template <class S>
@@ -423,34 +329,35 @@ auto KalmanObserver<S>::expected(const Params& p, const State& s) -> Expected {
 /// taken for an exact measurement. Clipping alone turns a correction that takes from one phase and
 /// gives to another into one that only gives, and the filter runs away.
 template <class S>
-void KalmanObserver<S>::keep_on_simplex(const Covariance& P, const Phases<S>& z, Vector& change) {
+void KalmanObserver<S>::keep_on_simplex(const Covariance<S>& P, const Phases<S>& z,
+                                        Vector& change) {
   const S martensite = z.martensite + change[iM];
   const S r_phase = z.r_phase + change[iR];
   if (r_phase < S(0)) {
-    change -= (r_phase / P(iR, iR)) * P.row(iR);
+    change -= (r_phase / P.at(iR, iR)) * P.row(iR);
   } else if (martensite < S(0)) {
-    change -= (martensite / P(iM, iM)) * P.row(iM);
+    change -= (martensite / P.at(iM, iM)) * P.row(iM);
   } else if (S(1) < martensite + r_phase) {
     const Vector sum = P.row(iM) + P.row(iR);
     change -= ((martensite + r_phase - S(1)) / (sum[iM] + sum[iR])) * sum;
   }
 }
 
+/// With y the resistance measured less expected, and σ² its variance, Hᵀ P H and that of model and
+/// sensors:  K = P H/σ²,  x <- x + K y,  P <- P - K (P H)ᵀ.
 template <class S>
 void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
                                 const Expected& expect, const S& dt_s) {
   const KalmanTuning<S>& q = p.tuning;
-  Covariance P(&s.covariance[0][0]);
+  Covariance<S>& P = s.covariance;
   const Vector& H = expect.slope;
-  const Vector PH = combined<iT, iM, iR, iAmbient, iResistance>(P, H[iT], H[iM], H[iR], H[iAmbient],
-                                                                H[iResistance]);
+  const Vector PH = P.times(H);
   const S model_sd = q.resistance_model_sd * expect.ohm;
-  const S variance = dot<iT, iM, iR, iAmbient, iResistance>(H, PH) +
-                     model_sd * model_sd * (S(1e-3) / dt_s) +
+  const S variance = Covariance<S>::variance(H, PH) + model_sd * model_sd * (S(1e-3) / dt_s) +
                      m.resistance_sd_ohm * m.resistance_sd_ohm;
   const S innovation = m.resistance_ohm - expect.ohm;
   const Vector K = (S(1) / variance) * PH;
-  subtract_outer(P, K, PH);
+  P.update(K, PH);
   Vector change = innovation * K;
   const Phases<S> z = Kinetics::phases(s.kinetics);
   keep_on_simplex(P, z, change);

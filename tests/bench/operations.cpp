@@ -92,7 +92,7 @@ void note(Ranges& ranges, const KalmanObserver<S>::State& f) {
   const char* const names[] = {"T", "M", "R", "ambient", "loss", "resistance"};
   for (int i = 0; i < Filter::size; ++i) {
     for (int j = 0; j <= i; ++j) {
-      ranges.add(std::string("covariance ") + names[j] + ", " + names[i], f.covariance[i][j]);
+      ranges.add(std::string("covariance ") + names[j] + ", " + names[i], f.covariance.at(i, j));
     }
   }
 }

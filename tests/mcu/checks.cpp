@@ -140,8 +140,8 @@ void the_observer_follows(const Settings<S>& settings, Verdict& verdict) {
     Device<S>::observe(p, s, wire.inputs(), 1e-3F);
     const Estimate<S> e = Device<S>::estimate(p, s);
     const auto& P = s.observer.observer.filter[0].covariance;
-    for (std::size_t k = 0; k < 6; ++k) {
-      verdict.expect(0 <= P[k][k], "a variance is negative");
+    for (int k = 0; k < 6; ++k) {
+      verdict.expect(0 <= P.at(k, k), "a variance is negative");
     }
     verdict.expect(
         i < 100 || std::abs(e.strain - wire.strain()) < 0.01F * settings.wire.nominal_stroke,

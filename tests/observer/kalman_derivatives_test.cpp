@@ -268,7 +268,7 @@ Dense matrix_of(const Filter::State& s) {
   Dense P;
   for (int i = 0; i < Filter::size; ++i) {
     for (int j = 0; j < Filter::size; ++j) {
-      P(i, j) = s.covariance[i][j];
+      P(i, j) = s.covariance.at(i, j);
     }
   }
   return P;
@@ -303,7 +303,7 @@ double difference(const Dense& a, const Dense& b, const Dense& scale) {
 Filter::State with_covariance(Filter::State s, const Dense& P) {
   for (int i = 0; i < Filter::size; ++i) {
     for (int j = 0; j < Filter::size; ++j) {
-      s.covariance[i][j] = P(i, j);
+      s.covariance.at(i, j) = P(i, j);
     }
   }
   return s;

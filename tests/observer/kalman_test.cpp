@@ -26,7 +26,7 @@ Dense matrix_of(const typename KalmanObserver<S>::State& s) {
   Dense P;
   for (int i = 0; i < Filter::size; ++i) {
     for (int j = 0; j < Filter::size; ++j) {
-      P(i, j) = static_cast<double>(s.covariance[i][j]);
+      P(i, j) = static_cast<double>(s.covariance.at(i, j));
     }
   }
   return P;
@@ -198,7 +198,7 @@ TEST(Kalman, WithoutResistanceItIsTheModelAndGetsNoSurer) {
     ASSERT_EQ(s.ambient_K, told_ambient_K);
     // What nothing is learnt about only becomes less certain.
     for (const int slow : {Filter::iAmbient, Filter::iLoss, Filter::iResistance}) {
-      ASSERT_GT(s.covariance[slow][slow], before.covariance[slow][slow]);
+      ASSERT_GT(s.covariance.at(slow, slow), before.covariance.at(slow, slow));
     }
   }
   // In the middle of the next transformation it knows less than at rest in the cold.
@@ -228,8 +228,8 @@ TEST(Kalman, WithResistanceItGetsSurer) {
     surer += Filter::estimate(p, with).strain_sd < Filter::estimate(p, without).strain_sd ? 1 : 0;
   }
   EXPECT_GE(surer, 11000);
-  EXPECT_LT(with.covariance[Filter::iResistance][Filter::iResistance],
-            0.25 * without.covariance[Filter::iResistance][Filter::iResistance]);
+  EXPECT_LT(with.covariance.at(Filter::iResistance, Filter::iResistance),
+            0.25 * without.covariance.at(Filter::iResistance, Filter::iResistance));
 }
 
 // The same inputs through both for a minute, as shares of the nominal stroke.
