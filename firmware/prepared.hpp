@@ -5,15 +5,15 @@
 
 #include "firmware/settings.hpp"
 #include "model/wire/plant.hpp"
-#include "observer/bank.hpp"
-#include "observer/divided.hpp"
 #include "observer/measurement.hpp"
+#include "observer/multiple_model.hpp"
+#include "observer/substepping.hpp"
 
 namespace smaservo {
 
 template <class S>
 struct Prepared {
-  using Observer = Divided<KalmanBank<S>>;
+  using Observer = Substepping<MultipleModelFilter<S>>;
 
   Settings<S> settings;
   MeasurementParams<S> measuring;

@@ -228,7 +228,7 @@ Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
           contradicted(s) ? Health::doubtful : Health::good};
 }
 
-/// One step of heat balance and kinetics, as Plant::advance() does it undivided.
+/// One step of heat balance and kinetics, as Plant makes it without substeps.
 template <class S>
 auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s)
     -> Linear {

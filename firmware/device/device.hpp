@@ -100,7 +100,7 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                             const Command<S>& command, const S& dt_s) {
   count_time(s, in, command, dt_s);
   const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
-  const auto& filter = KalmanBank<S>::likeliest(s.observer.observer);
+  const auto& filter = MultipleModelFilter<S>::likeliest(s.observer.observer);
   const Seen<S> seen{p,
                      in,
                      command,

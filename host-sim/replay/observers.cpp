@@ -8,10 +8,10 @@
 #include <fmt/ranges.h>
 
 #include "model/files/error.hpp"
-#include "observer/bank.hpp"
-#include "observer/divided.hpp"
 #include "observer/line.hpp"
+#include "observer/multiple_model.hpp"
 #include "observer/open_loop.hpp"
+#include "observer/substepping.hpp"
 
 namespace smaservo {
 namespace {
@@ -120,11 +120,11 @@ std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<dou
   const auto model = plant_params(wire);
   const Tuning tuning = tuning_from(wire, settings);
   if (name == "kalman") {
-    return std::make_unique<Running<Divided<KalmanBank<double>>>>(
-        KalmanBank<double>::Params{model, tuning}, first, ambient_K);
+    return std::make_unique<Running<Substepping<MultipleModelFilter<double>>>>(
+        MultipleModelFilter<double>::Params{model, tuning}, first, ambient_K);
   }
   if (name == "open-loop") {
-    return std::make_unique<Running<Divided<OpenLoopObserver<double>>>>(
+    return std::make_unique<Running<Substepping<OpenLoopObserver<double>>>>(
         OpenLoopObserver<double>::Params{model}, first, ambient_K);
   }
   if (name == "line") {

@@ -14,7 +14,7 @@ namespace smaservo {
 class AnyObserver {
  public:
   virtual ~AnyObserver() = default;
-  /// A measurement and the time since the one before, of any length: it is divided as needed.
+  /// A measurement and the time since the one before, of any length: substeps are made as needed.
   virtual void advance(const Measurement<double>& measurement, double dt_s) = 0;
   virtual Estimate<double> estimate() const = 0;
 };

@@ -107,8 +107,8 @@ struct DuhemActuator {
 
   /// dt_s > 0, meant for 0.1 to 100 ms. The midpoint rule: the error is of second order in dt_s
   /// while the temperature goes one way, and of first order at each turn, where h jumps. A step
-  /// that would move the temperature by more than 0.1 K is divided, 0.2 of the width over which
-  /// the heat capacity changes. Cost of a part: 2 steps of Duhem, 2 resistances.
+  /// that would move the temperature by more than 0.1 K is made of substeps, 0.2 of the width over
+  /// which the heat capacity changes. Cost of a part: 2 steps of Duhem, 2 resistances.
   template <class Source>
   static void advance(const Params& p, State& s, const Source& source, const S& dt_s) {
     const S rate = rate_K_s(p, s, source);

@@ -55,9 +55,10 @@ struct Plant {
 
   /// dt_s > 0, meant for 10 us to 20 ms. Latent heat enters through the effective heat capacity,
   /// implicitly, so no step is stiff; what the linearisation misses is carried into the next step,
-  /// so no energy is lost. A step that would move the temperature by more than 1 K is divided.
+  /// so no energy is lost. A step that would move the temperature by more than 1 K is made of
+  /// substeps.
   static void advance(const Params& p, State& s, const PlantInput<S>& in, const S& dt_s) {
-    const int parts = divisions(p, s, in, dt_s);
+    const int parts = substeps(p, s, in, dt_s);
     const S part_s = dt_s / S(parts);
     for (int i = 0; i < parts; ++i) {
       advance_part(p, s, in, part_s);
@@ -65,14 +66,14 @@ struct Plant {
   }
 
  private:
-  static constexpr int max_divisions = 64;
+  static constexpr int max_substeps = 64;
 
-  static int divisions(const Params& p, const State& s, const PlantInput<S>& in, const S& dt_s) {
+  static int substeps(const Params& p, const State& s, const PlantInput<S>& in, const S& dt_s) {
     const S heat_J =
         s.heat_J + (in.power_W - p.body.loss_W(temperature_K(s) - in.ambient_K)) * dt_s;
     const S magnitude_J = heat_J < S(0) ? -heat_J : heat_J;
     int parts = 1;
-    while (parts < max_divisions && p.body.capacity_J_K * S(parts) < magnitude_J) {
+    while (parts < max_substeps && p.body.capacity_J_K * S(parts) < magnitude_J) {
       parts *= 2;
     }
     return parts;

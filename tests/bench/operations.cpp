@@ -9,9 +9,9 @@
 #include <string>
 
 #include "firmware/parameters/parameter_check.hpp"
-#include "observer/bank.hpp"
-#include "observer/divided.hpp"
+#include "observer/multiple_model.hpp"
 #include "observer/open_loop.hpp"
+#include "observer/substepping.hpp"
 #include "tests/bench/convert_observer.hpp"
 #include "tests/bench/counted.hpp"
 #include "tests/bench/device_steps.hpp"
@@ -98,7 +98,7 @@ void note(Ranges& ranges, const KalmanObserver<S>::State& f) {
 }
 
 struct Table {
-  Steps kinetics, plant, filter, bank, search, whole;
+  Steps kinetics, plant, filter, sure, search, whole;
   Ranges ranges;
 
   void traces() {
@@ -110,12 +110,12 @@ struct Table {
       const auto steps = load_trace(trace);
       const auto first = measure(measuring, convert<S>(steps.front().sample));
       using Model = Plant<ThreePhase<S>>;
-      using Bank = KalmanBank<S>;
+      using Search = MultipleModelFilter<S>;
       using Filter = KalmanObserver<S>;
       Model::State lumped = Model::rest(model, {S(ambient_K), first.stress_Pa});
       ThreePhase<S>::State kinetic = lumped.kinetics;
       Filter::State single = Filter::start({model, tuning}, first, S(ambient_K));
-      Bank::State many = Bank::start({model, tuning}, first, S(ambient_K));
+      Search::State many = Search::start({model, tuning}, first, S(ambient_K));
       for (const TraceStep& step : steps) {
         const auto m = measure(measuring, convert<S>(step.sample));
         const S dt_s(std::clamp(step.dt_s, 1e-4, 5e-3));
@@ -127,11 +127,11 @@ struct Table {
           Filter::advance({model, tuning}, single, m, dt_s);
           Filter::estimate({model, tuning}, single);
         });
-        (Bank::alive(many) > 1 ? search : bank).count([&] {
-          Bank::advance({model, tuning}, many, m, dt_s);
-          Bank::estimate({model, tuning}, many);
+        (Search::alive(many) > 1 ? search : sure).count([&] {
+          Search::advance({model, tuning}, many, m, dt_s);
+          Search::estimate({model, tuning}, many);
         });
-        note(ranges, Bank::likeliest(many));
+        note(ranges, Search::likeliest(many));
       }
     }
   }
@@ -151,7 +151,7 @@ struct Table {
     kinetics.print("model (kinetics)");
     plant.print("model with heat balance");
     filter.print("filter");
-    bank.print("observer, sure");
+    sure.print("observer, sure");
     search.print("observer, searching");
     whole.print("measure, observe, protect, control");
     std::printf("\nResults of all of them: 2^%.0f to 2^%.0f.\n\n",

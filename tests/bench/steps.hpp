@@ -12,7 +12,7 @@
 #include "model/files/wire_file.hpp"
 #include "model/papers/cosine.hpp"
 #include "model/wire/plant.hpp"
-#include "observer/bank.hpp"
+#include "observer/multiple_model.hpp"
 #include "tests/bench/cardano.hpp"
 #include "tests/bench/convert.hpp"
 #include "tests/bench/cycle.hpp"
@@ -210,7 +210,8 @@ void for_each_step(F f) {
   f("plant_step", [] { return PlantStep<S>(); });
   f("observer_step",
     [] { return ObserverStep<KalmanObserver<S>>({convert<S>(default_plant()), {}}); });
-  f("bank_step", [] { return ObserverStep<KalmanBank<S>>({convert<S>(default_plant()), {}}); });
+  f("multiple_model_step",
+    [] { return ObserverStep<MultipleModelFilter<S>>({convert<S>(default_plant()), {}}); });
 }
 
 }  // namespace smaservo::bench

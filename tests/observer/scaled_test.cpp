@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "observer/bank.hpp"
-#include "observer/divided.hpp"
+#include "observer/multiple_model.hpp"
 #include "observer/open_loop.hpp"
+#include "observer/substepping.hpp"
 #include "tests/bench/convert_observer.hpp"
 #include "tests/observer/shipped_traces.hpp"
 
@@ -117,7 +117,7 @@ Deviation model_deviation(const Recorded& run) {
 
 template <class S>
 std::vector<Estimate<S>> estimates(const Recorded& run) {
-  using O = Divided<KalmanBank<S>>;
+  using O = Substepping<MultipleModelFilter<S>>;
   const typename O::Params params{convert<S>(plant_params(run.wire)),
                                   convert<S>(kalman_tuning(run.wire.accuracy))};
   const MeasurementParams<S> measuring = convert<S>(measuring_params(run.wire));

@@ -22,7 +22,7 @@ plant_step|plant step (model and heat balance)|
 wire_step_ihyp|simulated wire, ihyp: 1 ms, strain and resistance|
 wire_step_sublayers|simulated wire, sublayers: the same|
 observer_step|observer step|1500
-bank_step|observer step of the bank|
+multiple_model_step|observer step of the multiple-model filter|
 control_step|controller's step, closed loop in strain|700
 device_step|whole step of the device|4000
 strain_resistance_step|stress-strain-resistance step (002)|

@@ -67,8 +67,8 @@ void take_rows(const Run& run, FitRun& fit) {
 }
 
 /// The steps between two rows: their energy and mean square of the current by the trapezoidal rule,
-/// the mean stress. A long gap is divided, with the power on the straight line across it. `ends` is
-/// the row behind every step, 0 within a gap.
+/// the mean stress. A long gap is cut into substeps, with the power on the straight line across it.
+/// `ends` is the row behind every step, 0 within a gap.
 void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s, FitRun& fit,
                 std::vector<std::size_t>& ends) {
   const auto power_W = [&](std::size_t i) { return run.current_A[i] * run.voltage_V[i]; };

@@ -38,7 +38,7 @@ struct PlantModel {
   }
 };
 
-/// The longest step of a plant's model here; longer ones are divided.
+/// The longest step of a plant's model here; longer ones are made of substeps.
 inline constexpr double longest_plant_step_s = 30e-3;
 
 /// Takes a model through all steps; `see(params, state)` is called after each.

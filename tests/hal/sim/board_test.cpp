@@ -257,7 +257,7 @@ TEST(SimBoard, LoadSlipAndDraughtReachTheWire) {
   EXPECT_LT(board.truth().hottest_K, still_K - 10);
 }
 
-TEST(SimBoard, LongPeriodsAreDivided) {
+TEST(SimBoard, LongPeriodsAreMadeOfSubsteps) {
   SimSetup setup = clean_setup();
   SimBoard fine = board_with(setup);
   setup.period_ns = 4 * ms;

@@ -88,7 +88,7 @@ TEST_F(DuhemActuatorTest, NoVoltageChangesNothingToTheBit) {
 }
 
 TEST_F(DuhemActuatorTest, TemperatureIsTheSolutionToSecondOrder) {
-  // 2 W take the wire over the step of the capacity, at 12 K/s before it: no step is divided.
+  // 2 W take the wire over the step of the capacity, at 12 K/s before it: no step has substeps.
   const double exact = heated(56, 2, 0.48);
   EXPECT_GT(exact, 58.5);
   double before = 0;
@@ -142,7 +142,7 @@ TEST_F(DuhemActuatorTest, EveryTurnCostsAnErrorOfFirstOrder) {
   }
 }
 
-TEST_F(DuhemActuatorTest, GreatStepsAreDivided) {
+TEST_F(DuhemActuatorTest, LongStepsAreMadeOfSubsteps) {
   const double exact = heated(24, 2, 12);
   EXPECT_GT(exact, 62);
   for (const double dt_s : {0.1, 0.5, 4.0}) {

@@ -239,7 +239,7 @@ TEST(DrivenSteps, ThinningKeepsEnergyAndTime) {
               run.time_s.back() - run.time_s.front(), 1e-12);
 }
 
-TEST(DrivenSteps, LongStepsAreDivided) {
+TEST(DrivenSteps, LongStepsAreMadeOfSubsteps) {
   const auto model = duhem_model();
   DrivenSteps slow{false, 298.15, {}, {}, {}, {}, {}};
   DrivenSteps fine = slow;

@@ -1,4 +1,4 @@
-#include "observer/divided.hpp"
+#include "observer/substepping.hpp"
 
 #include <bit>
 #include <cmath>
@@ -9,13 +9,13 @@
 #include "observer/kalman.hpp"
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo::divided_test {
+namespace smaservo::substepping_test {
 namespace {
 
 using Filter = KalmanObserver<double>;
-using Slow = Divided<Filter>;
+using Slow = Substepping<Filter>;
 static_assert(StrainObserver<Slow>);
-static_assert(StrainObserver<Divided<KalmanObserver<float>>>);
+static_assert(StrainObserver<Substepping<KalmanObserver<float>>>);
 
 constexpr double stress_Pa = 200e6;
 
@@ -27,21 +27,21 @@ Measurement<double> step_of(LumpedWire& wire, Profile& profile, int i) {
   return wire.step(profile.power_W(i * sample_s));
 }
 
-TEST(Divided, IsTheObserverItselfForFastSamples) {
+TEST(Substepping, IsTheObserverItselfForFastSamples) {
   const Filter::Params p = tuned();
   LumpedWire wire({}, stress_Pa, 1);
   Profile profile(stress_Pa, 2);
   const Measurement<double> first = wire.step(0);
   Filter::State plain = Filter::start(p, first, told_ambient_K);
-  Slow::State divided = Slow::start(p, first, told_ambient_K);
+  Slow::State substepped = Slow::start(p, first, told_ambient_K);
   for (int i = 0; i < 5000; ++i) {
     const Measurement<double> m = step_of(wire, profile, i);
     // A clock that jitters around the longest step does not matter.
     const double dt_s = i % 2 == 0 ? 6.3e-3 : 3.7e-3;
     Filter::advance(p, plain, m, dt_s);
-    Slow::advance(p, divided, m, dt_s);
+    Slow::advance(p, substepped, m, dt_s);
     ASSERT_EQ(std::bit_cast<std::uint64_t>(Filter::estimate(p, plain).strain),
-              std::bit_cast<std::uint64_t>(Slow::estimate(p, divided).strain));
+              std::bit_cast<std::uint64_t>(Slow::estimate(p, substepped).strain));
   }
 }
 
@@ -67,17 +67,17 @@ double error_at_20_Hz() {
   return sum / count;
 }
 
-TEST(Divided, IsBetterThanOneLongStep) {
-  const double divided = error_at_20_Hz<Slow>();
-  const double undivided = error_at_20_Hz<Filter>();
-  RecordProperty("divided_percent", std::to_string(divided));
-  RecordProperty("undivided_percent", std::to_string(undivided));
-  EXPECT_LT(divided, 0.9 * undivided);
-  EXPECT_GT(divided, 0.05);
-  EXPECT_LT(divided, 1.0);
+TEST(Substepping, IsBetterThanOneLongStep) {
+  const double substepped = error_at_20_Hz<Slow>();
+  const double one_step = error_at_20_Hz<Filter>();
+  RecordProperty("substepping_percent", std::to_string(substepped));
+  RecordProperty("one_step_percent", std::to_string(one_step));
+  EXPECT_LT(substepped, 0.9 * one_step);
+  EXPECT_GT(substepped, 0.05);
+  EXPECT_LT(substepped, 1.0);
 }
 
-TEST(Divided, DoesNotBridgeWhatIsInvalidAtOneEnd) {
+TEST(Substepping, DoesNotBridgeWhatIsInvalidAtOneEnd) {
   const Filter::Params p = tuned();
   LumpedWire wire({}, stress_Pa, 1);
   const Measurement<double> good = wire.step(0);
@@ -91,7 +91,7 @@ TEST(Divided, DoesNotBridgeWhatIsInvalidAtOneEnd) {
   }
 }
 
-TEST(Divided, AMinuteIsBoundedWork) {
+TEST(Substepping, AMinuteIsBoundedWork) {
   const Filter::Params p = tuned();
   LumpedWire wire({}, stress_Pa, 1);
   const Measurement<double> m = wire.step(0);
@@ -102,4 +102,4 @@ TEST(Divided, AMinuteIsBoundedWork) {
 }
 
 }  // namespace
-}  // namespace smaservo::divided_test
+}  // namespace smaservo::substepping_test

@@ -1,7 +1,7 @@
 #pragma once
-// An observer for slow or irregular samples: divides the time between two of them, with
-// measurements in between on the straight line from one to the other. A wire heats by 3 K in the
-// 10 ms of a 100 Hz trace, which is too much for one linearised step.
+// An observer for slow or irregular samples: it makes several steps from one sample to the next,
+// with measurements in between on the straight line from one to the other. A wire heats by 3 K in
+// the 10 ms of a 100 Hz trace, which is too much for one linearised step.
 
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace smaservo {
 
 template <StrainObserver O>
-struct Divided {
+struct Substepping {
   using Scalar = typename O::Scalar;
   using Params = typename O::Params;
   using S = Scalar;
@@ -21,8 +21,8 @@ struct Divided {
   };
 
   static constexpr S longest_step_s = S(5e-3);
-  /// Longer intervals are divided into this many parts.
-  static constexpr int most_parts = 65536;
+  /// No interval is cut into more substeps than these.
+  static constexpr int max_substeps = 65536;
 
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
     return {O::start(p, m, ambient_K), m};
@@ -38,14 +38,14 @@ struct Divided {
     using std::ceil;
     // A clock that jitters around the longest step does not double the work.
     const S wanted = ceil(dt_s / longest_step_s - S(0.5));
-    const int parts = wanted < S(1)            ? 1
-                      : wanted < S(most_parts) ? static_cast<int>(wanted)
-                                               : most_parts;
-    const S part_s = dt_s / S(parts);
-    for (int i = 1; i < parts; ++i) {
-      O::advance(p, s.observer, between(s.last, m, S(i) / S(parts)), part_s);
+    const int substeps = wanted < S(1)              ? 1
+                         : wanted < S(max_substeps) ? static_cast<int>(wanted)
+                                                    : max_substeps;
+    const S substep_s = dt_s / S(substeps);
+    for (int i = 1; i < substeps; ++i) {
+      O::advance(p, s.observer, between(s.last, m, S(i) / S(substeps)), substep_s);
     }
-    O::advance(p, s.observer, m, part_s);
+    O::advance(p, s.observer, m, substep_s);
     s.last = m;
   }
 

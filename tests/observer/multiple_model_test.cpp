@@ -1,4 +1,4 @@
-#include "observer/bank.hpp"
+#include "observer/multiple_model.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -12,16 +12,16 @@
 #include "observer/measurement.hpp"
 #include "tests/observer/simulated_wire.hpp"
 
-namespace smaservo::bank_test {
+namespace smaservo::multiple_model_test {
 namespace {
 
-using Bank = KalmanBank<double>;
+using MultipleModel = MultipleModelFilter<double>;
 
-static_assert(StrainObserver<KalmanBank<double>>);
-static_assert(StrainObserver<KalmanBank<float>>);
-static_assert(std::is_trivially_copyable_v<Bank::State>);
+static_assert(StrainObserver<MultipleModelFilter<double>>);
+static_assert(StrainObserver<MultipleModelFilter<float>>);
+static_assert(std::is_trivially_copyable_v<MultipleModel::State>);
 
-Bank::Params tuned() {
+MultipleModel::Params tuned() {
   return {plant_params(bench_wire()), {}};
 }
 
@@ -60,14 +60,14 @@ struct Search {
 
 /// Holds the wire where it is for half a second, heats it through once, then moves it.
 Search search(Place where, double stress_Pa, std::uint64_t seed, int blind_ms = 0) {
-  const Bank::Params p = tuned();
+  const MultipleModel::Params p = tuned();
   std::mt19937_64 random(seed);
   LumpedWire wire(random_deviations(random), stress_Pa, seed);
   const double hold_W = holding_W(place(wire, where, stress_Pa, random)) + 1e-3;
   const double full_W = holding_W(hot_K(stress_Pa));
   Measurement<double> m = wire.step(hold_W);
   m.resistance_valid = blind_ms == 0;
-  Bank::State s = Bank::start(p, m, told_ambient_K);
+  MultipleModel::State s = MultipleModel::start(p, m, told_ambient_K);
   std::uniform_real_distribution<double> uniform;
   double level = 0;
   Search result;
@@ -77,8 +77,8 @@ Search search(Place where, double stress_Pa, std::uint64_t seed, int blind_ms = 
     }
     m = wire.step(i < 500 ? hold_W : i < 3500 ? full_W : level * full_W);
     m.resistance_valid = i >= blind_ms;
-    Bank::advance(p, s, m, sample_s);
-    const double error = std::abs(Bank::estimate(p, s).strain - wire.strain()) / 0.04;
+    MultipleModel::advance(p, s, m, sample_s);
+    const double error = std::abs(MultipleModel::estimate(p, s).strain - wire.strain()) / 0.04;
     if (error > 0.06) {
       result.found_s = std::max(0.0, (i - 3500) * sample_s);
     }
@@ -87,7 +87,7 @@ Search search(Place where, double stress_Pa, std::uint64_t seed, int blind_ms = 
       result.worst_late = std::max(result.worst_late, error);
     }
   }
-  result.decided = Bank::estimate(p, s).health == Health::good;
+  result.decided = MultipleModel::estimate(p, s).health == Health::good;
   return result;
 }
 
@@ -121,23 +121,23 @@ void expect_found(const Searches& all) {
   EXPECT_LE(quantile(all.late, 0.9), 0.025);
   EXPECT_LE(quantile(all.late, 1), 0.06);
   EXPECT_LE(quantile(all.worst_late, 1), 0.15);
-  EXPECT_LE(all.undecided, 4);  // of 48; the bank costs as many steps as it has hypotheses
+  EXPECT_LE(all.undecided, 4);  // of 48; the filter costs as many steps as it has hypotheses
 }
 
-class BankPlaces : public testing::TestWithParam<Place> {};
+class MultipleModelPlaces : public testing::TestWithParam<Place> {};
 
 std::string name_of(const testing::TestParamInfo<Place>& place) {
   static constexpr const char* all[] = {"Cold", "Half", "RPhase", "Hot"};
   return all[static_cast<int>(place.param)];
 }
-INSTANTIATE_TEST_SUITE_P(Unknown, BankPlaces, testing::ValuesIn(places), name_of);
+INSTANTIATE_TEST_SUITE_P(Unknown, MultipleModelPlaces, testing::ValuesIn(places), name_of);
 
-TEST_P(BankPlaces, IsFoundOnceHeated) {
+TEST_P(MultipleModelPlaces, IsFoundOnceHeated) {
   expect_found(search_all(GetParam()));
 }
 
 // A front end that is slow to start must not decide where the wire is.
-TEST_P(BankPlaces, IsFoundWhereTheFirstReadingsAreMissing) {
+TEST_P(MultipleModelPlaces, IsFoundWhereTheFirstReadingsAreMissing) {
   expect_found(search_all(GetParam(), 200));
 }
 
@@ -152,67 +152,69 @@ std::vector<std::uint64_t> bits(const Estimate<double>& e) {
   return all;
 }
 
-TEST(Bank, TheStateIsAllThereIs) {
-  const Bank::Params p = tuned();
+TEST(MultipleModel, TheStateIsAllThereIs) {
+  const MultipleModel::Params p = tuned();
   LumpedWire wire({}, 150e6, 1);
   Profile profile(150e6, 2);
-  Bank::State s = Bank::start(p, wire.step(0.01), told_ambient_K);
+  MultipleModel::State s = MultipleModel::start(p, wire.step(0.01), told_ambient_K);
   std::vector<Measurement<double>> later;
   for (int i = 0; i < 4000; ++i) {
     const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
     if (i < 20) {
-      Bank::advance(p, s, m, sample_s);
+      MultipleModel::advance(p, s, m, sample_s);
     } else {
       later.push_back(m);
     }
   }
-  ASSERT_GT(Bank::alive(s), 1);
-  Bank::State copy;
+  ASSERT_GT(MultipleModel::alive(s), 1);
+  MultipleModel::State copy;
   std::memcpy(&copy, &s, sizeof s);
   std::vector<std::vector<std::uint64_t>> first;
   for (const Measurement<double>& m : later) {
-    Bank::advance(p, s, m, sample_s);
-    first.push_back(bits(Bank::estimate(p, s)));
+    MultipleModel::advance(p, s, m, sample_s);
+    first.push_back(bits(MultipleModel::estimate(p, s)));
   }
   // Something else in between, then the copy: from the stack and from the heap.
-  Bank::State other = Bank::start(p, later.back(), 320.0);
-  const auto heap = std::make_unique<Bank::State>(copy);
+  MultipleModel::State other = MultipleModel::start(p, later.back(), 320.0);
+  const auto heap = std::make_unique<MultipleModel::State>(copy);
   for (std::size_t i = 0; i < later.size(); ++i) {
-    Bank::advance(p, other, later[later.size() - 1 - i], sample_s);
-    Bank::advance(p, copy, later[i], sample_s);
-    Bank::advance(p, *heap, later[i], sample_s);
-    ASSERT_EQ(bits(Bank::estimate(p, copy)), first[i]) << "step " << i;
-    ASSERT_EQ(bits(Bank::estimate(p, *heap)), first[i]) << "step " << i;
+    MultipleModel::advance(p, other, later[later.size() - 1 - i], sample_s);
+    MultipleModel::advance(p, copy, later[i], sample_s);
+    MultipleModel::advance(p, *heap, later[i], sample_s);
+    ASSERT_EQ(bits(MultipleModel::estimate(p, copy)), first[i]) << "step " << i;
+    ASSERT_EQ(bits(MultipleModel::estimate(p, *heap)), first[i]) << "step " << i;
   }
 }
 
-TEST(Bank, AStartInPlaceLeavesNothingOfWhatWasThere) {
-  const Bank::Params p = tuned();
+TEST(MultipleModel, AStartInPlaceLeavesNothingOfWhatWasThere) {
+  const MultipleModel::Params p = tuned();
   LumpedWire wire({}, 150e6, 1);
   Profile profile(150e6, 2);
-  Bank::State used = Bank::start(p, wire.step(0.01), 320.0);
+  MultipleModel::State used = MultipleModel::start(p, wire.step(0.01), 320.0);
   for (int i = 0; i < 1000; ++i) {
-    Bank::advance(p, used, wire.step(profile.power_W(i * sample_s)), sample_s);
+    MultipleModel::advance(p, used, wire.step(profile.power_W(i * sample_s)), sample_s);
   }
   const Measurement<double> first = wire.step(0.01);
-  Bank::State fresh = Bank::start(p, first, told_ambient_K);
-  ASSERT_NE(bits(Bank::estimate(p, used)), bits(Bank::estimate(p, fresh)));
-  Bank::start(p, used, first, told_ambient_K);
+  MultipleModel::State fresh = MultipleModel::start(p, first, told_ambient_K);
+  ASSERT_NE(bits(MultipleModel::estimate(p, used)), bits(MultipleModel::estimate(p, fresh)));
+  MultipleModel::start(p, used, first, told_ambient_K);
   for (int i = 0; i < 1000; ++i) {
     const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
-    Bank::advance(p, used, m, sample_s);
-    Bank::advance(p, fresh, m, sample_s);
-    ASSERT_EQ(bits(Bank::estimate(p, used)), bits(Bank::estimate(p, fresh))) << "step " << i;
-    ASSERT_EQ(Bank::alive(used), Bank::alive(fresh)) << "step " << i;
+    MultipleModel::advance(p, used, m, sample_s);
+    MultipleModel::advance(p, fresh, m, sample_s);
+    ASSERT_EQ(bits(MultipleModel::estimate(p, used)), bits(MultipleModel::estimate(p, fresh)))
+        << "step " << i;
+    ASSERT_EQ(MultipleModel::alive(used), MultipleModel::alive(fresh)) << "step " << i;
   }
 }
 
 /// Neither a step nor a start of this filter: both leave another covariance.
-bool untouched(const Bank::State& before, const Bank::State& after, std::size_t i) {
+bool untouched(const MultipleModel::State& before, const MultipleModel::State& after,
+               std::size_t i) {
   const auto& a = before.filter[i].covariance;
   const auto& b = after.filter[i].covariance;
-  for (int j = 0; j < Bank::Filter::size; ++j) {
-    for (int k = 0; k < Bank::Filter::size; ++k) {
+  for (int j = 0; j < MultipleModel::Filter::size; ++j) {
+    for (int k = 0; k < MultipleModel::Filter::size; ++k) {
       if (a.at(j, k) != b.at(j, k)) {
         return false;
       }
@@ -221,14 +223,14 @@ bool untouched(const Bank::State& before, const Bank::State& after, std::size_t 
   return true;
 }
 
-/// Calls `f` with the bank before and after each of many steps on wires in motion. Every few
+/// Calls `f` with the filter before and after each of many steps on wires in motion. Every few
 /// seconds the wire is replaced by another one somewhere in its loop, with a resistance of its own,
 /// which starts searches anew; readings fail now and then.
 template <class F>
 void through_searches(std::uint64_t seed, F f) {
-  const Bank::Params p = tuned();
+  const MultipleModel::Params p = tuned();
   std::mt19937_64 random(seed);
-  Bank::State s{};
+  MultipleModel::State s{};
   for (int wire_count = 0; wire_count < 12; ++wire_count) {
     const double stress_Pa = 100e6 + 1e6 * static_cast<double>(random() % 200);
     Deviations deviations = random_deviations(random);
@@ -244,21 +246,22 @@ void through_searches(std::uint64_t seed, F f) {
       Measurement<double> m = wire.step(power_W);
       m.resistance_valid = random() % 50 > 0;
       if (wire_count == 0 && i == 0) {
-        s = Bank::start(p, m, told_ambient_K);
+        s = MultipleModel::start(p, m, told_ambient_K);
         continue;
       }
-      Bank::State before;
+      MultipleModel::State before;
       std::memcpy(&before, &s, sizeof s);
-      Bank::advance(p, s, m, sample_s);
+      MultipleModel::advance(p, s, m, sample_s);
       f(before, s);
     }
   }
 }
 
 /// Of a call: the filters but the leader that it touched, and parts of what an opening needs.
-int pieces_beside_the_leader(const Bank::State& before, const Bank::State& after) {
+int pieces_beside_the_leader(const MultipleModel::State& before,
+                             const MultipleModel::State& after) {
   int pieces = 0;
-  for (std::size_t i = 0; i < Bank::hypotheses; ++i) {
+  for (std::size_t i = 0; i < MultipleModel::hypotheses; ++i) {
     pieces += i == before.leader || untouched(before, after, i) ? 0 : 1;
   }
   if (before.unopened > 0) {
@@ -270,7 +273,7 @@ int pieces_beside_the_leader(const Bank::State& before, const Bank::State& after
 
 /// The leader's step, not its replacement at the end of an opening, was one from heating to cooling
 /// or back.
-bool leader_turned(const Bank::State& before, const Bank::State& after) {
+bool leader_turned(const MultipleModel::State& before, const MultipleModel::State& after) {
   const std::size_t i = before.leader;
   const bool replaced = before.unopened == 1 && after.unopened == 0;
   return !replaced && before.filter[i].kinetics.heading != after.filter[i].kinetics.heading;
@@ -278,43 +281,45 @@ bool leader_turned(const Bank::State& before, const Bank::State& after) {
 
 /// A step of the leader in each call. Beside it a step of one other filter, its opening, or a part
 /// of what an opening needs, which all cost about the same; and none when the leader's is dear.
-TEST(Bank, ACallDoesOnePieceOfWorkBesideTheLeaders) {
+TEST(MultipleModel, ACallDoesOnePieceOfWorkBesideTheLeaders) {
   int searches = 0, together = 0, turns = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    through_searches(seed, [&](const Bank::State& before, const Bank::State& after) {
-      const bool turned = leader_turned(before, after);
-      ASSERT_FALSE(untouched(before, after, before.leader));
-      ASSERT_LE(pieces_beside_the_leader(before, after), turned ? 0 : 1);
-      searches += before.unopened == 0 && after.unopened > 0 ? 1 : 0;
-      turns += turned && Bank::alive(before) > 1 ? 1 : 0;
-      together = std::max(together, Bank::alive(after));
-    });
+    through_searches(seed,
+                     [&](const MultipleModel::State& before, const MultipleModel::State& after) {
+                       const bool turned = leader_turned(before, after);
+                       ASSERT_FALSE(untouched(before, after, before.leader));
+                       ASSERT_LE(pieces_beside_the_leader(before, after), turned ? 0 : 1);
+                       searches += before.unopened == 0 && after.unopened > 0 ? 1 : 0;
+                       turns += turned && MultipleModel::alive(before) > 1 ? 1 : 0;
+                       together = std::max(together, MultipleModel::alive(after));
+                     });
   }
   EXPECT_GE(searches, 10);
   EXPECT_GE(turns, 3);
-  EXPECT_EQ(together, static_cast<int>(Bank::hypotheses));
+  EXPECT_EQ(together, static_cast<int>(MultipleModel::hypotheses));
 }
 
 /// Each hypothesis gets its turn: of 5 others in every fifth call, or a few later where a search
 /// opens meanwhile, or the leader turns. What it has missed it then knows.
-TEST(Bank, NoHypothesisWaitsLong) {
+TEST(MultipleModel, NoHypothesisWaitsLong) {
   int opening = 0, longest_opening = 0;
   double longest_s = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    through_searches(seed, [&](const Bank::State& before, const Bank::State& after) {
-      opening = after.unopened > 0 ? opening + 1 : 0;
-      longest_opening = std::max(longest_opening, opening);
-      for (std::size_t i = 0; i < Bank::hypotheses; ++i) {
-        if ((after.alive >> i & 1) == 0) {
-          continue;
-        }
-        longest_s = std::max(longest_s, after.missed[i].time_s);
-        if (!untouched(before, after, i)) {
-          ASSERT_EQ(after.missed[i].time_s, 0);
-          ASSERT_EQ(after.missed[i].energy_J, 0);
-        }
-      }
-    });
+    through_searches(seed,
+                     [&](const MultipleModel::State& before, const MultipleModel::State& after) {
+                       opening = after.unopened > 0 ? opening + 1 : 0;
+                       longest_opening = std::max(longest_opening, opening);
+                       for (std::size_t i = 0; i < MultipleModel::hypotheses; ++i) {
+                         if ((after.alive >> i & 1) == 0) {
+                           continue;
+                         }
+                         longest_s = std::max(longest_s, after.missed[i].time_s);
+                         if (!untouched(before, after, i)) {
+                           ASSERT_EQ(after.missed[i].time_s, 0);
+                           ASSERT_EQ(after.missed[i].energy_J, 0);
+                         }
+                       }
+                     });
   }
   EXPECT_LE(longest_opening, 14);
   EXPECT_LE(longest_s, 16e-3);
@@ -322,16 +327,16 @@ TEST(Bank, NoHypothesisWaitsLong) {
 
 /// Where a filter was before its search, and what one that has been given up has left behind, is
 /// nowhere to be seen.
-TEST(Bank, WhatIsGivenUpHasNoInfluence) {
-  const Bank::Params p = tuned();
+TEST(MultipleModel, WhatIsGivenUpHasNoInfluence) {
+  const MultipleModel::Params p = tuned();
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     std::mt19937_64 random(seed);
     LumpedWire wire(random_deviations(random), 150e6, seed);
     Profile profile(150e6, seed);
-    Bank::State s = Bank::start(p, wire.step(0.01), told_ambient_K);
-    Bank::State spoilt = s;
+    MultipleModel::State s = MultipleModel::start(p, wire.step(0.01), told_ambient_K);
+    MultipleModel::State spoilt = s;
     for (int i = 0; i < 3000; ++i) {
-      for (std::size_t k = 0; k < Bank::hypotheses; ++k) {
+      for (std::size_t k = 0; k < MultipleModel::hypotheses; ++k) {
         if ((spoilt.alive >> k & 1) == 0) {
           std::memset(static_cast<void*>(&spoilt.filter[k]), 0xff,
                       sizeof spoilt.filter[k]);  // not a number
@@ -340,30 +345,32 @@ TEST(Bank, WhatIsGivenUpHasNoInfluence) {
         }
       }
       const Measurement<double> m = wire.step(profile.power_W(i * sample_s));
-      Bank::advance(p, s, m, sample_s);
-      Bank::advance(p, spoilt, m, sample_s);
-      ASSERT_EQ(bits(Bank::estimate(p, spoilt)), bits(Bank::estimate(p, s))) << "step " << i;
+      MultipleModel::advance(p, s, m, sample_s);
+      MultipleModel::advance(p, spoilt, m, sample_s);
+      ASSERT_EQ(bits(MultipleModel::estimate(p, spoilt)), bits(MultipleModel::estimate(p, s)))
+          << "step " << i;
     }
   }
 }
 
 /// As long as a search opens the old filter goes on, and says that it may be anywhere.
-TEST(Bank, GoesOnAsBeforeWhileASearchOpens) {
-  const Bank::Params p = tuned();
+TEST(MultipleModel, GoesOnAsBeforeWhileASearchOpens) {
+  const MultipleModel::Params p = tuned();
   int openings = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    through_searches(seed, [&](const Bank::State& before, const Bank::State& after) {
-      if (after.unopened == 0) {
-        return;
-      }
-      const Estimate<double> was = Bank::estimate(p, before);
-      const Estimate<double> now = Bank::estimate(p, after);
-      openings += before.unopened == 0 ? 1 : 0;
-      ASSERT_EQ(now.health, Health::searching);
-      ASSERT_GE(now.strain_sd, 0.0115);
-      ASSERT_EQ(before.leader, after.leader);
-      ASSERT_LT(std::abs(now.strain - was.strain), 0.1 * 0.04);
-    });
+    through_searches(seed,
+                     [&](const MultipleModel::State& before, const MultipleModel::State& after) {
+                       if (after.unopened == 0) {
+                         return;
+                       }
+                       const Estimate<double> was = MultipleModel::estimate(p, before);
+                       const Estimate<double> now = MultipleModel::estimate(p, after);
+                       openings += before.unopened == 0 ? 1 : 0;
+                       ASSERT_EQ(now.health, Health::searching);
+                       ASSERT_GE(now.strain_sd, 0.0115);
+                       ASSERT_EQ(before.leader, after.leader);
+                       ASSERT_LT(std::abs(now.strain - was.strain), 0.1 * 0.04);
+                     });
   }
   EXPECT_GE(openings, 10);
 }
@@ -396,17 +403,17 @@ double rubbish(double good, std::mt19937_64& random) {
   }
 }
 
-TEST(Bank, RubbishNeverMakesItSayNaN) {
+TEST(MultipleModel, RubbishNeverMakesItSayNaN) {
   const Wire<double>& w = bench_wire();
   const MeasurementParams<double> front_end{
       w.geometry.area_m2(), 0, 0, 1e-5, 1e-3, 0, 0.01, 1, 1000};
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Bank::Params p = tuned();
+    const MultipleModel::Params p = tuned();
     std::mt19937_64 random(seed);
     const double stress_Pa = 150e6;
     LumpedWire wire({}, stress_Pa, seed);
     Profile profile(stress_Pa, seed);
-    Bank::State s = Bank::start(p, wire.step(0.01), told_ambient_K);
+    MultipleModel::State s = MultipleModel::start(p, wire.step(0.01), told_ambient_K);
     double late = 0;
     for (int i = 0; i < 20000; ++i) {
       const double power_W = profile.power_W((i % 12000) * sample_s);
@@ -416,8 +423,8 @@ TEST(Bank, RubbishNeverMakesItSayNaN) {
         m = measure<double>(front_end, {rubbish(I, random), rubbish(I * m.resistance_ohm, random),
                                         rubbish(stress_Pa * w.geometry.area_m2(), random)});
       }
-      Bank::advance(p, s, m, sample_s);
-      const Estimate<double> e = Bank::estimate(p, s);
+      MultipleModel::advance(p, s, m, sample_s);
+      const Estimate<double> e = MultipleModel::estimate(p, s);
       ASSERT_TRUE(sound(e)) << "seed " << seed << ", step " << i;
       late += i < 15000 ? 0 : std::abs(e.strain - wire.strain()) / 0.04 / 5000;
     }
@@ -425,23 +432,23 @@ TEST(Bank, RubbishNeverMakesItSayNaN) {
   }
 }
 
-TEST(Bank, ResistanceJumpsNeverMakeItSayNaN) {
-  const Bank::Params p = tuned();
+TEST(MultipleModel, ResistanceJumpsNeverMakeItSayNaN) {
+  const MultipleModel::Params p = tuned();
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> uniform;
   for (int run = 0; run < 20; ++run) {
     Measurement<double> m{20, 0.01, 0, 150e6, true, true, true};
-    Bank::State s = Bank::start(p, m, told_ambient_K);
+    MultipleModel::State s = MultipleModel::start(p, m, told_ambient_K);
     for (int i = 0; i < 1000; ++i) {
       m.resistance_ohm = std::pow(10, 3 * uniform(random));
       m.power_W = 2 * uniform(random);
       m.stress_Pa = 600e6 * uniform(random);
-      Bank::advance(p, s, m, 0.02 * uniform(random) + 1e-5);
-      ASSERT_TRUE(sound(Bank::estimate(p, s))) << "run " << run << ", step " << i;
-      ASSERT_GE(Bank::alive(s), 1);
+      MultipleModel::advance(p, s, m, 0.02 * uniform(random) + 1e-5);
+      ASSERT_TRUE(sound(MultipleModel::estimate(p, s))) << "run " << run << ", step " << i;
+      ASSERT_GE(MultipleModel::alive(s), 1);
     }
   }
 }
 
 }  // namespace
-}  // namespace smaservo::bank_test
+}  // namespace smaservo::multiple_model_test

@@ -1,9 +1,10 @@
 #pragma once
-// Several filters that start from different ideas of where the wire is, until the resistance has
-// told which one is right. A single filter that starts from the wrong phase stays there.
+// Multiple-model filter: several Kalman filters that start from different ideas of where the wire
+// is, each weighed by the likelihood of its innovations, until the resistance has told which one is
+// right. A single filter that starts from the wrong phase stays there.
 //
 // The work of a search is spread over many calls, so that none costs more than two steps of a
-// filter: observer/README.md, 'The bank'.
+// filter: observer/README.md, 'The multiple-model filter'.
 
 #include <array>
 #include <bit>
@@ -16,7 +17,7 @@
 namespace smaservo {
 
 template <class S>
-struct KalmanBank {
+struct MultipleModelFilter {
   using Scalar = S;
   using Filter = KalmanObserver<S>;
   using Params = typename Filter::Params;
@@ -144,7 +145,8 @@ struct KalmanBank {
 };
 
 template <class S>
-void KalmanBank<S>::start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K) {
+void MultipleModelFilter<S>::start(const Params& p, State& s, const Measurement<S>& m,
+                                   const S& ambient_K) {
   s = {};
   s.start_ambient_K = ambient_K;
   s.rest_slope = Filter::rest_slope(p, m.stress_Pa, ambient_K);
@@ -156,7 +158,8 @@ void KalmanBank<S>::start(const Params& p, State& s, const Measurement<S>& m, co
 }
 
 template <class S>
-void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+void MultipleModelFilter<S>::advance(const Params& p, State& s, const Measurement<S>& m,
+                                     const S& dt_s) {
   if (!s.compared && m.resistance_valid) {
     s.compared = true;
     begin_search(s, hypotheses - 1, other_starts);
@@ -174,7 +177,7 @@ void KalmanBank<S>::advance(const Params& p, State& s, const Measurement<S>& m, 
 
 /// The present filter leads until the last hypothesis, if all are to open, takes its place.
 template <class S>
-void KalmanBank<S>::begin_search(State& s, std::size_t to_open, const S& others_start) {
+void MultipleModelFilter<S>::begin_search(State& s, std::size_t to_open, const S& others_start) {
   s.follower = s.leader;
   s.last_opened = s.leader;
   s.unopened = static_cast<std::uint8_t>(to_open);
@@ -188,7 +191,8 @@ void KalmanBank<S>::begin_search(State& s, std::size_t to_open, const S& others_
 /// A step of the leader, then a part of the opening or a step of the filter whose turn it is. A
 /// step in which the leader turns from heating to cooling or back is so dear that the others wait.
 template <class S>
-void KalmanBank<S>::search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
+void MultipleModelFilter<S>::search(const Params& p, State& s, const Measurement<S>& m,
+                                    const S& dt_s) {
   for (std::size_t i = 0; i < hypotheses; ++i) {
     if (is_alive(s, i) && i != s.leader) {
       s.missed[i].time_s += dt_s;
@@ -206,7 +210,7 @@ void KalmanBank<S>::search(const Params& p, State& s, const Measurement<S>& m, c
 }
 
 template <class S>
-void KalmanBank<S>::search_further(const Params& p, State& s, const Measurement<S>& m) {
+void MultipleModelFilter<S>::search_further(const Params& p, State& s, const Measurement<S>& m) {
   if (s.unopened > 0 && m.resistance_valid) {
     open_further(p, s, m);
     return;
@@ -220,7 +224,7 @@ void KalmanBank<S>::search_further(const Params& p, State& s, const Measurement<
 
 /// The leader where there is no other.
 template <class S>
-std::uint8_t KalmanBank<S>::next_follower(const State& s) {
+std::uint8_t MultipleModelFilter<S>::next_follower(const State& s) {
   for (std::size_t step = 1; step <= hypotheses; ++step) {
     const std::size_t i = (s.follower + step) % hypotheses;
     if (i != s.leader && is_alive(s, i)) {
@@ -232,7 +236,7 @@ std::uint8_t KalmanBank<S>::next_follower(const State& s) {
 
 /// The search takes the stress that the filter knows: the measurement's may be invalid.
 template <class S>
-void KalmanBank<S>::open_further(const Params& p, State& s, const Measurement<S>& m) {
+void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measurement<S>& m) {
   Measurement<S> now = m;
   now.stress_Pa = likeliest(s).stress_Pa;
   const auto i = static_cast<std::uint8_t>((s.last_opened + 1U) % hypotheses);
@@ -249,7 +253,7 @@ void KalmanBank<S>::open_further(const Params& p, State& s, const Measurement<S>
 }
 
 template <class S>
-void KalmanBank<S>::look_for_r_phase(const Params& p, State& s, const S& stress_Pa) {
+void MultipleModelFilter<S>::look_for_r_phase(const Params& p, State& s, const S& stress_Pa) {
   const S from_K = loop(p, stress_Pa).between_K;
   for (int i = 0; i < places_in_call; ++i) {
     const S at_K = from_K - place_distance_K * S(s.places);
@@ -260,7 +264,7 @@ void KalmanBank<S>::look_for_r_phase(const Params& p, State& s, const S& stress_
 }
 
 template <class S>
-auto KalmanBank<S>::loop(const Params& p, const S& stress_Pa) -> Loop {
+auto MultipleModelFilter<S>::loop(const Params& p, const S& stress_Pa) -> Loop {
   const typename Filter::Kinetics::Params& k = p.model.kinetics;
   const S heats_K = isobar(k.m2a, stress_Pa).start_K;
   const S cools_K = isobar(k.a2m_a2r, Pair<S>(stress_Pa)).start_K.first();
@@ -268,7 +272,8 @@ auto KalmanBank<S>::loop(const Params& p, const S& stress_Pa) -> Loop {
 }
 
 template <class S>
-void KalmanBank<S>::open(const Params& p, State& s, std::size_t i, const Measurement<S>& m) {
+void MultipleModelFilter<S>::open(const Params& p, State& s, std::size_t i,
+                                  const Measurement<S>& m) {
   if (i == 0) {
     Filter::start_at_rest(p, s.filter[i], m, s.start_ambient_K, s.rest_slope);
   } else {
@@ -284,7 +289,8 @@ void KalmanBank<S>::open(const Params& p, State& s, std::size_t i, const Measure
 /// Hypothesis 0 is cold and at rest. The others: about to contract; about to stretch; in the middle
 /// of a loop, R-phase or martensite with austenite; hot.
 template <class S>
-void KalmanBank<S>::place(const Params& p, State& s, std::size_t i, const Measurement<S>& m) {
+void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
+                                   const Measurement<S>& m) {
   const Loop at = loop(p, m.stress_Pa);
   const S martensite = matching_share(p, m, s.start_ambient_K, at.between_K, true);
   const S r_phase = matching_share(p, m, s.start_ambient_K, at.between_K, false);
@@ -321,8 +327,9 @@ void KalmanBank<S>::place(const Params& p, State& s, std::size_t i, const Measur
 
 /// Share of martensite (or else R-phase) in austenite that explains the resistance.
 template <class S>
-S KalmanBank<S>::matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                                const S& temperature_K, bool martensite) {
+S MultipleModelFilter<S>::matching_share(const Params& p, const Measurement<S>& m,
+                                         const S& ambient_K, const S& temperature_K,
+                                         bool martensite) {
   const auto ohm = [&](const S& share) {
     return Filter::Model::resistance_ohm(
         p.model, martensite ? Phases<S>{share, S(0)} : Phases<S>{S(0), share},
@@ -336,8 +343,8 @@ S KalmanBank<S>::matching_share(const Params& p, const Measurement<S>& m, const 
 
 /// Tells a filter what it has missed and the present sample, and counts its innovation.
 template <class S>
-void KalmanBank<S>::follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
-                           const S& dt_s) {
+void MultipleModelFilter<S>::follow(const Params& p, State& s, std::size_t i,
+                                    const Measurement<S>& m, const S& dt_s) {
   typename Filter::State& f = s.filter[i];
   Missed& missed = s.missed[i];
   Measurement<S> told = m;
@@ -358,7 +365,7 @@ void KalmanBank<S>::follow(const Params& p, State& s, std::size_t i, const Measu
 }
 
 template <class S>
-S KalmanBank<S>::log_prior(const typename Filter::State& f) {
+S MultipleModelFilter<S>::log_prior(const typename Filter::State& f) {
   const S ambient = (f.ambient_K - f.start_ambient_K) / plausible_ambient_sd_K;
   const S loss = (f.loss - S(1)) / plausible_loss_sd;
   const S resistance = (f.resistance - S(1)) / plausible_resistance_sd;
@@ -367,7 +374,7 @@ S KalmanBank<S>::log_prior(const typename Filter::State& f) {
 
 /// The most likely one leads; what has become unlikely is given up.
 template <class S>
-void KalmanBank<S>::choose(State& s) {
+void MultipleModelFilter<S>::choose(State& s) {
   std::size_t best = s.leader;
   for (std::size_t i = 0; i < hypotheses; ++i) {
     best = is_alive(s, i) && s.log_weight[best] < s.log_weight[i] ? i : best;
@@ -386,7 +393,7 @@ void KalmanBank<S>::choose(State& s) {
 
 /// Of two that agree the less likely one is dropped. Filter i has just made a step.
 template <class S>
-void KalmanBank<S>::merge(State& s, std::size_t i) {
+void MultipleModelFilter<S>::merge(State& s, std::size_t i) {
   for (std::size_t j = 0; j < hypotheses && is_alive(s, i); ++j) {
     if (j != i && is_alive(s, j) && agree(s.filter[i], s.filter[j])) {
       drop(s, j == s.leader || s.log_weight[i] < s.log_weight[j] ? i : j);
@@ -395,7 +402,8 @@ void KalmanBank<S>::merge(State& s, std::size_t i) {
 }
 
 template <class S>
-bool KalmanBank<S>::agree(const typename Filter::State& a, const typename Filter::State& b) {
+bool MultipleModelFilter<S>::agree(const typename Filter::State& a,
+                                   const typename Filter::State& b) {
   const auto near = [](const S& x, const S& y, const S& limit) {
     return x - y < limit && y - x < limit;
   };
@@ -405,7 +413,7 @@ bool KalmanBank<S>::agree(const typename Filter::State& a, const typename Filter
 }
 
 template <class S>
-Estimate<S> KalmanBank<S>::estimate_one(const Params& p, const State& s, std::size_t i) {
+Estimate<S> MultipleModelFilter<S>::estimate_one(const Params& p, const State& s, std::size_t i) {
   using std::sqrt;
   Estimate<S> e = Filter::estimate(p, s.filter[i]);
   if (i != 0) {
@@ -415,7 +423,7 @@ Estimate<S> KalmanBank<S>::estimate_one(const Params& p, const State& s, std::si
 }
 
 template <class S>
-Estimate<S> KalmanBank<S>::estimate(const State& s) {
+Estimate<S> MultipleModelFilter<S>::estimate(const State& s) {
   using std::exp;
   using std::sqrt;
   if (!searching(s)) {
