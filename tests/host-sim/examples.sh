@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# examples.sh PROGRAM [--write]: what the example prints is what host-sim/examples/README.md shows of
+# it. With --write the README gets what it prints now.
+set -euo pipefail
+
+program=$(realpath "$1")
+root=$(cd "$(dirname "$0")/../.." && pwd)
+readme=$root/host-sim/examples/README.md
+name=${program##*/}
+cd "$root"
+printed=$("$program")
+
+# The README with what is given on standard input between the marks of this example.
+readme_with() {
+  awk -v name="$name" '
+    NR == FNR { lines[NR] = $0; count = NR; next }
+    $0 == "<!-- end of " name " -->" { inside = 0 }
+    !inside { print }
+    $0 == "<!-- " name ": -->" {
+      inside = 1
+      print ""
+      for (i = 1; i <= count; ++i) print "    " lines[i]
+      print ""
+    }' - "$readme"
+}
+
+now=$(readme_with <<<"$printed")
+[[ ${2:-} != --write ]] || printf '%s\n' "$now" >"$readme"
+grep -qxF "<!-- $name: -->" "$readme"
+diff -u "$readme" - <<<"$now" || {
+  echo "what $name prints has changed; once that is reviewed: $0 $program --write" >&2
+  exit 1
+}
