@@ -25,8 +25,7 @@ struct FilterStates {
 /// Where there are vector registers a row is computed at once; it is padded to whole registers, and
 /// the padding stays zero. Elsewhere each pair of equal elements is computed once.
 template <class S>
-class Covariance {
-  using enum FilterStates::Index;
+class Covariance : FilterStates {
   static constexpr bool has_vectors = EIGEN_MAX_STATIC_ALIGN_BYTES > 0;
   static constexpr int width = has_vectors && sizeof(S) == sizeof(float) ? 8 : size;
 

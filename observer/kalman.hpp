@@ -53,7 +53,7 @@ constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
 }
 
 template <class S>
-struct KalmanObserver {
+struct KalmanObserver : FilterStates {
   using Scalar = S;
   using Kinetics = ThreePhase<S>;
   using Model = Plant<Kinetics>;
@@ -63,7 +63,6 @@ struct KalmanObserver {
     KalmanTuning<S> tuning;
   };
 
-  using enum FilterStates::Index;
   using Vector = typename Covariance<S>::Vector;
 
   struct State {
