@@ -9,9 +9,6 @@
 
 namespace smaservo {
 
-/// Heat ends with the loop, but not with one lost turn of it.
-inline constexpr std::int64_t leased_periods = 3;
-
 /// Of the bus's thread: before all that has no priority, behind the loop and, by default, behind
 /// the kernel's interrupt threads (50).
 constexpr int bus_priority(const RealTimeSettings& loop) {
@@ -22,7 +19,7 @@ constexpr int bus_priority(const RealTimeSettings& loop) {
 template <Board B>
 int serve(Service& service, B& board, Partner& partner, const LoopTiming& timing, bool paced) {
   const auto run = [&](auto pacing) {
-    Loop loop(board, pacing, service.axis(), partner, service.links(), service.figures(), timing);
+    Loop loop(board, pacing, service.device(), partner, service.links(), service.figures(), timing);
     return service.run(
         {[&] { return loop.turn(); }, [&] { board.safe_off(); }, off_actions_of(board)});
   };

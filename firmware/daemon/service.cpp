@@ -55,7 +55,7 @@ Service::Service(ServiceSetup setup)
     : setup_(std::move(setup)),
       figures_(std::make_unique<LoopFigures>()),
       desk_(setup_.settings, links_),
-      axis_(std::make_unique<Axis>(desk_.first())) {
+      device_(desk_.first()) {
   const sigset_t set = own_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   if (!setup_.folder.empty()) {

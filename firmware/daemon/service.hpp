@@ -55,7 +55,7 @@ class Service {
   LoopLinks& links() { return links_; }
   LoopFigures& figures() { return *figures_; }
   ParameterDesk& desk() { return desk_; }
-  Axis& axis() { return *axis_; }
+  PreparedDevice& device() { return device_; }
 
   /// Until turn() says no, or a signal comes. The exit code: 1 where the board or the recording
   /// failed; start_anew where the links asked for it.
@@ -80,7 +80,7 @@ class Service {
   LoopLinks links_;
   std::unique_ptr<LoopFigures> figures_;
   ParameterDesk desk_;
-  std::unique_ptr<Axis> axis_;
+  PreparedDevice device_;
   std::unique_ptr<RunMark> mark_;
   std::unique_ptr<Ring<TurnRecord>> ring_;
   std::unique_ptr<Recorder> recorder_;

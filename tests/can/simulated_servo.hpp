@@ -43,9 +43,7 @@ class SimulatedServo {
     servo_.advance(now_us_);
     if (servo_.settings_changes() != changes_) {
       changes_ = servo_.settings_changes();
-      const Prepared<double> next = prepare(staging_.active());
-      adopt(rig_.prepared, next, rig_.state);
-      rig_.prepared = next;
+      adopt(rig_.prepared, staging_.active(), rig_.state);
     }
     rig_.command = servo_.command();
     const Output<double>& out = rig_.step();

@@ -21,7 +21,7 @@ class ParameterDesk {
   ParameterDesk(const ParameterDesk&) = delete;
   ParameterDesk& operator=(const ParameterDesk&) = delete;
 
-  /// For Axis.
+  /// For the loop to begin with.
   ParameterSetPtr first() const { return make_parameter_set(settings_, 0); }
 
   /// Settings that have passed check(). False: too many are under way, try again later. Nothing

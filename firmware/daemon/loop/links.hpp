@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "firmware/daemon/loop/axis.hpp"
+#include "firmware/daemon/loop/prepared_device.hpp"
 #include "firmware/daemon/loop/histogram.hpp"
 #include "firmware/daemon/loop/ring.hpp"
 #include "firmware/text/turn.hpp"
