@@ -45,8 +45,8 @@ class Loop {
       can_.send(frame);
     }
     answer(servo_.request());
-    if (adopted_ != servo_.settings_changes()) {
-      adopted_ = servo_.settings_changes();
+    if (adopted_ != staging_.changes()) {
+      adopted_ = staging_.changes();
       adopt(prepared_, staging_.active(), device_);
     }
   }
@@ -88,7 +88,7 @@ class Loop {
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());
   Device<float>::State device_ = Device<float>::start();
-  std::uint32_t adopted_ = 0;
+  std::uint32_t adopted_ = 0;  ///< of staging_.changes()
 };
 
 std::optional<Loop> loop;

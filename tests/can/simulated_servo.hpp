@@ -41,8 +41,8 @@ class SimulatedServo {
   void step() {
     now_us_ += step_us;
     servo_.advance(now_us_);
-    if (servo_.settings_changes() != changes_) {
-      changes_ = servo_.settings_changes();
+    if (staging_.changes() != changes_) {
+      changes_ = staging_.changes();
       adopt(rig_.prepared, staging_.active(), rig_.state);
     }
     rig_.command = servo_.command();

@@ -5,7 +5,7 @@
 //   servo.start(image, now);
 //   forever: receive() each frame; advance(); send what take() gives; answer request();
 //            step the device with command() and external(); publish() what came of it;
-//            when settings_changes() has counted, adopt() staging.active() between two steps
+//            when staging.changes() has counted, adopt() staging.active() between two steps
 //
 // Requests (Node::request()): store and restore are answered by finish(), when it is durable; a
 // reset by start() with the stored image, after the heat is off. Before a start() for reset_node
@@ -71,7 +71,7 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }
-  std::uint32_t settings_changes() const { return this->tuning.changes(); }
+  std::uint32_t settings_changes() const { return staging_.changes(); }
   /// The main has put other settings in force by itself; a tuning transaction is over.
   void replace_settings(const Settings<S>& settings) { this->tuning.replace(settings); }
 
