@@ -5,7 +5,7 @@
 #include "firmware/daemon/loop/loop.hpp"
 #include "firmware/daemon/options.hpp"
 #include "firmware/daemon/process/off_actions.hpp"
-#include "firmware/daemon/service.hpp"
+#include "firmware/daemon/service/service.hpp"
 
 namespace smaservo {
 

@@ -1,6 +1,6 @@
 // What is recorded replays to the same bits; what goes wrong on the disk disturbs nothing else.
 
-#include "firmware/daemon/recorder.hpp"
+#include "firmware/daemon/status/recorder.hpp"
 
 #include <csignal>
 #include <fstream>
