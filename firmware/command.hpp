@@ -16,7 +16,7 @@ enum class Mode : std::uint8_t {
   resistance,      ///< ohm
   temperature,     ///< K, of the wire's middle, as estimated
   strain,          ///< elongation of the whole wire
-  position,        ///< m of contraction from AxisSettings::zero_strain
+  position,        ///< m of contraction from PositionSettings::zero_strain
   force,           ///< N, by the load cell
   identification,  ///< the built-in profile; the set-point has no meaning
 };

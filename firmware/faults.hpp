@@ -2,6 +2,9 @@
 // Every condition that a device detects. faults/table.hpp describes each once: class, times, texts;
 // the reference page and `host-sim explain` are made from it. monitor.hpp detects them,
 // failsafe.hpp says what follows.
+//
+// An enumerator's number is its bit in 2202h and stands in its EMCY: a new fault is appended,
+// whatever its kind; none is ever inserted, moved or removed.
 
 #include <bit>
 #include <cstddef>

@@ -137,7 +137,7 @@ struct ProfileSettings {
 };
 
 template <class S>
-struct AxisSettings {
+struct PositionSettings {
   S zero_strain;  ///< position 0; positions count contraction
 };
 
@@ -157,7 +157,7 @@ struct Settings {
   TripLimits<S> trips;
   SafeSettings<S> safe;
   ProfileSettings<S> profile;
-  AxisSettings<S> axis;
+  PositionSettings<S> axis;
 };
 
 }  // namespace smaservo

@@ -1,84 +1,108 @@
 #pragma once
 // What a device tells of each step, described once: live values on CAN (2200h, sub-index by row),
-// channels of the recorder, signals of the DBC. All are floats; positions count contraction from
-// axis.zero_strain.
+// channels of the recorder, signals of the DBC, columns of a trace. All are floats on the bus;
+// positions count contraction from axis.zero_strain.
+//
+// Sub-indices are a protocol: new rows are appended, none is ever inserted, moved or removed.
 
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <utility>
+
+#include "firmware/command.hpp"
 
 namespace smaservo {
 
-enum class Signal : std::uint8_t {
-  strain,
-  strain_sd,
-  temperature_K,
-  martensite,
-  r_phase,
-  resistance_ohm,
-  resistance_model_ohm,
-  stress_Pa,
-  power_W,
-  current_A,
-  voltage_V,
-  setpoint,
-  reference,
-  wanted_power_W,
-  ambient_K,
-  hot_spot_K,
-  position_m,
-  velocity_m_s,
-  force_N,
-  measured_A,
-  measured_V,
-  supply_V,
-  limit_reasons,
-  count
+/// What follows from a step only with the settings, or with the steps before it.
+struct Motion {
+  float position_m, velocity_m_s, force_N;
 };
-inline constexpr std::size_t signal_count = static_cast<std::size_t>(Signal::count);
+
+/// What signals are read from.
+template <class S>
+struct SignalSource {
+  const Output<S>& out;
+  const Inputs<S>& in;
+  Motion motion;
+};
+
+template <class S>
+struct Signal {
+  std::string_view name;   ///< on the bus, with its unit
+  std::string_view trace;  ///< name of the column in a trace; empty: a trace has none
+  std::string_view meaning;
+  S (*read)(const SignalSource<S>& from);
+};
+
+template <class S>
+inline constexpr auto signal_rows = [] {
+  using From = const SignalSource<S>&;
+  return std::to_array<Signal<S>>({
+      {"strain", "strain", "elongation of the wire, as estimated",
+       [](From f) { return f.out.estimate.strain; }},
+      {"strain_sd", "strain_sd", "standard deviation of its error, as the observer sees it",
+       [](From f) { return f.out.estimate.strain_sd; }},
+      {"temperature_K", "wire_K", "of the wire, as estimated",
+       [](From f) { return f.out.estimate.temperature_K; }},
+      {"martensite", "martensite", "share", [](From f) { return f.out.estimate.martensite; }},
+      {"r_phase", "r_phase", "share", [](From f) { return f.out.estimate.r_phase; }},
+      {"resistance_ohm", "", "measured", [](From f) { return f.out.measurement.resistance_ohm; }},
+      {"resistance_model_ohm", "", "that the model expects",
+       [](From f) { return f.out.estimate.resistance_model_ohm; }},
+      {"stress_Pa", "", "by the load", [](From f) { return f.out.measurement.stress_Pa; }},
+      {"power_W", "", "measured, into the wire", [](From f) { return f.out.measurement.power_W; }},
+      {"current_A", "drive_current_A", "given", [](From f) { return f.out.current_A; }},
+      {"voltage_V", "drive_voltage_V", "given, to a drive that takes one",
+       [](From f) { return f.out.voltage_V; }},
+      {"setpoint", "setpoint", "in force, in the unit of the mode",
+       [](From f) { return f.out.setpoint; }},
+      {"reference", "reference", "of the planner, in the same unit",
+       [](From f) { return f.out.reference; }},
+      {"wanted_power_W", "power_W", "by the controller, after limits",
+       [](From f) { return f.out.power_W; }},
+      {"ambient_K", "believed_ambient_K", "air, as the observer believes",
+       [](From f) { return f.out.ambient_K; }},
+      {"hot_spot_K", "hot_spot_K", "hottest that the wire may be",
+       [](From f) { return f.out.hot_spot_K; }},
+      {"position_m", "", "contraction from axis.zero_strain",
+       [](From f) { return S(f.motion.position_m); }},
+      {"velocity_m_s", "", "of the position, filtered",
+       [](From f) { return S(f.motion.velocity_m_s); }},
+      {"force_N", "", "load", [](From f) { return S(f.motion.force_N); }},
+      {"measured_A", "current_A", "current", [](From f) { return f.in.sample.current_A; }},
+      {"measured_V", "voltage_V", "voltage", [](From f) { return f.in.sample.voltage_V; }},
+      {"supply_V", "supply_V", "of the drive", [](From f) { return f.in.supply_V; }},
+      {"limit_reasons", "limit_reasons", "bits, see firmware/command.hpp",
+       [](From f) { return S(static_cast<float>(f.out.limit_reasons)); }},
+  });
+}();
+
+inline constexpr std::size_t signal_count = signal_rows<float>.size();
 using Signals = std::array<float, signal_count>;
 
+/// The row of a signal, by its name on the bus or in a trace; one that is in no row does not
+/// compile.
+consteval std::size_t signal_index(std::string_view name,
+                                   std::string_view Signal<float>::* where = &Signal<float>::name) {
+  std::size_t row = 0;
+  while (signal_rows<float>.at(row).*where != name) {
+    ++row;
+  }
+  return row;
+}
+
 /// The sub-index of 2200h.
-constexpr std::uint8_t sub_of(Signal signal) {
-  return static_cast<std::uint8_t>(static_cast<unsigned>(signal) + 1U);
+constexpr std::uint8_t sub_of(std::size_t signal) {
+  return static_cast<std::uint8_t>(signal + 1);
 }
 
-struct SignalRow {
-  std::string_view name;  ///< with its unit
-  std::string_view meaning;
-};
-
-inline constexpr std::array<SignalRow, signal_count> signal_rows{{
-    {"strain", "elongation of the wire, as estimated"},
-    {"strain_sd", "standard deviation of its error, as the observer sees it"},
-    {"temperature_K", "of the wire, as estimated"},
-    {"martensite", "share"},
-    {"r_phase", "share"},
-    {"resistance_ohm", "measured"},
-    {"resistance_model_ohm", "that the model expects"},
-    {"stress_Pa", "by the load"},
-    {"power_W", "measured, into the wire"},
-    {"current_A", "given"},
-    {"voltage_V", "given, to a drive that takes one"},
-    {"setpoint", "in force, in the unit of the mode"},
-    {"reference", "of the planner, in the same unit"},
-    {"wanted_power_W", "by the controller, after limits"},
-    {"ambient_K", "air, as the observer believes"},
-    {"hot_spot_K", "hottest that the wire may be"},
-    {"position_m", "contraction from axis.zero_strain"},
-    {"velocity_m_s", "of the position, filtered"},
-    {"force_N", "load"},
-    {"measured_A", "current"},
-    {"measured_V", "voltage"},
-    {"supply_V", "of the drive"},
-    {"limit_reasons", "bits, see firmware/command.hpp"},
-}};
-
-constexpr float& of(Signals& signals, Signal signal) {
-  return signals[static_cast<std::size_t>(signal)];
-}
-constexpr float of(const Signals& signals, Signal signal) {
-  return signals[static_cast<std::size_t>(signal)];
+/// All of them. The rows are looked up when this is compiled: neither texts nor calls are left.
+template <class S>
+constexpr Signals read_signals(const SignalSource<S>& from) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    return Signals{static_cast<float>(signal_rows<S>[i].read(from))...};
+  }(std::make_index_sequence<signal_count>{});
 }
 
 }  // namespace smaservo

@@ -32,11 +32,12 @@ class ClosedLoop {
   std::optional<OtherWire> other() const;
 
  private:
-  struct Axis {
-    Axis(const Prepared<double>& prepared, const PlantSetup& plant, const SimSetup& setup)
+  /// A wire with the device that drives it.
+  struct ControlledWire {
+    ControlledWire(const Prepared<double>& prepared, const PlantSetup& plant, const SimSetup& setup)
         : device(Device<double>::start()), prepared_(prepared), board(make_plant(plant), setup) {}
-    Output<double> step(ReadStatus status, const Frame& frame, const Command<double>& command,
-                        bool late, double dt_s, std::int64_t period_ns, Inputs<double>& inputs);
+    void step(ReadStatus status, const Frame& frame, const Heard<double>& heard, double dt_s,
+              std::int64_t period_ns, DeviceStep<double>& now);
 
     Device<double>::State device;
     const Prepared<double>& prepared_;
@@ -48,8 +49,8 @@ class ClosedLoop {
   Prepared<double> prepared_;
   std::int64_t period_ns_, end_ns_;
   double nominal_s_;
-  Axis first_;
-  std::unique_ptr<Axis> second_;
+  ControlledWire first_;
+  std::unique_ptr<ControlledWire> second_;
   bool second_drives_ = false;
   std::optional<SimPair> pair_;
   double rest_strains_ = 0;  ///< of both wires together

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "firmware/device/adopt.hpp"
-#include "firmware/device/board_io.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/text/device_log.hpp"
 #include "firmware/text/device_trace.hpp"
 #include "hal/replay/board.hpp"
@@ -21,9 +21,6 @@
 
 namespace smaservo {
 namespace {
-
-constexpr double shortest_step_s = 1e-4;
-constexpr double longest_step_s = 20e-3;
 
 /// The finite number that a text is, all of it; none for other texts.
 std::optional<double> number_in(std::string_view text) {
@@ -152,10 +149,12 @@ class ReplayFile {
 };
 
 double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std::int64_t to_ns) {
-  const double dt_s = static_cast<double>(to_ns - from_ns) * 1e-9;
-  if (!(dt_s >= shortest_step_s && dt_s <= longest_step_s)) {
+  const std::int64_t step_ns = to_ns - from_ns;
+  const double dt_s = static_cast<double>(step_ns) * 1e-9;
+  if (step_ns < shortest_step_ns || longest_step_ns < step_ns) {
     throw UserError(fmt::format("{}: {} s after the row at {} s; a device steps every {} to {} s",
-                                trace, dt_s, from_s, shortest_step_s, longest_step_s));
+                                trace, dt_s, from_s, static_cast<double>(shortest_step_ns) / 1e9,
+                                static_cast<double>(longest_step_ns) / 1e9));
   }
   return dt_s;
 }
@@ -164,9 +163,7 @@ void change_parameters(const DeviceLog& log, const std::vector<std::string_view>
                        double time_s, Prepared<double>& prepared, Device<double>::State& device) {
   Settings<double> settings = prepared.settings;
   if (log.change(fields, time_s, settings)) {
-    const Prepared<double> next = prepare(settings);
-    adopt(prepared, next, device);
-    prepared = next;
+    adopt(prepared, settings, device);
   }
 }
 
@@ -202,11 +199,10 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
     turn.time_s = static_cast<double>(frame.time_ns) / 1e9;
     split_fields(board.row().text, fields);
     change_parameters(log, fields, turn.time_s, *prepared, device);
-    turn.inputs = inputs_of<double>(frame, status);
-    turn.inputs.deadline_missed = log.late(fields, turn.time_s);
-    turn.inputs.external = log.external(fields, turn.time_s);
-    turn.command = log.command(fields, turn.time_s);
-    turn.output = Device<double>::step(*prepared, device, turn.inputs, turn.command, dt_s);
+    run_cycle(board, frame, status, log.heard(fields, turn.time_s), 0, turn,
+              [&](const Inputs<double>& in, const Command<double>& command) {
+                return Device<double>::step(*prepared, device, in, command, dt_s);
+              });
     comparison.add(turn, fields);
     if (file) {
       file->add(turn, fields);

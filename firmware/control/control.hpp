@@ -61,8 +61,8 @@ struct Controller {
   /// No current where the estimate is not a number. A set-point that is none gives the least power,
   /// and the mode starts afresh after it. Cost: 550 instructions on average through steps of
   /// strain.
-  static Result step(const Prepared<S>& p, State& s, const Demand<S>& demand, const Known<S>& known,
-                     const S& dt_s);
+  static Result step(const Prepared<S>& p, State& s, const Demand<S>& demand,
+                     const ControlInputs<S>& known, const S& dt_s);
 
  private:
   struct Loop {
@@ -71,25 +71,25 @@ struct Controller {
     S measured;
     S forward_W;
   };
-  struct Wanted {
+  struct PowerParts {
     S forward_W;   ///< by the set-point or the model
     S feedback_W;  ///< by the loop
   };
 
   static void enter(State& s, const Mode& mode, const S& strain);
   static S limited_setpoint(const Prepared<S>& p, const Demand<S>& demand, LimitReasons& reasons);
-  static Wanted wanted(const Prepared<S>& p, State& s, const Demand<S>& demand,
-                       const Known<S>& known, const S& ohm, const S& loss_W, LimitReasons& reasons,
-                       const S& dt_s);
+  static PowerParts wanted(const Prepared<S>& p, State& s, const Demand<S>& demand,
+                           const ControlInputs<S>& known, const S& ohm, const S& loss_W,
+                           LimitReasons& reasons, const S& dt_s);
   static void start_loop(const LoopGains<S>& gains, State& s, const S& reference,
                          const S& measured);
-  static Wanted loop(const Loop& loop, State& s, const Demand<S>& demand, const S& dt_s);
-  static Wanted strain_loop(const Prepared<S>& p, State& s, const Demand<S>& demand,
-                            const Known<S>& known, const S& loss_W, LimitReasons& reasons,
-                            const S& dt_s);
+  static PowerParts loop(const Loop& loop, State& s, const Demand<S>& demand, const S& dt_s);
+  static PowerParts strain_loop(const Prepared<S>& p, State& s, const Demand<S>& demand,
+                                const ControlInputs<S>& known, const S& loss_W,
+                                LimitReasons& reasons, const S& dt_s);
   static S limited_power_W(const Prepared<S>& p, State& s, const Mode& mode,
-                           const PowerRange<S>& range, const Wanted& wanted, LimitReasons& reasons,
-                           const S& dt_s);
+                           const PowerRange<S>& range, const PowerParts& wanted,
+                           LimitReasons& reasons, const S& dt_s);
   static S averaged(const S& average, const S& now, const S& dt_s, const S& over_s) {
     return average + (now - average) * (dt_s / (dt_s + over_s));
   }
@@ -98,7 +98,7 @@ struct Controller {
     const auto& body = p.observer.model.body;
     return body.capacity_J_K / body.loss_W_K;
   }
-  static S profile_W(const Prepared<S>& p, const State& s, const Known<S>& known);
+  static S profile_W(const Prepared<S>& p, const State& s, const ControlInputs<S>& known);
   static const LoopGains<S>& gains(const Settings<S>& q, Mode mode);
   static S clamp(const S& x, const S& low, const S& high, LimitReason why, LimitReasons& reasons);
 };
@@ -186,7 +186,7 @@ void Controller<S>::start_loop(const LoopGains<S>& gains, State& s, const S& ref
 
 template <class S>
 auto Controller<S>::loop(const Loop& loop, State& s, const Demand<S>& demand, const S& dt_s)
-    -> Wanted {
+    -> PowerParts {
   start_loop(loop.gains, s, demand.setpoint, loop.measured);
   s.reference = demand.setpoint;
   return {loop.forward_W, Pid<S>::step(loop.gains, demand.scale, loop.direction, s.pid,
@@ -195,8 +195,8 @@ auto Controller<S>::loop(const Loop& loop, State& s, const Demand<S>& demand, co
 
 template <class S>
 auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>& demand,
-                                const Known<S>& known, const S& loss_W, LimitReasons& reasons,
-                                const S& dt_s) -> Wanted {
+                                const ControlInputs<S>& known, const S& loss_W,
+                                LimitReasons& reasons, const S& dt_s) -> PowerParts {
   const Settings<S>& q = p.settings;
   const S strain = known.estimate.strain;
   start_loop(q.strain, s, s.reference, strain);
@@ -230,7 +230,7 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
 
 /// The power that ends `overheat_K` above the transformation, by the profile's level.
 template <class S>
-S Controller<S>::profile_W(const Prepared<S>& p, const State& s, const Known<S>& known) {
+S Controller<S>::profile_W(const Prepared<S>& p, const State& s, const ControlInputs<S>& known) {
   const auto& model = p.observer.model;
   const Isobar<S> m2a = isobar(model.kinetics.m2a, known.filter.stress_Pa);
   const S hot_K = m2a.start_K + S(1) / m2a.per_K + p.settings.profile.overheat_K;
@@ -240,8 +240,8 @@ S Controller<S>::profile_W(const Prepared<S>& p, const State& s, const Known<S>&
 
 template <class S>
 auto Controller<S>::wanted(const Prepared<S>& p, State& s, const Demand<S>& demand,
-                           const Known<S>& known, const S& ohm, const S& loss_W,
-                           LimitReasons& reasons, const S& dt_s) -> Wanted {
+                           const ControlInputs<S>& known, const S& ohm, const S& loss_W,
+                           LimitReasons& reasons, const S& dt_s) -> PowerParts {
   const Settings<S>& q = p.settings;
   switch (demand.mode) {
     case Mode::off:
@@ -278,7 +278,7 @@ auto Controller<S>::wanted(const Prepared<S>& p, State& s, const Demand<S>& dema
 /// after it.
 template <class S>
 S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mode,
-                                 const PowerRange<S>& range, const Wanted& wanted,
+                                 const PowerRange<S>& range, const PowerParts& wanted,
                                  LimitReasons& reasons, const S& dt_s) {
   const Settings<S>& q = p.settings;
   const S wanted_W = wanted.forward_W + wanted.feedback_W;
@@ -304,7 +304,7 @@ S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mod
 
 template <class S>
 auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand,
-                         const Known<S>& known, const S& dt_s) -> Result {
+                         const ControlInputs<S>& known, const S& dt_s) -> Result {
   using std::sqrt;
   const Settings<S>& q = p.settings;
   const S ohm = known.measurement.resistance_valid ? known.measurement.resistance_ohm
@@ -322,7 +322,7 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
   LimitReasons reasons;
   const Demand<S> allowed{demand.mode, limited_setpoint(p, demand, reasons), demand.scale};
   const PowerRange<S> range(p, known, ohm, loss_W, s.duty, s.sustained_W, dt_s);
-  const Wanted want = wanted(p, s, allowed, known, ohm, loss_W, reasons, dt_s);
+  const PowerParts want = wanted(p, s, allowed, known, ohm, loss_W, reasons, dt_s);
   s.power_W = limited_power_W(p, s, demand.mode, range, want, reasons, dt_s);
   const S current_A = sqrt(s.power_W / ohm);
   const S share = current_A / q.limits.current_A;

@@ -12,7 +12,7 @@ namespace smaservo {
 
 /// What the controller knows of the wire in one step.
 template <class S>
-struct Known {
+struct ControlInputs {
   const Measurement<S>& measurement;
   const Estimate<S>& estimate;
   const typename KalmanObserver<S>::State& filter;  ///< the most likely one: model state, air, loss
@@ -38,7 +38,7 @@ class PowerRange {
  public:
   /// Averages so far: `duty`, and the power over the wire's own time constant. Cost: 70 flops, 8
   /// divisions.
-  PowerRange(const Prepared<S>& p, const Known<S>& known, const S& ohm, const S& loss_W,
+  PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, const S& ohm, const S& loss_W,
              const S& duty, const S& sustained_W, const S& dt_s);
 
   /// The wanted power as far as it is allowed, with the reason: the smallest of the limits. What is
@@ -67,8 +67,9 @@ class PowerRange {
       because_ = why;
     }
   }
-  void limit_sustained(const Prepared<S>& p, const Known<S>& known, const S& sustained_W);
-  void limit_strain(const Prepared<S>& p, const Known<S>& known, const S& loss_W, const S& dt_s);
+  void limit_sustained(const Prepared<S>& p, const ControlInputs<S>& known, const S& sustained_W);
+  void limit_strain(const Prepared<S>& p, const ControlInputs<S>& known, const S& loss_W,
+                    const S& dt_s);
   void limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W);
   void limit_duty(const SoftLimits<S>& q, const S& duty, const S& greatest_W);
 
@@ -81,7 +82,7 @@ class PowerRange {
 };
 
 template <class S>
-PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& ohm,
+PowerRange<S>::PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, const S& ohm,
                           const S& loss_W, const S& duty, const S& sustained_W, const S& dt_s)
     : least_W_(p.settings.limits.least_current_A * p.settings.limits.least_current_A * ohm),
       most_W_(p.settings.limits.current_A * p.settings.limits.current_A * ohm) {
@@ -111,7 +112,7 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const Known<S>& known, const S& 
 /// % passes for stronger cooling, which lets in more power, for ever. What any wire can take for
 /// long follows from its file alone.
 template <class S>
-void PowerRange<S>::limit_sustained(const Prepared<S>& p, const Known<S>& known,
+void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>& known,
                                     const S& sustained_W) {
   const SoftLimits<S>& q = p.settings.limits;
   const S believed_K = known.filter.ambient_K < known.filter.start_ambient_K
@@ -127,8 +128,8 @@ void PowerRange<S>::limit_sustained(const Prepared<S>& p, const Known<S>& known,
 /// Beyond the limit the power falls from what holds the wire to nothing within 0.1 % of strain. At
 /// once it would let a wire on the limit cool through its whole hysteresis, and heat it up again.
 template <class S>
-void PowerRange<S>::limit_strain(const Prepared<S>& p, const Known<S>& known, const S& loss_W,
-                                 const S& dt_s) {
+void PowerRange<S>::limit_strain(const Prepared<S>& p, const ControlInputs<S>& known,
+                                 const S& loss_W, const S& dt_s) {
   const auto& model = p.observer.model;
   const S room = known.estimate.strain - p.settings.limits.least_strain;
   if (S(0) < room) {

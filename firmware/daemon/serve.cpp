@@ -22,7 +22,6 @@ LoopTiming timing_of(const Settings<double>& settings, double for_s) {
   const double period_s = settings.timing.period_s;
   const std::int64_t period_ns = std::llround(period_s * 1e9);
   return {.period_ns = period_ns,
-          .lease_ns = leased_periods * period_ns,
           .from_zero = true,
           .most_turns = static_cast<std::uint64_t>(std::llround(for_s / period_s))};
 }

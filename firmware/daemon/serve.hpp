@@ -5,12 +5,9 @@
 #include "firmware/daemon/loop/loop.hpp"
 #include "firmware/daemon/options.hpp"
 #include "firmware/daemon/process/off_actions.hpp"
-#include "firmware/daemon/service.hpp"
+#include "firmware/daemon/service/service.hpp"
 
 namespace smaservo {
-
-/// Heat ends with the loop, but not with one lost turn of it.
-inline constexpr std::int64_t leased_periods = 3;
 
 /// Of the bus's thread: before all that has no priority, behind the loop and, by default, behind
 /// the kernel's interrupt threads (50).
@@ -22,7 +19,7 @@ constexpr int bus_priority(const RealTimeSettings& loop) {
 template <Board B>
 int serve(Service& service, B& board, Partner& partner, const LoopTiming& timing, bool paced) {
   const auto run = [&](auto pacing) {
-    Loop loop(board, pacing, service.axis(), partner, service.links(), service.figures(), timing);
+    Loop loop(board, pacing, service.device(), partner, service.links(), service.figures(), timing);
     return service.run(
         {[&] { return loop.turn(); }, [&] { board.safe_off(); }, off_actions_of(board)});
   };

@@ -39,4 +39,12 @@ void adopt(const Prepared<S>& from, const Prepared<S>& to, typename Device<S>::S
   Controller<S>::adopt(s.controller);
 }
 
+/// The same where the loop itself has the time to prepare them.
+template <class S>
+void adopt(Prepared<S>& prepared, const Settings<S>& settings, typename Device<S>::State& s) {
+  const Prepared<S> next = prepare(settings);
+  adopt(prepared, next, s);
+  prepared = next;
+}
+
 }  // namespace smaservo

@@ -61,9 +61,10 @@ struct Device {
   using Verdict = typename Supervisor<S>::Verdict;
 
   static void count_time(State& s, const Inputs<S>& in, const Command<S>& command, const S& dt_s);
-  static Verdict protect(const Seen<S>& seen, State& s);
+  static Verdict protect(const MonitorInputs<S>& seen, State& s);
   static void sense(const Prepared<S>& p, Output<S>& out);
-  static void control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out);
+  static void control(const MonitorInputs<S>& seen, State& s, const Demand<S>& demand,
+                      Output<S>& out);
   static void limit(const Prepared<S>& p, State& s, Output<S>& out);
 };
 
@@ -101,23 +102,23 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
   count_time(s, in, command, dt_s);
   const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
   const auto& filter = MultipleModelFilter<S>::likeliest(s.observer.observer);
-  const Seen<S> seen{p,
-                     in,
-                     command,
-                     m,
-                     e,
-                     filter,
-                     s.last,
-                     s.given_before_A,
-                     sample.current_A - p.settings.measuring.current_offset_A,
-                     sample.voltage_V - p.settings.measuring.voltage_offset_V,
-                     s.controller.duty,
-                     s.off_s,
-                     s.since_sample_s,
-                     s.since_command_s,
-                     dt_s,
-                     s.observing,
-                     s.monitor.zero.known()};
+  const MonitorInputs<S> seen{p,
+                              in,
+                              command,
+                              m,
+                              e,
+                              filter,
+                              s.last,
+                              s.given_before_A,
+                              sample.current_A - p.settings.measuring.current_offset_A,
+                              sample.voltage_V - p.settings.measuring.voltage_offset_V,
+                              s.controller.duty,
+                              s.off_s,
+                              s.since_sample_s,
+                              s.since_command_s,
+                              dt_s,
+                              s.observing,
+                              s.monitor.zero.known()};
   const Verdict v = protect(seen, s);
   Output<S> out{.current_A = S(0),
                 .voltage_V = S(0),
@@ -169,7 +170,7 @@ void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& comm
 }
 
 template <class S>
-auto Device<S>::protect(const Seen<S>& seen, State& s) -> Verdict {
+auto Device<S>::protect(const MonitorInputs<S>& seen, State& s) -> Verdict {
   const FaultSet active = Monitor<S>::step(seen, s.monitor);
   if (s.observing && !isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
     s.observing = false;  // it would never come back by itself: the next sample starts it anew
@@ -185,14 +186,15 @@ void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
 
 /// A result that is no current is not put out; the next step calls it a fault.
 template <class S>
-void Device<S>::control(const Seen<S>& seen, State& s, const Demand<S>& demand, Output<S>& out) {
-  const Known<S> known{seen.measurement,
-                       seen.estimate,
-                       seen.filter,
-                       seen.current_A,
-                       seen.in.supply_V,
-                       seen.in.ambient_K,
-                       s.monitor.wire.hot.temperature_K};
+void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>& demand,
+                        Output<S>& out) {
+  const ControlInputs<S> known{seen.measurement,
+                               seen.estimate,
+                               seen.filter,
+                               seen.current_A,
+                               seen.in.supply_V,
+                               seen.in.ambient_K,
+                               s.monitor.wire.hot.temperature_K};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
   const bool usable = !c.invalid && S(0) <= c.current_A &&
                       c.current_A <= seen.prepared.settings.trips.current_A &&

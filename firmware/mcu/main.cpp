@@ -5,7 +5,7 @@
 
 #include "firmware/canopen/servo/servo.hpp"
 #include "firmware/device/adopt.hpp"
-#include "firmware/device/board_io.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/mcu/device.hpp"
 #include "firmware/parameters/store.hpp"
 #include "hal/cortex-m/board.hpp"
@@ -13,9 +13,6 @@
 
 namespace smaservo {
 namespace {
-
-/// Heat ends with the loop, but not with one lost turn of it.
-constexpr std::uint32_t leased_periods = 3;
 
 /// All that lives as long as the device, in memory that the linker has counted.
 class Loop {
@@ -48,11 +45,9 @@ class Loop {
       can_.send(frame);
     }
     answer(servo_.request());
-    if (adopted_ != servo_.settings_changes()) {
-      adopted_ = servo_.settings_changes();
-      const Prepared<float> next = prepare(staging_.active());
-      adopt(prepared_, next, device_);
-      prepared_ = next;
+    if (adopted_ != staging_.changes()) {
+      adopted_ = staging_.changes();
+      adopt(prepared_, staging_.active(), device_);
     }
   }
   void answer(canopen::Request request) {
@@ -76,15 +71,14 @@ class Loop {
     }
   }
   void step(const FrameOf<float>& frame, ReadStatus status) {
-    Inputs<float> in = inputs_of<float>(frame, status);
-    in.deadline_missed = board_.missed() > 0;
-    in.external = servo_.external();
     const float dt_s = 1e-6F * static_cast<float>((board_.missed() + 1) * period_us_);
-    const Output<float> out = step_device(prepared_, device_, in, servo_.command(), dt_s);
-    board_.drive(
-        drive_of<float>(out, board_.now_ns(), std::int64_t{leased_periods * period_us_} * 1000));
-    board_.kick();
-    servo_.publish(out, in, dt_s);
+    const Heard<float> heard{servo_.command(), servo_.external(), board_.missed() > 0};
+    DeviceStep<float> now;
+    run_cycle(board_, frame, status, heard, std::int64_t{period_us_} * 1000, now,
+              [&](const Inputs<float>& in, const Command<float>& command) {
+                return step_device(prepared_, device_, in, command, dt_s);
+              });
+    servo_.publish(now.output, now.inputs, dt_s);
   }
 
   cortex_m::PipeBoard board_;
@@ -94,7 +88,7 @@ class Loop {
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());
   Device<float>::State device_ = Device<float>::start();
-  std::uint32_t adopted_ = 0;
+  std::uint32_t adopted_ = 0;  ///< of staging_.changes()
 };
 
 std::optional<Loop> loop;

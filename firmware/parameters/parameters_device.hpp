@@ -197,7 +197,7 @@ constexpr auto safe_rows() {
 template <class S>
 constexpr auto axis_rows() {
   return std::to_array<Parameter<S>>({
-      real<Member<S, &Settings<S>::axis, &AxisSettings<S>::zero_strain>>(
+      real<Member<S, &Settings<S>::axis, &PositionSettings<S>::zero_strain>>(
           {0x2030, 1}, "axis.zero_strain", kind::number, Change::without_current, -0.05F, 0.04F,
           0.2F, "at position 0; positions count contraction"),
   });

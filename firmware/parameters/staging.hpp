@@ -6,6 +6,10 @@
 //   stage, stage, try_for(30 s), commit  in force at once, stored when committed
 //   stage, try_for(30 s), nothing        after 30 s as before
 //
+// Where one thread does all, this is what owns the settings in force: whoever else uses them keeps
+// the number of changes() that it has followed. Where several threads use them their owner is
+// another (ParameterDesk of the daemon), which gives them by replace() and is given active().
+//
 // Not for the loop: apply() and try_for() cost some ten microseconds on a PC. tick() is.
 
 #include "firmware/parameters/parameter_check.hpp"
@@ -49,6 +53,8 @@ class Staging {
   /// In force. Changes in apply(), try_for(), revert(), tick() and replace() only, and then as a
   /// whole.
   const Settings<S>& active() const { return active_; }
+  /// Counts up with each set that comes into force.
+  std::uint32_t changes() const { return changes_; }
   /// What is to be stored: without a trial, with what waits for the next start.
   const Settings<S>& configured() const { return configured_; }
   /// What is in force with the staged changes: what a reader of parameters expects to see.
@@ -96,7 +102,7 @@ class Staging {
     const Applied allowed = may_apply(enabled);
     if (allowed.ok()) {
       configured_ = staged_;
-      active_ = with_boot_values(staged_);
+      put_in_force(staged_);
     }
     return allowed;
   }
@@ -115,7 +121,7 @@ class Staging {
     }
     const Applied allowed = may_apply(false);
     if (allowed.ok()) {
-      active_ = with_boot_values(staged_);
+      put_in_force(staged_);
       trial_s_ = duration_s;
     }
     return allowed;
@@ -135,7 +141,7 @@ class Staging {
   void revert() {
     trial_s_ = S(0);
     staged_ = configured_;
-    active_ = with_boot_values(configured_);
+    put_in_force(configured_);
   }
 
   /// Others have put these in force, which have passed check(): trial and staged changes are gone.
@@ -159,6 +165,10 @@ class Staging {
   }
 
  private:
+  void put_in_force(const Settings<S>& settings) {
+    active_ = with_boot_values(settings);
+    ++changes_;
+  }
   Applied may_apply(bool enabled) const {
     for (std::size_t i = 0; enabled && i < parameter_count; ++i) {
       const ParameterRow<S>& row = parameter_rows<S>[i];
@@ -193,6 +203,7 @@ class Staging {
 
   Settings<S> active_, configured_, staged_;
   S trial_s_ = S(0);  ///< what is left of it
+  std::uint32_t changes_ = 0;
 };
 
 }  // namespace smaservo

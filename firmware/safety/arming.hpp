@@ -19,11 +19,11 @@ struct ArmingCheck {
   static constexpr S most_s = S(0.1);  ///< what has not been found by then is missing
 
   /// With the last sample before the sense current flows.
-  static ArmingCheck begin(const Seen<S>& seen) {
+  static ArmingCheck begin(const MonitorInputs<S>& seen) {
     return {seen.filter.model_ohm / seen.filter.resistance, S(0), S(0), seen.cold()};
   }
 
-  void take(const Seen<S>& seen, const S& since_s) {
+  void take(const MonitorInputs<S>& seen, const S& since_s) {
     if (!(since_s < settling_s) && seen.measurement.resistance_valid) {
       sum_ohm += seen.measurement.resistance_ohm;
       samples += S(1);
@@ -32,7 +32,7 @@ struct ArmingCheck {
 
   /// What speaks against heating this wire; none: it may be. A wire that may still be warm is only
   /// known to be within the band of the measurement, between a short and an open one.
-  FaultSet findings(const Seen<S>& seen) const {
+  FaultSet findings(const MonitorInputs<S>& seen) const {
     const Settings<S>& q = seen.prepared.settings;
     const S cold_ohm = seen.prepared.cold_ohm * samples;
     const bool out = cold && (sum_ohm < q.trips.resistance_low * cold_ohm ||

@@ -25,7 +25,7 @@ struct Monitor {
   };
 
   /// Conditions that have lasted for their deglitch time.
-  static FaultSet step(const Seen<S>& seen, State& s) {
+  static FaultSet step(const MonitorInputs<S>& seen, State& s) {
     if (seen.in.fresh && !(seen.off_s < ZeroCurrent<S>::settling_s) && seen.off()) {
       s.zero.take(seen.prepared, seen.in.sample);
     }

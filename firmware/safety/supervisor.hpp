@@ -40,7 +40,8 @@ struct Supervisor {
   };
 
   /// `active` as Monitor gives it; time_us of this step.
-  static Verdict step(const Seen<S>& seen, State& s, FaultSet active, std::uint64_t time_us);
+  static Verdict step(const MonitorInputs<S>& seen, State& s, FaultSet active,
+                      std::uint64_t time_us);
 
  private:
   static constexpr S starting_s = S(0.1);
@@ -48,14 +49,14 @@ struct Supervisor {
 
   static FaultSet remember(State& s, FaultSet active, bool clear);
   static void latch_faults(State& s, FaultSet active, bool clear, std::uint64_t time_us);
-  static bool safe_over(const Seen<S>& seen, const State& s);
-  static bool trusted(const Seen<S>& seen, FaultSet faults);
-  static void enter(const Seen<S>& seen, State& s, DeviceState next);
+  static bool safe_over(const MonitorInputs<S>& seen, const State& s);
+  static bool trusted(const MonitorInputs<S>& seen, FaultSet faults);
+  static void enter(const MonitorInputs<S>& seen, State& s, DeviceState next);
 };
 
 template <class S>
-auto Supervisor<S>::step(const Seen<S>& seen, State& s, FaultSet active_now, std::uint64_t time_us)
-    -> Verdict {
+auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active_now,
+                         std::uint64_t time_us) -> Verdict {
   const Command<S>& c = seen.command;
   const Settings<S>& q = seen.prepared.settings;
   const bool clear = c.clear_faults && !s.cleared;
@@ -143,13 +144,13 @@ void Supervisor<S>::latch_faults(State& s, FaultSet active, bool clear, std::uin
 }
 
 template <class S>
-bool Supervisor<S>::trusted(const Seen<S>& seen, FaultSet faults) {
+bool Supervisor<S>::trusted(const MonitorInputs<S>& seen, FaultSet faults) {
   return seen.sure() && !faults.has(Fault::estimate_invalid) &&
          !faults.has(Fault::estimate_unsure) && !faults.has(Fault::model_divergence);
 }
 
 template <class S>
-bool Supervisor<S>::safe_over(const Seen<S>& seen, const State& s) {
+bool Supervisor<S>::safe_over(const MonitorInputs<S>& seen, const State& s) {
   const SafeSettings<S>& q = seen.prepared.settings.safe;
   const S since_s = s.state == DeviceState::stopping ? s.in_state_s + seen.dt_s : S(0);
   if (q.state == SafeState::hold) {
@@ -161,7 +162,7 @@ bool Supervisor<S>::safe_over(const Seen<S>& seen, const State& s) {
 }
 
 template <class S>
-void Supervisor<S>::enter(const Seen<S>& seen, State& s, DeviceState next) {
+void Supervisor<S>::enter(const MonitorInputs<S>& seen, State& s, DeviceState next) {
   s.state = next;
   s.in_state_s = S(0);
   if (next == DeviceState::arming) {

@@ -47,6 +47,10 @@ DeviceLog::DeviceLog(const std::string& trace, const std::vector<std::string>& n
   }
 }
 
+Heard<double> DeviceLog::heard(const std::vector<std::string_view>& fields, double time_s) const {
+  return {command(fields, time_s), external(fields, time_s), late(fields, time_s)};
+}
+
 Command<double> DeviceLog::command(const std::vector<std::string_view>& fields,
                                    double time_s) const {
   const auto number = [&](Which which, double otherwise) {

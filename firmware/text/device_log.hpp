@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/command.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/settings.hpp"
 
 namespace smaservo {
@@ -23,9 +23,8 @@ class DeviceLog {
   /// command_arm.
   DeviceLog(const std::string& trace, const std::vector<std::string>& names);
 
-  Command<double> command(const std::vector<std::string_view>& fields, double time_s) const;
-  FaultSet external(const std::vector<std::string_view>& fields, double time_s) const;
-  bool late(const std::vector<std::string_view>& fields, double time_s) const;
+  /// All but the set-points that were superseded: a log has none of them.
+  Heard<double> heard(const std::vector<std::string_view>& fields, double time_s) const;
   /// Changes the settings that are in force from this row on; false where nothing changes.
   bool change(const std::vector<std::string_view>& fields, double time_s,
               Settings<double>& settings) const;
@@ -49,6 +48,9 @@ class DeviceLog {
       "command_clear",   "command_proportional", "command_integral", "command_derivative",
       "deadline_missed", "external_faults",      "parameter_changes"};
 
+  Command<double> command(const std::vector<std::string_view>& fields, double time_s) const;
+  FaultSet external(const std::vector<std::string_view>& fields, double time_s) const;
+  bool late(const std::vector<std::string_view>& fields, double time_s) const;
   [[noreturn]] void fail(Which which, std::string_view field, std::string_view what,
                          double time_s) const;
   double parse(std::string_view field, Which which, double time_s) const;

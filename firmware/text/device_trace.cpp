@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "firmware/signals.hpp"
 #include "firmware/text/device_names.hpp"
 
 namespace smaservo {
@@ -26,22 +27,30 @@ void text(std::string& to, const Turn& turn) {
 using T = const Turn&;
 using Columns = std::vector<DeviceColumn>;
 
+consteval std::size_t traced(std::string_view name) {
+  return signal_index(name, &Signal<float>::trace);
+}
+template <std::size_t row>
+constexpr DeviceColumn signal_column{
+    signal_rows<double>[row].trace,
+    number<[](T t) { return signal_rows<double>[row].read({t.output, t.inputs, {}}); }>};
+
 constexpr std::array outputs{
-    DeviceColumn{"drive_current_A", number<[](T t) { return t.output.current_A; }>},
-    DeviceColumn{"drive_voltage_V", number<[](T t) { return t.output.voltage_V; }>},
+    signal_column<traced("drive_current_A")>,
+    signal_column<traced("drive_voltage_V")>,
     DeviceColumn{"state", text<[](T t) { return state_name(t.output.state); }>},
     DeviceColumn{"mode", text<[](T t) { return mode_name(t.output.mode); }>},
-    DeviceColumn{"setpoint", number<[](T t) { return t.output.setpoint; }>},
-    DeviceColumn{"reference", number<[](T t) { return t.output.reference; }>},
-    DeviceColumn{"power_W", number<[](T t) { return t.output.power_W; }>},
-    DeviceColumn{"strain", number<[](T t) { return t.output.estimate.strain; }>},
-    DeviceColumn{"strain_sd", number<[](T t) { return t.output.estimate.strain_sd; }>},
-    DeviceColumn{"wire_K", number<[](T t) { return t.output.estimate.temperature_K; }>},
-    DeviceColumn{"martensite", number<[](T t) { return t.output.estimate.martensite; }>},
-    DeviceColumn{"r_phase", number<[](T t) { return t.output.estimate.r_phase; }>},
+    signal_column<traced("setpoint")>,
+    signal_column<traced("reference")>,
+    signal_column<traced("power_W")>,
+    signal_column<traced("strain")>,
+    signal_column<traced("strain_sd")>,
+    signal_column<traced("wire_K")>,
+    signal_column<traced("martensite")>,
+    signal_column<traced("r_phase")>,
     DeviceColumn{"health", text<[](T t) { return health_name(t.output.estimate.health); }>},
-    DeviceColumn{"hot_spot_K", number<[](T t) { return t.output.hot_spot_K; }>},
-    DeviceColumn{"believed_ambient_K", number<[](T t) { return t.output.ambient_K; }>},
+    signal_column<traced("hot_spot_K")>,
+    signal_column<traced("believed_ambient_K")>,
     DeviceColumn{"limit_reasons",
                  text<[](T t) { return limit_reason_names(t.output.limit_reasons); }>},
     DeviceColumn{"active_faults", text<[](T t) { return names_of(t.output.active); }>},
@@ -74,12 +83,12 @@ Columns log_columns(bool supply, bool ambient, bool driver) {
       {"time_s", number<[](T t) { return t.time_s; }>},
       {"fresh", flag<[](T t) { return t.inputs.fresh; }>},
       {"sequence", number<[](T t) { return static_cast<double>(t.inputs.sequence); }>},
-      {"current_A", number<[](T t) { return t.inputs.sample.current_A; }>},
-      {"voltage_V", number<[](T t) { return t.inputs.sample.voltage_V; }>},
+      signal_column<traced("current_A")>,
+      signal_column<traced("voltage_V")>,
       {"load_N", number<[](T t) { return t.inputs.sample.load_N; }>},
   };
   if (supply) {
-    all.push_back({"supply_V", number<[](T t) { return t.inputs.supply_V; }>});
+    all.push_back(signal_column<traced("supply_V")>);
   }
   if (ambient) {
     all.push_back({"ambient_K", number<[](T t) { return t.inputs.ambient_K; }>});

@@ -1,17 +1,13 @@
 #pragma once
 
-#include "firmware/command.hpp"
+#include "firmware/device/cycle.hpp"
 #include "hal/sim/board.hpp"
 
 namespace smaservo {
 
-/// One step: what went in, what came out, and, of a simulation, what was true when the sample was
-/// taken.
-struct Turn {
+/// One step, when it was, and, of a simulation, what was true when the sample was taken.
+struct Turn : DeviceStep<double> {
   double time_s;
-  Inputs<double> inputs;
-  Command<double> command;
-  Output<double> output;
   SimTruth truth;
 };
 

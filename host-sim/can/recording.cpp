@@ -21,14 +21,15 @@ enum class RecorderState : std::uint8_t { idle, armed, triggered, full };
 constexpr std::int64_t poll_us = 20'000;
 
 std::uint8_t sub_of_signal(const std::string& name) {
-  const auto* const found = std::ranges::find(signal_rows, name, &SignalRow::name);
-  if (found == signal_rows.end()) {
+  const auto& rows = signal_rows<double>;
+  const auto* const found = std::ranges::find(rows, name, &Signal<double>::name);
+  if (found == rows.end()) {
     std::vector<std::string_view> names;
     names.reserve(signal_count);
-    for (const SignalRow& row : signal_rows) names.push_back(row.name);
+    for (const Signal<double>& row : rows) names.push_back(row.name);
     throw UserError(fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
   }
-  return sub_of(static_cast<Signal>(found - signal_rows.begin()));
+  return sub_of(static_cast<std::size_t>(found - rows.begin()));
 }
 
 void set(Remote& remote, const std::string& name, auto value) {

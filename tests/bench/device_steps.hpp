@@ -95,8 +95,8 @@ class ControlStep {
   std::size_t period() const { return moments_.size(); }
   void operator()() {
     const Moment<S>& now = moments_.next();
-    const Known<S> known{now.measurement, now.estimate, now.filter, now.inputs.sample.current_A,
-                         now.inputs.supply_V};
+    const ControlInputs<S> known{now.measurement, now.estimate, now.filter,
+                                 now.inputs.sample.current_A, now.inputs.supply_V};
     Controller<S>::step(prepared_, state_,
                         {now.command.mode, now.command.setpoint, now.command.scale}, known,
                         S(1e-3));

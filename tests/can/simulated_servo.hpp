@@ -41,11 +41,9 @@ class SimulatedServo {
   void step() {
     now_us_ += step_us;
     servo_.advance(now_us_);
-    if (servo_.settings_changes() != changes_) {
-      changes_ = servo_.settings_changes();
-      const Prepared<double> next = prepare(staging_.active());
-      adopt(rig_.prepared, next, rig_.state);
-      rig_.prepared = next;
+    if (staging_.changes() != changes_) {
+      changes_ = staging_.changes();
+      adopt(rig_.prepared, staging_.active(), rig_.state);
     }
     rig_.command = servo_.command();
     const Output<double>& out = rig_.step();

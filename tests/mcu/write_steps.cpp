@@ -14,7 +14,7 @@
 
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/bench/scenario.hpp"
-#include "firmware/device/board_io.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"
@@ -77,12 +77,13 @@ Recorder trace(const fs::path& scenario, TraceReader reader) {
   std::int64_t last_ns = 0;
   for (ReadStatus status = board.read(frame); status != ReadStatus::end;
        status = board.read(frame)) {
-    const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
+    const std::int64_t step_ns =
+        std::clamp(frame.time_ns - last_ns, shortest_step_ns, longest_step_ns);
     last_ns = frame.time_ns;
     Command<float> command;
     command.fresh = true;
     recorder.add(pack(smaservo::inputs_of<float>(frame, status), command,
-                      static_cast<float>(std::clamp(dt_s, 1e-4, 20e-3)), recorder.empty()));
+                      1e-9F * static_cast<float>(step_ns), recorder.empty()));
   }
   return recorder;
 }

@@ -5,7 +5,7 @@
 //   servo.start(image, now);
 //   forever: receive() each frame; advance(); send what take() gives; answer request();
 //            step the device with command() and external(); publish() what came of it;
-//            when settings_changes() has counted, adopt() staging.active() between two steps
+//            when staging.changes() has counted, adopt() staging.active() between two steps
 //
 // Requests (Node::request()): store and restore are answered by finish(), when it is durable; a
 // reset by start() with the stored image, after the heat is off. Before a start() for reset_node
@@ -71,7 +71,7 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }
-  std::uint32_t settings_changes() const { return this->tuning.changes(); }
+  std::uint32_t settings_changes() const { return staging_.changes(); }
   /// The main has put other settings in force by itself; a tuning transaction is over.
   void replace_settings(const Settings<S>& settings) { this->tuning.replace(settings); }
 
@@ -86,8 +86,11 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::objects;
 
  private:
+  /// Position, its filtered rate, force.
+  Motion advance_motion(const Output<S>& out, float dt_s);
+
   Staging<S>& staging_;
-  float position_m_ = 0, velocity_m_s_ = 0;
+  Motion motion_{};
   bool has_position_ = false;
 };
 
@@ -105,44 +108,9 @@ Command<S> Servo<S>::command() const {
 
 template <class S>
 void Servo<S>::publish(const Output<S>& out, const Inputs<S>& in, const S& dt_s) {
-  const auto f = [](const S& x) { return static_cast<float>(x); };
-  const Settings<S>& q = staging_.active();
-  const auto dt = f(dt_s);
-  const float position_m = f((q.axis.zero_strain - out.estimate.strain) * q.wire.geometry.length_m);
-  constexpr float filter_s = 0.02F;
-  if (has_position_) {
-    const float raw_m_s = (position_m - position_m_) / dt;
-    velocity_m_s_ += dt / (dt + filter_s) * (raw_m_s - velocity_m_s_);
-  }
-  has_position_ = std::isfinite(position_m);
-  velocity_m_s_ = has_position_ ? velocity_m_s_ : 0;
-  position_m_ = position_m;
-
   StepReport report{};
-  Signals& s = report.signals;
-  of(s, Signal::strain) = f(out.estimate.strain);
-  of(s, Signal::strain_sd) = f(out.estimate.strain_sd);
-  of(s, Signal::temperature_K) = f(out.estimate.temperature_K);
-  of(s, Signal::martensite) = f(out.estimate.martensite);
-  of(s, Signal::r_phase) = f(out.estimate.r_phase);
-  of(s, Signal::resistance_ohm) = f(out.measurement.resistance_ohm);
-  of(s, Signal::resistance_model_ohm) = f(out.estimate.resistance_model_ohm);
-  of(s, Signal::stress_Pa) = f(out.measurement.stress_Pa);
-  of(s, Signal::power_W) = f(out.measurement.power_W);
-  of(s, Signal::current_A) = f(out.current_A);
-  of(s, Signal::voltage_V) = f(out.voltage_V);
-  of(s, Signal::setpoint) = f(out.setpoint);
-  of(s, Signal::reference) = f(out.reference);
-  of(s, Signal::wanted_power_W) = f(out.power_W);
-  of(s, Signal::ambient_K) = f(out.ambient_K);
-  of(s, Signal::hot_spot_K) = f(out.hot_spot_K);
-  of(s, Signal::position_m) = position_m;
-  of(s, Signal::velocity_m_s) = velocity_m_s_;
-  of(s, Signal::force_N) = f(out.measurement.stress_Pa * q.wire.geometry.area_m2());
-  of(s, Signal::measured_A) = f(in.sample.current_A);
-  of(s, Signal::measured_V) = f(in.sample.voltage_V);
-  of(s, Signal::supply_V) = f(in.supply_V);
-  of(s, Signal::limit_reasons) = static_cast<float>(out.limit_reasons);
+  report.dt_s = static_cast<float>(dt_s);
+  report.signals = read_signals<S>({out, in, advance_motion(out, report.dt_s)});
   report.state = out.state;
   report.latched = out.latched;
   report.active = out.active;
@@ -150,8 +118,24 @@ void Servo<S>::publish(const Output<S>& out, const Inputs<S>& in, const S& dt_s)
   report.blocks = out.blocks;
   report.first_cause = out.first_cause;
   report.limit_reasons = out.limit_reasons;
-  report.dt_s = dt;
   ServoCore::publish(report);
+}
+
+template <class S>
+Motion Servo<S>::advance_motion(const Output<S>& out, float dt_s) {
+  const Settings<S>& q = staging_.active();
+  const auto position_m =
+      static_cast<float>((q.axis.zero_strain - out.estimate.strain) * q.wire.geometry.length_m);
+  constexpr float filter_s = 0.02F;
+  if (has_position_) {
+    const float raw_m_s = (position_m - motion_.position_m) / dt_s;
+    motion_.velocity_m_s += dt_s / (dt_s + filter_s) * (raw_m_s - motion_.velocity_m_s);
+  }
+  has_position_ = std::isfinite(position_m);
+  motion_.velocity_m_s = has_position_ ? motion_.velocity_m_s : 0;
+  motion_.position_m = position_m;
+  motion_.force_N = static_cast<float>(out.measurement.stress_Pa * q.wire.geometry.area_m2());
+  return motion_;
 }
 
 }  // namespace smaservo::canopen

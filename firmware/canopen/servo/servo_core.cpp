@@ -345,8 +345,8 @@ void ServoCore::publish(const StepReport& report) {
   axis_.feedback({report.state, !(report.active & blocking_faults).empty(),
                   !report.active.has(Fault::supply_low), !report.warnings.empty(),
                   (report.limit_reasons & ~planner) != 0, code_of(why.first()),
-                  of(signals_, Signal::position_m), of(signals_, Signal::velocity_m_s),
-                  of(signals_, Signal::force_N)});
+                  signals_[signal_index("position_m")], signals_[signal_index("velocity_m_s")],
+                  signals_[signal_index("force_N")]});
   step_test_.step(signals_, report.dt_s, axis_);
   recorder_.record(signals_);
 }

@@ -39,16 +39,12 @@ class Tuning final : public ParameterAccess {
     open_ = false;
   }
 
-  /// Counts up when what is in force has changed by the bus.
-  std::uint32_t changes() const { return changes_; }
-
  private:
   static Abort abort_of(StageResult result);
   Abort done(const Applied& applied);
   Abort apply(bool enabled) { return done(staging_.apply(enabled)); }
 
   Staging<S>& staging_;
-  std::uint32_t changes_ = 0;
   Key refused_{}, refused_other_{};
   bool open_ = false;
 };
@@ -95,7 +91,6 @@ Abort Tuning<S>::done(const Applied& applied) {
   refused_other_ = key(applied.finding.other);
   switch (applied.problem) {
     case ApplyProblem::none:
-      ++changes_;
       return Abort::none;
     case ApplyProblem::refused:
       return Abort::incompatible;
@@ -153,7 +148,6 @@ Abort Tuning<S>::tune(TuningCommand command, float trial_s, bool enabled) {
       if (state() != TuningState::none) {
         staging_.revert();
         open_ = false;
-        ++changes_;
       }
       return Abort::none;
   }
@@ -163,10 +157,7 @@ Abort Tuning<S>::tune(TuningCommand command, float trial_s, bool enabled) {
 template <class S>
 bool Tuning<S>::tick(float dt_s) {
   const bool ended = staging_.tick(S(dt_s));
-  if (ended) {
-    open_ = false;
-    ++changes_;
-  }
+  open_ = open_ && !ended;
   return ended;
 }
 

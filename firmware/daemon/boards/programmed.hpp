@@ -12,7 +12,7 @@ namespace smaservo {
 class Programmed : public Partner {
  public:
   explicit Programmed(std::vector<CommandStretch> program) : program_(std::move(program)) {}
-  Heard listen(double time_s) override { return {program_.at(time_s), {}}; }
+  Heard<double> listen(double time_s) override { return {program_.at(time_s), {}}; }
 
  private:
   CommandProgram program_;

@@ -21,14 +21,13 @@ Replaying::Replaying(const std::string& trace, const Settings<double>& settings,
              settings.wire.geometry.area_m2()),
       log_(name_, board_.trace().names()) {}
 
-Heard Replaying::listen(double time_s) {
+Heard<double> Replaying::listen(double time_s) {
   split_fields(board_.row().text, fields_);
   Settings<double> settings = desk_.settings();
   if (log_.change(fields_, time_s, settings)) {
     desk_.change(settings);
   }
-  return {log_.command(fields_, time_s), log_.external(fields_, time_s),
-          log_.late(fields_, time_s)};
+  return log_.heard(fields_, time_s);
 }
 
 }  // namespace smaservo

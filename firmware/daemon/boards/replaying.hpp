@@ -28,7 +28,7 @@ class Replaying : public Partner {
   std::int64_t now_ns() const { return board_.now_ns(); }
 
   // A Partner.
-  Heard listen(double time_s) override;
+  Heard<double> listen(double time_s) override;
 
  private:
   std::string name_;

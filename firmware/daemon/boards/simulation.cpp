@@ -34,7 +34,7 @@ ReadStatus Simulation::read(Frame& frame) {
   return board_.read(frame);
 }
 
-Heard Simulation::listen(double time_s) {
+Heard<double> Simulation::listen(double time_s) {
   return {has_program_ ? program_.at(time_s) : Command<double>{.fresh = true}, {}, events_.late()};
 }
 
@@ -45,7 +45,7 @@ Demonstration::Demonstration(const Settings<double>& settings) {
   short_ = std::max(0.35 * most, settings.limits.least_strain);
 }
 
-Heard Demonstration::listen(double time_s) {
+Heard<double> Demonstration::listen(double time_s) {
   constexpr double rest_s = 0.5;
   constexpr double half_s = 2;
   const bool armed = time_s >= rest_s;

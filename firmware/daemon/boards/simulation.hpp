@@ -26,7 +26,7 @@ class Simulation : public Partner {
   std::int64_t now_ns() const { return board_.now_ns(); }
 
   // A Partner.
-  Heard listen(double time_s) override;
+  Heard<double> listen(double time_s) override;
 
   SimTruth truth() const { return board_.truth(); }
 
@@ -44,7 +44,7 @@ static_assert(Board<Simulation>);
 class Demonstration : public Partner {
  public:
   explicit Demonstration(const Settings<double>& settings);
-  Heard listen(double time_s) override;
+  Heard<double> listen(double time_s) override;
 
  private:
   double short_, long_;

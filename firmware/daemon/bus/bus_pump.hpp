@@ -34,7 +34,7 @@ class BusPartner : public Partner {
  public:
   explicit BusPartner(double lease_s) : lease_s_(lease_s) {}
 
-  Heard listen(double time_s) override;
+  Heard<double> listen(double time_s) override;
   void tell(const Turn& turn, double dt_s) override {
     reports_.push({turn.output, turn.inputs, dt_s});
   }
@@ -53,7 +53,7 @@ class BusPartner : public Partner {
   bool said_ = false;
 };
 
-inline Heard BusPartner::listen(double time_s) {
+inline Heard<double> BusPartner::listen(double time_s) {
   const bool fresh = says_.take(last_);
   if (fresh || !said_) {
     said_ = said_ || fresh;

@@ -117,8 +117,8 @@ struct BusService::Parts {
   BusJournal journal;
   std::future<std::string> storing;
   std::uint64_t heard_us = 0, frames = 0;
-  std::uint32_t known_changes = 0;  ///< of the desk
-  std::jthread thread;              // last: it ends before what it uses
+  std::uint32_t followed = 0;  ///< of the desk's changes
+  std::jthread thread;         // last: it ends before what it uses
 };
 
 BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
@@ -181,16 +181,16 @@ void BusService::Parts::show_figures() {
 /// What SIGHUP has put in force is what a client reads and goes on from.
 void BusService::Parts::follow_desk() {
   const std::uint32_t changes = desk.changes();
-  if (known_changes != changes) {
-    known_changes = changes;
+  if (followed != changes) {
+    followed = changes;
     servo.replace_settings(desk.settings());
   }
 }
 
 bool BusService::Parts::give_to_desk() {
-  const bool taken = desk.change(staging.active());
-  known_changes = desk.changes();
-  return taken;
+  const std::optional<std::uint32_t> number = desk.change(staging.active());
+  followed = number.value_or(followed);
+  return number.has_value();
 }
 
 void BusService::Parts::tell_changes() {

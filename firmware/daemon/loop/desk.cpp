@@ -12,22 +12,22 @@ ParameterDesk::~ParameterDesk() {
   }
 }
 
-bool ParameterDesk::change(const Settings<double>& settings) {
+std::optional<std::uint32_t> ParameterDesk::change(const Settings<double>& settings) {
   const std::scoped_lock lock(mutex_);
   std::string text = changes_text(settings_, settings);
   if (text.empty()) {
-    return true;
+    return last_;
   }
   delete_old();
   if (under_way_ == most_under_way) {
-    return false;
+    return std::nullopt;
   }
   ParameterSetPtr set = make_parameter_set(settings, ++last_);
   texts_.emplace(last_, std::move(text));
   settings_ = settings;
   ++under_way_;
   links_.new_sets.push(set.release());
-  return true;
+  return last_;
 }
 
 void ParameterDesk::tidy() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "firmware/daemon/loop/links.hpp"
@@ -11,8 +12,9 @@
 
 namespace smaservo {
 
-/// Where settings change while the loop runs: prepared here, in force there as a whole at the
-/// beginning of a turn. For any thread but the loop's.
+/// The owner of a daemon's settings in force, and where they change while the loop runs: prepared
+/// here, in force there as a whole at the beginning of a turn. Whoever uses them keeps the number
+/// that it has followed. For any thread but the loop's.
 class ParameterDesk {
  public:
   ParameterDesk(const Settings<double>& settings, LoopLinks& links)
@@ -21,12 +23,12 @@ class ParameterDesk {
   ParameterDesk(const ParameterDesk&) = delete;
   ParameterDesk& operator=(const ParameterDesk&) = delete;
 
-  /// For Axis.
+  /// For the loop to begin with.
   ParameterSetPtr first() const { return make_parameter_set(settings_, 0); }
 
-  /// Settings that have passed check(). False: too many are under way, try again later. Nothing
-  /// happens where nothing changes.
-  bool change(const Settings<double>& settings);
+  /// Settings that have passed check(); the number of what is then in force. Nothing: too many are
+  /// under way, try again later. Nothing happens where nothing changes.
+  std::optional<std::uint32_t> change(const Settings<double>& settings);
 
   /// Deletes what the loop has given back.
   void tidy();

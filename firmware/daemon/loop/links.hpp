@@ -5,8 +5,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include "firmware/daemon/loop/axis.hpp"
 #include "firmware/daemon/loop/histogram.hpp"
+#include "firmware/daemon/loop/prepared_device.hpp"
 #include "firmware/daemon/loop/ring.hpp"
 #include "firmware/text/turn.hpp"
 
@@ -33,7 +33,7 @@ struct LoopLinks {
   std::atomic<bool> heated{false};
 };
 
-/// Written by the loop, read by any thread.
+/// Written by the loop and its guard, read by any thread.
 struct LoopFigures {
   struct Stop {
     std::atomic<std::uint32_t> count{0};
@@ -50,7 +50,8 @@ struct LoopFigures {
   Histogram wake;             ///< after the turn's time
   Histogram execution;        ///< from waking up to the end of the turn
   Histogram sample_to_drive;  ///< from the instant of the sample to the drive being told
-  std::array<Stop, fault_count> stops{};  ///< by the faults that ended a current
+  std::array<Stop, fault_count> stops{};      ///< by the faults that ended a current
+  std::atomic<std::uint64_t> guard_stops{0};  ///< times that the guard had to switch off
 };
 
 }  // namespace smaservo

@@ -8,14 +8,13 @@
 #include "firmware/daemon/loop/links.hpp"
 #include "firmware/daemon/loop/pace.hpp"
 #include "firmware/daemon/loop/partner.hpp"
-#include "firmware/device/board_io.hpp"
+#include "firmware/device/cycle.hpp"
 #include "hal/linux/system/clock.hpp"
 
 namespace smaservo {
 
 struct LoopTiming {
   std::int64_t period_ns;
-  std::int64_t lease_ns;         ///< how long a drive command is valid
   bool from_zero;                ///< the recording's time begins with the first frame
   std::uint64_t most_turns = 0;  ///< 0: no end
 };
@@ -28,11 +27,11 @@ inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_ti
 template <Board B, class Pacing>
 class Loop {
  public:
-  Loop(B& board, Pacing pacing, Axis& axis, Partner& partner, LoopLinks& links,
+  Loop(B& board, Pacing pacing, PreparedDevice& device, Partner& partner, LoopLinks& links,
        LoopFigures& figures, const LoopTiming& timing)
       : board_(board),
         pacing_(std::move(pacing)),
-        axis_(axis),
+        device_(device),
         partner_(partner),
         links_(links),
         figures_(figures),
@@ -43,21 +42,17 @@ class Loop {
   bool turn();
 
  private:
-  // What a device can step over.
-  static constexpr std::int64_t shortest_step_ns = 100'000;
-  static constexpr std::int64_t longest_step_ns = 20'000'000;
-
   void count_frame(ReadStatus status);
   void count_setpoints(std::uint32_t come);
   double advance_time();
   void adopt_sets();
-  void drive(ReadStatus status);
+  void renew_lease(bool heated);
   void note_stop(const Output<double>& before, std::int64_t sampled_ns, std::int64_t driven_ns);
   void leave_record();
 
   B& board_;
   Pacing pacing_;
-  Axis& axis_;
+  PreparedDevice& device_;
   Partner& partner_;
   LoopLinks& links_;
   LoopFigures& figures_;
@@ -85,17 +80,19 @@ bool Loop<B, Pacing>::turn() {
   const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : monotonic_ns();
   count_frame(status);
   const double dt_s = advance_time();
-  const Heard heard = partner_.listen(now_.turn.time_s);
+  Turn& turn = now_.turn;
+  Heard<double> heard = partner_.listen(turn.time_s);
+  heard.late = heard.late || (in_monotonic_time<B> && woke.missed > 0);
+  heard.external = heard.external | FaultSet::from_bits(links_.faults.load());
   count_setpoints(heard.setpoints);
   adopt_sets();
-  Turn& turn = now_.turn;
-  turn.command = heard.command;
-  turn.inputs = inputs_of<double>(frame_, status);
-  turn.inputs.deadline_missed = (in_monotonic_time<B> && woke.missed > 0) || heard.late;
-  turn.inputs.external = heard.external | FaultSet::from_bits(links_.faults.load());
   const Output<double> before = turn.output;
-  turn.output = axis_.step(turn.inputs, turn.command, dt_s);
-  drive(status);
+  run_cycle(board_, frame_, status, heard, timing_.period_ns, turn,
+            [&](const Inputs<double>& in, const Command<double>& command) {
+              const Output<double> out = device_.step(in, command, dt_s);
+              renew_lease(is_heated(out.state));
+              return out;
+            });
   const std::int64_t driven_ns = monotonic_ns();
   partner_.tell(turn, dt_s);
   links_.output.put(turn.output);
@@ -159,22 +156,16 @@ void Loop<B, Pacing>::adopt_sets() {
   if (links_.new_sets.pop(set)) {
     now_.set = number_of(*set);
     // Room is certain: no more sets are under way than it holds.
-    links_.old_sets.push(axis_.adopt(set));
+    links_.old_sets.push(device_.adopt(set));
   }
 }
 
+/// Before the drive is told, so that the guard ends the heat of a loop that hangs there.
 template <Board B, class Pacing>
-void Loop<B, Pacing>::drive(ReadStatus status) {
-  const Output<double>& output = now_.turn.output;
-  const bool heated = is_heated(output.state);
-  const DriveCommand command = drive_of(output, board_.now_ns(), timing_.lease_ns);
-  links_.lease_ends_ns.store(heated ? monotonic_ns() + timing_.lease_ns : 0,
-                             std::memory_order_relaxed);
+void Loop<B, Pacing>::renew_lease(bool heated) {
+  const std::int64_t ends_ns = monotonic_ns() + leased_periods * timing_.period_ns;
+  links_.lease_ends_ns.store(heated ? ends_ns : 0, std::memory_order_relaxed);
   links_.heated.store(heated, std::memory_order_relaxed);
-  board_.drive(command);
-  if (heated && status == ReadStatus::frame) {
-    board_.kick();
-  }
 }
 
 template <Board B, class Pacing>

@@ -5,15 +5,6 @@
 
 namespace smaservo {
 
-/// What a turn is told.
-struct Heard {
-  Command<double> command;
-  FaultSet external;
-  bool late = false;  ///< as recorded or simulated; the loop knows by itself when it really is
-  std::uint32_t setpoints =
-      0;  ///< that a master has sent since the turn before; the last one counts
-};
-
 /// Both calls are the loop's: they neither wait nor allocate.
 class Partner {
  public:
@@ -22,7 +13,8 @@ class Partner {
   Partner(const Partner&) = delete;
   Partner& operator=(const Partner&) = delete;
 
-  virtual Heard listen(double time_s) = 0;
+  /// Late is a turn as recorded or simulated; the loop knows by itself when it really is.
+  virtual Heard<double> listen(double time_s) = 0;
   /// What came of it.
   virtual void tell(const Turn& /*turn*/, double /*dt_s*/) {}
 };
@@ -30,7 +22,7 @@ class Partner {
 /// Nobody: the device stays off.
 class NoPartner : public Partner {
  public:
-  Heard listen(double /*time_s*/) override { return {{.fresh = true}, {}}; }
+  Heard<double> listen(double /*time_s*/) override { return {{.fresh = true}, {}}; }
 };
 
 }  // namespace smaservo

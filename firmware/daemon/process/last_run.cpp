@@ -117,6 +117,17 @@ bool RunMark::set(State state) {
          fdatasync(file_.number()) == 0;
 }
 
+bool RunMark::follow(bool heated, std::int64_t now_ns) {
+  constexpr std::int64_t idle_after_ns = 1'000'000'000;
+  cold_since_ns_ = heated ? now_ns : cold_since_ns_;
+  const bool wanted = heated || (marked_heated_ && now_ns - cold_since_ns_ < idle_after_ns);
+  if (wanted == marked_heated_) {
+    return true;
+  }
+  marked_heated_ = wanted;
+  return set(wanted ? State::heated : State::idle);
+}
+
 RunMark::Block RunMark::crash_block(int signal, bool heated) const {
   return block(fmt::format("crashed:{}:{}", signal, heated ? "heated" : "off"));
 }

@@ -42,6 +42,8 @@ class RunMark {
   const LastRun& last() const { return last_; }
   /// Durable when it returns. False: the disk fails.
   bool set(State state);
+  /// The same of a run that goes on: heated at once, idle when it has not been for a second.
+  bool follow(bool heated, std::int64_t now_ns);
 
   // For a signal handler: pwrite() the block at the beginning.
   int descriptor() const { return file_.number(); }
@@ -53,6 +55,8 @@ class RunMark {
   std::string boot_;
   Descriptor file_;
   LastRun last_;
+  bool marked_heated_ = false;
+  std::int64_t cold_since_ns_ = 0;
 };
 
 /// /proc/sys/kernel/random/boot_id

@@ -23,6 +23,7 @@ inline constexpr auto fault_rows = [] {
   add(wire_faults);
   add(estimate_faults);
   add(machine_faults);
+  std::ranges::sort(rows, {}, &FaultRow::fault);
   return rows;
 }();
 

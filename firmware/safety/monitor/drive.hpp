@@ -1,7 +1,7 @@
 #pragma once
 // Detects faults of the supply and the output stage.
 
-#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/inputs.hpp"
 #include "firmware/safety/monitor/zero_current.hpp"
 
 namespace smaservo {
@@ -9,25 +9,25 @@ namespace smaservo {
 template <class S>
 struct DriveMonitor {
   /// The voltage reading is at the end of its scale.
-  static bool voltage_at_end(const Seen<S>& seen) {
+  static bool voltage_at_end(const MonitorInputs<S>& seen) {
     return full * seen.prepared.settings.measuring.voltage_full_scale_V <=
            magnitude(seen.in.sample.voltage_V);
   }
 
   /// The conditions that are there now. Cost: about 60 operations, no division.
-  static FaultSet detect(const Seen<S>& seen, const ZeroCurrent<S>& zero);
+  static FaultSet detect(const MonitorInputs<S>& seen, const ZeroCurrent<S>& zero);
 
  private:
   static constexpr S full = S(0.998);  ///< of a scale: a converter's last code is not all of it
   static constexpr S warm_K = S(10);
 
-  static void supply(const Seen<S>& seen, FaultSet& now);
-  static void current(const Seen<S>& seen, FaultSet& now);
-  static void voltage(const Seen<S>& seen, FaultSet& now);
+  static void supply(const MonitorInputs<S>& seen, FaultSet& now);
+  static void current(const MonitorInputs<S>& seen, FaultSet& now);
+  static void voltage(const MonitorInputs<S>& seen, FaultSet& now);
 };
 
 template <class S>
-FaultSet DriveMonitor<S>::detect(const Seen<S>& seen, const ZeroCurrent<S>& zero) {
+FaultSet DriveMonitor<S>::detect(const MonitorInputs<S>& seen, const ZeroCurrent<S>& zero) {
   FaultSet now;
   now.add(Fault::driver_fault, seen.in.driver_fault);
   if (seen.in.fresh) {
@@ -41,7 +41,7 @@ FaultSet DriveMonitor<S>::detect(const Seen<S>& seen, const ZeroCurrent<S>& zero
 
 /// What is not measured is NaN, and no comparison with it is true.
 template <class S>
-void DriveMonitor<S>::supply(const Seen<S>& seen, FaultSet& now) {
+void DriveMonitor<S>::supply(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   now.add(Fault::supply_low, seen.in.supply_V < q.drive.least_supply_V);
   now.add(Fault::supply_high, q.drive.greatest_supply_V < seen.in.supply_V);
@@ -50,7 +50,7 @@ void DriveMonitor<S>::supply(const Seen<S>& seen, FaultSet& now) {
 }
 
 template <class S>
-void DriveMonitor<S>::current(const Seen<S>& seen, FaultSet& now) {
+void DriveMonitor<S>::current(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const S I = magnitude(seen.current_A);
   const S noise_A = S(6) * q.measuring.current_noise_A;
@@ -73,7 +73,7 @@ void DriveMonitor<S>::current(const Seen<S>& seen, FaultSet& now) {
 }
 
 template <class S>
-void DriveMonitor<S>::voltage(const Seen<S>& seen, FaultSet& now) {
+void DriveMonitor<S>::voltage(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   // Without current it is the wire that is open.
   const bool flows = seen.prepared.measuring.least_current_A <= magnitude(seen.current_A);

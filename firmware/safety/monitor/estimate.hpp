@@ -1,7 +1,7 @@
 #pragma once
 // Detects that the estimate, or the loop closed over it, is not to be trusted.
 
-#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/inputs.hpp"
 #include "model/scalar/scalar.hpp"
 
 namespace smaservo {
@@ -20,20 +20,20 @@ struct EstimateMonitor {
   };
 
   /// Cost: about 50 operations, no division.
-  static FaultSet detect(const Seen<S>& seen, State& s);
+  static FaultSet detect(const MonitorInputs<S>& seen, State& s);
 
  private:
   static constexpr S filter_1_s = S(10);
   /// Squared: so many standard deviations of the filtered innovation are too many.
   static constexpr S far = S(36);
 
-  static bool diverged(const Seen<S>& seen, State& s);
-  static bool away(const Seen<S>& seen, State& s);
-  static void surroundings(const Seen<S>& seen, FaultSet& now);
+  static bool diverged(const MonitorInputs<S>& seen, State& s);
+  static bool away(const MonitorInputs<S>& seen, State& s);
+  static void surroundings(const MonitorInputs<S>& seen, FaultSet& now);
 };
 
 template <class S>
-FaultSet EstimateMonitor<S>::detect(const Seen<S>& seen, State& s) {
+FaultSet EstimateMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   FaultSet now;
   if (!seen.observing) {
     return now;
@@ -55,7 +55,7 @@ FaultSet EstimateMonitor<S>::detect(const Seen<S>& seen, State& s) {
 /// The innovation ν has the expected square s² at each step. Were it white, its mean over a time
 /// τ would have the variance s² dt/2τ.
 template <class S>
-bool EstimateMonitor<S>::diverged(const Seen<S>& seen, State& s) {
+bool EstimateMonitor<S>::diverged(const MonitorInputs<S>& seen, State& s) {
   const auto& f = seen.filter;
   if (!seen.measurement.resistance_valid || seen.estimate.health == Health::searching) {
     s.innovation_ohm = S(0);
@@ -67,7 +67,7 @@ bool EstimateMonitor<S>::diverged(const Seen<S>& seen, State& s) {
 }
 
 template <class S>
-bool EstimateMonitor<S>::away(const Seen<S>& seen, State& s) {
+bool EstimateMonitor<S>::away(const MonitorInputs<S>& seen, State& s) {
   const Settings<S>& q = seen.prepared.settings;
   const bool position = seen.last.mode == Mode::position;
   if (seen.last.state != DeviceState::running || (seen.last.mode != Mode::strain && !position)) {
@@ -83,7 +83,7 @@ bool EstimateMonitor<S>::away(const Seen<S>& seen, State& s) {
 }
 
 template <class S>
-void EstimateMonitor<S>::surroundings(const Seen<S>& seen, FaultSet& now) {
+void EstimateMonitor<S>::surroundings(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const KalmanTuning<S>& t = seen.prepared.observer.tuning;
   const auto& f = seen.filter;

@@ -7,7 +7,7 @@
 // become warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's
 // file.
 
-#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/inputs.hpp"
 
 namespace smaservo {
 
@@ -25,7 +25,7 @@ struct HotResistance {
   static constexpr S most_rise_K = S(80);
 
   /// Cost: about 40 operations, three divisions.
-  void advance(const Seen<S>& seen) {
+  void advance(const MonitorInputs<S>& seen) {
     const Estimate<S>& e = seen.estimate;
     if (!(e.martensite + e.r_phase < most_cold)) {
       *this = HotResistance{};
@@ -60,7 +60,7 @@ struct HotResistance {
   static constexpr S least_loss = S(0.5);
 
   /// R ~ (ρ_0 + q σ)(1 + 2 ε), ε = σ/E
-  static S share_of_austenite(const Seen<S>& seen) {
+  static S share_of_austenite(const MonitorInputs<S>& seen) {
     const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
     const S sigma = seen.filter.stress_Pa;
     const S strain = a.strain + sigma / a.modulus_Pa;
@@ -70,7 +70,7 @@ struct HotResistance {
 
   /// Heat that it keeps, with half the cooling of its file. A wire that gets less cools, whatever
   /// its resistance does.
-  S net_W(const Seen<S>& seen) const {
+  S net_W(const MonitorInputs<S>& seen) const {
     const S above_K = temperature_K - seen.filter.ambient_K;
     return seen.measurement.power_W -
            least_loss * seen.prepared.observer.model.body.loss_W(above_K);

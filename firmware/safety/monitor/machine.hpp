@@ -1,7 +1,7 @@
 #pragma once
 // Detects faults of the machine: readings, timing, commands, and what the caller reports.
 
-#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/inputs.hpp"
 #include "model/scalar/scalar.hpp"
 
 namespace smaservo {
@@ -19,16 +19,16 @@ struct MachineMonitor {
   };
 
   /// Cost: about 40 operations, no division.
-  static FaultSet detect(const Seen<S>& seen, State& s);
+  static FaultSet detect(const MonitorInputs<S>& seen, State& s);
 
  private:
   static constexpr S most_misses = S(10);
 
-  static bool frozen(const Seen<S>& seen, State& s);
+  static bool frozen(const MonitorInputs<S>& seen, State& s);
 };
 
 template <class S>
-FaultSet MachineMonitor<S>::detect(const Seen<S>& seen, State& s) {
+FaultSet MachineMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   const Settings<S>& q = seen.prepared.settings;
   const Inputs<S>& in = seen.in;
   FaultSet now = in.external;
@@ -56,7 +56,7 @@ FaultSet MachineMonitor<S>::detect(const Seen<S>& seen, State& s) {
 
 /// Steady readings alone say nothing: a quiet front end repeats them. They must follow the current.
 template <class S>
-bool MachineMonitor<S>::frozen(const Seen<S>& seen, State& s) {
+bool MachineMonitor<S>::frozen(const MonitorInputs<S>& seen, State& s) {
   const Inputs<S>& in = seen.in;
   const bool same_sequence = s.sampled && in.sequence == s.sequence;
   const bool same_readings = s.sampled && in.sample.current_A == s.sample.current_A &&

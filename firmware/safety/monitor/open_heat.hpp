@@ -2,7 +2,7 @@
 // How hot the wire is by the heat that it was given, whatever its resistance says: the second
 // opinion on the temperature, for the case that the first one is deceived by its sensor.
 
-#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/inputs.hpp"
 
 namespace smaservo {
 
@@ -25,7 +25,7 @@ struct OpenHeat {
   static constexpr S colder_K = S(2);
 
   /// Cost: about 50 operations, a division among them.
-  void advance(const Seen<S>& seen) {
+  void advance(const MonitorInputs<S>& seen) {
     const auto& f = seen.filter;
     const ThermalBody<S>& body = seen.prepared.observer.model.body;
     const Surface<S>& m2a = seen.prepared.observer.model.kinetics.m2a;

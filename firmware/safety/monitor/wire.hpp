@@ -26,7 +26,7 @@ struct WireMonitor {
   };
 
   /// Cost: about 150 operations, a division among them.
-  static FaultSet detect(const Seen<S>& seen, State& s);
+  static FaultSet detect(const MonitorInputs<S>& seen, State& s);
 
   /// What the wire's resistance differs by from what its model expects of a new wire, relative and
   /// times the model's: off by more than the setting allows.
@@ -43,16 +43,16 @@ struct WireMonitor {
   static constexpr S ahead_s = S(0.003);
   static constexpr S slip_forgotten_1_s = S(0.1);
 
-  static void circuit(const Seen<S>& seen, FaultSet& now);
-  static void temperature(const Seen<S>& seen, State& s, FaultSet& now);
-  static bool jumped(const Seen<S>& seen, State& s);
-  static void signature(const Seen<S>& seen, State& s, FaultSet& now);
-  static void mechanics(const Seen<S>& seen, State& s, FaultSet& now);
-  static void age(const Seen<S>& seen, State& s, FaultSet& now);
+  static void circuit(const MonitorInputs<S>& seen, FaultSet& now);
+  static void temperature(const MonitorInputs<S>& seen, State& s, FaultSet& now);
+  static bool jumped(const MonitorInputs<S>& seen, State& s);
+  static void signature(const MonitorInputs<S>& seen, State& s, FaultSet& now);
+  static void mechanics(const MonitorInputs<S>& seen, State& s, FaultSet& now);
+  static void age(const MonitorInputs<S>& seen, State& s, FaultSet& now);
 };
 
 template <class S>
-FaultSet WireMonitor<S>::detect(const Seen<S>& seen, State& s) {
+FaultSet WireMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   FaultSet now;
   if (seen.in.fresh) {
     circuit(seen, now);
@@ -68,7 +68,7 @@ FaultSet WireMonitor<S>::detect(const Seen<S>& seen, State& s) {
 }
 
 template <class S>
-void WireMonitor<S>::circuit(const Seen<S>& seen, FaultSet& now) {
+void WireMonitor<S>::circuit(const MonitorInputs<S>& seen, FaultSet& now) {
   const MeasurementParams<S>& band = seen.prepared.measuring;
   const S R = seen.measurement.resistance_ohm;  // 0 without enough current
   const S low_A = seen.least_given_A();
@@ -85,7 +85,7 @@ void WireMonitor<S>::circuit(const Seen<S>& seen, FaultSet& now) {
 }
 
 template <class S>
-void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
+void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const Estimate<S>& e = seen.estimate;
   s.heat.advance(seen);
@@ -121,7 +121,7 @@ void WireMonitor<S>::temperature(const Seen<S>& seen, State& s, FaultSet& now) {
 /// No transformation changes the resistance faster than its latent heat comes, and under a steady
 /// load none comes without heat.
 template <class S>
-bool WireMonitor<S>::jumped(const Seen<S>& seen, State& s) {
+bool WireMonitor<S>::jumped(const MonitorInputs<S>& seen, State& s) {
   const S R = seen.measurement.resistance_ohm;
   const S sigma = seen.filter.stress_Pa;
   const bool steady = seen.measurement.stress_valid &&
@@ -147,7 +147,7 @@ bool WireMonitor<S>::jumped(const Seen<S>& seen, State& s) {
 
 /// The limit is kept by shaping the power; beyond it that was not enough.
 template <class S>
-void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
+void WireMonitor<S>::signature(const MonitorInputs<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   s.hot.advance(seen);
   const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
@@ -156,7 +156,7 @@ void WireMonitor<S>::signature(const Seen<S>& seen, State& s, FaultSet& now) {
 }
 
 template <class S>
-void WireMonitor<S>::mechanics(const Seen<S>& seen, State& s, FaultSet& now) {
+void WireMonitor<S>::mechanics(const MonitorInputs<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const Measurement<S>& m = seen.measurement;
   const S strain = seen.estimate.strain;
@@ -182,7 +182,7 @@ void WireMonitor<S>::mechanics(const Seen<S>& seen, State& s, FaultSet& now) {
 }
 
 template <class S>
-void WireMonitor<S>::age(const Seen<S>& seen, State& s, FaultSet& now) {
+void WireMonitor<S>::age(const MonitorInputs<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   now.add(Fault::drift, seen.sure() && drifted(q, seen.filter.resistance, S(1)));
   const bool turned = s.contracted ? S(0.7) < seen.estimate.martensite + seen.estimate.r_phase

@@ -3,7 +3,7 @@
 // the device is off, since such offsets wander with temperature. A sense current of a few percent
 // of the greatest one could not do without.
 
-#include "firmware/safety/monitor/seen.hpp"
+#include "firmware/safety/monitor/inputs.hpp"
 #include "model/scalar/scalar.hpp"
 
 namespace smaservo {

@@ -57,10 +57,10 @@ std::vector<KnownObject> all_objects() {
                    std::string(row.meaning), true, &row, row.kind.front()});
   }
   for (std::size_t i = 0; i < signal_count; ++i) {
-    all.push_back({{live_values, sub_of(static_cast<Signal>(i))},
+    all.push_back({{live_values, sub_of(i)},
                    Type::real,
-                   fmt::format("live.{}", signal_rows[i].name),
-                   std::string(signal_rows[i].meaning),
+                   fmt::format("live.{}", signal_rows<double>[i].name),
+                   std::string(signal_rows<double>[i].meaning),
                    false,
                    nullptr});
   }

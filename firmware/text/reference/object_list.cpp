@@ -86,11 +86,11 @@ void add_parameters(List& list) {
 
 void add_signals(List& list) {
   for (std::size_t i = 0; i < signal_count; ++i) {
+    const Signal<double>& signal = signal_rows<double>[i];
     const canopen::DescribedObject d =
-        canopen::row({live_values, static_cast<std::uint8_t>(i + 1)}, Type::real,
-                     canopen::readable | canopen::in_tpdo, canopen::nowhere, signal_rows[i].name);
-    list.add(
-        {d.object, std::string(signal_rows[i].name), std::string(signal_rows[i].meaning), false});
+        canopen::row({live_values, sub_of(i)}, Type::real, canopen::readable | canopen::in_tpdo,
+                     canopen::nowhere, signal.name);
+    list.add({d.object, std::string(signal.name), std::string(signal.meaning), false});
   }
 }
 

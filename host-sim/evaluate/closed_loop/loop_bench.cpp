@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "firmware/device/board_io.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/parameters/parameters.hpp"
 
 namespace smaservo {
@@ -72,7 +72,7 @@ Inputs<double> LoopBench::read() {
 }
 
 void LoopBench::drive(double current_A) {
-  board_.drive({current_A, 0, board_.now_ns() + 3 * period_ns});
+  board_.drive({current_A, 0, board_.now_ns() + leased_periods * period_ns});
 }
 
 }  // namespace smaservo

@@ -117,11 +117,11 @@ std::string table_html(const Comparison& comparison) {
 }
 
 /// What the loops of a run are drawn over.
-struct Axis {
+struct Abscissa {
   const char* label;
   std::vector<double> values;
 };
-Axis axis(const Run& run) {
+Abscissa abscissa(const Run& run) {
   if (run.kind == RunKind::bath) {
     std::vector<double> degC;
     degC.reserve(run.temperature_K.size());
@@ -135,7 +135,7 @@ Axis axis(const Run& run) {
 
 Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one) {
   const Run& run = comparison.tests[t];
-  const Axis x = axis(run);
+  const Abscissa x = abscissa(run);
   std::string data = "$data << EOD\n";
   const std::size_t every = 1 + run.strain.size() / most_points;
   for (std::size_t i = 0; i < run.strain.size(); i += every) {

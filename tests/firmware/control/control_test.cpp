@@ -255,7 +255,7 @@ TEST(Controller, AnUnknownWireGetsNoCurrent) {
   for (double* lost : {&e.strain, &e.temperature_K, &e.resistance_model_ohm}) {
     const double was = *lost;
     *lost = nan;
-    const Known<double> known{m, e, filter, 0, 24};
+    const ControlInputs<double> known{m, e, filter, 0, 24};
     const auto none =
         Controller<double>::step(p, loop.control, {Mode::power, 0.3, {}}, known, 1e-3);
     EXPECT_EQ(none.current_A, 0);

@@ -37,7 +37,7 @@ struct Situation {
     Estimate<double> e{};
     e.temperature_K = temperature_K;
     e.strain = strain;
-    const Known<double> known{m, e, filter, 0, supply_V};
+    const ControlInputs<double> known{m, e, filter, 0, supply_V};
     LimitReasons reasons;
     const double power_W =
         PowerRange<double>(p, known, ohm, loss_W, duty, sustained_W, dt_s).apply(wanted_W, reasons);

@@ -27,7 +27,7 @@ struct Bench {
       : desk(standard_settings(), links),
         simulation(standard_closed_loop(desk.settings())),
         demonstration(desk.settings()),
-        axis(desk.first()) {
+        device(desk.first()) {
     links.record = &ring;
   }
   LoopLinks links;
@@ -35,14 +35,14 @@ struct Bench {
   ParameterDesk desk;
   Simulation simulation;
   Demonstration demonstration;
-  Axis axis;
+  PreparedDevice device;
   Ring<TurnRecord> ring{256};
 };
 
 TEST(LoopAllocation, None) {
   Bench bench;
-  Loop loop(bench.simulation, NoPace{}, bench.axis, bench.demonstration, bench.links, bench.figures,
-            {ms, 3 * ms, true});
+  Loop loop(bench.simulation, NoPace{}, bench.device, bench.demonstration, bench.links,
+            bench.figures, {ms, true});
   Settings<double> settings = bench.desk.settings();
   TurnRecord record{};
   bool heated = false;
@@ -70,8 +70,8 @@ int end_of(void (*then)()) {
   if (child == 0) {
     auto bench = std::make_unique<Bench>();
     std::thread([&] {
-      Loop loop(bench->simulation, Pace<MonotonicClock>(ms), bench->axis, bench->demonstration,
-                bench->links, bench->figures, {ms, 3 * ms, true});
+      Loop loop(bench->simulation, Pace<MonotonicClock>(ms), bench->device, bench->demonstration,
+                bench->links, bench->figures, {ms, true});
       if (!allow_loop_calls_only().empty()) {
         _exit(77);
       }

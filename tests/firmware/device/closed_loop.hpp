@@ -36,7 +36,7 @@ class ClosedLoop {
     const Measurement<S> m = observe(in, static_cast<S>(dt_s));
     const Estimate<S> e = estimate();
     const typename KalmanObserver<S>::State f = filter();
-    const Known<S> known{m, e, f, in.sample.current_A, in.supply_V};
+    const ControlInputs<S> known{m, e, f, in.sample.current_A, in.supply_V};
     const Result result = Controller<S>::step(
         prepared_, control, {mode, static_cast<S>(setpoint), scale}, known, static_cast<S>(dt_s));
     wire.stress(load_Pa(wire.strain()));

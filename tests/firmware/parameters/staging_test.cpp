@@ -149,6 +149,21 @@ TEST(Staging, ATrialGoesBackByItself) {
   EXPECT_EQ(staging.commit().problem, ApplyProblem::no_trial) << "too late";
 }
 
+TEST(Staging, CountsWhatComesIntoForce) {
+  Staging<double> staging(reference_settings());
+  EXPECT_EQ(staging.changes(), 0U);
+  stage(staging, "strain.proportional_W", 100, enabled);
+  EXPECT_EQ(staging.changes(), 0U);
+  ASSERT_TRUE(staging.apply(enabled).ok());
+  EXPECT_EQ(staging.changes(), 1U);
+  stage(staging, "strain.proportional_W", 110, enabled);
+  ASSERT_TRUE(staging.try_for(1).ok());
+  EXPECT_TRUE(staging.tick(2));
+  EXPECT_EQ(staging.changes(), 3U) << "the trial, and its end";
+  staging.replace(reference_settings());
+  EXPECT_EQ(staging.changes(), 4U);
+}
+
 TEST(Staging, ACommittedTrialStays) {
   Staging<double> staging(reference_settings());
   stage(staging, "strain.proportional_W", 100, enabled);

@@ -4,6 +4,9 @@
 #include <random>
 #include <set>
 
+#include "firmware/signals.hpp"
+#include "firmware/text/device_trace.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -44,6 +47,21 @@ TEST(DeviceNames, EveryLimitReasonHasOne) {
   EXPECT_EQ(names.size(), static_cast<std::size_t>(LimitReason::count));
   EXPECT_EQ(names.count(""), 0U);
   EXPECT_EQ(limit_reason_names(3), "least_current+current");
+}
+
+TEST(Signals, WithANameInTracesAreColumns) {
+  std::set<std::string_view> columns;
+  for (const DeviceColumn& column : log_columns(true, true, true)) {
+    columns.insert(column.name);
+  }
+  for (const DeviceColumn& column : output_columns()) {
+    EXPECT_TRUE(columns.insert(column.name).second) << column.name;
+  }
+  std::set<std::string_view> traced{""};
+  for (const Signal<double>& signal : signal_rows<double>) {
+    EXPECT_TRUE(signal.trace.empty() || traced.insert(signal.trace).second) << signal.trace;
+    EXPECT_TRUE(signal.trace.empty() || columns.contains(signal.trace)) << signal.trace;
+  }
 }
 
 }  // namespace

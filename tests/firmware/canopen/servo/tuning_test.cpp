@@ -317,13 +317,13 @@ std::vector<float> recorded(ServoRig& rig) {
 TEST(Recorder, KeepsWhatWasBeforeTheTrigger) {
   ServoRig rig;
   rig.enable();
-  rig.set({0x2301, 1}, sub_of(Signal::position_m), 1);
+  rig.set({0x2301, 1}, sub_of(signal_index("position_m")), 1);
   for (std::uint8_t i = 2; i <= 8; ++i) {
     rig.set({0x2301, i}, 0, 1);
   }
   EXPECT_EQ(rig.set({0x2301, 2}, signal_count + 1, 1), Abort::value);
   rig.set({0x2300, 4}, 100, 4);
-  rig.set({0x2300, 5}, sub_of(Signal::position_m), 1);
+  rig.set({0x2300, 5}, sub_of(signal_index("position_m")), 1);
   rig.set_real({0x2300, 7}, 0.5e-3F);
   ASSERT_EQ(rig.set({0x2300, 1}, 1, 1), Abort::none);
   rig.run(6000);
@@ -388,7 +388,7 @@ TEST(StepTest, IsBrokenOffByAnythingElse) {
 TEST(LiveValues, AreThoseOfTheStep) {
   ServoRig rig;
   rig.enable();
-  EXPECT_FLOAT_EQ(rig.get_real({0x2200, sub_of(Signal::stress_Pa)}), 100e6F);
+  EXPECT_FLOAT_EQ(rig.get_real({0x2200, sub_of(signal_index("stress_Pa"))}), 100e6F);
   EXPECT_EQ(rig.get({0x2202, 10}), static_cast<std::uint64_t>(DeviceState::running));
   rig.servo.set_timing({1000, 3, 1e-6F, 2e-6F, 3e-6F, 4e-6F});
   rig.servo.set_bus(7, 2, 30);

@@ -99,7 +99,7 @@ TEST(BusPump, CarriesBothWays) {
   EXPECT_EQ(rig.node.published, 2);
   EXPECT_EQ(rig.node.published_A, 0.25);
   EXPECT_EQ(rig.node.now_us, 1000U);
-  const Heard heard = rig.partner.listen(0);
+  const Heard<double> heard = rig.partner.listen(0);
   EXPECT_EQ(heard.command.setpoint, 7);
   EXPECT_TRUE(heard.command.fresh);
   EXPECT_TRUE(heard.external.has(Fault::duplicate_node));
@@ -113,7 +113,7 @@ TEST(BusPump, CountsTheSetpointsOfEachTurn) {
   rig.round(0);
   rig.port.in = {{.id = 3}};
   rig.round(100);
-  Heard heard = rig.partner.listen(0.001);
+  Heard<double> heard = rig.partner.listen(0.001);
   EXPECT_EQ(heard.setpoints, 3U);
   EXPECT_EQ(heard.command.setpoint, 3);
   EXPECT_EQ(rig.partner.listen(0.002).setpoints, 0U);

@@ -159,13 +159,13 @@ struct Bench {
       : simulation(scenario),
         board(simulation),
         desk(scenario.settings, links),
-        axis(desk.first()),
+        device(desk.first()),
         demonstration(scenario.settings) {}
 
   Loop<FaultyBoard<Simulation>, NoPace> loop(Partner& partner) {
     const auto period_ns =
         static_cast<std::int64_t>(std::llround(desk.settings().timing.period_s * 1e9));
-    return {board, NoPace{}, axis, partner, links, figures, {period_ns, 3 * period_ns, true}};
+    return {board, NoPace{}, device, partner, links, figures, {period_ns, true}};
   }
   Output<double> output() {
     Output<double> now{};
@@ -178,7 +178,7 @@ struct Bench {
   Simulation simulation;
   FaultyBoard<Simulation> board;
   ParameterDesk desk;
-  Axis axis;
+  PreparedDevice device;
   Demonstration demonstration;
 };
 
@@ -297,7 +297,7 @@ TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
 class BusyPartner : public Partner {
  public:
   std::deque<std::uint32_t> setpoints;
-  Heard listen(double /*time_s*/) override {
+  Heard<double> listen(double /*time_s*/) override {
     const std::uint32_t come = setpoints.front();
     setpoints.pop_front();
     return {{.fresh = true}, {}, false, come};
@@ -340,13 +340,13 @@ TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
   LoopLinks links;
   LoopFigures figures;
   const ParameterDesk desk(test_settings(), links);
-  Axis axis(desk.first());
+  PreparedDevice device(desk.first());
   NoPartner nobody;
   TimesBoard board;
   board.times_ns = {5 * ms, 6 * ms, 7 * ms, 507 * ms, 508 * ms, 508 * ms};
   Ring<TurnRecord> ring(16);
   links.record = &ring;
-  Loop loop(board, NoPace{}, axis, nobody, links, figures, {ms, 3 * ms, true});
+  Loop loop(board, NoPace{}, device, nobody, links, figures, {ms, true});
   const double expected_s[] = {0, 0.001, 0.002, 0.022, 0.023, 0.0231};
   for (const double time_s : expected_s) {
     ASSERT_TRUE(loop.turn());

@@ -1,4 +1,4 @@
-#include "firmware/daemon/status.hpp"
+#include "firmware/daemon/status/status.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -77,16 +77,16 @@ std::string status_json(const Status& status) {
             {"instructions_per_turn", nullptr},
             {"page_faults", nullptr},
             {"stops", stops_json(f)},
-            {"guard_stops", status.guard_stops},
+            {"guard_stops", f.guard_stops.load()},
             {"recording", nullptr},
             {"last_run", nullptr},
             {"machine", status.warnings}};
-  if (status.instructions) {
-    json["instructions_per_turn"] = *status.instructions;
+  if (status.usage.instructions) {
+    json["instructions_per_turn"] = *status.usage.instructions;
   }
-  if (status.page_faults) {
-    json["page_faults"] = {{"minor", status.page_faults->minor},
-                           {"major", status.page_faults->major}};
+  if (status.usage.page_faults) {
+    json["page_faults"] = {{"minor", status.usage.page_faults->minor},
+                           {"major", status.usage.page_faults->major}};
   }
   if (status.recording) {
     json["recording"] = {{"path", status.recording->path}, {"rows", status.recording->rows}};
@@ -114,12 +114,12 @@ std::string status_text(const Status& status) {
   text += line_of("wake-up", f.wake);
   text += line_of("execution", f.execution);
   text += line_of("sample to drive", f.sample_to_drive);
-  if (status.instructions) {
-    text += fmt::format("{:.0f} instructions per turn\n", *status.instructions);
+  if (status.usage.instructions) {
+    text += fmt::format("{:.0f} instructions per turn\n", *status.usage.instructions);
   }
-  if (status.page_faults) {
-    text += fmt::format("page faults in the loop: {} minor, {} major\n", status.page_faults->minor,
-                        status.page_faults->major);
+  if (status.usage.page_faults) {
+    text += fmt::format("page faults in the loop: {} minor, {} major\n",
+                        status.usage.page_faults->minor, status.usage.page_faults->major);
   }
   for (std::size_t i = 1; i < fault_count; ++i) {
     const LoopFigures::Stop& stop = f.stops.at(i);
@@ -133,8 +133,8 @@ std::string status_text(const Status& status) {
     text += fmt::format("{} cyclic set-points, {} superseded by newer ones before their turn\n",
                         f.setpoints.load(), f.superseded.load());
   }
-  if (status.guard_stops > 0) {
-    text += fmt::format("the guard switched off {} times: the loop hung\n", status.guard_stops);
+  if (f.guard_stops.load() > 0) {
+    text += fmt::format("the guard switched off {} times: the loop hung\n", f.guard_stops.load());
   }
   if (status.recording) {
     text +=

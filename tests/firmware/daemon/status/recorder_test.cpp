@@ -1,6 +1,6 @@
 // What is recorded replays to the same bits; what goes wrong on the disk disturbs nothing else.
 
-#include "firmware/daemon/recorder.hpp"
+#include "firmware/daemon/status/recorder.hpp"
 
 #include <csignal>
 #include <fstream>
@@ -36,8 +36,8 @@ class Recorded {
         demonstration(settings),
         ring(room),
         recorder(path, settings, ring, desk),
-        axis_(desk.first()),
-        loop_(*board, NoPace{}, axis_, partner(), links, figures_, {ms, 3 * ms, from_zero}) {
+        device_(desk.first()),
+        loop_(*board, NoPace{}, device_, partner(), links, figures_, {ms, from_zero}) {
     links.record = &ring;
   }
   bool turn() { return loop_.turn(); }
@@ -59,7 +59,7 @@ class Recorded {
   }
 
   LoopFigures figures_;
-  Axis axis_;
+  PreparedDevice device_;
   Loop<B, NoPace> loop_;
 };
 

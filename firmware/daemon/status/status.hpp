@@ -7,7 +7,7 @@
 
 #include "firmware/daemon/loop/links.hpp"
 #include "firmware/daemon/process/last_run.hpp"
-#include "firmware/daemon/process/realtime.hpp"
+#include "firmware/daemon/status/loop_usage.hpp"
 
 namespace smaservo {
 
@@ -21,10 +21,8 @@ struct Status {
   std::string board;
   std::int64_t period_ns;
   const LoopFigures& figures;
-  const Output<double>& output;           ///< the newest
-  std::optional<PageFaults> page_faults;  ///< in the loop
-  std::optional<double> instructions;     ///< per turn
-  std::uint64_t guard_stops;              ///< times that the guard had to switch off
+  const Output<double>& output;  ///< the newest
+  LoopUsage::Taken usage;
   std::optional<RecordingStatus> recording;
   std::string last_run;               ///< empty: nothing is kept
   std::vector<std::string> warnings;  ///< of the machine

@@ -1,16 +1,15 @@
 #pragma once
-// Everything around the loop: its thread, the guard, the recorder, the status, the mark of the run,
-// signals. The same for every board.
+// Everything around the loop: the threads of loop, guard and recorder, and the main one, which has
+// signals, status and the mark of the run. The same for every board.
 
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "firmware/daemon/loop/desk.hpp"
 #include "firmware/daemon/process/last_run.hpp"
-#include "firmware/daemon/process/realtime.hpp"
-#include "firmware/daemon/status.hpp"
+#include "firmware/daemon/service/reloader.hpp"
+#include "firmware/daemon/status/status_writer.hpp"
 #include "hal/linux/system/off_action.hpp"
 
 namespace smaservo {
@@ -27,8 +26,7 @@ struct ServiceSetup {
   bool paced = true;          ///< in time: the guard watches the lease
   bool sandboxed = false;     ///< the loop dies of any system call but a loop's
   RealTimeSettings thread;
-  /// What keeps the board from settings that SIGHUP has read; empty: nothing. None: no board does.
-  std::function<std::string(const Settings<double>&)> problem = nullptr;
+  Reloader::Problem problem = nullptr;
 };
 
 /// No exit code: the device is to be made anew from what is stored, as after switching on.
@@ -43,6 +41,7 @@ struct Served {
 };
 
 class Recorder;
+class ServiceManager;
 
 class Service {
  public:
@@ -55,7 +54,7 @@ class Service {
   LoopLinks& links() { return links_; }
   LoopFigures& figures() { return *figures_; }
   ParameterDesk& desk() { return desk_; }
-  Axis& axis() { return *axis_; }
+  PreparedDevice& device() { return device_; }
 
   /// Until turn() says no, or a signal comes. The exit code: 1 where the board or the recording
   /// failed; start_anew where the links asked for it.
@@ -63,16 +62,10 @@ class Service {
 
  private:
   void loop(const Served& served);
-  void guard(const std::vector<OffAction>& off);
   void record();
-  void watch();
-  void count();
-  void mark_heat(std::int64_t now_ns);
-  void log_faults();
-  void reload();
-  void warn(const std::string& text);
-  Status status();
-  void write_status();
+  void watch(ServiceManager& manager);
+  void answer(int signal, const Reloader& reloader, ServiceManager& manager);
+  void look();
   void end_mark();
   void say_end();
 
@@ -80,27 +73,18 @@ class Service {
   LoopLinks links_;
   std::unique_ptr<LoopFigures> figures_;
   ParameterDesk desk_;
-  std::unique_ptr<Axis> axis_;
+  PreparedDevice device_;
   std::unique_ptr<RunMark> mark_;
   std::unique_ptr<Ring<TurnRecord>> ring_;
   std::unique_ptr<Recorder> recorder_;
-  Output<double> output_{};
-  FaultSet logged_;
-  std::vector<std::string> warnings_;
-  std::vector<std::string> thread_warnings_;  ///< the loop's, before thread_ is set
+  LoopUsage usage_;
+  // The loop's thread's.
+  std::vector<std::string> thread_warnings_;  ///< before usage_ has begun
   std::string error_;                         ///< that ended the loop
-  std::unique_ptr<WatchedThread> watched_;
-  std::atomic<WatchedThread*> thread_{nullptr};
-  PageFaults first_faults_;
-  std::uint64_t first_instructions_ = 0, first_turn_ = 0;
-  bool counting_ = false;
-  std::mutex count_mutex_;
-  std::optional<PageFaults> last_faults_;
-  std::optional<std::uint64_t> last_instructions_;
-  std::atomic<std::uint64_t> guard_stops_{0};
   std::atomic<bool> loop_over_{false};
-  bool marked_heated_ = false, status_fails_ = false, asked_to_end_ = false;
-  std::int64_t cold_since_ns_ = 0;
+  // The main thread's.
+  StatusWriter status_;
+  bool asked_to_end_ = false;
 };
 
 }  // namespace smaservo

@@ -1,5 +1,5 @@
 #pragma once
-// What one step knows, for the monitors.
+// What the monitors, the supervisor and the check while arming look at in one step.
 
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace smaservo {
 
 template <class S>
-struct Seen {
+struct MonitorInputs {
   const Prepared<S>& prepared;
   const Inputs<S>& in;
   const Command<S>& command;

@@ -20,23 +20,23 @@ using ParameterSetPtr = std::unique_ptr<ParameterSet, DeleteParameterSet>;
 ParameterSetPtr make_parameter_set(const Settings<double>& settings, std::uint32_t number);
 std::uint32_t number_of(const ParameterSet& set);
 
-class Axis {
+class PreparedDevice {
  public:
-  explicit Axis(ParameterSetPtr set);
-  ~Axis();
-  Axis(const Axis&) = delete;
-  Axis& operator=(const Axis&) = delete;
+  explicit PreparedDevice(ParameterSetPtr set);
+  ~PreparedDevice();
+  PreparedDevice(const PreparedDevice&) = delete;
+  PreparedDevice& operator=(const PreparedDevice&) = delete;
 
   /// Device<double>::step(). Nothing is allocated.
-  const Output<double>& step(const Inputs<double>& in, const Command<double>& command, double dt_s);
+  Output<double> step(const Inputs<double>& in, const Command<double>& command, double dt_s);
 
   /// In force from the next step on. Takes this set and gives the one before, for another thread to
   /// delete.
   ParameterSet* adopt(ParameterSet* set);
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct State;
+  std::unique_ptr<State> state_;
   ParameterSetPtr set_;
 };
 

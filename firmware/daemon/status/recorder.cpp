@@ -1,4 +1,4 @@
-#include "firmware/daemon/recorder.hpp"
+#include "firmware/daemon/status/recorder.hpp"
 
 #include <cerrno>
 #include <cstring>

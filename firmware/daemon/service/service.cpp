@@ -1,0 +1,207 @@
+#include "firmware/daemon/service/service.hpp"
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+#include <thread>
+
+#include "firmware/daemon/process/crash.hpp"
+#include "firmware/daemon/process/notify.hpp"
+#include "firmware/daemon/process/sandbox.hpp"
+#include "firmware/daemon/service/guard.hpp"
+#include "firmware/daemon/status/recorder.hpp"
+#include "firmware/text/device_names.hpp"
+#include "hal/linux/system/clock.hpp"
+
+namespace smaservo {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+constexpr std::int64_t status_every_ns = 1000 * ms;
+constexpr std::int64_t look_every_ns = 20 * ms;
+constexpr double recorded_s = 16;  ///< room of the ring
+
+sigset_t own_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
+    sigaddset(&set, signal);
+  }
+  return set;
+}
+
+/// The next of these signals; 0 after the time.
+int wait_for_signal(std::int64_t time_ns) {
+  const sigset_t set = own_signals();
+  const timespec time{0, static_cast<long>(time_ns)};
+  const int signal = sigtimedwait(&set, nullptr, &time);
+  return signal > 0 ? signal : 0;
+}
+
+std::string sentence(const DeviceState state, FaultSet latched) {
+  return latched.empty() ? std::string(state_name(state))
+                         : fmt::format("{}: {}", state_name(state), names_of(latched));
+}
+
+}  // namespace
+
+Service::Service(ServiceSetup setup)
+    : setup_(std::move(setup)),
+      figures_(std::make_unique<LoopFigures>()),
+      desk_(setup_.settings, links_),
+      device_(desk_.first()),
+      status_(setup_.status, setup_.board, std::llround(setup_.settings.timing.period_s * 1e9),
+              {links_, *figures_, usage_, mark_, recorder_}) {
+  const sigset_t set = own_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  if (!setup_.folder.empty()) {
+    mark_ = std::make_unique<RunMark>(setup_.folder, boot_id());
+    if (mark_->last().unclean()) {
+      status_.warn(describe(mark_->last()));
+      FaultSet faults = FaultSet::from_bits(links_.faults.load());
+      faults.set(Fault::unclean_boot, mark_->last().heated);
+      links_.faults.store(faults.bits());
+    }
+  }
+  if (!setup_.record.empty()) {
+    const double turns = recorded_s / setup_.settings.timing.period_s;
+    ring_ = std::make_unique<Ring<TurnRecord>>(static_cast<std::size_t>(turns));
+    recorder_ = std::make_unique<Recorder>(setup_.record, setup_.settings, *ring_, desk_);
+    links_.record = ring_.get();
+  }
+  if (setup_.real_time) {
+    const std::string refused = lock_memory();
+    if (!refused.empty()) {
+      status_.warn(refused);
+    }
+  }
+}
+
+Service::~Service() = default;
+
+int Service::run(const Served& served) {
+  ServiceManager manager;
+  {
+    const CrashGuard crash(served.off, mark_.get(), links_.heated);
+    const std::jthread loop_thread([&] { loop(served); });
+    std::optional<LeaseGuard> guard;
+    if (setup_.paced) {
+      guard.emplace(served.off, setup_.real_time ? std::optional(setup_.thread) : std::nullopt,
+                    links_.lease_ends_ns, figures_->guard_stops);
+    }
+    const std::jthread record_thread([&] { record(); });
+    manager.ready();
+    watch(manager);
+  }
+  served.safe_off();
+  const bool anew = links_.restart.load() && !asked_to_end_ && error_.empty();
+  if (anew) {
+    end_mark();
+    return start_anew;
+  }
+  say_end();
+  return error_.empty() && (!recorder_ || recorder_->problem().empty()) ? 0 : 1;
+}
+
+void Service::loop(const Served& served) {
+  if (setup_.real_time) {
+    thread_warnings_ = make_real_time(setup_.thread);
+  }
+  usage_.begin();
+  if (setup_.sandboxed) {
+    error_ = allow_loop_calls_only();
+  }
+  try {
+    while (error_.empty() && served.turn()) {
+    }
+  } catch (const std::exception& error) {
+    error_ = error.what();
+    served.safe_off();
+  }
+  if (!setup_.sandboxed) {
+    usage_.end();
+  }
+  loop_over_.store(true);
+}
+
+void Service::record() {
+  if (!recorder_) {
+    return;
+  }
+  while (!loop_over_.load()) {
+    recorder_->pump();
+    std::this_thread::sleep_for(std::chrono::milliseconds(setup_.paced ? 20 : 1));
+  }
+  recorder_->finish();
+}
+
+void Service::watch(ServiceManager& manager) {
+  const Reloader reloader(setup_.settings_file, setup_.problem, desk_, links_.heated);
+  std::int64_t alive_ns = 0;
+  std::int64_t status_ns = 0;
+  std::uint64_t turns = 0;
+  while (!loop_over_.load()) {
+    answer(wait_for_signal(look_every_ns), reloader, manager);
+    const std::int64_t now_ns = monotonic_ns();
+    look();
+    if (mark_ && !mark_->follow(links_.heated.load(), now_ns)) {
+      status_.warn(fmt::format("{}/run: cannot be written", setup_.folder));
+    }
+    if (now_ns - status_ns >= status_every_ns) {
+      status_ns = now_ns;
+      status_.write(true);
+      manager.status(sentence(status_.output().state, status_.output().latched));
+    }
+    // A loop that hangs is not alive, whatever this thread does.
+    const std::uint64_t turns_now = figures_->turns.load();
+    if (turns_now != turns && manager.alive_every_ns() > 0 &&
+        now_ns - alive_ns >= manager.alive_every_ns() / 2) {
+      alive_ns = now_ns;
+      turns = turns_now;
+      manager.alive();
+    }
+  }
+}
+
+void Service::answer(int signal, const Reloader& reloader, ServiceManager& manager) {
+  if (signal == SIGHUP) {
+    for (const std::string& why : reloader.reload()) {
+      status_.warn(why);
+    }
+  } else if (signal != 0) {
+    manager.stopping();
+    asked_to_end_ = true;
+    links_.stop.store(true);
+  }
+}
+
+void Service::look() {
+  desk_.tidy();
+  status_.look();
+  if (usage_.has_begun()) {
+    for (const std::string& warning : std::exchange(thread_warnings_, {})) {
+      status_.warn(warning);
+    }
+  }
+}
+
+void Service::end_mark() {
+  look();
+  status_.write(false);
+  if (mark_) {
+    mark_->set(RunMark::State::ended);
+  }
+}
+
+void Service::say_end() {
+  end_mark();
+  const Status now = status_.status(false);
+  std::fputs((setup_.json ? status_json(now) : status_text(now)).c_str(), stdout);
+  if (!error_.empty()) {
+    fmt::print(stderr, "smaservod: {}\n", error_);
+  }
+}
+
+}  // namespace smaservo

@@ -1,0 +1,61 @@
+#include "firmware/daemon/status/status_writer.hpp"
+
+#include <cstdio>
+#include <fmt/format.h>
+
+#include "firmware/daemon/status/recorder.hpp"
+#include "firmware/safety/faults/table.hpp"
+#include "model/files/error.hpp"
+#include "model/files/output_file.hpp"
+
+namespace smaservo {
+
+StatusWriter::StatusWriter(std::string file, std::string board, std::int64_t period_ns,
+                           const StatusSources& sources)
+    : file_(std::move(file)), board_(std::move(board)), period_ns_(period_ns), from_(sources) {}
+
+void StatusWriter::warn(const std::string& text) {
+  warnings_.push_back(text);
+  fmt::print(stderr, "smaservod: {}\n", text);
+}
+
+void StatusWriter::look() {
+  from_.links.output.take(output_);
+  for_each_fault(output_.latched - logged_, [&](Fault fault) {
+    fmt::print(stderr, "smaservod: {:.3f} s: {}: {}\n", static_cast<double>(output_.time_us) * 1e-6,
+               fault_name(fault), fault_row(fault).text);
+  });
+  logged_ = output_.latched;
+  from_.usage.look(from_.figures.turns.load());
+}
+
+Status StatusWriter::status(bool runs) const {
+  Status now{.board = board_,
+             .period_ns = period_ns_,
+             .figures = from_.figures,
+             .output = output_,
+             .usage = from_.usage.taken(from_.figures.turns.load(), runs),
+             .recording = {},
+             .last_run = from_.mark ? describe(from_.mark->last()) : "",
+             .warnings = warnings_};
+  if (const auto& recorder = from_.recorder) {
+    now.recording = {recorder->path(), recorder->rows(), recorder->problem()};
+  }
+  return now;
+}
+
+void StatusWriter::write(bool runs) {
+  if (file_.empty() || fails_) {
+    return;
+  }
+  try {
+    OutputFile file(file_);
+    file.write(status_json(status(runs)));
+    file.commit();
+  } catch (const UserError& error) {
+    fails_ = true;
+    warn(error.what());
+  }
+}
+
+}  // namespace smaservo
