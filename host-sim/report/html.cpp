@@ -62,29 +62,6 @@ std::string shape(const Plot& plot) {
 
 }  // namespace
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 // An <img>, not an <object>: Chromium leaves some of the documents that many objects hold
 // unpainted.
 std::string plots_html(const std::vector<Plot>& plots) {

@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "host-sim/report/gnuplot.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
-
-/// Text as HTML shows it.
-std::string escaped(std::string_view text);
 
 /// All plots, those of half the width side by side.
 std::string plots_html(const std::vector<Plot>& plots);
