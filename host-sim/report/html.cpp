@@ -80,14 +80,6 @@ std::string listing_html(std::string_view heading, std::string_view text) {
   return fmt::format("<h2>{}</h2>\n<pre>{}</pre>\n", escaped(heading), escaped(text));
 }
 
-std::string row_html(const std::vector<std::string>& cells, const char* tag) {
-  std::string html = "<tr>";
-  for (const std::string& text : cells) {
-    html += fmt::format("<{0}>{1}</{0}>", tag, escaped(text));
-  }
-  return html + "</tr>\n";
-}
-
 void write_html(const std::string& path, std::string_view title, std::string_view body) {
   const std::string name = escaped(title);
   OutputFile file(path);
