@@ -18,6 +18,7 @@
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"
 #include "model/files/progress.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
@@ -245,13 +246,16 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
            fmt::format("all {} outputs are the same to the last bit\n", result.compared.size());
   }
   text += fmt::format("{} rows differ from the outputs in the trace\n", result.differing_rows);
-  text += fmt::format("{:<20}{:>10}{:>12}{:>14}  {}\n", "output", "rows", "first at s", "greatest",
-                      "first one: in the trace, now");
+  TextTable table({{"output"},
+                   {"rows", "{}"},
+                   {"first at s", "{:.6g}"},
+                   {"greatest", "{:.4g}"},
+                   {"first one: in the trace, now"}});
   for (const OutputDifference& d : result.differences) {
-    text += fmt::format("{:<20}{:>10}{:>12.6g}{:>14.4g}  '{}', '{}'{}\n", d.column, d.rows,
-                        d.first_s, d.greatest, d.recorded, d.now, d.tolerated ? ", tolerated" : "");
+    table.add({d.column, d.rows, d.first_s, d.greatest,
+               fmt::format("'{}', '{}'{}", d.recorded, d.now, d.tolerated ? ", tolerated" : "")});
   }
-  return text;
+  return text + table.text();
 }
 
 }  // namespace smaservo

@@ -17,6 +17,7 @@
 #include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
@@ -84,14 +85,15 @@ void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char*
 void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
   const can::FoundNodes found = can::scan(bus, static_cast<std::int64_t>(listen_s * 1e6));
+  TextTable table({{"", "{}"}, {""}, {""}});
   for (const can::FoundNode& node : found.nodes) {
     const can::SdoClient client(bus, node.node);
     Remote remote(client);
-    fmt::print("{:>3}  {:<16}  {}\n", node.node,
-               node.nmt_state ? can::nmt_state_text(*node.nmt_state) : "",
-               node.answers ? remote.text("1008") : "does not answer to SDO");
+    table.add({node.node, node.nmt_state ? can::nmt_state_text(*node.nmt_state) : "",
+               node.answers ? remote.text("1008") : "does not answer to SDO"});
   }
-  if (found.without_id) fmt::print("  ?  without a node-id, answers to LSS\n");
+  if (found.without_id) table.add({"?", "without a node-id", "answers to LSS"});
+  print(table.text());
   if (found.nodes.empty() && !found.without_id) {
     throw UserError(fmt::format("{}: nobody answers", bus.name()));
   }

@@ -5,6 +5,7 @@
 #include "firmware/text/settings_file.hpp"
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -52,12 +53,11 @@ std::vector<Difference> differences(const Settings<double>& file, const Settings
 }
 
 std::string differences_text(const std::vector<Difference>& differences) {
-  std::string text;
+  TextTable table({{""}, {""}, {""}});
   for (const Difference& d : differences) {
-    text += fmt::format("{:<36} {:<14} {}\n", d.row->path.text(), value_text(*d.row, d.here),
-                        value_text(*d.row, d.there));
+    table.add({d.row->path.text(), value_text(*d.row, d.here), value_text(*d.row, d.there)});
   }
-  return text;
+  return table.text();
 }
 
 void restore(Remote& remote, const std::vector<Difference>& differences) {

@@ -5,14 +5,11 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/canopen/change_text.hpp"
 #include "firmware/text/device_names.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::can {
 namespace {
-
-std::string line(const char* name, const std::string& value) {
-  return fmt::format("{:<14}{}\n", name, value);
-}
 
 FaultSet fault_set(Remote& remote, const std::string& name) {
   return FaultSet::from_bits(static_cast<std::uint64_t>(remote.number("faults." + name + "_low")) |
@@ -33,31 +30,32 @@ std::string device_state(Remote& remote) {
 }  // namespace
 
 std::string info_text(Remote& remote) {
-  std::string text = line("node", fmt::format("{} on {}", remote.node(), remote.bus().name()));
-  text += line("device", fmt::format("{}, hardware {}, software {}", remote.text("1008"),
-                                     remote.text("1009"), remote.text("100A")));
-  text += line("identity", fmt::format("vendor {}, product {}, revision {}, serial number {}",
-                                       remote.text("1018:1"), remote.text("1018:2"),
-                                       remote.text("1018:3"), remote.number("1018:4")));
+  TextTable table({{""}, {""}});
+  table.add({"node", fmt::format("{} on {}", remote.node(), remote.bus().name())});
+  table.add({"device", fmt::format("{}, hardware {}, software {}", remote.text("1008"),
+                                   remote.text("1009"), remote.text("100A"))});
+  table.add({"identity", fmt::format("vendor {}, product {}, revision {}, serial number {}",
+                                     remote.text("1018:1"), remote.text("1018:2"),
+                                     remote.text("1018:3"), remote.number("1018:4"))});
   const auto status = static_cast<unsigned>(remote.number("6041"));
-  text += line("drive", fmt::format("{} ({:04X}h), mode {}", drive_state_text(status), status,
-                                    remote.text("6061")));
-  text += line("wire", device_state(remote));
-  text += line("position",
-               fmt::format("{} um, target {} um", remote.text("6064"), remote.text("607A")));
-  text += line("temperature",
-               fmt::format("{:.1f} degC", remote.number("live.temperature_K") - zero_degC_K));
-  text += line("faults", or_none(names_of(fault_set(remote, "latched"))));
-  text += line("loop",
-               fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",
+  table.add({"drive", fmt::format("{} ({:04X}h), mode {}", drive_state_text(status), status,
+                                  remote.text("6061"))});
+  table.add({"wire", device_state(remote)});
+  table.add(
+      {"position", fmt::format("{} um, target {} um", remote.text("6064"), remote.text("607A"))});
+  table.add({"temperature",
+             fmt::format("{:.1f} degC", remote.number("live.temperature_K") - zero_degC_K)});
+  table.add({"faults", or_none(names_of(fault_set(remote, "latched")))});
+  table.add(
+      {"loop", fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",
                            remote.text("loop.steps"), remote.text("loop.missed"),
                            1e3 * remote.number("loop.greatest_late_s"),
-                           1e3 * remote.number("loop.greatest_busy_s")));
-  text += line("bus", fmt::format("{} frames dropped, {} times off, {} times a full queue",
-                                  remote.text("bus.dropped"), remote.text("bus.off"),
-                                  remote.text("bus.queue_full")));
-  text += line("access", fmt::format("level {}", remote.text("access.level")));
-  return text;
+                           1e3 * remote.number("loop.greatest_busy_s"))});
+  table.add({"bus", fmt::format("{} frames dropped, {} times off, {} times a full queue",
+                                remote.text("bus.dropped"), remote.text("bus.off"),
+                                remote.text("bus.queue_full"))});
+  table.add({"access", fmt::format("level {}", remote.text("access.level"))});
+  return table.text();
 }
 
 std::string changes_text(Remote& remote) {
@@ -78,21 +76,22 @@ Fault first_cause(Remote& remote) {
 }
 
 std::string faults_text(Remote& remote) {
-  std::string text = line("state", device_state(remote));
-  text += line("latched", or_none(names_of(fault_set(remote, "latched"))));
+  TextTable table({{""}, {""}});
+  table.add({"state", device_state(remote)});
+  table.add({"latched", or_none(names_of(fault_set(remote, "latched")))});
   const Fault first = first_cause(remote);
-  if (first != Fault::none) text += line("first cause", std::string(fault_name(first)));
-  text += line("active", or_none(names_of(fault_set(remote, "active"))));
-  text += line("warnings", or_none(names_of(fault_set(remote, "warnings"))));
-  text += line("blocked by", or_none(names_of(fault_set(remote, "blocks"))));
+  if (first != Fault::none) table.add({"first cause", std::string(fault_name(first))});
+  table.add({"active", or_none(names_of(fault_set(remote, "active")))});
+  table.add({"warnings", or_none(names_of(fault_set(remote, "warnings")))});
+  table.add({"blocked by", or_none(names_of(fault_set(remote, "blocks")))});
   const auto reasons = static_cast<std::uint32_t>(remote.number("device.limit_reasons"));
-  text += line("limited by", or_none(limit_reason_names(reasons)));
+  table.add({"limited by", or_none(limit_reason_names(reasons))});
   const auto count = static_cast<unsigned>(remote.number("1003:0"));
   for (unsigned i = 1; i <= count; ++i) {
     const auto entry = static_cast<std::uint32_t>(remote.number(fmt::format("1003:{}", i)));
-    text += line(i == 1 ? "history" : "", fmt::format("{:04X}h", entry & 0xFFFFU));
+    table.add({i == 1 ? "history" : "", fmt::format("{:04X}h", entry & 0xFFFFU)});
   }
-  return text;
+  return table.text();
 }
 
 }  // namespace smaservo::can

@@ -8,6 +8,7 @@
 #include "host-sim/report/html.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/error.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::can {
@@ -171,14 +172,19 @@ std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
   return sums;
 }
 
-std::string row_of(const std::string& name, const StepResult& result) {
-  const StepFigures& f = result.figures;
-  const auto number = [](double value, int digits) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-");
-  };
-  return fmt::format("{:<24}{:>8}{:>12}{:>10}{:>10}{:>10}\n", name, number(f.rise_s, 3),
-                     number(f.overshoot_percent, 1), number(f.settling_s, 3),
-                     number(f.error_percent, 2), number(result.peak_K - zero_degC_K, 1));
+TextTable figures_of(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
+  TextTable table({{""},
+                   {"rise s", "{:.3f}"},
+                   {"overshoot %", "{:.1f}"},
+                   {"settled s", "{:.3f}"},
+                   {"error %", "{:.2f}"},
+                   {"peak degC", "{:.1f}"}});
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const auto [f, peak_K] = judge(runs[i]);
+    table.add({names[i], f.rise_s, f.overshoot_percent, f.settling_s, f.error_percent,
+               peak_K - zero_degC_K});
+  }
+  return table;
 }
 
 }  // namespace
@@ -227,14 +233,11 @@ StepRun load_step(const std::string& path) {
 }
 
 std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
-  std::string text = fmt::format("{:<24}{:>8}{:>12}{:>10}{:>10}{:>10}\n", "", "rise s",
-                                 "overshoot %", "settled s", "error %", "peak degC");
-  for (std::size_t i = 0; i < runs.size(); ++i) text += row_of(names[i], judge(runs[i]));
   const TimeAxis axis = axis_of(runs.front());
   std::vector<std::vector<double>> ways_um;
   ways_um.reserve(runs.size());
   for (const StepRun& run : runs) ways_um.push_back(way_um(run, axis));
-  return text +
+  return figures_of(runs, names).text() +
          fmt::format("\ncontraction, um: * {}{}\n", names[0], runs.size() > 1 ? ", . before" : "") +
          text_plot(ways_um, axis.columns, 12) +
          fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "host-sim/report/text_plot.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -34,11 +35,11 @@ std::string words_of(const KnownObject& object, const Bytes& bytes) {
 }
 
 std::string table(const std::vector<KnownObject>& objects, const Row& row) {
-  std::string text;
+  TextTable table({{""}, {""}});
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    text += fmt::format("{:<32} {}{}\n", objects[i].name, row.texts[i], row.words[i]);
+    table.add({objects[i].name, row.texts[i] + row.words[i]});
   }
-  return text;
+  return table.text();
 }
 
 std::vector<KnownObject> chosen_objects(const std::vector<std::string>& names) {

@@ -29,7 +29,7 @@ constexpr auto topics = std::to_array<Topic>({
      [](const DescribeArguments&) { return eds_text(); }},
     {"faults", "every fault of a device, in Markdown (firmware/reference/FAULTS.md)",
      [](const DescribeArguments&) { return fault_reference(); }},
-    {"objects", "every object of the CANopen node, in Markdown (firmware/reference/OBJECTS.md)",
+    {"objects", "objects of the CANopen node beside the parameters, in Markdown (OBJECTS.md)",
      [](const DescribeArguments&) { return object_reference(); }},
     {"parameters", "every parameter of a device, in Markdown (firmware/reference/PARAMETERS.md)",
      [](const DescribeArguments&) { return parameter_reference(); }},

@@ -11,6 +11,7 @@
 #include "host-sim/report/html.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
@@ -19,22 +20,12 @@ constexpr double no_scale = std::numeric_limits<double>::quiet_NaN();
 
 using Figures = std::vector<Figure>;
 
-struct Cell {
-  std::string text;
-  bool missed = false;
-};
-using Cells = std::vector<std::vector<Cell>>;  ///< the first line is the head
-
-std::string number(double value, int digits = 2) {
-  return std::isnan(value)   ? ""
-         : std::isinf(value) ? "never"
-                             : fmt::format("{:.{}f}", value, digits);
-}
-
 /// Counts are whole.
 std::string number(const Figure& figure) {
-  const bool count = figure.name == "lost" || figure.name == "locked" || figure.name == "unsure";
-  return number(figure.value, count ? 0 : 2);
+  const bool count = figure.name == "locked" || figure.name == "unsure";
+  return std::isnan(figure.value)   ? ""
+         : std::isinf(figure.value) ? "never"
+                                    : fmt::format("{:.{}f}", figure.value, count ? 0 : 2);
 }
 
 std::string target(const Figure& figure) {
@@ -51,37 +42,40 @@ std::string three(const RowFigures& f) {
                                    f.error.quantile(0.95), f.error.maximum());
 }
 
-void add_families(std::vector<Cell>& line) {
+/// With columns of the families at the end. What is marked misses its target.
+TextTable table_of(std::vector<TextTable::Column> columns) {
   for (const Family family : families) {
-    line.push_back({std::string(family_name(family))});
+    columns.push_back({std::string(family_name(family)), "{}"});
   }
+  return TextTable(std::move(columns), "");
 }
 
-Cells errors(const ObserverEvaluation& observer) {
-  Cells grid{{{"row"}, {"runs"}, {"mean"}, {"95 %"}, {"max"}, {"lost"}, {"in 2 sd"}, {"target"}}};
-  add_families(grid.front());
+TextTable errors(const ObserverEvaluation& observer) {
+  TextTable table = table_of({{"row"},
+                              {"runs", "{}"},
+                              {"mean", "{:.2f}"},
+                              {"95 %", "{:.2f}"},
+                              {"max", "{:.2f}"},
+                              {"lost", "{:.0f}"},
+                              {"in 2 sd", "{:.1f}"},
+                              {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures f = row_figures(observer, result);
-    const auto figure = [&](std::size_t i) { return Cell{number(f[i]), f[i].missed()}; };
     std::string targets = target(f[0]);
     for (const std::size_t i : {1U, 2U}) {
       targets += f[i].has_target() ? " / " + target(f[i]) : "";
     }
-    std::vector<Cell> line{
-        {std::string(row_of(result).name)},
-        {fmt::format("{}", result.all.runs)},
-        figure(0),
-        figure(1),
-        figure(2),
-        figure(3),
-        {std::isnan(f[4].value) ? "" : fmt::format("{:.1f}", f[4].value), f[4].missed()},
-        {targets}};
-    for (const RowFigures& family : result.by_family) {
-      line.push_back({three(family)});
+    TextTable::Row line{row_of(result).name, result.all.runs};
+    for (std::size_t i = 0; i < 5; ++i) {
+      line.emplace_back(f[i].value, f[i].missed());
     }
-    grid.push_back(std::move(line));
+    line.emplace_back(targets);
+    for (const RowFigures& family : result.by_family) {
+      line.emplace_back(three(family));
+    }
+    table.add(std::move(line));
   }
-  return grid;
+  return table;
 }
 
 std::string meaning(std::string_view figure) {
@@ -98,24 +92,23 @@ std::string meaning(std::string_view figure) {
   return std::string(std::ranges::find(all, figure, &Named::name)->meaning);
 }
 
-/// What only some rows have; the head alone where none of these rows is there.
-Cells particulars(const ObserverEvaluation& observer) {
-  Cells grid{{{"row"}, {""}, {"value"}, {"target"}}};
-  add_families(grid.front());
+/// What only some rows have.
+TextTable particulars(const ObserverEvaluation& observer) {
+  TextTable table = table_of({{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures all = row_figures(observer, result);
     for (std::size_t i = 5; i < all.size(); ++i) {
-      std::vector<Cell> line{{std::string(row_of(result).name)},
-                             {meaning(all[i].name)},
-                             {number(all[i]), all[i].missed()},
-                             {target(all[i])}};
+      TextTable::Row line{row_of(result).name,
+                          meaning(all[i].name),
+                          {number(all[i]), all[i].missed()},
+                          target(all[i])};
       for (const RowFigures& family : result.by_family) {
-        line.push_back({number(row_figures(row_of(result), family, no_scale)[i])});
+        line.emplace_back(number(row_figures(row_of(result), family, no_scale)[i]));
       }
-      grid.push_back(std::move(line));
+      table.add(std::move(line));
     }
   }
-  return grid;
+  return table;
 }
 
 std::string title(const Evaluation& e) {
@@ -136,60 +129,6 @@ std::string worst(const RowResult& row) {
   return fmt::format("{}: mean {:.2f}, {} {}, {}{}, seed {}", row_of(row).name,
                      judged->figures.error.mean(), family_name(run.family), run.unit,
                      condition_name(run.condition), run.disturbed ? " disturbed" : "", run.seed);
-}
-
-/// Columns of the width that they need; a number that misses its target has a star.
-std::string as_text(const Cells& grid) {
-  std::vector<std::size_t> widths(grid.front().size());
-  for (const auto& line : grid) {
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      widths[i] = std::max(widths[i], line[i].text.size());
-    }
-  }
-  std::string text;
-  for (const auto& line : grid) {
-    std::string row;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const bool left = i == 0 || grid.front()[i].text.empty();
-      row += left ? fmt::format("{:<{}}", line[i].text, widths[i])
-                  : fmt::format("  {:>{}}{}", line[i].text, widths[i], line[i].missed ? '*' : ' ');
-      row += left && i == 0 ? "  " : "";
-    }
-    text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
-  }
-  return text;
-}
-
-std::string as_markdown(const Cells& grid) {
-  std::string text;
-  for (std::size_t row = 0; row < grid.size(); ++row) {
-    text += "|";
-    for (const Cell& cell : grid[row]) {
-      text += cell.missed ? fmt::format(" **{}** |", cell.text) : fmt::format(" {} |", cell.text);
-    }
-    text += "\n";
-    if (row == 0) {
-      for (std::size_t i = 0; i < grid[0].size(); ++i) {
-        text += i == 0 || grid[0][i].text.empty() ? "|---" : "|--:";
-      }
-      text += "|\n";
-    }
-  }
-  return text;
-}
-
-std::string as_html(const Cells& grid) {
-  std::string html = "<table>\n";
-  for (std::size_t row = 0; row < grid.size(); ++row) {
-    html += "<tr>";
-    for (const Cell& cell : grid[row]) {
-      const char* tag = row == 0 ? "th" : "td";
-      html += fmt::format("<{0}{1}>{2}</{0}>", tag, cell.missed ? " class=\"lost\"" : "",
-                          escaped(cell.text));
-    }
-    html += "</tr>\n";
-  }
-  return html + "</table>\n";
 }
 
 nlohmann::ordered_json numbers(const Figures& figures, int runs) {
@@ -258,9 +197,9 @@ nlohmann::ordered_json row_json(const ObserverEvaluation& observer, const RowRes
 std::string table_text(const Evaluation& evaluation) {
   std::string text = title(evaluation) + "\n* misses its target\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
-    text += fmt::format("\n{}\n{}", observer.observer, as_text(errors(observer)));
-    const Cells particular = particulars(observer);
-    text += particular.size() > 1 ? "\n" + as_text(particular) : "";
+    text += fmt::format("\n{}\n{}", observer.observer, errors(observer).text());
+    const TextTable particular = particulars(observer);
+    text += particular.empty() ? "" : "\n" + particular.text();
     text += "\nworst runs\n";
     for (const RowResult& row : observer.rows) {
       text += worst(row) + "\n";
@@ -280,15 +219,15 @@ std::string table_json(const Evaluation& evaluation) {
       rows.push_back(row_json(observer, row));
     }
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 std::string table_markdown(const Evaluation& evaluation) {
   std::string text = title(evaluation) + ". Bold: misses its target.\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
-    text += fmt::format("\n`{}`\n\n{}", observer.observer, as_markdown(errors(observer)));
-    const Cells particular = particulars(observer);
-    text += particular.size() > 1 ? "\n" + as_markdown(particular) : "";
+    text += fmt::format("\n`{}`\n\n{}", observer.observer, errors(observer).markdown());
+    const TextTable particular = particulars(observer);
+    text += particular.empty() ? "" : "\n" + particular.markdown();
   }
   return text;
 }
@@ -296,9 +235,9 @@ std::string table_markdown(const Evaluation& evaluation) {
 void write_table_report(const std::string& path, const Evaluation& evaluation) {
   std::string html = fmt::format("<p>{}.</p>\n", escaped(title(evaluation)));
   for (const ObserverEvaluation& observer : evaluation.observers) {
-    html += fmt::format("<h2>{}</h2>\n{}", escaped(observer.observer), as_html(errors(observer)));
-    const Cells particular = particulars(observer);
-    html += particular.size() > 1 ? as_html(particular) : "";
+    html += fmt::format("<h2>{}</h2>\n{}", escaped(observer.observer), errors(observer).html());
+    const TextTable particular = particulars(observer);
+    html += particular.empty() ? "" : particular.html();
     html += "<p class=\"caption\">Worst runs:</p><ul class=\"caption\">\n";
     for (const RowResult& row : observer.rows) {
       html += fmt::format("<li>{}</li>\n", worst(row));

@@ -9,6 +9,7 @@
 #include "host-sim/identify/fit_plots.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo {
@@ -68,37 +69,39 @@ std::vector<std::string> undetermined(const FitResult& fit) {
   return lines;
 }
 
-/// Numbers of a run's row, empty where it has none.
-std::string cell(bool there, double share) {
-  return there ? fmt::format("{:.2f}", 100 * share) : "";
-}
-
-std::vector<std::string> cells(const Identification& all, std::size_t i) {
-  const FittedRun& run = all.fit.runs[i];
-  const FitQuality& strain = run.strain;
-  const FitQuality& ohm = run.resistance;
-  std::vector<std::string> row{file_name(run.name),
-                               std::string(name_of(run.kind)),
-                               std::to_string(rows_of(run)),
-                               cell(strain.count > 0, strain.rms),
-                               cell(strain.count > 0, strain.p95),
-                               cell(strain.count > 0, strain.maximum),
-                               cell(ohm.count > 0, ohm.rms),
-                               cell(ohm.count > 0, ohm.maximum)};
-  for (const ClassicFit& classic : all.classics[i]) {
-    row.push_back(cell(true, classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke)));
+/// With the classic functions where a run has some.
+TextTable runs_table(const Identification& all) {
+  std::vector<TextTable::Column> columns{{"run"},
+                                         {"kind"},
+                                         {"rows", "{}"},
+                                         {"strain RMS", "{:.2f}", "", 100},
+                                         {"strain 95 %", "{:.2f}", "", 100},
+                                         {"strain max", "{:.2f}", "", 100},
+                                         {"resistance RMS", "{:.2f}", "", 100},
+                                         {"resistance max", "{:.2f}", "", 100}};
+  for (const ClassicFit& classic :
+       std::ranges::max(all.classics, {}, &std::vector<ClassicFit>::size)) {
+    columns.push_back({fmt::format("{} RMS", classic.name), "{:.2f}", "", 100});
   }
-  row.resize(11);
-  return row;
+  TextTable table(std::move(columns), "");
+  for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
+    const FittedRun& run = all.fit.runs[i];
+    const auto there = [](const FitQuality& quality, double share) {
+      return quality.count > 0 ? share : TextTable::Cell{};
+    };
+    const FitQuality& strain = run.strain;
+    const FitQuality& ohm = run.resistance;
+    TextTable::Row row{
+        file_name(run.name),       name_of(run.kind),         rows_of(run),
+        there(strain, strain.rms), there(strain, strain.p95), there(strain, strain.maximum),
+        there(ohm, ohm.rms),       there(ohm, ohm.maximum)};
+    for (const ClassicFit& classic : all.classics[i]) {
+      row.emplace_back(classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke));
+    }
+    table.add(std::move(row));
+  }
+  return table;
 }
-
-constexpr const char* titles[] = {"run", "kind", "rows",   "RMS",  "95 %",  "max",
-                                  "RMS", "max",  "cosine", "tanh", "arctan"};
-
-bool any_classics(const Identification& all) {
-  return std::ranges::any_of(all.classics, [](const auto& fits) { return !fits.empty(); });
-}
-
 std::string heat_flows(const FitResult& fit) {
   std::string text;
   for (const FittedRun& run : fit.runs) {
@@ -126,35 +129,24 @@ std::string correlations_text(const FitResult& fit) {
   return text;
 }
 
-std::string runs_html(const Identification& all) {
-  const std::size_t columns = any_classics(all) ? 11 : 8;
-  std::string html = fmt::format(
-      "<table><tr><th></th><th></th><th></th><th colspan=\"3\">strain, % of {:g} % stroke</th>"
-      "<th colspan=\"2\">resistance, %</th>{}</tr>\n",
-      100 * all.fit.wire.nominal_stroke,
-      columns > 8 ? "<th colspan=\"3\">strain RMS by classic functions</th>" : "");
-  html += row_html({titles, titles + columns}, "th");
-  for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
-    std::vector<std::string> row = cells(all, i);
-    row.resize(columns);
-    html += row_html(row, "td");
-  }
-  return html + "</table>\n";
+/// What the numbers of the runs are.
+std::string unit_of_errors(const Identification& all) {
+  return fmt::format(
+      "strain, also by classic functions, in % of the {:g} % stroke; resistance in %",
+      100 * all.fit.wire.nominal_stroke);
 }
 
 std::string parameters_html(const FitResult& fit) {
-  std::string html = "<h2>Parameters</h2>\n<table>" +
-                     row_html({"parameter", "before", "fitted", "unit", ""}, "th");
+  TextTable table({{"parameter"}, {"before"}, {"fitted"}, {"unit"}, {""}});
   for (const FittedParameter& fitted : fit.parameters) {
     const Figure f = figure(fitted);
-    html += row_html(
-        {fitted.parameter.key, with_deviation(f.prior, f.prior_sd), with_deviation(f.value, f.sd),
-         fitted.parameter.unit, fitted.determined() ? "" : "not determined"},
-        "td");
+    table.add({fitted.parameter.key, with_deviation(f.prior, f.prior_sd),
+               with_deviation(f.value, f.sd), fitted.parameter.unit,
+               fitted.determined() ? "" : "not determined"});
   }
-  return html +
-         "</table>\n<p class=\"caption\">± one standard deviation. Not determined: the runs narrow "
-         "it to no less than half of what was believed before.</p>\n";
+  return "<h2>Parameters</h2>\n" + table.html() +
+         "<p class=\"caption\">± one standard deviation. Not determined: the runs narrow it to no "
+         "less than half of what was believed before.</p>\n";
 }
 
 using Json = nlohmann::ordered_json;
@@ -225,26 +217,7 @@ double classic_rms(const ClassicFit& classic, const Run& run, double nominal_str
 }
 
 std::string fit_summary(const Identification& all) {
-  std::size_t width = 8;
-  for (const FittedRun& run : all.fit.runs) {
-    width = std::max(width, file_name(run.name).size());
-  }
-  const std::size_t columns = any_classics(all) ? 11 : 8;
-  const auto line = [&](const auto& cells) {
-    std::string text = fmt::format("{:<{}}  {:<11}{:>6}", cells[0], width, cells[1], cells[2]);
-    for (std::size_t i = 3; i < columns; ++i) {
-      text += fmt::format("{:>{}}", cells[i], i == 6 || i == 8 ? 10 : 8);
-    }
-    return text + "\n";
-  };
-  std::string text = heading(all) + "\n";
-  text += fmt::format("{:{}}{:>24}{:>18}{}\n", "", width + 19,
-                      fmt::format("strain, % of {:g} % stroke", 100 * all.fit.wire.nominal_stroke),
-                      "resistance, %", columns > 8 ? "    classic functions, RMS" : "");
-  text += line(titles);
-  for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
-    text += line(cells(all, i));
-  }
+  std::string text = heading(all) + "\n" + unit_of_errors(all) + "\n" + runs_table(all).text();
   text += heat_flows(all.fit) + joint_text(all.fit);
   text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
   const std::vector<std::string> kept = undetermined(all.fit);
@@ -291,11 +264,13 @@ std::string fit_json(const Identification& all) {
   for (const Correlation& c : fit.correlations) {
     json["correlations"].push_back({{"first", c.first}, {"second", c.second}, {"value", c.value}});
   }
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 void write_fit_report(const std::string& path, const Identification& all) {
-  std::string html = fmt::format("<p>{}</p>\n", escaped(heading(all))) + runs_html(all);
+  std::string html =
+      fmt::format("<p>{}</p>\n<p>{}</p>\n", escaped(heading(all)), unit_of_errors(all)) +
+      runs_table(all).html();
   for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit),
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", escaped(text));

@@ -12,6 +12,7 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo {
@@ -99,56 +100,64 @@ std::string instructions(const Planned& p) {
       fmt::join(loads, ", "), p.arguments.wire, settings, fmt::join(files, " "));
 }
 
+TextTable runs(const Planned& p) {
+  TextTable table({{"run", "", "name"},
+                   {.key = "stress_MPa"},
+                   {"load in N", "{:.4g}", "load_N"},
+                   {"peak in mA", "{:.4g}", "peak_A", 1e3},
+                   {"of limit", "{:.2f}"},
+                   {"hottest °C", "{:.1f}", "hottest_degC"},
+                   {"stroke in %", "{:.2f}", "stroke", 100}});
+  for (const PlannedRun& run : p.plan.runs) {
+    const double peak_A = std::ranges::max(run.current_A);
+    table.add({name_of(run), 1e-6 * run.stress_Pa, load_N(p, run), peak_A,
+               peak_A / p.wire.limits.current_A, std::ranges::max(run.temperature_K) - zero_degC_K,
+               stroke(run)});
+  }
+  return table;
+}
+
+TextTable deviations(const Planned& p) {
+  TextTable table({{"expected deviation", "", "key"},
+                   {.key = "prior_sd"},
+                   {.key = "triangle"},
+                   {.key = "plan"},
+                   {.key = "determined"},
+                   {"prior", "{}"},
+                   {"triangle", "{}"},
+                   {"plan", "{}"},
+                   {""}});
+  for (const ExpectedParameter& e : p.plan.parameters) {
+    const bool determined = e.plan < 0.5;
+    table.add({e.parameter.key, e.parameter.sd, e.triangle, e.plan, determined,
+               deviation_text(e.parameter, 1), deviation_text(e.parameter, e.triangle),
+               deviation_text(e.parameter, e.plan), determined ? "" : "not determined"});
+  }
+  return table;
+}
+
 std::string summary(const Planned& p) {
   const Plan& plan = p.plan;
-  std::string text = fmt::format("{:<10}{:>12}{:>12}{:>12}{:>12}{:>13}\n", "run", "load in N",
-                                 "peak in mA", "of limit", "hottest °C", "stroke in %");
-  for (const PlannedRun& run : plan.runs) {
-    text += fmt::format("{:<10}{:>12.4g}{:>12.4g}{:>12.2f}{:>12.1f}{:>13.2f}\n", name_of(run),
-                        load_N(p, run), 1e3 * std::ranges::max(run.current_A),
-                        std::ranges::max(run.current_A) / p.wire.limits.current_A,
-                        std::ranges::max(run.temperature_K) - zero_degC_K, 100 * stroke(run));
-  }
-  text += fmt::format("\n{:<42}{:>14}{:>14}{:>14}\n", "expected deviation", "prior", "triangle",
-                      "plan");
-  for (const ExpectedParameter& e : plan.parameters) {
-    text +=
-        fmt::format("{:<42}{:>14}{:>14}{:>14}{}\n", e.parameter.key, deviation_text(e.parameter, 1),
-                    deviation_text(e.parameter, e.triangle), deviation_text(e.parameter, e.plan),
-                    e.plan < 0.5 ? "" : "  not determined");
-  }
-  text += fmt::format(
-      "\ndetermined, of {}: {} by the plan, {} by a triangle of the current; deviations {:.2f} "
-      "times as small on the geometric mean\n",
-      plan.parameters.size(), determined(plan, &ExpectedParameter::plan),
-      determined(plan, &ExpectedParameter::triangle), ratio(plan));
-  return text + instructions(p);
+  return fmt::format(
+             "{}\n{}\ndetermined, of {}: {} by the plan, {} by a triangle of the current; "
+             "deviations "
+             "{:.2f} times as small on the geometric mean\n",
+             runs(p).text(), deviations(p).text(), plan.parameters.size(),
+             determined(plan, &ExpectedParameter::plan),
+             determined(plan, &ExpectedParameter::triangle), ratio(plan)) +
+         instructions(p);
 }
 
 std::string json(const Planned& p) {
-  nlohmann::ordered_json all;
-  all["wire"] = p.arguments.wire;
-  all["duration_s"] = p.arguments.duration_s;
-  all["step_s"] = p.plan.step_s;
-  for (const PlannedRun& run : p.plan.runs) {
-    all["runs"].push_back({{"name", name_of(run)},
-                           {"stress_MPa", 1e-6 * run.stress_Pa},
-                           {"load_N", load_N(p, run)},
-                           {"peak_A", std::ranges::max(run.current_A)},
-                           {"hottest_degC", std::ranges::max(run.temperature_K) - zero_degC_K},
-                           {"stroke", stroke(run)}});
-  }
-  for (const ExpectedParameter& e : p.plan.parameters) {
-    all["parameters"].push_back({{"key", e.parameter.key},
-                                 {"prior_sd", e.parameter.sd},
-                                 {"triangle", e.triangle},
-                                 {"plan", e.plan},
-                                 {"determined", e.plan < 0.5}});
-  }
+  nlohmann::ordered_json all{{"wire", p.arguments.wire},
+                             {"duration_s", p.arguments.duration_s},
+                             {"step_s", p.plan.step_s},
+                             {"runs", runs(p).json()},
+                             {"parameters", deviations(p).json()}};
   all["determined"] = {{"triangle", determined(p.plan, &ExpectedParameter::triangle)},
                        {"plan", determined(p.plan, &ExpectedParameter::plan)}};
   all["ratio"] = ratio(p.plan);
-  return all.dump(2) + "\n";
+  return json_text(all);
 }
 
 std::vector<Plot> plots(const Plan& plan) {

@@ -7,30 +7,43 @@
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/plots.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
 
-std::string errors_html(const ReplayResult& result, double stroke) {
-  if (!result.has_reference) {
-    return "<p>The trace has no reference, so no error can be given.</p>\n";
-  }
-  std::string html = fmt::format(
-      "<table><tr><th>error in % of the nominal stroke ({:g} % strain)</th><th>mean</th><th>95 %"
-      "</th><th>maximum</th></tr>\n",
-      100 * stroke);
+TextTable errors(const ReplayResult& result) {
+  TextTable table({{"observer"},
+                   {"mean", "{:.2f}", "mean_percent"},
+                   {"95 %", "{:.2f}", "p95_percent"},
+                   {"maximum", "{:.2f}", "max_percent"},
+                   {""},
+                   {.key = "lost"}});
   for (const ObserverResult& observer : result.observers) {
     const ErrorStatistics& e = observer.error;
-    html += fmt::format("<tr><td>{}{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td></tr>\n",
-                        escaped(observer.name),
-                        observer.lost ? " <span class=\"lost\">lost</span>" : "", e.mean(),
-                        e.quantile(0.95), e.maximum());
+    table.add({observer.name,
+               e.mean(),
+               e.quantile(0.95),
+               e.maximum(),
+               {observer.lost ? "lost" : "", observer.lost},
+               observer.lost});
   }
-  html += "</table>\n";
-  html +=
-      "<p class=\"caption\">Plots show the first one. Lost: more than 20 % off after the first "
-      "second.</p>\n";
-  return html;
+  return table;
+}
+
+/// What the numbers of the errors are.
+std::string unit_of_errors(const ReplayOptions& options) {
+  return fmt::format("error in % of the nominal stroke ({:g} % strain)",
+                     100 * options.wire.wire.nominal_stroke);
+}
+
+std::string errors_html(const ReplayOptions& options, const ReplayResult& result) {
+  return result.has_reference
+             ? fmt::format(
+                   "<p>{}</p>\n{}<p class=\"caption\">Plots show the first one. Lost: more "
+                   "than 20 % off after the first second.</p>\n",
+                   unit_of_errors(options), errors(result).html())
+             : "<p>The trace has no reference, so no error can be given.</p>\n";
 }
 
 std::string settings_text(const ReplayOptions& options) {
@@ -87,7 +100,7 @@ std::string trace_name(const ReplayOptions& options) {
 void write_report(const std::string& path, const ReplayOptions& options,
                   const ReplayResult& result) {
   std::string html = fmt::format("<p>{}</p>\n", escaped(reading(options, result)));
-  html += errors_html(result, options.wire.wire.nominal_stroke);
+  html += errors_html(options, result);
   html += plots_html(draw_plots(result));
   if (!result.complaints.empty()) {
     html += listing_html("Skipped rows", fmt::format("{}\n", fmt::join(result.complaints, "\n")));
@@ -105,15 +118,7 @@ std::string summary(const ReplayOptions& options, const ReplayResult& result) {
   if (!result.has_reference) {
     return text + "no strain_ref or displacement in the trace: no error can be given\n";
   }
-  text +=
-      fmt::format("error in % of the nominal stroke ({:g} % strain)\n{:<12}{:>8}{:>8}{:>9}\n",
-                  100 * options.wire.wire.nominal_stroke, "observer", "mean", "95 %", "maximum");
-  for (const ObserverResult& observer : result.observers) {
-    const ErrorStatistics& e = observer.error;
-    text += fmt::format("{:<12}{:>8.2f}{:>8.2f}{:>9.2f}{}\n", observer.name, e.mean(),
-                        e.quantile(0.95), e.maximum(), observer.lost ? "  lost" : "");
-  }
-  return text;
+  return text + unit_of_errors(options) + "\n" + errors(result).text();
 }
 
 std::string summary_json(const ReplayOptions& options, const ReplayResult& result) {
@@ -125,16 +130,12 @@ std::string summary_json(const ReplayOptions& options, const ReplayResult& resul
       {"bytes", result.bytes},           {"duration_s", result.duration_s},
       {"elapsed_s", result.elapsed_s},   {"nominal_stroke", options.wire.wire.nominal_stroke}};
   if (result.has_reference) {
-    nlohmann::ordered_json errors;
-    for (const ObserverResult& observer : result.observers) {
-      errors[observer.name] = {{"mean_percent", observer.error.mean()},
-                               {"p95_percent", observer.error.quantile(0.95)},
-                               {"max_percent", observer.error.maximum()},
-                               {"lost", observer.lost}};
+    const nlohmann::ordered_json rows = errors(result).json();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      json["error"][result.observers[i].name] = rows[i];
     }
-    json["error"] = errors;
   }
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 }  // namespace smaservo

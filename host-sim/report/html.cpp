@@ -62,29 +62,6 @@ std::string shape(const Plot& plot) {
 
 }  // namespace
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 // An <img>, not an <object>: Chromium leaves some of the documents that many objects hold
 // unpainted.
 std::string plots_html(const std::vector<Plot>& plots) {
@@ -101,14 +78,6 @@ std::string plots_html(const std::vector<Plot>& plots) {
 
 std::string listing_html(std::string_view heading, std::string_view text) {
   return fmt::format("<h2>{}</h2>\n<pre>{}</pre>\n", escaped(heading), escaped(text));
-}
-
-std::string row_html(const std::vector<std::string>& cells, const char* tag) {
-  std::string html = "<tr>";
-  for (const std::string& text : cells) {
-    html += fmt::format("<{0}>{1}</{0}>", tag, escaped(text));
-  }
-  return html + "</tr>\n";
 }
 
 void write_html(const std::string& path, std::string_view title, std::string_view body) {

@@ -6,20 +6,15 @@
 #include <vector>
 
 #include "host-sim/report/gnuplot.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
-
-/// Text as HTML shows it.
-std::string escaped(std::string_view text);
 
 /// All plots, those of half the width side by side.
 std::string plots_html(const std::vector<Plot>& plots);
 
 /// A text as it stands, under a heading.
 std::string listing_html(std::string_view heading, std::string_view text);
-
-/// A table's row of these texts, as cells of the tag "th" or "td".
-std::string row_html(const std::vector<std::string>& cells, const char* tag);
 
 /// Writes a complete document around the body. Throws UserError.
 void write_html(const std::string& path, std::string_view title, std::string_view body);

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "model/files/text_table.hpp"
+
 namespace smaservo {
 
 /// One set-point that stood still. Percentages are of the nominal stroke, of the true strain. NaN:
@@ -37,5 +39,7 @@ class StepJudge {
   std::vector<double> strains_;
   std::vector<StepFigures> steps_;
 };
+
+TextTable steps_table(const std::vector<StepFigures>& steps);
 
 }  // namespace smaservo

@@ -169,49 +169,29 @@ class LoopPlots {
   std::string data_;
 };
 
-std::string cell_html(double value, int decimals) {
-  return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, decimals);
-}
-
 std::string numbers_html(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
-  const double limit_K = scenario.settings.limits.temperature_K;
-  std::string html = "<table>\n";
-  html += row_html(
-      {"hottest point, true", fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C",
-                                          result.greatest_hottest_K - zero_degC_K,
-                                          result.greatest_hottest_s, limit_K - zero_degC_K)},
-      "td");
-  html += row_html({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.greatest_current_A)},
-                   "td");
-  html += row_html(
-      {"estimate at most off by",
-       fmt::format("{:.2f} % of the nominal stroke",
-                   100 * result.greatest_estimate_error / scenario.settings.wire.nominal_stroke)},
-      "td");
+  TextTable table({{""}, {""}});
+  table.add({"hottest point, true",
+             fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C",
+                         result.greatest_hottest_K - zero_degC_K, result.greatest_hottest_s,
+                         scenario.settings.limits.temperature_K - zero_degC_K)});
+  table.add({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.greatest_current_A)});
+  table.add({"estimate at most off by", fmt::format("{:.2f} % of the nominal stroke",
+                                                    100 * result.greatest_estimate_error /
+                                                        scenario.settings.wire.nominal_stroke)});
   for (const auto& [fault, time_s] : result.faults) {
-    html += row_html({std::string(fault_name(fault)), fmt::format("latched at {:.3f} s", time_s)},
-                     "td");
+    table.add({fault_name(fault), fmt::format("latched at {:.3f} s", time_s)});
   }
-  return html + "</table>\n";
+  return table.html();
 }
 
 std::string steps_html(const LoopRunResult& result) {
   if (result.strain_steps.empty()) {
     return "";
   }
-  std::string html = "<h2>Steps</h2>\n<table>\n";
-  html +=
-      row_html({"at s", "from %", "to %", "rise s", "settling s", "overshoot %", "error %"}, "th");
-  for (const StepFigures& s : result.strain_steps) {
-    html += row_html(
-        {fmt::format("{:.3f}", s.from_s), fmt::format("{:.3f}", 100 * s.from),
-         fmt::format("{:.3f}", 100 * s.to), cell_html(s.rise_s, 3), cell_html(s.settling_s, 3),
-         fmt::format("{:.2f}", s.overshoot_percent), fmt::format("{:.2f}", s.error_percent)},
-        "td");
-  }
-  return html +
-         "</table>\n<p class=\"caption\">From and to are strain; overshoot and steady error (mean "
-         "over the last quarter) are in % of the nominal stroke; settling is to ±2 % of it.</p>\n";
+  return "<h2>Steps</h2>\n" + steps_table(result.strain_steps).html() +
+         "<p class=\"caption\">From and to are strain; overshoot and steady error (mean over the "
+         "last quarter) are in % of the nominal stroke; settling is to ±2 % of it.</p>\n";
 }
 
 }  // namespace

@@ -186,10 +186,6 @@ class LoopFile {
   std::string further_;
 };
 
-std::string cell_text(double value, int decimals) {
-  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
-}
-
 }  // namespace
 
 LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options) {
@@ -242,14 +238,8 @@ std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& res
   if (result.strain_steps.empty()) {
     return text;
   }
-  text += fmt::format("{:>9}{:>8}{:>8}{:>9}{:>11}{:>13}{:>11}\n", "step at s", "from %", "to %",
-                      "rise s", "settling s", "overshoot %", "error %");
-  for (const StepFigures& s : result.strain_steps) {
-    text += fmt::format("{:>9.3f}{:>8.3f}{:>8.3f}{:>9}{:>11}{:>13.2f}{:>11.2f}\n", s.from_s,
-                        100 * s.from, 100 * s.to, cell_text(s.rise_s, 3),
-                        cell_text(s.settling_s, 3), s.overshoot_percent, s.error_percent);
-  }
-  return text + "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
+  return text + steps_table(result.strain_steps).text() +
+         "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
 }
 
 }  // namespace smaservo

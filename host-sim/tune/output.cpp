@@ -8,6 +8,7 @@
 #include <toml++/toml.h>
 
 #include "host-sim/tune/tune.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo {
@@ -40,65 +41,82 @@ std::string heading(const Tuned& t) {
       b.hottest_K - zero_degC_K, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
 }
 
+double in_Hz(double rad_s) {
+  return rad_s / (2 * std::numbers::pi);
+}
+
 std::string settings_text(const Tuned& t) {
-  std::string text;
+  TextTable table({{""}, {"", "{:.6g}"}, {""}});
   for (const Chosen& c : t.chosen) {
-    text += fmt::format("{:<32}{:>12.6g}  {}\n", c.path(), c.value, c.why);
+    table.add({c.path(), c.value, c.why});
   }
-  return text;
+  return table.text();
 }
 
 std::string margins_text(const Tuned& t) {
-  std::string text =
-      fmt::format("{:<13}{:>16}{:>16}{:>10}{:>12}{:>14}  {}\n", "loop", "gain margin dB",
-                  "phase margin °", "worst Ms", "crosses Hz", "answers in %", "worst where");
+  TextTable table({{"loop"},
+                   {"gain margin dB", "{:.1f}"},
+                   {"phase margin °", "{:.0f}"},
+                   {"worst Ms", "{:.2f}"},
+                   {"crosses Hz", "{:.3g}"},
+                   {"answers in %", "{:.0f}"},
+                   {"worst where"}});
   for (const DesignedLoop& loop : t.proposal.loops) {
-    if (!loop.possible) {
-      text += fmt::format("{:<13} does not answer to heat under this load\n", loop_text(loop.name));
-      continue;
-    }
     const Margins& m = loop.worst;
-    text += fmt::format(
-        "{:<13}{:>16.1f}{:>16.0f}{:>10.2f}{:>12.3g}{:>14.0f}  {}, {:.0f} % contracted\n",
-        loop_text(loop.name), dB(m.gain), degrees(m.phase_rad), m.sensitivity,
-        m.crossover_rad_s / (2 * std::numbers::pi), 100 * loop.answering,
-        motion_name(loop.worst_at.point.motion), 100 * loop.worst_at.point.share);
+    if (loop.possible) {
+      table.add({loop_text(loop.name), dB(m.gain), degrees(m.phase_rad), m.sensitivity,
+                 in_Hz(m.crossover_rad_s), 100 * loop.answering,
+                 fmt::format("{}, {:.0f} % contracted", motion_name(loop.worst_at.point.motion),
+                             100 * loop.worst_at.point.share)});
+    } else {
+      table.add({loop_text(loop.name), {}, {}, {}, {}, {}, "does not answer to heat"});
+    }
   }
-  return text + fmt::format("asked of all {} wires in all their states: {:.0f} dB, {:.0f}°, {:g}\n",
-                            t.task.members, dB(AskedMargins{}.gain),
-                            degrees(AskedMargins{}.phase_rad), AskedMargins{}.sensitivity);
+  return table.text() +
+         fmt::format("asked of all {} wires in all their states: {:.0f} dB, {:.0f}°, {:g}\n",
+                     t.task.members, dB(AskedMargins{}.gain), degrees(AskedMargins{}.phase_rad),
+                     AskedMargins{}.sensitivity);
 }
 
-std::string relays_text(const Tuned& t) {
-  std::string text = fmt::format("{:<13}{:<9}{:<12}{:>10}{:>10}{:>12}{:>12}\n", "relay test",
-                                 "while", "wire", "Hz", "expected", "gain", "expected");
+TextTable relays(const Tuned& t) {
+  TextTable table({{"relay test", "", "loop"},
+                   {"while", "", "motion"},
+                   {"wire", "", "plant"},
+                   {"Hz", "{:.3g}", "Hz"},
+                   {"expected", "{:.3g}", "expected_Hz"},
+                   {"gain", "{:.3g}", "gain"},
+                   {"expected", "{:.3g}", "expected_gain"},
+                   {""},
+                   {.key = "agrees"}});
   for (const RelayCheck& c : t.relays) {
-    text +=
-        fmt::format("{:<13}{:<9}{:<12}{:>10.3g}{:>10.3g}{:>12.3g}{:>12.3g}{}\n", loop_text(c.name),
-                    motion_name(c.motion), c.plant, c.tested.rad_s / (2 * std::numbers::pi),
-                    c.expected.rad_s / (2 * std::numbers::pi), c.tested.gain, c.expected.gain,
-                    agrees(c) ? "" : "  does not agree");
+    table.add({loop_text(c.name), motion_name(c.motion), c.plant, in_Hz(c.tested.rad_s),
+               in_Hz(c.expected.rad_s), c.tested.gain, c.expected.gain,
+               agrees(c) ? "" : "does not agree", agrees(c)});
   }
-  return text;
+  return table;
 }
 
 std::string steps_text(const Tuned& t) {
-  std::string text =
-      fmt::format("{:<20}{:>9}{:>12}{:>14}{:>13}{:>11}{:>12}\n", "step of the strain", "rise s",
-                  "settles s", "overshoot %", "steady %", "ripple %", "hottest °C");
-  const auto row = [&](const char* who, const StepResponse& s) {
-    text += fmt::format("{:<20}{:>9.3g}{:>12.3g}{:>14.2f}{:>13.2f}{:>11.2f}{:>12.1f}\n",
-                        fmt::format("{:.2f} to {:.2f} %{}", 100 * s.from, 100 * s.to, who),
-                        s.rise_s, s.settling_s, percent_of_stroke(t, s.overshoot),
-                        percent_of_stroke(t, s.steady_error), percent_of_stroke(t, s.ripple),
-                        s.hottest_K - zero_degC_K);
+  TextTable table({{"step of the strain"},
+                   {"rise s", "{:.3g}"},
+                   {"settles s", "{:.3g}"},
+                   {"overshoot %", "{:.2f}"},
+                   {"steady %", "{:.2f}"},
+                   {"ripple %", "{:.2f}"},
+                   {"hottest °C", "{:.1f}"}});
+  const auto add = [&](const char* who, const StepResponse& s) {
+    table.add({fmt::format("{:.2f} to {:.2f} %{}", 100 * s.from, 100 * s.to, who), s.rise_s,
+               s.settling_s, percent_of_stroke(t, s.overshoot),
+               percent_of_stroke(t, s.steady_error), percent_of_stroke(t, s.ripple),
+               s.hottest_K - zero_degC_K});
   };
   for (std::size_t i = 0; i < t.worst.size(); ++i) {
-    row("", t.expected.runs.front().steps[i]);
-    row(", worst", t.worst[i]);
+    add("", t.expected.runs.front().steps[i]);
+    add(", worst", t.worst[i]);
   }
-  return text + fmt::format("% of a stroke of {:g}; worst of {} wires, each number by itself\n",
-                            t.task.plant.wire.nominal_stroke, t.expected.runs.size());
+  return table.text() +
+         fmt::format("% of a stroke of {:g}; worst of {} wires, each number by itself\n",
+                     t.task.plant.wire.nominal_stroke, t.expected.runs.size());
 }
 
 nlohmann::ordered_json step_json(const StepResponse& s) {
@@ -112,7 +130,7 @@ nlohmann::ordered_json margins_json(const Margins& m) {
   return {{"gain_dB", dB(m.gain)},
           {"phase_deg", degrees(m.phase_rad)},
           {"sensitivity", m.sensitivity},
-          {"crossover_Hz", m.crossover_rad_s / (2 * std::numbers::pi)}};
+          {"crossover_Hz", in_Hz(m.crossover_rad_s)}};
 }
 
 }  // namespace
@@ -123,7 +141,7 @@ std::string tuned_text(const Tuned& t) {
     warnings += fmt::format("warning: {}\n", warning);
   }
   return heading(t) + warnings + '\n' + settings_text(t) + '\n' + margins_text(t) + '\n' +
-         relays_text(t) + '\n' + steps_text(t);
+         relays(t).text() + '\n' + steps_text(t);
 }
 
 std::string tuned_json(const Tuned& t) {
@@ -148,22 +166,15 @@ std::string tuned_json(const Tuned& t) {
                                               {"worst", margins_json(loop.worst)}};
     }
   }
-  for (const RelayCheck& c : t.relays) {
-    all["relay_tests"].push_back({{"loop", loop_text(c.name)},
-                                  {"motion", motion_name(c.motion)},
-                                  {"plant", c.plant},
-                                  {"Hz", c.tested.rad_s / (2 * std::numbers::pi)},
-                                  {"expected_Hz", c.expected.rad_s / (2 * std::numbers::pi)},
-                                  {"gain", c.tested.gain},
-                                  {"expected_gain", c.expected.gain},
-                                  {"agrees", agrees(c)}});
+  if (!t.relays.empty()) {
+    all["relay_tests"] = relays(t).json();
   }
   for (std::size_t i = 0; i < t.worst.size(); ++i) {
     all["steps"].push_back(
         {{"file", step_json(t.expected.runs.front().steps[i])}, {"worst", step_json(t.worst[i])}});
   }
   all["warnings"] = t.warnings;
-  return all.dump(2) + "\n";
+  return json_text(all);
 }
 
 std::string tuned_toml(const Tuned& t) {

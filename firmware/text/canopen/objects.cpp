@@ -10,6 +10,7 @@
 #include "firmware/canopen/node/communication.hpp"
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
+#include "firmware/text/reference/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
 
@@ -20,20 +21,6 @@ using canopen::Type;
 
 constexpr std::uint16_t live_values = 0x2200;
 constexpr std::uint16_t faults_object = 0x2202;
-
-Type type_of(ValueType type) {
-  switch (type) {
-    case ValueType::real:
-      return Type::real;
-    case ValueType::number:
-      return Type::u32;
-    case ValueType::choice:
-      return Type::u8;
-    case ValueType::boolean:
-      break;
-  }
-  return Type::boolean;
-}
 
 void add(std::vector<KnownObject>& all, std::span<const canopen::DescribedObject> rows,
          std::span<const canopen::IndexName> names) {

@@ -5,6 +5,7 @@
 #include "firmware/canopen/node/communication.hpp"
 #include "firmware/canopen/servo/servo_core.hpp"
 #include "firmware/text/reference/object_list.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
@@ -287,31 +288,6 @@ VAL_ 1793 State 0 "boot-up" 4 "stopped" 5 "operational" 127 "pre-operational" ;
 
 // Markdown.
 
-std::string_view type_text(Type type) {
-  switch (type) {
-    case Type::boolean:
-      return "BOOLEAN";
-    case Type::i8:
-      return "INTEGER8";
-    case Type::i16:
-      return "INTEGER16";
-    case Type::i32:
-      return "INTEGER32";
-    case Type::u8:
-      return "UNSIGNED8";
-    case Type::u16:
-      return "UNSIGNED16";
-    case Type::u32:
-      return "UNSIGNED32";
-    case Type::real:
-      return "REAL32";
-    case Type::text:
-      return "VISIBLE_STRING";
-    default:
-      return "DOMAIN";
-  }
-}
-
 std::string real_default(const ListedObject& listed) {
   if (listed.object.type != Type::real || !may(listed.object, canopen::writable)) {
     return default_text(listed);
@@ -324,12 +300,15 @@ std::string pdo_text(const Object& object) {
   return in && out ? "RPDO, TPDO" : in ? "RPDO" : out ? "TPDO" : "";
 }
 
-std::string row_text(const ListedObject& listed) {
-  const Object& o = listed.object;
-  return fmt::format("| {:04X}h:{} | {} | {} | {}{} | {} | {} | {} |\n", o.key.index, o.key.sub,
-                     listed.name, type_text(o.type), access_text(o),
-                     may(o, canopen::stored) ? ", stored" : "", pdo_text(o), real_default(listed),
-                     listed.meaning);
+std::string table_text(const ListedIndex& listed) {
+  TextTable table({{"Object"}, {"Name"}, {"Type"}, {"Access"}, {"PDO"}, {"Default"}, {"Meaning"}});
+  for (const ListedObject& object : listed.objects) {
+    const Object& o = object.object;
+    table.add({fmt::format("{:04X}h:{}", o.key.index, o.key.sub), object.name, type_text(o.type),
+               fmt::format("{}{}", access_text(o), may(o, canopen::stored) ? ", stored" : ""),
+               pdo_text(o), real_default(object), object.meaning});
+  }
+  return table.markdown();
 }
 
 }  // namespace
@@ -373,17 +352,11 @@ std::string dbc_text() {
 std::string object_reference() {
   std::string text =
       "# Objects\n\nMade by `host-sim describe objects` from the tables of the firmware; not to be "
-      "edited. Parameters\n(2000h to 211Ch) are stored with the settings: ranges, and when they "
-      "may "
-      "change, are in\n[PARAMETERS.md](PARAMETERS.md). *Stored*: kept by 1010h in the image of "
-      "the bus.\n";
+      "edited. The parameters\n(2000h to 211Ch) are in [PARAMETERS.md](PARAMETERS.md), all others "
+      "are here. *Stored*: kept by 1010h in\nthe image of the bus.\n";
   for (const ListedIndex& listed : list_objects()) {
-    text += fmt::format(
-        "\n## {:04X}h {}\n\n| Object | Name | Type | Access | PDO | Default | Meaning "
-        "|\n|---|---|---|---|---|---|---|\n",
-        listed.index, listed.name);
-    for (const ListedObject& object : listed.objects) {
-      text += row_text(object);
+    if (!listed.objects.front().is_parameter) {
+      text += fmt::format("\n## {:04X}h {}\n\n", listed.index, listed.name) + table_text(listed);
     }
   }
   return text;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "firmware/safety/faults/table.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
@@ -92,24 +93,24 @@ std::optional<unsigned> code(std::string_view text) {
 }  // namespace
 
 std::string fault_reference() {
-  std::string page =
+  TextTable classes({{"class"}, {"what follows"}});
+  for (std::size_t i = 0; i < fault_class_count; ++i) {
+    const auto severity = static_cast<FaultClass>(i);
+    classes.add({class_name(severity), reaction(severity)});
+  }
+  TextTable faults({{"fault"}, {"code"}, {"class"}, {"time"}, {"what it is"}});
+  for (const FaultRow& row : fault_rows) {
+    faults.add({fmt::format("[{0}](#{0})", row.name), fmt::format("{:04X}h", row.code),
+                class_name(row.severity), deglitch(row), row.text});
+  }
+  std::string page = fmt::format(
       "# Faults\n\n"
       "Made by `host-sim describe faults` from the table of faults "
       "([faults/](../safety/faults/table.hpp)); "
-      "the tests compare\nthe two. `host-sim explain FAULT` prints one of them.\n\n"
-      "| class | what follows |\n|---|---|\n";
-  for (std::size_t i = 0; i < fault_class_count; ++i) {
-    const auto severity = static_cast<FaultClass>(i);
-    page += fmt::format("| {} | {} |\n", class_name(severity), reaction(severity));
-  }
-  page +=
+      "the tests compare\nthe two. `host-sim explain FAULT` prints one of them.\n\n{}"
       "\nThe time is that for which a condition has to last before it counts, beyond the step that "
-      "first sees it.\n\n"
-      "| fault | code | class | time | what it is |\n|---|---|---|---|---|\n";
-  for (const FaultRow& row : fault_rows) {
-    page += fmt::format("| [{0}](#{0}) | {1:04X}h | {2} | {3} | {4} |\n", row.name, row.code,
-                        class_name(row.severity), deglitch(row), row.text);
-  }
+      "first sees it.\n\n{}",
+      classes.markdown(), faults.markdown());
   for (const FaultRow& row : fault_rows) {
     page += fmt::format(
         "\n## {}\n\n{}\n\n"

@@ -54,32 +54,15 @@ class List {
   std::map<std::uint16_t, ListedIndex> all_;
 };
 
-Type type_of(ValueType type) {
-  switch (type) {
-    case ValueType::real:
-      return Type::real;
-    case ValueType::number:
-      return Type::u32;
-    case ValueType::choice:
-      return Type::u8;
-    case ValueType::boolean:
-      break;
-  }
-  return Type::boolean;
-}
-
 void add_parameters(List& list) {
   for (const Parameter<double>& row : parameters<double>) {
-    std::string meaning(row.meaning);
-    for (std::size_t i = 0; i < row.choices.size(); ++i) {
-      meaning += (i == 0 ? "; " : ", ") + std::to_string(i) + ": " + std::string(row.choices[i]);
-    }
     const std::string path(row.path.text());
     list.add({{row.key, type_of(row.type), canopen::readable | canopen::writable, canopen::nowhere,
                row.standard.bits, row.least.bits, row.greatest.bits},
               path,
-              meaning,
-              row.has_default()});
+              std::string(row.meaning),
+              row.has_default(),
+              true});
     list.name(row.key.index, path.substr(0, path.rfind('.')));
   }
 }
@@ -95,6 +78,45 @@ void add_signals(List& list) {
 }
 
 }  // namespace
+
+Type type_of(ValueType type) {
+  switch (type) {
+    case ValueType::real:
+      return Type::real;
+    case ValueType::number:
+      return Type::u32;
+    case ValueType::choice:
+      return Type::u8;
+    case ValueType::boolean:
+      break;
+  }
+  return Type::boolean;
+}
+
+std::string_view type_text(Type type) {
+  switch (type) {
+    case Type::boolean:
+      return "BOOLEAN";
+    case Type::i8:
+      return "INTEGER8";
+    case Type::i16:
+      return "INTEGER16";
+    case Type::i32:
+      return "INTEGER32";
+    case Type::u8:
+      return "UNSIGNED8";
+    case Type::u16:
+      return "UNSIGNED16";
+    case Type::u32:
+      return "UNSIGNED32";
+    case Type::real:
+      return "REAL32";
+    case Type::text:
+      return "VISIBLE_STRING";
+    default:
+      return "DOMAIN";
+  }
+}
 
 std::vector<ListedIndex> list_objects() {
   List list;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "firmware/canopen/node/objects.hpp"
+#include "firmware/parameters/parameter.hpp"
 
 namespace smaservo {
 
@@ -12,6 +13,7 @@ struct ListedObject {
   canopen::Object object;
   std::string name, meaning;
   bool has_default = true;  ///< a wire's parameters have none
+  bool is_parameter = false;
 };
 
 struct ListedIndex {
@@ -23,6 +25,12 @@ struct ListedIndex {
   bool is_variable() const { return objects.size() == 1 && objects[0].object.key.sub == 0; }
   std::uint8_t highest_sub() const { return objects.back().object.key.sub; }
 };
+
+/// Of a parameter, as CANopen has it.
+canopen::Type type_of(ValueType type);
+
+/// "REAL32"
+std::string_view type_text(canopen::Type type);
 
 /// In the order of their indices.
 std::vector<ListedIndex> list_objects();

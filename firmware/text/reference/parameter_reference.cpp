@@ -4,26 +4,14 @@
 
 #include "firmware/parameters/parameter_check.hpp"
 #include "firmware/parameters/schemas.hpp"
+#include "firmware/text/reference/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
 
 using Row = Parameter<double>;
-
-std::string_view type_text(ValueType type) {
-  switch (type) {
-    case ValueType::real:
-      return "REAL32";
-    case ValueType::number:
-      return "UNSIGNED32";
-    case ValueType::choice:
-      return "UNSIGNED8";
-    case ValueType::boolean:
-      break;
-  }
-  return "BOOLEAN";
-}
 
 std::string_view change_text(Change change) {
   switch (change) {
@@ -35,13 +23,6 @@ std::string_view change_text(Change change) {
       break;
   }
   return "after reset";
-}
-
-std::string row_text(const Row& row) {
-  return fmt::format("| {:04X}h:{} | `{}` | {} | {} | {} | {} | {} |\n", row.key.index, row.key.sub,
-                     row.path.text(), type_text(row.type), range_text(row),
-                     row.has_default() ? value_text(row, row.standard) : "none",
-                     change_text(row.change), row.meaning);
 }
 
 std::string rule_text(const Rule& rule) {
@@ -56,7 +37,33 @@ std::string rule_text(const Rule& rule) {
   const std::string_view sign = rule.relation == Relation::below       ? "<"
                                 : rule.relation == Relation::not_above ? "<="
                                                                        : "with";
-  return fmt::format("| {} {} {} | {} |\n", left, sign, path(rule.b), rule.meaning);
+  return fmt::format("{} {} {}", left, sign, path(rule.b));
+}
+
+/// The group of a path: all but its last part.
+std::string_view group_of(const Row& row) {
+  return row.path.text().substr(0, row.path.text().rfind('.'));
+}
+
+std::string group_text(std::string_view group) {
+  TextTable table({{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Meaning"}});
+  for (const Row& row : parameters<double>) {
+    if (group_of(row) == group) {
+      table.add({fmt::format("{:04X}h:{}", row.key.index, row.key.sub),
+                 fmt::format("`{}`", row.path.text()), type_text(type_of(row.type)),
+                 range_text(row), row.has_default() ? value_text(row, row.standard) : "none",
+                 change_text(row.change), row.meaning});
+    }
+  }
+  return fmt::format("\n## {}\n\n{}", group, table.markdown());
+}
+
+std::string rules_text() {
+  TextTable table({{"Rule"}, {"Why"}});
+  for (const Rule& rule : parameter_rules) {
+    table.add({rule_text(rule), rule.meaning});
+  }
+  return table.markdown();
 }
 
 }  // namespace
@@ -68,28 +75,21 @@ std::string parameter_reference() {
       "be edited.\nSchema {}, hash {:08X}h. Values are those of a float, in the SI unit that ends "
       "the path; a file\nmay use another unit of the same kind. *Not enabled*: refused while there "
       "may be current. *After\nreset*: stored, in force after the next start. The wire has no "
-      "defaults: without one the device is\nnot configured.\n",
+      "defaults: without one the device is\nnot configured. In CANopen all of them are rw, none is "
+      "in a PDO, and a choice is its place in the range,\nfrom 0.\n",
       released_schemas.back().version, schema_hash<double>(parameter_rows<double>));
   std::string_view open;
   for (const Row& row : parameters<double>) {
-    const std::string_view path = row.path.text();
-    const std::string_view table = path.substr(0, path.rfind('.'));
-    if (table != open) {
-      open = table;
-      out += fmt::format(
-          "\n## {}\n\n| Key | Path | Type | Range | Default | Change | Meaning "
-          "|\n|---|---|---|---|---|---|---|\n",
-          table);
+    if (group_of(row) != open) {
+      open = group_of(row);
+      out += group_text(open);
     }
-    out += row_text(row);
   }
-  out +=
-      "\n## As a set\n\nA set that breaks one of these rules is refused, and both parameters are "
-      "named.\n\n| Rule | Why |\n|---|---|\n";
-  for (const Rule& rule : parameter_rules) {
-    out += rule_text(rule);
-  }
-  return out;
+  return out +
+         "\n## As a set\n\nA set that breaks one of these rules is refused, and both parameters "
+         "are "
+         "named.\n\n" +
+         rules_text();
 }
 
 }  // namespace smaservo

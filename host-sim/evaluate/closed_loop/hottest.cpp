@@ -9,6 +9,7 @@
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/text/device_names.hpp"
 #include "model/files/parallel.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo {
 namespace {
@@ -37,24 +38,38 @@ struct Tally {
   }
 };
 
-std::string line(std::string_view what, const Tally& t) {
-  return fmt::format("| {} | {} | {} | {:.1f} | {} | {} |\n", what, t.runs,
-                     t.violations > 0 ? fmt::format("**{}**", t.violations) : "0", t.worst_K,
-                     t.worst_seed, t.tripped);
+void add_line(TextTable& table, const std::string& what, const Tally& t) {
+  table.add({what, t.runs, {t.violations, t.violations > 0}, t.worst_K, t.worst_seed, t.tripped});
 }
 
 /// A line for each class.
-std::string lines(const std::vector<HottestRun>& runs, std::string_view kind,
-                  std::string_view (*name)(const HottestRun&)) {
+void add_lines(TextTable& table, const std::vector<HottestRun>& runs, std::string_view kind,
+               std::string_view (*name)(const HottestRun&)) {
   std::map<std::string_view, Tally> classes;
   for (const HottestRun& run : runs) {
     classes[name(run)].add(run);
   }
-  std::string text;
   for (const auto& [what, tally] : classes) {
-    text += line(fmt::format("{}: {}", kind, what), tally);
+    add_line(table, fmt::format("{}: {}", kind, what), tally);
   }
-  return text;
+}
+
+TextTable classes(const std::vector<HottestRun>& runs, const Tally& all) {
+  TextTable table({{""},
+                   {"scenarios", "{}"},
+                   {fmt::format("above {:g} K", hottest_allowed_K), "{}"},
+                   {"highest, K", "{:.1f}"},
+                   {"its seed", "{}"},
+                   {"trip", "{}"}});
+  add_line(table, "all", all);
+  add_lines(table, runs, "mode", [](const HottestRun& r) { return mode_name(r.mode); });
+  add_lines(table, runs, "set-points", [](const HottestRun& r) {
+    return std::string_view(r.beyond ? "beyond the limits" : "within the limits");
+  });
+  add_lines(table, runs, "air", [](const HottestRun& r) { return random_air_name(r.air); });
+  add_lines(table, runs, "trouble",
+            [](const HottestRun& r) { return random_trouble_name(r.trouble); });
+  return table;
 }
 
 }  // namespace
@@ -112,17 +127,9 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
       "True hottest point above `limits.temperature_K` in {} random scenarios of 20 s: {} above it "
       "by more than {:g} K; median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. Of {} "
       "scenarios in which nothing happens {} trip by anything but a following error.\n\n"
-      "| | scenarios | above {:g} K | highest, K | its seed | trip |\n|---|--:|--:|--:|--:|--:|\n",
+      "{}",
       all.runs, all.violations, hottest_allowed_K, quantile(sorted, 0.5), quantile(sorted, 0.9),
-      quantile(sorted, 0.99), all.worst_K, harmless, false_trips, hottest_allowed_K);
-  text += line("all", all);
-  text += lines(runs, "mode", [](const HottestRun& r) { return mode_name(r.mode); });
-  text += lines(runs, "set-points", [](const HottestRun& r) {
-    return std::string_view(r.beyond ? "beyond the limits" : "within the limits");
-  });
-  text += lines(runs, "air", [](const HottestRun& r) { return random_air_name(r.air); });
-  text +=
-      lines(runs, "trouble", [](const HottestRun& r) { return random_trouble_name(r.trouble); });
+      quantile(sorted, 0.99), all.worst_K, harmless, false_trips, classes(runs, all).markdown());
   text += "\nFirst trips:";
   for (const auto& [name, count] : causes) {
     text += fmt::format(" {} {}{}", name, count, name == causes.rbegin()->first ? ".\n" : ",");

@@ -6,6 +6,7 @@
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo {
@@ -23,10 +24,6 @@ std::string figures(const ErrorStatistics& error) {
   return error.count() == 0 ? "-"
                             : fmt::format("{} / {} / {}", percent(error.mean()),
                                           percent(error.quantile(0.95)), percent(error.maximum()));
-}
-
-std::string step_time(const Compared& one) {
-  return one.error.count() == 0 ? "-" : fmt::format("{:.0f} ns", 1e9 * one.step_s);
 }
 
 std::string remark(const Compared& one) {
@@ -87,26 +84,35 @@ Json error_json(const ErrorStatistics& error) {
   return json;
 }
 
-std::string table_html(const Comparison& comparison) {
-  std::vector<std::string> titles{"system", "mean", "95 %", "max", "a row", "parameters"};
-  for (const Run& run : comparison.tests) {
-    titles.push_back(file_name(run.name) + ", mean");
+/// In HTML with the mean of each test at the end.
+TextTable table_of(const Comparison& comparison, bool with_tests) {
+  std::vector<TextTable::Column> columns{{"system"},
+                                         {"mean", "{:.2f}"},
+                                         {"95 %", "{:.2f}"},
+                                         {"max", "{:.2f}"},
+                                         {"a row", "{:.0f} ns", "", 1e9},
+                                         {"parameters", "{}"}};
+  for (std::size_t t = 0; with_tests && t < comparison.tests.size(); ++t) {
+    columns.push_back({file_name(comparison.tests[t].name) + ", mean", "{:.2f}"});
   }
-  std::string html = "<table>\n" + row_html(titles, "th");
+  TextTable table(std::move(columns));
   for (const Compared& one : comparison.systems) {
-    std::vector<std::string> cells{one.system.name};
+    TextTable::Row row{one.system.name};
     if (one.error.count() > 0) {
-      cells.insert(cells.end(), {percent(one.error.mean()), percent(one.error.quantile(0.95)),
-                                 percent(one.error.maximum()), step_time(one),
-                                 fmt::format("{}", one.system.parameters)});
-      for (const SystemRun& run : one.runs) {
-        cells.push_back(run.error.count() == 0 ? "-" : percent(run.error.mean()));
+      row.insert(row.end(), {one.error.mean(), one.error.quantile(0.95), one.error.maximum(),
+                             one.step_s, one.system.parameters});
+      for (std::size_t t = 0; with_tests && t < one.runs.size(); ++t) {
+        const ErrorStatistics& error = one.runs[t].error;
+        row.push_back(error.count() > 0 ? error.mean() : TextTable::Cell{});
       }
     }
-    cells.resize(titles.size(), "-");
-    html += row_html(cells, "td");
+    table.add(std::move(row));
   }
-  html += "</table>\n<p class=\"caption\">";
+  return table;
+}
+
+std::string remarks_html(const Comparison& comparison) {
+  std::string html = "<p class=\"caption\">";
   for (const Compared& one : comparison.systems) {
     const std::string said = remark(one);
     html += fmt::format("<b>{}</b>: {}{}{}.<br>\n", escaped(one.system.name),
@@ -153,18 +159,7 @@ Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one)
 }  // namespace
 
 std::string comparison_text(const Comparison& comparison) {
-  std::string text = heading(comparison) + "\n\n";
-  text += fmt::format("{:<26}{:>8}{:>8}{:>8}{:>10}{:>12}\n", "", "mean", "95 %", "max", "a row",
-                      "parameters");
-  for (const Compared& one : comparison.systems) {
-    const ErrorStatistics& e = one.error;
-    if (e.count() == 0) {
-      text += fmt::format("{:<26}{:>8}{:>8}{:>8}\n", one.system.name, "-", "-", "-");
-      continue;
-    }
-    text += fmt::format("{:<26}{:>8.2f}{:>8.2f}{:>8.2f}{:>10}{:>12}\n", one.system.name, e.mean(),
-                        e.quantile(0.95), e.maximum(), step_time(one), one.system.parameters);
-  }
+  std::string text = heading(comparison) + "\n\n" + table_of(comparison, false).text();
   for (const Compared& one : comparison.systems) {
     if (const std::string said = remark(one); !said.empty()) {
       text += fmt::format("\n{}: {}.", one.system.name, said);
@@ -203,7 +198,7 @@ std::string comparison_json(const Comparison& comparison) {
     }
     json["systems"].push_back(system);
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 void write_comparison_report(const std::string& path, const Comparison& comparison) {
@@ -216,8 +211,8 @@ void write_comparison_report(const std::string& path, const Comparison& comparis
     }
   }
   write_html(path, "Systems compared",
-             fmt::format("<p>{}</p>\n", escaped(heading(comparison))) + table_html(comparison) +
-                 plots_html(plots));
+             fmt::format("<p>{}</p>\n", escaped(heading(comparison))) +
+                 table_of(comparison, true).html() + remarks_html(comparison) + plots_html(plots));
 }
 
 }  // namespace smaservo

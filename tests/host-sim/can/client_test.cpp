@@ -204,7 +204,7 @@ TEST_F(CanClient, FindsWhoIsThere) {
   EXPECT_EQ(found.nodes[0].device_type & 0xFFFFU, 402U);
   EXPECT_FALSE(found.without_id);
   EXPECT_THAT(info_text(remote), HasSubstr("Switch on disabled"));
-  EXPECT_THAT(faults_text(remote), HasSubstr("latched       none"));
+  EXPECT_THAT(faults_text(remote), HasSubstr("latched     none"));
 }
 
 TEST_F(CanClient, WatchShowsRows) {

@@ -61,10 +61,10 @@ TEST(Table, AsText) {
 * misses its target
 
 kalman
-row              runs    mean    95 %     max   lost   in 2 sd          target                ihyp              sublayers
-standard            2    0.50*   0.75    0.75      0      94.0   0.4 / 1.2 / 4   0.25 / 0.25 / 0.2      0.75 / 0.75 / 0.8
-unknown-start       2   16.00   30.00   30.00      1      94.0                   2.00 / 2.00 / 2.0   30.00 / 30.00 / 30.0
-coarse              2    0.65    0.65    0.65      0      94.0             0.7   0.65 / 0.65 / 0.7      0.65 / 0.65 / 0.7
+row            runs    mean    95 %     max   lost   in 2 sd          target                ihyp              sublayers
+standard          2    0.50*   0.75    0.75      0      94.0   0.4 / 1.2 / 4   0.25 / 0.25 / 0.2      0.75 / 0.75 / 0.8
+unknown-start     2   16.00   30.00   30.00      1      94.0                   2.00 / 2.00 / 2.0   30.00 / 30.00 / 30.0
+coarse            2    0.65    0.65    0.65      0      94.0             0.7   0.65 / 0.65 / 0.7      0.65 / 0.65 / 0.7
 
 row                                                        value   target   ihyp   sublayers
 unknown-start  seconds of motion until within 6 %, median   0.40        1   0.40       never

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "model/files/text_table.hpp"
 #include "model/files/wire_file.hpp"
 
 namespace smaservo {
@@ -43,14 +44,13 @@ std::string range_of(const WireField& field) {
 }
 
 std::string key_table() {
-  std::string table =
-      "| Key, without its unit | Units | Range | Needed | Meaning; default "
-      "|\n|---|---|---|---|---|\n";
+  TextTable table(
+      {{"Key, without its unit"}, {"Units"}, {"Range"}, {"Needed"}, {"Meaning; default"}});
   for (const WireField& field : wire_fields()) {
-    table += fmt::format("| `{}` | {} | {} | {} | {} |\n", field.path, units_of(field),
-                         range_of(field), field.required ? "yes" : "no", field.meaning);
+    table.add({fmt::format("`{}`", field.path), units_of(field), range_of(field), field.required,
+               field.meaning});
   }
-  return table;
+  return table.markdown();
 }
 
 std::string text_of_readme() {

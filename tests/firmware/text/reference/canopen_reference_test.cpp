@@ -1,8 +1,11 @@
 #include "firmware/text/reference/canopen_reference.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "firmware/text/reference/object_list.hpp"
+#include "firmware/text/reference/parameter_reference.hpp"
 #include "tests/can/eds_node/eds_file.hpp"
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
 #include "tests/host-sim/program.hpp"
@@ -21,6 +24,19 @@ TEST(CanopenReference, TheFilesAreUpToDate) {
   EXPECT_EQ(file_text(folder + "smaservo.eds"), eds_text());
   EXPECT_EQ(file_text(folder + "smaservo.dbc"), dbc_text());
   EXPECT_EQ(file_text(folder + "OBJECTS.md"), object_reference());
+}
+
+TEST(CanopenReference, EveryObjectIsInOneOfTheTwoPages) {
+  const std::string objects = object_reference();
+  const std::string parameters = parameter_reference();
+  for (const ListedIndex& listed : list_objects()) {
+    for (const ListedObject& object : listed.objects) {
+      const Key key = object.object.key;
+      const std::string row = fmt::format("\n| {:04X}h:{} | ", key.index, key.sub);
+      EXPECT_NE(objects.find(row) == std::string::npos, parameters.find(row) == std::string::npos)
+          << row;
+    }
+  }
 }
 
 TEST(CanopenReference, TheDataSheetAvoidsWhatReadersStumbleOver) {
