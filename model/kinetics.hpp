@@ -35,9 +35,9 @@ struct PhaseRates {
 
 /// A hysteresis model. State is a small value, trivially copyable if its scalar is; a step changes
 /// it in place, because most of its bytes stay as they are. Properties, tested once for all models
-/// in tests/model/kinetics_suite.hpp: the fractions stay on the simplex; an unchanged drive changes
-/// nothing, to the bit; one big step equals many small ones within a bound that each model
-/// states; a full cycle erases history.
+/// in tests/model/kinetics_suite.hpp: the fractions stay on the simplex (none negative, the sum of
+/// all three 1); an unchanged drive changes nothing, to the bit; one big step equals many small
+/// ones within a bound that each model states; a full cycle erases history.
 template <class K>
 concept Kinetics =
     (std::is_trivially_copyable_v<typename K::State> ||

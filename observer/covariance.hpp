@@ -45,18 +45,15 @@ class Covariance : FilterStates {
     Phase martensite, r_phase;      ///< its second and third row
     S martensite_1_K, r_phase_1_K;  ///< what B adds per kelvin
   };
-  /// Q: a variance that is added to each state. The temperature's is added before B, so it moves
-  /// the phases, too.
-  struct Noise {
-    S temperature, martensite, r_phase, ambient, loss, resistance;
-  };
 
   S& at(int i, int j) { return elements_[i][j]; }
   const S& at(int i, int j) const { return elements_[i][j]; }
   auto row(int i) const { return Row<const Vector>(elements_[i]); }
 
-  /// P <- B (G P Gᵀ + Q_T) Bᵀ + Q
-  [[gnu::always_inline]] void propagate(const Transition& f, const Noise& q);
+  /// P <- B (G P Gᵀ + Q_T) Bᵀ. Q_T has the temperature's noise alone: what it adds to the
+  /// temperature moves the phases, too. The noise of the other states is added to their at(i, i)
+  /// afterwards.
+  [[gnu::always_inline]] void propagate(const Transition& f, const S& temperature_noise_K2);
 
   /// P H. The resistance does not depend on the factor on the loss: that element of H is zero.
   Vector times(const Vector& H) const {
@@ -106,7 +103,7 @@ class Covariance : FilterStates {
     return sum_of_products(Product<S>{g.by_martensite, v[iM]}, Product<S>{g.by_r_phase, v[iR]},
                            Product<S>{g.by_temperature, v[iT]});
   }
-  /// Row i is that of T, M and R with all states but these three themselves.
+  /// The rows and columns of T, M and R, but for the nine elements between these three.
   [[gnu::always_inline]] void put_rows(const Transition& f, const Vector& T, const Vector& M,
                                        const Vector& R);
   void put(int i, int j, const S& x) { elements_[i][j] = elements_[j][i] = x; }
@@ -115,7 +112,7 @@ class Covariance : FilterStates {
 };
 
 template <class S>
-inline void Covariance<S>::propagate(const Transition& f, const Noise& q) {
+inline void Covariance<S>::propagate(const Transition& f, const S& temperature_noise_K2) {
   using Term = Product<S>;
   const Vector& g = f.temperature;
   // G P: the rows that G changes
@@ -124,7 +121,7 @@ inline void Covariance<S>::propagate(const Transition& f, const Noise& q) {
   const Vector M = row_of(f.martensite);
   const Vector R = row_of(f.r_phase);
   // G P Gᵀ + Q_T, and by B the elements of P; those of T with M and R are needed from both.
-  const S TT = dot<iT, iM, iR, iAmbient, iLoss>(g, T) + q.temperature;
+  const S TT = dot<iT, iM, iR, iAmbient, iLoss>(g, T) + temperature_noise_K2;
   const S given_TM = along(f.martensite, T);
   const S given_TR = along(f.r_phase, T);
   const S TM = sum_of_products(given_TM, Term{f.martensite_1_K, TT});
@@ -137,12 +134,9 @@ inline void Covariance<S>::propagate(const Transition& f, const Noise& q) {
   put(iT, iT, TT);
   put(iT, iM, TM);
   put(iT, iR, TR);
-  put(iM, iM, MM + q.martensite);
+  put(iM, iM, MM);
   put(iM, iR, MR);
-  put(iR, iR, RR + q.r_phase);
-  at(iAmbient, iAmbient) += q.ambient;
-  at(iLoss, iLoss) += q.loss;
-  at(iResistance, iResistance) += q.resistance;
+  put(iR, iR, RR);
 }
 
 template <class S>

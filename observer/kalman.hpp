@@ -35,14 +35,14 @@ struct KalmanTuning {
   S ambient_range_K = S(20);
   S loss_range = S(1.6);  ///< factor, up and down
   S resistance_range = S(0.025);
-  S hottest_K = S(550);  ///< and the wire, below this and not colder than the air can be
-  // The deviation in the estimate: the filter has to be more careful than it is right, and knows
-  // nothing of what its model can not say.
+  S hottest_K = S(550);  ///< the wire's temperature stays below this, and above the coldest air
+  // The variance in the estimate is the filter's own times reported², since the filter has to be
+  // more careful than it is right, plus strain_model_sd², for what its model can not say.
   S reported = S(0.33);
   S strain_model_sd = S(0.0003);
 };
 
-/// As far as it depends on how good the wire's parameters are.
+/// The tuning for a wire whose parameters are this good.
 template <class S>
 constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
   KalmanTuning<S> tuning;
@@ -87,7 +87,7 @@ struct KalmanObserver : FilterStates {
     start_at_rest(p, s, m, ambient_K, rest_slope(p, m.stress_Pa, ambient_K));
     return s;
   }
-  /// What a warmer room makes of the phases at rest: half of the cost of a start there.
+  /// How the phases at rest change per kelvin of the room. Cost: half of a start at rest.
   static PhaseRates<S> rest_slope(const Params& p, const S& stress_Pa, const S& ambient_K);
   static void start_at_rest(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
                             const PhaseRates<S>& rest_slope);
@@ -97,7 +97,7 @@ struct KalmanObserver : FilterStates {
                     const S& temperature_sd_K);
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static Estimate<S> estimate(const Params& p, const State& s);
-  /// For seconds the resistance has not been what the model expects.
+  /// The resistance differs from what the model expects by more than 1 %, averaged over 2 s.
   static bool contradicted(const State& s) { return S(0.01) < s.mismatch; }
   /// Of the whole wire.
   static S whole_strain(const Params& p, const State& s) {
@@ -107,8 +107,8 @@ struct KalmanObserver : FilterStates {
 
   // The parts of a step, open to tests of their derivatives.
 
-  /// Derivatives of a prediction: the temperature's row by all states, and how it reaches the
-  /// phases. With z' the rates after the step,
+  /// Derivatives of a prediction: that of the temperature by all states, and how the phases follow
+  /// the temperature. With z' the rates after the step,
   /// d(phases after) = T (d(phases before) - z'_before d(temperature before)) + z' d(temperature
   /// after).
   struct Linear {
@@ -251,7 +251,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   s.heat_J = heat_J - (body.capacity_J_K + loss_J_K) * dT + body.latent_m2a_J * dM +
              body.latent_r2a_J * dR;
 
-  // A corner of the path has no derivative; that of the branch behind it is the better guess.
+  // Where the path has a corner there is no derivative; that of the branch after it is taken.
   const bool straight = onward && k.heading == heading;
   if (!straight) {
     tangent.transfer = {S(1), S(0), S(0), S(1)};
@@ -267,7 +267,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   const PhaseRates<S> moved{t.m_m * rates_before.martensite_1_K + t.m_r * rates_before.r_phase_1_K,
                             t.r_m * rates_before.martensite_1_K + t.r_r * rates_before.r_phase_1_K};
 
-  // The heat that the step takes in, differentiated: with the carried heat, enthalpy is exact.
+  // Derivatives of the heat that the step takes in. With the carried heat_J the enthalpy is exact.
   const S per = S(1) / (body.effective_capacity_J_K(tangent.rates) + loss_J_K);
   Vector temperature = Vector::Zero();
   temperature[iT] = body.effective_capacity_J_K(moved) * per;
@@ -276,7 +276,8 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   temperature[iAmbient] = loss_J_K * per;
   temperature[iLoss] = -(unit_loss_J * per);
 
-  // A walk that the loss holds at this deviation; the ambient air is not exact, either: 6 K.
+  // Noise whose deviation grows until the heat loss holds it at sd_K. The 6 K stand for the air,
+  // which is not exactly known, either.
   const S sd_K = p.tuning.heat_error * (magnitude(above) + S(6));
   const S noise_K2 = S(2) * sd_K * sd_K * body.loss_W_K * dt_s / body.capacity_J_K;
   return {temperature, tangent, moved, noise_K2, magnitude(dM), magnitude(dR)};
@@ -289,15 +290,18 @@ void KalmanObserver<S>::predict_covariance(const Params& p, Covariance<S>& P, co
                                            const S& dt_s) {
   const typename Kinetics::Transfer& t = f.tangent.transfer;
   const KalmanTuning<S>& q = p.tuning;
-  const S per_fraction = q.fraction_noise * q.fraction_noise;
   P.propagate({f.temperature,
                {t.m_m, t.m_r, -f.moved.martensite_1_K},
                {t.r_m, t.r_r, -f.moved.r_phase_1_K},
                f.tangent.rates.martensite_1_K,
                f.tangent.rates.r_phase_1_K},
-              {f.noise_K2, per_fraction * f.converted_m, per_fraction * f.converted_r,
-               q.ambient_walk_K * q.ambient_walk_K * dt_s, q.loss_walk * q.loss_walk * dt_s,
-               q.resistance_walk * q.resistance_walk * dt_s});
+              f.noise_K2);
+  const S per_fraction = q.fraction_noise * q.fraction_noise;
+  P.at(iM, iM) += per_fraction * f.converted_m;
+  P.at(iR, iR) += per_fraction * f.converted_r;
+  P.at(iAmbient, iAmbient) += q.ambient_walk_K * q.ambient_walk_K * dt_s;
+  P.at(iLoss, iLoss) += q.loss_walk * q.loss_walk * dt_s;
+  P.at(iResistance, iResistance) += q.resistance_walk * q.resistance_walk * dt_s;
 }
 
 template <class S>
@@ -324,9 +328,10 @@ auto KalmanObserver<S>::expected(const Params& p, const State& s) -> Expected {
   return {scale * rho.value * stretch, slope};
 }
 
-/// The most likely change that leaves no fraction negative: where the plain one does, the bound is
-/// taken for an exact measurement. Clipping alone turns a correction that takes from one phase and
-/// gives to another into one that only gives, and the filter runs away.
+/// Makes of a correction the most likely one that leaves no fraction negative: a fraction that
+/// would be is taken as measured exactly at its bound, which moves the other states as well. Were
+/// it only clipped, a correction that takes from one phase and gives to another would only give,
+/// and the filter would diverge.
 template <class S>
 void KalmanObserver<S>::keep_on_simplex(const Covariance<S>& P, const Phases<S>& z,
                                         Vector& change) {

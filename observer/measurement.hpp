@@ -36,9 +36,9 @@ constexpr S two_wire_resistance_ohm(const S& reference_ohm, const S& net_V, cons
   return reference_ohm * (net_V / reference_V - S(1)) - lead_ohm;
 }
 
-/// Resistance, power and stress with their validity. Whatever is not a number or out of range
-/// makes the part that needs it invalid; the other parts stay. An invalid power is 0: nothing
-/// says that the wire is heated.
+/// Resistance, power and stress with their validity. A reading that is NaN or out of range
+/// makes invalid what is computed from it, and nothing else. An invalid power is 0, as if the wire
+/// were not heated.
 template <class S>
 Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
   using std::isfinite;

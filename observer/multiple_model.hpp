@@ -37,8 +37,8 @@ struct MultipleModelFilter {
     std::array<S, hypotheses> log_likelihood;  ///< of the resistance; a common constant is left out
     std::array<S, hypotheses> log_weight;      ///< with log_prior(), relative to the best one
     std::uint8_t alive;                        ///< bit i: filter i is possible
-    std::uint8_t leader;       ///< the most likely one; as long as a search opens, that before it
-    std::uint8_t follower;     ///< of the others, the last one that made a step
+    std::uint8_t leader;    ///< the most likely one; until a search has opened all, that before it
+    std::uint8_t follower;  ///< of the others, the last one that made a step
     std::uint8_t last_opened;  ///< of a search
     std::uint8_t unopened;     ///< hypotheses of a search that are still to come
     std::uint8_t places;       ///< at which a search has looked for R-phase
@@ -61,8 +61,8 @@ struct MultipleModelFilter {
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K);
 
   /// Cost: one step of a filter; during a search one step more, or a part of its opening that costs
-  /// as much. The most likely hypothesis makes a step in each call, for all that is guarded by it;
-  /// the others take turns, and their steps go over all that they have missed.
+  /// as much. The most likely hypothesis makes a step in each call, since the device's protection
+  /// relies on it; the others take turns, and a step of theirs covers all that they have missed.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
 
   /// The most likely hypothesis.
@@ -78,12 +78,12 @@ struct MultipleModelFilter {
  private:
   /// A wire that was switched on is nearly always cold and at rest: exp(4) times as likely.
   static constexpr S other_starts = S(-4);
-  /// A hypothesis is given up when it is exp(10) times less likely than the best one. To wait for
-  /// more is not safer: the model's own errors then decide.
+  /// A hypothesis is given up when it is exp(10) times less likely than the best one. To wait
+  /// for more is not safer: then the model's own errors decide.
   static constexpr S least_log_weight = S(-10);
 
-  /// Who has not seen the wire at rest does not know what its resistance was there: 2 % of 4 %
-  /// stroke, for long.
+  /// Added to the deviation of a hypothesis that does not start at rest, and so has not seen the
+  /// wire's resistance there: 2 % of 4 % stroke, as long as it lives.
   static constexpr S unseen_rest_sd = S(8e-4);
 
   /// Of a strain that may be anywhere in a 4 % stroke: 4 %/sqrt(12).

@@ -15,7 +15,7 @@ struct Row {
   template <class T>
   using Each = std::array<T, count>;
 
-  /// What is kept from step to step besides the states. It changes no result.
+  /// What is kept from step to step besides the states, for speed only: it changes no result.
   struct Kept {};
 
   static Each<PhaseRates<S>> rates(const Each<typename K::Params>& p,

@@ -35,7 +35,8 @@ struct ThreePhase {
   using Forward = typename Curves::Forward;
   using Cut = typename Curves::Cut;
 
-  /// Reversals: out of heating, out of cooling.
+  /// A remembered reversal: a hot one from heating to cooling, a cold one from cooling to heating.
+  /// `left` is what the outer curves had left there; the fractions are those of that moment.
   struct HotTurn {
     Reverse left;
     S martensite, r_phase;
@@ -49,7 +50,7 @@ struct ThreePhase {
     Drive<S> drive;
     Drive<S> reached;  ///< farthest point of the current heading; the fractions belong to it
     S martensite, r_phase;
-    S returning;      ///< austenite that becomes R-phase, and stays, before the newest cold turn
+    S returning;  ///< austenite that becomes R-phase on the way to the newest cold turn, and stays
     Reverse reverse;  ///< at `reached`, when heating
     Forward forward;  ///< at `reached`, when cooling
     Heading heading;
@@ -57,8 +58,8 @@ struct ThreePhase {
     TurningPoints<ColdTurn, memory_depth> cold;
   };
 
-  /// What one step makes of a small change of the fractions before it, as a matrix; m_r is
-  /// martensite after by R-phase before. History is carried along as in correct(). The derivative
+  /// Derivatives of the fractions after a step by those before it: m_r is that of martensite by
+  /// R-phase. The remembered turning points change along as in correct(). The derivative
   /// by the temperature after the step is rates() after it. The one by the temperature before is
   /// minus this matrix times rates() before: exactly on outer branches, on inner ones as long as
   /// the step is small against the loop.
@@ -66,8 +67,8 @@ struct ThreePhase {
     S m_m, m_r, r_m, r_r;
   };
 
-  /// A step's derivatives: see Transfer; `rates` are those after the step, the slopes those of the
-  /// outer curves at the farthest point, of the current heading only.
+  /// A step's derivatives. `rates` hold after the step; the slopes are those of the outer curves at
+  /// `reached`, and only those of the current heading are set.
   struct Tangent {
     Transfer transfer;
     PhaseRates<S> rates;
@@ -118,8 +119,9 @@ struct ThreePhase {
   }
 
   /// An observer's correction after a step: the wire was warmer by `warmer_K` all along this
-  /// branch and has these fractions (on the simplex). A pool that grows by 1 % has 1 % more of
-  /// each of its parts. A small shift moves along the step's tangents, a larger one evaluates.
+  /// branch and has these fractions (on the simplex). A fraction that is corrected by 1 % is so
+  /// at all remembered turning points. A small shift of the temperature follows the step's
+  /// tangents; a larger one evaluates the curves again.
   static void correct(const Params& p, State& s, const Tangent& tangent, const S& warmer_K,
                       const Phases<S>& to) {
     const S m = scale(to.martensite, s.martensite);
@@ -131,7 +133,7 @@ struct ThreePhase {
     }
     S outer = S(0);  // no more can return than the turning point before had
     for (ColdTurn& turn : s.cold) {
-      // R-phase that the turn has more than the state is austenite now.
+      // R-phase that the turning point has beyond the present state is austenite now.
       const S more = turn.r_phase - s.r_phase;
       turn.austenite *= a;
       turn.r_phase = least(to.r_phase + more * (more < S(0) ? r : a), S(1) - turn.austenite);
@@ -160,8 +162,8 @@ struct ThreePhase {
     move<false>(p, AtCut{cut}, s, {temperature_K, cut.stress_Pa});
   }
 
-  // The same in parts, for many wires side by side (three_phase_row.hpp): what each evaluates of
-  // its curves is done for all of them at once, and brought here.
+  // The same in parts, for many wires side by side: three_phase_row.hpp evaluates the curves of all
+  // of them at once and hands the results to these functions.
 
   /// Curves of the processes of one heading: M2A and R2A, or A2M and A2R.
   static Isobar<Pair<S>> curves(const Params& p, const S& stress_Pa, Heading heading) {
@@ -173,7 +175,7 @@ struct ThreePhase {
     return s.heading == Heading::heating ? Pair<S>(s.reverse.m2a, s.reverse.r2a)
                                          : s.forward.a2m_a2r;
   }
-  /// advance(), with what curves() of the state's heading have left at `u`.
+  /// advance(), where `left` is what curves() of the state's heading have left at `u`.
   static void advance(const Params& p, State& s, const Drive<S>& u, const Pair<S>& left) {
     move<false>(p, typename Curves::AtNext{{p, u.stress_Pa}, left}, s, u);
   }
@@ -284,7 +286,8 @@ struct ThreePhase {
     }
   }
 
-  /// Share of a pool that a step leaves: 1 where the process does not act, 0 on arrival.
+  /// Share of a pool that a step leaves: 1 where the process does not act, 0 on arrival at the
+  /// turning point.
   static S ratio(const S& now, const S& before, const S& target) {
     if (!(now < before)) {
       return S(1);
@@ -362,8 +365,8 @@ struct ThreePhase {
     return moves;
   }
 
-  // What turns or starts takes the step with derivatives as well: a microcontroller's observer then
-  // has no second one in its memory.
+  // Reversals and starts call heat<true>() and cool<true>() without a need of derivatives: the
+  // program of a microcontroller's observer then contains only one version of each.
 
   // 000, 'Heating process for three phase fractions': M2A and R2A are independent.
   template <bool linearise>
@@ -437,7 +440,8 @@ struct ThreePhase {
     s.forward.r2m = p.separate_r2m ? least(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
     s.reached = s.drive;
     if constexpr (linearise) {
-      // Of the austenite before: a stays, g is R-phase now; of the R-phase before, b stays.
+      // Of the austenite before, the share `stays` is still there and g is R-phase now; of the
+      // R-phase before, b is still there.
       lost_r += excess_r * (S(1) - stays_r);
       const S a0 = start.austenite();
       const S stays = share(phases(s).austenite(), a0);
@@ -448,9 +452,9 @@ struct ThreePhase {
     return {};
   }
 
-  /// What of this R-phase returns as A2R goes on: all, or, where A2R has little way left to the
-  /// turning point, none; it then comes back as martensite comes. Little: less than r/2 of its
-  /// curve, along which the return would be a jump.
+  /// How much of the R-phase r comes back by A2R: all of it, but none where A2R has less than r/2
+  /// of its curve left to the turning point, since the return would be a jump there. It then comes
+  /// back in step with martensite.
   static S by_a2r(const State& s, const S& r) {
     const S way = s.forward.a2m_a2r.second() - s.cold.newest().left.a2m_a2r.second();
     return r < S(2) * way ? r : S(0);
@@ -542,7 +546,8 @@ struct ThreePhase {
   }
 
   /// What a pool loses per kelvin. Nearer than 0.05 K to its turning point the rate is that at
-  /// 0.05 K: an observer may have left a pool there that can not all go.
+  /// 0.05 K: an observer's correction may have left more there than the rest of the way can
+  /// transform.
   static S flow(const S& slope, const S& left, const S& target, const S& pool) {
     const S room = left - target;
     const S shortest = S(0.05) * (slope < S(0) ? -slope : slope);

@@ -7,7 +7,8 @@
 
 namespace smaservo {
 
-/// How inner loops behave. `plain` is paper 000's scaling and the reference for what it says.
+/// How inner loops behave: `plain` is paper 000's scaling, `return_point` goes back to remembered
+/// turning points (three_phase.hpp).
 enum class Memory : unsigned char { plain, return_point };
 
 template <class S>
@@ -19,8 +20,9 @@ struct ThreePhaseParams {
   bool separate_r2a = false;  ///< R2A has a surface of its own; 000 shares M2A's
   bool separate_r2m = false;  ///< R2M has a surface of its own; 000 shares A2M's
   Memory memory = Memory::return_point;
-  /// A reversal counts when it is larger than this; until then nothing transforms. What was
-  /// waited for is made up for, so larger motions at one stress do not depend on it.
+  /// A reversal counts when it is larger than this; until then nothing transforms. Then
+  /// the part that was held back follows at once, so larger motions at one stress do not depend on
+  /// it.
   S smallest_reversal_K = S(0);
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// Three-phase models side by side: each to the bit what it would be by itself. By itself a curve
-// waits for its divisions and square roots; here eight are in flight together.
+// Three-phase models side by side: each to the bit what it would be by itself. One curve
+// alone waits for its divisions and square roots; here the processor has eight at work at once.
 
 #include "model/three_phase/row.hpp"
 #include "model/three_phase/three_phase.hpp"
@@ -14,7 +14,7 @@ struct Row<ThreePhase<S, memory_depth>, count> {
   template <class T>
   using Each = std::array<T, count>;
 
-  /// The surfaces as they were cut last: loads often stay.
+  /// For what the surfaces were cut last. Where the stress has not changed, the cut is used again.
   struct Cut {
     bool known;
     Heading heading;

@@ -1,6 +1,6 @@
 #pragma once
-// Natural convection of a wire for loops: heat.hpp's formula with what it takes from the film
-// temperature tabulated, and with one cheap root left.
+// Natural convection of a wire for loops: heat.hpp's formula, with a table of what depends on
+// the film temperature, so that one cheap root is all that is left to compute.
 
 #include <array>
 #include <bit>

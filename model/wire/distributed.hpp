@@ -92,7 +92,7 @@ struct DistributedPlant {
   }
 
   /// As Plant::advance() for each segment, with the conduction between neighbours solved along
-  /// with it, implicitly. The step is not divided: dt_s up to 1 ms. Convection is Churchill and
+  /// with it, implicitly. There are no substeps: dt_s up to 1 ms. Convection is Churchill and
   /// Chu's times `draught`, taken at the step's start.
   static void advance(const Params& p, State& s, const S& current_A, const Surroundings& around,
                       const S& draught, const S& dt_s) {

@@ -10,9 +10,9 @@
 namespace smaservo {
 
 /// Heat transfer coefficient of a horizontal wire in still air, W/(m² K), after Churchill and Chu
-/// (1975) with the properties of air at the film temperature and 101325 Pa. For defaults and
-/// plants, not for loops: five powers. diameter_m 10e-6..1e-3, temperatures 230..600 K; defined
-/// where both temperatures are equal, too.
+/// (1975) with the properties of air at the film temperature and 101325 Pa. Cost:
+/// five powers, so for defaults and simulated wires, not for loops. diameter_m 10e-6..1e-3,
+/// temperatures 230..600 K; defined where both temperatures are equal, too.
 template <class S>
 S natural_convection_W_m2K(S diameter_m, S temperature_K, S ambient_K) {
   using std::abs;
@@ -49,7 +49,7 @@ inline StillAir still_air(double diameter_m) {
   return {low - 20 * slope, slope};
 }
 
-/// A wire as one body: what its middle, away from the clamps, feels.
+/// A wire as one body: the heat balance of its middle, away from the clamps.
 template <class S>
 struct ThermalBody {
   S capacity_J_K;  ///< m c

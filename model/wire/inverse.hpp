@@ -1,7 +1,7 @@
 #pragma once
 // The three-phase model the other way round: the temperature at which a wire, from where it is now,
-// would have a given strain. Along the branch and its turning points, explicit as the ihyp curve is
-// in this direction (000, 'Inverse'); nothing iterates to a tolerance.
+// would have a given strain. It follows the branch from one turning point to the next. The
+// ihyp curve is explicit in this direction (000, 'Inverse'), so nothing iterates to a tolerance.
 
 #include <cstddef>
 
@@ -21,18 +21,18 @@ struct Inverse {
   using K = ThreePhase<S, depth>;
   using Model = Plant<K>;
 
-  /// Where heating brings the wire to `goal`, a strain not above its present one. Below what heat
-  /// can do: the end of the transformation, where 2 % is left. Exact for a wire whose R2A shares
-  /// M2A's surface; with a surface of its own up to 3 % of the stroke off under 50 MPa, 1 % from
-  /// 150 MPa on.
+  /// Where heating brings the wire to `goal`, a strain not above its present one. For a goal
+  /// that heat can not reach: the end of the transformation, where 2 % is left. Exact for a wire
+  /// whose R2A shares M2A's surface; with a surface of its own up to 3 % of the stroke off under 50
+  /// MPa, 1 % from 150 MPa on.
   static BranchPoint<S> heating(const typename Model::Params& p, const typename K::State& s,
                                 const S& stress_Pa, const S& goal);
 
-  /// Where cooling does, with `goal` not below the present strain. A2R runs beside A2M there, so
-  /// this is two steps of Newton's method from a guess: at worst 4 % of the stroke off under 10
-  /// MPa, where there is most R-phase, 1.2 % under 50 MPa, 0.04 % from 100 MPa on; 0.12 % in 95 of
-  /// 100 cases. A further goal is nowhere warmer by more than 0.1 K, and not at all from 50 MPa on.
-  /// An R2M of its own is taken for A2M.
+  /// Where cooling brings the wire to `goal`, a strain not below its present one. A2R runs beside
+  /// A2M there, so this is two steps of Newton's method from a guess: at worst 4 % of the stroke
+  /// off under 10 MPa, where there is most R-phase, 1.2 % under 50 MPa, 0.04 % from 100 MPa on;
+  /// 0.12 % in 95 of 100 cases. A greater strain never needs a higher temperature from 50 MPa on,
+  /// and below that by 0.1 K at most. An R2M of its own is taken for A2M.
   static BranchPoint<S> cooling(const typename Model::Params& p, const typename K::State& s,
                                 const S& stress_Pa, const S& goal);
 
@@ -53,7 +53,8 @@ struct Inverse {
         middle * by.martensite, middle * by.r_phase};
   }
 
-  /// How far from here to there, at most `most`.
+  /// Which share of the way from `from` to `to` leads to `goal`: 0 to `most`, and `most` where the
+  /// way has no length.
   static S share(const S& from, const S& to, const S& goal, const S& most) {
     const S way = to - from;
     const S tiny = S(1e-7);

@@ -10,7 +10,7 @@ namespace smaservo {
 /// One phase by itself.
 template <class S>
 struct Phase {
-  S strain;                ///< ε_0, without stress; elongation, austenite is the zero
+  S strain;                ///< ε_0, elongation without stress, counted from austenite
   S modulus_Pa;            ///< E
   S resistivity_ohm_m;     ///< ρ_0, at Material::reference_K and without stress
   S resistivity_ohm_m_K;   ///< k, its slope over temperature
@@ -27,7 +27,8 @@ struct Material {
   Mixture mixture = Mixture::series;
 };
 
-/// Strain by fraction, at constant stress and at the expense of austenite.
+/// Derivatives of the strain by the fractions at constant stress: what one of them gains, austenite
+/// loses.
 template <class S>
 struct StrainSlopes {
   S austenite;  ///< the strain of austenite itself
@@ -50,7 +51,7 @@ constexpr S strain(const Material<S>& m, const Phases<S>& z, const S& stress_Pa)
   return by.austenite + z.martensite * by.martensite + z.r_phase * by.r_phase;
 }
 
-/// Resistivity with its derivatives; by fraction at the expense of austenite.
+/// Resistivity with its derivatives; those by the fractions as in StrainSlopes.
 template <class S>
 struct Resistivity {
   S value;

@@ -52,7 +52,7 @@ struct Sublayers {
   struct Thresholds {
     PerLayer at_K;
     PerLayer sorted_K;                       ///< the same, rising
-    std::array<std::uint8_t, layers> layer;  ///< whose each of them is
+    std::array<std::uint8_t, layers> layer;  ///< that each of them belongs to
     S per_Pa, per_Pa2;
 
     /// The temperature less what the stress shifts.
@@ -68,7 +68,7 @@ struct Sublayers {
     S m_apart_K, r_apart_K;
   };
 
-  /// How many thresholds of either heading the wire is beyond.
+  /// How many thresholds the wire is beyond, for heating and for cooling.
   struct Place {
     std::uint8_t heating, cooling;
   };

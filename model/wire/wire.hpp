@@ -39,7 +39,7 @@ struct Limits {
 };
 
 /// How far the model is from the wire: what a calibration could not explain, root mean square. The
-/// observers trust their model by that of the strain; that of the resistance is there to be read.
+/// observers take from `strain` how far to trust their model; `resistance` is for information only.
 template <class S>
 struct Accuracy {
   S strain;      ///< of the model by itself, from power and load

@@ -16,7 +16,7 @@
 // eq. 28 takes the slope at its start. Noise must not turn the heading, or it walks the strain to
 // the middle of the loop: the resistance is smoothed, and a reversal counts when it is large
 // enough. Two strains are carried along from the start, one from each line: while they differ
-// nobody knows.
+// the strain is not known.
 
 #include <cmath>
 #include <limits>
