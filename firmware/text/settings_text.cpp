@@ -53,10 +53,6 @@ KeyParts key_parts(const Parameter<double>& row) {
   return {path.substr(0, dot), name};
 }
 
-std::string key_with(std::string_view name, const Unit& unit) {
-  return unit.suffix.empty() ? std::string(name) : fmt::format("{}_{}", name, unit.suffix);
-}
-
 std::string value_text(const Parameter<double>& row, Value value) {
   switch (row.type) {
     case ValueType::real:

@@ -50,7 +50,7 @@ void check_explained(const FitResult& fit) {
 void check_valid(const WireDescription& wire) {
   try {
     parse_wire(to_toml(wire), wire.name);
-  } catch (const WireError& error) {
+  } catch (const ConfigError& error) {
     throw UserError(fmt::format("the runs lead to a wire that can not be: {}", error.what()));
   }
 }

@@ -13,17 +13,18 @@ constexpr std::string_view mixtures[] = {"series", "parallel"};
 
 WireField number(std::string path, Kind kind, double low, double high, bool required,
                  std::string meaning) {
-  return {std::move(path), FieldType::number, kind, low, high, 1, {}, required, std::move(meaning)};
+  return {std::move(path), WireFieldType::number, kind, low, high, 1, {},
+          required,        std::move(meaning)};
 }
 
 WireField polynomial(std::string path, Kind kind, double low, double high, std::size_t coefficients,
                      bool required, std::string meaning) {
-  return {std::move(path), FieldType::polynomial, kind, low, high, coefficients, {},
+  return {std::move(path), WireFieldType::polynomial, kind, low, high, coefficients, {},
           required,        std::move(meaning)};
 }
 
 WireField choice(std::string path, std::span<const std::string_view> choices, std::string meaning) {
-  return {std::move(path), FieldType::choice, {}, 0, 0, 0, choices, false, std::move(meaning)};
+  return {std::move(path), WireFieldType::choice, {}, 0, 0, 0, choices, false, std::move(meaning)};
 }
 
 std::vector<WireField> make_fields() {

@@ -24,11 +24,11 @@ struct WireEntry {
 /// A description: entries by the path of their field.
 using WireEntries = std::map<std::string, WireEntry, std::less<>>;
 
-enum class FieldType : unsigned char { number, polynomial, choice };
+enum class WireFieldType : unsigned char { number, polynomial, choice };
 
 struct WireField {
   std::string path;  ///< "wire.length": table and name without unit
-  FieldType type;
+  WireFieldType type;
   Kind kind;                                  ///< of a number, or of a polynomial's value
   double low, high;                           ///< SI, inclusive; of a polynomial's value at 0 Pa
   std::size_t coefficients;                   ///< of a polynomial, at most

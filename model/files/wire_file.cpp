@@ -4,12 +4,12 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fstream>
 #include <optional>
-#include <sstream>
-#include <toml++/toml.h>
 
+#include "model/files/error.hpp"
+#include "model/files/input_file.hpp"
 #include "model/files/presets.hpp"
+#include "model/files/toml_fields.hpp"
 #include "model/files/wire_fields.hpp"
 
 namespace smaservo {
@@ -21,34 +21,13 @@ struct Parsed {
   std::map<std::string, std::string> sources;
 };
 
-/// Number, text or list of a node, as it would be written.
-std::string written(const toml::node& node) {
-  std::ostringstream out;
-  node.visit([&](const auto& value) { out << value; });
-  return out.str();
-}
-
-/// A text as a TOML string.
-std::string quoted(const std::string& text) {
-  std::ostringstream out;
-  out << toml::value<std::string>(text);
-  return out.str();
-}
-
-/// Where a node stands: "FILE:LINE: KEY = VALUE".
-std::string place(const std::string& origin, const std::string& key, const toml::node& node) {
-  const auto line = node.source().begin.line;
-  const std::string at = line > 0 ? fmt::format(":{}", line) : "";
-  return fmt::format("{}{}: {} = {}", origin, at, key, written(node));
-}
-
 std::string suffixes(const WireField& field, std::string_view name) {
   std::vector<std::string> keys;
-  if (field.type == FieldType::polynomial) {
+  if (field.type == WireFieldType::polynomial) {
     for (const PolynomialUnit& unit : polynomial_units(field)) {
       keys.push_back(fmt::format("{}_{}", name, unit.suffix));
     }
-  } else if (field.type == FieldType::choice) {
+  } else if (field.type == WireFieldType::choice) {
     keys.emplace_back(name);
   } else {
     for (const Unit& unit : field.kind) {
@@ -66,9 +45,9 @@ std::string out_of_range(double si, double low, double high, const Unit& unit) {
                      unit.from_si(si));
 }
 
-class Reader {
+class WireReader {
  public:
-  explicit Reader(std::string origin) : origin_(std::move(origin)) {}
+  explicit WireReader(std::string origin) : origin_(std::move(origin)) {}
 
   Parsed read(const toml::table& table) {
     read_table(table, "");
@@ -78,7 +57,7 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& key, const toml::node& node,
                          const std::string& reason) const {
-    throw WireError(place(origin_, key, node) + ": " + reason);
+    throw ConfigError(place(origin_, key, node) + ": " + reason);
   }
 
   void read_table(const toml::table& table, const std::string& path) {
@@ -101,12 +80,12 @@ class Reader {
   void read_sources(const toml::node& sources) {
     const toml::table* table = sources.as_table();
     if (table == nullptr) {
-      fail("sources", sources, "must be a table of texts");
+      fail("sources", sources, "must be a table of strings");
     }
     for (const auto& [key, node] : *table) {
       const auto text = node.value<std::string>();
       if (!text) {
-        fail("sources." + std::string(key.str()), node, "must be a text");
+        fail("sources." + std::string(key.str()), node, "must be a string");
       }
       parsed_.sources[std::string(key.str())] = *text;
     }
@@ -157,13 +136,13 @@ class Reader {
   bool matches(const WireField& field, const std::string& base, const std::string& name,
                const toml::node& node, const std::string& full, WireEntry& entry) const {
     switch (field.type) {
-      case FieldType::choice:
+      case WireFieldType::choice:
         if (name != base) {
           return false;
         }
         read_choice(field, node, full, entry);
         return true;
-      case FieldType::number:
+      case WireFieldType::number:
         if (const auto unit = unit_of(name, base, field.kind)) {
           const double si = unit->to_si(number(node, full));
           if (!(si >= field.low && si <= field.high)) {
@@ -173,7 +152,7 @@ class Reader {
           return true;
         }
         return false;
-      case FieldType::polynomial:
+      case WireFieldType::polynomial:
         for (const PolynomialUnit& unit : polynomial_units(field)) {
           if (name == base + "_" + unit.suffix) {
             read_polynomial(field, unit, node, full, entry);
@@ -227,24 +206,6 @@ class Reader {
   Parsed parsed_;
 };
 
-toml::table parse_toml(std::string_view text, const std::string& origin) {
-  try {
-    return toml::parse(text, origin);
-  } catch (const toml::parse_error& error) {
-    throw WireError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
-                                error.source().begin.column, error.description()));
-  }
-}
-
-std::string read_text(const std::filesystem::path& file) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw WireError(fmt::format("{}: cannot be read", file.string()));
-  }
-  return text.str();
-}
-
 /// Puts `above` on top of `below`.
 void overlay(Parsed& below, Parsed above) {
   for (auto& [path, entry] : above.entries) {
@@ -270,28 +231,24 @@ Loaded resolve(const toml::table& table, const std::string& origin,
                const std::filesystem::path& folder, int depth) {
   Loaded loaded{origin, origin, {}};
   if (const toml::node* sizes = table.get("sizes")) {
-    throw WireError(place(origin, "sizes", *sizes) +
-                    ": only presets have sizes; a file describes one wire");
+    throw ConfigError(place(origin, "sizes", *sizes) +
+                      ": only presets have sizes; a file describes one wire");
   }
   if (const toml::node* base = table.get("based_on")) {
     const auto name = base->value<std::string>();
     if (!name) {
-      throw WireError(place(origin, "based_on", *base) + ": must be a preset or a file");
+      throw ConfigError(place(origin, "based_on", *base) + ": must be a preset or a file");
     }
     if (depth >= deepest_base) {
-      throw WireError(place(origin, "based_on", *base) +
-                      ": too many files are based on each other; is there a circle?");
+      throw ConfigError(place(origin, "based_on", *base) +
+                        ": too many files are based on each other; is there a circle?");
     }
     loaded.parsed = load(*name, folder, depth + 1).parsed;
   }
   if (const toml::node* name = table.get("name")) {
-    const auto text = name->value<std::string>();
-    if (!text) {
-      throw WireError(place(origin, "name", *name) + ": must be a text");
-    }
-    loaded.name = *text;
+    loaded.name = string_of(origin, "name", *name);
   }
-  overlay(loaded.parsed, Reader(origin).read(table));
+  overlay(loaded.parsed, WireReader(origin).read(table));
   return loaded;
 }
 
@@ -307,7 +264,7 @@ std::optional<Loaded> load_preset(const std::string& name) {
     for (const auto& [key, node] : sizes) {
       if (name == fmt::format("{}-{}", preset.family, key.str())) {
         Loaded loaded = resolve(table, origin, ".", 0);
-        overlay(loaded.parsed, Reader(origin).read(*node.as_table()));
+        overlay(loaded.parsed, WireReader(origin).read(*node.as_table()));
         loaded.name = name;
         loaded.origin = name;
         return loaded;
@@ -320,31 +277,26 @@ std::optional<Loaded> load_preset(const std::string& name) {
 Loaded load(const std::string& name_or_path, const std::filesystem::path& folder, int depth) {
   if (name_or_path.ends_with(".toml")) {
     const std::filesystem::path file = folder / name_or_path;
-    const toml::table table = parse_toml(read_text(file), file.string());
+    const toml::table table = parse_toml(whole_file(file.string()), file.string());
     return resolve(table, file.string(), file.parent_path(), depth);
   }
   if (auto preset = load_preset(name_or_path)) {
     return *std::move(preset);
   }
-  throw WireError(fmt::format("{}: no such wire; a file's name ends in .toml, the presets are: {}",
-                              name_or_path, fmt::join(preset_names(), ", ")));
+  throw ConfigError(
+      fmt::format("{}: no such wire; a file's name ends in .toml, the presets are: {}",
+                  name_or_path, fmt::join(preset_names(), ", ")));
 }
 
 WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
   for (const auto& [key, value] : overrides) {
-    const std::string text = key + " = " + value;
-    toml::table table;
-    try {
-      table = toml::parse(text);
-    } catch (const toml::parse_error&) {
-      table = parse_toml(key + " = \"" + value + "\"", "--set");
-    }
+    const toml::table table = parse_override({key, value});
     for (const char* text_key : {"name", "based_on", "sizes", "sources"}) {
       if (table.contains(text_key)) {
-        throw WireError(fmt::format("--set {} = {}: cannot be set", key, value));
+        throw ConfigError(fmt::format("--set {} = {}: cannot be set", key, value));
       }
     }
-    Parsed above = Reader("--set").read(table);
+    Parsed above = WireReader("--set").read(table);
     for (const auto& [path, entry] : above.entries) {
       above.sources[path] = "given with --set";
     }
@@ -352,9 +304,9 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
   }
   const auto fail = [&](std::string_view path, const std::string& reason) {
     const auto it = loaded.parsed.entries.find(path);
-    throw WireError(it == loaded.parsed.entries.end()
-                        ? fmt::format("{}: {}: {}", loaded.origin, path, reason)
-                        : fmt::format("{}: {}", it->second.where, reason));
+    throw ConfigError(it == loaded.parsed.entries.end()
+                          ? fmt::format("{}: {}: {}", loaded.origin, path, reason)
+                          : fmt::format("{}: {}", it->second.where, reason));
   };
   WireDescription description{loaded.name, build_wire(loaded.parsed.entries, fail), {}};
   description.sources.assign(loaded.parsed.sources.begin(), loaded.parsed.sources.end());
@@ -403,9 +355,9 @@ std::string to_toml(const WireDescription& description) {
       open_table = table;
     }
     const WireEntry& entry = it->second;
-    if (field.type == FieldType::choice) {
+    if (field.type == WireFieldType::choice) {
       out += fmt::format("{} = \"{}\"\n", base, entry.word);
-    } else if (field.type == FieldType::polynomial) {
+    } else if (field.type == WireFieldType::polynomial) {
       out += fmt::format("{}_{} = [{}]\n", base, polynomial_units(field).front().suffix,
                          fmt::join(entry.numbers, ", "));
     } else {

@@ -92,7 +92,7 @@ bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit)
   if (object.parameter == nullptr) return false;
   const KeyParts parts = key_parts(*object.parameter);
   for (const Unit& other : object.parameter->kind) {
-    if (name == fmt::format("{}.{}", parts.table, key_with(parts.name, other))) {
+    if (name == fmt::format("{}.{}", parts.table, key_with(parts.name, other.suffix))) {
       unit = other;
       return true;
     }
@@ -222,7 +222,7 @@ KnownObject find_object(const std::string& text) {
       KnownObject found = object;
       found.unit = unit;
       const KeyParts parts = key_parts(*object.parameter);
-      found.name = fmt::format("{}.{}", parts.table, key_with(parts.name, unit));
+      found.name = fmt::format("{}.{}", parts.table, key_with(parts.name, unit.suffix));
       return found;
     }
   }

@@ -66,8 +66,9 @@ void collect_paths(const toml::table& table, const std::string& path,
       continue;
     }
     for (const WireField& field : wire_fields()) {
-      bool same = field.type == FieldType::number && unit_of(path + name, field.path, field.kind);
-      if (field.type == FieldType::polynomial) {
+      bool same =
+          field.type == WireFieldType::number && unit_of(path + name, field.path, field.kind);
+      if (field.type == WireFieldType::polynomial) {
         for (const PolynomialUnit& unit : polynomial_units(field)) {
           same = same || path + name == field.path + "_" + unit.suffix;
         }

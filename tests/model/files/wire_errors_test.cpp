@@ -18,10 +18,11 @@ std::string key_of(const WireField& field, std::string_view suffix) {
 }
 
 std::string first_key(const WireField& field) {
-  if (field.type == FieldType::polynomial) {
+  if (field.type == WireFieldType::polynomial) {
     return key_of(field, polynomial_units(field).front().suffix);
   }
-  return field.type == FieldType::number ? key_of(field, field.kind.front().suffix) : field.path;
+  return field.type == WireFieldType::number ? key_of(field, field.kind.front().suffix)
+                                             : field.path;
 }
 
 /// A complete description, one line for each field, without the line of `path`.
@@ -68,7 +69,7 @@ std::string refusal_of_file(const std::string& file) {
   try {
     load_wire(file);
     return {};
-  } catch (const WireError& error) {
+  } catch (const ConfigError& error) {
     return error.what();
   }
 }
@@ -96,7 +97,7 @@ TEST(WireErrors, NameTheFileEvenWhereTheWireHasAName) {
 
 TEST(WireErrors, NumbersOutOfRangeInEveryUnit) {
   for (const WireField& field : wire_fields()) {
-    if (field.type != FieldType::number) {
+    if (field.type != WireFieldType::number) {
       continue;
     }
     const double margin = 1e-3 * (field.high - field.low);
@@ -121,7 +122,7 @@ TEST(WireErrors, NumbersOutOfRangeInEveryUnit) {
 
 TEST(WireErrors, PolynomialsOutOfRangeAtZeroStress) {
   for (const WireField& field : wire_fields()) {
-    if (field.type != FieldType::polynomial) {
+    if (field.type != WireFieldType::polynomial) {
       continue;
     }
     const double margin = 1e-3 * (field.high - field.low);
@@ -138,11 +139,11 @@ TEST(WireErrors, PolynomialsOutOfRangeAtZeroStress) {
 
 TEST(WireErrors, NumbersThatAreNoFiniteNumbers) {
   for (const WireField& field : wire_fields()) {
-    if (field.type == FieldType::choice) {
+    if (field.type == WireFieldType::choice) {
       continue;
     }
     const std::string key = first_key(field);
-    const bool list = field.type == FieldType::polynomial;
+    const bool list = field.type == WireFieldType::polynomial;
     for (const std::string bad : {"nan", "inf", "-inf", "\"5\"", "true", "1979-05-27"}) {
       const std::string value = list ? "[" + bad + "]" : bad;
       EXPECT_THAT(refusal(own_wire(key + " = " + value)),
@@ -238,11 +239,11 @@ TEST(WireErrors, ACycleMustNotGainHeat) {
               names({"my.toml:2", "heat.latent_r2a_kJ_kg = 21", "latent_m2a"}));
 }
 
-TEST(WireErrors, NamesAndSourcesMustBeTexts) {
-  EXPECT_THAT(refusal(own_wire("name = 3")), names({"my.toml:2", "name = 3", "text"}));
+TEST(WireErrors, NamesAndSourcesMustBeStrings) {
+  EXPECT_THAT(refusal(own_wire("name = 3")), names({"my.toml:2", "name = 3", "must be a string"}));
   EXPECT_THAT(refusal("based_on = 3"), names({"my.toml:1", "based_on = 3", "preset or a file"}));
   EXPECT_THAT(refusal(own_wire("sources.\"wire.length\" = 3")),
-              names({"my.toml:2", "wire.length = 3", "text"}));
+              names({"my.toml:2", "wire.length = 3", "must be a string"}));
   EXPECT_THAT(refusal(own_wire("sources = 3")), names({"my.toml:2", "sources = 3"}));
 }
 

@@ -18,7 +18,7 @@ constexpr std::string_view table_end = "<!-- end of keys -->\n";
 
 std::string units_of(const WireField& field) {
   std::vector<std::string> all;
-  if (field.type == FieldType::polynomial) {
+  if (field.type == WireFieldType::polynomial) {
     for (const PolynomialUnit& unit : polynomial_units(field)) {
       all.push_back(unit.suffix);
     }
@@ -31,13 +31,13 @@ std::string units_of(const WireField& field) {
 }
 
 std::string range_of(const WireField& field) {
-  if (field.type == FieldType::choice) {
+  if (field.type == WireFieldType::choice) {
     return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
   }
   const std::string_view suffix = field.kind.front().suffix;
   const std::string range =
       fmt::format("{:.6g} to {:.6g}{}{}", field.low, field.high, suffix.empty() ? "" : " ", suffix);
-  return field.type == FieldType::number
+  return field.type == WireFieldType::number
              ? range
              : fmt::format("{}; {} coefficients", range, field.coefficients);
 }
@@ -88,7 +88,7 @@ TEST(WireFields, ReadmeExampleLoadsAndItsErrorIsReal) {
   try {
     parse_wire(broken, "gripper.toml");
     FAIL() << "a wire of 200 m is accepted";
-  } catch (const WireError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_THAT(readme, testing::HasSubstr("    " + std::string(error.what()) + "\n"));
   }
 }
@@ -96,9 +96,9 @@ TEST(WireFields, ReadmeExampleLoadsAndItsErrorIsReal) {
 TEST(WireFields, PathsAreUniqueAndNoKeyHasTwoMeanings) {
   std::set<std::string> keys;
   for (const WireField& field : wire_fields()) {
-    if (field.type == FieldType::choice) {
+    if (field.type == WireFieldType::choice) {
       EXPECT_TRUE(keys.insert(field.path).second) << field.path;
-    } else if (field.type == FieldType::polynomial) {
+    } else if (field.type == WireFieldType::polynomial) {
       for (const PolynomialUnit& unit : polynomial_units(field)) {
         EXPECT_TRUE(keys.insert(field.path + "_" + unit.suffix).second) << field.path;
       }
@@ -115,7 +115,7 @@ TEST(WireFields, PathsAreUniqueAndNoKeyHasTwoMeanings) {
 TEST(WireFields, HaveRangesAndMeanings) {
   for (const WireField& field : wire_fields()) {
     EXPECT_NE(field.path.find('.'), std::string::npos) << field.path;
-    if (field.type == FieldType::choice) {
+    if (field.type == WireFieldType::choice) {
       EXPECT_GE(field.choices.size(), 2U) << field.path;
     } else {
       EXPECT_LT(field.low, field.high) << field.path;

@@ -43,7 +43,7 @@ testing::AssertionResult in_range(const Wire<double>& wire) {
   const WireEntries entries = describe_wire(wire);
   for (const WireField& field : wire_fields()) {
     const auto entry = entries.find(field.path);
-    if (entry == entries.end() || field.type == FieldType::choice) {
+    if (entry == entries.end() || field.type == WireFieldType::choice) {
       continue;
     }
     for (const double number : entry->second.numbers) {
@@ -260,7 +260,7 @@ TEST(WireFile, AMutatedFileLoadsInRangeOrIsRefused) {
       const Wire<double> wire = parse_wire(broken, "smartflex.toml", size).wire;
       ++loaded;
       EXPECT_TRUE(in_range(wire)) << "case " << i;
-    } catch (const WireError& error) {
+    } catch (const ConfigError& error) {
       ++refused;
       EXPECT_THAT(error.what(), testing::HasSubstr("smartflex.toml")) << "case " << i;
     }
