@@ -6,27 +6,13 @@
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
 #include "model/files/toml_fields.hpp"
+#include "model/files/wire_fields.hpp"
 
 namespace smaservo {
 namespace {
 
 using Row = Parameter<double>;
 
-FieldType field_type(ValueType type) {
-  switch (type) {
-    case ValueType::real:
-      return FieldType::number;
-    case ValueType::number:
-      return FieldType::whole;
-    case ValueType::choice:
-      return FieldType::choice;
-    case ValueType::boolean:
-      break;
-  }
-  return FieldType::flag;
-}
-
-/// The slot of a field is the row of its parameter.
 Field field_of(const Row& row, std::size_t slot) {
   const auto limit = [&](Value value) { return std::stod(value_text(row, value)); };
   const bool counts = row.type == ValueType::real || row.type == ValueType::number;
@@ -42,12 +28,19 @@ Field field_of(const Row& row, std::size_t slot) {
           ""};
 }
 
-const std::vector<Field>& parameter_fields() {
+/// The rows of the wire, which come last, have the slots of a wire file; the others follow them.
+constexpr std::size_t device_rows = parameter_count - wire_parameter_count;
+constexpr std::size_t slot_of(std::size_t row) {
+  return row < device_rows ? wire_slot_count + row : row - device_rows;
+}
+
+const std::vector<Field>& settings_fields() {
   static const std::vector<Field> fields = [] {
     std::vector<Field> all;
-    for (const Row& row : parameters<double>) {
-      all.push_back(field_of(row, all.size()));
+    for (std::size_t i = 0; i < device_rows; ++i) {
+      all.push_back(field_of(parameters<double>[i], slot_of(i)));
     }
+    all.insert(all.end(), wire_fields().begin(), wire_fields().end());
     return all;
   }();
   return fields;
@@ -79,21 +72,30 @@ void read_settings(const toml::table& table, const std::string& origin,
     wanted.wire = name->ends_with(".toml") ? (folder / *name).string() : *name;
     return true;
   };
-  overlay(wanted.values, read_fields(parameter_fields(), table, origin, take_wire));
+  overlay(wanted.values, read_fields(settings_fields(), table, origin, take_wire));
 }
 
-Wire<double> wire_of(const Wanted& wanted) {
+/// The wire that is named, with what is replaced: nothing else follows from that.
+Wire<double> wire_of(const Wanted& wanted, const std::string& origin) {
+  Entries entries;
   try {
-    return load_wire(wanted.wire).wire;
+    entries = wanted.wire.empty() ? Entries() : describe_wire(load_wire(wanted.wire).wire);
   } catch (const ConfigError& error) {
     throw ConfigError(fmt::format("{}: {}", wanted.wire_where, error.what()));
   }
+  overlay(entries, wanted.values);
+  return build_wire(entries, [&](std::string_view path, const std::string& reason) {
+    throw ConfigError(
+        fmt::format("{}: {} {}; [wire] needs based_on = \"PRESET or FILE.toml\", or every number "
+                    "of the wire",
+                    origin, path, reason));
+  });
 }
 
 /// "FILE:LINE: KEY = VALUE", and for what no key has given, where it comes from.
 std::string origin_of(const Wanted& wanted, const std::string& origin, std::size_t i,
                       const Settings<double>& settings) {
-  if (const auto given = wanted.values.find(i); given != wanted.values.end()) {
+  if (const auto given = wanted.values.find(slot_of(i)); given != wanted.values.end()) {
     return given->second.where;
   }
   const Row& row = parameters<double>[i];
@@ -121,12 +123,6 @@ std::string contradiction(const Wanted& wanted, const std::string& origin, const
 
 void require_sound(const Wanted& wanted, const std::string& origin,
                    const Settings<double>& settings) {
-  if (const std::size_t missing = first_missing(settings); missing != no_parameter) {
-    throw ConfigError(
-        fmt::format("{}: {} is missing; [wire] needs based_on = \"PRESET or "
-                    "FILE.toml\", or every number of the wire",
-                    origin, parameters<double>[missing].path.text()));
-  }
   const Finding finding = check(settings);
   if (finding.problem == Problem::contradiction) {
     throw ConfigError(contradiction(wanted, origin, parameter_rules[finding.rule], settings));
@@ -149,14 +145,14 @@ Settings<double> parse_settings_file(std::string_view text, const std::string& o
     read_settings(parse_override(setting), std::string(set_origin), "", wanted);
   }
   Settings<double> settings = default_settings<double>();
-  if (!wanted.wire.empty()) {
-    settings.wire = wire_of(wanted);
-    settings = stored_settings<double>(settings);
+  for (std::size_t i = 0; i < device_rows; ++i) {
+    if (const auto given = wanted.values.find(slot_of(i)); given != wanted.values.end()) {
+      const Row& row = parameters<double>[i];
+      row.set(settings, value_of(row, given->second.number));
+    }
   }
-  for (const auto& [i, entry] : wanted.values) {
-    const Row& row = parameters<double>[i];
-    row.set(settings, value_of(row, entry.number));
-  }
+  settings.wire = wire_of(wanted, origin);
+  settings = stored_settings<double>(settings);
   require_sound(wanted, origin, settings);
   return settings;
 }

@@ -55,6 +55,10 @@ struct KeyUnit {
 /// All that a key may end in; the first one is SI's.
 std::vector<KeyUnit> key_units(const Field& field);
 
+/// What an old key is called now, of any file or --set; empty: it is not an old one. To be asked
+/// for keys that are unknown: "limits." is also a table of a device's settings.
+std::string renamed_key(std::string_view key);
+
 /// "current" and "mA", "duty" and ""
 std::string key_with(std::string_view name, std::string_view suffix);
 

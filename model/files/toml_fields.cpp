@@ -12,6 +12,16 @@
 namespace smaservo {
 namespace {
 
+/// A node as it would be written.
+std::string written(const toml::node& node) {
+  if (node.is_floating_point()) {
+    return fmt::format("{}", node.value_or(0.0));  // "1e-09", not "1.0000000000000001e-09"
+  }
+  std::ostringstream out;
+  node.visit([&](const auto& value) { out << value; });
+  return out.str();
+}
+
 std::string_view table_of(std::string_view path) {
   return path.substr(0, std::min(path.rfind('.'), path.size()));
 }
@@ -47,7 +57,35 @@ std::vector<std::string> meant_keys(std::span<const Field> fields, const std::st
   return keys;
 }
 
+/// A field by one of its keys, and the unit of that.
+std::optional<std::pair<const Field*, KeyUnit>> find_field(std::span<const Field> fields,
+                                                           std::string_view key) {
+  for (const Field& field : fields) {
+    if (!key.starts_with(field.path)) {
+      continue;
+    }
+    for (const KeyUnit& unit : key_units(field)) {
+      if (key == key_with(field.path, unit.suffix)) {
+        return std::pair(&field, unit);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+/// Empty: the key is not an old one, or its table is not.
+std::string new_key(std::span<const Field> fields, std::string_view key) {
+  const std::string now = renamed_key(key);
+  const bool has_table = std::ranges::any_of(
+      fields, [&](const Field& field) { return table_of(field.path) == table_of(key); });
+  const bool moved = table_of(now) != table_of(key);
+  return find_field(fields, now) && !(moved && has_table) ? now : "";
+}
+
 std::string unknown_key(std::span<const Field> fields, const std::string& key) {
+  if (const std::string now = new_key(fields, key); !now.empty()) {
+    return fmt::format("is now called {}", now);
+  }
   const std::vector<std::string> meant = meant_keys(fields, key);
   if (!meant.empty()) {
     return fmt::format("unknown key or unit; allowed: {}", fmt::join(meant, ", "));
@@ -69,181 +107,145 @@ std::string unknown_key(std::span<const Field> fields, const std::string& key) {
              : fmt::format("unknown key; [{}] has: {}", table_of(key), fmt::join(there, ", "));
 }
 
-/// One file, or one override.
-class Reader {
+/// What stands behind one key.
+class KeyValue {
  public:
-  Reader(std::span<const Field> fields, const std::string& origin, const OtherKeys& other)
-      : fields_(fields), origin_(origin), other_(other) {}
+  KeyValue(const Field& field, const KeyUnit& unit, const toml::node& node,
+           const std::string& where)
+      : field_(field), unit_(unit), node_(node), where_(where) {}
 
-  void read(const toml::table& table, const std::string& path) {
-    for (const auto& [name, node] : table) {
-      const std::string key = path + std::string(name.str());
-      if (other_ && other_(key, node)) {
-        continue;
-      }
-      if (const toml::table* inner = node.as_table()) {
-        read(*inner, key + ".");
-      } else {
-        read_value(key, node);
-      }
-    }
-  }
-
-  Entries entries;
-
- private:
-  [[noreturn]] void fail(const std::string& key, const toml::node& node,
-                         const std::string& reason) const {
-    throw ConfigError(fmt::format("{}: {}", place(origin_, key, node), reason));
-  }
-
-  void read_value(const std::string& key, const toml::node& node) {
-    for (const Field& field : fields_) {
-      if (!key.starts_with(field.path)) {
-        continue;
-      }
-      for (const KeyUnit& unit : key_units(field)) {
-        if (key == key_with(field.path, unit.suffix)) {
-          enter(field, numbers(field, unit, key, node), key, node);
-          return;
-        }
-      }
-    }
-    fail(key, node, unknown_key(fields_, key));
-  }
-
-  void enter(const Field& field, const std::vector<double>& numbers, const std::string& key,
-             const toml::node& node) {
-    const std::string where = place(origin_, key, node);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const auto [at, is_new] = entries.try_emplace(field.slot + i, numbers[i], &field, where);
-      if (!is_new) {
-        fail(key, node, fmt::format("is given twice: {} already says it", at->second.where));
-      }
-    }
-  }
-
-  std::vector<double> numbers(const Field& field, const KeyUnit& unit, const std::string& key,
-                              const toml::node& node) const {
-    switch (field.type) {
+  std::vector<double> numbers() const {
+    switch (field_.type) {
       case FieldType::number:
-        return {ranged(field, unit, number(key, node, node), key, node)};
+        return {ranged(number(node_))};
       case FieldType::list:
-        return list(field, unit, key, node);
+        return list();
       case FieldType::polynomial:
-        return polynomial(field, unit, key, node);
+        return polynomial();
       case FieldType::whole:
-        return {whole(field, key, node)};
+        return {whole()};
       case FieldType::choice:
-        return {choice(field, key, node)};
+        return {choice()};
       case FieldType::flag:
         break;
     }
-    if (!node.is_boolean()) {
-      fail(key, node, "must be true or false");
+    if (!node_.is_boolean()) {
+      fail("must be true or false");
     }
-    return {node.value_or(false) ? 1.0 : 0.0};
+    return {node_.value_or(false) ? 1.0 : 0.0};
   }
 
-  /// An item of the node, or the node itself.
-  double number(const std::string& key, const toml::node& item, const toml::node& node) const {
+ private:
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw ConfigError(fmt::format("{}: {}", where_, reason));
+  }
+
+  double number(const toml::node& item) const {
     const std::optional<double> value = number_of(item);
     if (!value) {
-      fail(key, node, "must be a finite number");
+      fail("must be a finite number");
     }
     return *value;
   }
 
-  double ranged(const Field& field, const KeyUnit& unit, double value, const std::string& key,
-                const toml::node& node) const {
-    const double si = unit.value.to_si(value);
-    if (!in_range(field, si)) {
-      const std::string_view suffix = unit.value.suffix;
-      fail(key, node,
-           fmt::format("{}must be between {:.6g} and {:.6g}{}{}, is {:.6g}",
-                       field.type == FieldType::polynomial ? "at zero stress " : "",
-                       unit.value.from_si(field.min), unit.value.from_si(field.max),
-                       suffix.empty() ? "" : " ", suffix, value));
+  double ranged(double value) const {
+    const Unit& unit = unit_.value;
+    const double si = unit.to_si(value);
+    if (!in_range(field_, si)) {
+      fail(fmt::format("{}must be between {:.6g} and {:.6g}{}{}, is {:.6g}",
+                       field_.type == FieldType::polynomial ? "at zero stress " : "",
+                       unit.from_si(field_.min), unit.from_si(field_.max),
+                       unit.suffix.empty() ? "" : " ", unit.suffix, value));
     }
     return si;
   }
 
-  std::vector<double> list(const Field& field, const KeyUnit& unit, const std::string& key,
-                           const toml::node& node) const {
-    const toml::array* items = node.as_array();
-    if (items == nullptr || items->size() != field.count) {
-      fail(key, node, fmt::format("must be a list of {} numbers", field.count));
+  std::vector<double> list() const {
+    const toml::array* items = node_.as_array();
+    if (items == nullptr || items->size() != field_.count) {
+      fail(fmt::format("must be a list of {} numbers", field_.count));
     }
     std::vector<double> all;
     for (const toml::node& item : *items) {
-      all.push_back(ranged(field, unit, number(key, item, node), key, node));
+      all.push_back(ranged(number(item)));
     }
     return all;
   }
 
-  std::vector<double> polynomial(const Field& field, const KeyUnit& unit, const std::string& key,
-                                 const toml::node& node) const {
-    const toml::array* items = node.as_array();
-    if (items == nullptr || items->empty() || items->size() > field.count) {
-      fail(key, node,
-           fmt::format("must be a list of 1 to {} coefficients by power of the stress",
-                       field.count));
+  std::vector<double> polynomial() const {
+    const toml::array* items = node_.as_array();
+    if (items == nullptr || items->empty() || items->size() > field_.count) {
+      fail(fmt::format("must be a list of 1 to {} coefficients by power of the stress",
+                       field_.count));
     }
     std::vector<double> all;
     double scale = 1;
     for (const toml::node& item : *items) {
-      const double value = number(key, item, node);
-      all.push_back(all.empty() ? ranged(field, unit, value, key, node)
-                                : value * unit.value.factor * scale);
-      scale /= unit.stress_Pa;
+      all.push_back(number(item) * unit_.value.factor * scale);
+      scale /= unit_.stress_Pa;
     }
-    all.resize(field.count);
+    all.front() = ranged(number(items->front()));
+    all.resize(field_.count);
     return all;
   }
 
-  double whole(const Field& field, const std::string& key, const toml::node& node) const {
-    const auto value = static_cast<double>(node.value_or(std::int64_t{-1}));
-    if (!node.is_integer() || !(field.min <= value && value <= field.max)) {
-      fail(key, node, fmt::format("must be a whole number, {} to {}", field.min, field.max));
+  double whole() const {
+    const auto value = static_cast<double>(node_.value_or(std::int64_t{-1}));
+    if (!node_.is_integer() || !(field_.min <= value && value <= field_.max)) {
+      fail(fmt::format("must be a whole number, {} to {}", field_.min, field_.max));
     }
     return value;
   }
 
-  double choice(const Field& field, const std::string& key, const toml::node& node) const {
-    const auto word = node.value<std::string>();
-    const auto at = std::ranges::find(field.choices, word.value_or(""));
-    if (!word || at == field.choices.end()) {
-      fail(key, node, fmt::format("must be one of: {}", fmt::join(field.choices, ", ")));
+  double choice() const {
+    const auto word = node_.value<std::string>();
+    const auto at = std::ranges::find(field_.choices, word.value_or(""));
+    if (!word || at == field_.choices.end()) {
+      fail(fmt::format("must be one of: {}", fmt::join(field_.choices, ", ")));
     }
-    return static_cast<double>(at - field.choices.begin());
+    return static_cast<double>(at - field_.choices.begin());
   }
 
-  std::span<const Field> fields_;
-  const std::string& origin_;
-  const OtherKeys& other_;
+  const Field& field_;
+  const KeyUnit& unit_;
+  const toml::node& node_;
+  const std::string& where_;
 };
 
-}  // namespace
-
-std::string key_with(std::string_view name, std::string_view suffix) {
-  return suffix.empty() ? std::string(name) : fmt::format("{}_{}", name, suffix);
-}
-
-std::vector<KeyUnit> key_units(const Field& field) {
-  std::vector<KeyUnit> units;
-  for (const Unit& value : field.kind) {
-    const std::string suffix(value.suffix);
-    if (field.type != FieldType::polynomial) {
-      units.push_back({suffix, value});
-      continue;
-    }
-    for (const Unit& stress : {kind::stress[0], kind::stress[2]}) {
-      const std::string prefix = suffix.empty() ? "" : suffix + "_";
-      units.push_back({prefix + "by_" + std::string(stress.suffix), value, stress.factor});
+void enter(std::span<const Field> fields, const std::string& key, const std::string& where,
+           const toml::node& node, Entries& entries) {
+  const auto found = find_field(fields, key);
+  if (!found) {
+    throw ConfigError(fmt::format("{}: {}", where, unknown_key(fields, key)));
+  }
+  const auto& [field, unit] = *found;
+  std::size_t slot = field->slot;
+  for (const double number : KeyValue(*field, unit, node, where).numbers()) {
+    const auto [at, is_new] = entries.try_emplace(slot++, number, field, where);
+    if (!is_new) {
+      throw ConfigError(
+          fmt::format("{}: is given twice: {} already says it", where, at->second.where));
     }
   }
-  return units;
 }
+
+void enter_table(std::span<const Field> fields, const toml::table& table, const std::string& path,
+                 const std::string& origin, const OtherKeys& other, Entries& entries) {
+  for (const auto& [name, node] : table) {
+    const std::string key = path + std::string(name.str());
+    const toml::table* inner = node.as_table();
+    if (other && other(key, node)) {
+      continue;
+    }
+    if (inner != nullptr) {
+      enter_table(fields, *inner, key + ".", origin, other, entries);
+    } else {
+      enter(fields, key, place(origin, key, node), node, entries);
+    }
+  }
+}
+
+}  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& origin) {
   try {
@@ -264,11 +266,8 @@ toml::table parse_override(const Override& setting) {
 }
 
 std::string place(const std::string& origin, const std::string& key, const toml::node& node) {
-  std::ostringstream value;
-  node.visit([&](const auto& item) { value << item; });
-  const auto line = node.source().begin.line;
-  return origin == set_origin ? fmt::format("{}: {} = {}", origin, key, value.str())
-                              : fmt::format("{}:{}: {} = {}", origin, line, key, value.str());
+  const std::string line = origin == set_origin ? "" : fmt::format(":{}", node.source().begin.line);
+  return fmt::format("{}{}: {} = {}", origin, line, key, written(node));
 }
 
 std::optional<double> number_of(const toml::node& node) {
@@ -292,9 +291,9 @@ std::string quoted(const std::string& text) {
 
 Entries read_fields(std::span<const Field> fields, const toml::table& table,
                     const std::string& origin, const OtherKeys& other) {
-  Reader reader(fields, origin, other);
-  reader.read(table, "");
-  return std::move(reader.entries);
+  Entries entries;
+  enter_table(fields, table, "", origin, other, entries);
+  return entries;
 }
 
 void overlay(Entries& below, const Entries& above) {

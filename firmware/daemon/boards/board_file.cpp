@@ -304,7 +304,7 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
                        voltage ? "voltage" : "current", voltage ? "current" : "voltage");
   }
   if (settings.measuring.has_load_cell && !file.calibration.has_load) {
-    return "measuring.has_load_cell = true: the board has none";
+    return "measurement.has_load_cell = true: the board has none";
   }
   return "";
 }
