@@ -17,7 +17,7 @@ constexpr double MPa = 1e6;
 constexpr std::array<std::string_view, 2> drive_names{"current", "voltage"};
 constexpr std::array<std::string_view, 2> pair_names{"driven", "passive"};
 
-Settings<double> read_device(const TomlFile& file, Table table) {
+Settings<double> read_device(const TomlFile& file, TomlTable table) {
   const std::string path = file.beside(table.text("settings"));
   std::vector<Override> changed;
   if (table.has("set")) {
@@ -28,7 +28,7 @@ Settings<double> read_device(const TomlFile& file, Table table) {
 }
 
 /// A good front end for this device, changed by the file.
-Sensors read_sensors(Table table, const Settings<double>& settings) {
+Sensors read_sensors(TomlTable table, const Settings<double>& settings) {
   const Measuring<double>& m = settings.measuring;
   const double area_m2 = settings.wire.geometry.area_m2();
   Sensors s{};
@@ -46,7 +46,7 @@ Sensors read_sensors(Table table, const Settings<double>& settings) {
   return s;
 }
 
-Converter read_converter(Table table, const Settings<double>& settings, SimSetup& board) {
+Converter read_converter(TomlTable table, const Settings<double>& settings, SimSetup& board) {
   Converter c{};
   const std::size_t kind = table.has("type") ? table.choice("type", drive_names)
                                              : static_cast<std::size_t>(settings.drive.kind);
@@ -60,7 +60,7 @@ Converter read_converter(Table table, const Settings<double>& settings, SimSetup
   return c;
 }
 
-SimSetup read_board(Table& root, Table& plant, const ClosedLoopScenario& scenario) {
+SimSetup read_board(TomlTable& root, TomlTable& plant, const ClosedLoopScenario& scenario) {
   SimSetup board{};
   board.period_ns = std::llround(scenario.settings.timing.period_s * 1e9);
   board.converter = read_converter(root.table_or_empty("drive"), scenario.settings, board);
@@ -75,7 +75,7 @@ SimSetup read_board(Table& root, Table& plant, const ClosedLoopScenario& scenari
   return board;
 }
 
-PairSetup read_pair(Table table, const ClosedLoopScenario& scenario) {
+PairSetup read_pair(TomlTable table, const ClosedLoopScenario& scenario) {
   PairSetup pair{scenario.plant, scenario.board, table.choice("type", pair_names) == 0};
   // The same kind of wire, another piece of it; both at rest under the first one's load.
   pair.plant.seed = scenario.plant.seed + 7919;
@@ -110,8 +110,8 @@ Settings<double> standard_settings() {
 ClosedLoopScenario standard_closed_loop(const Settings<double>& settings) {
   static const toml::table empty;
   const std::string name = "standard";
-  Table root(empty, "", name);
-  Table plant(empty, "", name);
+  TomlTable root(empty, "", name);
+  TomlTable plant(empty, "", name);
   ClosedLoopScenario scenario{};
   scenario.name = name;
   scenario.seed = 1;
@@ -123,13 +123,13 @@ ClosedLoopScenario standard_closed_loop(const Settings<double>& settings) {
 
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path) {
   const TomlFile file(path);
-  Table root = file.root();
+  TomlTable root = file.root();
   ClosedLoopScenario scenario{};
   scenario.name = path.string();
   scenario.note = root.text("note");
   scenario.seed = static_cast<std::uint64_t>(root.number("seed", 0, 1e9, 1));
   scenario.settings = read_device(file, root.table("device"));
-  Table plant = root.table_or_empty("plant");
+  TomlTable plant = root.table_or_empty("plant");
   scenario.plant = read_plant(file, plant, scenario.seed);
   std::mt19937_64 random(scenario.seed + 3);
   scenario.program = read_commands(root.tables("command"), random);

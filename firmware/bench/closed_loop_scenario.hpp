@@ -47,7 +47,7 @@ Settings<double> standard_settings();
 /// program.
 ClosedLoopScenario standard_closed_loop(const Settings<double>& settings);
 
-/// Throws ConfigError or WireError: names file, line, key, value and what is allowed.
+/// Throws ConfigError: names file, line, key, value and what is allowed.
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path);
 
 }  // namespace smaservo

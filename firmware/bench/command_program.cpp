@@ -57,7 +57,7 @@ std::vector<std::string> all_keys() {
   return keys;
 }
 
-Setpoint read_setpoint(Table& table) {
+Setpoint read_setpoint(TomlTable& table) {
   std::optional<Setpoint> found;
   if (table.has("mode")) {
     found = {table.choice("mode", bare_modes) == 0 ? Mode::off : Mode::identification, 0, 0};
@@ -95,7 +95,7 @@ Setpoint read_setpoint(Table& table) {
   return *found;
 }
 
-CommandStretch read_common(Table& table, Mode mode) {
+CommandStretch read_common(TomlTable& table, Mode mode) {
   CommandStretch stretch{};
   stretch.command.mode = mode;
   stretch.command.arm = table.flag("arm", mode != Mode::off);
@@ -114,7 +114,7 @@ CommandStretch read_common(Table& table, Mode mode) {
 /// Makes the stretches of one table.
 class Maker {
  public:
-  Maker(Table& table, std::mt19937_64& random, std::vector<CommandStretch>& to)
+  Maker(TomlTable& table, std::mt19937_64& random, std::vector<CommandStretch>& to)
       : table_(table),
         random_(random),
         to_(to),
@@ -203,7 +203,7 @@ class Maker {
     }
   }
 
-  Table& table_;
+  TomlTable& table_;
   std::mt19937_64& random_;
   std::vector<CommandStretch>& to_;
   Setpoint setpoint_;
@@ -212,9 +212,9 @@ class Maker {
 
 }  // namespace
 
-std::vector<CommandStretch> read_commands(std::vector<Table> tables, std::mt19937_64& random) {
+std::vector<CommandStretch> read_commands(std::vector<TomlTable> tables, std::mt19937_64& random) {
   std::vector<CommandStretch> stretches;
-  for (Table& table : tables) {
+  for (TomlTable& table : tables) {
     Maker(table, random, stretches).make();
     table.finish();
   }

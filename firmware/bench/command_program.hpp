@@ -10,7 +10,7 @@
 
 namespace smaservo {
 
-class Table;
+class TomlTable;
 
 /// One mode for some time. The set-point goes on a straight line, with a sine on it where asked.
 struct CommandStretch {
@@ -23,7 +23,7 @@ struct CommandStretch {
 };
 
 /// Reads all of them; random ones are drawn. Throws UserError.
-std::vector<CommandStretch> read_commands(std::vector<Table> tables, std::mt19937_64& random);
+std::vector<CommandStretch> read_commands(std::vector<TomlTable> tables, std::mt19937_64& random);
 
 /// The stretches one after the other; the last one's end holds on.
 class CommandProgram {

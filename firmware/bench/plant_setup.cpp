@@ -18,7 +18,7 @@ WireDescription named_wire(const TomlFile& file, const std::string& name) {
 
 }  // namespace
 
-PlantSetup read_plant(const TomlFile& file, Table& table, std::uint64_t seed) {
+PlantSetup read_plant(const TomlFile& file, TomlTable& table, std::uint64_t seed) {
   PlantSetup plant{};
   plant.family = table.has("family") ? static_cast<PlantFamily>(table.choice("family", plant_names))
                                      : PlantFamily::ihyp;

@@ -10,7 +10,7 @@
 
 namespace smaservo {
 
-class Table;
+class TomlTable;
 class TomlFile;
 
 enum class PlantFamily : unsigned char { lumped, ihyp, sublayers };
@@ -26,7 +26,7 @@ struct PlantSetup {
 };
 std::unique_ptr<SimulatedWire> make_plant(const PlantSetup& plant);
 
-/// Takes the keys family, unit or wire and scatter_K. Throws UserError or WireError.
-PlantSetup read_plant(const TomlFile& file, Table& table, std::uint64_t seed);
+/// Takes the keys family, unit or wire and scatter_K. Throws UserError.
+PlantSetup read_plant(const TomlFile& file, TomlTable& table, std::uint64_t seed);
 
 }  // namespace smaservo

@@ -10,7 +10,7 @@
 
 namespace smaservo {
 
-Load read_load(Table table) {
+Load read_load(TomlTable table) {
   const std::string type = table.text("type");
   Load load;
   if (type == "constant") {
@@ -35,7 +35,7 @@ namespace {
 
 constexpr double longest_run_s = 1e5;
 
-Family read_family(Table& table) {
+Family read_family(TomlTable& table) {
   if (!table.has("family")) {
     return Family::ihyp;
   }
@@ -44,7 +44,7 @@ Family read_family(Table& table) {
   return families[table.choice("family", names)];
 }
 
-DriveStep read_level(Table& table) {
+DriveStep read_level(TomlTable& table) {
   DriveStep step{table.number("level", 0, 2), table.number("for_s", 0.001, longest_run_s)};
   if (table.has("ripple")) {
     step.ripple = table.number("ripple", 0, 1);
@@ -53,9 +53,9 @@ DriveStep read_level(Table& table) {
   return step;
 }
 
-std::vector<DriveStep> read_drive(std::vector<Table> tables, std::mt19937_64& random) {
+std::vector<DriveStep> read_drive(std::vector<TomlTable> tables, std::mt19937_64& random) {
   std::vector<DriveStep> drive;
-  for (Table& step : tables) {
+  for (TomlTable& step : tables) {
     if (step.has("level")) {
       drive.push_back(read_level(step));
     } else if (step.has("shrinking")) {
@@ -88,7 +88,7 @@ std::vector<DriveStep> read_drive(std::vector<Table> tables, std::mt19937_64& ra
   return drive;
 }
 
-Sensors read_sensors(Table table) {
+Sensors read_sensors(TomlTable table) {
   Sensors s{static_cast<int>(table.number("bits", 8, 32)),
             1e-3 * table.number("current_full_scale_mA", 1, 1e5),
             table.number("voltage_full_scale_V", 0.1, 1000),
@@ -106,7 +106,7 @@ Sensors read_sensors(Table table) {
 
 Scenario load_scenario(const std::filesystem::path& file) {
   const TomlFile parsed(file);
-  Table root = parsed.root();
+  TomlTable root = parsed.root();
   Scenario scenario{};
   scenario.note = root.text("note");
   const std::string wire = root.text("wire");
@@ -116,7 +116,7 @@ Scenario load_scenario(const std::filesystem::path& file) {
   scenario.family = read_family(root);
   std::mt19937_64 random(scenario.seed);
   if (root.has("bath")) {
-    Table bath = root.table("bath");
+    TomlTable bath = root.table("bath");
     BathScenario b{1e6 * bath.number("stress_MPa", 0, 1000), bath.number("step_K", 0.01, 10),
                    bath.numbers("turning_degC", -50, 250),
                    bath.number("temperature_noise_K", 0, 5)};
@@ -126,7 +126,7 @@ Scenario load_scenario(const std::filesystem::path& file) {
     bath.finish();
     scenario.run = b;
   } else {
-    Table joule = root.table("joule");
+    TomlTable joule = root.table("joule");
     JouleScenario j{zero_degC_K + joule.number("ambient_degC", -40, 80),
                     joule.number("draught", 0.1, 10),
                     joule.number("overheat_K", 0, 100),

@@ -53,7 +53,7 @@ struct Scenario {
   std::variant<JouleScenario, BathScenario> run;
 };
 
-/// Throws UserError or WireError: names file, key, value and what is allowed.
+/// Throws UserError: names file, key, value and what is allowed.
 Scenario load_scenario(const std::filesystem::path& file);
 
 }  // namespace smaservo

@@ -10,6 +10,6 @@ namespace smaservo {
 inline constexpr double longest_s = 1e5;
 
 /// Throws UserError.
-Load read_load(Table table);
+Load read_load(TomlTable table);
 
 }  // namespace smaservo

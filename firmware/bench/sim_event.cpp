@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 6> sensor_faults{"missing", "stuck", "off
 /// The greatest amount of a sensor's fault: A, V, N, V, K, K.
 constexpr std::array<double, reading_count> greatest_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
 
-void read_surroundings(Table& table, SimEvent& event) {
+void read_surroundings(TomlTable& table, SimEvent& event) {
   if (table.has("ambient_degC")) {
     event.ambient_K = zero_degC_K + table.number("ambient_degC", -60, 150);
   }
@@ -43,7 +43,7 @@ void read_surroundings(Table& table, SimEvent& event) {
   }
 }
 
-void read_breakage(Table& table, SimEvent& event) {
+void read_breakage(TomlTable& table, SimEvent& event) {
   if (table.has("wire")) {
     event.circuit = static_cast<Circuit>(1 + table.choice("wire", wire_states));
     if (*event.circuit == Circuit::shorted) {
@@ -63,9 +63,9 @@ void read_breakage(Table& table, SimEvent& event) {
 
 }  // namespace
 
-std::vector<SimEvent> read_events(std::vector<Table> tables) {
+std::vector<SimEvent> read_events(std::vector<TomlTable> tables) {
   std::vector<SimEvent> events;
-  for (Table& table : tables) {
+  for (TomlTable& table : tables) {
     SimEvent event{};
     event.at_s = table.number("at_s", 0, longest_s);
     event.for_s = table.number("for_s", 0.001, longest_s, for_ever);

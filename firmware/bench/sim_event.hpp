@@ -10,7 +10,7 @@
 
 namespace smaservo {
 
-class Table;
+class TomlTable;
 
 /// From at_s on, for for_s; what is not set stays.
 struct SimEvent {
@@ -27,7 +27,7 @@ struct SimEvent {
 };
 
 /// Throws UserError.
-std::vector<SimEvent> read_events(std::vector<Table> tables);
+std::vector<SimEvent> read_events(std::vector<TomlTable> tables);
 
 /// Keeps a board in the state that the events so far have made. Events that overlap add up; of
 /// those that change the same thing the last one in the file counts.

@@ -48,8 +48,6 @@ int main(int argc, char** argv) {
     return code;
   } catch (const smaservo::ConfigError& error) {
     return ended_by(error, EX_CONFIG);
-  } catch (const smaservo::WireError& error) {
-    return ended_by(error, EX_CONFIG);
   } catch (const smaservo::CanNameError& error) {
     return ended_by(error, EX_CONFIG);
   } catch (const std::exception& error) {

@@ -29,8 +29,8 @@ int serve(Service& service, B& board, Partner& partner, const LoopTiming& timing
 LoopTiming timing_of(const Settings<double>& settings, double for_s);
 ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings);
 
-/// All throw UserError, TraceError, WireError, DeviceError or CanError; the exit code: 0, 1, or
-/// EX_CONFIG where a file is refused, which is what ConfigError and WireError mean, too.
+/// All throw UserError, TraceError, DeviceError or CanError; the exit code: 0, 1, or EX_CONFIG
+/// where a file is refused, which is what ConfigError means, too.
 int serve_simulation(const DaemonOptions& options);
 int serve_replay(const DaemonOptions& options);
 int serve_board(const DaemonOptions& options);

@@ -10,13 +10,13 @@ namespace smaservo {
 
 namespace detail {
 
-/// Of measuring.* or wire.*
+/// Of measurement.* or wire.*
 constexpr bool is_observed(Key key) {
   return key.index == 0x2010 || (0x2110 <= key.index && key.index <= 0x211C);
 }
 static_assert(std::ranges::all_of(parameters<float>, [](const Parameter<float>& row) {
   const std::string_view path = row.path.text();
-  return is_observed(row.key) == (path.starts_with("wire.") || path.starts_with("measuring."));
+  return is_observed(row.key) == (path.starts_with("wire.") || path.starts_with("measurement."));
 }));
 
 /// Whether the observer may go on with its state: it sees the same wire through the same sensors.

@@ -13,17 +13,9 @@
 
 #include "firmware/parameters/key.hpp"
 #include "firmware/settings.hpp"
-#include "model/units.hpp"
+#include "model/wire/wire_parameters.hpp"
 
 namespace smaservo {
-
-/// The numbers are those of the stored image: never change one.
-enum class ValueType : std::uint8_t {
-  real = 0,     ///< REAL32
-  number = 1,   ///< UNSIGNED32
-  choice = 2,   ///< UNSIGNED8, one of some names
-  boolean = 3,  ///< BOOLEAN
-};
 
 /// When a change takes effect.
 enum class Change : std::uint8_t {
@@ -50,31 +42,6 @@ constexpr bool is_finite(float x) {
   return -most <= x && x <= most;
 }
 
-/// A path made of up to three parts, such as "strain" + ".proportional_" + "W".
-class Path {
- public:
-  constexpr Path() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor)
-  constexpr Path(const char* a, const char* b = "", const char* c = "") {
-    for (const std::string_view part : {a, b, c}) {
-      for (const char letter : part) {
-        text_[size_++] = letter;  // Too long a path does not compile.
-      }
-    }
-  }
-  constexpr std::string_view text() const { return {text_.data(), size_}; }
-
- private:
-  std::array<char, 48> text_{};
-  std::size_t size_ = 0;
-};
-
-/// Without which a parameter has no meaning.
-enum class Needs : std::uint8_t { nothing, own_r2a, own_r2m };
-
-/// Where a real is part of a Pair.
-enum class Lane : std::uint8_t { none, first, second };
-
 /// What a device needs of a row. Ranges are inclusive and, as the default, values of `type`. A real
 /// whose default is NaN has none: the device is not configured before it is set.
 template <class S>
@@ -85,66 +52,27 @@ struct ParameterRow {
   Needs needs;
   Lane lane;
   Value least, standard, greatest;
-  /// An S or a Pair<S>, an unsigned number of 32 bits, an enumerator of 8, a bool.
-  const void* (*at)(const Settings<S>&);
+  const void* (*at)(const Settings<S>&);  ///< as load_real() and load_whole() want it
 
   Value get(const Settings<S>& settings) const {
     const void* from = at(settings);
-    switch (type) {
-      case ValueType::real:
-        return Value::real(static_cast<float>(load<S>(from)));
-      case ValueType::number:
-        return Value::number(*static_cast<const std::uint32_t*>(from));
-      case ValueType::choice:
-        return Value::number(*static_cast<const std::uint8_t*>(from));
-      case ValueType::boolean:
-        break;
-    }
-    return Value::number(*static_cast<const bool*>(from) ? 1 : 0);
+    return type == ValueType::real ? Value::real(static_cast<float>(load_real<S>(from, lane)))
+                                   : Value::number(load_whole(from, type));
   }
   /// A real may be anything; a choice must be one.
   void set(Settings<S>& settings, Value value) const {
     void* to = const_cast<void*>(at(settings));  // NOLINT(*-const-cast)
-    switch (type) {
-      case ValueType::real:
-        keep(to, S(value.real()));
-        break;
-      case ValueType::number:
-        *static_cast<std::uint32_t*>(to) = value.number();
-        break;
-      case ValueType::choice:
-        *static_cast<std::uint8_t*>(to) = static_cast<std::uint8_t>(value.number());
-        break;
-      case ValueType::boolean:
-        *static_cast<bool*>(to) = value.number() != 0;
-        break;
+    if (type == ValueType::real) {
+      keep_real(to, lane, S(value.real()));
+    } else {
+      keep_whole(to, type, value.number());
     }
   }
   constexpr bool is_used(const Settings<S>& settings) const {
-    const ThreePhaseParams<S>& p = settings.wire.kinetics;
-    return needs == Needs::nothing || (needs == Needs::own_r2a ? p.separate_r2a : p.separate_r2m);
+    return smaservo::is_used(needs, settings.wire);
   }
   constexpr bool has_default() const {
     return type != ValueType::real || standard.real() == standard.real();
-  }
-
- private:
-  template <class T>
-  T load(const void* from) const {
-    if (lane == Lane::none) {
-      return *static_cast<const T*>(from);
-    }
-    const Pair<T>& both = *static_cast<const Pair<T>*>(from);
-    return lane == Lane::first ? both.first() : both.second();
-  }
-  template <class T>
-  void keep(void* to, const T& value) const {
-    if (lane == Lane::none) {
-      *static_cast<T*>(to) = value;
-      return;
-    }
-    Pair<T>& both = *static_cast<Pair<T>*>(to);
-    both = lane == Lane::first ? Pair<T>(value, both.second()) : Pair<T>(both.first(), value);
   }
 };
 
@@ -157,42 +85,21 @@ struct Parameter : ParameterRow<S> {
   std::string_view meaning;
 };
 
-// How a row reaches its member: through pointers to members, from Settings<S> down.
-
+/// How a row reaches its member: through pointers to members, from Settings<S> down.
 template <class S, auto... members>
 struct Member {
   using Scalar = S;
   using Type = std::remove_cvref_t<decltype((std::declval<Settings<S>&>().*....*members))>;
-  static constexpr Lane lane = Lane::none;
   static const void* at(const Settings<S>& s) { return &(s.*....*members); }
-};
-
-/// The i-th coefficient of a surface's polynomial.
-template <class S, auto surface, auto polynomial, std::size_t i>
-struct Coefficient {
-  using Scalar = S;
-  using Type = S;
-  static constexpr Lane lane = Lane::none;
-  static const void* at(const Settings<S>& s) { return &(s.wire.kinetics.*surface.*polynomial)[i]; }
-};
-
-/// The same of one of the two surfaces that stand side by side.
-template <class S, Lane which, auto polynomial, std::size_t i>
-struct LaneCoefficient {
-  using Scalar = S;
-  using Type = S;
-  static constexpr Lane lane = which;
-  static const void* at(const Settings<S>& s) { return &(s.wire.kinetics.a2m_a2r.*polynomial)[i]; }
 };
 
 inline constexpr float no_default = std::numeric_limits<float>::quiet_NaN();
 
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float least,
-                            float standard, float greatest, std::string_view meaning,
-                            Needs needs = Needs::nothing) {
+                            float standard, float greatest, std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, S>);
-  return {{key, ValueType::real, change, needs, Access::lane, Value::real(least),
+  return {{key, ValueType::real, change, Needs::nothing, Lane::none, Value::real(least),
            Value::real(standard), Value::real(greatest), Access::at},
           path,
           kind,
@@ -205,7 +112,7 @@ constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t l
                               std::uint32_t standard, std::uint32_t greatest,
                               std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, std::uint32_t>);
-  return {{key, ValueType::number, change, Needs::nothing, Access::lane, Value::number(least),
+  return {{key, ValueType::number, change, Needs::nothing, Lane::none, Value::number(least),
            Value::number(standard), Value::number(greatest), Access::at},
           path,
           kind::number,
@@ -219,7 +126,7 @@ constexpr Parameter<S> choice(Key key, Path path, std::span<const std::string_vi
                               Change change, typename Access::Type standard,
                               std::string_view meaning) {
   static_assert(std::is_enum_v<typename Access::Type> && sizeof(typename Access::Type) == 1);
-  return {{key, ValueType::choice, change, Needs::nothing, Access::lane, Value::number(0),
+  return {{key, ValueType::choice, change, Needs::nothing, Lane::none, Value::number(0),
            Value::number(static_cast<std::uint32_t>(standard)),
            Value::number(static_cast<std::uint32_t>(choices.size() - 1)), Access::at},
           path,
@@ -232,7 +139,7 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> boolean(Key key, Path path, Change change, bool standard,
                                std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, bool>);
-  return {{key, ValueType::boolean, change, Needs::nothing, Access::lane, Value::number(0),
+  return {{key, ValueType::boolean, change, Needs::nothing, Lane::none, Value::number(0),
            Value::number(standard ? 1 : 0), Value::number(1), Access::at},
           path,
           kind::number,

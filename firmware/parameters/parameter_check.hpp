@@ -90,7 +90,7 @@ consteval auto all_rules() {
       rule("timing.period_s", not_above, "force.tracking_s", tracking),
       rule("limits.least_current_A", below, "limits.current_A", between),
       rule("limits.current_A", below, "trips.current_A", is_first),
-      rule("trips.current_A", below, "measuring.current_full_scale_A", "it could not be seen"),
+      rule("trips.current_A", below, "measurement.current_full_scale_A", "it could not be seen"),
       rule("trips.current_offset_A", below, "limits.least_current_A",
            "the least current must stand out from the offset that is let pass"),
       rule("limits.temperature_K", below, "trips.temperature_K", is_first),

@@ -13,20 +13,6 @@
 
 namespace smaservo {
 
-/// One array after the other.
-template <class T, std::size_t... n>
-constexpr auto joined(const std::array<T, n>&... parts) {
-  std::array<T, (n + ...)> all{};
-  std::size_t at = 0;
-  const auto append = [&](const auto& part) {
-    for (const T& item : part) {
-      all[at++] = item;
-    }
-  };
-  (append(parts), ...);
-  return all;
-}
-
 template <class S>
 inline constexpr auto parameters = joined(
     identity_rows<S>(), timing_rows<S>(), measuring_rows<S>(), observer_rows<S>(), limit_rows<S>(),
@@ -40,16 +26,7 @@ inline constexpr auto parameters = joined(
                                            "_ohm", kind::resistance, {1, 1, 0}),
     loop_rows<S, &Settings<S>::force>(0x2105, "force", "W_N", kind::power_per_force, "_N",
                                       kind::force, {20, 1, 0}),
-    trajectory_rows<S>(), profile_rows<S>(), wire_rows<S>(),
-    process_rows<OwnSurface<S, &ThreePhaseParams<S>::m2a>>(0x2111, "wire.m2a"),
-    process_rows<PairLane<S, Lane::first>>(0x2112, "wire.a2m"),
-    process_rows<PairLane<S, Lane::second>>(0x2113, "wire.a2r"),
-    process_rows<OwnSurface<S, &ThreePhaseParams<S>::r2a>>(0x2114, "wire.r2a", Needs::own_r2a),
-    process_rows<OwnSurface<S, &ThreePhaseParams<S>::r2m>>(0x2115, "wire.r2m", Needs::own_r2m),
-    phase_rows<S, &Material<S>::martensite>(0x2116, "wire.martensite"),
-    phase_rows<S, &Material<S>::r_phase>(0x2117, "wire.r_phase"),
-    phase_rows<S, &Material<S>::austenite>(0x2118, "wire.austenite"), material_rows<S>(),
-    heat_rows<S>(), accuracy_rows<S>(), wire_limit_rows<S>());
+    trajectory_rows<S>(), profile_rows<S>(), wire_rows<S>());
 
 inline constexpr std::size_t parameter_count = parameters<float>.size();
 

@@ -1,7 +1,7 @@
 #pragma once
 // Device settings as TOML. Keys are the paths of firmware/parameters/parameters.hpp, in any unit of
-// their kind; what is left out has its default. The wire is a preset, a wire file, or all its
-// numbers:
+// their kind; what is left out has its default. [wire] has the keys of a wire file
+// (model/wires/README.md), below a preset, a wire file, or as a whole wire:
 //
 //   [wire]
 //   based_on = "smartflex-76um"     # also: wire = "smartflex-76um", where nothing is replaced

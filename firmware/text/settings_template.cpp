@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <sstream>
-#include <toml++/toml.h>
 #include <utility>
 
 #include "firmware/text/settings_file.hpp"
 #include "firmware/text/settings_text.hpp"
+#include "model/files/toml_fields.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {
@@ -34,7 +33,7 @@ std::string written(const Settings<double>& settings, Line line) {
 
 std::string key_and_value(const Row& row, const Settings<double>& settings) {
   const std::string value = value_text(row, row.get(settings));
-  return fmt::format("{} = {}", key_with(key_parts(row).name, row.kind.front()),
+  return fmt::format("{} = {}", key_with(key_parts(row).name, row.kind.front().suffix),
                      row.type == ValueType::choice ? "\"" + value + "\"" : value);
 }
 
@@ -61,7 +60,7 @@ std::pair<std::string, std::string> in_common_unit(const Row& row,
   const auto text = [&](float value) {
     return fmt::format("{:.6g}", unit.from_si(std::stod(value_text(row, Value::real(value)))));
   };
-  return {fmt::format("{} = {}", key_with(key_parts(row).name, unit), text(si)),
+  return {fmt::format("{} = {}", key_with(key_parts(row).name, unit.suffix), text(si)),
           fmt::format("{} to {}", text(row.least.real()), text(row.greatest.real()))};
 }
 
@@ -94,12 +93,10 @@ std::string settings_template(const std::string& wire) {
     const auto [line, range] = in_common_unit(row, settings);
     return fmt::format("{:<34}  # {}: {}{}", line, range, row.meaning, change_note(row.change));
   });
-  std::ostringstream name;
-  name << toml::value<std::string>(wire);
   return out + fmt::format(
                    "\n[wire]\nbased_on = {}  # a preset, or a file beside this one; any "
                    "number of it may be replaced below\n",
-                   name.str());
+                   quoted(wire));
 }
 
 Settings<double> settings_for(const Wire<double>& wire) {

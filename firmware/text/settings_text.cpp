@@ -53,10 +53,6 @@ KeyParts key_parts(const Parameter<double>& row) {
   return {path.substr(0, dot), name};
 }
 
-std::string key_with(std::string_view name, const Unit& unit) {
-  return unit.suffix.empty() ? std::string(name) : fmt::format("{}_{}", name, unit.suffix);
-}
-
 std::string value_text(const Parameter<double>& row, Value value) {
   switch (row.type) {
     case ValueType::real:
@@ -104,7 +100,10 @@ std::string apply_changes(std::string_view text, Settings<double>& settings) {
     const std::size_t equals = std::min(one.find('='), one.size());
     const std::size_t i = find_parameter(one.substr(0, equals));
     if (i == no_parameter) {
-      return fmt::format("has an unknown parameter '{}'", one.substr(0, equals));
+      const std::string now = renamed_key(one.substr(0, equals));
+      return find_parameter(now) == no_parameter
+                 ? fmt::format("has an unknown parameter '{}'", one.substr(0, equals))
+                 : fmt::format("has '{}', which is now called {}", one.substr(0, equals), now);
     }
     const std::string_view said = one.substr(std::min(equals + 1, one.size()));
     const std::optional<Value> value = value_of(parameters<double>[i], said);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "firmware/parameters/parameters.hpp"
+#include "model/files/fields.hpp"
 
 namespace smaservo {
 
@@ -13,9 +14,6 @@ struct KeyParts {
   std::string_view table, name;
 };
 KeyParts key_parts(const Parameter<double>& row);
-
-/// "current_mA", "duty"
-std::string key_with(std::string_view name, const Unit& unit);
 
 /// A value as it is written: in SI, the name of a choice, true or false.
 std::string value_text(const Parameter<double>& row, Value value);

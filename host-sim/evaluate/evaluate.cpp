@@ -65,19 +65,16 @@ void require(const char* option, std::int64_t value, std::int64_t least, std::in
   }
 }
 
-void check(const EvaluateOptions& options) {
+void check(const EvaluateOptions& options, const RunSettings& settings) {
   require("--units", options.units, 1, 1000);
   require("--runs", options.runs, 0, 100'000);
   require("--threads", options.threads, 1, 1000);
   if (options.seed > 1'000'000'000) {
     throw UserError(fmt::format("--seed {}: must be at most 1000000000", options.seed));
   }
-  const SplitSettings settings = split_settings(options.settings);
   const Wire<double> preset = load_wire(std::string(default_wire)).wire;
-  check_observer_settings(preset, settings.observer);
-  measuring_params(preset, settings.measurement);
   for (auto name = options.observers.begin(); name != options.observers.end(); ++name) {
-    make_observer(*name, preset, settings.observer, {}, usual_ambient_K);
+    make_observer(*name, preset, settings, {}, usual_ambient_K);
     if (std::find(options.observers.begin(), name, *name) != name) {
       throw UserError(fmt::format("--observer {}: is given twice", *name));
     }
@@ -153,9 +150,9 @@ double least_current_A(const Sensors& sensors) {
 }
 
 std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& wire,
-                               const SplitSettings& settings, const Sensors& sensors,
+                               const RunSettings& settings, const Sensors& sensors,
                                const std::vector<SimulatedRow>& rows) {
-  MeasurementParams<double> measuring = measuring_params(wire, settings.measurement);
+  MeasurementParams<double> measuring = measuring_params(wire, settings);
   measuring.least_current_A = std::max(measuring.least_current_A, least_current_A(sensors));
   std::unique_ptr<AnyObserver> running;
   std::vector<JudgedRow> judged;
@@ -166,7 +163,7 @@ std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& 
     if (running) {
       running->advance(m, row.time_s - judged.back().time_s);
     } else {
-      running = make_observer(observer, wire, settings.observer, m, usual_ambient_K);
+      running = make_observer(observer, wire, settings, m, usual_ambient_K);
     }
     const Estimate<double> e = running->estimate();
     judged.push_back({row.time_s, row.strain, e.strain, e.strain_sd, e.health});
@@ -193,17 +190,17 @@ JudgedRun judge(const EvaluatedRun& run, const JouleScenario& joule,
 }
 
 /// Simulates a run once and shows it to all observers of its row.
-std::vector<JudgedRun> judge(const EvaluateOptions& options, const Job& job, const JudgedUnit& unit,
-                             double stroke) {
+std::vector<JudgedRun> judge(const EvaluateOptions& options, const RunSettings& settings,
+                             const Job& job, const JudgedUnit& unit, double stroke) {
   const Scenario scenario = test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
   std::vector<SimulatedRow> rows;
   simulate_rows(scenario, [&](const SimulatedRow& row) { rows.push_back(row); });
   const bool known = evaluation_rows()[job.row].calibrated;
   std::vector<JudgedRun> judged;
   for (const std::string& observer : observers_of(options, job.row)) {
-    const std::vector<JudgedRow> observed = observe(
-        observer, known ? unit.calibrated : unit.type_file, split_settings(options.settings),
-        std::get<JouleScenario>(scenario.run).sensors, rows);
+    const std::vector<JudgedRow> observed =
+        observe(observer, known ? unit.calibrated : unit.type_file, settings,
+                std::get<JouleScenario>(scenario.run).sensors, rows);
     judged.push_back(judge(job.run, std::get<JouleScenario>(scenario.run), observed, stroke));
   }
   return judged;
@@ -224,7 +221,8 @@ RowResult row_result(std::size_t row, std::vector<JudgedRun> runs) {
 }  // namespace
 
 Evaluation evaluate(const EvaluateOptions& options) {
-  check(options);
+  const RunSettings settings = parse_run_settings(options.settings);
+  check(options, settings);
   const std::vector<std::size_t> rows = chosen_rows(options);
   const bool calibrated =
       std::ranges::any_of(rows, [](std::size_t row) { return evaluation_rows()[row].calibrated; });
@@ -234,7 +232,9 @@ Evaluation evaluate(const EvaluateOptions& options) {
   std::vector<std::vector<JudgedRun>> judged(jobs.size());
   parallel(
       jobs.size(), options.threads,
-      [&](std::size_t i) { judged[i] = judge(options, jobs[i], units[jobs[i].unit], stroke); },
+      [&](std::size_t i) {
+        judged[i] = judge(options, settings, jobs[i], units[jobs[i].unit], stroke);
+      },
       reporting(options, "runs", jobs.size()));
 
   Evaluation evaluation{stroke, options.units, options.seed, {}};

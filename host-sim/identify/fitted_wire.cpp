@@ -50,7 +50,7 @@ void check_explained(const FitResult& fit) {
 void check_valid(const WireDescription& wire) {
   try {
     parse_wire(to_toml(wire), wire.name);
-  } catch (const WireError& error) {
+  } catch (const ConfigError& error) {
     throw UserError(fmt::format("the runs lead to a wire that can not be: {}", error.what()));
   }
 }
@@ -122,12 +122,14 @@ std::string source_of(const std::string& group, const Groups::mapped_type& param
 /// Whether the fit replaces what this source speaks of.
 bool replaced(const std::string& path, const Groups& groups) {
   for (const auto& [group, parameters] : groups) {
-    if (stands_above(path, group) || (path.starts_with("kinetics.") && stands_above(group, path))) {
+    // A source of the whole wire still speaks of what no fit changes.
+    if ((path != "wire" && stands_above(path, group)) ||
+        (is_of_process(path) && stands_above(group, path))) {
       return true;
     }
     for (const FittedParameter* fitted : parameters) {
       const std::string_view key = fitted->parameter.key;
-      const bool scales = key == "material.martensite.resistivity" && path == "wire.resistance";
+      const bool scales = key == "wire.martensite.resistivity" && path == "wire.resistance";
       if (fitted->determined() && (key.starts_with(path) || scales)) {
         return true;
       }
@@ -195,11 +197,11 @@ WireDescription fitted_wire(const WireDescription& from, const FitResult& fit,
   const Wire<double>& before = from.wire;
   const Wire<double>& now = fit.wire;
   const std::pair<const char*, bool> others[] = {
-      {"kinetics.memory", now.kinetics.memory != before.kinetics.memory},
-      {"kinetics.smallest_reversal", false},
-      {"material.mixture", now.material.mixture != before.material.mixture},
-      {"material.reference", false},
-      {"heat.density", false}};
+      {"wire.memory", now.kinetics.memory != before.kinetics.memory},
+      {"wire.smallest_reversal", false},
+      {"wire.material.mixture", now.material.mixture != before.material.mixture},
+      {"wire.material.reference", false},
+      {"wire.heat.density", false}};
   for (const auto& [path, changed] : others) {
     const std::string text = structure_source(changed, inherited(from, path), fit);
     if (!text.empty()) {

@@ -22,7 +22,7 @@ Figure figure(const FittedParameter& fitted);
 /// "74.80 ± 0.12": as many digits as the deviation is worth.
 std::string with_deviation(double value, double sd);
 
-/// "kinetics.m2a" of "kinetics.m2a.width"; "heat" of "heat.convection".
+/// "wire.m2a" of "wire.m2a.width"; "wire.heat" of "wire.heat.convection".
 std::string group_of(std::string_view key);
 
 /// The fitted wire with sources by group: from which runs, what they determine and how well, and

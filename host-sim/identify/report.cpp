@@ -48,7 +48,7 @@ std::string circuit(const FitResult& fit) {
       fit.circuit.lead_ohm, fit.circuit.load_gain, fit.circuit.lead_ohm, 1 / fit.circuit.load_gain);
 }
 
-/// "kinetics.m2a: bend, turning" for each group that has some.
+/// "wire.m2a: bend, turning" for each group that has some.
 std::vector<std::string> undetermined(const FitResult& fit) {
   std::vector<std::string> lines;
   std::string open;

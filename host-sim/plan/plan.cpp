@@ -368,7 +368,7 @@ Plan plan_runs(const Wire<double>& wire, const PlanOptions& options) {
     if (!(stress_Pa > 0 && stress_Pa <= (1 + 1e-9) * wire.limits.stress_Pa)) {
       throw UserError(fmt::format(
           "a load of {:.4g} N, {:.4g} MPa: must be above 0 and at most {:.4g} N, {:.4g} MPa, "
-          "the wire's limits.load",
+          "wire.limits.load",
           stress_Pa * wire.geometry.area_m2(), 1e-6 * stress_Pa,
           wire.limits.stress_Pa * wire.geometry.area_m2(), 1e-6 * wire.limits.stress_Pa));
     }

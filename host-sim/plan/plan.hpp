@@ -11,7 +11,7 @@
 
 namespace smaservo {
 
-/// A plan keeps the wire this much below limits.temperature.
+/// A plan keeps the wire this much below wire.limits.temperature.
 inline constexpr double plan_margin_K = 10;
 /// And its current below this multiple of limits.current. That is a rating for hours, by which some
 /// wires do not even contract under load; what harms a wire is the temperature.
@@ -54,7 +54,7 @@ std::size_t determined(const Plan& plan, double ExpectedParameter::* deviation);
 double mean_logarithm(const Plan& plan, double ExpectedParameter::* deviation);
 
 /// Takes some ten seconds for a minute of 3 runs. Throws UserError for a duration or a stress out
-/// of range; the greatest stress is limits.load's.
+/// of range; the greatest stress is wire.limits.load's.
 Plan plan_runs(const Wire<double>& wire, const PlanOptions& options);
 
 }  // namespace smaservo

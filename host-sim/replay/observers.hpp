@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "model/files/wire_file.hpp"
+#include "host-sim/replay/run_settings.hpp"
+#include "model/wire/wire.hpp"
 #include "observer/estimate.hpp"
 
 namespace smaservo {
@@ -25,20 +26,9 @@ struct ObserverKind {
 };
 const std::vector<ObserverKind>& observer_kinds();
 
-/// Key of an observer's settings in --set, with default and meaning.
-struct ObserverSetting {
-  std::string key;  ///< "kalman.ambient_walk_K"
-  double value;
-};
-/// What they are for this wire when nothing is set.
-std::vector<ObserverSetting> observer_settings(const Wire<double>& wire);
-
-/// Throws UserError for a setting that does not exist or a value that is not allowed.
-void check_observer_settings(const Wire<double>& wire, const std::vector<Override>& settings);
-
-/// Throws UserError for a name or a setting that does not exist, or a value that is not allowed.
+/// Throws UserError for a name that does not exist.
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
-                                           const std::vector<Override>& settings,
+                                           const RunSettings& settings,
                                            const Measurement<double>& first, double ambient_K);
 
 }  // namespace smaservo

@@ -195,7 +195,7 @@ void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& 
 
 using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 
-Observers start_observers(const ReplayOptions& options, const std::vector<Override>& settings,
+Observers start_observers(const ReplayOptions& options, const RunSettings& settings,
                           const ReplayResult& result, const ReplayBoard& board,
                           const Measurement<double>& first) {
   double ambient_K = usual_ambient_K;
@@ -211,10 +211,10 @@ Observers start_observers(const ReplayOptions& options, const std::vector<Overri
   return observers;
 }
 
-void replay_electrical(const ReplayOptions& options, const MeasurementParams<double>& measuring,
+void replay_electrical(const ReplayOptions& options, const RunSettings& settings,
                        TraceReader reader, ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
-  const std::vector<Override> observer_settings = split_settings(options.settings).observer;
+  const MeasurementParams<double> measuring = measuring_params(wire, settings);
   const double load_N = default_load_N(options, reader);
   Sink sink(options, reader, result);
   for (const std::string& name : options.observers) {
@@ -233,7 +233,7 @@ void replay_electrical(const ReplayOptions& options, const MeasurementParams<dou
     const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
     if (observers.empty() || dt_s > longest_gap_s) {
       result.restarts += observers.empty() ? 0U : 1U;
-      observers = start_observers(options, observer_settings, result, board, m);
+      observers = start_observers(options, settings, result, board, m);
     } else {
       for (const auto& observer : observers) {
         observer->advance(m, dt_s);
@@ -263,12 +263,9 @@ ReplayResult replay(const ReplayOptions& options) {
   TraceReader trace(options.trace, options.trace_options);
   ReplayResult result;
   const bool electrical = trace.has(Column::current) && trace.has(Column::voltage);
-  const SplitSettings settings = split_settings(options.settings);
-  check_observer_settings(options.wire.wire, settings.observer);
-  const MeasurementParams<double> measuring =
-      measuring_params(options.wire.wire, settings.measurement);
+  const RunSettings settings = parse_run_settings(options.settings);
   if (electrical && trace.timed()) {
-    replay_electrical(options, measuring, std::move(trace), result);
+    replay_electrical(options, settings, std::move(trace), result);
   } else if (trace.has(Column::temperature) && !electrical) {
     replay_bath(options, std::move(trace), result);
   } else {

@@ -60,9 +60,7 @@ void run(ReplayArguments& a) {
   a.options.trace_options.period_s = a.period_s.value_or(0);
   std::vector<Override> wire;
   for (Override& setting : parse_settings(a.settings)) {
-    const bool running =
-        setting.first.starts_with("kalman.") || setting.first.starts_with("measurement.");
-    (running ? a.options.settings : wire).push_back(std::move(setting));
+    (is_run_setting(setting.first) ? a.options.settings : wire).push_back(std::move(setting));
   }
   a.options.wire = load_wire(a.wire, wire);
   const auto& names = a.options.observers;
@@ -105,7 +103,8 @@ void add_replay_command(CLI::App& app) {
       ->check(CLI::IsMember(observers))
       ->allow_extra_args(false)
       ->capture_default_str();
-  command->add_option("--set", a->settings, "key=value of wire, observer or measuring; repeatable")
+  command
+      ->add_option("--set", a->settings, "key=value of wire, observer or measurement; repeatable")
       ->allow_extra_args(false);
   command->add_option("--out", a->options.out, "estimate as CSV, - for standard output");
   command->add_option("--report", a->report, "report as one HTML file");

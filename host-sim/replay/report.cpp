@@ -8,6 +8,7 @@
 #include "host-sim/replay/plots.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/text_table.hpp"
+#include "observer/kalman.hpp"
 
 namespace smaservo {
 namespace {
@@ -48,22 +49,18 @@ std::string errors_html(const ReplayOptions& options, const ReplayResult& result
 
 std::string settings_text(const ReplayOptions& options) {
   std::string text;
-  const auto given = [&](std::string_view key) -> const std::string* {
-    const std::string* value = nullptr;
-    for (const auto& [name, setting] : options.settings) {
-      value = name == key ? &setting : value;
-    }
-    return value;
-  };
-  for (const ObserverSetting& setting : observer_settings(options.wire.wire)) {
-    const std::string* value = given(setting.key);
-    text += value != nullptr
-                ? fmt::format("{} = {}  # set, not {:g}\n", setting.key, *value, setting.value)
-                : fmt::format("{} = {:g}\n", setting.key, setting.value);
-  }
-  for (const MeasurementSetting& setting : measurement_settings()) {
-    if (const std::string* value = given(setting.key)) {
-      text += fmt::format("{} = {}  # set\n", setting.key, *value);
+  const RunSettings settings = parse_run_settings(options.settings);
+  const KalmanTuning<double> defaults = kalman_tuning(options.wire.wire.accuracy);
+  for (const auto& [field, member] : run_keys()) {
+    const auto given = settings.find(field.slot);
+    const std::string key = key_with(field.path, field.kind.front().suffix);
+    const auto* const tuning = std::get_if<double KalmanTuning<double>::*>(&member);
+    const std::string otherwise = tuning == nullptr ? "" : fmt::format("{:g}", defaults.**tuning);
+    if (given != settings.end()) {
+      text += fmt::format("{} = {}  # set{}{}\n", key, given->second.number,
+                          tuning == nullptr ? "" : ", not ", otherwise);
+    } else if (tuning != nullptr) {
+      text += fmt::format("{} = {}\n", key, otherwise);
     }
   }
   return text;

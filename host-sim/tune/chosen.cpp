@@ -20,11 +20,11 @@ std::vector<Chosen> chosen_settings(const Settings<double>& s, bool resistance, 
   const char* tenth = "closes an error in ten periods where the wire is fastest";
   const char* none = "none";
   std::vector<Chosen> all{
-      {"measuring", "current_noise_A", s.measuring.current_noise_A, "assumed; put in your own"},
-      {"measuring", "voltage_noise_V", s.measuring.voltage_noise_V, "assumed; put in your own"},
-      {"measuring", "current_full_scale_A", s.measuring.current_full_scale_A, "needed at least"},
-      {"measuring", "voltage_full_scale_V", s.measuring.voltage_full_scale_V, "needed at least"},
-      {"measuring", "constant_load_N", s.measuring.constant_load_N, "the load of the cold wire"},
+      {"measurement", "current_noise_A", s.measuring.current_noise_A, "assumed; put in your own"},
+      {"measurement", "voltage_noise_V", s.measuring.voltage_noise_V, "assumed; put in your own"},
+      {"measurement", "current_full_scale_A", s.measuring.current_full_scale_A, "needed at least"},
+      {"measurement", "voltage_full_scale_V", s.measuring.voltage_full_scale_V, "needed at least"},
+      {"measurement", "constant_load_N", s.measuring.constant_load_N, "the load of the cold wire"},
       {"limits", "least_current_A", s.limits.least_current_A,
        "resistance noise 0.1 %, or 2 K of heat"},
       {"limits", "current_A", s.limits.current_A,

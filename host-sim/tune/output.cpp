@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "host-sim/tune/tune.hpp"
 #include "model/files/text_table.hpp"
+#include "model/files/toml_fields.hpp"
 #include "model/units.hpp"
 
 namespace smaservo {
@@ -178,12 +178,10 @@ std::string tuned_json(const Tuned& t) {
 }
 
 std::string tuned_toml(const Tuned& t) {
-  std::ostringstream name;
-  name << toml::value<std::string>(t.based_on);
   const std::string wire =
       t.based_on.empty()
           ? "# [wire] based_on: the wire was changed with --set; name a file of it.\n"
-          : fmt::format("\n[wire]\nbased_on = {}\n", name.str());
+          : fmt::format("\n[wire]\nbased_on = {}\n", quoted(t.based_on));
   return chosen_toml(t.chosen,
                      fmt::format("# Proposed by host-sim tune.\n# {}{}", heading(t), wire));
 }

@@ -196,7 +196,7 @@ class Design {
   void require_found(bool found) const {
     if (!found) {
       throw UserError(
-          fmt::format("{}: no gains keep the margins; the file's accuracy.strain is "
+          fmt::format("{}: no gains keep the margins; the file's wire.accuracy.strain is "
                       "too coarse for this wire",
                       loop_text(name_)));
     }

@@ -51,7 +51,7 @@ void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
     if (wire.limits.stress_Pa < stress_Pa) {
       throw UserError(
           fmt::format("a load of {:.4g} MPa: the wire bears up to {:.4g} MPa "
-                      "(limits.load, {:.4g} N)",
+                      "(wire.limits.load, {:.4g} N)",
                       1e-6 * stress_Pa, most_MPa, wire.limits.stress_Pa * wire.geometry.area_m2()));
     }
   }

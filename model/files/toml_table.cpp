@@ -5,23 +5,19 @@
 
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
+#include "model/files/toml_fields.hpp"
 
 namespace smaservo {
 
-void Table::fail(std::string_view key, const std::string& reason) const {
+void TomlTable::fail(std::string_view key, const std::string& reason) const {
+  const std::string path = path_ + std::string(key);
   const toml::node* node = table_.get(key);
-  const auto line =
-      (node != nullptr ? *node : static_cast<const toml::node&>(table_)).source().begin.line;
-  std::string value;
-  if (node != nullptr) {
-    std::ostringstream text;
-    node->visit([&](const auto& item) { text << item; });
-    value = " = " + text.str();
-  }
-  throw ConfigError(fmt::format("{}:{}: {}{}{}: {}", origin_, line, path_, key, value, reason));
+  throw ConfigError(node != nullptr ? fmt::format("{}: {}", place(origin_, path, *node), reason)
+                                    : fmt::format("{}:{}: {}: {}", origin_,
+                                                  table_.source().begin.line, path, reason));
 }
 
-double Table::number(std::string_view key, double low, double high) {
+double TomlTable::number(std::string_view key, double low, double high) {
   taken_.emplace(key);
   const toml::node* node = table_.get(key);
   if (node == nullptr) {
@@ -30,7 +26,7 @@ double Table::number(std::string_view key, double low, double high) {
   return in_range(key, *node, low, high);
 }
 
-bool Table::flag(std::string_view key, bool otherwise) {
+bool TomlTable::flag(std::string_view key, bool otherwise) {
   taken_.emplace(key);
   if (!has(key)) {
     return otherwise;
@@ -42,20 +38,20 @@ bool Table::flag(std::string_view key, bool otherwise) {
   return value->get();
 }
 
-std::string Table::text(std::string_view key) {
+std::string TomlTable::text(std::string_view key) {
   taken_.emplace(key);
   const auto value = table_[key].value<std::string>();
   if (!value) {
-    fail(key, "must be a text");
+    fail(key, "must be a string");
   }
   return *value;
 }
 
-std::vector<std::string> Table::texts(std::string_view key) {
+std::vector<std::string> TomlTable::texts(std::string_view key) {
   taken_.emplace(key);
   const toml::array* list = table_[key].as_array();
   if (list == nullptr || !list->is_homogeneous<std::string>()) {
-    fail(key, "must be a list of texts");
+    fail(key, "must be a list of strings");
   }
   std::vector<std::string> all;
   for (const toml::node& node : *list) {
@@ -64,7 +60,7 @@ std::vector<std::string> Table::texts(std::string_view key) {
   return all;
 }
 
-std::size_t Table::choice(std::string_view key, std::span<const std::string_view> names) {
+std::size_t TomlTable::choice(std::string_view key, std::span<const std::string_view> names) {
   const std::string name = text(key);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (name == names[i]) {
@@ -74,7 +70,7 @@ std::size_t Table::choice(std::string_view key, std::span<const std::string_view
   fail(key, fmt::format("must be one of: {}", fmt::join(names, ", ")));
 }
 
-std::vector<double> Table::numbers(std::string_view key, double low, double high) {
+std::vector<double> TomlTable::numbers(std::string_view key, double low, double high) {
   taken_.emplace(key);
   const toml::array* list = table_[key].as_array();
   if (list == nullptr || list->empty()) {
@@ -87,7 +83,7 @@ std::vector<double> Table::numbers(std::string_view key, double low, double high
   return all;
 }
 
-std::pair<double, double> Table::range(std::string_view key, double low, double high) {
+std::pair<double, double> TomlTable::range(std::string_view key, double low, double high) {
   const std::vector<double> both = numbers(key, low, high);
   if (both.size() != 2) {
     fail(key, "must have two numbers, low and high");
@@ -98,7 +94,7 @@ std::pair<double, double> Table::range(std::string_view key, double low, double 
   return {both[0], both[1]};
 }
 
-Table Table::table(std::string_view key) {
+TomlTable TomlTable::table(std::string_view key) {
   taken_.emplace(key);
   const toml::table* inner = table_[key].as_table();
   if (inner == nullptr) {
@@ -107,25 +103,25 @@ Table Table::table(std::string_view key) {
   return {*inner, fmt::format("{}{}.", path_, key), origin_};
 }
 
-Table Table::table_or_empty(std::string_view key) {
+TomlTable TomlTable::table_or_empty(std::string_view key) {
   static const toml::table empty;
-  return has(key) ? table(key) : Table(empty, fmt::format("{}{}.", path_, key), origin_);
+  return has(key) ? table(key) : TomlTable(empty, fmt::format("{}{}.", path_, key), origin_);
 }
 
-std::vector<Table> Table::tables(std::string_view key) {
+std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   taken_.emplace(key);
   const toml::array* list = table_[key].as_array();
   if (list == nullptr || list->empty() || !list->is_homogeneous<toml::table>()) {
     fail(key, fmt::format("must be one or more tables [[{}{}]]", path_, key));
   }
-  std::vector<Table> all;
+  std::vector<TomlTable> all;
   for (const toml::node& node : *list) {
     all.emplace_back(*node.as_table(), fmt::format("{}{}.", path_, key), origin_);
   }
   return all;
 }
 
-void Table::finish() const {
+void TomlTable::finish() const {
   known_.insert(taken_.begin(), taken_.end());
   for (const auto& [key, node] : table_) {
     if (!taken_.contains(key.str())) {
@@ -134,9 +130,9 @@ void Table::finish() const {
   }
 }
 
-double Table::in_range(std::string_view key, const toml::node& node, double low,
-                       double high) const {
-  const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+double TomlTable::in_range(std::string_view key, const toml::node& node, double low,
+                           double high) const {
+  const std::optional<double> value = number_of(node);
   if (!value || !(*value >= low && *value <= high)) {
     fail(key, fmt::format("must be a number between {} and {}", low, high));
   }
@@ -145,12 +141,7 @@ double Table::in_range(std::string_view key, const toml::node& node, double low,
 
 TomlFile::TomlFile(const std::filesystem::path& file) : origin_(file.string()) {
   text_ = whole_file(origin_);
-  try {
-    parsed_ = toml::parse(text_, origin_);
-  } catch (const toml::parse_error& error) {
-    throw ConfigError(fmt::format("{}:{}:{}: {}", origin_, error.source().begin.line,
-                                  error.source().begin.column, error.description()));
-  }
+  parsed_ = parse_toml(text_, origin_);
 }
 
 std::string TomlFile::beside(const std::string& name) const {

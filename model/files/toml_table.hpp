@@ -13,10 +13,10 @@
 namespace smaservo {
 
 /// One table of the file: takes keys, and refuses what nobody took. All throw ConfigError.
-class Table {
+class TomlTable {
  public:
   /// The origin must outlive the table.
-  Table(const toml::table& table, std::string path, const std::string& origin)
+  TomlTable(const toml::table& table, std::string path, const std::string& origin)
       : table_(table), path_(std::move(path)), origin_(origin) {}
 
   [[noreturn]] void fail(std::string_view key, const std::string& reason) const;
@@ -39,10 +39,10 @@ class Table {
   /// Two numbers, the first one not above the second.
   std::pair<double, double> range(std::string_view key, double low, double high);
   bool is_list(std::string_view key) const { return table_[key].is_array(); }
-  Table table(std::string_view key);
+  TomlTable table(std::string_view key);
   /// The same; an empty one where it is missing.
-  Table table_or_empty(std::string_view key);
-  std::vector<Table> tables(std::string_view key);
+  TomlTable table_or_empty(std::string_view key);
+  std::vector<TomlTable> tables(std::string_view key);
 
   /// Refuses keys that nobody asked for.
   void finish() const;
@@ -61,7 +61,7 @@ class Table {
 class TomlFile {
  public:
   explicit TomlFile(const std::filesystem::path& file);
-  Table root() const { return {parsed_, "", origin_}; }
+  TomlTable root() const { return {parsed_, "", origin_}; }
   const std::string& text() const { return text_; }
 
   /// A file that the TOML file names, from where it lies itself.

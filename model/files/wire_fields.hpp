@@ -1,60 +1,53 @@
 #pragma once
-// The keys of a wire file, described once: reading, range checks, writing and the list in
-// model/wires/README.md all come from this table.
+// The keys of a wire file, which are those of [wire] in a settings file: the rows of
+// model/wire/wire_parameters.hpp, and what only files say in another way. Reading, writing and the
+// list in model/wires/README.md come from them.
 
 #include <functional>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "model/units.hpp"
-#include "model/wire/wire.hpp"
+#include "model/files/fields.hpp"
+#include "model/wire/wire_parameters.hpp"
 
 namespace smaservo {
 
-/// One value as it stands in a description, converted to SI.
-struct WireEntry {
-  std::vector<double> numbers;  ///< one, or the coefficients of a polynomial in the stress
-  std::string word;             ///< of a choice
-  std::string where;            ///< "FILE:LINE: KEY = VALUE", for error messages
-};
+/// All keys. Slots are the rows of wire_parameters, in whose order they stand; the first key of a
+/// slot is the one that is written:
+///   a polynomial by a list instead of each coefficient by itself,
+///   the greatest load instead of the stress,
+///   slopes of a resistivity by the resistivity instead of their own size.
+/// One key has a slot of its own behind the rows: the resistance of the whole wire.
+const std::vector<Field>& wire_fields();
+inline constexpr std::size_t wire_slot_count = wire_parameter_count + 1;
 
-/// A description: entries by the path of their field.
-using WireEntries = std::map<std::string, WireEntry, std::less<>>;
+/// How a value of this type stands in a file.
+FieldType field_type(ValueType type);
 
-enum class FieldType : unsigned char { number, polynomial, choice };
+/// Whether a file must have it, by this key or by another one of its slot.
+bool is_needed(const Field& field);
 
-struct WireField {
-  std::string path;  ///< "wire.length": table and name without unit
-  FieldType type;
-  Kind kind;                                  ///< of a number, or of a polynomial's value
-  double low, high;                           ///< SI, inclusive; of a polynomial's value at 0 Pa
-  std::size_t coefficients;                   ///< of a polynomial, at most
-  std::span<const std::string_view> choices;  ///< of a choice
-  bool required;
-  std::string meaning;
-};
+/// The keys that a description of this wire has.
+std::vector<const Field*> written_fields(const Wire<double>& wire);
 
-/// All fields, in the order of a file.
-const std::vector<WireField>& wire_fields();
+/// What one of them says of it, in SI.
+std::vector<double> wire_numbers(const Field& field, const Wire<double>& wire);
 
-/// Units of polynomials: "degC_by_MPa" is a value in °C with coefficients per MPa, per MPa², ...
-struct PolynomialUnit {
-  std::string suffix;
-  Unit value;
-  double stress_Pa;
-};
-std::vector<PolynomialUnit> polynomial_units(const WireField& field);
+/// Is called with the path of a key or of a process, and does not return.
+using WireFailure = std::function<void(std::string_view path, const std::string& reason)>;
 
-/// Builds the wire. `fail(path, reason)` is called for what is missing or contradictory, and does
-/// not return.
-Wire<double> build_wire(
-    const WireEntries& entries,
-    const std::function<void(std::string_view path, const std::string& reason)>& fail);
+/// Builds the wire. Calls `fail` for what is missing.
+Wire<double> build_wire(const Entries& entries, const WireFailure& fail);
 
-/// The entries that build this wire.
-WireEntries describe_wire(const Wire<double>& wire);
+/// Calls `fail` for what contradicts itself.
+void check_wire(const Wire<double>& wire, const WireFailure& fail);
+
+/// What `fail` speaks of: where the key stands, or the key.
+std::string where_said(const Entries& entries, const std::string& origin, std::string_view path);
+
+/// Entries that build this wire to the same bits, each number by itself.
+Entries describe_wire(const Wire<double>& wire);
 
 }  // namespace smaservo

@@ -3,21 +3,15 @@
 // from. The presets of model/wires are built into the program. model/wires/README.md has the keys.
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "model/files/fields.hpp"
 #include "model/wire/wire.hpp"
 
 namespace smaservo {
-
-/// What is wrong with a description: names file, key, value and what is allowed.
-class WireError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct WireDescription {
   std::string name;
@@ -26,10 +20,7 @@ struct WireDescription {
   std::vector<std::pair<std::string, std::string>> sources;
 };
 
-/// "wire.length_m", "0.12": replaces a key of the file, in any unit of its kind.
-using Override = std::pair<std::string, std::string>;
-
-/// A preset's name or the path of a file that ends in ".toml". Throws WireError.
+/// A preset's name or the path of a file that ends in ".toml". Throws ConfigError.
 WireDescription load_wire(const std::string& name_or_path,
                           const std::vector<Override>& overrides = {});
 

@@ -17,12 +17,12 @@ constexpr std::array<std::string_view, 2> front_end_names{"ads131m04", "iio"};
 constexpr std::array<std::string_view, 3> drive_names{"iio-dac", "spi-dac", "pwm"};
 constexpr std::array<std::string_view, 3> reading_names{"current", "voltage", "load"};
 
-std::string text_or(Table& table, std::string_view key, const std::string& otherwise) {
+std::string text_or(TomlTable& table, std::string_view key, const std::string& otherwise) {
   return table.has(key) ? table.text(key) : otherwise;
 }
 
 template <class T = unsigned>
-T whole(Table& table, std::string_view key, double low, double high, double otherwise) {
+T whole(TomlTable& table, std::string_view key, double low, double high, double otherwise) {
   const double value = table.number(key, low, high, otherwise);
   if (value != std::floor(value)) {
     table.fail(key, "must be a whole number");
@@ -31,7 +31,7 @@ T whole(Table& table, std::string_view key, double low, double high, double othe
 }
 
 /// The n of base << n.
-unsigned exponent(const Table& table, std::string_view key, double value, unsigned base,
+unsigned exponent(const TomlTable& table, std::string_view key, double value, unsigned base,
                   unsigned most) {
   for (unsigned n = 0; n <= most; ++n) {
     if (value == static_cast<double>(base << n)) {
@@ -42,11 +42,11 @@ unsigned exponent(const Table& table, std::string_view key, double value, unsign
                       std::to_string(base << most));
 }
 
-SpiSettings read_spi(Table& table, unsigned mode) {
+SpiSettings read_spi(TomlTable& table, unsigned mode) {
   return {table.text("spi"), mode, whole(table, "clock_Hz", 1e4, 5e7, 8e6)};
 }
 
-Ads131m04FrontEnd read_ads(Table& table) {
+Ads131m04FrontEnd read_ads(TomlTable& table) {
   Ads131m04FrontEnd front{read_spi(table, 1), {}};
   front.settings.osr_exponent =
       exponent(table, "oversampling", table.number("oversampling", 128, 16384, 1024), 128, 7);
@@ -61,7 +61,7 @@ Ads131m04FrontEnd read_ads(Table& table) {
   return front;
 }
 
-IioSettings read_iio(Table& table) {
+IioSettings read_iio(TomlTable& table) {
   IioSettings iio;
   iio.device = table.text("device");
   iio.trigger = text_or(table, "trigger", "");
@@ -80,7 +80,7 @@ double volt_per_code(const Ads131m04FrontEnd& front, std::size_t place) {
   return ads131m04::reference_V / gain / 0x1p23;
 }
 
-Channel read_channel(Table table, BoardFile& file) {
+Channel read_channel(TomlTable table, BoardFile& file) {
   Channel channel{};
   if (auto* iio = std::get_if<IioSettings>(&file.front_end)) {
     channel.place = iio->channels.size();
@@ -99,7 +99,7 @@ Channel read_channel(Table table, BoardFile& file) {
   return channel;
 }
 
-void read_front_end(Table table, BoardFile& file) {
+void read_front_end(TomlTable table, BoardFile& file) {
   if (table.choice("type", front_end_names) == 0) {
     file.front_end = read_ads(table);
   } else {
@@ -114,7 +114,7 @@ void read_front_end(Table table, BoardFile& file) {
   table.finish();
 }
 
-DacScale read_scale(Table& table) {
+DacScale read_scale(TomlTable& table) {
   DacScale scale{};
   scale.voltage = table.has("codes_per_volt");
   scale.codes_per_unit =
@@ -125,7 +125,7 @@ DacScale read_scale(Table& table) {
 }
 
 /// No key: no ceiling.
-canopen::Ceilings read_ceilings(Table table) {
+canopen::Ceilings read_ceilings(TomlTable table) {
   const auto ceiling = [&](std::string_view key, double low, double high, double factor,
                            double offset) {
     return table.has(key) ? static_cast<float>(factor * table.number(key, low, high) + offset)
@@ -147,7 +147,7 @@ canopen::Ceilings read_ceilings(Table table) {
   return ceilings;
 }
 
-void read_drive(Table table, BoardFile& file) {
+void read_drive(TomlTable table, BoardFile& file) {
   const auto hardware_A = static_cast<float>(1e-3 * table.number("greatest_mA", 1, 1e5));
   file.ceilings.current_A = std::min(file.ceilings.current_A, hardware_A);
   switch (table.choice("type", drive_names)) {
@@ -178,21 +178,21 @@ void read_drive(Table table, BoardFile& file) {
   table.finish();
 }
 
-LineSettings read_line(Table& lines, std::string_view key) {
+LineSettings read_line(TomlTable& lines, std::string_view key) {
   if (!lines.has(key)) {
     return {};
   }
-  Table table = lines.table(key);
+  TomlTable table = lines.table(key);
   const LineSettings line{table.text("line"), table.flag("active_low", false)};
   table.finish();
   return line;
 }
 
-SlowSensor read_slow(Table& slow, std::string_view key, bool temperature) {
+SlowSensor read_slow(TomlTable& slow, std::string_view key, bool temperature) {
   if (!slow.has(key)) {
     return {};
   }
-  Table table = slow.table(key);
+  TomlTable table = slow.table(key);
   SlowSensor sensor{table.text("file"), table.number("scale", -1e6, 1e6),
                     table.number("offset", -1e9, 1e9, 0)};
   // The kernel's temperatures are in degrees Celsius.
@@ -203,7 +203,7 @@ SlowSensor read_slow(Table& slow, std::string_view key, bool temperature) {
   return sensor;
 }
 
-BusSettings read_bus(Table table) {
+BusSettings read_bus(TomlTable table) {
   constexpr double greatest_key = 4294967295;
   const BusSettings bus{table.text("interface"),
                         whole(table, "node_id", 0, 127, 0),
@@ -218,24 +218,24 @@ BusSettings read_bus(Table table) {
 
 BoardFile load_board_file(const std::string& path) {
   const TomlFile toml(path);
-  Table root = toml.root();
+  TomlTable root = toml.root();
   BoardFile file{};
   file.name = root.text("name");
   const std::string device = text_or(root, "settings", "");
   file.device = device.empty() ? "" : toml.beside(device);
   file.folder = text_or(root, "folder", default_folder);
-  Table loop = root.table_or_empty("loop");
+  TomlTable loop = root.table_or_empty("loop");
   file.thread.priority = whole<int>(loop, "priority", 1, 98, 80);
   file.thread.processor = whole<int>(loop, "processor", 0, 1023, -1);
   loop.finish();
   read_front_end(root.table("front_end"), file);
   file.ceilings = read_ceilings(root.table_or_empty("ceilings"));
   read_drive(root.table("drive"), file);
-  Table lines = root.table_or_empty("lines");
+  TomlTable lines = root.table_or_empty("lines");
   file.lines = {read_line(lines, "enable"), read_line(lines, "kick"),
                 read_line(lines, "emergency_stop"), read_line(lines, "driver_fault")};
   lines.finish();
-  Table slow = root.table_or_empty("sensors");
+  TomlTable slow = root.table_or_empty("sensors");
   file.slow = {read_slow(slow, "supply", false), read_slow(slow, "ambient", true),
                read_slow(slow, "driver", true)};
   slow.finish();
@@ -304,7 +304,7 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
                        voltage ? "voltage" : "current", voltage ? "current" : "voltage");
   }
   if (settings.measuring.has_load_cell && !file.calibration.has_load) {
-    return "measuring.has_load_cell = true: the board has none";
+    return "measurement.has_load_cell = true: the board has none";
   }
   return "";
 }

@@ -61,7 +61,7 @@ inline constexpr FaultRow wire_faults[] = {
      "The wire is slack: its stress is below trips.slack_Pa.",
      "The load has come off, the mechanism hit a stop, the wire cooled while its load was held, "
      "the load cell has failed.",
-     "The load's way back; the load cell with a known weight; measuring.load_offset_N."},
+     "The load's way back; the load cell with a known weight; measurement.load_offset_N."},
     {Fault::over_stress, FaultClass::F2, Clears::command, 0xFF28, "over_stress", 0.01,
      "The stress is above trips.stress_Pa.",
      "A blocked mechanism, too much load, a spring that is too stiff.",

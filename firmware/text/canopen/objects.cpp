@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
+#include <optional>
 
 #include "firmware/canopen/node/communication.hpp"
 #include "firmware/canopen/servo/drive_objects.hpp"
@@ -79,12 +80,24 @@ bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit)
   if (object.parameter == nullptr) return false;
   const KeyParts parts = key_parts(*object.parameter);
   for (const Unit& other : object.parameter->kind) {
-    if (name == fmt::format("{}.{}", parts.table, key_with(parts.name, other))) {
+    if (name == fmt::format("{}.{}", parts.table, key_with(parts.name, other.suffix))) {
       unit = other;
       return true;
     }
   }
   return false;
+}
+
+std::optional<KnownObject> named(const std::string& name) {
+  for (const KnownObject& object : known_objects()) {
+    if (object.name == name) return object;
+    KnownObject found = object;
+    if (in_other_unit(object, name, found.unit)) {
+      found.name = name;
+      return found;
+    }
+  }
+  return std::nullopt;
 }
 
 /// Names that share the most groups of three letters with this one.
@@ -202,16 +215,9 @@ KnownObject find_object(const std::string& text) {
     if (at != known_objects().end() && at->key == key) return *at;
     return {key, Type::octets, "", "", true, nullptr};
   }
-  for (const KnownObject& object : known_objects()) {
-    if (object.name == text) return object;
-    Unit unit = object.unit;
-    if (in_other_unit(object, text, unit)) {
-      KnownObject found = object;
-      found.unit = unit;
-      const KeyParts parts = key_parts(*object.parameter);
-      found.name = fmt::format("{}.{}", parts.table, key_with(parts.name, unit));
-      return found;
-    }
+  if (const std::optional<KnownObject> object = named(text)) return *object;
+  if (const std::string now = renamed_key(text); named(now)) {
+    throw UserError(fmt::format("{}: is now called {}", text, now));
   }
   const std::vector<std::string> close = close_names(text);
   throw UserError(

@@ -61,7 +61,7 @@ struct ClosedLoopEvaluation {
   std::vector<HottestRun> hottest;  ///< of the random scenarios
 };
 
-/// Throws UserError or WireError. Takes some 3 s a run, and the calibration of the units.
+/// Throws UserError. Takes some 3 s a run, and the calibration of the units.
 ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options);
 
 std::string closed_loop_markdown(const ClosedLoopEvaluation& evaluation);

@@ -105,8 +105,8 @@ void Fit::with(const FitVariant& variant) {
     const auto own = known.find(key);
     // A surface of its own starts where it was shared.
     std::string shared = key;
-    for (const auto& [to, as] : {std::pair{"kinetics.r2a.", "kinetics.m2a."},
-                                 std::pair{"kinetics.r2m.", "kinetics.a2m."}}) {
+    for (const auto& [to, as] :
+         {std::pair{"wire.r2a.", "wire.m2a."}, std::pair{"wire.r2m.", "wire.a2m."}}) {
       if (key.starts_with(to)) {
         shared = as + key.substr(std::string_view(to).size());
       }

@@ -16,9 +16,8 @@ namespace {
 /// The deviations that a single level of stress can determine. What heats and cools the wire is
 /// left to all levels together: one alone can not tell a warmer transition from a smaller loss.
 bool of_level(const std::string& key) {
-  return (key.starts_with("kinetics.") &&
-          (key.ends_with(".temperature") || key.ends_with(".width"))) ||
-         key == "material.martensite.strain" || key == "material.martensite.resistivity" ||
+  return (is_of_process(key) && (key.ends_with(".temperature") || key.ends_with(".width"))) ||
+         key == "wire.martensite.strain" || key == "wire.martensite.resistivity" ||
          key.ends_with(".resistivity_ratio");
 }
 
@@ -58,9 +57,8 @@ void Fit::calorimetry() {
   solve(
       "calorimetry", which,
       [](const std::string& key) {
-        return (key.starts_with("kinetics.") && !key.ends_with("_stress") &&
-                !key.ends_with("_bend")) ||
-               key.starts_with("heat.latent") || key == "heat.specific_heat";
+        return (is_of_process(key) && !key.ends_with("_stress") && !key.ends_with("_bend")) ||
+               key.starts_with("wire.heat.latent") || key == "wire.heat.specific_heat";
       },
       options_.most_iterations);
 }
@@ -73,8 +71,8 @@ void Fit::start_at_level(const Runs& level) {
         std::ranges::find(problem_->parameters, key, &FitParameter::key) -
         problem_->parameters.begin());
   };
-  const std::size_t m2a = index("kinetics.m2a.temperature");
-  const std::size_t a2m = index("kinetics.a2m.temperature");
+  const std::size_t m2a = index("wire.m2a.temperature");
+  const std::size_t a2m = index("wire.a2m.temperature");
   const Deviations before = u_;
   Deviations best = u_;
   double least = std::numeric_limits<double>::infinity();
@@ -127,7 +125,7 @@ void Fit::stress_levels() {
     // value(σ) = u sd + (what the stress adds); each level saw the sum of both.
     std::vector<std::pair<std::size_t, std::function<double(double)>>> columns{
         {i, [&](double) { return 1.0; }}};
-    if (key.starts_with("kinetics.")) {
+    if (is_of_process(key)) {
       const double sd = parameters[i].sd;
       const double sd_1 = parameters[i + 1].sd;
       if (key.ends_with(".temperature")) {

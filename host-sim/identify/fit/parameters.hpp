@@ -4,8 +4,10 @@
 // units of its prior standard deviation, so the prior is u = 0 ± 1. What must be positive stays so;
 // the narrower limits of a wire file are checked when it is written.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/wire/wire.hpp"
@@ -53,6 +55,13 @@ struct FitVariant {
   bool operator==(const FitVariant&) const = default;
 };
 
+/// "wire.m2a.width", "wire.r2m": the key of a transformation process.
+inline bool is_of_process(std::string_view key) {
+  constexpr std::string_view processes[] = {"wire.m2a", "wire.a2m", "wire.a2r", "wire.r2a",
+                                            "wire.r2m"};
+  return std::ranges::any_of(processes, [&](auto process) { return key.starts_with(process); });
+}
+
 namespace detail {
 
 // A surface by values that the data determine one by one: the temperature T_t of the turning
@@ -77,7 +86,7 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   const double T_0 = turning_K(0);
   const double T_1 = turning_K(greatest_Pa);
   const double bend_K = turning_K(greatest_Pa / 2) - (T_0 + T_1) / 2;
-  const std::string key = "kinetics." + name;
+  const std::string key = "wire." + name;
 
   const T at_0 = take({key + ".temperature", "degC", 1, Form::sum, T_0, temperature_sd_K});
   const double rise = (T_1 - T_0) / greatest_Pa;
@@ -165,10 +174,10 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
   w.material.reference_K = T(m.reference_K);
   w.material.mixture = variant.mixture;
   const double rho = m.martensite.resistivity_ohm_m;
-  const T rho_M = take({"material.martensite.resistivity", "uohm m", 1e-6, Form::factor, rho, 0.1});
+  const T rho_M = take({"wire.martensite.resistivity", "uohm m", 1e-6, Form::factor, rho, 0.1});
   const auto phase = [&](const Phase<double>& p, const std::string& name, double strain_sd,
                          double rho_sd) {
-    const std::string key = "material." + name;
+    const std::string key = "wire." + name;
     Phase<T> to{};
     to.strain = strain_sd > 0 ? take({key + ".strain", "%", 0.01, Form::sum, p.strain, strain_sd})
                               : T(p.strain);
@@ -197,19 +206,19 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
   const HeatParams<double>& h = from.heat;
   w.heat.density_kg_m3 = T(h.density_kg_m3);
   w.heat.specific_heat_J_kgK =
-      take({"heat.specific_heat", "J/kgK", 1, Form::factor, h.specific_heat_J_kgK, 0.12});
+      take({"wire.heat.specific_heat", "J/kgK", 1, Form::factor, h.specific_heat_J_kgK, 0.12});
   w.heat.latent_m2a_J_kg =
-      take({"heat.latent_m2a", "kJ/kg", 1e3, Form::factor, h.latent_m2a_J_kg, 0.25});
+      take({"wire.heat.latent_m2a", "kJ/kg", 1e3, Form::factor, h.latent_m2a_J_kg, 0.25});
   // R2M takes the difference, so it can not be more.
   const double part = h.latent_m2a_J_kg > 0 ? h.latent_r2a_J_kg / h.latent_m2a_J_kg : 0;
   w.heat.latent_r2a_J_kg =
-      w.heat.latent_m2a_J_kg * take({"heat.latent_r2a_share", "", 1, Form::share, part, 0.4});
+      w.heat.latent_m2a_J_kg * take({"wire.heat.latent_r2a_share", "", 1, Form::share, part, 0.4});
   w.heat.convection_W_m2K =
-      take({"heat.convection", "W/m2K", 1, Form::factor, h.convection_W_m2K, 0.3});
+      take({"wire.heat.convection", "W/m2K", 1, Form::factor, h.convection_W_m2K, 0.3});
   w.heat.convection_W_m2K2 =
-      take({"heat.convection_slope", "W/m2K2", 1, Form::factor, h.convection_W_m2K2, 0.5});
-  w.heat.clamp_conductivity_W_mK =
-      take({"heat.clamp_conductivity", "W/mK", 1, Form::factor, h.clamp_conductivity_W_mK, 0.3});
+      take({"wire.heat.convection_slope", "W/m2K2", 1, Form::factor, h.convection_W_m2K2, 0.5});
+  w.heat.clamp_conductivity_W_mK = take(
+      {"wire.heat.clamp_conductivity", "W/mK", 1, Form::factor, h.clamp_conductivity_W_mK, 0.3});
   return w;
 }
 

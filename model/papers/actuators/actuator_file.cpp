@@ -1,36 +1,43 @@
 #include "model/papers/actuators/actuator_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fstream>
-#include <set>
-#include <sstream>
-#include <toml++/toml.h>
 #include <vector>
 
-#include "model/units.hpp"
+#include "model/files/error.hpp"
+#include "model/files/input_file.hpp"
+#include "model/files/toml_fields.hpp"
 
 namespace smaservo {
 namespace {
 
 using Params = DuhemActuator<double>::Params;
 
-/// One key of a file and where its numbers go.
-struct Field {
-  std::string path;  ///< table and name without unit
-  Kind kind;
-  double low, high;  ///< SI, inclusive, of every number
-  std::span<double> to;
+constexpr std::string_view strain_laws[] = {"balance", "polynomial"};
+
+/// The keys of a file, and by slot the members that they fill.
+struct Keys {
+  std::vector<Field> fields;
+  std::vector<double*> members;
+  std::size_t law;  ///< slot of the strain law
+
+  void add(std::string path, FieldType type, Kind kind, double min, double max,
+           std::span<double> to) {
+    fields.push_back({std::move(path), type, kind, min, max, members.size(), to.size(), {}, ""});
+    for (double& member : to) {
+      members.push_back(&member);
+    }
+  }
 };
 
-constexpr std::string_view law_key = "strain.law";
-
-std::vector<Field> make_fields(Params& p) {
-  std::vector<Field> fields;
-  const auto number = [&](const char* path, Kind kind, double low, double high, double& to) {
-    fields.push_back({path, kind, low, high, std::span(&to, 1)});
+Keys make_keys(Params& p) {
+  Keys keys{};
+  const auto number = [&](const char* path, Kind kind, double min, double max, double& to) {
+    keys.add(path, FieldType::number, kind, min, max, std::span(&to, 1));
+  };
+  const auto list = [&](const char* path, Kind kind, double min, double max, std::span<double> to) {
+    keys.add(path, FieldType::list, kind, min, max, to);
   };
   number("wire.length", kind::length, 1e-3, 100, p.bias.length_m);
   number("wire.diameter", kind::length, 5e-6, 5e-3, p.bias.diameter_m);
@@ -66,7 +73,7 @@ std::vector<Field> make_fields(Params& p) {
   number("strain.detwinned", kind::stress, 1e6, 1e12, bias.detwinned_Pa);
   number("strain.yield", kind::number, 1e-5, 0.3, bias.yield_strain);
   number("strain.detwinned_from", kind::number, 1e-5, 0.3, bias.detwinned_strain);
-  fields.push_back({"strain.smooth", kind::number, -1, 1, bias.smooth});
+  list("strain.smooth", kind::number, -1, 1, bias.smooth);
 
   auto& rho = p.resistivity;
   number("resistivity.austenite", kind::resistivity, 1e-8, 1e-4, rho.austenite_ohm_m);
@@ -76,154 +83,21 @@ std::vector<Field> make_fields(Params& p) {
   number("resistivity.step_slope", kind::resistivity_slope, -1e-6, 1e-6, rho.step_ohm_m_K);
   number("resistivity.step_centre", kind::temperature, 200, 600, rho.step_centre_K);
   number("resistivity.step_width", kind::temperature_difference, 0.1, 200, rho.step_width_K);
-  fields.push_back({"resistivity.martensite", kind::resistivity_polynomial, -1e-4, 1e-4,
-                    rho.martensite_ohm_m_K});
+  list("resistivity.martensite", kind::resistivity_polynomial, -1e-4, 1e-4, rho.martensite_ohm_m_K);
   number("resistivity.lowest", kind::temperature, 200, 600, rho.lowest_K);
   number("resistivity.highest", kind::temperature, 200, 600, rho.highest_K);
-  return fields;
+  keys.law = keys.members.size();
+  keys.fields.push_back(
+      {"strain.law", FieldType::choice, kind::count, 0, 0, keys.law, 1, strain_laws, ""});
+  return keys;
 }
 
-std::string table_of(const Field& field) {
-  return field.path.substr(0, field.path.rfind('.'));
-}
-std::string name_of(const Field& field) {
-  return field.path.substr(field.path.rfind('.') + 1);
-}
-
-std::string written(const toml::node& node) {
-  std::ostringstream out;
-  node.visit([&](const auto& value) { out << value; });
-  return out.str();
-}
-
-class Reader {
+/// What single ranges cannot see.
+class Check {
  public:
-  explicit Reader(std::string origin) : origin_(std::move(origin)), fields_(make_fields(p_)) {}
+  Check(const Params& p, std::string origin) : p_(p), origin_(std::move(origin)) {}
 
-  Params read(const toml::table& table) {
-    read_table(table, "");
-    for (const Field& field : fields_) {
-      require(field.path);
-    }
-    require(std::string(law_key));
-    check();
-    return p_;
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& key, const toml::node& node,
-                         const std::string& reason) const {
-    throw ActuatorError(fmt::format("{}:{}: {} = {}: {}", origin_, node.source().begin.line, key,
-                                    written(node), reason));
-  }
-  [[noreturn]] void refuse(const std::string& key, const std::string& reason) const {
-    throw ActuatorError(fmt::format("{}: {}: {}", origin_, key, reason));
-  }
-
-  void require(const std::string& path) const {
-    if (!given_.contains(path)) {
-      refuse(path, "is missing");
-    }
-  }
-
-  void read_table(const toml::table& table, const std::string& path) {
-    for (const auto& [key, node] : table) {
-      const std::string name(key.str());
-      const std::string full = path.empty() ? name : path + "." + name;
-      if (const toml::table* inner = node.as_table()) {
-        read_table(*inner, full);
-      } else if (full == law_key) {
-        read_law(node);
-      } else {
-        read_value(node, path, name);
-      }
-    }
-  }
-
-  void read_law(const toml::node& node) {
-    const auto word = node.value<std::string>();
-    if (word != "balance" && word != "polynomial") {
-      fail(std::string(law_key), node, "must be one of: balance, polynomial");
-    }
-    p_.strain_law = word == "balance" ? StrainLaw::balance : StrainLaw::polynomial;
-    given_.insert(std::string(law_key));
-  }
-
-  void read_value(const toml::node& node, const std::string& path, const std::string& name) {
-    const std::string full = path.empty() ? name : path + "." + name;
-    for (const Field& field : fields_) {
-      if (path != table_of(field)) {
-        continue;
-      }
-      if (const auto unit = unit_of(name, name_of(field), field.kind)) {
-        if (!given_.insert(field.path).second) {
-          fail(full, node, "is given twice");
-        }
-        read_numbers(field, *unit, node, full);
-        return;
-      }
-    }
-    fail(full, node, unknown(path, name));
-  }
-
-  void read_numbers(const Field& field, const Unit& unit, const toml::node& node,
-                    const std::string& full) const {
-    if (field.to.size() == 1) {
-      field.to[0] = number(field, unit, node, full, node);
-      return;
-    }
-    const toml::array* list = node.as_array();
-    if (list == nullptr || list->size() != field.to.size()) {
-      fail(full, node, fmt::format("must be a list of {} numbers", field.to.size()));
-    }
-    for (std::size_t i = 0; i < field.to.size(); ++i) {
-      field.to[i] = number(field, unit, *list->get(i), full, node);
-    }
-  }
-
-  double number(const Field& field, const Unit& unit, const toml::node& item,
-                const std::string& full, const toml::node& node) const {
-    const auto value = item.is_number() ? item.value<double>() : std::nullopt;
-    if (!value || !std::isfinite(*value)) {
-      fail(full, node, "must be a finite number");
-    }
-    const double si = unit.to_si(*value);
-    if (!(si >= field.low && si <= field.high)) {
-      fail(full, node,
-           fmt::format("must be between {:.6g} and {:.6g}{}{}, is {:.6g}", unit.from_si(field.low),
-                       unit.from_si(field.high), unit.suffix.empty() ? "" : " ", unit.suffix,
-                       *value));
-    }
-    return si;
-  }
-
-  std::string unknown(const std::string& path, const std::string& name) const {
-    std::vector<std::string> there;
-    const Field* meant = nullptr;
-    for (const Field& field : fields_) {
-      if (path != table_of(field)) {
-        continue;
-      }
-      there.push_back(name_of(field));
-      const bool longest = meant == nullptr || meant->path.size() < field.path.size();
-      if ((name + "_").starts_with(there.back() + "_") && longest) {
-        meant = &field;
-      }
-    }
-    if (meant != nullptr) {
-      std::vector<std::string> keys;
-      for (const Unit& unit : meant->kind) {
-        keys.push_back(
-            fmt::format("{}{}{}", name_of(*meant), unit.suffix.empty() ? "" : "_", unit.suffix));
-      }
-      return fmt::format("unknown key or unit; allowed: {}", fmt::join(keys, ", "));
-    }
-    return there.empty() ? "unknown table"
-                         : fmt::format("unknown key; [{}] has: {}", path, fmt::join(there, ", "));
-  }
-
-  /// What single ranges cannot see.
-  void check() const {
+  void operator()() const {
     const auto& k = p_.kinetics;
     if (!(k.a2m.centre_K < k.m2a.centre_K)) {
       refuse("kinetics.m2a.centre", fmt::format("must lie above that of a2m, is {:.4g} K below it",
@@ -239,6 +113,11 @@ class Reader {
     }
     check_heat();
     check_resistivity();
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& key, const std::string& reason) const {
+    throw ConfigError(fmt::format("{}: {}: {}", origin_, key, reason));
   }
 
   void check_heat() const {
@@ -280,26 +159,15 @@ class Reader {
     }
   }
 
+  const Params& p_;
   std::string origin_;
-  Params p_{};
-  std::vector<Field> fields_;
-  std::set<std::string> given_;
 };
-
-std::string read_text(const std::string& file) {
-  const std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    throw ActuatorError(fmt::format("{}: cannot be read", file));
-  }
-  return text.str();
-}
 
 }  // namespace
 
 Params load_actuator(const std::string& name_or_path) {
   if (name_or_path.ends_with(".toml")) {
-    return parse_actuator(read_text(name_or_path), name_or_path);
+    return parse_actuator(whole_file(name_or_path), name_or_path);
   }
   std::vector<std::string_view> names;
   for (const ActuatorPreset& preset : actuator_presets()) {
@@ -308,18 +176,26 @@ Params load_actuator(const std::string& name_or_path) {
     }
     names.push_back(preset.name);
   }
-  throw ActuatorError(
+  throw ConfigError(
       fmt::format("{}: no such actuator; a file's name ends in .toml, the presets are: {}",
                   name_or_path, fmt::join(names, ", ")));
 }
 
 Params parse_actuator(std::string_view text, const std::string& origin) {
-  try {
-    return Reader(origin).read(toml::parse(text, origin));
-  } catch (const toml::parse_error& error) {
-    throw ActuatorError(fmt::format("{}:{}:{}: {}", origin, error.source().begin.line,
-                                    error.source().begin.column, error.description()));
+  Params p{};
+  const Keys keys = make_keys(p);
+  const Entries entries = read_fields(keys.fields, parse_toml(text, origin), origin);
+  for (const Field& field : keys.fields) {
+    if (!entries.contains(field.slot)) {
+      throw ConfigError(fmt::format("{}: {}: is missing", origin, field.path));
+    }
   }
+  for (std::size_t slot = 0; slot < keys.members.size(); ++slot) {
+    *keys.members[slot] = entries.at(slot).number;
+  }
+  p.strain_law = entries.at(keys.law).number == 0 ? StrainLaw::balance : StrainLaw::polynomial;
+  Check(p, origin)();
+  return p;
 }
 
 }  // namespace smaservo

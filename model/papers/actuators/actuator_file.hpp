@@ -3,19 +3,12 @@
 // their parameters. The presets of this folder are built into the program.
 
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "model/papers/duhem_actuator.hpp"
 
 namespace smaservo {
-
-/// What is wrong with a description: names file, key, value and what is allowed.
-class ActuatorError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// One .toml file of this folder.
 struct ActuatorPreset {
@@ -25,7 +18,7 @@ struct ActuatorPreset {
 std::span<const ActuatorPreset> actuator_presets();
 
 /// A preset's name or the path of a file that ends in ".toml". All keys are required, in any unit
-/// of their kind; others are refused. Throws ActuatorError.
+/// of their kind; others are refused. Throws ConfigError.
 DuhemActuator<double>::Params load_actuator(const std::string& name_or_path);
 
 /// The same from text; `origin` is what error messages call it.

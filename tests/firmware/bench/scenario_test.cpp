@@ -194,7 +194,7 @@ TEST(Scenario, MistakesAreNamedWithLineKeyValueAndRange) {
       {"random = [0, 1]", "random = [1, 0]", "s.toml:33: joule.drive.random = [ 1, 0 ]: "},
       {"each_s = [0.3, 3]", "each_s = [3, 0.3]", "joule.drive."},
       {"factor = 0.5", "factor = 2", "s.toml:40: joule.drive.factor = 2: must be a number "},
-      {"note = \"a test\"\n", "", "note: must be a text"},
+      {"note = \"a test\"\n", "", "note: must be a string"},
       {"[joule.load]", "[joule.weight]", "joule.load: must be a table"},
       {"seed = 1", "seed = 1\nfamily = \"cosine\"",
        "s.toml:4: family = 'cosine': must be one of: ihyp, sublayers"},

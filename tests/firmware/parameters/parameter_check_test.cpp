@@ -87,7 +87,7 @@ TEST(ParameterCheck, ContradictionsNameBothParameters) {
       {"strain.tracking_s", 0.0005, "timing.period_s"},
       {"limits.least_current_A", 0.1, "limits.current_A"},
       {"limits.current_A", 0.15, "trips.current_A"},
-      {"trips.current_A", 0.5, "measuring.current_full_scale_A"},
+      {"trips.current_A", 0.5, "measurement.current_full_scale_A"},
       {"trips.current_offset_A", 0.01, "limits.least_current_A"},
       {"limits.temperature_K", 403.15, "trips.temperature_K"},
       {"wire.limits.temperature_K", 390, "limits.temperature_K"},

@@ -83,7 +83,7 @@ TEST(SettingsFile, OverridesComeLast) {
   EXPECT_EQ(settings.safe.state, SafeState::hold);
   EXPECT_EQ(settings.wire.geometry.diameter_m, static_cast<double>(100e-6F));
   EXPECT_EQ(error_of(std::string(with_wire), {{"limits.current_mA", "0"}}),
-            "--set: limits.current_mA = 0: must be between 1 and 20000 mA");
+            "--set: limits.current_mA = 0: must be between 1 and 20000 mA, is 0");
 }
 
 TEST(SettingsFile, AWireFileStandsBesideIt) {
@@ -96,12 +96,13 @@ TEST(SettingsFile, AWireFileStandsBesideIt) {
 
 TEST(SettingsFile, MistakesSayWhereAndWhatIsAllowed) {
   EXPECT_EQ(error_in("limits", "current_A = 30"),
-            "device.toml:4: limits.current_A = 30: must be between 0.001 and 20 A");
-  EXPECT_EQ(error_in("limits", "temperature_degC = 500"),
-            "device.toml:4: limits.temperature_degC = 500: must be between 0 and 326.85 degC");
+            "device.toml:4: limits.current_A = 30: must be between 0.001 and 20 A, is 30");
+  EXPECT_EQ(
+      error_in("limits", "temperature_degC = 500"),
+      "device.toml:4: limits.temperature_degC = 500: must be between 0 and 326.85 degC, is 500");
   EXPECT_EQ(error_in("limits", "current = 0.1"),
-            "device.toml:4: limits.current = 0.1: unknown key, or its unit is missing or unknown; "
-            "allowed: current_A, current_mA");
+            "device.toml:4: limits.current = 0.1: unknown key or unit; allowed: current_A, "
+            "current_mA");
   EXPECT_THAT(error_in("limits", "current_kA = 0.1"), HasSubstr("allowed: current_A, current_mA"));
   EXPECT_THAT(error_in("limits", "colour = 1"), HasSubstr("[limits] has: least_current_A,"));
   EXPECT_THAT(error_in("colours", "red = 1"), HasSubstr("the tables are: identity, timing,"));
@@ -116,7 +117,7 @@ TEST(SettingsFile, MistakesSayWhereAndWhatIsAllowed) {
   EXPECT_THAT(error_in("identity", "node_id = 1.5"), HasSubstr("whole number"));
   EXPECT_EQ(error_in("safe", "state = \"sleep\""),
             "device.toml:4: safe.state = 'sleep': must be one of: off, hold, release");
-  EXPECT_THAT(error_in("measuring", "has_load_cell = 1"), HasSubstr("must be true or false"));
+  EXPECT_THAT(error_in("measurement", "has_load_cell = 1"), HasSubstr("must be true or false"));
   EXPECT_THAT(error_in("limits", "current_A = 0.1\ncurrent_mA = 100"),
               HasSubstr("is given twice: device.toml:4: limits.current_A = 0.1 already says it"));
   EXPECT_THAT(error_in("limits", "current_A = "), StartsWith("device.toml:4"));
@@ -124,14 +125,45 @@ TEST(SettingsFile, MistakesSayWhereAndWhatIsAllowed) {
 
 TEST(SettingsFile, AWireIsNeeded) {
   EXPECT_EQ(error_of(""),
-            "device.toml: wire.length_m is missing; [wire] needs based_on = \"PRESET or "
+            "device.toml: wire.length is missing; [wire] needs based_on = \"PRESET or "
             "FILE.toml\", or every number of the wire");
-  EXPECT_THAT(error_of("[wire]\nlength_m = 0.1"), HasSubstr("wire.diameter_m is missing"));
+  EXPECT_THAT(error_of("[wire]\nlength_m = 0.1"), HasSubstr("wire.diameter is missing"));
   EXPECT_THAT(error_of("wire = \"copper\""),
               StartsWith("device.toml:1: wire = 'copper': copper: no such wire"));
   EXPECT_THAT(error_of("wire = 3"), HasSubstr("must be a preset or a wire file"));
   EXPECT_THAT(error_of(std::string(with_wire) + "separate_r2a = true"),
-              HasSubstr("wire.r2a.start_0_K is missing"));
+              HasSubstr("wire.r2a needs start, finish, curvature and turning, all four"));
+}
+
+/// All that a wire file may say; but nothing follows from what is replaced.
+TEST(SettingsFile, TheWireIsSaidAsInAWireFile) {
+  const Wire<double> preset = load_wire("smartflex-76um").wire;
+  const Wire<double> wire = parse(std::string(with_wire) +
+                                  "diameter_um = 80\n[wire.m2a]\nstart_degC_by_MPa = [70, 0.12]\n"
+                                  "[wire.austenite]\nresistivity_uohm_m = 0.9\n")
+                                .wire;
+  const auto kept = [](double x) { return static_cast<double>(static_cast<float>(x)); };
+  EXPECT_EQ(wire.kinetics.m2a.start_K[0], kept(343.15));
+  EXPECT_EQ(wire.kinetics.m2a.start_K[1], kept(0.12e-6));
+  EXPECT_EQ(wire.kinetics.m2a.start_K[2], 0);
+  EXPECT_EQ(wire.limits.stress_Pa, kept(preset.limits.stress_Pa));
+  EXPECT_EQ(wire.heat.convection_W_m2K, kept(preset.heat.convection_W_m2K));
+  EXPECT_EQ(wire.material.austenite.resistivity_ohm_m_K,
+            kept(preset.material.austenite.resistivity_ohm_m_K));
+  const Wire<double> light = parse(std::string(with_wire) + "[wire.limits]\nload_N = 2.2\n").wire;
+  EXPECT_EQ(light.limits.stress_Pa, kept(2.2 / preset.geometry.area_m2()));
+}
+
+TEST(SettingsFile, OldKeysSayWhatTheyAreCalledNow) {
+  EXPECT_EQ(error_in("measuring", "load_gain = 1"),
+            "device.toml:4: measuring.load_gain = 1: is now called measurement.load_gain");
+  EXPECT_EQ(error_in("wire.heat", "convection_W_m2K2 = 1"),
+            "device.toml:4: wire.heat.convection_W_m2K2 = 1: is now called "
+            "wire.heat.convection_slope_W_m2K2");
+  EXPECT_EQ(error_of(std::string(with_wire), {{"measuring.load_gain", "1"}}),
+            "--set: measuring.load_gain = 1: is now called measurement.load_gain");
+  // The device has limits of its own.
+  EXPECT_THAT(error_in("limits", "load_N = 2"), HasSubstr("unknown key; [limits] has: "));
 }
 
 TEST(SettingsFile, ContradictionsNameBothKeysWithTheirPlaces) {

@@ -224,6 +224,9 @@ TEST(CanObjects, AreFoundByNameUnitAndKey) {
   EXPECT_EQ(value_text(find_object("limits.current_mA"), real_bytes(0.25F)), "250");
   EXPECT_EQ(find_object("5FFF:2").type, canopen::Type::octets);
   EXPECT_THROW(find_object("limits.currnt_A"), UserError);
+  EXPECT_THAT([] { find_object("measuring.load_gain"); },
+              testing::ThrowsMessage<UserError>(
+                  "measuring.load_gain: is now called measurement.load_gain"));
   EXPECT_THROW(value_bytes(find_object("6040"), "65536"), UserError);
   EXPECT_THROW(value_bytes(find_object("6060"), "-129"), UserError);
   EXPECT_THROW(value_bytes(find_object("limits.current_A"), "0.1x"), UserError);

@@ -91,7 +91,7 @@ TEST(Evaluate, SettingsReachTheObserver) {
   EvaluateOptions options = small(wires);
   options.rows = {"coarse"};
   const double usual = evaluate(options).observers[0].rows[0].all.error.mean();
-  options.settings = {{"kalman.resistance_model_sd", "0.2"}};
+  options.settings = {{"observer.resistance_model_sd", "0.2"}};
   EXPECT_NE(evaluate(options).observers[0].rows[0].all.error.mean(), usual);
 }
 
@@ -112,7 +112,7 @@ TEST(Evaluate, MistakesAreNamed) {
   EXPECT_THAT(error_of(bad), HasSubstr("--observer line: is given twice"));
   bad = good;
   bad.settings = {{"wire.length_m", "1"}};
-  EXPECT_THAT(error_of(bad), HasSubstr("--set wire.length_m: unknown key"));
+  EXPECT_THAT(error_of(bad), HasSubstr("--set: wire.length_m = 1: unknown table"));
   bad = good;
   bad.wires = folder.write("file", "");
   EXPECT_THAT(error_of(bad), HasSubstr("--wires " + bad.wires + ": "));

@@ -90,7 +90,7 @@ TEST(Identify, MistakesEndWith1AndNameWhatIsWrong) {
       {identify({"--report", "bath.csv", "bath.csv"}), "bath.csv: is the same file as bath.csv"},
       {identify({"--report", "w.toml", "bath.csv"}), "w.toml: is the same file as w.toml"},
       {identify({"--from", "nothing", "bath.csv"}), "nothing: no such wire"},
-      {identify({"--set", "kalman.loss_walk=1", "bath.csv"}), "kalman"},
+      {identify({"--set", "observer.loss_walk=1", "bath.csv"}), "observer"},
       {identify({"--set", "wire.length_mm=0", "bath.csv"}), "wire.length_mm = 0"},
       {identify({"--stress-MPa", "-1", "bath.csv"}), "--stress-MPa -1: must be between"},
       {identify({"missing.csv"}), "missing.csv: No such file"},
@@ -125,13 +125,6 @@ TEST(Identify, AFitThatExplainsNothingLeavesTheOldFile) {
   EXPECT_EQ(file_text(program.folder() / "w.toml"), "the old one");
 }
 
-/// But for rounding.
-bool same(const WireEntry& a, const WireEntry& b) {
-  return a.word == b.word && std::ranges::equal(a.numbers, b.numbers, [](double x, double y) {
-           return std::abs(x - y) <= 1e-12 * std::abs(y);
-         });
-}
-
 TEST(Identify, WritesTheWireThatWasFitted) {
   Program program;  // NOLINT(misc-const-correctness): run() changes it
   program.folder().write("bath.csv", bath_file());
@@ -142,11 +135,13 @@ TEST(Identify, WritesTheWireThatWasFitted) {
   EXPECT_EQ(text, to_toml(fitted_wire(load_wire("smartflex-76um"), fit, "w")));
   const WireDescription loaded = load_wire(program.folder() / "w.toml");
   EXPECT_EQ(loaded.name, "w");
-  const WireEntries read = describe_wire(loaded.wire);
-  const WireEntries expected = describe_wire(fit.wire);
+  const Entries read = describe_wire(loaded.wire);
+  const Entries expected = describe_wire(fit.wire);
   ASSERT_EQ(read.size(), expected.size());
-  for (const auto& field : expected) {
-    EXPECT_TRUE(same(read.at(field.first), field.second)) << field.first;
+  for (const auto& [slot, entry] : expected) {
+    // But for rounding.
+    EXPECT_NEAR(read.at(slot).number, entry.number, 1e-12 * std::abs(entry.number))
+        << entry.field->path;
   }
 }
 
@@ -156,15 +151,15 @@ TEST(Identify, SourcesSayWhatIsNewAndWhatIsNot) {
   const WireDescription wire = fitted_wire(from, fit, "mine");
   const std::map<std::string, std::string> sources(wire.sources.begin(), wire.sources.end());
   EXPECT_EQ(sources.at("wire.length"), "given with --set");
-  EXPECT_THAT(sources.at("limits.temperature"), HasSubstr("paper 000"));
-  EXPECT_THAT(sources.at("kinetics.m2a"), HasSubstr("identified from bath.csv; "));
-  EXPECT_THAT(sources.at("kinetics.m2a"), HasSubstr("width "));
-  EXPECT_THAT(sources.at("kinetics.m2a"), HasSubstr("kept from smartflex-76um: "));
-  EXPECT_THAT(sources.at("heat"),
+  EXPECT_THAT(sources.at("wire.limits.temperature"), HasSubstr("paper 000"));
+  EXPECT_THAT(sources.at("wire.m2a"), HasSubstr("identified from bath.csv; "));
+  EXPECT_THAT(sources.at("wire.m2a"), HasSubstr("width "));
+  EXPECT_THAT(sources.at("wire.m2a"), HasSubstr("kept from smartflex-76um: "));
+  EXPECT_THAT(sources.at("wire.heat"),
               HasSubstr("not determined by bath.csv, kept from smartflex-76um"));
-  EXPECT_FALSE(sources.contains("kinetics")) << "spoke of what is new now";
-  EXPECT_FALSE(sources.contains("material.martensite.strain")) << "measured now";
-  EXPECT_TRUE(sources.contains("material.martensite.resistivity")) << "still the paper's";
+  EXPECT_THAT(sources.at("wire.a2m"), HasSubstr("identified from bath.csv; "));
+  EXPECT_FALSE(sources.contains("wire.martensite.strain")) << "measured now";
+  EXPECT_TRUE(sources.contains("wire.martensite.resistivity")) << "still the paper's";
 }
 
 TEST(Identify, FiguresAreInTheUnitsOfMessages) {
@@ -193,14 +188,14 @@ TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
   for (const auto& parameter : json["parameters"]) {
     const std::string key = parameter["key"];
     const bool electrical = key.find("resistivity") != std::string::npos;
-    if (electrical || key.starts_with("heat.")) {
+    if (electrical || key.starts_with("wire.heat.")) {
       EXPECT_FALSE(parameter["determined"]) << key;
       EXPECT_NEAR(parameter["value"].get<double>(), parameter["prior"].get<double>(),
                   1e-6 * std::abs(parameter["prior"].get<double>()))
           << key;
     }
     determined += parameter["determined"].get<bool>() ? 1U : 0U;
-    if (key == "kinetics.m2a.width" || key == "material.martensite.strain") {
+    if (key == "wire.m2a.width" || key == "wire.martensite.strain") {
       EXPECT_TRUE(parameter["determined"]) << key;
     }
   }
@@ -209,7 +204,7 @@ TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
   EXPECT_FALSE(json["runs"][0].contains("resistance"));
   const Finished text = program.run(identify({"bath.csv"}));
   EXPECT_THAT(text.out, HasSubstr("not determined by these runs, kept from smartflex-76um:"));
-  EXPECT_THAT(text.out, HasSubstr("material.austenite: modulus, resistivity_ratio"));
+  EXPECT_THAT(text.out, HasSubstr("wire.austenite: modulus, resistivity_ratio"));
 }
 
 /// The wire file of two runs.
@@ -285,7 +280,7 @@ TEST(Identify, TheReportHasTheNumbersAndPicturesOfEveryRun) {
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;.csv: strain over temperature"));
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;.csv: what is left"));
   EXPECT_THAT(html, Not(HasSubstr("<b>")));
-  EXPECT_THAT(html, HasSubstr("kinetics.a2m.turning"));
+  EXPECT_THAT(html, HasSubstr("wire.a2m.turning"));
   EXPECT_THAT(html, HasSubstr("<td>not determined</td>"));
   std::size_t pictures = 0;
   for (std::size_t at = 0; (at = html.find("data:image/svg+xml", at)) != std::string::npos; ++at) {

@@ -170,7 +170,7 @@ TEST(CalibratePlan, WritesAColumnForEachLoad) {
   EXPECT_THAT(table.names, ElementsAre("time_s", "current_A_25MPa", "current_A_150MPa"));
   EXPECT_EQ(table.columns.at(0).front(), 0);
   EXPECT_NEAR(table.columns.at(0).back(), 10, 0.11);
-  EXPECT_THAT(f.out, HasSubstr("kinetics.m2a.temperature"));
+  EXPECT_THAT(f.out, HasSubstr("wire.m2a.temperature"));
   EXPECT_THAT(f.out, HasSubstr("host-sim identify --from flexinol-lt-0.15mm --set "
                                "wire.length_mm=120 --out mine.toml 25MPa.csv 150MPa.csv"));
 }

@@ -219,13 +219,18 @@ TEST_F(ReplayOf, MistakesInSettingsAreNamed) {
     o.settings = {{key, value}};
     return refusal(o);
   };
-  EXPECT_THAT(with("kalman.nonsense", "1"),
-              AllOf(HasSubstr("kalman.nonsense"), HasSubstr("kalman.ambient_walk_K")));
-  EXPECT_THAT(with("measurement.nonsense", "1"), HasSubstr("measurement.lead_resistance_ohm"));
-  EXPECT_THAT(with("kalman.ambient_walk_K", "-1"), HasSubstr("kalman.ambient_walk_K = -1: must"));
-  EXPECT_THAT(with("kalman.ambient_walk_K", "nan"), HasSubstr("= nan: must be"));
-  EXPECT_THAT(with("kalman.loss_range", "0.5"), HasSubstr("at least 1"));
-  EXPECT_THAT(with("measurement.lead_resistance_ohm", "1x"), HasSubstr("= 1x: must be"));
+  EXPECT_THAT(with("observer.nonsense", "1"),
+              AllOf(HasSubstr("observer.nonsense = 1: unknown key; [observer] has: "),
+                    HasSubstr("ambient_walk_K")));
+  EXPECT_THAT(with("kalman.loss_range", "2"),
+              HasSubstr("--set: kalman.loss_range = 2: is now called observer.loss_range"));
+  EXPECT_THAT(with("measurement.nonsense", "1"), HasSubstr("lead_resistance_ohm"));
+  EXPECT_THAT(with("observer.ambient_walk_K", "-1"),
+              HasSubstr("observer.ambient_walk_K = -1: must"));
+  EXPECT_THAT(with("observer.ambient_walk_K", "nan"), HasSubstr("= nan: must be"));
+  EXPECT_THAT(with("observer.loss_range", "0.5"), HasSubstr("must be between 1 and 1e+09, is 0.5"));
+  EXPECT_THAT(with("measurement.lead_resistance_ohm", "1x"),
+              HasSubstr("= '1x': must be a finite number"));
   ReplayOptions o = options(joined(short_trace()));
   o.observers = {"clairvoyant"};
   EXPECT_THAT(refusal(o), AllOf(HasSubstr("clairvoyant"), HasSubstr("kalman, open-loop, line")));
@@ -233,8 +238,8 @@ TEST_F(ReplayOf, MistakesInSettingsAreNamed) {
 
 TEST_F(ReplayOf, ABathDoesNotSwallowMistakes) {
   ReplayOptions o = replay_options(shipped("bath.csv"), "b");
-  o.settings = {{"kalman.nonsense", "1"}};
-  EXPECT_THAT(refusal(o), HasSubstr("kalman.nonsense"));
+  o.settings = {{"observer.nonsense", "1"}};
+  EXPECT_THAT(refusal(o), HasSubstr("observer.nonsense"));
 }
 
 TEST_F(ReplayOf, LeadResistanceIsTakenOff) {

@@ -33,7 +33,7 @@ const Report& report() {
     r.options = replay_options(folder.write("<b>&\".csv", joined(lines)), "b");
     r.options.trace_options.lenient = true;
     r.options.observers = {"kalman", "open-loop", "line"};
-    r.options.settings = {{"kalman.loss_walk", "0.0123"}};
+    r.options.settings = {{"observer.loss_walk", "0.0123"}};
     r.result = replay(r.options);
     write_report(folder / "r.html", r.options, r.result);
     EXPECT_EQ(folder.names().size(), 2U) << "one file and nothing beside it";
@@ -142,7 +142,7 @@ TEST(Report, SaysTheNumbers) {
   EXPECT_THAT(r.html, HasSubstr("1500 rows"));
   EXPECT_THAT(r.html, HasSubstr("1 bad rows skipped"));
   EXPECT_THAT(r.html, HasSubstr("length_m = 0.0991"));
-  EXPECT_THAT(r.html, HasSubstr("kalman.loss_walk = 0.0123  # set"));
+  EXPECT_THAT(r.html, HasSubstr("observer.loss_walk = 0.0123  # set"));
 }
 
 TEST(Report, EscapesWhatItDidNotWriteItself) {

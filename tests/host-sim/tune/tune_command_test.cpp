@@ -82,7 +82,7 @@ TEST_F(TuneCommand, RefusesWhatItCanNotMean) {
   refuses({"--stress-MPa", "100", "--spring", "50,100,0.04"}, "one load is needed");
   refuses({"--wire", "copper", "--stress-MPa", "150"}, "copper");
   refuses({"--stress-MPa", "700"}, "a load of 700 MPa: the wire bears up to 595.2 MPa");
-  refuses({"--load-N", "3"}, "the wire bears up to 595.2 MPa (limits.load, 2.7 N)");
+  refuses({"--load-N", "3"}, "the wire bears up to 595.2 MPa (wire.limits.load, 2.7 N)");
   refuses({"--spring", "600,700,0.04"}, "the wire bears up to 595.2 MPa");
   refuses({"--stress-MPa", "nan"}, "--stress-MPa nan: must be between 0 and 10000");
   refuses({"--load-N", "-1"}, "--load-N -1: must be between 0 and 100000");

@@ -65,15 +65,11 @@ void collect_paths(const toml::table& table, const std::string& path,
       }
       continue;
     }
-    for (const WireField& field : wire_fields()) {
-      bool same = field.type == FieldType::number && unit_of(path + name, field.path, field.kind);
-      if (field.type == FieldType::polynomial) {
-        for (const PolynomialUnit& unit : polynomial_units(field)) {
-          same = same || path + name == field.path + "_" + unit.suffix;
+    for (const Field& field : wire_fields()) {
+      for (const KeyUnit& unit : key_units(field)) {
+        if (field.type != FieldType::choice && path + name == key_with(field.path, unit.suffix)) {
+          to.push_back(field.path);
         }
-      }
-      if (same) {
-        to.push_back(field.path);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "model/files/error.hpp"
 #include "model/files/wire_file.hpp"
 
 namespace smaservo {
@@ -13,7 +14,7 @@ inline std::string refusal(const std::string& text, const std::vector<Override>&
   try {
     parse_wire(text, "my.toml", overrides);
     return {};
-  } catch (const WireError& error) {
+  } catch (const ConfigError& error) {
     return error.what();
   }
 }

@@ -17,38 +17,69 @@ constexpr std::string_view table_begin =
     "<!-- keys: made from wire_fields(), compared in tests -->\n";
 constexpr std::string_view table_end = "<!-- end of keys -->\n";
 
-std::string units_of(const WireField& field) {
+bool is_number(const Field& field) {
+  return field.type == FieldType::number || field.type == FieldType::polynomial;
+}
+
+std::string units_of(const Field& field) {
+  if (!is_number(field)) {
+    return "";
+  }
   std::vector<std::string> all;
-  if (field.type == FieldType::polynomial) {
-    for (const PolynomialUnit& unit : polynomial_units(field)) {
-      all.push_back(unit.suffix);
-    }
-  } else {
-    for (const Unit& unit : field.kind) {
-      all.emplace_back(unit.suffix.empty() ? "none" : unit.suffix);
-    }
+  for (const KeyUnit& unit : key_units(field)) {
+    all.push_back(unit.suffix.empty() ? "none" : unit.suffix);
   }
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
-std::string range_of(const WireField& field) {
+std::string range_of(const Field& field) {
   if (field.type == FieldType::choice) {
     return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
   }
+  if (field.type == FieldType::flag) {
+    return "`true`, `false`";
+  }
   const std::string_view suffix = field.kind.front().suffix;
   const std::string range =
-      fmt::format("{:.6g} to {:.6g}{}{}", field.low, field.high, suffix.empty() ? "" : " ", suffix);
-  return field.type == FieldType::number
-             ? range
-             : fmt::format("{}; {} coefficients", range, field.coefficients);
+      fmt::format("{:.6g} to {:.6g}{}{}", field.min, field.max, suffix.empty() ? "" : " ", suffix);
+  return field.type == FieldType::number ? range
+                                         : fmt::format("{}; {} coefficients", range, field.count);
+}
+
+std::string meaning_of(const Field& field) {
+  if (field.slot >= wire_parameter_count || is_needed(field) ||
+      field.type == FieldType::polynomial) {
+    return field.meaning;
+  }
+  const WireParameter<double>& row = wire_parameters<double>[field.slot];
+  const std::string standard =
+      !row.follows.empty() ? std::string(row.follows)
+      : field.type == FieldType::choice
+          ? std::string(row.choices[static_cast<std::size_t>(row.standard)])
+          : fmt::format("{}", row.standard);
+  return fmt::format("{}; {}", field.meaning, standard);
+}
+
+/// A coefficient by itself is in the list of its polynomial.
+bool is_coefficient(const Field& field) {
+  return field.type == FieldType::number && std::ranges::any_of(wire_fields(), [&](const Field& f) {
+           return f.type == FieldType::polynomial && f.slot <= field.slot &&
+                  field.slot < f.slot + f.count;
+         });
 }
 
 std::string key_table() {
   TextTable table(
       {{"Key, without its unit"}, {"Units"}, {"Range"}, {"Needed"}, {"Meaning; default"}});
-  for (const WireField& field : wire_fields()) {
-    table.add({fmt::format("`{}`", field.path), units_of(field), range_of(field), field.required,
-               field.meaning});
+  std::size_t next = 0;
+  for (const Field& field : wire_fields()) {
+    if (is_coefficient(field)) {
+      continue;
+    }
+    const std::string_view needed = field.slot < next ? "instead" : is_needed(field) ? "yes" : "no";
+    next = field.slot + field.count;
+    table.add({fmt::format("`{}`", field.path), units_of(field), range_of(field), needed,
+               meaning_of(field)});
   }
   return table.markdown();
 }
@@ -88,38 +119,50 @@ TEST(WireFields, ReadmeExampleLoadsAndItsErrorIsReal) {
   try {
     parse_wire(broken, "gripper.toml");
     FAIL() << "a wire of 200 m is accepted";
-  } catch (const WireError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_THAT(readme, testing::HasSubstr("    " + std::string(error.what()) + "\n"));
   }
 }
 
-TEST(WireFields, PathsAreUniqueAndNoKeyHasTwoMeanings) {
+TEST(WireFields, NoKeyHasTwoMeanings) {
   std::set<std::string> keys;
-  for (const WireField& field : wire_fields()) {
-    if (field.type == FieldType::choice) {
-      EXPECT_TRUE(keys.insert(field.path).second) << field.path;
-    } else if (field.type == FieldType::polynomial) {
-      for (const PolynomialUnit& unit : polynomial_units(field)) {
-        EXPECT_TRUE(keys.insert(field.path + "_" + unit.suffix).second) << field.path;
-      }
-    } else {
-      for (const Unit& unit : field.kind) {
-        const std::string tail = unit.suffix.empty() ? "" : "_" + std::string(unit.suffix);
-        EXPECT_TRUE(keys.insert(field.path + tail).second) << field.path;
-      }
+  for (const Field& field : wire_fields()) {
+    for (const KeyUnit& unit : key_units(field)) {
+      EXPECT_TRUE(keys.insert(key_with(field.path, unit.suffix)).second) << field.path;
     }
   }
   EXPECT_GT(keys.size(), wire_fields().size());
 }
 
 TEST(WireFields, HaveRangesAndMeanings) {
-  for (const WireField& field : wire_fields()) {
+  for (const Field& field : wire_fields()) {
     EXPECT_NE(field.path.find('.'), std::string::npos) << field.path;
+    EXPECT_FALSE(field.kind.empty()) << field.path;
+    EXPECT_FALSE(field.meaning.empty()) << field.path;
     if (field.type == FieldType::choice) {
       EXPECT_GE(field.choices.size(), 2U) << field.path;
-    } else {
-      EXPECT_LT(field.low, field.high) << field.path;
-      EXPECT_FALSE(field.kind.empty()) << field.path;
+    } else if (is_number(field)) {
+      EXPECT_LT(field.min, field.max) << field.path;
+    }
+  }
+}
+
+TEST(WireFields, OldKeysAreKnown) {
+  EXPECT_EQ(renamed_key("limits.current_mA"), "wire.limits.current_mA");
+  EXPECT_EQ(renamed_key("kinetics.m2a.start_degC_by_MPa"), "wire.m2a.start_degC_by_MPa");
+  EXPECT_EQ(renamed_key("kinetics.memory"), "wire.memory");
+  EXPECT_EQ(renamed_key("material.reference_degC"), "wire.material.reference_degC");
+  EXPECT_EQ(renamed_key("material.r_phase.strain"), "wire.r_phase.strain");
+  EXPECT_EQ(renamed_key("heat"), "wire.heat");
+  EXPECT_EQ(renamed_key("accuracy.strain_percent"), "wire.accuracy.strain_percent");
+  EXPECT_EQ(renamed_key("measuring.load_gain"), "measurement.load_gain");
+  EXPECT_EQ(renamed_key("kalman.loss_walk"), "observer.loss_walk");
+  EXPECT_EQ(renamed_key("wire.austenite.resistivity_ohm_m_Pa"),
+            "wire.austenite.resistivity_stress_ohm_m_Pa");
+  EXPECT_EQ(renamed_key("wire.heat.convection_W_m2K2"), "wire.heat.convection_slope_W_m2K2");
+  for (const Field& field : wire_fields()) {
+    for (const KeyUnit& unit : key_units(field)) {
+      EXPECT_EQ(renamed_key(key_with(field.path, unit.suffix)), "") << field.path;
     }
   }
 }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "model/files/error.hpp"
+
 namespace smaservo {
 namespace {
 
@@ -28,7 +30,7 @@ std::string refusal(const std::string& text) {
   try {
     parse_actuator(text, "my.toml");
     return {};
-  } catch (const ActuatorError& error) {
+  } catch (const ConfigError& error) {
     return error.what();
   }
 }
@@ -113,7 +115,7 @@ TEST(ActuatorFile, EveryKeyIsRequired) {
 TEST(ActuatorFile, UnknownKeysAndUnitsAreRefused) {
   EXPECT_THAT(refusal(with("length_m = 0.2286", "lenght_m = 0.2286")),
               AllOf(HasSubstr("my.toml:"), HasSubstr("wire.lenght_m = 0.2286"),
-                    HasSubstr("[wire] has: length, diameter, density")));
+                    HasSubstr("[wire] has: length_m, diameter_m, density_kg_m3")));
   EXPECT_THAT(
       refusal(with("length_m = 0.2286", "length_inch = 9")),
       AllOf(HasSubstr("wire.length_inch = 9"), HasSubstr("length_m, length_mm, length_um")));
@@ -161,7 +163,7 @@ TEST(ActuatorFile, BrokenOrMissingFilesAreNamed) {
   const auto refused = [](const std::string& name) {
     try {
       load_actuator(name);
-    } catch (const ActuatorError& error) {
+    } catch (const ConfigError& error) {
       return std::string(error.what());
     }
     return std::string();
