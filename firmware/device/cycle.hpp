@@ -37,8 +37,8 @@ struct DeviceStep {
 };
 
 /// Where no frame came nothing was read.
-template <class S, class Board>
-Inputs<S> inputs_of(const FrameOf<Board>& frame, ReadStatus status) {
+template <class S, class Number>
+Inputs<S> inputs_of(const FrameOf<Number>& frame, ReadStatus status) {
   const S none = std::numeric_limits<S>::quiet_NaN();
   Inputs<S> in{};
   in.sample = {none, none, none};
