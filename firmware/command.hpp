@@ -30,7 +30,7 @@ struct GainScale {
 
 template <class S>
 struct Command {
-  bool fresh = false;  ///< it came since the last step: the partner is alive
+  bool fresh = false;  ///< it came since the last step: the command source is alive
   bool arm = false;    ///< wants to run; a falling edge disarms
   bool clear_faults = false;
   Mode mode = Mode::off;

@@ -72,13 +72,13 @@ bool ClosedLoop::step() {
   const double dt_s = began_ ? static_cast<double>(frame.time_ns - time_ns_) * 1e-9 : nominal_s_;
   began_ = true;
   time_ns_ = frame.time_ns;
-  turn_.time_s = static_cast<double>(time_ns_) / 1e9;
-  turn_.truth = first_.board.truth();
-  first_.step(status, frame, {program_.at(turn_.time_s), {}, events_.late()}, dt_s, period_ns_,
-              turn_);
+  cycle_.time_s = static_cast<double>(time_ns_) / 1e9;
+  cycle_.truth = first_.board.truth();
+  first_.step(status, frame, {program_.at(cycle_.time_s), {}, events_.late()}, dt_s, period_ns_,
+              cycle_);
   if (second_ && second_drives_) {
     DeviceStep<double> unused{};
-    second_->step(other_status, other_frame, {opposite(turn_.command), {}}, dt_s, period_ns_,
+    second_->step(other_status, other_frame, {opposite(cycle_.command), {}}, dt_s, period_ns_,
                   unused);
   }
   return true;

@@ -6,7 +6,7 @@
 
 #include "firmware/bench/closed_loop_scenario.hpp"
 #include "firmware/device/device.hpp"
-#include "firmware/text/turn.hpp"
+#include "firmware/text/cycle.hpp"
 #include "hal/sim/pair.hpp"
 
 namespace smaservo {
@@ -28,7 +28,7 @@ class ClosedLoop {
 
   /// One period; false when the time is over.
   bool step();
-  const Turn& turn() const { return turn_; }
+  const Cycle& cycle() const { return cycle_; }
   std::optional<OtherWire> other() const;
 
  private:
@@ -58,7 +58,7 @@ class ClosedLoop {
   SimEvents events_;
   bool began_ = false;
   std::int64_t time_ns_ = 0;
-  Turn turn_{};
+  Cycle cycle_{};
 };
 
 }  // namespace smaservo

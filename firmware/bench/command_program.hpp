@@ -19,7 +19,7 @@ struct CommandStretch {
   double end;  ///< of the line
   double amplitude = 0;
   double from_Hz = 0, to_Hz = 0;  ///< the frequency grows exponentially
-  bool silent = false;            ///< the partner says nothing: no command is fresh
+  bool silent = false;            ///< the command source says nothing: no command is fresh
 };
 
 /// Reads all of them; random ones are drawn. Throws UserError.

@@ -46,15 +46,15 @@ class Comparison {
     }
   }
 
-  void add(const Turn& turn, const std::vector<std::string_view>& fields) {
+  void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
     bool differs = false;
     for (Pair& pair : pairs_) {
       now_.clear();
-      pair.column.write(now_, turn);
+      pair.column.write(now_, cycle);
       const std::string_view recorded = fields.at(pair.position);
       if (now_ != recorded) {
         differs = true;
-        note(pair, recorded, turn.time_s);
+        note(pair, recorded, cycle.time_s);
       }
       if (tolerance_ > 0) {
         pair.span(recorded);
@@ -133,13 +133,13 @@ class ReplayFile {
     file_ = std::make_unique<DeviceTraceFile>(path, std::move(columns), further);
   }
 
-  void add(const Turn& turn, const std::vector<std::string_view>& fields) {
+  void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
     further_.clear();
     for (const std::size_t position : positions_) {
       further_ += ',';
       further_ += fields.at(position);
     }
-    file_->add(turn, further_);
+    file_->add(cycle, further_);
   }
   void commit() { file_->commit(); }
 
@@ -188,25 +188,25 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   Device<double>::State device = Device<double>::start();
   DeviceReplayResult result;
   std::vector<std::string_view> fields;
-  Turn turn{};
+  Cycle cycle{};
   Frame frame{};
   std::int64_t last_ns = 0;
   for (ReadStatus status = board.read(frame); status != ReadStatus::end;
        status = board.read(frame)) {
     const double dt_s = result.rows == 0
                             ? options.settings.timing.period_s
-                            : step_s(options.trace, turn.time_s, last_ns, frame.time_ns);
+                            : step_s(options.trace, cycle.time_s, last_ns, frame.time_ns);
     last_ns = frame.time_ns;
-    turn.time_s = static_cast<double>(frame.time_ns) / 1e9;
+    cycle.time_s = static_cast<double>(frame.time_ns) / 1e9;
     split_fields(board.row().text, fields);
-    change_parameters(log, fields, turn.time_s, *prepared, device);
-    run_cycle(board, frame, status, log.heard(fields, turn.time_s), 0, turn,
+    change_parameters(log, fields, cycle.time_s, *prepared, device);
+    run_cycle(board, frame, status, log.heard(fields, cycle.time_s), 0, cycle,
               [&](const Inputs<double>& in, const Command<double>& command) {
                 return Device<double>::step(*prepared, device, in, command, dt_s);
               });
-    comparison.add(turn, fields);
+    comparison.add(cycle, fields);
     if (file) {
-      file->add(turn, fields);
+      file->add(cycle, fields);
     }
     result.duration_s += result.rows == 0 ? 0 : dt_s;
     ++result.rows;

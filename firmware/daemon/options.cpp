@@ -31,8 +31,9 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
   app.add_option("--settings", options.settings,
                  "folder of the stored settings and of the run's mark; default: $STATE_DIRECTORY, "
                  "or the board file's");
-  app.add_option("--program", options.program,
-                 "do what this scenario's commands say, in the place of a partner on the bus");
+  app.add_option(
+      "--program", options.program,
+      "do what this scenario's commands say, in the place of a command source on the bus");
   app.add_option("--bus", options.bus,
                  "of a simulated wire: a CAN interface, or udp, udp:GROUP, udp:GROUP:PORT");
   app.add_option("--record", options.record,

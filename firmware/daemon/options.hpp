@@ -9,7 +9,7 @@ struct DaemonOptions {
   std::string board = "/etc/smaservo/board.toml";  ///< file, "sim", "sim=FILE" or "replay=TRACE"
   std::string device;                              ///< settings file; empty: the board's
   std::string settings;                            ///< folder of the store; empty: the board's
-  std::string program;                             ///< scenario file, in a partner's place
+  std::string program;                             ///< scenario file, in a command source's place
   std::string bus;                                 ///< of a simulated wire
   std::string record;
   std::string status;

@@ -23,7 +23,7 @@ LoopTiming timing_of(const Settings<double>& settings, double for_s) {
   const std::int64_t period_ns = std::llround(period_s * 1e9);
   return {.period_ns = period_ns,
           .from_zero = true,
-          .most_turns = static_cast<std::uint64_t>(std::llround(for_s / period_s))};
+          .most_cycles = static_cast<std::uint64_t>(std::llround(for_s / period_s))};
 }
 
 ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings) {
@@ -67,10 +67,10 @@ int serve_simulation(const DaemonOptions& options) {
         service.links(), service.figures());
     bus->start();
   }
-  Partner& partner = bus                        ? bus->partner()
-                     : scenario.program.empty() ? static_cast<Partner&>(demonstration)
-                                                : board;
-  return serve(service, board, partner, timing_of(kept.settings, options.for_s), !options.at_once);
+  CommandSource& source = bus                        ? bus->command_source()
+                          : scenario.program.empty() ? static_cast<CommandSource&>(demonstration)
+                                                     : board;
+  return serve(service, board, source, timing_of(kept.settings, options.for_s), !options.at_once);
 }
 
 int serve_replay(const DaemonOptions& options) {

@@ -15,13 +15,13 @@ constexpr int bus_priority(const RealTimeSettings& loop) {
   return std::max(loop.priority / 2, 1);
 }
 
-/// Runs this board with this partner.
+/// Runs this board with this command source.
 template <Board B>
-int serve(Service& service, B& board, Partner& partner, const LoopTiming& timing, bool paced) {
+int serve(Service& service, B& board, CommandSource& source, const LoopTiming& timing, bool paced) {
   const auto run = [&](auto pacing) {
-    Loop loop(board, pacing, service.device(), partner, service.links(), service.figures(), timing);
+    Loop loop(board, pacing, service.device(), source, service.links(), service.figures(), timing);
     return service.run(
-        {[&] { return loop.turn(); }, [&] { board.safe_off(); }, off_actions_of(board)});
+        {[&] { return loop.cycle(); }, [&] { board.safe_off(); }, off_actions_of(board)});
   };
   return paced ? run(Pace<MonotonicClock>(timing.period_ns)) : run(NoPace{});
 }

@@ -233,17 +233,18 @@ int serve_board(const DaemonOptions& options) {
     Programmed programmed(load_closed_loop(options.program).program);
     return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);
   }
-  NoPartner nobody;
+  NoCommandSource nobody;
   std::unique_ptr<BusService> bus;
   if (file.bus) {
     bus = std::make_unique<BusService>(
-        BusSetup{file.bus->interface, file.bus->partner_timeout_s, with.settings, file.ceilings,
-                 file.bus->keys, file.name, with.real_time ? bus_priority(file.thread) : 0},
+        BusSetup{file.bus->interface, file.bus->command_source_timeout_s, with.settings,
+                 file.ceilings, file.bus->keys, file.name,
+                 with.real_time ? bus_priority(file.thread) : 0},
         service.desk(), service.links(), service.figures());
     bus->start();
   }
-  Partner& partner = bus ? bus->partner() : nobody;
-  return serve(service, board, partner, timing_of(kept.settings, options.for_s), true);
+  CommandSource& source = bus ? bus->command_source() : nobody;
+  return serve(service, board, source, timing_of(kept.settings, options.for_s), true);
 }
 
 }  // namespace smaservo

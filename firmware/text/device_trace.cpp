@@ -13,18 +13,18 @@ namespace {
 constexpr std::size_t buffer_size = std::size_t{1} << 18U;
 
 template <auto of>
-void number(std::string& to, const Turn& turn) {
-  append_number(to, of(turn));
+void number(std::string& to, const Cycle& cycle) {
+  append_number(to, of(cycle));
 }
 template <auto of>
-void flag(std::string& to, const Turn& turn) {
-  to += of(turn) ? '1' : '0';
+void flag(std::string& to, const Cycle& cycle) {
+  to += of(cycle) ? '1' : '0';
 }
 template <auto of>
-void text(std::string& to, const Turn& turn) {
-  to += of(turn);
+void text(std::string& to, const Cycle& cycle) {
+  to += of(cycle);
 }
-using T = const Turn&;
+using T = const Cycle&;
 using Columns = std::vector<DeviceColumn>;
 
 consteval std::size_t traced(std::string_view name) {
@@ -133,14 +133,14 @@ DeviceRows::DeviceRows(Columns columns, const std::vector<std::string>& further)
   header_ += '\n';
 }
 
-void DeviceRows::append(std::string& to, const Turn& turn, std::string_view further) const {
+void DeviceRows::append(std::string& to, const Cycle& cycle, std::string_view further) const {
   bool first = true;
   for (const DeviceColumn& column : columns_) {
     if (!first) {
       to += ',';
     }
     first = false;
-    column.write(to, turn);
+    column.write(to, cycle);
   }
   to += further;
   to += '\n';
@@ -152,8 +152,8 @@ DeviceTraceFile::DeviceTraceFile(const std::string& path, Columns columns,
   buffer_.reserve(2 * buffer_size);
 }
 
-void DeviceTraceFile::add(const Turn& turn, std::string_view further) {
-  rows_.append(buffer_, turn, further);
+void DeviceTraceFile::add(const Cycle& cycle, std::string_view further) {
+  rows_.append(buffer_, cycle, further);
   if (buffer_.size() >= buffer_size) {
     file_.write(buffer_);
     buffer_.clear();

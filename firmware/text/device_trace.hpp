@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/text/turn.hpp"
+#include "firmware/text/cycle.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo {
@@ -16,7 +16,7 @@ namespace smaservo {
 /// what is not a number is empty.
 struct DeviceColumn {
   std::string_view name;
-  void (*write)(std::string& to, const Turn& turn);
+  void (*write)(std::string& to, const Cycle& cycle);
 };
 
 /// Readings and command: the log. Those that a board may not have only where it has them.
@@ -34,7 +34,7 @@ class DeviceRows {
   DeviceRows(std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
 
   const std::string& header() const { return header_; }
-  void append(std::string& to, const Turn& turn, std::string_view further) const;
+  void append(std::string& to, const Cycle& cycle, std::string_view further) const;
 
  private:
   std::vector<DeviceColumn> columns_;
@@ -47,7 +47,7 @@ class DeviceTraceFile {
   DeviceTraceFile(const std::string& path, std::vector<DeviceColumn> columns,
                   const std::vector<std::string>& further);
 
-  void add(const Turn& turn, std::string_view further);
+  void add(const Cycle& cycle, std::string_view further);
   void commit();
 
  private:

@@ -110,7 +110,7 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
   std::int64_t triggered_us = 0;
-  // A large memory need not be filled. A loop that misses turns takes longer for as many rows.
+  // A large memory need not be filled. A loop that misses cycles takes longer for as many rows.
   const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
   const std::int64_t longest_us = 10 * after_us + 5'000'000;
   for (;;) {

@@ -29,18 +29,18 @@ double wanted_strain(const Settings<double>& settings, Mode mode, double value) 
 }
 
 /// What a mode controls, as the device measures it.
-double controlled(const Turn& turn) {
-  const Sample<double>& sample = turn.inputs.sample;
-  switch (turn.output.mode) {
+double controlled(const Cycle& cycle) {
+  const Sample<double>& sample = cycle.inputs.sample;
+  switch (cycle.output.mode) {
     case Mode::current:
       return sample.current_A;
     case Mode::power:
       return sample.current_A * sample.voltage_V;
     case Mode::resistance:
-      return turn.output.measurement.resistance_valid ? turn.output.measurement.resistance_ohm
-                                                      : nan;
+      return cycle.output.measurement.resistance_valid ? cycle.output.measurement.resistance_ohm
+                                                       : nan;
     case Mode::temperature:
-      return turn.output.estimate.temperature_K;
+      return cycle.output.estimate.temperature_K;
     case Mode::force:
       return sample.load_N;
     case Mode::off:
@@ -58,34 +58,34 @@ class Recorder {
   Recorder(const ClosedLoopScenario& scenario, LoopRecord& record)
       : settings_(scenario.settings), record_(record), gap_s_(scenario.duration_s / 500) {}
 
-  void add(const Turn& turn) {
-    const Output<double>& out = turn.output;
+  void add(const Cycle& cycle) {
+    const Output<double>& out = cycle.output;
     const bool length = out.mode == Mode::strain || out.mode == Mode::position;
-    const double controlled_now = controlled(turn);
+    const double controlled_now = controlled(cycle);
     const bool other = !std::isnan(controlled_now);
-    record_.series.add({.time_s = turn.time_s,
-                        .setpoint_percent = 100 * wanted_strain(settings_, turn.command.mode,
-                                                                turn.command.setpoint),
+    record_.series.add({.time_s = cycle.time_s,
+                        .setpoint_percent = 100 * wanted_strain(settings_, cycle.command.mode,
+                                                                cycle.command.setpoint),
                         .reference_percent =
                             length ? 100 * wanted_strain(settings_, out.mode, out.reference) : nan,
-                        .strain_percent = 100 * turn.truth.strain,
+                        .strain_percent = 100 * cycle.truth.strain,
                         .estimate_percent = 100 * out.estimate.strain,
-                        .current_A = turn.truth.current_A,
+                        .current_A = cycle.truth.current_A,
                         .power_W = out.power_W,
                         .wire_degC = out.estimate.temperature_K - zero_degC_K,
                         .hot_spot_degC = out.hot_spot_K > 0 ? out.hot_spot_K - zero_degC_K : nan,
-                        .hottest_degC = turn.truth.hottest_K - zero_degC_K,
-                        .stress_MPa = turn.truth.stress_Pa * 1e-6,
+                        .hottest_degC = cycle.truth.hottest_K - zero_degC_K,
+                        .stress_MPa = cycle.truth.stress_Pa * 1e-6,
                         .other_setpoint = other ? out.setpoint : nan,
                         .other_measured = controlled_now});
-    held(record_.states, out.state, turn.time_s);
+    held(record_.states, out.state, cycle.time_s);
     for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
       if ((out.limit_reasons >> i & 1U) != 0) {
-        held(record_.limits, static_cast<LimitReason>(i), turn.time_s);
+        held(record_.limits, static_cast<LimitReason>(i), cycle.time_s);
       }
     }
-    faults(record_.latched, out.latched, turn.time_s);
-    faults(record_.warnings, out.warnings, turn.time_s);
+    faults(record_.latched, out.latched, cycle.time_s);
+    faults(record_.warnings, out.warnings, cycle.time_s);
   }
 
  private:
@@ -117,26 +117,26 @@ class Judge {
         result_(result),
         steps_(scenario.settings.wire.nominal_stroke, scenario.settings.timing.period_s) {}
 
-  void add(const Turn& turn) {
-    const bool runs = turn.output.state == DeviceState::running;
-    steps_.add(turn.time_s,
-               runs ? wanted_strain(settings_, turn.command.mode, turn.command.setpoint) : nan,
-               turn.truth.strain);
-    if (turn.truth.hottest_K > result_.greatest_hottest_K) {
-      result_.greatest_hottest_K = turn.truth.hottest_K;
-      result_.greatest_hottest_s = turn.time_s;
+  void add(const Cycle& cycle) {
+    const bool runs = cycle.output.state == DeviceState::running;
+    steps_.add(cycle.time_s,
+               runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
+               cycle.truth.strain);
+    if (cycle.truth.hottest_K > result_.greatest_hottest_K) {
+      result_.greatest_hottest_K = cycle.truth.hottest_K;
+      result_.greatest_hottest_s = cycle.time_s;
     }
-    result_.greatest_current_A = std::max(result_.greatest_current_A, turn.truth.current_A);
-    if (turn.time_s > estimate_settles_s) {
+    result_.greatest_current_A = std::max(result_.greatest_current_A, cycle.truth.current_A);
+    if (cycle.time_s > estimate_settles_s) {
       result_.greatest_estimate_error =
           std::max(result_.greatest_estimate_error,
-                   std::abs(turn.output.estimate.strain - turn.truth.strain));
+                   std::abs(cycle.output.estimate.strain - cycle.truth.strain));
     }
-    const FaultSet fresh = turn.output.latched - latched_;
-    latched_ = turn.output.latched;
+    const FaultSet fresh = cycle.output.latched - latched_;
+    latched_ = cycle.output.latched;
     for (unsigned i = 0; !fresh.empty() && i < static_cast<unsigned>(Fault::count); ++i) {
       if (fresh.has(static_cast<Fault>(i))) {
-        result_.faults.emplace_back(static_cast<Fault>(i), turn.time_s);
+        result_.faults.emplace_back(static_cast<Fault>(i), cycle.time_s);
       }
     }
   }
@@ -169,7 +169,7 @@ class LoopFile {
         append_number(further_, value);
       }
     }
-    file_.add(loop.turn(), further_);
+    file_.add(loop.cycle(), further_);
   }
   void commit() { file_.commit(); }
 
@@ -202,9 +202,9 @@ LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunO
   ClosedLoop loop(scenario);
   const auto start = std::chrono::steady_clock::now();
   while (loop.step()) {
-    judge.add(loop.turn());
+    judge.add(loop.cycle());
     if (recorder) {
-      recorder->add(loop.turn());
+      recorder->add(loop.cycle());
     }
     if (file) {
       file->add(loop);

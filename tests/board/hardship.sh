@@ -78,8 +78,8 @@ daemon_arguments=''
 within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
 expect 'ticks missed' "$(missed)" 0
-turns=$(sed -n 's/.*"turns":\([0-9]*\).*/\1/p' /tmp/figures.json)
-expect 'rows of the recording, of all turns' "$(($(wc -l </tmp/slow/trace.csv) - 1))" "$turns"
+cycles=$(sed -n 's/.*"cycles":\([0-9]*\).*/\1/p' /tmp/figures.json)
+expect 'rows of the recording, of all cycles' "$(($(wc -l </tmp/slow/trace.csv) - 1))" "$cycles"
 umount /tmp/slow
 
 echo '-- full disk'

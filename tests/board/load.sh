@@ -31,7 +31,7 @@ echo "TABLE | from SYNC to the second TPDO, 50 / 99 / 99.9 % / greatest | $(spre
 echo "TABLE | data sheets read by blocks | $(first sheets), $(word sheets bytes) bytes |"
 echo "TABLE | set-points sent, lost | $(first setpoints), $(word setpoints lost) |"
 echo "TABLE | superseded by the next one before their tick | $(count superseded) |"
-echo "TABLE | ticks of the loop, missed | $(count turns), $(count missed) |"
+echo "TABLE | ticks of the loop, missed | $(count cycles), $(count missed) |"
 echo "TABLE | execution of a tick, 50 / 99.9 % / greatest | $(figure execution_us p50) / $(figure execution_us p99_9) / $(figure execution_us max) us |"
 cat $figures /tmp/daemon.vcan0
 finish

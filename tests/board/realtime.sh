@@ -22,7 +22,7 @@ daemon_arguments='--record /tmp/trace.csv'
 servo 4
 figure() { sed -n "s/.*\"$1\":{[^}]*\"$2\":\([0-9.]*\).*/\1/p" /tmp/figures.json; }
 count() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" /tmp/figures.json; }
-echo "MISSED $(count missed) of $(count turns)"
+echo "MISSED $(count missed) of $(count cycles)"
 if [ -n "${1:-}" ]; then
   within 'ticks missed' "$(count missed)" 100 100000
   finish

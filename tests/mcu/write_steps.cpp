@@ -94,9 +94,9 @@ Recorder closed_loop(const fs::path& path) {
   ClosedLoop loop(scenario);
   double last_s = -scenario.settings.timing.period_s;
   while (loop.step()) {
-    const Turn& turn = loop.turn();
-    recorder.add(pack(turn.inputs, turn.command, turn.time_s - last_s, recorder.empty()));
-    last_s = turn.time_s;
+    const Cycle& cycle = loop.cycle();
+    recorder.add(pack(cycle.inputs, cycle.command, cycle.time_s - last_s, recorder.empty()));
+    last_s = cycle.time_s;
   }
   return recorder;
 }

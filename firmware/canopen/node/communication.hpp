@@ -153,7 +153,7 @@ inline constexpr auto head_rows = std::to_array<DescribedObject>({
     row({0x1003, 8}, Type::u32, ro, at_of(offsetof(Communication, errors), 7), "Error 8"),
     row({0x1005, 0}, Type::u32, kept, offsetof(Communication, sync_cob), "COB-ID SYNC", 0x80),
     row({0x1006, 0}, Type::u32, kept, offsetof(Communication, sync_period_us),
-        "Communication cycle period", 0, "us; the partner is gone after two without a SYNC"),
+        "Communication cycle period", 0, "us; the command source is gone after two without a SYNC"),
     row({0x1008, 0}, Type::text, fixed, nowhere, "Manufacturer device name"),
     row({0x1009, 0}, Type::text, fixed, nowhere, "Manufacturer hardware version"),
     row({0x100A, 0}, Type::text, fixed, nowhere, "Manufacturer software version"),

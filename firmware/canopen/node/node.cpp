@@ -280,7 +280,7 @@ void Node::lose(std::uint16_t code, std::uint8_t who) {
   }
 }
 
-bool Node::partner_alive(std::uint64_t timeout_us) const {
+bool Node::command_source_alive(std::uint64_t timeout_us) const {
   bool watched = false;
   for (std::size_t i = 0; i < consumer_count; ++i) {
     if ((objects_.consumers[i] & 0xFFFFU) != 0) {

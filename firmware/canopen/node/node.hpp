@@ -53,7 +53,7 @@ class Application : public Dictionary {
   /// After every start: objects have their defaults, or what the image says.
   virtual void started(std::uint8_t node_id) = 0;
   virtual void nmt_changed(Nmt /*state*/) {}
-  /// The partner has gone: EMCY code.
+  /// The command source has gone: EMCY code.
   virtual void connection_lost(std::uint16_t /*code*/) {}
   /// Whether that may be asked of the owner now: Abort::none, or why not.
   virtual Abort may_request(Request /*request*/) const { return Abort::none; }
@@ -120,9 +120,9 @@ class Node final : public Dictionary {
   std::uint16_t bit_rate_delay_ms() const { return lss_.delay_ms(); }
   /// Somebody else answers to the same node-id.
   bool is_duplicated() const { return duplicated_; }
-  /// Whether the configured supervision (heartbeats, else RPDO timers, else SYNC) sees the partner;
-  /// without any, whether it has spoken to this node within timeout_us (0: for ever).
-  bool partner_alive(std::uint64_t timeout_us) const;
+  /// Whether the configured supervision (heartbeats, else RPDO timers, else SYNC) sees the command
+  /// source; without any, whether it has spoken to this node within timeout_us (0: for ever).
+  bool command_source_alive(std::uint64_t timeout_us) const;
   /// When the last SDO request came.
   std::uint64_t last_sdo_us() const { return sdo_.last_request_us(); }
   Communication& objects() { return objects_; }

@@ -43,7 +43,7 @@ struct DriveObjects {
   std::uint8_t period_value;
   // 2002h, 2003h
   std::uint8_t level;
-  float partner_timeout_s;
+  float command_source_timeout_s;
   // 2102h
   float trial_s, client_timeout_s, remaining_s;
   std::uint32_t refused, refused_other;
@@ -86,9 +86,10 @@ constexpr std::size_t at_word(std::size_t array, std::size_t i) {
 
 inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
     row({0x2002, 1}, Type::real, readable | writable | stored,
-        offsetof(DriveObjects, partner_timeout_s), "partner.timeout_s", as_bits(60.F), as_bits(0.F),
-        as_bits(86400.F),
-        "without a word to this node for so long the partner is gone, where nothing else watches "
+        offsetof(DriveObjects, command_source_timeout_s), "command_source.timeout_s", as_bits(60.F),
+        as_bits(0.F), as_bits(86400.F),
+        "without a word to this node for so long the command source is gone, where nothing else "
+        "watches "
         "it; 0: never"),
     row({0x2003, 1}, Type::u8, readable, offsetof(DriveObjects, level), "access.level", 0,
         "0: operate, 1: tune, 2: set up"),
@@ -298,7 +299,7 @@ inline constexpr auto drive_rows = std::to_array<DescribedObject>({
 static_assert(in_order(detail::manufacturer_rows) && in_order(detail::drive_rows));
 
 inline constexpr auto drive_object_names = std::to_array<IndexName>({
-    {0x2002, "Partner"},
+    {0x2002, "Command source"},
     {0x2003, "Access"},
     {0x2102, "Tuning transaction"},
     {0x2201, "Targets"},

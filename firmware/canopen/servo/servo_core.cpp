@@ -297,7 +297,7 @@ void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, S
 
 bool ServoCore::is_fresh() const {
   return objects_.connection_option == 0 ||
-         node_.partner_alive(microseconds_of(objects_.partner_timeout_s));
+         node_.command_source_alive(microseconds_of(objects_.command_source_timeout_s));
 }
 
 FaultSet ServoCore::external() const {

@@ -68,7 +68,7 @@ class ServoCore : public Application {
   void hold_settings(bool held) { held_ = held; }
 
   AxisDemand demand() const { return axis_.demand(); }
-  /// The partner is there, or nobody asked for one (6007h = 0).
+  /// The command source is there, or nobody asked for one (6007h = 0).
   bool is_fresh() const;
   /// Of what only the bus knows, for Inputs::external.
   FaultSet external() const;

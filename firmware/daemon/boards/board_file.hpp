@@ -23,9 +23,9 @@ struct Ads131m04FrontEnd {
 };
 
 struct BusSettings {
-  std::string interface;     ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  unsigned node_id;          ///< 0: that of the settings
-  double partner_timeout_s;  ///< without any frame for so long: bus_lost; 0: never
+  std::string interface;            ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
+  unsigned node_id;                 ///< 0: that of the settings
+  double command_source_timeout_s;  ///< without any frame for so long: bus_lost; 0: never
   canopen::AccessKeys keys;
 };
 

@@ -1,19 +1,19 @@
 #pragma once
-// A recorded trace as the daemon's board and partner.
+// A recorded trace as the daemon's board and command source.
 
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "firmware/daemon/loop/command_source.hpp"
 #include "firmware/daemon/loop/desk.hpp"
-#include "firmware/daemon/loop/partner.hpp"
 #include "firmware/text/device_log.hpp"
 #include "hal/replay/board.hpp"
 
 namespace smaservo {
 
 /// Time, commands and changes of parameters are the trace's. Allocates: not for a real machine.
-class Replaying : public Partner {
+class Replaying : public CommandSource {
  public:
   static constexpr bool in_monotonic_time = false;
 
@@ -27,7 +27,7 @@ class Replaying : public Partner {
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
 
-  // A Partner.
+  // A Command source.
   Heard<double> listen(double time_s) override;
 
  private:

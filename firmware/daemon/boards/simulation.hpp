@@ -1,17 +1,17 @@
 #pragma once
-// A simulated wire as the daemon's board, and its program as the daemon's partner.
+// A simulated wire as the daemon's board, and its program as the daemon's command source.
 
 #include <string>
 
 #include "firmware/bench/closed_loop_scenario.hpp"
-#include "firmware/daemon/loop/partner.hpp"
+#include "firmware/daemon/loop/command_source.hpp"
 #include "hal/sim/board.hpp"
 
 namespace smaservo {
 
 /// Time is the simulation's: one period per frame, whatever the clock says. The board ends with the
 /// scenario's time.
-class Simulation : public Partner {
+class Simulation : public CommandSource {
  public:
   static constexpr bool in_monotonic_time = false;
 
@@ -25,7 +25,7 @@ class Simulation : public Partner {
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
 
-  // A Partner.
+  // A Command source.
   Heard<double> listen(double time_s) override;
 
   SimTruth truth() const { return board_.truth(); }
@@ -41,7 +41,7 @@ class Simulation : public Partner {
 static_assert(Board<Simulation>);
 
 /// Up and down between two lengths, 2 s each, for ever; for a first try.
-class Demonstration : public Partner {
+class Demonstration : public CommandSource {
  public:
   explicit Demonstration(const Settings<double>& settings);
   Heard<double> listen(double time_s) override;

@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "firmware/command.hpp"
-#include "firmware/daemon/loop/partner.hpp"
+#include "firmware/daemon/loop/command_source.hpp"
 #include "firmware/daemon/loop/ring.hpp"
 #include "hal/board.hpp"
 #include "hal/linux/can/can_status.hpp"
 
 namespace smaservo {
 
-/// What a turn of the loop tells the node.
-struct TurnReport {
+/// What a cycle of the loop tells the node.
+struct CycleReport {
   Output<double> output;
   Inputs<double> inputs;
   double dt_s;
@@ -29,31 +29,32 @@ struct NodeSays {
 };
 
 /// The loop's side. A command that has come once is fresh once; after `lease_s` without a sign of
-/// life of the bus's thread the partner counts as lost: heat does not outlive who asks for it.
-class BusPartner : public Partner {
+/// life of the bus's thread the command source counts as lost: heat does not outlive who asks for
+/// it.
+class BusCommandSource : public CommandSource {
  public:
-  explicit BusPartner(double lease_s) : lease_s_(lease_s) {}
+  explicit BusCommandSource(double lease_s) : lease_s_(lease_s) {}
 
   Heard<double> listen(double time_s) override;
-  void tell(const Turn& turn, double dt_s) override {
-    reports_.push({turn.output, turn.inputs, dt_s});
+  void tell(const Cycle& cycle, double dt_s) override {
+    reports_.push({cycle.output, cycle.inputs, dt_s});
   }
 
   // The bus's side.
   void say(const NodeSays& says) { says_.put(says); }
-  bool next(TurnReport& report) { return reports_.pop(report); }
+  bool next(CycleReport& report) { return reports_.pop(report); }
 
  private:
   double lease_s_;
   Latest<NodeSays> says_;
-  Ring<TurnReport> reports_{256};  ///< full: the node misses some, which it does not mind
+  Ring<CycleReport> reports_{256};  ///< full: the node misses some, which it does not mind
   NodeSays last_{};
   double said_s_ = 0;
   std::uint32_t setpoints_ = 0;
   bool said_ = false;
 };
 
-inline Heard<double> BusPartner::listen(double time_s) {
+inline Heard<double> BusCommandSource::listen(double time_s) {
   const bool fresh = says_.take(last_);
   if (fresh || !said_) {
     said_ = said_ || fresh;
@@ -68,13 +69,13 @@ inline Heard<double> BusPartner::listen(double time_s) {
 }
 
 /// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
-/// the loop's turns since. Calls `changed()` where the node has put other settings in force, in
+/// the loop's cycles since. Calls `changed()` where the node has put other settings in force, in
 /// each round again until it says that the loop will have them; the node refuses others meanwhile.
 template <CanPort Port, class Node>
 class BusPump {
  public:
-  BusPump(Port& port, Node& node, BusPartner& partner)
-      : port_(port), node_(node), partner_(partner) {}
+  BusPump(Port& port, Node& node, BusCommandSource& source)
+      : port_(port), node_(node), source_(source) {}
 
   template <class Changed>
   void round(std::uint64_t now_us, FaultSet port_faults, Changed changed) {
@@ -83,8 +84,8 @@ class BusPump {
       node_.receive(frame, now_us);
       ++frames_;
     }
-    TurnReport report{};
-    while (partner_.next(report)) {
+    CycleReport report{};
+    while (source_.next(report)) {
       node_.publish(report.output, report.inputs, report.dt_s);
     }
     node_.advance(now_us);
@@ -94,7 +95,7 @@ class BusPump {
       changes_ = taken ? changes : changes_;
       node_.hold_settings(!taken);
     }
-    partner_.say({node_.command(), node_.external() | port_faults, node_.setpoints()});
+    source_.say({node_.command(), node_.external() | port_faults, node_.setpoints()});
     send(now_us);
   }
 
@@ -139,7 +140,7 @@ class BusPump {
 
   Port& port_;
   Node& node_;
-  BusPartner& partner_;
+  BusCommandSource& source_;
   CanFrame next_{};
   bool waits_ = false;  ///< next_ for room in the queue
   bool has_more_ = false;

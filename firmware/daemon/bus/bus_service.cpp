@@ -66,7 +66,7 @@ canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
 canopen::LoopTiming timing_of(const LoopFigures& f) {
   const auto count = [](const auto& x) { return static_cast<std::uint32_t>(x.load()); };
   const auto s = [](auto ns) { return 1e-9F * static_cast<float>(ns); };
-  return {count(f.turns),          count(f.missed),          s(f.wake.mean_ns()),
+  return {count(f.cycles),         count(f.missed),          s(f.wake.mean_ns()),
           s(f.wake.greatest_ns()), s(f.execution.mean_ns()), s(f.execution.greatest_ns())};
 }
 
@@ -84,8 +84,8 @@ struct BusService::Parts {
         eds(eds_text()),
         staging(desk_.settings()),
         servo(config_of(setup, recorder, eds), staging),
-        partner(thread_lease_s),
-        pump(port, servo, partner) {}
+        source(thread_lease_s),
+        pump(port, servo, source) {}
 
   std::string image_path() const { return setup.folder + "/communication"; }
   void begin(std::uint64_t now_us) {
@@ -112,7 +112,7 @@ struct BusService::Parts {
   std::string eds;
   Staging<double> staging;
   canopen::Servo<double> servo;
-  BusPartner partner;
+  BusCommandSource source;
   BusPump<LinuxCan, canopen::Servo<double>> pump;
   BusJournal journal;
   std::future<std::string> storing;
@@ -126,8 +126,8 @@ BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& li
     : parts_(std::make_unique<Parts>(setup, desk, links, figures)) {}
 BusService::~BusService() = default;
 
-Partner& BusService::partner() {
-  return parts_->partner;
+CommandSource& BusService::command_source() {
+  return parts_->source;
 }
 
 void BusService::start() {
@@ -163,8 +163,9 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
     heard_us = now_us;
   }
   const CanState state = port.state();
-  const bool silent = setup.partner_timeout_s > 0 &&
-                      static_cast<double>(now_us - heard_us) * 1e-6 > setup.partner_timeout_s;
+  const bool silent =
+      setup.command_source_timeout_s > 0 &&
+      static_cast<double>(now_us - heard_us) * 1e-6 > setup.command_source_timeout_s;
   FaultSet set;
   set.add(Fault::bus_lost, silent || state == CanState::bus_off || state == CanState::down ||
                                state == CanState::gone);
@@ -208,7 +209,7 @@ void BusService::Parts::answer(Request request, std::uint64_t now_us) {
     return;
   }
   if (request == Request::reset_node) {
-    // The node is silent and takes its arm command back; the loop's next turn is its last.
+    // The node is silent and takes its arm command back; the loop's next cycle is its last.
     links.restart.store(true);
     links.stop.store(true);
     return;

@@ -12,7 +12,7 @@ namespace smaservo {
 
 struct BusSetup {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  double partner_timeout_s = 0;
+  double command_source_timeout_s = 0;
   std::string folder;  ///< of the store; empty: nothing can be stored
   canopen::Ceilings ceilings;
   canopen::AccessKeys keys;
@@ -32,7 +32,7 @@ class BusService {
   BusService(const BusService&) = delete;
   BusService& operator=(const BusService&) = delete;
 
-  Partner& partner();
+  CommandSource& command_source();
   /// From now on, until it is destroyed.
   void start();
 

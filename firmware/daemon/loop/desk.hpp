@@ -13,7 +13,7 @@
 namespace smaservo {
 
 /// The owner of a daemon's settings in force, and where they change while the loop runs: prepared
-/// here, in force there as a whole at the beginning of a turn. Whoever uses them keeps the number
+/// here, in force there as a whole at the beginning of a cycle. Whoever uses them keeps the number
 /// that it has followed. For any thread but the loop's.
 class ParameterDesk {
  public:

@@ -5,9 +5,9 @@
 #include <sched.h>
 #include <utility>
 
+#include "firmware/daemon/loop/command_source.hpp"
 #include "firmware/daemon/loop/links.hpp"
 #include "firmware/daemon/loop/pace.hpp"
-#include "firmware/daemon/loop/partner.hpp"
 #include "firmware/device/cycle.hpp"
 #include "hal/linux/system/clock.hpp"
 
@@ -15,31 +15,31 @@ namespace smaservo {
 
 struct LoopTiming {
   std::int64_t period_ns;
-  bool from_zero;                ///< the recording's time begins with the first frame
-  std::uint64_t most_turns = 0;  ///< 0: no end
+  bool from_zero;                 ///< the recording's time begins with the first frame
+  std::uint64_t most_cycles = 0;  ///< 0: no end
 };
 
 /// A board whose frames have times of CLOCK_MONOTONIC says so. The time of any other stands still
-/// while a turn is late.
+/// while a cycle is late.
 template <class B>
 inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
 
 template <Board B, class Pacing>
 class Loop {
  public:
-  Loop(B& board, Pacing pacing, PreparedDevice& device, Partner& partner, LoopLinks& links,
+  Loop(B& board, Pacing pacing, PreparedDevice& device, CommandSource& source, LoopLinks& links,
        LoopFigures& figures, const LoopTiming& timing)
       : board_(board),
         pacing_(std::move(pacing)),
         device_(device),
-        partner_(partner),
+        source_(source),
         links_(links),
         figures_(figures),
         timing_(timing) {}
 
   /// One period. False, with the current off: there are no more frames, or it shall stop. Neither
   /// allocates, locks nor logs; system calls are the board's and the sleep.
-  bool turn();
+  bool cycle();
 
  private:
   void count_frame(ReadStatus status);
@@ -53,12 +53,12 @@ class Loop {
   B& board_;
   Pacing pacing_;
   PreparedDevice& device_;
-  Partner& partner_;
+  CommandSource& source_;
   LoopLinks& links_;
   LoopFigures& figures_;
   LoopTiming timing_;
   Frame frame_{};
-  TurnRecord now_{};
+  CycleRecord now_{};
   bool began_ = false;
   bool sequenced_ = false;
   std::uint32_t sequence_ = 0;
@@ -67,11 +67,11 @@ class Loop {
 };
 
 template <Board B, class Pacing>
-bool Loop<B, Pacing>::turn() {
+bool Loop<B, Pacing>::cycle() {
   const Woke woke = pacing_.wait();
   const std::int64_t woke_ns = monotonic_ns();
   const ReadStatus status = board_.read(frame_);
-  const bool over = timing_.most_turns != 0 && now_.number >= timing_.most_turns;
+  const bool over = timing_.most_cycles != 0 && now_.number >= timing_.most_cycles;
   if (over || status == ReadStatus::end || links_.stop.load(std::memory_order_relaxed)) {
     links_.lease_ends_ns.store(0, std::memory_order_relaxed);
     board_.safe_off();
@@ -80,22 +80,22 @@ bool Loop<B, Pacing>::turn() {
   const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : monotonic_ns();
   count_frame(status);
   const double dt_s = advance_time();
-  Turn& turn = now_.turn;
-  Heard<double> heard = partner_.listen(turn.time_s);
+  Cycle& cycle = now_.cycle;
+  Heard<double> heard = source_.listen(cycle.time_s);
   heard.late = heard.late || (in_monotonic_time<B> && woke.missed > 0);
   heard.external = heard.external | FaultSet::from_bits(links_.faults.load());
   count_setpoints(heard.setpoints);
   adopt_sets();
-  const Output<double> before = turn.output;
-  run_cycle(board_, frame_, status, heard, timing_.period_ns, turn,
+  const Output<double> before = cycle.output;
+  run_cycle(board_, frame_, status, heard, timing_.period_ns, cycle,
             [&](const Inputs<double>& in, const Command<double>& command) {
               const Output<double> out = device_.step(in, command, dt_s);
               renew_lease(is_heated(out.state));
               return out;
             });
   const std::int64_t driven_ns = monotonic_ns();
-  partner_.tell(turn, dt_s);
-  links_.output.put(turn.output);
+  source_.tell(cycle, dt_s);
+  links_.output.put(cycle.output);
   note_stop(before, sampled_ns, driven_ns);
   leave_record();
   // The first frame has waited for the loop to begin.
@@ -105,7 +105,7 @@ bool Loop<B, Pacing>::turn() {
   figures_.wake.add(woke.late_ns);
   figures_.missed.fetch_add(woke.missed, std::memory_order_relaxed);
   figures_.execution.add(monotonic_ns() - woke_ns);
-  figures_.turns.fetch_add(1, std::memory_order_relaxed);
+  figures_.cycles.fetch_add(1, std::memory_order_relaxed);
   return true;
 }
 
@@ -124,7 +124,7 @@ void Loop<B, Pacing>::count_frame(ReadStatus status) {
 }
 
 /// A master's clock and the loop's are not locked to each other: now and then two come before one
-/// turn, and then none before the next.
+/// cycle, and then none before the next.
 template <Board B, class Pacing>
 void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
   figures_.setpoints.fetch_add(come, std::memory_order_relaxed);
@@ -145,7 +145,7 @@ double Loop<B, Pacing>::advance_time() {
   }
   began_ = true;
   last_ns_ = frame_.time_ns;
-  now_.turn.time_s = static_cast<double>(time_ns_) / 1e9;
+  now_.cycle.time_s = static_cast<double>(time_ns_) / 1e9;
   return static_cast<double>(step_ns) * 1e-9;
 }
 
@@ -171,7 +171,7 @@ void Loop<B, Pacing>::renew_lease(bool heated) {
 template <Board B, class Pacing>
 void Loop<B, Pacing>::note_stop(const Output<double>& before, std::int64_t sampled_ns,
                                 std::int64_t driven_ns) {
-  const Output<double>& now = now_.turn.output;
+  const Output<double>& now = now_.cycle.output;
   if (!(before.current_A > 0 && now.current_A == 0)) {
     return;
   }

@@ -1,16 +1,16 @@
 #pragma once
-// When the next turn of the loop is.
+// When the next cycle of the loop is.
 
 #include <cstdint>
 
 namespace smaservo {
 
 struct Woke {
-  std::int64_t late_ns = 0;  ///< after the turn's time
-  std::uint64_t missed = 0;  ///< turns whose time passed while the one before still ran
+  std::int64_t late_ns = 0;  ///< after the cycle's time
+  std::uint64_t missed = 0;  ///< cycles whose time passed while the one before still ran
 };
 
-/// Turns at multiples of the period from the first wait() on. Those that were missed are counted,
+/// Cycles at multiples of the period from the first wait() on. Those that were missed are counted,
 /// never caught up. A clock has now_ns() and sleep_until(ns), both monotonic.
 template <class Clock>
 class Pace {

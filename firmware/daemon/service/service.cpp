@@ -66,8 +66,8 @@ Service::Service(ServiceSetup setup)
     }
   }
   if (!setup_.record.empty()) {
-    const double turns = recorded_s / setup_.settings.timing.period_s;
-    ring_ = std::make_unique<Ring<TurnRecord>>(static_cast<std::size_t>(turns));
+    const double cycles = recorded_s / setup_.settings.timing.period_s;
+    ring_ = std::make_unique<Ring<CycleRecord>>(static_cast<std::size_t>(cycles));
     recorder_ = std::make_unique<Recorder>(setup_.record, setup_.settings, *ring_, desk_);
     links_.record = ring_.get();
   }
@@ -114,7 +114,7 @@ void Service::loop(const Served& served) {
     error_ = allow_loop_calls_only();
   }
   try {
-    while (error_.empty() && served.turn()) {
+    while (error_.empty() && served.cycle()) {
     }
   } catch (const std::exception& error) {
     error_ = error.what();
@@ -141,7 +141,7 @@ void Service::watch(ServiceManager& manager) {
   const Reloader reloader(setup_.settings_file, setup_.problem, desk_, links_.heated);
   std::int64_t alive_ns = 0;
   std::int64_t status_ns = 0;
-  std::uint64_t turns = 0;
+  std::uint64_t cycles = 0;
   while (!loop_over_.load()) {
     answer(wait_for_signal(look_every_ns), reloader, manager);
     const std::int64_t now_ns = monotonic_ns();
@@ -155,11 +155,11 @@ void Service::watch(ServiceManager& manager) {
       manager.status(sentence(status_.output().state, status_.output().latched));
     }
     // A loop that hangs is not alive, whatever this thread does.
-    const std::uint64_t turns_now = figures_->turns.load();
-    if (turns_now != turns && manager.alive_every_ns() > 0 &&
+    const std::uint64_t cycles_now = figures_->cycles.load();
+    if (cycles_now != cycles && manager.alive_every_ns() > 0 &&
         now_ns - alive_ns >= manager.alive_every_ns() / 2) {
       alive_ns = now_ns;
-      turns = turns_now;
+      cycles = cycles_now;
       manager.alive();
     }
   }

@@ -35,7 +35,7 @@ inline constexpr int start_anew = -1;
 /// What a board and its loop give to the service. All of it is called by the loop's thread, but
 /// safe_off() once more after its end.
 struct Served {
-  std::function<bool()> turn;
+  std::function<bool()> cycle;
   std::function<void()> safe_off;
   std::vector<OffAction> off;
 };
@@ -56,7 +56,7 @@ class Service {
   ParameterDesk& desk() { return desk_; }
   PreparedDevice& device() { return device_; }
 
-  /// Until turn() says no, or a signal comes. The exit code: 1 where the board or the recording
+  /// Until cycle() says no, or a signal comes. The exit code: 1 where the board or the recording
   /// failed; start_anew where the links asked for it.
   int run(const Served& served);
 
@@ -75,7 +75,7 @@ class Service {
   ParameterDesk desk_;
   PreparedDevice device_;
   std::unique_ptr<RunMark> mark_;
-  std::unique_ptr<Ring<TurnRecord>> ring_;
+  std::unique_ptr<Ring<CycleRecord>> ring_;
   std::unique_ptr<Recorder> recorder_;
   LoopUsage usage_;
   // The loop's thread's.

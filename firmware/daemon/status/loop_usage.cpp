@@ -7,20 +7,20 @@ void LoopUsage::begin() {
   thread_.store(watched_.get(), std::memory_order_release);
 }
 
-void LoopUsage::look(std::uint64_t turns) {
-  // The first turns touch pages for the first time.
-  constexpr std::uint64_t first_turns = 100;
-  if (counts_ || !has_begun() || turns < first_turns) {
+void LoopUsage::look(std::uint64_t cycles) {
+  // The first cycles touch pages for the first time.
+  constexpr std::uint64_t first_cycles = 100;
+  if (counts_ || !has_begun() || cycles < first_cycles) {
     return;
   }
   counts_ = true;
-  first_turn_ = turns;
+  first_cycle_ = cycles;
   const WatchedThread& thread = *thread_.load(std::memory_order_acquire);
   first_faults_ = thread.page_faults().value_or(PageFaults{});
   first_instructions_ = thread.instructions().value_or(0);
 }
 
-LoopUsage::Taken LoopUsage::taken(std::uint64_t turns, bool runs) {
+LoopUsage::Taken LoopUsage::taken(std::uint64_t cycles, bool runs) {
   if (!counts_) {
     return {};
   }
@@ -33,9 +33,9 @@ LoopUsage::Taken LoopUsage::taken(std::uint64_t turns, bool runs) {
     taken.page_faults = {last_faults_->minor - first_faults_.minor,
                          last_faults_->major - first_faults_.major};
   }
-  if (last_instructions_ && turns > first_turn_) {
+  if (last_instructions_ && cycles > first_cycle_) {
     taken.instructions = static_cast<double>(*last_instructions_ - first_instructions_) /
-                         static_cast<double>(turns - first_turn_);
+                         static_cast<double>(cycles - first_cycle_);
   }
   return taken;
 }

@@ -11,12 +11,12 @@
 
 namespace smaservo {
 
-/// Page faults and instructions of the loop's thread, without its first turns.
+/// Page faults and instructions of the loop's thread, without its first cycles.
 class LoopUsage {
  public:
   struct Taken {
     std::optional<PageFaults> page_faults;
-    std::optional<double> instructions;  ///< per turn
+    std::optional<double> instructions;  ///< per cycle
   };
 
   // For the loop's thread.
@@ -27,8 +27,8 @@ class LoopUsage {
   // For one other thread.
   bool has_begun() const { return thread_.load(std::memory_order_acquire) != nullptr; }
   /// Now and then; so many turns there have been.
-  void look(std::uint64_t turns);
-  Taken taken(std::uint64_t turns, bool runs);
+  void look(std::uint64_t cycles);
+  Taken taken(std::uint64_t cycles, bool runs);
 
  private:
   void ask();
@@ -38,7 +38,7 @@ class LoopUsage {
   // The other thread's.
   bool counts_ = false;
   PageFaults first_faults_;
-  std::uint64_t first_instructions_ = 0, first_turn_ = 0;
+  std::uint64_t first_instructions_ = 0, first_cycle_ = 0;
   // Both threads'.
   std::mutex mutex_;
   std::optional<PageFaults> last_faults_;

@@ -35,7 +35,7 @@ std::string file_for(const std::string& path) {
 }  // namespace
 
 Recorder::Recorder(const std::string& path, const Settings<double>& settings,
-                   Ring<TurnRecord>& ring, ParameterDesk& desk)
+                   Ring<CycleRecord>& ring, ParameterDesk& desk)
     : path_(file_for(path)),
       ring_(ring),
       desk_(desk),
@@ -59,7 +59,7 @@ Recorder::Recorder(const std::string& path, const Settings<double>& settings,
 }
 
 void Recorder::pump() {
-  TurnRecord record{};
+  CycleRecord record{};
   while (ring_.pop(record)) {
     add(record);
   }
@@ -81,18 +81,18 @@ std::string Recorder::problem() const {
   return problem_;
 }
 
-void Recorder::add(const TurnRecord& record) {
+void Recorder::add(const CycleRecord& record) {
   if (ended_) {
     return;
   }
   if (record.number != last_ + 1) {
     write();
-    end(fmt::format("the disk was too slow: {} turns are missing", record.number - last_ - 1));
+    end(fmt::format("the disk was too slow: {} cycles are missing", record.number - last_ - 1));
     return;
   }
   last_ = record.number;
   const std::string changes = record.set == 0 ? "" : desk_.take_text(record.set);
-  format_.append(buffer_, record.turn, "," + changes);
+  format_.append(buffer_, record.cycle, "," + changes);
   ++buffered_;
   if (buffer_.size() > (std::size_t{1} << 16U)) {
     write();

@@ -11,13 +11,13 @@
 namespace smaservo {
 
 /// Appends whole rows, durable once a second: a loss of power costs the last second, a full disk
-/// what comes after. A turn that is missing, because the disk was too slow for the ring, ends the
+/// what comes after. A cycle that is missing, because the disk was too slow for the ring, ends the
 /// recording as well: what follows a gap could not be replayed. The settings at its beginning lie
 /// beside it, FILE.csv.toml.
 class Recorder {
  public:
   /// A file that exists is not overwritten; in a folder it is named by the time. Throws UserError.
-  Recorder(const std::string& path, const Settings<double>& settings, Ring<TurnRecord>& ring,
+  Recorder(const std::string& path, const Settings<double>& settings, Ring<CycleRecord>& ring,
            ParameterDesk& desk);
 
   /// Writes what has come since. For one thread, some times a second.
@@ -31,18 +31,18 @@ class Recorder {
   std::string problem() const;
 
  private:
-  void add(const TurnRecord& record);
+  void add(const CycleRecord& record);
   void write();
   void make_durable();
   void end(const std::string& why);
 
   std::string path_;
-  Ring<TurnRecord>& ring_;
+  Ring<CycleRecord>& ring_;
   ParameterDesk& desk_;
   DeviceRows format_;
   Descriptor file_;
   std::string buffer_;
-  std::uint64_t last_ = 0;      ///< turn
+  std::uint64_t last_ = 0;      ///< cycle
   std::int64_t written_ = 0;    ///< bytes of whole rows
   std::uint64_t buffered_ = 0;  ///< rows
   std::int64_t durable_at_ns_ = 0;

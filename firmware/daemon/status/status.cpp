@@ -65,7 +65,7 @@ std::string status_json(const Status& status) {
             {"first_cause", fault_name(out.first_cause)},
             {"warnings", json_of(out.warnings)},
             {"blocks", json_of(out.blocks)},
-            {"turns", f.turns.load()},
+            {"cycles", f.cycles.load()},
             {"missed", f.missed.load()},
             {"no_frame", f.no_frame.load()},
             {"lost_frames", f.lost_frames.load()},
@@ -74,7 +74,7 @@ std::string status_json(const Status& status) {
             {"wake_us", json_of(f.wake)},
             {"execution_us", json_of(f.execution)},
             {"sample_to_drive_us", json_of(f.sample_to_drive)},
-            {"instructions_per_turn", nullptr},
+            {"instructions_per_loop_cycle", nullptr},
             {"page_faults", nullptr},
             {"stops", stops_json(f)},
             {"guard_stops", f.guard_stops.load()},
@@ -82,7 +82,7 @@ std::string status_json(const Status& status) {
             {"last_run", nullptr},
             {"machine", status.warnings}};
   if (status.usage.instructions) {
-    json["instructions_per_turn"] = *status.usage.instructions;
+    json["instructions_per_loop_cycle"] = *status.usage.instructions;
   }
   if (status.usage.page_faults) {
     json["page_faults"] = {{"minor", status.usage.page_faults->minor},
@@ -105,9 +105,9 @@ std::string status_text(const Status& status) {
   const LoopFigures& f = status.figures;
   const Output<double>& out = status.output;
   std::string text = fmt::format(
-      "{} turns of {:.6g} us on {}, {} missed, {} without a frame, {} frames lost\n"
+      "{} cycles of {:.6g} us on {}, {} missed, {} without a frame, {} frames lost\n"
       "state {}, first cause {}, latched: {}\n",
-      f.turns.load(), us(status.period_ns), status.board, f.missed.load(), f.no_frame.load(),
+      f.cycles.load(), us(status.period_ns), status.board, f.missed.load(), f.no_frame.load(),
       f.lost_frames.load(), state_name(out.state), fault_name(out.first_cause),
       out.latched.empty() ? "none" : names_of(out.latched));
   text += fmt::format("{:<16}{:>10}{:>10}{:>10}{:>10}\n", "us", "50 %", "99 %", "99.9 %", "max");
@@ -115,7 +115,7 @@ std::string status_text(const Status& status) {
   text += line_of("execution", f.execution);
   text += line_of("sample to drive", f.sample_to_drive);
   if (status.usage.instructions) {
-    text += fmt::format("{:.0f} instructions per turn\n", *status.usage.instructions);
+    text += fmt::format("{:.0f} instructions per loop cycle\n", *status.usage.instructions);
   }
   if (status.usage.page_faults) {
     text += fmt::format("page faults in the loop: {} minor, {} major\n",
@@ -130,7 +130,7 @@ std::string status_text(const Status& status) {
     }
   }
   if (f.setpoints.load() > 0) {
-    text += fmt::format("{} cyclic set-points, {} superseded by newer ones before their turn\n",
+    text += fmt::format("{} cyclic set-points, {} superseded by newer ones before their cycle\n",
                         f.setpoints.load(), f.superseded.load());
   }
   if (f.guard_stops.load() > 0) {

@@ -26,7 +26,7 @@ void StatusWriter::look() {
                fault_name(fault), fault_row(fault).text);
   });
   logged_ = output_.latched;
-  from_.usage.look(from_.figures.turns.load());
+  from_.usage.look(from_.figures.cycles.load());
 }
 
 Status StatusWriter::status(bool runs) const {
@@ -34,7 +34,7 @@ Status StatusWriter::status(bool runs) const {
              .period_ns = period_ns_,
              .figures = from_.figures,
              .output = output_,
-             .usage = from_.usage.taken(from_.figures.turns.load(), runs),
+             .usage = from_.usage.taken(from_.figures.cycles.load(), runs),
              .recording = {},
              .last_run = from_.mark ? describe(from_.mark->last()) : "",
              .warnings = warnings_};

@@ -87,14 +87,14 @@ HottestRun run_hottest(const RandomScenario& scenario) {
                  std::numeric_limits<double>::infinity()};
   const double limit_K = scenario.loop.settings.limits.temperature_K;
   while (loop.step()) {
-    const Turn& turn = loop.turn();
-    if (turn.truth.hottest_K - limit_K > run.above_limit_K) {
-      run.above_limit_K = turn.truth.hottest_K - limit_K;
-      run.at_s = turn.time_s;
+    const Cycle& cycle = loop.cycle();
+    if (cycle.truth.hottest_K - limit_K > run.above_limit_K) {
+      run.above_limit_K = cycle.truth.hottest_K - limit_K;
+      run.at_s = cycle.time_s;
     }
-    if (run.first_cause == Fault::none && turn.output.first_cause != Fault::none) {
-      run.first_cause = turn.output.first_cause;
-      run.tripped_s = turn.time_s;
+    if (run.first_cause == Fault::none && cycle.output.first_cause != Fault::none) {
+      run.first_cause = cycle.output.first_cause;
+      run.tripped_s = cycle.time_s;
     }
   }
   return run;

@@ -145,8 +145,8 @@ void PlainNode::take_defaults() {
   };
   for (const int pass : {0, 1, 2}) {
     for (const EdsObject& object : eds_.objects) {
-      const int turn = is_cob(object) ? 2 : is_count(object) ? 1 : 0;
-      if (is_communication(object.key) && turn == pass) {
+      const int cycle = is_cob(object) ? 2 : is_count(object) ? 1 : 0;
+      if (is_communication(object.key) && cycle == pass) {
         set(object);
       }
     }

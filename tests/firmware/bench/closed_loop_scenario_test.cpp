@@ -106,7 +106,7 @@ TEST(CommandProgram, SweepsPassEveryFrequencyOnce) {
   CommandProgram p =
       program("[[command]]\nshape = 'sine'\nstrain = [0.01, 0.03]\nHz = [1, 8]\nfor_s = 10\n");
   // T (f1 - f0)/ln(f1/f0) cycles, so twice as many turns through the middle.
-  const int turns = static_cast<int>(2 * 10 * 7 / std::log(8.0));
+  const int cycles = static_cast<int>(2 * 10 * 7 / std::log(8.0));
   int crossings = 0;
   double last = 0.02;
   double least = 1;
@@ -118,7 +118,7 @@ TEST(CommandProgram, SweepsPassEveryFrequencyOnce) {
     least = std::min(least, now);
     most = std::max(most, now);
   }
-  EXPECT_NEAR(crossings, turns, 1);
+  EXPECT_NEAR(crossings, cycles, 1);
   EXPECT_NEAR(least, 0.01, 1e-5);
   EXPECT_NEAR(most, 0.03, 1e-5);
 }

@@ -53,19 +53,19 @@ TEST_P(ShippedLoop, StaysFiniteAndCool) {
   double moved = 0;
   double first = 0;
   while (loop.step()) {
-    const Turn& turn = loop.turn();
-    first = turn.time_s == 0 ? turn.truth.strain : first;
-    moved = std::max(moved, first - turn.truth.strain);
-    ASSERT_LT(turn.truth.hottest_K, limit_K + 3) << "at " << turn.time_s << " s";
+    const Cycle& cycle = loop.cycle();
+    first = cycle.time_s == 0 ? cycle.truth.strain : first;
+    moved = std::max(moved, first - cycle.truth.strain);
+    ASSERT_LT(cycle.truth.hottest_K, limit_K + 3) << "at " << cycle.time_s << " s";
     if (const auto other = loop.other()) {
-      ASSERT_LT(other->hottest_K, limit_K + 3) << "at " << turn.time_s << " s";
+      ASSERT_LT(other->hottest_K, limit_K + 3) << "at " << cycle.time_s << " s";
     }
-    ASSERT_TRUE(std::isfinite(turn.output.current_A)) << turn.time_s;
-    ASSERT_TRUE(std::isfinite(turn.output.voltage_V)) << turn.time_s;
-    ASSERT_TRUE(std::isfinite(turn.truth.strain)) << turn.time_s;
-    ASSERT_GE(turn.output.current_A, 0);
-    if (turn.time_s > 0.05) {
-      ASSERT_TRUE(std::isfinite(turn.output.estimate.strain)) << turn.time_s;
+    ASSERT_TRUE(std::isfinite(cycle.output.current_A)) << cycle.time_s;
+    ASSERT_TRUE(std::isfinite(cycle.output.voltage_V)) << cycle.time_s;
+    ASSERT_TRUE(std::isfinite(cycle.truth.strain)) << cycle.time_s;
+    ASSERT_GE(cycle.output.current_A, 0);
+    if (cycle.time_s > 0.05) {
+      ASSERT_TRUE(std::isfinite(cycle.output.estimate.strain)) << cycle.time_s;
     }
   }
   EXPECT_GT(moved, 0.004) << "nothing has happened";
@@ -256,19 +256,19 @@ TEST(ClosedLoop, WithoutPowerThereIsNoCurrentAndNoMemory) {
   ClosedLoop loop(scenario);
   double before_A = 0;
   while (loop.step()) {
-    const Turn& turn = loop.turn();
-    const double between_s = turn.time_s - 0.0005;  // events come between two steps
+    const Cycle& cycle = loop.cycle();
+    const double between_s = cycle.time_s - 0.0005;  // events come between two steps
     if (between_s < 1) {
-      before_A = std::max(before_A, turn.output.current_A);
+      before_A = std::max(before_A, cycle.output.current_A);
     } else if (between_s < 1.1) {
-      ASSERT_EQ(turn.output.current_A, 0) << turn.time_s;
-      ASSERT_LE(turn.output.time_us, 2000U) << "a new device's first step";
+      ASSERT_EQ(cycle.output.current_A, 0) << cycle.time_s;
+      ASSERT_LE(cycle.output.time_us, 2000U) << "a new device's first step";
     } else {
-      ASSERT_EQ(turn.output.first_cause, Fault::none) << turn.time_s;
+      ASSERT_EQ(cycle.output.first_cause, Fault::none) << cycle.time_s;
     }
   }
   EXPECT_GT(before_A, 0.05);
-  EXPECT_NEAR(static_cast<double>(loop.turn().output.time_us), 0.9e6, 2e3);
+  EXPECT_NEAR(static_cast<double>(loop.cycle().output.time_us), 0.9e6, 2e3);
 }
 
 TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {

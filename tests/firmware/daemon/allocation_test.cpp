@@ -36,7 +36,7 @@ struct Bench {
   Simulation simulation;
   Demonstration demonstration;
   PreparedDevice device;
-  Ring<TurnRecord> ring{256};
+  Ring<CycleRecord> ring{256};
 };
 
 TEST(LoopAllocation, None) {
@@ -44,7 +44,7 @@ TEST(LoopAllocation, None) {
   Loop loop(bench.simulation, NoPace{}, bench.device, bench.demonstration, bench.links,
             bench.figures, {ms, true});
   Settings<double> settings = bench.desk.settings();
-  TurnRecord record{};
+  CycleRecord record{};
   bool heated = false;
   for (int i = 0; i < 5000; ++i) {
     if (i % 500 == 100) {
@@ -54,11 +54,11 @@ TEST(LoopAllocation, None) {
     }
     {
       const AllocationTrap trap;
-      loop.turn();
+      loop.cycle();
     }
-    ASSERT_EQ(AllocationTrap::caught(), 0) << "turn " << i;
+    ASSERT_EQ(AllocationTrap::caught(), 0) << "cycle " << i;
     bench.ring.pop(record);
-    heated = heated || record.turn.output.current_A > 0.1;
+    heated = heated || record.cycle.output.current_A > 0.1;
   }
   EXPECT_TRUE(heated);
 }
@@ -76,7 +76,7 @@ int end_of(void (*then)()) {
         _exit(77);
       }
       for (int i = 0; i < 200; ++i) {
-        loop.turn();
+        loop.cycle();
       }
       then();
     }).join();

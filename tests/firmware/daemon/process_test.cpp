@@ -72,7 +72,7 @@ TEST(Process, SaysThatItCrashed) {
 TEST(Process, EndsCleanlyWhenItIsAskedTo) {
   const nlohmann::json said = after(SIGTERM, false);
   EXPECT_EQ(said.at("last_run"), "the last run ended cleanly");
-  EXPECT_EQ(said.at("turns"), 1000);
+  EXPECT_EQ(said.at("cycles"), 1000);
   EXPECT_EQ(said.at("state"), "running");
   EXPECT_GT(said.at("current_A"), 0);
 }
@@ -117,7 +117,7 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   using canopen::as_bits;
   const TemporaryFolder folder;
   const std::string state = folder / "state";
-  constexpr Key gain{0x2100, 1}, turns{0x2210, 1}, current{0x2200, 10};
+  constexpr Key gain{0x2100, 1}, cycles{0x2210, 1}, current{0x2200, 10};
   BusClient client;
   Program program(folder, {"--board", "sim", "--no-real-time", "--settings", state, "--bus",
                            BusClient::name(), "--record", folder / "run.csv"});
@@ -133,7 +133,7 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   EXPECT_EQ(client.set({0x1010, 1}, canopen::store_signature), canopen::Abort::none);
   EXPECT_EQ(client.set(gain, as_bits(4.F)), canopen::Abort::none);
   EXPECT_EQ(client.set({0x6060, 0}, 1, 1), canopen::Abort::none);
-  EXPECT_TRUE(becomes([&] { return client.get(turns) > 500; })) << "it has started";
+  EXPECT_TRUE(becomes([&] { return client.get(cycles) > 500; })) << "it has started";
   EXPECT_TRUE(gets_warm());
   client.nmt(129);
   ASSERT_TRUE(client.wait(0x701)) << "boot-up within 5 s";

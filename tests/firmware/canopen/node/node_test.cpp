@@ -86,7 +86,7 @@ TEST(Heartbeat, KeepsItsPeriodAndTellsTheState) {
   EXPECT_EQ(rig.take(heartbeat).at(0).data[0], 5);
 }
 
-TEST(Heartbeat, ALostPartnerIsAnEmergencyAndEndsTheHeat) {
+TEST(Heartbeat, ALostCommandSourceIsAnEmergencyAndEndsTheHeat) {
   ServoRig rig;
   EXPECT_EQ(rig.set({0x1016, 1}, 0x0010'0064, 4), Abort::none);
   rig.run(500);

@@ -435,9 +435,9 @@ TEST(Modes, TheManufacturersSetHeatDirectly) {
   EXPECT_NEAR(drive.command.setpoint, 1.0, 1e-6);
 }
 
-// The partner.
+// The command source.
 
-TEST(Partner, WhoSaysNothingForAMinuteHasGone) {
+TEST(CommandSource, WhoSaysNothingForAMinuteHasGone) {
   Drive drive;
   drive.go_to(enabled);
   EXPECT_TRUE(drive.command.fresh);
@@ -448,7 +448,7 @@ TEST(Partner, WhoSaysNothingForAMinuteHasGone) {
 }
 
 // Where nobody sends heartbeats and no RPDO has a deadline.
-TEST(Partner, WhoSendsNoSyncForTwoPeriodsHasGone) {
+TEST(CommandSource, WhoSendsNoSyncForTwoPeriodsHasGone) {
   Drive drive;
   ASSERT_EQ(drive.set({0x1006, 0}, 10'000, 4), Abort::none);
   drive.nmt(1);
@@ -469,7 +469,7 @@ TEST(Partner, WhoSendsNoSyncForTwoPeriodsHasGone) {
   EXPECT_TRUE(drive.command.fresh) << "no longer watched, and it has spoken a moment ago";
 }
 
-TEST(Partner, TheReactionIsThatOf6007h) {
+TEST(CommandSource, TheReactionIsThatOf6007h) {
   struct Case {
     std::uint16_t option;
     DriveState state;
@@ -491,7 +491,7 @@ TEST(Partner, TheReactionIsThatOf6007h) {
   }
 }
 
-TEST(Partner, StoppingTheNodeOrResettingItEndsTheHeat) {
+TEST(CommandSource, StoppingTheNodeOrResettingItEndsTheHeat) {
   for (const std::uint8_t what : Bytes{2, 129, 130}) {
     Drive drive;
     drive.nmt(1);

@@ -74,8 +74,8 @@ struct FakeNode {
 struct Rig {
   FakePort port;
   FakeNode node;
-  BusPartner partner{0.1};
-  BusPump<FakePort, FakeNode> pump{port, node, partner};
+  BusCommandSource source{0.1};
+  BusPump<FakePort, FakeNode> pump{port, node, source};
   int changed = 0;
   bool room = true;
   void round(std::uint64_t now_us, FaultSet faults = {}) {
@@ -89,53 +89,53 @@ struct Rig {
 TEST(BusPump, CarriesBothWays) {
   Rig rig;
   rig.port.in = {{.id = 5}, {.id = 7}};
-  Turn turn{};
-  turn.output.current_A = 0.25;
-  rig.partner.tell(turn, 1e-3);
-  rig.partner.tell(turn, 1e-3);
+  Cycle cycle{};
+  cycle.output.current_A = 0.25;
+  rig.source.tell(cycle, 1e-3);
+  rig.source.tell(cycle, 1e-3);
   rig.round(1000);
   ASSERT_EQ(rig.port.out.size(), 2U);
   EXPECT_EQ(rig.port.out[1].id, 8U);
   EXPECT_EQ(rig.node.published, 2);
   EXPECT_EQ(rig.node.published_A, 0.25);
   EXPECT_EQ(rig.node.now_us, 1000U);
-  const Heard<double> heard = rig.partner.listen(0);
+  const Heard<double> heard = rig.source.listen(0);
   EXPECT_EQ(heard.command.setpoint, 7);
   EXPECT_TRUE(heard.command.fresh);
   EXPECT_TRUE(heard.external.has(Fault::duplicate_node));
 }
 
 // In one round or in several: what counts is what the loop has not seen before a newer one came.
-TEST(BusPump, CountsTheSetpointsOfEachTurn) {
+TEST(BusPump, CountsTheSetpointsOfEachCycle) {
   Rig rig;
-  EXPECT_EQ(rig.partner.listen(0).setpoints, 0U);
+  EXPECT_EQ(rig.source.listen(0).setpoints, 0U);
   rig.port.in = {{.id = 1}, {.id = 2}};
   rig.round(0);
   rig.port.in = {{.id = 3}};
   rig.round(100);
-  Heard<double> heard = rig.partner.listen(0.001);
+  Heard<double> heard = rig.source.listen(0.001);
   EXPECT_EQ(heard.setpoints, 3U);
   EXPECT_EQ(heard.command.setpoint, 3);
-  EXPECT_EQ(rig.partner.listen(0.002).setpoints, 0U);
+  EXPECT_EQ(rig.source.listen(0.002).setpoints, 0U);
   rig.port.in = {{.id = 4}};
   rig.round(200);
-  heard = rig.partner.listen(0.003);
+  heard = rig.source.listen(0.003);
   EXPECT_EQ(heard.setpoints, 1U);
   EXPECT_EQ(heard.command.setpoint, 4);
 }
 
 TEST(BusPump, ACommandIsFreshOnceAndNobodyIsALostPartner) {
   Rig rig;
-  EXPECT_FALSE(rig.partner.listen(0).command.arm) << "before anybody has said so";
+  EXPECT_FALSE(rig.source.listen(0).command.arm) << "before anybody has said so";
   rig.round(0);
-  EXPECT_TRUE(rig.partner.listen(0.001).command.fresh);
-  EXPECT_FALSE(rig.partner.listen(0.002).command.fresh);
-  EXPECT_FALSE(rig.partner.listen(0.1).external.has(Fault::bus_lost));
-  EXPECT_TRUE(rig.partner.listen(0.102).external.has(Fault::bus_lost));
+  EXPECT_TRUE(rig.source.listen(0.001).command.fresh);
+  EXPECT_FALSE(rig.source.listen(0.002).command.fresh);
+  EXPECT_FALSE(rig.source.listen(0.1).external.has(Fault::bus_lost));
+  EXPECT_TRUE(rig.source.listen(0.102).external.has(Fault::bus_lost));
   rig.round(200'000, Fault::bus_lost);
-  EXPECT_TRUE(rig.partner.listen(0.2).external.has(Fault::bus_lost)) << "as the port says";
+  EXPECT_TRUE(rig.source.listen(0.2).external.has(Fault::bus_lost)) << "as the port says";
   rig.round(201'000);
-  EXPECT_FALSE(rig.partner.listen(0.201).external.has(Fault::bus_lost));
+  EXPECT_FALSE(rig.source.listen(0.201).external.has(Fault::bus_lost));
 }
 
 TEST(BusPump, NeitherAFullQueueNorAFloodHoldsItUp) {

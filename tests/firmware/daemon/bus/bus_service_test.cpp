@@ -27,7 +27,7 @@ struct Rig {
   }
   static BusSetup setup(const canopen::Ceilings& ceilings, const canopen::AccessKeys& keys) {
     return {.interface = BusClient::name(),
-            .partner_timeout_s = 0,
+            .command_source_timeout_s = 0,
             .folder = {},
             .ceilings = ceilings,
             .keys = keys,
@@ -53,7 +53,7 @@ struct Rig {
 
 TEST(BusService, TellsTheNodeOfLoopAndBoard) {
   Rig rig;
-  rig.figures.turns = 1234;
+  rig.figures.cycles = 1234;
   rig.figures.missed = 5;
   rig.figures.wake.add(40'000);
   rig.figures.wake.add(20'000);
@@ -157,7 +157,7 @@ TEST(BusService, AResetOfTheNodeEndsTheLoop) {
   }
   EXPECT_TRUE(rig.links.stop);
   EXPECT_TRUE(rig.links.restart);
-  EXPECT_FALSE(rig.service.partner().listen(0).command.arm);
+  EXPECT_FALSE(rig.service.command_source().listen(0).command.arm);
   EXPECT_FALSE(rig.client.wait(0x701, 50)) << "that is said by the next one";
 }
 

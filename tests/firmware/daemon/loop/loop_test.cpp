@@ -131,7 +131,7 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
   pace.wait();
   const std::int64_t first_ns = time.now_ns;
   std::mt19937_64 random(3);
-  std::int64_t turns = 0;
+  std::int64_t cycles = 0;
   std::uint64_t missed = 0;
   std::int64_t before_ns = first_ns;
   for (int i = 0; i < 5000; ++i) {
@@ -140,15 +140,15 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
     time.now_ns += work_ns;
     time.late_ns = static_cast<std::int64_t>(random() % (ms / 10));
     const Woke woke = pace.wait();
-    ++turns;
+    ++cycles;
     missed += woke.missed;
     EXPECT_EQ(woke.late_ns, time.late_ns);
-    // On the grid of the period, and never two turns in one of its meshes.
+    // On the grid of the period, and never two cycles in one of its meshes.
     const std::int64_t at_ns = time.now_ns - woke.late_ns;
     EXPECT_EQ((at_ns - first_ns) % ms, 0);
     EXPECT_GE(at_ns, before_ns);
     before_ns = at_ns + ms;
-    EXPECT_EQ(at_ns, first_ns + (turns + static_cast<std::int64_t>(missed)) * ms);
+    EXPECT_EQ(at_ns, first_ns + (cycles + static_cast<std::int64_t>(missed)) * ms);
   }
   EXPECT_GT(missed, 100U);
 }
@@ -162,10 +162,10 @@ struct Bench {
         device(desk.first()),
         demonstration(scenario.settings) {}
 
-  Loop<FaultyBoard<Simulation>, NoPace> loop(Partner& partner) {
+  Loop<FaultyBoard<Simulation>, NoPace> loop(CommandSource& source) {
     const auto period_ns =
         static_cast<std::int64_t>(std::llround(desk.settings().timing.period_s * 1e9));
-    return {board, NoPace{}, device, partner, links, figures, {period_ns, true}};
+    return {board, NoPace{}, device, source, links, figures, {period_ns, true}};
   }
   Output<double> output() {
     Output<double> now{};
@@ -188,36 +188,36 @@ TEST(Loop, IsTheVeryLoopOfHostSim) {
   ClosedLoop expected(scenario);
   Bench bench(scenario);
   auto loop = bench.loop(bench.simulation);
-  std::uint64_t turns = 0;
+  std::uint64_t cycles = 0;
   bool heated = false;
   while (expected.step()) {
-    ASSERT_TRUE(loop.turn());
+    ASSERT_TRUE(loop.cycle());
     const Output<double> now = bench.output();
-    const Output<double>& then = expected.turn().output;
-    ASSERT_EQ(now.current_A, then.current_A) << turns;
-    ASSERT_EQ(now.estimate.strain, then.estimate.strain) << turns;
-    ASSERT_EQ(now.latched.bits(), then.latched.bits()) << turns;
+    const Output<double>& then = expected.cycle().output;
+    ASSERT_EQ(now.current_A, then.current_A) << cycles;
+    ASSERT_EQ(now.estimate.strain, then.estimate.strain) << cycles;
+    ASSERT_EQ(now.latched.bits(), then.latched.bits()) << cycles;
     ASSERT_EQ(now.time_us, then.time_us);
     heated = heated || now.current_A > 0;
-    ++turns;
+    ++cycles;
   }
-  EXPECT_FALSE(loop.turn());
-  EXPECT_EQ(bench.figures.turns.load(), turns);
+  EXPECT_FALSE(loop.cycle());
+  EXPECT_EQ(bench.figures.cycles.load(), cycles);
   EXPECT_TRUE(heated);
 }
 
-/// The current through the wire some turns after a fault was injected into a wire that is heated.
+/// The current through the wire some cycles after a fault was injected into a wire that is heated.
 double current_after(void (*inject)(BoardFaults&), FaultSet& latched, bool& stops_counted) {
   Bench bench(standard_closed_loop(test_settings()));
   auto loop = bench.loop(bench.demonstration);
   for (int i = 0; i < 1200; ++i) {
-    loop.turn();
+    loop.cycle();
   }
   EXPECT_GT(bench.simulation.truth().current_A, 0.01);
   EXPECT_TRUE(bench.output().latched.empty());
   inject(bench.board.faults);
   for (int i = 0; i < 20; ++i) {
-    loop.turn();
+    loop.cycle();
   }
   latched = bench.output().latched;
   stops_counted = std::ranges::any_of(
@@ -257,11 +257,11 @@ TEST(Loop, ADeadDriveLosesItsLease) {
 
 TEST(Loop, ParametersComeIntoForceAsAWholeAndAtOnce) {
   Bench bench(standard_closed_loop(test_settings()));
-  Ring<TurnRecord> ring(64);
+  Ring<CycleRecord> ring(64);
   bench.links.record = &ring;
   auto loop = bench.loop(bench.demonstration);
   Settings<double> settings = bench.desk.settings();
-  TurnRecord record{};
+  CycleRecord record{};
   for (int i = 0; i < 40; ++i) {
     if (i % 10 == 5) {
       settings.limits.current_A *= 0.9;
@@ -269,7 +269,7 @@ TEST(Loop, ParametersComeIntoForceAsAWholeAndAtOnce) {
       settings = stored_settings<double>(settings);
       ASSERT_TRUE(bench.desk.change(settings));
     }
-    ASSERT_TRUE(loop.turn());
+    ASSERT_TRUE(loop.cycle());
     ASSERT_TRUE(ring.pop(record));
     EXPECT_EQ(record.set != 0, i % 10 == 5);
     if (record.set != 0) {
@@ -293,8 +293,8 @@ TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
   EXPECT_EQ(taken, 8);
 }
 
-/// A master that sends so many set-points before each turn.
-class BusyPartner : public Partner {
+/// A master that sends so many set-points before each cycle.
+class BusyPartner : public CommandSource {
  public:
   std::deque<std::uint32_t> setpoints;
   Heard<double> listen(double /*time_s*/) override {
@@ -306,11 +306,11 @@ class BusyPartner : public Partner {
 
 TEST(Loop, CountsSetpointsThatNewerOnesSupersede) {
   Bench bench(standard_closed_loop(test_settings()));
-  BusyPartner partner;
-  partner.setpoints = {1, 0, 2, 1, 3};
-  auto loop = bench.loop(partner);
+  BusyPartner source;
+  source.setpoints = {1, 0, 2, 1, 3};
+  auto loop = bench.loop(source);
   for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(loop.turn());
+    ASSERT_TRUE(loop.cycle());
   }
   EXPECT_EQ(bench.figures.setpoints.load(), 7U);
   EXPECT_EQ(bench.figures.superseded.load(), 3U);
@@ -341,20 +341,20 @@ TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
   LoopFigures figures;
   const ParameterDesk desk(test_settings(), links);
   PreparedDevice device(desk.first());
-  NoPartner nobody;
+  NoCommandSource nobody;
   TimesBoard board;
   board.times_ns = {5 * ms, 6 * ms, 7 * ms, 507 * ms, 508 * ms, 508 * ms};
-  Ring<TurnRecord> ring(16);
+  Ring<CycleRecord> ring(16);
   links.record = &ring;
   Loop loop(board, NoPace{}, device, nobody, links, figures, {ms, true});
   const double expected_s[] = {0, 0.001, 0.002, 0.022, 0.023, 0.0231};
   for (const double time_s : expected_s) {
-    ASSERT_TRUE(loop.turn());
-    TurnRecord record{};
+    ASSERT_TRUE(loop.cycle());
+    CycleRecord record{};
     ASSERT_TRUE(ring.pop(record));
-    EXPECT_DOUBLE_EQ(record.turn.time_s, time_s);
+    EXPECT_DOUBLE_EQ(record.cycle.time_s, time_s);
   }
-  EXPECT_FALSE(loop.turn());
+  EXPECT_FALSE(loop.cycle());
   EXPECT_EQ(board.offs, 1);
   EXPECT_EQ(board.kicks, 0) << "a wire that is not heated needs no lease";
 }

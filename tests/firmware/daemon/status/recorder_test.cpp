@@ -37,20 +37,20 @@ class Recorded {
         ring(room),
         recorder(path, settings, ring, desk),
         device_(desk.first()),
-        loop_(*board, NoPace{}, device_, partner(), links, figures_, {ms, from_zero}) {
+        loop_(*board, NoPace{}, device_, command_source(), links, figures_, {ms, from_zero}) {
     links.record = &ring;
   }
-  bool turn() { return loop_.turn(); }
+  bool cycle() { return loop_.cycle(); }
 
   LoopLinks links;
   ParameterDesk desk;
   std::unique_ptr<B> board;
   Demonstration demonstration;
-  Ring<TurnRecord> ring;
+  Ring<CycleRecord> ring;
   Recorder recorder;
 
  private:
-  Partner& partner() {
+  CommandSource& command_source() {
     if constexpr (std::is_same_v<B, Replaying>) {
       return *board;
     } else {
@@ -80,7 +80,7 @@ void record(const std::string& path) {
       settings.trips.following_s *= 1.5;
       ASSERT_TRUE(run.desk.change(stored_settings<double>(settings)));
     }
-    ASSERT_TRUE(run.turn());
+    ASSERT_TRUE(run.cycle());
     if (i % 50 == 0) {
       run.recorder.pump();
     }
@@ -115,7 +115,7 @@ TEST(Recorder, ReplaysToTheSameBitsWithItsParameterChanges) {
           return std::make_unique<Replaying>(path, desk.settings(), desk);
         },
         false);
-    while (run.turn()) {
+    while (run.cycle()) {
       run.recorder.pump();
       run.desk.tidy();
     }
@@ -167,7 +167,7 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
     Recorded<Simulation> run(path, test_settings(), simulated(), true);
     const FullDisk full(200'000);
     for (int i = 0; i < 3000; ++i) {
-      ASSERT_TRUE(run.turn());
+      ASSERT_TRUE(run.cycle());
       if (i % 20 == 0) {
         run.recorder.pump();
       }
@@ -187,22 +187,22 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
 TEST(Recorder, ASlowDiskEndsTheRecordingAtTheGap) {
   const TemporaryFolder folder;
   const std::string path = folder / "run.csv";
-  Ring<TurnRecord> ring(64);
+  Ring<CycleRecord> ring(64);
   LoopLinks links;
   ParameterDesk desk(test_settings(), links);
   Recorder recorder(path, test_settings(), ring, desk);
-  TurnRecord turn{};
-  const auto turns = [&](std::uint64_t from, std::uint64_t to) {
-    for (turn.number = from; turn.number <= to; ++turn.number) {
-      turn.turn.time_s = 1e-3 * static_cast<double>(turn.number);
-      ring.push(turn);
+  CycleRecord cycle{};
+  const auto cycles = [&](std::uint64_t from, std::uint64_t to) {
+    for (cycle.number = from; cycle.number <= to; ++cycle.number) {
+      cycle.cycle.time_s = 1e-3 * static_cast<double>(cycle.number);
+      ring.push(cycle);
     }
   };
-  turns(1, 40);
+  cycles(1, 40);
   recorder.pump();
-  turns(41, 200);  // nobody takes them: 64 stay
+  cycles(41, 200);  // nobody takes them: 64 stay
   recorder.pump();
-  turns(201, 210);
+  cycles(201, 210);
   recorder.finish();
   EXPECT_EQ(recorder.rows(), 104U);
   EXPECT_NE(recorder.problem().find("too slow"), std::string::npos) << recorder.problem();
@@ -214,11 +214,11 @@ TEST(Recorder, APowerCutCostsTheRowsThatAreNotWritten) {
   const std::string path = folder / "run.csv";
   Recorded<Simulation> run(path, test_settings(), simulated(), true);
   for (int i = 0; i < 700; ++i) {
-    ASSERT_TRUE(run.turn());
+    ASSERT_TRUE(run.cycle());
   }
   run.recorder.pump();
   for (int i = 0; i < 100; ++i) {
-    ASSERT_TRUE(run.turn());
+    ASSERT_TRUE(run.cycle());
   }
   const DeviceReplayResult result = replayed(path);
   EXPECT_EQ(result.rows, 700U);

@@ -6,7 +6,7 @@
 namespace smaservo {
 
 /// One step, when it was, and, of a simulation, what was true when the sample was taken.
-struct Turn : DeviceStep<double> {
+struct Cycle : DeviceStep<double> {
   double time_s;
   SimTruth truth;
 };
