@@ -71,7 +71,7 @@ constexpr bool is_heated(DeviceState state) {
 
 /// Why the output is less, or more, than the loop wants.
 enum class LimitReason : std::uint8_t {
-  least_current,
+  min_current,
   current,
   power,
   temperature,

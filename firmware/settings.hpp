@@ -55,7 +55,7 @@ struct DriveSettings {
   DriveKind kind;
   S proportional;  ///< of the current loop: volts by volts of the missing I R; current by current
   S integral_1_s;
-  S least_supply_V, greatest_supply_V;
+  S min_supply_V, max_supply_V;
 };
 
 /// One loop from a controlled variable to heating power, in W by the variable's unit.
@@ -82,13 +82,13 @@ struct TrajectorySettings {
 /// Limits that shape the output; none of them is a fault.
 template <class S>
 struct SoftLimits {
-  S least_current_A;  ///< while running: keeps the resistance measurable
+  S min_current_A;  ///< while running: keeps the resistance measurable
   S current_A;
   S power_W;
   S temperature_K;  ///< of the hottest spot
   S hot_spot_K;     ///< how far that may lie above the estimate
-  S least_strain;   ///< shortest wire that is asked for
-  S greatest_strain;
+  S min_strain;     ///< shortest wire that is asked for
+  S max_strain;
   S stress_Pa;
   S loss_margin;  ///< how much stronger than its file says a wire's cooling may be believed, where
                   ///< that would let it be heated at its temperature limit
@@ -103,13 +103,13 @@ struct TripLimits {
   S temperature_K;  ///< of the hottest spot
   S stress_Pa;
   S slack_Pa;  ///< below it the load is lost
-  S least_strain, greatest_strain;
+  S min_strain, max_strain;
   S following_error;  ///< strain, for following_s
   S following_s;
   S heating_rate_K_s;
   S resistance_low, resistance_high;  ///< of the cold wire, as a share of what its file says
   S current_offset_A;                 ///< greatest zero-current reading at arming
-  S least_ambient_K, greatest_ambient_K;
+  S min_ambient_K, max_ambient_K;
   S driver_K;            ///< temperature of the output stage
   S drift;               ///< of the resistance, relative: fatigue
   std::uint32_t cycles;  ///< full cycles before a warning

@@ -24,8 +24,8 @@ struct MeasurementParams {
   S current_noise_A;  ///< standard deviations
   S voltage_noise_V;
   S lead_resistance_ohm;  ///< 0 with four wires; with two, that of the leads (002 eq. 4)
-  S least_current_A;      ///< below it there is no resistance, only noise
-  S least_resistance_ohm, greatest_resistance_ohm;  ///< outside: a broken wire or a short
+  S min_current_A;        ///< below it there is no resistance, only noise
+  S min_resistance_ohm, max_resistance_ohm;  ///< outside: a broken wire or a short
 };
 
 /// The resistance of a wire in series with a reference resistor, from the voltage over both and
@@ -55,7 +55,7 @@ Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
   }
   m.power_W = power_W;
   const S magnitude_A = I < S(0) ? -I : I;
-  if (magnitude_A < p.least_current_A) {
+  if (magnitude_A < p.min_current_A) {
     return m;
   }
   const S R = V / I - p.lead_resistance_ohm;
@@ -65,7 +65,7 @@ Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
   m.resistance_sd_ohm = sqrt(p.voltage_noise_V * p.voltage_noise_V +
                              sense * sense * p.current_noise_A * p.current_noise_A) /
                         magnitude_A;
-  m.resistance_valid = p.least_resistance_ohm <= R && R <= p.greatest_resistance_ohm;
+  m.resistance_valid = p.min_resistance_ohm <= R && R <= p.max_resistance_ohm;
   return m;
 }
 

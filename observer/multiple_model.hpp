@@ -42,7 +42,7 @@ struct MultipleModelFilter {
     std::uint8_t last_opened;  ///< of a search
     std::uint8_t unopened;     ///< hypotheses of a search that are still to come
     std::uint8_t places;       ///< at which a search has looked for R-phase
-    S most_r_phase;            ///< that it found there
+    S max_r_phase;             ///< that it found there
     PhaseRates<S> rest_slope;  ///< of the phases at rest
     bool rest_slope_known;     ///< to the search
     S others_start;            ///< log-likelihood of the hypotheses that do not start at rest
@@ -80,7 +80,7 @@ struct MultipleModelFilter {
   static constexpr S other_starts = S(-4);
   /// A hypothesis is given up when it is exp(10) times less likely than the best one. To wait
   /// for more is not safer: then the model's own errors decide.
-  static constexpr S least_log_weight = S(-10);
+  static constexpr S min_log_weight = S(-10);
 
   /// Added to the deviation of a hypothesis that does not start at rest, and so has not seen the
   /// wire's resistance there: 2 % of 4 % stroke, as long as it lives.
@@ -110,7 +110,7 @@ struct MultipleModelFilter {
   static constexpr int places_in_call = 4;
   static constexpr S place_distance_K = S(2.5);
 
-  static S least(const S& a, const S& b) { return a < b ? a : b; }
+  static S min(const S& a, const S& b) { return a < b ? a : b; }
   static bool is_alive(const State& s, std::size_t i) { return (s.alive >> i & 1U) != 0; }
   static void drop(State& s, std::size_t i) {
     s.alive = static_cast<std::uint8_t>(s.alive & ~(1U << i));
@@ -183,7 +183,7 @@ void MultipleModelFilter<S>::begin_search(State& s, std::size_t to_open, const S
   s.unopened = static_cast<std::uint8_t>(to_open);
   s.places = 0;
   s.rest_slope_known = false;
-  s.most_r_phase = S(0);
+  s.max_r_phase = S(0);
   s.others_start = others_start;
   s.doubt_s = S(0);
 }
@@ -258,7 +258,7 @@ void MultipleModelFilter<S>::look_for_r_phase(const Params& p, State& s, const S
   for (int i = 0; i < places_in_call; ++i) {
     const S at_K = from_K - place_distance_K * S(s.places);
     const S r = Filter::Kinetics::rest(p.model.kinetics, {at_K, stress_Pa}).r_phase;
-    s.most_r_phase = s.most_r_phase < r ? r : s.most_r_phase;
+    s.max_r_phase = s.max_r_phase < r ? r : s.max_r_phase;
     ++s.places;
   }
 }
@@ -296,8 +296,8 @@ void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
   const S r_phase = matching_share(p, m, s.start_ambient_K, at.between_K, false);
   // What the R-phase can not explain is martensite.
   const auto mixture = [&](const S& share) {
-    const S r = least(share * r_phase, s.most_r_phase);
-    return Phases<S>{S(0.03) + (S(1) - r / r_phase) * least(martensite, S(0.95)) * S(0.97), r};
+    const S r = min(share * r_phase, s.max_r_phase);
+    return Phases<S>{S(0.03) + (S(1) - r / r_phase) * min(martensite, S(0.95)) * S(0.97), r};
   };
   struct Guess {
     S temperature_K;
@@ -314,7 +314,7 @@ void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
       case 4:
         return {at.between_K, mixture(S(1))};
       default:
-        return {at.heats_K + S(25), {least(martensite, S(0.3)), S(0.01)}};
+        return {at.heats_K + S(25), {min(martensite, S(0.3)), S(0.01)}};
     }
   };
   const Guess first = guess();
@@ -380,11 +380,11 @@ void MultipleModelFilter<S>::choose(State& s) {
     best = is_alive(s, i) && s.log_weight[best] < s.log_weight[i] ? i : best;
   }
   s.leader = static_cast<std::uint8_t>(best);
-  const S most = s.log_weight[best];
+  const S max = s.log_weight[best];
   for (std::size_t i = 0; i < hypotheses; ++i) {
-    s.log_likelihood[i] -= most;
-    s.log_weight[i] -= most;
-    if (i != best && !(least_log_weight < s.log_weight[i])) {
+    s.log_likelihood[i] -= max;
+    s.log_weight[i] -= max;
+    if (i != best && !(min_log_weight < s.log_weight[i])) {
       drop(s, i);
     }
   }

@@ -51,8 +51,7 @@ Converter read_converter(TomlTable table, const Settings<double>& settings, SimS
   const std::size_t kind = table.has("type") ? table.choice("type", drive_names)
                                              : static_cast<std::size_t>(settings.drive.kind);
   c.voltage_drive = kind == 1;
-  c.greatest_A =
-      1e-3 * table.number("greatest_mA", 1, 1e5, 1e3 * settings.measuring.current_full_scale_A);
+  c.max_A = 1e-3 * table.number("max_mA", 1, 1e5, 1e3 * settings.measuring.current_full_scale_A);
   c.slew_A_s = table.number("slew_A_s", 0.01, 1e6, std::numeric_limits<double>::infinity());
   c.lead_ohm = table.number("lead_ohm", 0, 1e4, 0.2);
   board.surroundings.supply_V = table.number("supply_V", 0.1, 1000, 24);
@@ -96,14 +95,14 @@ bool is_closed_loop(const std::filesystem::path& path) {
 Settings<double> standard_settings() {
   Settings<double> settings = settings_for(load_wire(std::string(default_wire)).wire);
   settings.measuring.current_full_scale_A = 0.5;
-  settings.limits.least_current_A = 0.02;
+  settings.limits.min_current_A = 0.02;
   settings.limits.current_A = 0.4;
   settings.limits.power_W = 10;
   settings.limits.stress_Pa = 300e6;
   settings.trips.current_A = 0.45;
   settings.trips.stress_Pa = 400e6;
-  settings.trips.least_strain = -0.005;
-  settings.trips.greatest_strain = 0.07;
+  settings.trips.min_strain = -0.005;
+  settings.trips.max_strain = 0.07;
   return stored_settings<double>(settings);
 }
 

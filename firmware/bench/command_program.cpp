@@ -15,7 +15,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double least_lasting_s = 1e-3;
+constexpr double min_lasting_s = 1e-3;
 
 constexpr auto power_units = std::to_array<Unit>({{"W", 1}, {"mW", 1e-3}});
 
@@ -126,7 +126,7 @@ class Maker {
         table_.has("shape") ? static_cast<Shape>(table_.choice("shape", shape_names)) : Shape::hold;
     switch (shape) {
       case Shape::hold:
-        line(setpoint_.first, setpoint_.second, table_.number("for_s", least_lasting_s, longest_s));
+        line(setpoint_.first, setpoint_.second, table_.number("for_s", min_lasting_s, longest_s));
         break;
       case Shape::staircase:
         staircase();
@@ -158,7 +158,7 @@ class Maker {
   /// There and back.
   void staircase() {
     const int steps = static_cast<int>(table_.number("steps", 1, 1000));
-    const double each_s = table_.number("each_s", least_lasting_s, longest_s);
+    const double each_s = table_.number("each_s", min_lasting_s, longest_s);
     for (int i = 0; i <= 2 * steps; ++i) {
       const double level = between(static_cast<double>(i <= steps ? i : 2 * steps - i) / steps);
       line(level, level, each_s);
@@ -174,13 +174,13 @@ class Maker {
     } else {
       stretch.from_Hz = stretch.to_Hz = table_.number("Hz", 1e-3, 100);
     }
-    stretch.seconds = table_.number("for_s", least_lasting_s, longest_s);
+    stretch.seconds = table_.number("for_s", min_lasting_s, longest_s);
     to_.push_back(stretch);
   }
 
   void trapezoid() {
-    const double ramp_s = table_.number("ramp_s", least_lasting_s, longest_s);
-    const double hold_s = table_.number("hold_s", least_lasting_s, longest_s);
+    const double ramp_s = table_.number("ramp_s", min_lasting_s, longest_s);
+    const double hold_s = table_.number("hold_s", min_lasting_s, longest_s);
     const double times = std::round(table_.number("times", 1, 1e4, 1));
     for (double i = 0; i < times; ++i) {
       line(setpoint_.first, setpoint_.second, ramp_s);
@@ -191,9 +191,9 @@ class Maker {
   }
 
   void random_steps() {
-    const auto [least_s, most_s] = table_.range("each_s", least_lasting_s, longest_s);
-    double left_s = table_.number("for_s", least_lasting_s, longest_s);
-    std::uniform_real_distribution<double> seconds(least_s, most_s);
+    const auto [min_s, max_s] = table_.range("each_s", min_lasting_s, longest_s);
+    double left_s = table_.number("for_s", min_lasting_s, longest_s);
+    std::uniform_real_distribution<double> seconds(min_s, max_s);
     std::uniform_real_distribution<double> share(0, 1);
     while (left_s > 0) {
       const double part_s = std::min(seconds(random_), left_s);

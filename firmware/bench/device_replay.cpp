@@ -69,8 +69,8 @@ class Comparison {
       OutputDifference& difference = pair.difference;
       result.compared.push_back(difference.column);
       if (difference.rows > 0) {
-        difference.tolerated = tolerance_ > 0 && pair.numbers &&
-                               difference.greatest <= tolerance_ * (pair.most - pair.least);
+        difference.tolerated =
+            tolerance_ > 0 && pair.numbers && difference.max <= tolerance_ * (pair.max - pair.min);
         result.differences.push_back(difference);
       }
     }
@@ -82,13 +82,13 @@ class Comparison {
     std::size_t position;
     OutputDifference difference{};
     bool numbers = true;  // wherever they differ
-    double least = std::numeric_limits<double>::infinity();
-    double most = -least;
+    double min = std::numeric_limits<double>::infinity();
+    double max = -min;
 
     void span(std::string_view recorded) {
       if (const std::optional<double> value = number_in(recorded)) {
-        least = std::min(least, *value);
-        most = std::max(most, *value);
+        min = std::min(min, *value);
+        max = std::max(max, *value);
       }
     }
   };
@@ -103,7 +103,7 @@ class Comparison {
     const std::optional<double> before = number_in(recorded);
     const std::optional<double> now = number_in(now_);
     if (before && now) {
-      difference.greatest = std::max(difference.greatest, std::abs(*before - *now));
+      difference.max = std::max(difference.max, std::abs(*before - *now));
     } else {
       pair.numbers = false;
     }
@@ -252,7 +252,7 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
                    {"greatest", "{:.4g}"},
                    {"first one: in the trace, now"}});
   for (const OutputDifference& d : result.differences) {
-    table.add({d.column, d.rows, d.first_s, d.greatest,
+    table.add({d.column, d.rows, d.first_s, d.max,
                fmt::format("'{}', '{}'{}", d.recorded, d.now, d.tolerated ? ", tolerated" : "")});
   }
   return text + table.text();

@@ -24,7 +24,7 @@ struct OutputDifference {
   std::uint64_t rows = 0;     ///< that differ in any bit
   double first_s = 0;         ///< time of the first one
   std::string recorded, now;  ///< texts of the first one
-  double greatest = 0;        ///< of numbers; 0 for texts
+  double max = 0;             ///< of numbers; 0 for texts
   bool tolerated = false;     ///< all of them
 };
 

@@ -23,7 +23,7 @@ Load read_load(TomlTable table) {
     load = VaryingLoad{
         1e6 * table.number("stress_MPa", 0, 1000), 1e6 * table.number("amplitude_MPa", 0, 1000),
         table.number("period_s", 0.1, 1000), 1e6 * table.number("walk_MPa", 0, 1000, 0),
-        1e6 * table.number("least_MPa", 0, 1000)};
+        1e6 * table.number("min_MPa", 0, 1000)};
   } else {
     table.fail("type", "must be one of: constant, spring, varying");
   }
@@ -130,7 +130,7 @@ Scenario load_scenario(const std::filesystem::path& file) {
     JouleScenario j{zero_degC_K + joule.number("ambient_degC", -40, 80),
                     joule.number("draught", 0.1, 10),
                     joule.number("overheat_K", 0, 100),
-                    1e-3 * joule.number("least_current_mA", 0, 1e4),
+                    1e-3 * joule.number("min_current_mA", 0, 1e4),
                     joule.number("rate_Hz", 1, 1000),
                     joule.number("record_from_s", 0, longest_run_s, 0),
                     read_drive(joule.tables("drive"), random),

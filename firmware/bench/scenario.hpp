@@ -27,7 +27,7 @@ struct JouleScenario {
   double ambient_K;
   double draught;  ///< factor on still-air convection
   double overheat_K;
-  double least_current_A;
+  double min_current_A;
   double rate_Hz;
   double record_from_s;
   std::vector<DriveStep> drive;

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, reading_count> readings{"current", "volta
 constexpr std::array<std::string_view, 6> sensor_faults{"missing", "stuck", "offset",
                                                         "noise",   "value", "gain"};
 /// The greatest amount of a sensor's fault: A, V, N, V, K, K.
-constexpr std::array<double, reading_count> greatest_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
+constexpr std::array<double, reading_count> max_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
 
 void read_surroundings(TomlTable& table, SimEvent& event) {
   if (table.has("ambient_degC")) {
@@ -54,8 +54,8 @@ void read_breakage(TomlTable& table, SimEvent& event) {
     const std::size_t reading = table.choice("sensor", readings);
     SpoiltSensor spoilt{static_cast<SensorFault>(1 + table.choice("fault", sensor_faults)), 0};
     if (spoilt.fault >= SensorFault::offset) {
-      const double most = greatest_amounts.at(reading);
-      spoilt.amount = table.number("amount", -most, most);
+      const double max = max_amounts.at(reading);
+      spoilt.amount = table.number("amount", -max, max);
     }
     event.sensor = {static_cast<Reading>(reading), spoilt};
   }

@@ -139,13 +139,12 @@ S Controller<S>::limited_setpoint(const Prepared<S>& p, const Demand<S>& demand,
   const SoftLimits<S>& q = p.settings.limits;
   switch (demand.mode) {
     case Mode::strain:
-      return clamp(demand.setpoint, q.least_strain, q.greatest_strain, LimitReason::strain,
-                   reasons);
+      return clamp(demand.setpoint, q.min_strain, q.max_strain, LimitReason::strain, reasons);
     case Mode::position: {
       const S length_m = p.settings.wire.geometry.length_m;
       const S zero = p.settings.axis.zero_strain;
-      return clamp(demand.setpoint, (zero - q.greatest_strain) * length_m,
-                   (zero - q.least_strain) * length_m, LimitReason::strain, reasons);
+      return clamp(demand.setpoint, (zero - q.max_strain) * length_m,
+                   (zero - q.min_strain) * length_m, LimitReason::strain, reasons);
     }
     case Mode::temperature:
       return clamp(demand.setpoint, S(0), q.temperature_K - q.hot_spot_K, LimitReason::temperature,

@@ -19,13 +19,13 @@ struct CurrentLoop {
   };
 
   /// How much the loop may add or take, as a share of what is asked.
-  static constexpr S most = S(0.1);
+  static constexpr S max = S(0.1);
 
   /// `measured_A` is the answer to the last step's current; it may be NaN. Cost: 12 flops.
   static Result step(const DriveSettings<S>& q, State& s, const S& asked_A, const S& measured_A,
                      const S& ohm, const S& dt_s) {
     const S error = isfinite(measured_A) ? s.asked_A - measured_A : S(0);
-    const S bound = most * asked_A;
+    const S bound = max * asked_A;
     s.trim_A = within(s.trim_A + q.integral_1_s * error * dt_s, bound);
     s.asked_A = asked_A;
     const S current_A = asked_A + within(s.trim_A + q.proportional * error, bound);

@@ -44,26 +44,26 @@ class PowerRange {
   /// The wanted power as far as it is allowed, with the reason: the smallest of the limits. What is
   /// not a number becomes the least power.
   S apply(const S& wanted_W, LimitReasons& reasons) const {
-    if (most_W_ < wanted_W) {
+    if (max_W_ < wanted_W) {
       reasons.add(because_);
-    } else if (!(least_W_ <= wanted_W)) {
-      reasons.add(LimitReason::least_current);
+    } else if (!(min_W_ <= wanted_W)) {
+      reasons.add(LimitReason::min_current);
     }
     return within(wanted_W);
   }
   /// The same in silence.
   S within(const S& wanted_W) const {
-    const S bounded = most_W_ < wanted_W ? most_W_ : wanted_W;
-    return least_W_ <= bounded ? bounded : least_W_;
+    const S bounded = max_W_ < wanted_W ? max_W_ : wanted_W;
+    return min_W_ <= bounded ? bounded : min_W_;
   }
 
  private:
   /// A wire comes to its limit of temperature or strain in this time, and is held there.
   static constexpr S approach_s = S(0.01);
 
-  void most(LimitReason why, const S& power_W) {
-    if (power_W < most_W_) {
-      most_W_ = S(0) < power_W ? power_W : S(0);
+  void max(LimitReason why, const S& power_W) {
+    if (power_W < max_W_) {
+      max_W_ = S(0) < power_W ? power_W : S(0);
       because_ = why;
     }
   }
@@ -71,36 +71,36 @@ class PowerRange {
   void limit_strain(const Prepared<S>& p, const ControlInputs<S>& known, const S& loss_W,
                     const S& dt_s);
   void limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W);
-  void limit_duty(const SoftLimits<S>& q, const S& duty, const S& greatest_W);
+  void limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W);
 
   /// Up to here the least current goes on beside every limit: without it the resistance, and with
   /// it the estimate that the limits need, is lost; it heats by less than a kelvin. Only limits of
   /// current and power below it count.
-  S least_W_;
-  S most_W_;
+  S min_W_;
+  S max_W_;
   LimitReason because_ = LimitReason::current;
 };
 
 template <class S>
 PowerRange<S>::PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, const S& ohm,
                           const S& loss_W, const S& duty, const S& sustained_W, const S& dt_s)
-    : least_W_(p.settings.limits.least_current_A * p.settings.limits.least_current_A * ohm),
-      most_W_(p.settings.limits.current_A * p.settings.limits.current_A * ohm) {
+    : min_W_(p.settings.limits.min_current_A * p.settings.limits.min_current_A * ohm),
+      max_W_(p.settings.limits.current_A * p.settings.limits.current_A * ohm) {
   const SoftLimits<S>& q = p.settings.limits;
-  const S greatest_W = most_W_;
-  most(LimitReason::power, q.power_W);
-  least_W_ = most_W_ < least_W_ ? most_W_ : least_W_;
+  const S max_W = max_W_;
+  max(LimitReason::power, q.power_W);
+  min_W_ = max_W_ < min_W_ ? max_W_ : min_W_;
   const S wire_K =
       known.estimate.temperature_K < known.hot_K ? known.hot_K : known.estimate.temperature_K;
   const S below_K = q.temperature_K - q.hot_spot_K - wire_K;
-  most(LimitReason::temperature,
-       loss_W +
-           FeedForward<S>::power_W(p.observer.model.body.capacity_J_K * below_K, approach_s, dt_s));
+  max(LimitReason::temperature,
+      loss_W +
+          FeedForward<S>::power_W(p.observer.model.body.capacity_J_K * below_K, approach_s, dt_s));
   limit_sustained(p, known, sustained_W);
   if (isfinite(known.supply_V)) {
-    most(LimitReason::supply, known.supply_V * known.supply_V / ohm);
+    max(LimitReason::supply, known.supply_V * known.supply_V / ohm);
   }
-  limit_duty(q, duty, greatest_W);
+  limit_duty(q, duty, max_W);
   limit_strain(p, known, loss_W, dt_s);
   // As measured: the filter's lag is longer than a wire needs.
   limit_stress(
@@ -119,9 +119,9 @@ void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>
                            ? known.filter.start_ambient_K
                            : known.filter.ambient_K;
   const S air_K = believed_K < known.air_K ? known.air_K : believed_K;
-  const S most_for_long_W =
+  const S max_for_long_W =
       q.loss_margin * p.observer.model.body.loss_W(q.temperature_K - q.hot_spot_K - air_K);
-  most(LimitReason::temperature, most_for_long_W + S(10) * (most_for_long_W - sustained_W));
+  max(LimitReason::temperature, max_for_long_W + S(10) * (max_for_long_W - sustained_W));
 }
 
 /// What the transformation takes by itself is less heat than the wire needs to contract by so much.
@@ -131,13 +131,13 @@ template <class S>
 void PowerRange<S>::limit_strain(const Prepared<S>& p, const ControlInputs<S>& known,
                                  const S& loss_W, const S& dt_s) {
   const auto& model = p.observer.model;
-  const S room = known.estimate.strain - p.settings.limits.least_strain;
+  const S room = known.estimate.strain - p.settings.limits.min_strain;
   if (S(0) < room) {
     const S by_m = strain_slopes(model.material, known.filter.stress_Pa).martensite;
-    most(LimitReason::strain,
-         loss_W + FeedForward<S>::power_W(model.body.latent_m2a_J * room / by_m, approach_s, dt_s));
+    max(LimitReason::strain,
+        loss_W + FeedForward<S>::power_W(model.body.latent_m2a_J * room / by_m, approach_s, dt_s));
   } else {
-    most(LimitReason::strain, loss_W * (S(1) + S(1000) * room));
+    max(LimitReason::strain, loss_W * (S(1) + S(1000) * room));
   }
 }
 
@@ -148,18 +148,18 @@ void PowerRange<S>::limit_stress(const SoftLimits<S>& q, const S& stress_Pa, con
   const S room = S(10) * (q.stress_Pa - stress_Pa);
   if (room < q.stress_Pa) {
     const S share = room / q.stress_Pa;
-    most(LimitReason::stress,
-         share < S(0) ? loss_W * (S(1) + S(10) * share) : loss_W + share * (most_W_ - loss_W));
+    max(LimitReason::stress,
+        share < S(0) ? loss_W * (S(1) + S(10) * share) : loss_W + share * (max_W_ - loss_W));
   }
 }
 
 /// Over the last 5 % of the duty the power falls to nothing. The whole current all the time is no
 /// limit.
 template <class S>
-void PowerRange<S>::limit_duty(const SoftLimits<S>& q, const S& duty, const S& greatest_W) {
+void PowerRange<S>::limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W) {
   const S room = S(20) * (q.duty - duty);
   if (room < q.duty && q.duty < S(1)) {
-    most(LimitReason::duty, (room < S(0) ? S(0) : room) * greatest_W);
+    max(LimitReason::duty, (room < S(0) ? S(0) : room) * max_W);
   }
 }
 

@@ -21,15 +21,15 @@ struct Trajectory {
   /// at once.
   static Result step(const TrajectorySettings<S>& q, const S& before, const S& setpoint,
                      const S& strain, const S& dt_s) {
-    const S most = strain + lead;
-    const S from = most < before ? most : before;
+    const S max = strain + lead;
+    const S from = max < before ? max : before;
     if (setpoint < from) {
       const S heated = from - q.heating_rate_1_s * dt_s;
       return {setpoint < heated ? heated : setpoint, false};
     }
     const S cooled = from + q.cooling_rate_1_s * dt_s;
     const S asked = cooled < setpoint ? cooled : setpoint;
-    return most < asked ? Result{most, true} : Result{asked, false};
+    return max < asked ? Result{max, true} : Result{asked, false};
   }
 };
 

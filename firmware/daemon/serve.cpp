@@ -23,7 +23,7 @@ LoopTiming timing_of(const Settings<double>& settings, double for_s) {
   const std::int64_t period_ns = std::llround(period_s * 1e9);
   return {.period_ns = period_ns,
           .from_zero = true,
-          .most_cycles = static_cast<std::uint64_t>(std::llround(for_s / period_s))};
+          .max_cycles = static_cast<std::uint64_t>(std::llround(for_s / period_s))};
 }
 
 ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings) {

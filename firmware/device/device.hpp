@@ -180,7 +180,7 @@ auto Device<S>::protect(const MonitorInputs<S>& seen, State& s) -> Verdict {
 
 template <class S>
 void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
-  out.current_A = p.settings.limits.least_current_A;
+  out.current_A = p.settings.limits.min_current_A;
   out.voltage_V = out.current_A * p.cold_ohm;
 }
 
@@ -215,13 +215,13 @@ void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>&
 /// No more than keeps the resistance measurable. The controller learns what was given of it.
 template <class S>
 void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
-  const S least_A = p.settings.limits.least_current_A;
+  const S min_A = p.settings.limits.min_current_A;
   out.limit_reasons |= 1U << static_cast<unsigned>(LimitReason::protection);
-  if (!(least_A < out.current_A)) {
+  if (!(min_A < out.current_A)) {
     return;
   }
-  const S share = least_A / out.current_A;
-  out.current_A = least_A;
+  const S share = min_A / out.current_A;
+  out.current_A = min_A;
   out.voltage_V *= share;
   out.power_W = out.power_W * share * share;
   s.controller.current_loop.asked_A = out.current_A;

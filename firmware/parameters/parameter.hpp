@@ -38,8 +38,8 @@ struct Value {
 
 /// As std::isfinite, which no constant may call yet.
 constexpr bool is_finite(float x) {
-  constexpr float most = std::numeric_limits<float>::max();
-  return -most <= x && x <= most;
+  constexpr float max = std::numeric_limits<float>::max();
+  return -max <= x && x <= max;
 }
 
 /// What a device needs of a row. Ranges are inclusive and, as the default, values of `type`. A real
@@ -51,7 +51,7 @@ struct ParameterRow {
   Change change;
   Needs needs;
   Lane lane;
-  Value least, standard, greatest;
+  Value min, standard, max;
   const void* (*at)(const Settings<S>&);  ///< as load_real() and load_whole() want it
 
   Value get(const Settings<S>& settings) const {
@@ -96,11 +96,11 @@ struct Member {
 inline constexpr float no_default = std::numeric_limits<float>::quiet_NaN();
 
 template <class Access, class S = typename Access::Scalar>
-constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float least,
-                            float standard, float greatest, std::string_view meaning) {
+constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float min, float standard,
+                            float max, std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, S>);
-  return {{key, ValueType::real, change, Needs::nothing, Lane::none, Value::real(least),
-           Value::real(standard), Value::real(greatest), Access::at},
+  return {{key, ValueType::real, change, Needs::nothing, Lane::none, Value::real(min),
+           Value::real(standard), Value::real(max), Access::at},
           path,
           kind,
           {},
@@ -108,12 +108,11 @@ constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float 
 }
 
 template <class Access, class S = typename Access::Scalar>
-constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t least,
-                              std::uint32_t standard, std::uint32_t greatest,
-                              std::string_view meaning) {
+constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t min,
+                              std::uint32_t standard, std::uint32_t max, std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, std::uint32_t>);
-  return {{key, ValueType::number, change, Needs::nothing, Lane::none, Value::number(least),
-           Value::number(standard), Value::number(greatest), Access::at},
+  return {{key, ValueType::number, change, Needs::nothing, Lane::none, Value::number(min),
+           Value::number(standard), Value::number(max), Access::at},
           path,
           kind::number,
           {},

@@ -88,27 +88,27 @@ consteval auto all_rules() {
       rule("timing.period_s", not_above, "temperature.tracking_s", tracking),
       rule("timing.period_s", not_above, "resistance.tracking_s", tracking),
       rule("timing.period_s", not_above, "force.tracking_s", tracking),
-      rule("limits.least_current_A", below, "limits.current_A", between),
+      rule("limits.min_current_A", below, "limits.current_A", between),
       rule("limits.current_A", below, "trips.current_A", is_first),
       rule("trips.current_A", below, "measurement.current_full_scale_A", "it could not be seen"),
-      rule("trips.current_offset_A", below, "limits.least_current_A",
+      rule("trips.current_offset_A", below, "limits.min_current_A",
            "the least current must stand out from the offset that is let pass"),
       rule("limits.temperature_K", below, "trips.temperature_K", is_first),
       rule("limits.temperature_K", not_above, "wire.limits.temperature_K", wire),
       rule("wire.m2a.start_0_K", below, "limits.temperature_K", "the wire could not contract", 1,
            "limits.hot_spot_K"),
-      rule("trips.greatest_ambient_K", below, "limits.temperature_K",
+      rule("trips.max_ambient_K", below, "limits.temperature_K",
            "air alone must not reach the limit"),
-      rule("trips.least_ambient_K", below, "trips.greatest_ambient_K", between),
-      rule("limits.least_strain", below, "limits.greatest_strain", between),
-      rule("trips.least_strain", below, "limits.least_strain", is_first),
-      rule("limits.greatest_strain", below, "trips.greatest_strain", is_first),
-      rule("limits.least_strain", not_above, "axis.zero_strain", "position 0 must be allowed"),
-      rule("axis.zero_strain", not_above, "limits.greatest_strain", "position 0 must be allowed"),
+      rule("trips.min_ambient_K", below, "trips.max_ambient_K", between),
+      rule("limits.min_strain", below, "limits.max_strain", between),
+      rule("trips.min_strain", below, "limits.min_strain", is_first),
+      rule("limits.max_strain", below, "trips.max_strain", is_first),
+      rule("limits.min_strain", not_above, "axis.zero_strain", "position 0 must be allowed"),
+      rule("axis.zero_strain", not_above, "limits.max_strain", "position 0 must be allowed"),
       rule("limits.stress_Pa", below, "trips.stress_Pa", is_first),
       rule("limits.stress_Pa", not_above, "wire.limits.stress_Pa", wire),
       rule("trips.slack_Pa", below, "limits.stress_Pa", between),
-      rule("drive.least_supply_V", below, "drive.greatest_supply_V", between),
+      rule("drive.min_supply_V", below, "drive.max_supply_V", between),
       rule("profile.loop_s", below, "profile.cycle_s", "an inner loop is part of a cycle"),
       rule("wire.heat.latent_r2a_J_kg", not_above, "wire.heat.latent_m2a_J_kg",
            "a closed cycle would gain heat"),
@@ -151,9 +151,9 @@ template <class S>
 bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
   const Isobar<S> at = isobar(surface, stress_Pa);
   // What a wire file just allows may be rounded to the other side.
-  const auto within = [](const S& least, const S& x, const S& greatest) {
-    const S slack = S(1e-3) * least;
-    return least - slack <= x && x <= greatest + slack;
+  const auto within = [](const S& min, const S& x, const S& max) {
+    const S slack = S(1e-3) * min;
+    return min - slack <= x && x <= max + slack;
   };
   if (relation == Relation::curvature) {
     return within(S(1e-3), at.shape.curvature, S(30));

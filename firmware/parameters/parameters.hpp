@@ -103,15 +103,15 @@ enum class Fit : std::uint8_t { inside, not_finite, below, above };
 template <class S>
 constexpr Fit fit(const ParameterRow<S>& row, Value value) {
   if (row.type != ValueType::real) {
-    return value.number() < row.least.number()      ? Fit::below
-           : row.greatest.number() < value.number() ? Fit::above
-                                                    : Fit::inside;
+    return value.number() < row.min.number()   ? Fit::below
+           : row.max.number() < value.number() ? Fit::above
+                                               : Fit::inside;
   }
   const float x = value.real();
   if (!is_finite(x)) {
     return Fit::not_finite;
   }
-  return x < row.least.real() ? Fit::below : row.greatest.real() < x ? Fit::above : Fit::inside;
+  return x < row.min.real() ? Fit::below : row.max.real() < x ? Fit::above : Fit::inside;
 }
 
 namespace detail {
@@ -137,8 +137,8 @@ constexpr bool paths_are_unique() {
 
 constexpr bool defaults_are_in_range() {
   return std::ranges::all_of(parameters<float>, [](const Parameter<float>& row) {
-    const bool ordered = row.type == ValueType::real ? row.least.real() < row.greatest.real()
-                                                     : row.least.number() < row.greatest.number();
+    const bool ordered = row.type == ValueType::real ? row.min.real() < row.max.real()
+                                                     : row.min.number() < row.max.number();
     return ordered && (!row.has_default() || fit(row, row.standard) == Fit::inside);
   });
 }
@@ -166,7 +166,7 @@ constexpr bool units_stand_in_paths() {
 
 static_assert(in_order_of_keys(), "keys rise from 2000h to 5FFFh, each stands once");
 static_assert(paths_are_unique());
-static_assert(defaults_are_in_range(), "least <= default <= greatest");
+static_assert(defaults_are_in_range(), "min <= default <= max");
 static_assert(units_stand_in_paths());
 
 }  // namespace detail

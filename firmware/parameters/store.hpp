@@ -91,7 +91,7 @@ SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
   }
   const image::Header header = image::take_header(bytes);
   report.state = is_erased(bytes) ? SlotState::empty : SlotState::damaged;
-  if (header.magic != image::magic || header.entries > image::most_entries) {
+  if (header.magic != image::magic || header.entries > image::max_entries) {
     return report;
   }
   Crc32 crc;

@@ -59,7 +59,7 @@ namespace image {
 
 inline constexpr std::uint32_t magic = 0x53414D53;  // "SMAS"
 inline constexpr std::uint16_t format = 1;
-inline constexpr std::uint16_t most_entries = 4096;
+inline constexpr std::uint16_t max_entries = 4096;
 inline constexpr std::size_t header_size = 16;
 inline constexpr std::size_t entry_size = 8;
 inline constexpr std::size_t crc_size = 4;
@@ -220,12 +220,12 @@ class Reader {
     }
   }
 
-  static constexpr std::size_t most_rows = 512;
-  static_assert(parameter_count <= most_rows);
+  static constexpr std::size_t max_rows = 512;
+  static_assert(parameter_count <= max_rows);
 
   const StoreSchema<S>& schema_;
   Settings<S> settings_;
-  std::bitset<most_rows> own_, from_moved_;
+  std::bitset<max_rows> own_, from_moved_;
   std::uint16_t unknown_ = 0;
   Finding finding_;
 };

@@ -15,8 +15,8 @@ struct ArmingCheck {
   bool cold;  ///< the wire has the air's temperature
 
   static constexpr S settling_s = S(0.01);
-  static constexpr S least_s = S(0.05);
-  static constexpr S most_s = S(0.1);  ///< what has not been found by then is missing
+  static constexpr S min_s = S(0.05);
+  static constexpr S max_s = S(0.1);  ///< what has not been found by then is missing
 
   /// With the last sample before the sense current flows.
   static ArmingCheck begin(const MonitorInputs<S>& seen) {

@@ -78,10 +78,10 @@ auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active
   in.safe = q.safe.state;
   if (s.state == DeviceState::arming) {
     s.check.take(seen, s.in_state_s);
-    if (!(s.in_state_s < ArmingCheck<S>::least_s)) {
+    if (!(s.in_state_s < ArmingCheck<S>::min_s)) {
       const FaultSet found = s.check.findings(seen);
       in.passed = found.empty();
-      in.checked = in.passed || !(s.in_state_s < ArmingCheck<S>::most_s);
+      in.checked = in.passed || !(s.in_state_s < ArmingCheck<S>::max_s);
       s.findings = in.checked ? found : s.findings;
     }
   }
@@ -157,7 +157,7 @@ bool Supervisor<S>::safe_over(const MonitorInputs<S>& seen, const State& s) {
     return !(since_s < q.hold_s);
   }
   const bool cold = seen.estimate.temperature_K < seen.filter.ambient_K + S(5);
-  const bool longest = !(s.safe_strain < seen.prepared.settings.limits.greatest_strain);
+  const bool longest = !(s.safe_strain < seen.prepared.settings.limits.max_strain);
   return cold || longest || !(S(0) < q.release_1_s) || !(since_s < longest_release_s);
 }
 

@@ -14,8 +14,8 @@ constexpr std::array<std::string_view, 6> states{"starting", "ready",    "arming
                                                  "running",  "stopping", "fault"};
 constexpr std::array<std::string_view, 3> healths{"good", "searching", "doubtful"};
 constexpr std::array<std::string_view, static_cast<std::size_t>(LimitReason::count)> limit_names{
-    "least_current", "current", "power",  "temperature", "strain",
-    "stress",        "duty",    "supply", "trajectory",  "protection"};
+    "min_current", "current", "power",  "temperature", "strain",
+    "stress",      "duty",    "supply", "trajectory",  "protection"};
 
 void add(std::string& to, std::string_view name) {
   if (!to.empty()) {

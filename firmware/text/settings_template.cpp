@@ -61,7 +61,7 @@ std::pair<std::string, std::string> in_common_unit(const Row& row,
     return fmt::format("{:.6g}", unit.from_si(std::stod(value_text(row, Value::real(value)))));
   };
   return {fmt::format("{} = {}", key_with(key_parts(row).name, unit.suffix), text(si)),
-          fmt::format("{} to {}", text(row.least.real()), text(row.greatest.real()))};
+          fmt::format("{} to {}", text(row.min.real()), text(row.max.real()))};
 }
 
 double two_digits(double x) {
@@ -105,7 +105,7 @@ Settings<double> settings_for(const Wire<double>& wire) {
   const double current_A = wire.limits.current_A;
   const double ohm = cold_resistance_ohm(wire);
   s.limits.current_A = current_A;
-  s.limits.least_current_A = 0.1 * current_A;
+  s.limits.min_current_A = 0.1 * current_A;
   s.limits.power_W = two_digits(2 * current_A * current_A * ohm);
   s.limits.stress_Pa = std::min(s.limits.stress_Pa, 0.75 * wire.limits.stress_Pa);
   s.limits.temperature_K = std::min(s.limits.temperature_K, wire.limits.temperature_K);

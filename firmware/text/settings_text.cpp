@@ -77,7 +77,7 @@ std::string range_text(const Parameter<double>& row) {
     case ValueType::number:
       break;
   }
-  return fmt::format("{} to {}", value_text(row, row.least), value_text(row, row.greatest));
+  return fmt::format("{} to {}", value_text(row, row.min), value_text(row, row.max));
 }
 
 std::string changes_text(const Settings<double>& from, const Settings<double>& to) {

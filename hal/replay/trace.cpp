@@ -57,7 +57,7 @@ constexpr bool may_be_empty(Column column, const TraceOptions& options) {
 }
 
 constexpr std::size_t buffer_size = std::size_t{1} << 20;
-constexpr std::size_t most_complaints = 10;
+constexpr std::size_t max_complaints = 10;
 constexpr double not_there = std::numeric_limits<double>::quiet_NaN();
 
 std::string_view trimmed(std::string_view text) {
@@ -444,7 +444,7 @@ struct TraceReader::Impl {
         fail(complaint);
       }
       ++skipped;
-      if (complaints.size() < most_complaints) {
+      if (complaints.size() < max_complaints) {
         complaints.push_back(complaint);
       }
     }

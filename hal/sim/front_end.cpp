@@ -61,21 +61,21 @@ double FrontEnd::advance(const DriveCommand* command, double supply_V, double wi
   const double path_ohm =
       (faults.circuit == Circuit::shorted ? 1 - faults.bridged_share : 1) * wire_ohm +
       converter_.lead_ohm;
-  const double most_V = std::max(supply_V, 0.0);
+  const double max_V = std::max(supply_V, 0.0);
   double wanted_A = 0;
   driven_V_ = 0;
   if (command != nullptr && converter_.voltage_drive) {
-    driven_V_ = std::clamp(command->voltage_V, 0.0, most_V);
+    driven_V_ = std::clamp(command->voltage_V, 0.0, max_V);
     wanted_A = driven_V_ / path_ohm;
   } else if (command != nullptr) {
     // A current source drives what it finds against its supply, an open end too.
-    wanted_A = std::min(std::max(command->current_A, 0.0), most_V / path_ohm);
-    driven_V_ = wanted_A > 0 ? most_V : 0;
+    wanted_A = std::min(std::max(command->current_A, 0.0), max_V / path_ohm);
+    driven_V_ = wanted_A > 0 ? max_V : 0;
   }
   if (faults.circuit == Circuit::broken || faults.circuit == Circuit::open) {
     return current_A_ = 0;
   }
-  wanted_A = std::min(wanted_A, converter_.greatest_A);
+  wanted_A = std::min(wanted_A, converter_.max_A);
   // To switch off takes no slew.
   const double step_A = converter_.slew_A_s * dt_s;
   current_A_ = wanted_A > 0 ? std::clamp(wanted_A, current_A_ - step_A, current_A_ + step_A) : 0;

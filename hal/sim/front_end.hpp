@@ -14,7 +14,7 @@ namespace smaservo {
 /// The output stage.
 struct Converter {
   bool voltage_drive = false;  ///< takes DriveCommand::voltage_V, else current_A
-  double greatest_A;           ///< saturates there
+  double max_A;                ///< saturates there
   double slew_A_s;             ///< of the current; infinite: none
   double lead_ohm;             ///< in series with the wire, outside of the sense leads
 };

@@ -7,7 +7,7 @@ namespace smaservo {
 namespace {
 
 constexpr double close_m = 1e-9;
-constexpr int most_steps = 60;
+constexpr int max_steps = 60;
 
 }  // namespace
 
@@ -49,7 +49,7 @@ double SimPair::balanced_N() const {
     high_N += step_N;
     high_m = excess_m(high_N);
   }
-  for (int i = 0, side = 0; i < most_steps && high_m - low_m > close_m; ++i) {
+  for (int i = 0, side = 0; i < max_steps && high_m - low_m > close_m; ++i) {
     const double at_N = (low_N * high_m - high_N * low_m) / (high_m - low_m);
     const double at_m = excess_m(at_N);
     if (std::abs(at_m) < close_m) {

@@ -35,7 +35,7 @@ void LoadModel::advance(double time_s, double dt_s, double strain, std::mt19937_
     walk_Pa_ += varying->walk_Pa * std::sqrt(dt_s) * normal(random) - walk_Pa_ * dt_s / 3;
     const double wave = std::sin(2 * std::numbers::pi * time_s / varying->period_s);
     stress_Pa_ =
-        std::max(varying->least_Pa, varying->stress_Pa + varying->amplitude_Pa * wave + walk_Pa_);
+        std::max(varying->min_Pa, varying->stress_Pa + varying->amplitude_Pa * wave + walk_Pa_);
   }
 }
 

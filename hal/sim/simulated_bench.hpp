@@ -19,7 +19,7 @@ struct SpringLoad {
 struct VaryingLoad {
   double stress_Pa, amplitude_Pa, period_s;
   double walk_Pa;  ///< per square root of a second, pulled back within 3 s
-  double least_Pa;
+  double min_Pa;
 };
 using Load = std::variant<ConstantLoad, SpringLoad, VaryingLoad>;
 

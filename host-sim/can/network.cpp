@@ -13,7 +13,7 @@
 namespace smaservo::can {
 namespace {
 
-constexpr unsigned most_nodes = 127;
+constexpr unsigned max_nodes = 127;
 constexpr std::uint32_t lss_request = 0x7E5;
 constexpr std::uint32_t lss_answer = 0x7E4;
 constexpr std::uint8_t identify_unconfigured = 0x4C;
@@ -24,7 +24,7 @@ constexpr std::array<const char*, 16> functions{
     "NMT",    "EMCY",   "TIME",   "TPDO 1",     "RPDO 1",      "TPDO 2", "RPDO 2",    "TPDO 3",
     "RPDO 3", "TPDO 4", "RPDO 4", "SDO answer", "SDO request", "",       "heartbeat", "LSS"};
 
-void note(std::array<FoundNode, most_nodes + 1>& nodes, FoundNodes& found, const CanFrame& frame) {
+void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found, const CanFrame& frame) {
   const unsigned node = frame.id & 0x7FU;
   const unsigned function = frame.id >> 7U;
   if (frame.extended || frame.remote) return;
@@ -64,10 +64,10 @@ std::string nmt_text(const CanFrame& frame) {
 
 FoundNodes scan(Bus& bus, std::int64_t listen_us) {
   FoundNodes found;
-  std::array<FoundNode, most_nodes + 1> nodes{};
+  std::array<FoundNode, max_nodes + 1> nodes{};
   CanFrame frame;
   bus.send({.id = lss_request, .length = 8, .data = {identify_unconfigured}});
-  for (unsigned node = 1; node <= most_nodes; ++node) {
+  for (unsigned node = 1; node <= max_nodes; ++node) {
     bus.send({.id = 0x600 + node, .length = 8, .data = {0x40, 0x00, 0x10, 0x00}});
     // A millisecond apart: no queue on the way has to hold them all.
     const std::int64_t until_us = bus.now_us() + 1000;
@@ -75,7 +75,7 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
   }
   const std::int64_t until_us = bus.now_us() + listen_us;
   while (bus.receive(frame, until_us)) note(nodes, found, frame);
-  for (unsigned node = 1; node <= most_nodes; ++node) {
+  for (unsigned node = 1; node <= max_nodes; ++node) {
     nodes[node].node = node;
     if (nodes[node].answers || nodes[node].nmt_state) found.nodes.push_back(nodes[node]);
   }

@@ -147,8 +147,8 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
     recording.rows.push_back(std::move(row));
   }
   // Some more came until it was stopped.
-  const auto most = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
-  if (plan.trigger.empty() && recording.rows.size() > most) recording.rows.resize(most);
+  const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
+  if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
   return recording;
 }
 

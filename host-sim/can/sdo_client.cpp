@@ -15,7 +15,7 @@ using canopen::take_number;
 
 constexpr std::uint32_t request_base = 0x600;
 constexpr std::uint32_t answer_base = 0x580;
-constexpr std::size_t most_in_segment = 7;
+constexpr std::size_t max_in_segment = 7;
 
 // Commands of the first byte, its three highest bits (CiA 301, 7.2.4.3).
 constexpr std::uint8_t start_download = 0x20;
@@ -127,7 +127,7 @@ Bytes SdoClient::receive_segments(Key key, const Data& first) {
     if (command_of(data[0]) != 0) abort(key, 0x05040001);
     if ((data[0] & toggle_bit) != toggle) abort(key, 0x05030000);
     const std::size_t unused = (data[0] >> 1U) & 7U;
-    const auto part = std::span(data).subspan(1, most_in_segment - unused);
+    const auto part = std::span(data).subspan(1, max_in_segment - unused);
     value.insert(value.end(), part.begin(), part.end());
     last = (data[0] & last_bit) != 0;
   }
@@ -156,10 +156,10 @@ void SdoClient::download_segmented(Key key, std::span<const std::uint8_t> value)
 void SdoClient::send_segments(Key key, std::span<const std::uint8_t> value) {
   std::uint8_t toggle = 0;
   for (bool last = false; !last; toggle ^= toggle_bit) {
-    const std::size_t size = std::min(value.size(), most_in_segment);
+    const std::size_t size = std::min(value.size(), max_in_segment);
     last = size == value.size();
-    Data data{static_cast<std::uint8_t>(toggle | (most_in_segment - size) << 1U |
-                                        (last ? last_bit : 0U))};
+    Data data{
+        static_cast<std::uint8_t>(toggle | (max_in_segment - size) << 1U | (last ? last_bit : 0U))};
     std::ranges::copy(value.first(size), data.begin() + 1);
     value = value.subspan(size);
     send(data);
@@ -184,13 +184,13 @@ constexpr std::uint8_t part_end = 1;
 constexpr std::uint8_t part_acknowledged = 2;
 constexpr std::uint8_t part_start = 3;
 constexpr std::uint8_t last_segment = 0x80;
-constexpr std::uint8_t most_segments = 127;
+constexpr std::uint8_t max_segments = 127;
 
 }  // namespace
 
 Bytes SdoClient::upload_block(Key key) {
   const Data first =
-      request(key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, most_segments, 0});
+      request(key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, max_segments, 0});
   if (command_of(first[0]) != block_upload_answer) abort(key, 0x05040001);
   send({block_upload | part_start});
   Bytes value;
@@ -216,7 +216,7 @@ void SdoClient::receive_blocks(Key key, Bytes& value) {
     std::uint8_t good = 0;
     std::uint8_t number = 0;
     bool ends = false;
-    while (number < most_segments && !ends) {
+    while (number < max_segments && !ends) {
       Data data{};
       if (!next_answer(data, bus_.now_us() + timeout_us_)) {
         if (++silences > 2) silent(key);
@@ -232,7 +232,7 @@ void SdoClient::receive_blocks(Key key, Bytes& value) {
         silences = 0;
       }
     }
-    send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, most_segments});
+    send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, max_segments});
   }
 }
 
@@ -241,9 +241,9 @@ void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
   put_number(std::span(data).subspan(4), value.size());
   const Data first = request(key, data);
   if (command_of(first[0]) != block_download_answer) abort(key, 0x05040001);
-  if (first[4] == 0 || first[4] > most_segments) abort(key, 0x05040002);
+  if (first[4] == 0 || first[4] > max_segments) abort(key, 0x05040002);
   send_blocks(key, value, first[4]);
-  const std::size_t unused = (most_in_segment - value.size() % most_in_segment) % most_in_segment;
+  const std::size_t unused = (max_in_segment - value.size() % max_in_segment) % max_in_segment;
   Data end{static_cast<std::uint8_t>(block_download | unused << 2U | part_end)};
   put_number(std::span(end).subspan(1, 2), canopen::crc16(value));
   send(end);
@@ -256,10 +256,10 @@ void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
 void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsigned block_size) {
   while (!value.empty()) {
     const std::size_t segments =
-        std::min<std::size_t>((value.size() + most_in_segment - 1) / most_in_segment, block_size);
+        std::min<std::size_t>((value.size() + max_in_segment - 1) / max_in_segment, block_size);
     for (std::size_t i = 0; i < segments; ++i) {
-      const auto rest = value.subspan(i * most_in_segment);
-      const auto part = rest.first(std::min(rest.size(), most_in_segment));
+      const auto rest = value.subspan(i * max_in_segment);
+      const auto part = rest.first(std::min(rest.size(), max_in_segment));
       const bool last = part.size() == rest.size();
       Data data{static_cast<std::uint8_t>((last ? last_segment : 0U) | (i + 1))};
       std::ranges::copy(part, data.begin() + 1);
@@ -271,9 +271,9 @@ void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsign
       abort(key, 0x05040001);
     }
     // What the node did not get in a row comes again.
-    value = value.subspan(std::min(value.size(), got[1] * most_in_segment));
+    value = value.subspan(std::min(value.size(), got[1] * max_in_segment));
     block_size = got[2];
-    if (block_size == 0 || block_size > most_segments) abort(key, 0x05040002);
+    if (block_size == 0 || block_size > max_segments) abort(key, 0x05040002);
   }
 }
 

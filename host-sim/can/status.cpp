@@ -49,8 +49,8 @@ std::string info_text(Remote& remote) {
   table.add(
       {"loop", fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",
                            remote.text("loop.steps"), remote.text("loop.missed"),
-                           1e3 * remote.number("loop.greatest_late_s"),
-                           1e3 * remote.number("loop.greatest_busy_s"))});
+                           1e3 * remote.number("loop.max_late_s"),
+                           1e3 * remote.number("loop.max_busy_s"))});
   table.add({"bus", fmt::format("{} frames dropped, {} times off, {} times a full queue",
                                 remote.text("bus.dropped"), remote.text("bus.off"),
                                 remote.text("bus.queue_full"))});

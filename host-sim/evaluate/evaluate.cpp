@@ -59,9 +59,9 @@ std::vector<std::size_t> chosen_rows(const EvaluateOptions& options) {
   return chosen;
 }
 
-void require(const char* option, std::int64_t value, std::int64_t least, std::int64_t most) {
-  if (value < least || value > most) {
-    throw UserError(fmt::format("{} {}: must be between {} and {}", option, value, least, most));
+void require(const char* option, std::int64_t value, std::int64_t min, std::int64_t max) {
+  if (value < min || value > max) {
+    throw UserError(fmt::format("{} {}: must be between {} and {}", option, value, min, max));
   }
 }
 
@@ -145,7 +145,7 @@ std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_
 
 /// As a user of these converters would set it: below 160 steps of the current's converter the
 /// resistance may be off by 0.3 %, always to the same side.
-double least_current_A(const Sensors& sensors) {
+double min_current_A(const Sensors& sensors) {
   return 160 * sensors.current_full_scale_A / std::ldexp(1.0, sensors.bits - 1);
 }
 
@@ -153,7 +153,7 @@ std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& 
                                const RunSettings& settings, const Sensors& sensors,
                                const std::vector<SimulatedRow>& rows) {
   MeasurementParams<double> measuring = measuring_params(wire, settings);
-  measuring.least_current_A = std::max(measuring.least_current_A, least_current_A(sensors));
+  measuring.min_current_A = std::max(measuring.min_current_A, min_current_A(sensors));
   std::unique_ptr<AnyObserver> running;
   std::vector<JudgedRow> judged;
   judged.reserve(rows.size());

@@ -11,7 +11,7 @@ constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double coarse_allowance_percent = 0.2;
 
 /// NaN where there is no target.
-double most_mean(const ObserverEvaluation& observer, const RowResult& result) {
+double max_mean(const ObserverEvaluation& observer, const RowResult& result) {
   if (std::ranges::count(row_of(result).conditions, Condition::coarse) == 0) {
     return row_of(result).mean;
   }
@@ -27,15 +27,15 @@ const EvaluationRow& row_of(const RowResult& result) {
   return evaluation_rows().at(result.row);
 }
 
-std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& f, double most_mean) {
+std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& f, double max_mean) {
   const bool limited = !std::isnan(row.maximum);
-  std::vector<Figure> all{{"mean_percent", f.error.mean(), undefined, most_mean},
+  std::vector<Figure> all{{"mean_percent", f.error.mean(), undefined, max_mean},
                           {"p95_percent", f.error.quantile(0.95), undefined, row.p95},
                           {"max_percent", f.error.maximum(), undefined, row.maximum},
                           {"lost", static_cast<double>(f.lost), undefined, limited ? 0 : undefined},
                           {"within_2_sd_percent", 100 * f.within_2_sd, 90, 98}};
   if (std::isnan(f.within_2_sd)) {
-    all.back().least = all.back().most = undefined;
+    all.back().min = all.back().max = undefined;
   }
   const auto has = [&](Condition condition) {
     return std::ranges::count(row.conditions, condition) > 0;
@@ -55,15 +55,15 @@ std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& f, d
 }
 
 bool Figure::has_target() const {
-  return !std::isnan(most);
+  return !std::isnan(max);
 }
 
 bool Figure::missed() const {
-  return has_target() && !(value <= most && (std::isnan(least) || value >= least));
+  return has_target() && !(value <= max && (std::isnan(min) || value >= min));
 }
 
 std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row) {
-  return row_figures(row_of(row), row.all, most_mean(observer, row));
+  return row_figures(row_of(row), row.all, max_mean(observer, row));
 }
 
 }  // namespace smaservo

@@ -12,7 +12,7 @@ namespace smaservo {
 struct Figure {
   std::string_view name;
   double value;
-  double least, most;  ///< the target; NaN where there is none
+  double min, max;  ///< the target; NaN where there is none
 
   bool has_target() const;
   bool missed() const;  ///< a value that is no number misses every target
@@ -24,9 +24,9 @@ struct Figure {
 /// The target of "coarse" is 0.2 above the mean of "standard", if that was evaluated.
 std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row);
 
-/// The same of any runs of a row; most_mean is the target of their mean, NaN: none.
+/// The same of any runs of a row; max_mean is the target of their mean, NaN: none.
 std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& figures,
-                                double most_mean);
+                                double max_mean);
 
 const EvaluationRow& row_of(const RowResult& result);
 

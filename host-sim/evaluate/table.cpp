@@ -32,8 +32,8 @@ std::string target(const Figure& figure) {
   if (!figure.has_target()) {
     return "";
   }
-  return std::isnan(figure.least) ? fmt::format("{:.3g}", figure.most)
-                                  : fmt::format("{:g} to {:g}", figure.least, figure.most);
+  return std::isnan(figure.min) ? fmt::format("{:.3g}", figure.max)
+                                : fmt::format("{:g} to {:g}", figure.min, figure.max);
 }
 
 std::string three(const RowFigures& f) {
@@ -144,10 +144,10 @@ nlohmann::ordered_json targets(const Figures& figures) {
   for (const Figure& figure : figures) {
     if (figure.has_target()) {
       auto& entry = json[std::string(figure.name)];
-      if (!std::isnan(figure.least)) {
-        entry["least"] = figure.least;
+      if (!std::isnan(figure.min)) {
+        entry["min"] = figure.min;
       }
-      entry["most"] = figure.most;
+      entry["max"] = figure.max;
       entry["missed"] = figure.missed();
     }
   }

@@ -25,9 +25,9 @@ int main(int argc, char** argv) {
   sensors.area_m2 = wire.geometry.area_m2();
   sensors.current_noise_A = 1e-5;
   sensors.voltage_noise_V = 3e-4;
-  sensors.least_current_A = 0.005;
-  sensors.least_resistance_ohm = 0.5 * cold_ohm;
-  sensors.greatest_resistance_ohm = 2 * cold_ohm;
+  sensors.min_current_A = 0.005;
+  sensors.min_resistance_ohm = 0.5 * cold_ohm;
+  sensors.max_resistance_ohm = 2 * cold_ohm;
 
   // A trace is a board that reads its rows. The first one starts the observer, in a room of 25
   // degC.

@@ -98,16 +98,16 @@ bool is_one_cycle(const Cycle& cycle) {
   if (cycle.strain[cycle.hottest] > cycle.shortest + 0.25 * cycle.stroke) {
     return false;
   }
-  const double most_back_K = 0.1 * span_K;
+  const double max_back_K = 0.1 * span_K;
   double before_K = coldest_K;
   for (std::size_t i = 0; i <= cycle.hottest; ++i) {
     before_K = std::max(before_K, T[i]);
-    if (T[i] < before_K - most_back_K) return false;
+    if (T[i] < before_K - max_back_K) return false;
   }
   double after_K = T[cycle.hottest];
   for (std::size_t i = cycle.hottest; i < T.size(); ++i) {
     after_K = std::min(after_K, T[i]);
-    if (T[i] > after_K + most_back_K) return false;
+    if (T[i] > after_K + max_back_K) return false;
   }
   return true;
 }
@@ -126,7 +126,7 @@ double start_K(const Cycle& cycle, std::size_t from, std::size_t to) {
 
 /// What a branch's form starts from, and where it ends.
 struct FormLimits {
-  double start, least, most;
+  double start, min, max;
 };
 template <Shape shape>
 constexpr std::array<FormLimits, form_count(shape)> form_limits() {
@@ -164,12 +164,12 @@ Parameters<shape> start_parameters(const Cycle& cycle, double start_width_K) {
 
 template <Shape shape>
 void bound(ceres::Problem& problem, double* p) {
-  constexpr double least_width_K = 0.01;
+  constexpr double min_width_K = 0.01;
   for (const int branch : {0, cooling(shape)}) {
-    problem.SetParameterLowerBound(p, branch + width, least_width_K);
+    problem.SetParameterLowerBound(p, branch + width, min_width_K);
     for (int own = branch + form; const FormLimits& limits : form_limits<shape>()) {
-      problem.SetParameterLowerBound(p, own, limits.least);
-      problem.SetParameterUpperBound(p, own, limits.most);
+      problem.SetParameterLowerBound(p, own, limits.min);
+      problem.SetParameterUpperBound(p, own, limits.max);
       ++own;
     }
   }
@@ -177,11 +177,11 @@ void bound(ceres::Problem& problem, double* p) {
 
 template <Shape shape>
 Parameters<shape> best_parameters(const Cycle& cycle) {
-  constexpr std::size_t most_rows = 2000;
+  constexpr std::size_t max_rows = 2000;
   const std::size_t rows = cycle.strain.size();
-  const std::size_t stride = 1 + (rows - 1) / most_rows;
+  const std::size_t stride = 1 + (rows - 1) / max_rows;
   Parameters<shape> best{};
-  double least_cost = std::numeric_limits<double>::infinity();
+  double min_cost = std::numeric_limits<double>::infinity();
   for (const double start_width_K : {2.0, 6.0, 18.0, 40.0}) {
     Parameters<shape> p = start_parameters<shape>(cycle, start_width_K);
     ceres::Problem problem;
@@ -200,8 +200,8 @@ Parameters<shape> best_parameters(const Cycle& cycle) {
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
-    if (summary.IsSolutionUsable() && summary.final_cost < least_cost) {
-      least_cost = summary.final_cost;
+    if (summary.IsSolutionUsable() && summary.final_cost < min_cost) {
+      min_cost = summary.final_cost;
       best = p;
     }
   }

@@ -14,15 +14,15 @@
 namespace smaservo {
 namespace {
 
-constexpr double most_strain = 0.15;
-constexpr double most_resistance = 0.10;
-constexpr double most_power = 0.5;
+constexpr double max_strain = 0.15;
+constexpr double max_resistance = 0.10;
+constexpr double max_power = 0.5;
 
 /// Above 1 the run is not explained.
 double unexplained(const FittedRun& run) {
-  const double share = run.kind == RunKind::calorimetry ? run.power.rms / most_power
-                       : run.strain.count > 0           ? run.strain.rms / most_strain
-                                                        : run.resistance.rms / most_resistance;
+  const double share = run.kind == RunKind::calorimetry ? run.power.rms / max_power
+                       : run.strain.count > 0           ? run.strain.rms / max_strain
+                                                        : run.resistance.rms / max_resistance;
   return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
 }
 

@@ -212,8 +212,8 @@ std::optional<double> joint_strain_rms(const FitResult& fit) {
 }
 
 double classic_rms(const ClassicFit& classic, const Run& run, double nominal_stroke) {
-  const auto [least, most] = std::ranges::minmax(run.strain);
-  return classic.rms * (most - least) / nominal_stroke;
+  const auto [min, max] = std::ranges::minmax(run.strain);
+  return classic.rms * (max - min) / nominal_stroke;
 }
 
 std::string fit_summary(const Identification& all) {

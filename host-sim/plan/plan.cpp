@@ -25,9 +25,9 @@ constexpr double free_stresses_MPa[] = {10, 25, 50, 100, 150, 200, 300, 400};
 constexpr std::size_t first_recipes = 10;
 constexpr std::size_t rounds = 3;
 constexpr std::size_t variations = 6;  ///< of each run in each round
-constexpr std::size_t most_comparisons = 1500;
+constexpr std::size_t max_comparisons = 1500;
 /// The least current by the greatest: enough to measure the resistance.
-constexpr double least_share = 0.1;
+constexpr double min_share = 0.1;
 constexpr double overheat_K = 15;
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
@@ -39,7 +39,7 @@ double step_s(const Wire<double>& wire) {
 }
 
 /// Holds the wire 15 K above the end of its transformation, or at its limits.
-double greatest_current_A(const Wire<double>& wire, double stress_Pa) {
+double max_current_A(const Wire<double>& wire, double stress_Pa) {
   const Model::Params params = plant_params(wire);
   const Isobar<double> m2a = isobar(wire.kinetics.m2a, stress_Pa);
   const double hot_K =
@@ -63,8 +63,8 @@ Driven drive(const Wire<double>& wire, double stress_Pa, const std::vector<doubl
   Driven driven;
   driven.run.stress_Pa = stress_Pa;
   for (const double level : levels) {
-    const double least = least_share * least_share;
-    const double current_A = peak_A * std::sqrt(least + (1 - least) * level);
+    const double min = min_share * min_share;
+    const double current_A = peak_A * std::sqrt(min + (1 - min) * level);
     const double ohm = Model::resistance_ohm(params, state, ambient_K);
     driven.power_W.push_back(current_A * current_A * ohm);
     Model::advance(params, state, {driven.power_W.back(), stress_Pa, ambient_K}, dt_s);
@@ -142,7 +142,7 @@ class Expectation {
     }
     run.stress_Pa.assign(steps, driven.run.stress_Pa);
     run.ambient_K = ambient_K;
-    const std::size_t every = (steps + most_comparisons - 1) / most_comparisons;
+    const std::size_t every = (steps + max_comparisons - 1) / max_comparisons;
     for (std::size_t i = every - 1; i < steps; i += every) {
       run.after.push_back(i);
     }
@@ -241,7 +241,7 @@ class Search {
 
  private:
   Candidate candidate(double stress_Pa, const Recipe& recipe) const {
-    double peak_A = greatest_current_A(wire_, stress_Pa);
+    double peak_A = max_current_A(wire_, stress_Pa);
     const double hottest_K = wire_.limits.temperature_K - plan_margin_K;
     const std::vector<double> profile = levels(recipe, steps_);
     Driven driven = drive(wire_, stress_Pa, profile, peak_A, dt_s_);

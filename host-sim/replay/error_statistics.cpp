@@ -9,7 +9,7 @@ namespace smaservo {
 namespace {
 
 constexpr double bin_percent = 0.01;
-constexpr std::size_t most_bins = 100'000;  // 1000 %; beyond it only the maximum counts
+constexpr std::size_t max_bins = 100'000;  // 1000 %; beyond it only the maximum counts
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void ErrorStatistics::add(double percent) {
   // An estimate that is no number is infinitely wrong.
   const double size =
       std::isnan(percent) ? std::numeric_limits<double>::infinity() : std::abs(percent);
-  const double place = std::min(std::floor(size / bin_percent), double{most_bins - 1});
+  const double place = std::min(std::floor(size / bin_percent), double{max_bins - 1});
   const auto bin = static_cast<std::size_t>(place);
   if (bin >= bins_.size()) {
     bins_.resize(bin + 1);

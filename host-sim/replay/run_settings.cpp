@@ -44,7 +44,7 @@ std::vector<RunKey> make_run_keys() {
   measuring("measurement.current_noise", kind::current, &Params::current_noise_A);
   measuring("measurement.voltage_noise", kind::voltage, &Params::voltage_noise_V);
   measuring("measurement.lead_resistance", kind::resistance, &Params::lead_resistance_ohm);
-  measuring("measurement.least_current", kind::current, &Params::least_current_A);
+  measuring("measurement.min_current", kind::current, &Params::min_current_A);
   return keys;
 }
 

@@ -10,7 +10,7 @@ namespace smaservo {
 template <class Point, double Point::* key>
 class SeriesOf {
  public:
-  explicit SeriesOf(std::size_t most_points = 4096) : most_(most_points / 4 * 4) {}
+  explicit SeriesOf(std::size_t max_points = 4096) : max_(max_points / 4 * 4) {}
 
   void add(const Point& point) {
     const Stretch single{point, point, true};
@@ -20,7 +20,7 @@ class SeriesOf {
     }
     rows_ = 0;
     stretches_.push_back(open_);
-    if (2 * stretches_.size() >= most_) {
+    if (2 * stretches_.size() >= max_) {
       for (std::size_t i = 0; i + 1 < stretches_.size(); i += 2) {
         stretches_[i / 2] = merged(stretches_[i], stretches_[i + 1]);
       }
@@ -59,7 +59,7 @@ class SeriesOf {
     return {low, high, low.time_s <= high.time_s};
   }
 
-  std::size_t most_;
+  std::size_t max_;
   std::size_t rows_per_stretch_ = 1;
   std::size_t rows_ = 0;  ///< in the open stretch
   Stretch open_{};

@@ -8,9 +8,9 @@ namespace smaservo {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double least_step_s = 0.2;
+constexpr double min_step_s = 0.2;
 constexpr double settled_percent = 2;
-constexpr double least_rise_percent = 2;
+constexpr double min_rise_percent = 2;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void StepJudge::add(double time_s, double setpoint, double strain) {
 }
 
 void StepJudge::finish() {
-  if (static_cast<double>(strains_.size()) * period_s_ > least_step_s) {
+  if (static_cast<double>(strains_.size()) * period_s_ > min_step_s) {
     steps_.push_back(judged());
   }
   strains_.clear();
@@ -52,7 +52,7 @@ StepFigures StepJudge::judged() const {
   }
   f.error_percent /= static_cast<double>(last);
   f.settling_s = outside < n ? at_s(outside) : unknown;
-  if (100 * std::abs(way) < least_rise_percent * stroke_) {
+  if (100 * std::abs(way) < min_rise_percent * stroke_) {
     f.rise_s = unknown;
   }
   return f;

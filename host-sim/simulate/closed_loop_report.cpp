@@ -171,14 +171,14 @@ class LoopPlots {
 
 std::string numbers_html(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
   TextTable table({{""}, {""}});
-  table.add({"hottest point, true",
-             fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C",
-                         result.greatest_hottest_K - zero_degC_K, result.greatest_hottest_s,
-                         scenario.settings.limits.temperature_K - zero_degC_K)});
-  table.add({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.greatest_current_A)});
-  table.add({"estimate at most off by", fmt::format("{:.2f} % of the nominal stroke",
-                                                    100 * result.greatest_estimate_error /
-                                                        scenario.settings.wire.nominal_stroke)});
+  table.add(
+      {"hottest point, true",
+       fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C", result.max_hottest_K - zero_degC_K,
+                   result.max_hottest_s, scenario.settings.limits.temperature_K - zero_degC_K)});
+  table.add({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.max_current_A)});
+  table.add({"estimate at most off by",
+             fmt::format("{:.2f} % of the nominal stroke",
+                         100 * result.max_estimate_error / scenario.settings.wire.nominal_stroke)});
   for (const auto& [fault, time_s] : result.faults) {
     table.add({fault_name(fault), fmt::format("latched at {:.3f} s", time_s)});
   }

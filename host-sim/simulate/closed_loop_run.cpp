@@ -122,15 +122,14 @@ class Judge {
     steps_.add(cycle.time_s,
                runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
                cycle.truth.strain);
-    if (cycle.truth.hottest_K > result_.greatest_hottest_K) {
-      result_.greatest_hottest_K = cycle.truth.hottest_K;
-      result_.greatest_hottest_s = cycle.time_s;
+    if (cycle.truth.hottest_K > result_.max_hottest_K) {
+      result_.max_hottest_K = cycle.truth.hottest_K;
+      result_.max_hottest_s = cycle.time_s;
     }
-    result_.greatest_current_A = std::max(result_.greatest_current_A, cycle.truth.current_A);
+    result_.max_current_A = std::max(result_.max_current_A, cycle.truth.current_A);
     if (cycle.time_s > estimate_settles_s) {
-      result_.greatest_estimate_error =
-          std::max(result_.greatest_estimate_error,
-                   std::abs(cycle.output.estimate.strain - cycle.truth.strain));
+      result_.max_estimate_error = std::max(
+          result_.max_estimate_error, std::abs(cycle.output.estimate.strain - cycle.truth.strain));
     }
     const FaultSet fresh = cycle.output.latched - latched_;
     latched_ = cycle.output.latched;
@@ -229,9 +228,8 @@ std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& res
   text += fmt::format(
       "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, estimate at "
       "most {:.1f} % of the stroke off\n",
-      result.greatest_hottest_K - zero_degC_K, result.greatest_hottest_s,
-      1e3 * result.greatest_current_A,
-      100 * result.greatest_estimate_error / scenario.settings.wire.nominal_stroke);
+      result.max_hottest_K - zero_degC_K, result.max_hottest_s, 1e3 * result.max_current_A,
+      100 * result.max_estimate_error / scenario.settings.wire.nominal_stroke);
   for (const auto& [fault, time_s] : result.faults) {
     text += fmt::format("{:.3f} s: {}\n", time_s, fault_name(fault));
   }

@@ -40,10 +40,10 @@ struct LoopRunResult {
   std::uint64_t steps = 0;
   double duration_s = 0, elapsed_s = 0;
   std::vector<StepFigures> strain_steps;
-  double greatest_hottest_K = 0;
-  double greatest_hottest_s = 0;
-  double greatest_current_A = 0;
-  double greatest_estimate_error = 0;            ///< of the strain, after the first second
+  double max_hottest_K = 0;
+  double max_hottest_s = 0;
+  double max_current_A = 0;
+  double max_estimate_error = 0;                 ///< of the strain, after the first second
   std::vector<std::pair<Fault, double>> faults;  ///< as they latched, with their times
   std::optional<LoopRecord> record;
 };

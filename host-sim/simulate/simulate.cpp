@@ -46,7 +46,7 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSi
       const double power_W = level_W * (1 + step.ripple * std::sin(2 * std::numbers::pi * phase));
       load.advance(time_s, step_s, strain, random);
       const double ohm = plant->resistance_ohm();
-      const double current_A = std::max(std::sqrt(power_W / ohm), joule.least_current_A);
+      const double current_A = std::max(std::sqrt(power_W / ohm), joule.min_current_A);
       const Readings read =
           read_sensors(joule.sensors, current_A, ohm, load.stress_Pa() * wire.geometry.area_m2(),
                        normal, random);

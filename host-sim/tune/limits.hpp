@@ -20,6 +20,6 @@ double resistance_dead_band_ohm(const Proposal& p);
 
 /// Of the strain: three deviations of what the sensors' noise does to the estimate, and not less
 /// than a tenth of what the model does not know.
-double least_dead_band(const TuneTask& task, const Proposal& p);
+double min_dead_band(const TuneTask& task, const Proposal& p);
 
 }  // namespace smaservo

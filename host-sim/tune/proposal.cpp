@@ -21,7 +21,7 @@ namespace {
 /// end's filters and the wire's cold ends, finds it slow.
 constexpr double loop_periods = 10;
 /// A state answers where its slope is at least this share of the branch's greatest.
-constexpr double least_slope = 0.25;
+constexpr double min_slope = 0.25;
 /// The resistance's noise may move the power by this share of what holds the wire.
 constexpr double noise_share = 0.1;
 constexpr int law_stops = 49;
@@ -58,15 +58,15 @@ LoopGains<double>& gains(LoopName name, Settings<double>& s) {
 }
 
 std::vector<Situation> all_situations(const TuneTask& task, const Settings<double>& bare,
-                                      const Branches& fine, double most_K) {
+                                      const Branches& fine, double max_K) {
   const HeatLaw law(bare, task.plant, fine);
   // The estimate is off by twice the wire's accuracy.
   const double off = 2 * task.plant.wire.accuracy.strain / std::max(fine.stroke(), 1e-6);
   std::vector<Situation> all;
   const std::vector<TunedPlant> plants = uncertain_plants(task.plant, task.members, task.seed);
   for (std::size_t i = 0; i < plants.size(); ++i) {
-    for (const OperatingPoint& p : trace_branches(plants[i], most_K).points) {
-      all.push_back({i, p, law.greatest_J(p.motion, p.share, i == 0 ? 0 : off),
+    for (const OperatingPoint& p : trace_branches(plants[i], max_K).points) {
+      all.push_back({i, p, law.max_J(p.motion, p.share, i == 0 ? 0 : off),
                      law.loss_slope_W_K(p.motion, p.share)});
     }
   }
@@ -75,14 +75,14 @@ std::vector<Situation> all_situations(const TuneTask& task, const Settings<doubl
 
 /// The states in which the variable follows the heat.
 std::vector<Situation> answering(LoopName name, const std::vector<Situation>& situations) {
-  double greatest = 0;
+  double max = 0;
   for (const Situation& s : situations) {
-    greatest = std::max(greatest, slope_1_K(name, s.point));
+    max = std::max(max, slope_1_K(name, s.point));
   }
   std::vector<Situation> all;
   std::ranges::copy_if(situations, std::back_inserter(all), [&](const Situation& s) {
     const bool moves = name == LoopName::temperature || s.point.motion != Motion::turned;
-    return moves && greatest > 0 && least_slope * greatest <= slope_1_K(name, s.point);
+    return moves && max > 0 && min_slope * max <= slope_1_K(name, s.point);
   });
   return all;
 }
@@ -133,13 +133,13 @@ class Design {
     return rounded_up(time_s);
   }
 
-  /// Proportional gain by lambda tuning, K = C/(y' τ) where that is least, at most `most`, and less
+  /// Proportional gain by lambda tuning, K = C/(y' τ) where that is least, at most `max`, and less
   /// until the margins are kept; then the fastest integral that leaves 60° of phase, at most 1/(4
   /// τ).
-  void tune(LoopGains<double>& gains, double most) const {
+  void tune(LoopGains<double>& gains, double max) const {
     const double target_s =
         name_ == LoopName::force ? 2 * KalmanTuning<double>{}.stress_filter_s : target_s_;
-    double K = most;
+    double K = max;
     for (const Situation& s : answering_) {
       K = std::min(K, s.point.capacity_J_K / (slope_1_K(name_, s.point) * target_s));
     }
@@ -180,16 +180,15 @@ class Design {
   }
 
   /// K at which the resistance's noise moves the power by no more than its share.
-  double most_by_noise(const Settings<double>& s) const {
-    double most = 1e6;
+  double max_by_noise(const Settings<double>& s) const {
+    double max = 1e6;
     for (const Situation& at : answering_) {
       const double power_W = at.point.loss_W;
-      const double current_A =
-          std::max(std::sqrt(power_W / at.point.ohm), s.limits.least_current_A);
-      most = std::min(
-          most, noise_share * power_W / resistance_noise_ohm(s.measuring, at.point.ohm, current_A));
+      const double current_A = std::max(std::sqrt(power_W / at.point.ohm), s.limits.min_current_A);
+      max = std::min(
+          max, noise_share * power_W / resistance_noise_ohm(s.measuring, at.point.ohm, current_A));
     }
-    return most;
+    return max;
   }
 
  private:
@@ -218,7 +217,7 @@ DesignedLoop design(LoopName name, Proposal& p) {
   if (name == LoopName::strain) {
     s.feed_forward_s = d.feed_forward_s(q, p.branches.fastest_cooling_1_s);
   } else {
-    d.tune(q, name == LoopName::resistance ? d.most_by_noise(s) : 1e6);
+    d.tune(q, name == LoopName::resistance ? d.max_by_noise(s) : 1e6);
   }
   return d.result(q, s.feed_forward_s);
 }
@@ -241,18 +240,18 @@ const char* loop_text(LoopName name) {
 
 Proposal propose(const TuneTask& task) {
   Proposal p{};
-  const double most_K =
+  const double max_K =
       task.plant.wire.limits.temperature_K - default_settings<double>().limits.hot_spot_K;
-  const Branches fine = trace_branches(task.plant, most_K, law_stops);
-  p.branches = trace_branches(task.plant, most_K);
+  const Branches fine = trace_branches(task.plant, max_K, law_stops);
+  p.branches = trace_branches(task.plant, max_K);
   require_motion(task, p.branches);
   choose_limits(task, p);
-  p.situations = all_situations(task, p.settings, fine, most_K);
+  p.situations = all_situations(task, p.settings, fine, max_K);
   for (const LoopName name : loop_names) {
     p.loops.push_back(design(name, p));
   }
   p.settings.resistance.dead_band = rounded_up(resistance_dead_band_ohm(p));
-  p.settings.strain.dead_band = least_dead_band(task, p);
+  p.settings.strain.dead_band = min_dead_band(task, p);
   return p;
 }
 

@@ -45,8 +45,8 @@ struct Proposal {
 };
 
 struct TuneTask {
-  TunedPlant plant;       ///< the wire of the file
-  double most_current_A;  ///< infinite: whatever the stroke in 0.1 s needs
+  TunedPlant plant;      ///< the wire of the file
+  double max_current_A;  ///< infinite: whatever the stroke in 0.1 s needs
   int members = 24;
   std::uint64_t seed = 1;
 };

@@ -18,10 +18,10 @@ void try_dead_bands(Tuned& t) {
   const std::vector<TunedPlant> plants =
       uncertain_plants(t.task.plant, expected_members, t.task.seed);
   Proposal tried = t.proposal;
-  const double least = tried.settings.strain.dead_band;
+  const double min = tried.settings.strain.dead_band;
   int fewest = expected_members + 1;
   for (double factor = 1; factor <= 8 && 0 < fewest; factor *= 2) {
-    tried.settings.strain.dead_band = rounded_up(factor * least);
+    tried.settings.strain.dead_band = rounded_up(factor * min);
     ExpectedSteps expected = expected_steps(t.task, tried, plants);
     const int restless = restless_wires(expected, tried.settings);
     if (restless < fewest) {
@@ -47,11 +47,11 @@ void try_dead_bands(Tuned& t) {
 
 void warn(Tuned& t) {
   const SoftLimits<double>& q = t.proposal.settings.limits;
-  const double greatest_Pa = std::max(t.task.plant.load.low_Pa, t.proposal.branches.hot_Pa);
-  if (0.9 * q.stress_Pa < greatest_Pa) {
+  const double max_Pa = std::max(t.task.plant.load.low_Pa, t.proposal.branches.hot_Pa);
+  if (0.9 * q.stress_Pa < max_Pa) {
     t.warnings.push_back(fmt::format(
         "the load reaches {:.4g} MPa, within the last tenth of the wire's {:.4g}: heat fades there",
-        1e-6 * greatest_Pa, 1e-6 * q.stress_Pa));
+        1e-6 * max_Pa, 1e-6 * q.stress_Pa));
   }
   const auto off = std::ranges::count_if(t.relays, [](const RelayCheck& c) { return !agrees(c); });
   if (0 < off) {

@@ -46,13 +46,13 @@ TunedLoad load(const TuneArguments& a, const Wire<double>& wire) {
 }
 
 void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
-  const double most_MPa = 1e-6 * wire.limits.stress_Pa;
+  const double max_MPa = 1e-6 * wire.limits.stress_Pa;
   for (const double stress_Pa : {load.low_Pa, load.is_spring() ? 0 : load.high_Pa}) {
     if (wire.limits.stress_Pa < stress_Pa) {
       throw UserError(
           fmt::format("a load of {:.4g} MPa: the wire bears up to {:.4g} MPa "
                       "(wire.limits.load, {:.4g} N)",
-                      1e-6 * stress_Pa, most_MPa, wire.limits.stress_Pa * wire.geometry.area_m2()));
+                      1e-6 * stress_Pa, max_MPa, wire.limits.stress_Pa * wire.geometry.area_m2()));
     }
   }
 }

@@ -10,6 +10,8 @@ struct Renamed {
 };
 constexpr Renamed all_renamed[] = {
     {"limits.", "wire.limits."},
+    {"partner.", "command_source."},
+    {"partner_", "command_source_"},
     {"kinetics.", "wire."},
     {"material.reference", "wire.material.reference"},
     {"material.mixture", "wire.material.mixture"},
@@ -26,6 +28,9 @@ constexpr Renamed all_renamed[] = {
     {"wire.austenite.resistivity_ohm_m_Pa", "wire.austenite.resistivity_stress_ohm_m_Pa"},
     {"wire.heat.convection_W_m2K2", "wire.heat.convection_slope_W_m2K2"}};
 
+/// What a name begins with, in any table.
+constexpr Renamed limits_renamed[] = {{"least_", "min_"}, {"greatest_", "max_"}};
+
 }  // namespace
 
 std::string renamed_key(std::string_view key) {
@@ -35,6 +40,12 @@ std::string renamed_key(std::string_view key) {
     }
     if (was.ends_with('.') && key == was.substr(0, was.size() - 1)) {
       return std::string(is.substr(0, is.size() - 1));
+    }
+  }
+  for (const auto& [was, is] : limits_renamed) {
+    if (key.substr(key.rfind('.') + 1).starts_with(was)) {
+      const std::size_t at = key.rfind('.') + 1;
+      return fmt::format("{}{}{}", key.substr(0, at), is, key.substr(at + was.size()));
     }
   }
   return {};

@@ -31,8 +31,8 @@ std::string_view name_of(std::string_view path) {
 
 /// To the precision of a device, which keeps floats.
 bool in_range(const Field& field, double si) {
-  constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-  const auto rounded = [&](double x) { return static_cast<float>(std::clamp(x, -most, most)); };
+  constexpr auto max = static_cast<double>(std::numeric_limits<float>::max());
+  const auto rounded = [&](double x) { return static_cast<float>(std::clamp(x, -max, max)); };
   return rounded(field.min) <= rounded(si) && rounded(si) <= rounded(field.max);
 }
 

@@ -21,6 +21,7 @@ double TomlTable::number(std::string_view key, double low, double high) {
   taken_.emplace(key);
   const toml::node* node = table_.get(key);
   if (node == nullptr) {
+    refuse_old_name(key);
     fail(key, "is missing");
   }
   return in_range(key, *node, low, high);
@@ -121,8 +122,19 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   return all;
 }
 
+void TomlTable::refuse_old_name(std::string_view key) const {
+  for (const auto& [given, node] : table_) {
+    if (renamed_key(given.str()) == key) {
+      fail(given.str(), fmt::format("is now called {}", key));
+    }
+  }
+}
+
 void TomlTable::finish() const {
   known_.insert(taken_.begin(), taken_.end());
+  for (const std::string& key : known_) {
+    refuse_old_name(key);
+  }
   for (const auto& [key, node] : table_) {
     if (!taken_.contains(key.str())) {
       fail(key.str(), fmt::format("unknown key; here may stand: {}", fmt::join(known_, ", ")));

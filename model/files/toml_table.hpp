@@ -48,6 +48,8 @@ class TomlTable {
   void finish() const;
 
  private:
+  /// Where this key stands by the name that it once had.
+  void refuse_old_name(std::string_view key) const;
   double in_range(std::string_view key, const toml::node& node, double low, double high) const;
 
   const toml::table& table_;

@@ -143,17 +143,17 @@ struct Duhem {
     using std::expm1;
     const S begun = right(from.own);
     const S ended = right(to.own);
-    const S most = pool < begun ? pool : begun;
+    const S max = pool < begun ? pool : begun;
     if (!(S(0) < begun)) {
       return S(0);
     }
-    S left = most;
-    if (most < begun) {
-      left -= (begun - most) * expm1(-overlap(from, to));
+    S left = max;
+    if (max < begun) {
+      left -= (begun - max) * expm1(-overlap(from, to));
     }
     left *= ended / begun;
-    const S least = right(to.other);
-    return left < least ? least : left;
+    const S min = right(to.other);
+    return left < min ? min : left;
   }
 
   /// c = ∫ φ(a)/Q(a) q/(1 - q) da with q = Q(b)/Q(a), by Gauss and Legendre's four points in each

@@ -87,18 +87,18 @@ struct Staircase {
 
   template <class Weight>
   constexpr void forget_least(Weight weight) {
-    std::size_t least = 1;
-    S least_weight = S(0);
+    std::size_t min = 1;
+    S min_weight = S(0);
     for (std::size_t i = 1; i + 1 < depth; ++i) {
       const S& next = i + 2 < depth ? turns[i + 2] : input;
       const S here = i % 2 == 1 ? weight(turns[i + 1], turns[i - 1], turns[i], next)
                                 : weight(next, turns[i], turns[i - 1], turns[i + 1]);
-      if (i == 1 || here < least_weight) {
-        least = i;
-        least_weight = here;
+      if (i == 1 || here < min_weight) {
+        min = i;
+        min_weight = here;
       }
     }
-    for (std::size_t i = least; i + 2 < depth; ++i) {
+    for (std::size_t i = min; i + 2 < depth; ++i) {
       turns[i] = turns[i + 2];
     }
     count = static_cast<std::uint8_t>(count - 2);
@@ -106,7 +106,7 @@ struct Staircase {
 };
 
 /// Everything that was identified, a plain value: 24 nodes and 8 stresses take 9 kB in float.
-template <class S, std::size_t nodes = 24, std::size_t most_stresses = 8>
+template <class S, std::size_t nodes = 24, std::size_t max_stresses = 8>
 struct PreisachParams {
   /// F at two nodes, hot > cold, at hot (hot - 1)/2 + cold.
   using Increments = std::array<S, nodes*(nodes - 1) / 2>;
@@ -115,11 +115,11 @@ struct PreisachParams {
   /// The input is T - shift_K_Pa σ, and so are the nodes: stress raises all thresholds alike and
   /// therefore switches relays. 003 has none of this: 0, where stress only weighs the relays anew.
   S shift_K_Pa;
-  std::size_t stress_count;  ///< 1..most_stresses; with one F is the same under any stress
-  std::array<S, most_stresses> stress_Pa;  ///< rising, the first stress_count of them
+  std::size_t stress_count;  ///< 1..max_stresses; with one F is the same under any stress
+  std::array<S, max_stresses> stress_Pa;  ///< rising, the first stress_count of them
   /// 1 between the outermost nodes; no cell of the grid with a negative weight, so that the
   /// fractions stay between 0 and 1.
-  std::array<Increments, most_stresses> increments;
+  std::array<Increments, max_stresses> increments;
 
   static constexpr std::size_t index(std::size_t hot, std::size_t cold) {
     return hot * (hot - 1) / 2 + cold;
@@ -128,11 +128,11 @@ struct PreisachParams {
 
 /// Remembers `memory_depth` turning points. The martensite of this model is whatever elongates: a
 /// wire with an R-phase has some of it in there.
-template <class S, std::size_t nodes = 24, std::size_t most_stresses = 8,
+template <class S, std::size_t nodes = 24, std::size_t max_stresses = 8,
           std::size_t memory_depth = 16>
 struct Preisach {
   using Scalar = S;
-  using Params = PreisachParams<S, nodes, most_stresses>;
+  using Params = PreisachParams<S, nodes, max_stresses>;
 
   struct State {
     Drive<S> drive;

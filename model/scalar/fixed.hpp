@@ -39,8 +39,8 @@ class Fixed {
   /// From a number that is known only at run time; for edges, not for loops.
   static constexpr Fixed of(double x) {
     const double steps = x * static_cast<double>(one) + 0.5;
-    if (!(steps < static_cast<double>(greatest) + 1 && static_cast<double>(least) <= steps)) {
-      return Fixed(steps > 0 ? greatest : least, true);
+    if (!(steps < static_cast<double>(max) + 1 && static_cast<double>(min) <= steps)) {
+      return Fixed(steps > 0 ? max : min, true);
     }
     const auto cut = static_cast<std::int32_t>(steps);
     return Fixed(static_cast<double>(cut) > steps ? cut - 1 : cut, false);
@@ -82,7 +82,7 @@ class Fixed {
     constexpr int up = fraction_bits + of_b - of_a;
     static_assert(up >= 0 && up <= 32, "move the dividend first");
     if (b.raw() == 0) {
-      return Fixed(a.raw() < 0 ? least : greatest, true);
+      return Fixed(a.raw() < 0 ? min : max, true);
     }
     const std::int64_t divisor = b.raw() < 0 ? -std::int64_t{b.raw()} : std::int64_t{b.raw()};
     const std::int64_t dividend =
@@ -116,14 +116,14 @@ class Fixed {
   }
   /// Relative error 2e-9 + 4e-10 |x|, and half a step.
   friend constexpr Fixed exp(const Fixed& x) {
-    constexpr std::int64_t most = 64 * one;
-    const std::int64_t raw = x.raw_ < -most ? -most : most < x.raw_ ? most : x.raw_;
+    constexpr std::int64_t max = 64 * one;
+    const std::int64_t raw = x.raw_ < -max ? -max : max < x.raw_ ? max : x.raw_;
     return powered(moved(raw * integer_math::per_ln_2, fraction_bits + 30, 32), x.overflowed_);
   }
   /// Error 1e-9 and half a step. Of what is not positive: the least number, overflowed.
   friend constexpr Fixed log(const Fixed& x) {
     if (x.raw_ <= 0) {
-      return Fixed(least, true);
+      return Fixed(min, true);
     }
     return within(moved(logarithm(x), 32), x.overflowed_);
   }
@@ -135,8 +135,8 @@ class Fixed {
     // With 26 bits behind the point the products have 63 bits.
     const std::int64_t log_x = integer_math::rounded_shift(logarithm(x), 6);
     const std::int64_t log_power = moved(log_x * y.raw_, fraction_bits + 26, 26);
-    constexpr std::int64_t most = std::int64_t{64} << 26;
-    const std::int64_t bounded = log_power < -most ? -most : most < log_power ? most : log_power;
+    constexpr std::int64_t max = std::int64_t{64} << 26;
+    const std::int64_t bounded = log_power < -max ? -max : max < log_power ? max : log_power;
     return powered(moved(bounded * integer_math::per_ln_2, 56, 32), either(x, y));
   }
 
@@ -144,8 +144,8 @@ class Fixed {
   static void literal_does_not_fit();  // has no body, and is not constexpr
 
   static constexpr std::int64_t one = std::int64_t{1} << fraction_bits;
-  static constexpr std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
-  static constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+  static constexpr std::int32_t max = std::numeric_limits<std::int32_t>::max();
+  static constexpr std::int32_t min = std::numeric_limits<std::int32_t>::min();
 
   constexpr Fixed(std::int32_t raw, bool overflowed) : raw_(raw), overflowed_(overflowed) {}
 
@@ -153,10 +153,10 @@ class Fixed {
     return a.overflowed_ || b.overflowed_;
   }
   static constexpr Fixed within(std::int64_t raw, bool overflowed) {
-    if (raw > greatest) {
-      return Fixed(greatest, true);
+    if (raw > max) {
+      return Fixed(max, true);
     }
-    return raw < least ? Fixed(least, true) : Fixed(static_cast<std::int32_t>(raw), overflowed);
+    return raw < min ? Fixed(min, true) : Fixed(static_cast<std::int32_t>(raw), overflowed);
   }
   /// From so many bits behind the point to others: this format's where nothing is said.
   static constexpr std::int64_t moved(std::int64_t value, int from, int to = fraction_bits) {
@@ -168,7 +168,7 @@ class Fixed {
     const integer_math::Power power = integer_math::power_of_two(x);
     const int up = power.exponent + fraction_bits;
     if (up > 1) {
-      return Fixed(greatest, true);
+      return Fixed(max, true);
     }
     return within(moved(power.mantissa,
                         up < -40 ? 40

@@ -29,7 +29,7 @@ class Scaled {
   }
   explicit constexpr Scaled(float x) : Scaled(of(x)) {}
   explicit constexpr Scaled(int whole)
-      : Scaled(-2 * least_mantissa < whole && whole < 2 * least_mantissa
+      : Scaled(-2 * min_mantissa < whole && whole < 2 * min_mantissa
                    ? normal(whole, bias)
                    : normal((whole >> 2) + (whole >> 1 & 1), bias + 2)) {}
 
@@ -152,7 +152,7 @@ class Scaled {
   friend constexpr bool operator<=(const Scaled& a, const Scaled& b) { return a < b || a == b; }
   friend constexpr bool operator>=(const Scaled& a, const Scaled& b) { return b <= a; }
 
-  friend constexpr bool isfinite(const Scaled& x) { return x.exponent_ <= greatest_exponent; }
+  friend constexpr bool isfinite(const Scaled& x) { return x.exponent_ <= max_exponent; }
   friend constexpr Scaled abs(const Scaled& x) { return x.mantissa_ < 0 ? -x : x; }
   friend constexpr Scaled ceil(const Scaled& x) {
     if (x.power() >= 0) {
@@ -176,11 +176,11 @@ class Scaled {
   }
   /// Relative error 2e-9 (1 + |x|).
   friend constexpr Scaled exp(const Scaled& x) {
-    constexpr int most = 8 - 30;  // |x| < 2^8
-    if (!isfinite(x) || (x.power() > most && x.mantissa_ > 0)) {
+    constexpr int max = 8 - 30;  // |x| < 2^8
+    if (!isfinite(x) || (x.power() > max && x.mantissa_ > 0)) {
       return invalid();
     }
-    if (x.power() > most) {
+    if (x.power() > max) {
       return zero();
     }
     const std::int64_t octaves = std::int64_t{x.mantissa_} * integer_math::per_ln_2;
@@ -213,9 +213,9 @@ class Scaled {
   // from every number's that sum() returns the greater one.
   static constexpr std::int32_t bias = 1 << 10;
   static constexpr std::int32_t invalid_exponent = 1 << 20;
-  static constexpr std::int32_t greatest_exponent = bias + 200 - 30;
-  static constexpr std::int32_t least_exponent = bias - 200 - 29;
-  static constexpr std::int32_t least_mantissa = 1 << 29;
+  static constexpr std::int32_t max_exponent = bias + 200 - 30;
+  static constexpr std::int32_t min_exponent = bias - 200 - 29;
+  static constexpr std::int32_t min_mantissa = 1 << 29;
 
   constexpr Scaled(std::int32_t mantissa, std::int32_t exponent)
       : mantissa_(mantissa), exponent_(exponent) {}
@@ -226,22 +226,22 @@ class Scaled {
 
   /// |mantissa| 2^29 to 2^31 - 3, exponent anything.
   static constexpr Scaled carried(std::int32_t mantissa, std::int32_t exponent) {
-    constexpr std::uint32_t most = 2 * least_mantissa - 1;
-    const bool carry = static_cast<std::uint32_t>(mantissa) + most > 2 * most;
+    constexpr std::uint32_t max = 2 * min_mantissa - 1;
+    const bool carry = static_cast<std::uint32_t>(mantissa) + max > 2 * max;
     if (carry) {
       mantissa = (mantissa + 1) >> 1;
       ++exponent;
     }
-    constexpr auto range = static_cast<std::uint32_t>(greatest_exponent - least_exponent);
-    if (static_cast<std::uint32_t>(exponent - least_exponent) <= range) {
+    constexpr auto range = static_cast<std::uint32_t>(max_exponent - min_exponent);
+    if (static_cast<std::uint32_t>(exponent - min_exponent) <= range) {
       return {mantissa, exponent};
     }
-    return exponent < least_exponent ? zero() : invalid();
+    return exponent < min_exponent ? zero() : invalid();
   }
   /// |mantissa| <= 2^31 - 2, exponent no more than 30 beyond the range, or invalid.
   static constexpr Scaled normal(std::int32_t mantissa, std::int32_t exponent) {
     if (mantissa == 0) {
-      return exponent <= greatest_exponent ? zero() : invalid();
+      return exponent <= max_exponent ? zero() : invalid();
     }
     const auto magnitude = static_cast<std::uint32_t>(mantissa < 0 ? -mantissa : mantissa);
     const int up = std::countl_zero(magnitude) - 2;

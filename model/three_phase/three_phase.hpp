@@ -129,18 +129,18 @@ struct ThreePhase {
     const S a = scale(to.austenite(), phases(s).austenite());
     for (HotTurn& turn : s.hot) {
       turn.martensite *= m;
-      turn.r_phase = least(turn.r_phase * r, S(1) - turn.martensite);
+      turn.r_phase = min(turn.r_phase * r, S(1) - turn.martensite);
     }
     S outer = S(0);  // no more can return than the turning point before had
     for (ColdTurn& turn : s.cold) {
       // R-phase that the turning point has beyond the present state is austenite now.
       const S more = turn.r_phase - s.r_phase;
       turn.austenite *= a;
-      turn.r_phase = least(to.r_phase + more * (more < S(0) ? r : a), S(1) - turn.austenite);
-      turn.returning = least(turn.returning * a, outer);
+      turn.r_phase = min(to.r_phase + more * (more < S(0) ? r : a), S(1) - turn.austenite);
+      turn.returning = min(turn.returning * a, outer);
       outer = turn.r_phase;
     }
-    s.returning = least(s.returning * a, outer);
+    s.returning = min(s.returning * a, outer);
     s.martensite = to.martensite;
     s.r_phase = to.r_phase;
     s.drive.temperature_K += warmer_K;
@@ -256,7 +256,7 @@ struct ThreePhase {
     return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, Reverse{}, slope};
   }
 
-  static S least(const S& a, const S& b) { return a < b ? a : b; }
+  static S min(const S& a, const S& b) { return a < b ? a : b; }
   static S positive(const S& x) { return x < S(0) ? S(0) : x; }
   static S scale(const S& to, const S& from) { return S(1e-6) < from ? to / from : S(0); }
   static S share(const S& part, const S& whole) { return S(1e-6) < whole ? part / whole : S(1); }
@@ -354,7 +354,7 @@ struct ThreePhase {
     }
     for (ColdTurn& turn : s.cold) {
       const Pair<S> left = turn.left.a2m_a2r;
-      turn.left.a2m_a2r = Pair<S>(left.first(), least(left.second(), s.forward.a2m_a2r.second()));
+      turn.left.a2m_a2r = Pair<S>(left.first(), min(left.second(), s.forward.a2m_a2r.second()));
     }
     s.returning = by_a2r(s, positive(s.cold.newest().r_phase - s.r_phase));
     const Forward now = Curves::forward_left(p, at, s.drive.temperature_K);
@@ -374,10 +374,10 @@ struct ThreePhase {
     const Phases<S> before = phases(s);
     while (s.hot.size() > 0 && !(s.hot.newest().left.m2a < now.m2a)) {
       const HotTurn& passed = s.hot.newest();
-      s.martensite = least(s.martensite, passed.martensite);
+      s.martensite = min(s.martensite, passed.martensite);
       if (!late(now.r2a, s.reverse.r2a, passed.left.r2a)) {
-        s.r_phase = least(s.r_phase, passed.r_phase);
-        s.reverse.r2a = least(s.reverse.r2a, passed.left.r2a);
+        s.r_phase = min(s.r_phase, passed.r_phase);
+        s.reverse.r2a = min(s.reverse.r2a, passed.left.r2a);
       }
       s.reverse.m2a = passed.left.m2a;
       close_innermost_loop(s);
@@ -390,7 +390,7 @@ struct ThreePhase {
                         : r_m2a;
     s.martensite = target.martensite + (s.martensite - target.martensite) * r_m2a;
     s.r_phase = target.r_phase + (s.r_phase - target.r_phase) * r_r2a;
-    s.reverse = {least(now.m2a, s.reverse.m2a), least(now.r2a, s.reverse.r2a)};
+    s.reverse = {min(now.m2a, s.reverse.m2a), min(now.r2a, s.reverse.r2a)};
     s.reached = s.drive;
     if constexpr (linearise) {
       return {share(s.martensite, before.martensite), S(0), S(0), share(s.r_phase, before.r_phase)};
@@ -432,12 +432,12 @@ struct ThreePhase {
       on_the_way = (S(1) - half) * r_r2m + half * r_a2m;
       stays_r = r < S(0) ? r_a2m : r_r2m;
     }
-    const S rest = least(r * stays_r + a * on_the_way, r + a);
+    const S rest = min(r * stays_r + a * on_the_way, r + a);
     // z_M += z_A (1 - r_A2M) + z_R (1 - r_R2M);  z_R += z_A (1 - r_A2R)
     s.martensite += a + r - rest;
-    s.r_phase = least(positive(s.r_phase + (rest - r - a * r_a2r * r_a2m)), S(1) - s.martensite);
+    s.r_phase = min(positive(s.r_phase + (rest - r - a * r_a2r * r_a2m)), S(1) - s.martensite);
     s.forward.a2m_a2r = select(acts, now.a2m_a2r, before);
-    s.forward.r2m = p.separate_r2m ? least(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
+    s.forward.r2m = p.separate_r2m ? min(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
     s.reached = s.drive;
     if constexpr (linearise) {
       // Of the austenite before, the share `stays` is still there and g is R-phase now; of the
@@ -446,7 +446,7 @@ struct ThreePhase {
       const S a0 = start.austenite();
       const S stays = share(phases(s).austenite(), a0);
       const S b = share(start.r_phase - lost_r, start.r_phase);
-      const S g = least(share(s.r_phase - start.r_phase + lost_r, a0), S(1) - stays);
+      const S g = min(share(s.r_phase - start.r_phase + lost_r, a0), S(1) - stays);
       return {stays + g, stays + g - b, -g, b - g};
     }
     return {};
@@ -471,17 +471,17 @@ struct ThreePhase {
     const S excess_r = s.r_phase - (passed.r_phase - s.returning);
     const S a = positive(phases(s).austenite() - passed.austenite - s.returning);
     const S leaves_r = r2m_late ? S(0) : positive(excess_r);
-    const S comes_r = least(a, positive(-excess_r));
+    const S comes_r = min(a, positive(-excess_r));
     s.martensite = s.martensite + (a - comes_r) + leaves_r;
     s.r_phase = s.r_phase + (s.returning - staying) + comes_r - leaves_r;
     close_innermost_loop(s);
-    const S a2r_from = a2r_late ? a2r : least(a2r, a2r_passed);
+    const S a2r_from = a2r_late ? a2r : min(a2r, a2r_passed);
     s.forward = {Pair<S>(passed.left.a2m_a2r.first(), a2r_from),
-                 r2m_late ? s.forward.r2m : least(s.forward.r2m, passed.left.r2m)};
+                 r2m_late ? s.forward.r2m : min(s.forward.r2m, passed.left.r2m)};
     if (a2r_from < s.cold.newest().left.a2m_a2r.second()) {
       move_by_a2r(s.cold.newest(), a2r_from);
     }
-    s.returning = by_a2r(s, least(passed.returning + staying, s.cold.newest().r_phase));
+    s.returning = by_a2r(s, min(passed.returning + staying, s.cold.newest().r_phase));
     return leaves_r;
   }
 
@@ -491,7 +491,7 @@ struct ThreePhase {
     ColdTurn& turn = s.cold.newest();
     const S a2r = now.a2m_a2r.second();
     if (a2r < turn.left.a2m_a2r.second()) {
-      const S stays = least(turn.austenite, phases(s).austenite());
+      const S stays = min(turn.austenite, phases(s).austenite());
       s.r_phase += stays * move_by_a2r(turn, a2r);
     }
   }

@@ -53,27 +53,27 @@ struct Inverse {
         middle * by.martensite, middle * by.r_phase};
   }
 
-  /// Which share of the way from `from` to `to` leads to `goal`: 0 to `most`, and `most` where the
+  /// Which share of the way from `from` to `to` leads to `goal`: 0 to `max`, and `max` where the
   /// way has no length.
-  static S share(const S& from, const S& to, const S& goal, const S& most) {
+  static S share(const S& from, const S& to, const S& goal, const S& max) {
     const S way = to - from;
     const S tiny = S(1e-7);
     if (way < tiny && -tiny < way) {
-      return most;
+      return max;
     }
     const S part = (goal - from) / way;
-    return part < S(0) ? S(0) : most < part ? most : part;
+    return part < S(0) ? S(0) : max < part ? max : part;
   }
   static S temperature_K(const Isobar<S>& at, const S& left) {
-    const S least = S(1e-3);
-    const S bounded = left < least ? least : S(1) - least < left ? S(1) - least : left;
+    const S min = S(1e-3);
+    const S bounded = left < min ? min : S(1) - min < left ? S(1) - min : left;
     return at.start_K + ihyp_temperature(at.shape, {S(1) - bounded, bounded}) / at.per_K;
   }
   /// An outer branch ends where its curve has 2 % left, up to 200 K beyond its start: the share of
   /// the way from here. The tail behind it is for no wire.
   static S to_the_end(const S& left) {
-    const S least = S(0.02);
-    return left < least ? S(0) : S(1) - least / left;
+    const S min = S(0.02);
+    return left < min ? S(0) : S(1) - min / left;
   }
   static S positive(const S& x) { return x < S(0) ? S(0) : x; }
 
@@ -181,9 +181,9 @@ void Inverse<S, depth>::correct(const Slopes& by, const Isobar<Pair<S>>& at, con
       -((a + r) * a2m.slope_1_K),
       stays * a2m.slope_1_K - a * a2r.slope_1_K * a2m.value - returning * back.slope_1_K};
   const S per_K = rates.martensite_1_K * by.martensite + rates.r_phase_1_K * by.r_phase;
-  const S most_K = S(20);
+  const S max_K = S(20);
   const S full_K = per_K < S(0) ? (goal - by.strain(z)) / per_K : S(0);
-  const S warmer_K = full_K < -most_K ? -most_K : most_K < full_K ? most_K : full_K;
+  const S warmer_K = full_K < -max_K ? -max_K : max_K < full_K ? max_K : full_K;
   point = {
       point.temperature_K + warmer_K,
       {z.martensite + rates.martensite_1_K * warmer_K, z.r_phase + rates.r_phase_1_K * warmer_K}};

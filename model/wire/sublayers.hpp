@@ -192,12 +192,12 @@ struct Sublayers {
 
   /// Less than the ramp: rounding is not to matter.
   static S apart_K(const Thresholds& heating, const Thresholds& cooling, const S& ramp_K) {
-    S least_K = heating.at_K[0] - cooling.at_K[0];
+    S min_K = heating.at_K[0] - cooling.at_K[0];
     for (std::size_t i = 1; i < layers; ++i) {
       const S gap_K = heating.at_K[i] - cooling.at_K[i];
-      least_K = gap_K < least_K ? gap_K : least_K;
+      min_K = gap_K < min_K ? gap_K : min_K;
     }
-    return least_K + S(0.5) * ramp_K;
+    return min_K + S(0.5) * ramp_K;
   }
 
   /// In four sums side by side, which do not wait for each other.
@@ -224,10 +224,10 @@ struct Sublayers {
   }
 
   // Before their ends at 0 and 1: L, the least that a layer has at T; U, the most.
-  static S least(const S& threshold_K, const S& T, const S& per_K) {
+  static S min(const S& threshold_K, const S& T, const S& per_K) {
     return (threshold_K - T) * per_K;
   }
-  static S most(const S& threshold_K, const S& T, const S& per_K) {
+  static S max(const S& threshold_K, const S& T, const S& per_K) {
     return S(1) - (T - threshold_K) * per_K;
   }
 
@@ -247,22 +247,22 @@ struct Sublayers {
     bool moved = false;
     if (!apart || hot_from < hot_to) {
       for (std::size_t k = place.heating; k-- > 0;) {
-        const S U = positive(most(heating.sorted_K[k], hot_to, per_K));
+        const S U = positive(max(heating.sorted_K[k], hot_to, per_K));
         S& x = fraction[heating.layer[k]];
         moved = moved || U < x;
         x = U < x ? U : x;
-        if (apart && !(S(0) < most(heating.sorted_K[k], hot_from, per_K))) {
+        if (apart && !(S(0) < max(heating.sorted_K[k], hot_from, per_K))) {
           break;
         }
       }
     }
     if (!apart || cold_to < cold_from) {
       for (std::size_t k = place.cooling; k < layers; ++k) {
-        const S L = at_most_1(least(cooling.sorted_K[k], cold_to, per_K));
+        const S L = at_most_1(min(cooling.sorted_K[k], cold_to, per_K));
         S& x = fraction[cooling.layer[k]];
         moved = moved || x < L;
         x = x < L ? L : x;
-        if (apart && !(least(cooling.sorted_K[k], cold_from, per_K) < S(1))) {
+        if (apart && !(min(cooling.sorted_K[k], cold_from, per_K) < S(1))) {
           break;
         }
       }
@@ -279,7 +279,7 @@ struct Sublayers {
     const S per_K = S(1) / ramp_K;
     const S T = heating.felt_K(u);
     for (std::size_t k = place.heating; k-- > 0;) {
-      const S U = most(heating.sorted_K[k], T, per_K);
+      const S U = max(heating.sorted_K[k], T, per_K);
       if (!(S(0) < U)) {
         break;
       }
@@ -295,7 +295,7 @@ struct Sublayers {
     const S per_K = S(1) / ramp_K;
     const S T = cooling.felt_K(u);
     for (std::size_t k = place.cooling; k < layers; ++k) {
-      const S L = least(cooling.sorted_K[k], T, per_K);
+      const S L = min(cooling.sorted_K[k], T, per_K);
       if (!(L < S(1))) {
         break;
       }

@@ -53,13 +53,13 @@ struct StrainResistance {
 
   /// identify_strain_resistance() makes them from measured runs.
   struct Params {
-    S martensite_ohm;                       ///< R_0: λ = R/R_0 (002 eq. 17)
-    S least_stress_Pa, greatest_stress_Pa;  /// where the lines were identified; σ_max is the latter
-    StressLine<S> heating, cooling;         ///< slopes above initial_slope in that range
-    S initial_slope;                        ///< a_0, strain by λ, 0 or more
-    S decay;                                ///< τ, by λ, above 0
-    S smallest_reversal;                    ///< of the smoothed λ
-    S strain_sd;                            ///< rms error in the runs of the identification
+    S martensite_ohm;                ///< R_0: λ = R/R_0 (002 eq. 17)
+    S min_stress_Pa, max_stress_Pa;  /// where the lines were identified; σ_max is the latter
+    StressLine<S> heating, cooling;  ///< slopes above initial_slope in that range
+    S initial_slope;                 ///< a_0, strain by λ, 0 or more
+    S decay;                         ///< τ, by λ, above 0
+    S smallest_reversal;             ///< of the smoothed λ
+    S strain_sd;                     ///< rms error in the runs of the identification
   };
 
   struct State {
@@ -114,7 +114,7 @@ struct StrainResistance {
     using std::sqrt;
     const S nan = std::numeric_limits<S>::quiet_NaN();
     const S apart = S(0.5) * abs(s.high - s.low);
-    const bool outside = s.stress_Pa < p.least_stress_Pa || p.greatest_stress_Pa < s.stress_Pa;
+    const bool outside = s.stress_Pa < p.min_stress_Pa || p.max_stress_Pa < s.stress_Pa;
     return {S(0.5) * (s.low + s.high),
             sqrt(p.strain_sd * p.strain_sd + apart * apart),
             nan,
@@ -128,10 +128,10 @@ struct StrainResistance {
 
   /// The line at a stress, which is clamped to the identified range.
   static ResistanceLine<S> line(const StressLine<S>& lines, const Params& p, const S& stress_Pa) {
-    const S clamped = stress_Pa < p.least_stress_Pa      ? p.least_stress_Pa
-                      : p.greatest_stress_Pa < stress_Pa ? p.greatest_stress_Pa
-                                                         : stress_Pa;
-    const S share = clamped / p.greatest_stress_Pa;
+    const S clamped = stress_Pa < p.min_stress_Pa   ? p.min_stress_Pa
+                      : p.max_stress_Pa < stress_Pa ? p.max_stress_Pa
+                                                    : stress_Pa;
+    const S share = clamped / p.max_stress_Pa;
     return {lines.slope.at(share), lines.offset.at(share)};
   }
 

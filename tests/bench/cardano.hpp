@@ -11,7 +11,7 @@ namespace smaservo::bench {
 /// The greatest root of w³ + a w² + b w + c, by Viète's cosines where there are three real roots,
 /// by the hyperbolic functions where there is one.
 template <class S>
-S greatest_cubic_root(S a, S b, S c) {
+S max_cubic_root(S a, S b, S c) {
   // w = size * t keeps every power within the range of float.
   const S size = std::max(std::abs(a), std::max(std::sqrt(std::abs(b)), std::cbrt(std::abs(c))));
   const S a1 = a / size;
@@ -49,8 +49,8 @@ Split<S> cardano_fraction(const IhypShape<S>& shape, S tau) {
   const S B = G * (S(1) - z) * (S(1) - z) * (S(1) - z);
   const S K = G * (z + z * z - (S(1) - z) * (S(1) - z));
   const S rest = h - K;
-  const S w = greatest_cubic_root((S(2) * B - A + (S(1) - G) - rest) / B, (B - S(2) * A - rest) / B,
-                                  -A / B);
+  const S w =
+      max_cubic_root((S(2) * B - A + (S(1) - G) - rest) / B, (B - S(2) * A - rest) / B, -A / B);
   const S far = S(1) / (S(1) + w);
   const S near = w / (S(1) + w);
   return lower ? Split<S>{far, near} : Split<S>{near, far};

@@ -24,10 +24,9 @@ KalmanTuning<To> convert(const KalmanTuning<double>& from) {
 template <class To>
 MeasurementParams<To> convert(const MeasurementParams<double>& from) {
   const auto to = [](double value) { return scalar<To>(value); };
-  return {
-      to(from.area_m2),         to(from.current_offset_A),     to(from.voltage_offset_V),
-      to(from.current_noise_A), to(from.voltage_noise_V),      to(from.lead_resistance_ohm),
-      to(from.least_current_A), to(from.least_resistance_ohm), to(from.greatest_resistance_ohm)};
+  return {to(from.area_m2),         to(from.current_offset_A),   to(from.voltage_offset_V),
+          to(from.current_noise_A), to(from.voltage_noise_V),    to(from.lead_resistance_ohm),
+          to(from.min_current_A),   to(from.min_resistance_ohm), to(from.max_resistance_ohm)};
 }
 
 template <class To>

@@ -27,14 +27,14 @@ struct Operations {
 
 /// The least and the greatest magnitude, zero apart.
 struct Magnitudes {
-  double least = std::numeric_limits<double>::infinity();
-  double greatest = 0;
+  double min = std::numeric_limits<double>::infinity();
+  double max = 0;
 
   void add(double x) {
     const double magnitude = std::abs(x);
     if (magnitude > 0 && std::isfinite(x)) {
-      least = magnitude < least ? magnitude : least;
-      greatest = greatest < magnitude ? magnitude : greatest;
+      min = magnitude < min ? magnitude : min;
+      max = max < magnitude ? magnitude : max;
     }
   }
 };

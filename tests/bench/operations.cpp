@@ -61,9 +61,8 @@ class Ranges {
   void print() const {
     std::puts("| number | least | greatest | in powers of two |\n|---|--:|--:|--:|");
     for (const auto& [name, range] : ranges_) {
-      std::printf("| %s | %.2g | %.3g | %.0f to %.0f |\n", name.c_str(), range.least,
-                  range.greatest, std::floor(std::log2(range.least)),
-                  std::ceil(std::log2(range.greatest)));
+      std::printf("| %s | %.2g | %.3g | %.0f to %.0f |\n", name.c_str(), range.min, range.max,
+                  std::floor(std::log2(range.min)), std::ceil(std::log2(range.max)));
     }
   }
 
@@ -155,7 +154,7 @@ struct Table {
     search.print("observer, searching");
     whole.print("measure, observe, protect, control");
     std::printf("\nResults of all of them: 2^%.0f to 2^%.0f.\n\n",
-                std::floor(std::log2(S::results.least)), std::ceil(std::log2(S::results.greatest)));
+                std::floor(std::log2(S::results.min)), std::ceil(std::log2(S::results.max)));
     std::puts("Ranges of the numbers that are kept:\n");
     ranges.print();
   }

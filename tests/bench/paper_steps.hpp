@@ -60,8 +60,8 @@ template <class S>
 typename StrainResistance<S>::Params strain_resistance_params() {
   typename StrainResistance<S>::Params p{};
   p.martensite_ohm = measurements<S>().front().resistance_ohm;
-  p.least_stress_Pa = S(100e6);
-  p.greatest_stress_Pa = S(200e6);
+  p.min_stress_Pa = S(100e6);
+  p.max_stress_Pa = S(200e6);
   p.heating = {{{S(0.25), S(0.03)}}, {{S(-0.22), S(-0.02)}}};
   p.cooling = {{{S(0.27), S(0.02)}}, {{S(-0.245), S(-0.015)}}};
   p.initial_slope = S(0.05);

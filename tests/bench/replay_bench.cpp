@@ -52,7 +52,7 @@ void write_trace(const std::string& path, const Wire<double>& wire) {
   constexpr double stress_Pa = 150e6;
   constexpr int half = 10'000;
   const double load_N = stress_Pa * wire.geometry.area_m2();
-  const double greatest_W = params.body.loss_W(90);
+  const double max_W = params.body.loss_W(90);
   Model::State state = Model::rest(params, {ambient_K, stress_Pa});
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise;
@@ -63,7 +63,7 @@ void write_trace(const std::string& path, const Wire<double>& wire) {
   std::fputs("time_s,current_A,voltage_V,load_N,strain_ref\n", file);
   for (int i = 0; i < rows; ++i) {
     const double share = static_cast<double>(std::abs(i % (2 * half) - half)) / half;
-    const double power_W = greatest_W * (1 - 0.98 * share);
+    const double power_W = max_W * (1 - 0.98 * share);
     const double ohm = Model::resistance_ohm(params, state, ambient_K);
     const double current_A = std::sqrt(power_W / ohm);
     std::fprintf(file, "%.3f,%.6f,%.5f,%.4f,%.6f\n", i * 1e-3, current_A,

@@ -139,12 +139,12 @@ inline std::vector<Measurement<double>> measurements() {
   Model::State wire = Model::rest(params, {ambient_K, stress_Pa});
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise;
-  const double greatest_W = params.body.loss_W(90);
+  const double max_W = params.body.loss_W(90);
   constexpr int half = 10000;
   std::vector<Measurement<double>> all;
   for (int i = 0; i < 2 * half; ++i) {
     const double share = static_cast<double>(i < half ? i : 2 * half - i) / half;
-    const double power_W = greatest_W * (0.02 + 0.98 * share);
+    const double power_W = max_W * (0.02 + 0.98 * share);
     Model::advance(params, wire, {power_W, stress_Pa, ambient_K}, 1e-3);
     const double ohm = Model::resistance_ohm(params, wire, ambient_K);
     all.push_back({ohm * (1 + 1e-4 * noise(random)), ohm * 1e-4, power_W,

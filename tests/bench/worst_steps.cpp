@@ -119,12 +119,12 @@ class Search {
   /// What interrupts the program is not the step's: what is among the costliest is repeated, and
   /// the least of it counts.
   std::uint32_t cost(const Prepared<S>& prepared, Device<S>::State& state, const Moment& now) {
-    std::uint32_t least = time_ns([&] { one_step(prepared, state, now); });
-    for (int i = 0; i < 5 && is_costly(least); ++i) {
+    std::uint32_t min = time_ns([&] { one_step(prepared, state, now); });
+    for (int i = 0; i < 5 && is_costly(min); ++i) {
       Device<S>::State again = now.before;
-      least = std::min(least, time_ns([&] { one_step(prepared, again, now); }));
+      min = std::min(min, time_ns([&] { one_step(prepared, again, now); }));
     }
-    return least < clock_ns_ ? 0 : least - clock_ns_;
+    return min < clock_ns_ ? 0 : min - clock_ns_;
   }
   bool is_costly(std::uint32_t ns) const {
     return costliest.size() < kept_steps || costliest.front().cost_ns + clock_ns_ < ns;

@@ -214,7 +214,7 @@ class Master {
     const auto print = [&](const char* what, const Histogram& h) {
       fmt::print("LOAD {} {} p50 {:.0f} p99 {:.0f} p99_9 {:.0f} max {:.0f} us\n", what, h.count(),
                  us(h.quantile_ns(0.5)), us(h.quantile_ns(0.99)), us(h.quantile_ns(0.999)),
-                 us(h.greatest_ns()));
+                 us(h.max_ns()));
     };
     print("answers", t);
     print("synced", delays_);
@@ -224,10 +224,10 @@ class Master {
     fmt::print("LOAD setpoints {} lost {} lost_tpdos {} unread {}\n", checked_, lost_, lost_tpdos,
                port_.statistics().lost);
     fmt::print("LOAD statusword {:04X}h\n", status_);
-    constexpr double most_us = 15'000, usual_us = 5000;
+    constexpr double max_us = 15'000, usual_us = 5000;
     return checked_ > 0 && lost_ == 0 && lost_tpdos == 0 && transfers_.aborts() == 0 &&
            transfers_.blocks() > 0 && us(t.quantile_ns(0.99)) < usual_us &&
-           us(t.greatest_ns()) <= most_us && (status_ & 0x6FU) == 0x27;
+           us(t.max_ns()) <= max_us && (status_ & 0x6FU) == 0x27;
   }
 
  private:
@@ -238,9 +238,9 @@ class Master {
 
   /// Up and down by 1 um in each cycle: no two in succession are the same.
   static std::int32_t zigzag(std::int64_t k) {
-    constexpr std::int64_t least = 400, span = 40;
+    constexpr std::int64_t min = 400, span = 40;
     const std::int64_t at = k % (2 * span);
-    return static_cast<std::int32_t>(least + (at < span ? at : 2 * span - at));
+    return static_cast<std::int32_t>(min + (at < span ? at : 2 * span - at));
   }
 
   void send(std::uint32_t id, std::uint8_t length, std::uint64_t value) {

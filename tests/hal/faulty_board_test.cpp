@@ -28,26 +28,26 @@ class Simulated {
  public:
   using Board = SimBoard;
   Simulated()
-      : board({make_lumped_wire(load_wire(std::string(default_wire)).wire),
-               {.period_ns = ms,
-                .converter =
-                    {.voltage_drive = false, .greatest_A = 0.5, .slew_A_s = 1e6, .lead_ohm = 0.5},
-                .sensors = {.bits = 24,
-                            .current_full_scale_A = 1,
-                            .voltage_full_scale_V = 50,
-                            .load_full_scale_N = 10,
-                            .current_noise_A = 1e-4,
-                            .voltage_noise_V = 1e-4,
-                            .load_noise_N = 1e-4,
-                            .load_gain = 1,
-                            .resistance_gain = 1},
-                .load = ConstantLoad{150e6},
-                .geometry = load_wire(std::string(default_wire)).wire.geometry,
-                .surroundings = {},
-                .reads_supply = true,
-                .reads_ambient = true,
-                .reads_driver = true,
-                .seed = 1}}) {}
+      : board(
+            {make_lumped_wire(load_wire(std::string(default_wire)).wire),
+             {.period_ns = ms,
+              .converter = {.voltage_drive = false, .max_A = 0.5, .slew_A_s = 1e6, .lead_ohm = 0.5},
+              .sensors = {.bits = 24,
+                          .current_full_scale_A = 1,
+                          .voltage_full_scale_V = 50,
+                          .load_full_scale_N = 10,
+                          .current_noise_A = 1e-4,
+                          .voltage_noise_V = 1e-4,
+                          .load_noise_N = 1e-4,
+                          .load_gain = 1,
+                          .resistance_gain = 1},
+              .load = ConstantLoad{150e6},
+              .geometry = load_wire(std::string(default_wire)).wire.geometry,
+              .surroundings = {},
+              .reads_supply = true,
+              .reads_ambient = true,
+              .reads_driver = true,
+              .seed = 1}}) {}
   double driven_A() {
     Frame frame{};
     board.read(frame);

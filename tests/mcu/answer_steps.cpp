@@ -15,14 +15,14 @@ namespace {
 Ranges ranges(const std::vector<StepRecord>& records) {
   Ranges all{};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    float least = std::numeric_limits<float>::infinity(), greatest = -least;
+    float min = std::numeric_limits<float>::infinity(), max = -min;
     for (const StepRecord& record : records) {
       const float number = std::bit_cast<StepNumbers>(record.outputs).number[i];
-      least = std::isfinite(number) ? std::fmin(least, number) : least;
-      greatest = std::isfinite(number) ? std::fmax(greatest, number) : greatest;
+      min = std::isfinite(number) ? std::fmin(min, number) : min;
+      max = std::isfinite(number) ? std::fmax(max, number) : max;
     }
     // Of what stands still, its size.
-    all[i] = least < greatest ? greatest - least : std::fmax(std::abs(greatest), 1e-30F);
+    all[i] = min < max ? max - min : std::fmax(std::abs(max), 1e-30F);
   }
   return all;
 }

@@ -25,12 +25,12 @@ Device<S>::State state;
 
 /// How many steps of each file, and the files.
 struct Arguments {
-  std::uint32_t most_steps = 0;
+  std::uint32_t max_steps = 0;
   std::string_view files;
 };
 Arguments arguments(std::string_view line) {
   Arguments all;
-  const auto end = std::from_chars(line.data(), line.data() + line.size(), all.most_steps).ptr;
+  const auto end = std::from_chars(line.data(), line.data() + line.size(), all.max_steps).ptr;
   all.files = line.substr(static_cast<std::size_t>(end - line.data()));
   return all;
 }
@@ -66,7 +66,7 @@ struct Comparison {
   }
 };
 
-bool replay(std::string_view name, std::uint32_t most_steps) {
+bool replay(std::string_view name, std::uint32_t max_steps) {
   reader.emplace(name);
   const auto settings = reader->settings<S>();
   if (!settings) {
@@ -79,7 +79,7 @@ bool replay(std::string_view name, std::uint32_t most_steps) {
   prepared = prepare(*settings);
   Comparison comparison;
   std::uint32_t steps = 0;
-  for (const StepRecord* r = reader->next(); r != nullptr && steps < most_steps;
+  for (const StepRecord* r = reader->next(); r != nullptr && steps < max_steps;
        r = reader->next(), ++steps) {
     comparison.add(step(prepared, state, r->inputs), r->outputs, reader->ranges());
   }
@@ -99,7 +99,7 @@ bool replay_all(const Arguments& all) {
     std::array<char, 256> name{};
     names.copy(name.data(), std::min(size, name.size() - 1));
     if (size > 0) {
-      const bool one = replay(std::string_view(name.data(), size), all.most_steps);
+      const bool one = replay(std::string_view(name.data(), size), all.max_steps);
       passed = passed || one;
       failed = failed || !one;
     }

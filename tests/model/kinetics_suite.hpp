@@ -158,8 +158,8 @@ TYPED_TEST_P(KineticsSuite, FractionsStayOnTheSimplex) {
     for (int i = 0; i < 1000; ++i) {
       this->move(s, this->wander(K::drive(s)));
       const Phases<S> z = K::phases(s);
-      const auto least = static_cast<double>(std::min({z.martensite, z.r_phase, z.austenite()}));
-      ASSERT_GE(least, -TypeParam::rounding) << "walk " << walk << ", step " << i;
+      const auto min = static_cast<double>(std::min({z.martensite, z.r_phase, z.austenite()}));
+      ASSERT_GE(min, -TypeParam::rounding) << "walk " << walk << ", step " << i;
     }
   }
 }

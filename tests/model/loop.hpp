@@ -59,17 +59,17 @@ inline Loop full_loop(const ThreePhase<double>::Params& kinetics, const Material
 
 /// Strain differences of a point to the points of a branch with the same resistance: the least.
 inline double nearest_strain_gap(const LoopPoint& point, const std::vector<LoopPoint>& branch) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < branch.size(); ++i) {
     const LoopPoint& a = branch[i - 1];
     const LoopPoint& b = branch[i];
     if ((a.resistance - point.resistance) * (b.resistance - point.resistance) <= 0) {
       const double span = b.resistance - a.resistance;
       const double share = span == 0 ? 0 : (point.resistance - a.resistance) / span;
-      least = std::min(least, std::abs(a.strain + share * (b.strain - a.strain) - point.strain));
+      min = std::min(min, std::abs(a.strain + share * (b.strain - a.strain) - point.strain));
     }
   }
-  return least;
+  return min;
 }
 
 /// Greatest strain difference between heating and cooling at equal resistance, in % of stroke,

@@ -103,7 +103,7 @@ void expect_on_simplex(const Phases<double>& z, double slack) {
 /// The greatest asymmetry and the least eigenvalue met in a run, both of the correlation.
 struct Soundness {
   double asymmetry = 0;
-  double least_eigenvalue = 1;
+  double min_eigenvalue = 1;
 };
 
 template <class S>
@@ -111,10 +111,10 @@ void add(Soundness& to, const typename KalmanObserver<S>::State& s) {
   const Dense P = correlation(matrix_of<S>(s));
   to.asymmetry = std::max(to.asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
   const Dense symmetric = (P + P.transpose()) / 2;
-  to.least_eigenvalue = std::min(
-      to.least_eigenvalue, Eigen::SelfAdjointEigenSolver<Dense>(symmetric, Eigen::EigenvaluesOnly)
-                               .eigenvalues()
-                               .minCoeff());
+  to.min_eigenvalue = std::min(
+      to.min_eigenvalue, Eigen::SelfAdjointEigenSolver<Dense>(symmetric, Eigen::EigenvaluesOnly)
+                             .eigenvalues()
+                             .minCoeff());
 }
 
 // At the first sample a warm room and a drift of the resistance look alike; a heating tells them
@@ -171,9 +171,9 @@ TEST(Kalman, CovarianceStaysSoundAndFractionsOnTheSimplex) {
     }
   }
   EXPECT_LT(in_double.asymmetry, 1e-9);
-  EXPECT_GT(in_double.least_eigenvalue, -1e-9);
+  EXPECT_GT(in_double.min_eigenvalue, -1e-9);
   EXPECT_LT(in_float.asymmetry, 1e-3);
-  EXPECT_GT(in_float.least_eigenvalue, -1e-3);
+  EXPECT_GT(in_float.min_eigenvalue, -1e-3);
 }
 
 TEST(Kalman, WithoutResistanceItIsTheModelAndGetsNoSurer) {

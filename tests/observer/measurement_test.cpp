@@ -17,9 +17,9 @@ constexpr MeasurementParams<S> bench() {
           .current_noise_A = S(10e-6),
           .voltage_noise_V = S(0.5e-3),
           .lead_resistance_ohm = S(0),
-          .least_current_A = S(0.01),
-          .least_resistance_ohm = S(1),
-          .greatest_resistance_ohm = S(1000)};
+          .min_current_A = S(0.01),
+          .min_resistance_ohm = S(1),
+          .max_resistance_ohm = S(1000)};
 }
 
 template <class S>
@@ -150,8 +150,8 @@ TYPED_TEST(Measure, ValidMeansFinite) {
   const S huge = std::numeric_limits<S>::max();
   const S values[] = {S(0), S(1e-30), S(0.2), S(-0.2), S(4.4), S(1e30), huge, -huge};
   MeasurementParams<S> p = bench<S>();
-  for (const S least_A : {S(0), S(0.01)}) {
-    p.least_current_A = least_A;
+  for (const S min_A : {S(0), S(0.01)}) {
+    p.min_current_A = min_A;
     for (const S I : values) {
       for (const S V : values) {
         const Measurement<S> m = measure<S>(p, {I, V, I});

@@ -75,13 +75,13 @@ std::vector<Recorded> all_runs() {
 /// Differences in % of the nominal stroke.
 struct Deviation {
   double mean = 0;
-  double greatest = 0;
+  double max = 0;
   std::size_t count = 0;
 
   void add(double strain, double exact, double stroke) {
     const double percent = 100 * std::abs(strain - exact) / stroke;
     mean += percent;
-    greatest = std::max(greatest, percent);
+    max = std::max(max, percent);
     ++count;
   }
 };
@@ -148,7 +148,7 @@ Deviation observer_deviation(const Recorded& run) {
 
 TEST(ScaledTraces, TheModelIsThatOfADouble) {
   for (const Recorded& run : all_runs()) {
-    EXPECT_LT(model_deviation(run).greatest, 1e-3) << run.name;
+    EXPECT_LT(model_deviation(run).max, 1e-3) << run.name;
   }
 }
 
@@ -159,7 +159,7 @@ TEST(ScaledTraces, TheObserverIsThatOfADouble) {
   for (const Recorded& run : all_runs()) {
     const Deviation deviation = observer_deviation(run);
     EXPECT_LT(deviation.mean, 0.1) << run.name;
-    EXPECT_LT(deviation.greatest, 3) << run.name;
+    EXPECT_LT(deviation.max, 3) << run.name;
   }
 }
 

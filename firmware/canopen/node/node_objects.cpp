@@ -109,7 +109,7 @@ Abort Node::write_own(const Object& object, std::uint32_t value) {
   }
   Abort refused = check(key, value);
   if (refused == Abort::none) {
-    refused = check_range(object.type, value, object.least, object.greatest);
+    refused = check_range(object.type, value, object.min, object.max);
   }
   if (refused != Abort::none) {
     return refused;
@@ -247,9 +247,9 @@ std::size_t Node::image(std::span<std::uint8_t> to) const {
 
 /// A reset of the communication alone brings the node-id that LSS has set, stored or not.
 bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
-  const std::size_t least = image_head + image_crc;
+  const std::size_t min = image_head + image_crc;
   const bool good =
-      least <= image.size() && (image.size() - least) % image_entry == 0 &&
+      min <= image.size() && (image.size() - min) % image_entry == 0 &&
       take_number(image.first(2)) == image_magic && image[2] == image_format &&
       crc16(image.first(image.size() - image_crc)) == take_number(image.last(image_crc));
   const bool by_lss = good && image[3] != 0;
@@ -275,7 +275,7 @@ bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
     }
     const Object object = rows[row];
     if ((object.access & stored) != 0 &&
-        check_range(object.type, value, object.least, object.greatest) == Abort::none) {
+        check_range(object.type, value, object.min, object.max) == Abort::none) {
       keep(object, ours ? own : other.memory, value);
     }
   }

@@ -167,23 +167,22 @@ constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t
 }
 
 /// How a value stands to a range; all are 32 bits as they are sent, sign-extended.
-constexpr Abort check_range(Type type, std::uint32_t value, std::uint32_t least,
-                            std::uint32_t greatest) {
+constexpr Abort check_range(Type type, std::uint32_t value, std::uint32_t min, std::uint32_t max) {
   if (type == Type::real) {
     constexpr std::uint32_t exponent = 0x7F80'0000;  // all ones: no number
     const float x = as_real(value);
     return (value & exponent) == exponent ? Abort::value
-           : x < as_real(least)           ? Abort::too_low
-           : as_real(greatest) < x        ? Abort::too_high
+           : x < as_real(min)             ? Abort::too_low
+           : as_real(max) < x             ? Abort::too_high
                                           : Abort::none;
   }
   if (is_signed(type)) {
     const auto x = static_cast<std::int32_t>(value);
-    const auto low = static_cast<std::int32_t>(least);
-    const auto high = static_cast<std::int32_t>(greatest);
+    const auto low = static_cast<std::int32_t>(min);
+    const auto high = static_cast<std::int32_t>(max);
     return x < low ? Abort::too_low : high < x ? Abort::too_high : Abort::none;
   }
-  return value < least ? Abort::too_low : greatest < value ? Abort::too_high : Abort::none;
+  return value < min ? Abort::too_low : max < value ? Abort::too_high : Abort::none;
 }
 
 /// The value of a type of up to 4 bytes as 32 bits, sign-extended.

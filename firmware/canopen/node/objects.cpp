@@ -14,7 +14,7 @@ Key key_of_object(const void* rows, std::size_t row) {
 Object ObjectRows::operator[](std::size_t i) const {
   const ObjectRow& row = rows_[i];
   const ObjectRange& range = ranges_[row.range];
-  return {key(i), row.type, row.access, row.at, row.standard, range.least, range.greatest};
+  return {key(i), row.type, row.access, row.at, row.standard, range.min, range.max};
 }
 
 std::size_t ObjectRows::find(Key key) const {

@@ -17,7 +17,7 @@ struct Object {
   Type type;
   std::uint16_t access;
   std::uint16_t at;
-  std::uint32_t standard, least, greatest;
+  std::uint32_t standard, min, max;
 };
 inline constexpr std::uint16_t nowhere = 0xFFFF;
 
@@ -32,13 +32,13 @@ struct IndexName {
   std::string_view name;
 };
 
-constexpr std::uint32_t least_of(Type type) {
+constexpr std::uint32_t min_of(Type type) {
   if (type == Type::real) {
     return as_bits(-3.4e38F);
   }
   return is_signed(type) ? ~0U << (8 * size_of(type) - 1) : 0;
 }
-constexpr std::uint32_t greatest_of(Type type) {
+constexpr std::uint32_t max_of(Type type) {
   if (type == Type::real) {
     return as_bits(3.4e38F);
   }
@@ -55,16 +55,16 @@ constexpr DescribedObject row(Key key, Type type, unsigned access, std::size_t a
                               std::string_view name, std::uint32_t standard = 0,
                               std::string_view meaning = "") {
   return {{key, type, static_cast<std::uint16_t>(access), static_cast<std::uint16_t>(at), standard,
-           least_of(type), greatest_of(type)},
+           min_of(type), max_of(type)},
           name,
           meaning};
 }
 /// A row with a range.
 constexpr DescribedObject row(Key key, Type type, unsigned access, std::size_t at,
-                              std::string_view name, std::uint32_t standard, std::uint32_t least,
-                              std::uint32_t greatest, std::string_view meaning = "") {
+                              std::string_view name, std::uint32_t standard, std::uint32_t min,
+                              std::uint32_t max, std::string_view meaning = "") {
   return {{key, type, static_cast<std::uint16_t>(access), static_cast<std::uint16_t>(at), standard,
-           least, greatest},
+           min, max},
           name,
           meaning};
 }
@@ -80,7 +80,7 @@ struct ObjectRow {
   std::uint32_t standard;
 };
 struct ObjectRange {
-  std::uint32_t least, greatest;
+  std::uint32_t min, max;
   friend constexpr bool operator==(const ObjectRange&, const ObjectRange&) = default;
 };
 
@@ -124,7 +124,7 @@ template <const auto& described>
 inline constexpr auto distinct_ranges = [] {
   DistinctRanges<std::size(described)> all;
   for (const DescribedObject& row : described) {
-    all.add({row.object.least, row.object.greatest});
+    all.add({row.object.min, row.object.max});
   }
   return all;
 }();
@@ -147,7 +147,7 @@ inline constexpr auto row_table = [] {
             o.key.sub,
             o.type,
             static_cast<std::uint8_t>(o.access),
-            static_cast<std::uint8_t>(ranges.add({o.least, o.greatest})),
+            static_cast<std::uint8_t>(ranges.add({o.min, o.max})),
             o.at,
             o.standard};
   });

@@ -3,7 +3,7 @@
 namespace smaservo::canopen {
 namespace {
 
-constexpr std::uint8_t most_syncs = 240;
+constexpr std::uint8_t max_syncs = 240;
 constexpr std::uint8_t first_event_type = 254;
 
 bool is_valid(const PdoParams& params) {
@@ -14,7 +14,7 @@ bool is_used(const PdoParams& params, const Mapping& map) {
   return is_valid(params) && map.count != 0;
 }
 bool is_type(std::uint32_t type) {
-  return type <= most_syncs || first_event_type <= type;
+  return type <= max_syncs || first_event_type <= type;
 }
 bool is_transmit(std::uint16_t index) {
   return (index & 0x0800U) != 0;
@@ -191,7 +191,7 @@ PdoEvent Pdos::receive(const CanFrame& frame, std::uint64_t now_us) {
     rx.watched = true;
     rx.late = false;
     rx.data = frame.data;
-    rx.waits = params.type <= most_syncs;
+    rx.waits = params.type <= max_syncs;
     if (!rx.waits) {
       apply(objects_.rpdo_map[i], rx.data);
     }

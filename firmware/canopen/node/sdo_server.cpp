@@ -14,7 +14,7 @@ constexpr unsigned abort_transfer = 4;
 constexpr unsigned block_upload = 5;
 constexpr unsigned block_download = 6;
 
-constexpr std::uint8_t greatest_block = 127;
+constexpr std::uint8_t max_block = 127;
 
 unsigned specifier(std::uint8_t command) {
   return command >> 5U;
@@ -253,8 +253,8 @@ void SdoServer::continue_download(Request request) {
   const bool last = (request[0] & 1U) != 0;
   const std::uint32_t room =
       size_of(entry_.type) != 0 ? size_of(entry_.type) : static_cast<std::uint32_t>(buffer_.size());
-  const std::uint32_t most = size_ != 0 ? size_ : room;
-  if (most < offset_ + size) {
+  const std::uint32_t max = size_ != 0 ? size_ : room;
+  if (max < offset_ + size) {
     refuse(size_of(entry_.type) == 0 && size_ == 0 ? Abort::memory : Abort::too_long,
            buffer_.first(offset_));
     return;
@@ -339,7 +339,7 @@ void SdoServer::receive_block_download(Request request) {
   sequence_ = 0;
   state_ = State::block_download;
   keyed(0xA4);
-  answer_[4] = block_size_ = greatest_block;
+  answer_[4] = block_size_ = max_block;
 }
 
 /// A segment that does not follow the last one is dropped; the acknowledgement of the block tells.
@@ -371,7 +371,7 @@ void SdoServer::receive_block(Request request) {
   }
   const auto to = answer(0xA2);
   to[1] = sequence_;
-  to[2] = block_size_ = greatest_block;
+  to[2] = block_size_ = max_block;
   sequence_ = 0;
 }
 
@@ -406,7 +406,7 @@ void SdoServer::start_block_upload(Request request) {
     return;
   }
   block_size_ = request[4];
-  if (block_size_ == 0 || greatest_block < block_size_) {
+  if (block_size_ == 0 || max_block < block_size_) {
     abort(Abort::block_size);
     return;
   }
@@ -484,7 +484,7 @@ void SdoServer::acknowledge_block(Request request) {
     abort(Abort::sequence);
     return;
   }
-  if (request[2] == 0 || greatest_block < request[2]) {
+  if (request[2] == 0 || max_block < request[2]) {
     abort(Abort::block_size);
     return;
   }

@@ -27,9 +27,9 @@ bool rises(std::uint16_t before, std::uint16_t now, unsigned bit) {
   return (before & bit) == 0 && (now & bit) != 0;
 }
 std::int32_t rounded(float x) {
-  constexpr float most = 2e9F;
+  constexpr float max = 2e9F;
   return std::isfinite(x)
-             ? static_cast<std::int32_t>(std::lround(std::fmin(std::fmax(x, -most), most)))
+             ? static_cast<std::int32_t>(std::lround(std::fmin(std::fmax(x, -max), max)))
              : 0;
 }
 std::int16_t rounded_16(float x) {
@@ -345,10 +345,8 @@ void Axis::new_setpoint(std::uint16_t word) {
   }
   const std::int32_t base = waits_ ? waiting_um_ : active_um_;
   const std::int64_t sum = std::int64_t{o_.target} + ((word & relative) != 0 ? base : 0);
-  constexpr std::int64_t most = 0x7FFF'FFFF;
-  const auto target = clipped(static_cast<std::int32_t>(sum < -most  ? -most
-                                                        : most < sum ? most
-                                                                     : sum));
+  constexpr std::int64_t max = 0x7FFF'FFFF;
+  const auto target = clipped(static_cast<std::int32_t>(sum < -max ? -max : max < sum ? max : sum));
   acknowledged_ = true;
   if ((word & at_once) != 0 || !moving_) {
     waits_ = false;

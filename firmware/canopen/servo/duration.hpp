@@ -9,8 +9,8 @@ namespace smaservo::canopen {
 
 /// Up to 71 minutes; more counts as that.
 constexpr float seconds_of(std::uint64_t us) {
-  constexpr std::uint64_t most = 0xFFFF'FFFF;
-  return 1e-6F * static_cast<float>(static_cast<std::uint32_t>(std::min(us, most)));
+  constexpr std::uint64_t max = 0xFFFF'FFFF;
+  return 1e-6F * static_cast<float>(static_cast<std::uint32_t>(std::min(us, max)));
 }
 
 /// Starts again after 49 days. By hand: a library's 64-bit division takes as much as 700 bytes.

@@ -117,7 +117,7 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   const std::uint32_t before = entry.key == tuning_key ? objects_.tuning_state
                                : is_command            ? 0
                                             : load(object, std::as_bytes(std::span(&objects_, 1)));
-  Abort result = check_range(object.type, value, object.least, object.greatest);
+  Abort result = check_range(object.type, value, object.min, object.max);
   result = result == Abort::none ? check(entry.key, value) : result;
   result = result == Abort::none && is_command ? run(entry.key, value) : result;
   if (result != Abort::none) {
@@ -341,7 +341,7 @@ void ServoCore::publish(const StepReport& report) {
   const FaultSet why =
       report.first_cause != Fault::none ? FaultSet(report.first_cause) : report.blocks;
   constexpr std::uint32_t planner = 1U << static_cast<unsigned>(LimitReason::trajectory) |
-                                    1U << static_cast<unsigned>(LimitReason::least_current);
+                                    1U << static_cast<unsigned>(LimitReason::min_current);
   axis_.feedback({report.state, !(report.active & blocking_faults).empty(),
                   !report.active.has(Fault::supply_low), !report.warnings.empty(),
                   (report.limit_reasons & ~planner) != 0, code_of(why.first()),
@@ -374,7 +374,7 @@ void ServoCore::show_faults(const StepReport& report) {
 
 void ServoCore::set_timing(const LoopTiming& t) {
   objects_.steps = {t.steps, t.missed};
-  objects_.timing_s = {t.mean_late_s, t.greatest_late_s, t.mean_busy_s, t.greatest_busy_s};
+  objects_.timing_s = {t.mean_late_s, t.max_late_s, t.mean_busy_s, t.max_busy_s};
 }
 
 }  // namespace smaservo::canopen

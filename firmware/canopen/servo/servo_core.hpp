@@ -32,7 +32,7 @@ struct ServoConfig {
 /// Of the loop, since the start.
 struct LoopTiming {
   std::uint32_t steps, missed;
-  float mean_late_s, greatest_late_s, mean_busy_s, greatest_busy_s;
+  float mean_late_s, max_late_s, mean_busy_s, max_busy_s;
 };
 
 /// What a step of the device came to.

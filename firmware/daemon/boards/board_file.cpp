@@ -32,14 +32,14 @@ T whole(TomlTable& table, std::string_view key, double low, double high, double 
 
 /// The n of base << n.
 unsigned exponent(const TomlTable& table, std::string_view key, double value, unsigned base,
-                  unsigned most) {
-  for (unsigned n = 0; n <= most; ++n) {
+                  unsigned max) {
+  for (unsigned n = 0; n <= max; ++n) {
     if (value == static_cast<double>(base << n)) {
       return n;
     }
   }
   table.fail(key, "must be " + std::to_string(base) + " times a power of two, up to " +
-                      std::to_string(base << most));
+                      std::to_string(base << max));
 }
 
 SpiSettings read_spi(TomlTable& table, unsigned mode) {
@@ -119,8 +119,8 @@ DacScale read_scale(TomlTable& table) {
   scale.voltage = table.has("codes_per_volt");
   scale.codes_per_unit =
       table.number(scale.voltage ? "codes_per_volt" : "codes_per_ampere", 1e-3, 1e9);
-  scale.greatest_code = table.number("greatest_code", 1, 16777215, 65535);
-  scale.zero_code = table.number("zero_code", 0, scale.greatest_code, 0);
+  scale.max_code = table.number("max_code", 1, 16777215, 65535);
+  scale.zero_code = table.number("zero_code", 0, scale.max_code, 0);
   return scale;
 }
 
@@ -148,7 +148,7 @@ canopen::Ceilings read_ceilings(TomlTable table) {
 }
 
 void read_drive(TomlTable table, BoardFile& file) {
-  const auto hardware_A = static_cast<float>(1e-3 * table.number("greatest_mA", 1, 1e5));
+  const auto hardware_A = static_cast<float>(1e-3 * table.number("max_mA", 1, 1e5));
   file.ceilings.current_A = std::min(file.ceilings.current_A, hardware_A);
   switch (table.choice("type", drive_names)) {
     case 0:
@@ -171,7 +171,7 @@ void read_drive(TomlTable table, BoardFile& file) {
       pwm.channel = whole(table, "channel", 0, 63, 0);
       pwm.period_ns = std::llround(1e9 / table.number("frequency_Hz", 10, 1e6, 20e3));
       pwm.supply_V = table.number("supply_V", 0.5, 1000);
-      pwm.greatest_duty = table.number("greatest_duty", 0.001, 1, 0.95);
+      pwm.max_duty = table.number("max_duty", 0.001, 1, 0.95);
       file.drive = pwm;
     }
   }
@@ -204,12 +204,12 @@ SlowSensor read_slow(TomlTable& slow, std::string_view key, bool temperature) {
 }
 
 BusSettings read_bus(TomlTable table) {
-  constexpr double greatest_key = 4294967295;
+  constexpr double max_key = 4294967295;
   const BusSettings bus{table.text("interface"),
                         whole(table, "node_id", 0, 127, 0),
                         1e-3 * table.number("command_source_timeout_ms", 0, 6e4, 0),
-                        {.tune = whole(table, "tune_key", 0, greatest_key, 0),
-                         .set_up = whole(table, "set_up_key", 0, greatest_key, 0)}};
+                        {.tune = whole(table, "tune_key", 0, max_key, 0),
+                         .set_up = whole(table, "set_up_key", 0, max_key, 0)}};
   table.finish();
   return bus;
 }

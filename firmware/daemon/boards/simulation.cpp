@@ -40,9 +40,9 @@ Heard<double> Simulation::listen(double time_s) {
 
 Demonstration::Demonstration(const Settings<double>& settings) {
   const double cold = settings.wire.nominal_stroke;
-  const double most = std::min(cold, settings.limits.greatest_strain);
-  long_ = std::max(0.75 * most, settings.limits.least_strain);
-  short_ = std::max(0.35 * most, settings.limits.least_strain);
+  const double max = std::min(cold, settings.limits.max_strain);
+  long_ = std::max(0.75 * max, settings.limits.min_strain);
+  short_ = std::max(0.35 * max, settings.limits.min_strain);
 }
 
 Heard<double> Demonstration::listen(double time_s) {

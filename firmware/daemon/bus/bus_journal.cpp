@@ -28,7 +28,7 @@ void BusJournal::write() {
   unsigned said = 0;
   std::uint32_t left_out = 0;
   for (canopen::LoggedChange change{}; ring_.pop(change); ++seen_) {
-    if (said < most_at_once) {
+    if (said < max_at_once) {
       say_(can::change_text(change));
       ++said;
     } else {

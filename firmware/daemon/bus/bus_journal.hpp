@@ -17,7 +17,7 @@ class BusJournal {
   using Say = std::function<void(const std::string&)>;
 
   /// A flood on the bus must not fill a disk: so many sentences at once, ten times a second.
-  static constexpr unsigned most_at_once = 20;
+  static constexpr unsigned max_at_once = 20;
 
   /// By default to the standard error output.
   explicit BusJournal(Say say = to_errors);

@@ -80,7 +80,7 @@ class BusPump {
   template <class Changed>
   void round(std::uint64_t now_us, FaultSet port_faults, Changed changed) {
     CanFrame frame;
-    for (int i = 0; i < most_frames && port_.receive(frame); ++i) {
+    for (int i = 0; i < max_frames && port_.receive(frame); ++i) {
       node_.receive(frame, now_us);
       ++frames_;
     }
@@ -109,7 +109,7 @@ class BusPump {
 
  private:
   // Nor must a block of SDO keep it from listening: a SYNC would meet the next one.
-  static constexpr int most_sent = 4;
+  static constexpr int max_sent = 4;
   // A slow bus has carried ten frames away by then.
   static constexpr std::uint64_t patience_us = 20'000;
 
@@ -118,7 +118,7 @@ class BusPump {
   void send(std::uint64_t now_us) {
     has_more_ = false;
     int tries = 0;
-    for (; tries < most_sent && (waits_ || node_.take(next_)); ++tries) {
+    for (; tries < max_sent && (waits_ || node_.take(next_)); ++tries) {
       since_us_ = waits_ ? since_us_ : now_us;
       const bool sent = port_.send(next_);
       const CanState state = port_.state();
@@ -132,11 +132,11 @@ class BusPump {
         return;
       }
     }
-    has_more_ = tries == most_sent;
+    has_more_ = tries == max_sent;
   }
 
   // A flood on the bus must not keep the node from its time.
-  static constexpr int most_frames = 256;
+  static constexpr int max_frames = 256;
 
   Port& port_;
   Node& node_;

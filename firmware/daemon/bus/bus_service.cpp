@@ -66,8 +66,8 @@ canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
 canopen::LoopTiming timing_of(const LoopFigures& f) {
   const auto count = [](const auto& x) { return static_cast<std::uint32_t>(x.load()); };
   const auto s = [](auto ns) { return 1e-9F * static_cast<float>(ns); };
-  return {count(f.cycles),         count(f.missed),          s(f.wake.mean_ns()),
-          s(f.wake.greatest_ns()), s(f.execution.mean_ns()), s(f.execution.greatest_ns())};
+  return {count(f.cycles),    count(f.missed),          s(f.wake.mean_ns()),
+          s(f.wake.max_ns()), s(f.execution.mean_ns()), s(f.execution.max_ns())};
 }
 
 }  // namespace

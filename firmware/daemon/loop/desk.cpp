@@ -19,7 +19,7 @@ std::optional<std::uint32_t> ParameterDesk::change(const Settings<double>& setti
     return last_;
   }
   delete_old();
-  if (under_way_ == most_under_way) {
+  if (under_way_ == max_under_way) {
     return std::nullopt;
   }
   ParameterSetPtr set = make_parameter_set(settings, ++last_);

@@ -40,7 +40,7 @@ class ParameterDesk {
   std::string take_text(std::uint32_t number);
 
  private:
-  static constexpr int most_under_way = 8;
+  static constexpr int max_under_way = 8;
 
   void delete_old();
 

@@ -18,16 +18,16 @@ class Histogram {
     const auto ns = static_cast<std::uint64_t>(std::max<std::int64_t>(time_ns, 0));
     grow(bins_[bin_of(ns)], 1);
     grow(sum_ns_, ns);
-    if (ns > greatest_ns_.load(std::memory_order_relaxed)) {
-      greatest_ns_.store(ns, std::memory_order_relaxed);
+    if (ns > max_ns_.load(std::memory_order_relaxed)) {
+      max_ns_.store(ns, std::memory_order_relaxed);
     }
     grow(count_, 1);
   }
 
   std::uint64_t count() const { return count_.load(std::memory_order_relaxed); }
   /// 0 of an empty one, as all that follows.
-  std::int64_t greatest_ns() const {
-    return static_cast<std::int64_t>(greatest_ns_.load(std::memory_order_relaxed));
+  std::int64_t max_ns() const {
+    return static_cast<std::int64_t>(max_ns_.load(std::memory_order_relaxed));
   }
   double mean_ns() const {
     const auto n = static_cast<double>(std::max<std::uint64_t>(count(), 1));
@@ -40,10 +40,10 @@ class Histogram {
     for (std::size_t i = 0; i < bins_.size(); ++i) {
       seen += bins_[i].load(std::memory_order_relaxed);
       if (seen >= wanted && seen > 0) {
-        return std::min(last_of(i), greatest_ns());
+        return std::min(last_of(i), max_ns());
       }
     }
-    return greatest_ns();
+    return max_ns();
   }
 
  private:
@@ -70,7 +70,7 @@ class Histogram {
   }
 
   std::array<std::atomic<std::uint64_t>, 60 * steps> bins_{};
-  std::atomic<std::uint64_t> count_{0}, sum_ns_{0}, greatest_ns_{0};
+  std::atomic<std::uint64_t> count_{0}, sum_ns_{0}, max_ns_{0};
 };
 
 }  // namespace smaservo

@@ -15,8 +15,8 @@ namespace smaservo {
 
 struct LoopTiming {
   std::int64_t period_ns;
-  bool from_zero;                 ///< the recording's time begins with the first frame
-  std::uint64_t most_cycles = 0;  ///< 0: no end
+  bool from_zero;                ///< the recording's time begins with the first frame
+  std::uint64_t max_cycles = 0;  ///< 0: no end
 };
 
 /// A board whose frames have times of CLOCK_MONOTONIC says so. The time of any other stands still
@@ -71,7 +71,7 @@ bool Loop<B, Pacing>::cycle() {
   const Woke woke = pacing_.wait();
   const std::int64_t woke_ns = monotonic_ns();
   const ReadStatus status = board_.read(frame_);
-  const bool over = timing_.most_cycles != 0 && now_.number >= timing_.most_cycles;
+  const bool over = timing_.max_cycles != 0 && now_.number >= timing_.max_cycles;
   if (over || status == ReadStatus::end || links_.stop.load(std::memory_order_relaxed)) {
     links_.lease_ends_ns.store(0, std::memory_order_relaxed);
     board_.safe_off();

@@ -20,7 +20,7 @@ Json json_of(const Histogram& times) {
           {"p50", us(times.quantile_ns(0.5))},
           {"p99", us(times.quantile_ns(0.99))},
           {"p99_9", us(times.quantile_ns(0.999))},
-          {"max", us(times.greatest_ns())}};
+          {"max", us(times.max_ns())}};
 }
 
 Json json_of(FaultSet set) {
@@ -44,7 +44,7 @@ Json stops_json(const LoopFigures& figures) {
 std::string line_of(const char* name, const Histogram& times) {
   return fmt::format("{:<16}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", name,
                      us(times.quantile_ns(0.5)), us(times.quantile_ns(0.99)),
-                     us(times.quantile_ns(0.999)), us(times.greatest_ns()));
+                     us(times.quantile_ns(0.999)), us(times.max_ns()));
 }
 
 }  // namespace

@@ -7,11 +7,11 @@ namespace smaservo {
 
 inline constexpr FaultRow drive_faults[] = {
     {Fault::supply_low, FaultClass::F1, Clears::command, 0x3220, "supply_low", 0.005,
-     "The supply voltage is below drive.least_supply_V.",
+     "The supply voltage is below drive.min_supply_V.",
      "The supply is switched off, too weak for the current, or its fuse has blown.",
      "The voltage at the board's terminals while the wire is heated; the supply's current limit."},
     {Fault::supply_high, FaultClass::F1, Clears::command, 0x3210, "supply_high", 0.002,
-     "The supply voltage is above drive.greatest_supply_V.",
+     "The supply voltage is above drive.max_supply_V.",
      "The wrong supply, or one that another load pushes up.",
      "The voltage at the board's terminals; what else hangs on the supply."},
     {Fault::over_current, FaultClass::F0, Clears::command, 0x2310, "over_current", 0,

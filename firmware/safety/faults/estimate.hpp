@@ -31,7 +31,7 @@ inline constexpr FaultRow estimate_faults[] = {
      "Strong draught, a wire in a tube or a liquid, a wrong gain of current or voltage.",
      "What surrounds the wire; wire.heat; the gains against a known resistor."},
     {Fault::ambient_range, FaultClass::B, Clears::itself, 0x4110, "ambient_range", 1,
-     "The air is outside trips.least_ambient_K and trips.greatest_ambient_K.",
+     "The air is outside trips.min_ambient_K and trips.max_ambient_K.",
      "A hot or cold place, a sensor that is warmed by the board.",
      "The air at the wire: too warm, it can not stretch again; too cold, it needs more power."},
     {Fault::started_outside, FaultClass::B, Clears::itself, 0x8613, "started_outside", 0.02,

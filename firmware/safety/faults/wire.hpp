@@ -67,7 +67,7 @@ inline constexpr FaultRow wire_faults[] = {
      "A blocked mechanism, too much load, a spring that is too stiff.",
      "That the mechanism moves freely; the load at the contracted end."},
     {Fault::over_strain, FaultClass::F2, Clears::command, 0x8612, "over_strain", 0.02,
-     "The estimated strain is outside trips.least_strain and trips.greatest_strain.",
+     "The estimated strain is outside trips.min_strain and trips.max_strain.",
      "A load that stretches the cold wire too far, limits that do not fit the mechanism.",
      "The mechanism's end stops; axis.zero_strain."},
     {Fault::slip_seen, FaultClass::W, Clears::itself, 0xFF29, "slip_seen", 0,

@@ -43,8 +43,8 @@ FaultSet DriveMonitor<S>::detect(const MonitorInputs<S>& seen, const ZeroCurrent
 template <class S>
 void DriveMonitor<S>::supply(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
-  now.add(Fault::supply_low, seen.in.supply_V < q.drive.least_supply_V);
-  now.add(Fault::supply_high, q.drive.greatest_supply_V < seen.in.supply_V);
+  now.add(Fault::supply_low, seen.in.supply_V < q.drive.min_supply_V);
+  now.add(Fault::supply_high, q.drive.max_supply_V < seen.in.supply_V);
   now.add(Fault::driver_warm, q.trips.driver_K - warm_K < seen.in.driver_K);
   now.add(Fault::driver_hot, q.trips.driver_K < seen.in.driver_K);
 }
@@ -59,15 +59,15 @@ void DriveMonitor<S>::current(const MonitorInputs<S>& seen, FaultSet& now) {
   now.add(Fault::current_saturated,
           full * q.measuring.current_full_scale_A <= magnitude(seen.in.sample.current_A));
   // A dead current sensor reads zero; then the voltage tells.
-  const S floating_V = S(2) * q.limits.least_current_A * seen.prepared.cold_ohm;
+  const S floating_V = S(2) * q.limits.min_current_A * seen.prepared.cold_ohm;
   now.add(Fault::current_while_off,
           seen.off() && (doubt_A + doubt_A < I || floating_V < magnitude(seen.voltage_V)));
   // A converter at the end of its supply is no fault of the current loop; wire_open and the
   // measured resistance look after that.
   const bool all_it_has =
       S(0.9) * seen.in.supply_V < seen.voltage_V || seen.last.limited_by(LimitReason::supply);
-  const S low_A = seen.least_given_A();
-  const bool too_much = S(1.15) * seen.most_given_A() + doubt_A < I;
+  const S low_A = seen.min_given_A();
+  const bool too_much = S(1.15) * seen.max_given_A() + doubt_A < I;
   const bool too_little = I < S(0.85) * low_A - doubt_A && S(0.2) * low_A <= I && !all_it_has;
   now.add(Fault::current_control, !seen.off() && (too_much || too_little));
 }
@@ -76,7 +76,7 @@ template <class S>
 void DriveMonitor<S>::voltage(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   // Without current it is the wire that is open.
-  const bool flows = seen.prepared.measuring.least_current_A <= magnitude(seen.current_A);
+  const bool flows = seen.prepared.measuring.min_current_A <= magnitude(seen.current_A);
   now.add(Fault::voltage_saturated, flows && voltage_at_end(seen));
   const S slack_V = S(0.5);
   const bool above_supply = S(1.05) * seen.in.supply_V + slack_V < seen.voltage_V;

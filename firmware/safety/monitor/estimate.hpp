@@ -42,7 +42,7 @@ FaultSet EstimateMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   now.add(Fault::estimate_invalid,
           !isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
   // Without heat nothing is learnt: a cold wire may wait for its first command.
-  const bool heated = S(2) * seen.prepared.settings.limits.least_current_A < seen.last.current_A;
+  const bool heated = S(2) * seen.prepared.settings.limits.min_current_A < seen.last.current_A;
   now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running && heated &&
                                       needs_estimate(seen.command.mode) &&
                                       e.health != Health::good);
@@ -94,15 +94,14 @@ void EstimateMonitor<S>::surroundings(const MonitorInputs<S>& seen, FaultSet& no
                 edge * t.ambient_range_K < magnitude(f.ambient_K - f.start_ambient_K));
   }
   const S air_K = isfinite(seen.in.ambient_K) ? seen.in.ambient_K : f.ambient_K;
-  now.add(Fault::ambient_range,
-          air_K < q.trips.least_ambient_K || q.trips.greatest_ambient_K < air_K);
+  now.add(Fault::ambient_range, air_K < q.trips.min_ambient_K || q.trips.max_ambient_K < air_K);
   if (seen.heated()) {
     return;
   }
   const S strain = seen.estimate.strain;
   const bool outside =
       (seen.measurement.stress_valid && q.limits.stress_Pa < seen.measurement.stress_Pa) ||
-      strain < q.trips.least_strain || q.trips.greatest_strain < strain ||
+      strain < q.trips.min_strain || q.trips.max_strain < strain ||
       q.limits.temperature_K < seen.estimate.temperature_K + q.limits.hot_spot_K;
   now.add(Fault::started_outside, outside);
 }

@@ -15,19 +15,19 @@ namespace smaservo {
 template <class S>
 struct HotResistance {
   S share;          ///< resistance as a share of austenite's under this load, filtered; 0: none yet
-  S least;          ///< lowest share
-  S least_at_K;     ///< what the observer thought of the temperature there
+  S min;            ///< lowest share
+  S min_at_K;       ///< what the observer thought of the temperature there
   S temperature_K;  ///< 0: not known
   bool heated;      ///< by enough power to keep it hot
 
   /// More than so much is no heat: the wire cools, and martensite comes, before the observer
   /// knows.
-  static constexpr S most_rise_K = S(80);
+  static constexpr S max_rise_K = S(80);
 
   /// Cost: about 40 operations, three divisions.
   void advance(const MonitorInputs<S>& seen) {
     const Estimate<S>& e = seen.estimate;
-    if (!(e.martensite + e.r_phase < most_cold)) {
+    if (!(e.martensite + e.r_phase < max_cold)) {
       *this = HotResistance{};
       return;
     }
@@ -35,29 +35,29 @@ struct HotResistance {
     const S kept_W = net_W(seen);
     heated = !(kept_W < S(0));
     const S C = seen.prepared.observer.model.body.capacity_J_K;
-    const S most = heated ? S(1000) : temperature_K + kept_W * seen.dt_s / C;
+    const S max = heated ? S(1000) : temperature_K + kept_W * seen.dt_s / C;
     if (!seen.precise()) {
-      temperature_K = first || temperature_K < most ? temperature_K : most;
+      temperature_K = first || temperature_K < max ? temperature_K : max;
       return;
     }
     const S now = share_of_austenite(seen);
     share = first ? now : share + (now - share) * (seen.dt_s / (seen.dt_s + filter_s));
     const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
-    const S rise_K = (share - least) * a.resistivity_ohm_m / (least * a.resistivity_ohm_m_K);
-    if (first || share < least || most_rise_K < rise_K) {
-      least = share;
-      least_at_K = e.temperature_K;
-      temperature_K = least_at_K;
+    const S rise_K = (share - min) * a.resistivity_ohm_m / (min * a.resistivity_ohm_m_K);
+    if (first || share < min || max_rise_K < rise_K) {
+      min = share;
+      min_at_K = e.temperature_K;
+      temperature_K = min_at_K;
       return;
     }
-    const S risen_K = least_at_K + rise_K;
-    temperature_K = risen_K < most ? risen_K : most;
+    const S risen_K = min_at_K + rise_K;
+    temperature_K = risen_K < max ? risen_K : max;
   }
 
  private:
-  static constexpr S most_cold = S(0.25);
+  static constexpr S max_cold = S(0.25);
   static constexpr S filter_s = S(0.02);
-  static constexpr S least_loss = S(0.5);
+  static constexpr S min_loss = S(0.5);
 
   /// R ~ (ρ_0 + q σ)(1 + 2 ε), ε = σ/E
   static S share_of_austenite(const MonitorInputs<S>& seen) {
@@ -72,8 +72,7 @@ struct HotResistance {
   /// its resistance does.
   S net_W(const MonitorInputs<S>& seen) const {
     const S above_K = temperature_K - seen.filter.ambient_K;
-    return seen.measurement.power_W -
-           least_loss * seen.prepared.observer.model.body.loss_W(above_K);
+    return seen.measurement.power_W - min_loss * seen.prepared.observer.model.body.loss_W(above_K);
   }
 };
 

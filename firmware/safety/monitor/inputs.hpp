@@ -28,10 +28,10 @@ struct MonitorInputs {
 
   bool off() const { return last.current_A == S(0) && given_before_A == S(0); }
   bool heated() const { return is_heated(last.state); }
-  S least_given_A() const {
+  S min_given_A() const {
     return given_before_A < last.current_A ? given_before_A : last.current_A;
   }
-  S most_given_A() const {
+  S max_given_A() const {
     return given_before_A < last.current_A ? last.current_A : given_before_A;
   }
   bool sure() const { return observing && estimate.health == Health::good; }
@@ -41,8 +41,8 @@ struct MonitorInputs {
     const Measuring<S>& q = prepared.settings.measuring;
     const S by_V = q.voltage_noise_V * current_A;
     const S by_I = q.current_noise_A * voltage_V;
-    const S most = S(1e-3) * voltage_V * current_A;
-    return measurement.resistance_valid && by_V * by_V + by_I * by_I < most * most;
+    const S max = S(1e-3) * voltage_V * current_A;
+    return measurement.resistance_valid && by_V * by_V + by_I * by_I < max * max;
   }
 
   /// Off for so long that a wire has the air's temperature, whatever it was: ten time constants,

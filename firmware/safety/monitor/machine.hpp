@@ -22,7 +22,7 @@ struct MachineMonitor {
   static FaultSet detect(const MonitorInputs<S>& seen, State& s);
 
  private:
-  static constexpr S most_misses = S(10);
+  static constexpr S max_misses = S(10);
 
   static bool frozen(const MonitorInputs<S>& seen, State& s);
 };
@@ -42,7 +42,7 @@ FaultSet MachineMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   if (in.deadline_missed || S(0) < s.misses) {
     s.misses = s.misses - s.misses * seen.dt_s + (in.deadline_missed ? S(1) : S(0));
     // A missed one has lost next to nothing to forgetting.
-    now.add(Fault::deadline_missed, most_misses - S(0.5) < s.misses);
+    now.add(Fault::deadline_missed, max_misses - S(0.5) < s.misses);
   }
   now.add(Fault::command_timeout,
           seen.command.arm && q.timing.command_timeout_s <= seen.since_command_s);

@@ -21,7 +21,7 @@ struct OpenHeat {
   static constexpr S warms_1_s = S(0.5);
   static constexpr S cools_1_s = S(0.1);
   /// It may also think that a draught or cold air keeps the wire cold. That is believed so far.
-  static constexpr S most_loss = S(1);
+  static constexpr S max_loss = S(1);
   static constexpr S colder_K = S(2);
 
   /// Cost: about 50 operations, a division among them.
@@ -51,7 +51,7 @@ struct OpenHeat {
     const S power_W = seen.in.fresh && seen.measurement.power_valid
                           ? seen.measurement.power_W
                           : given_A * given_A * seen.prepared.cold_ohm;
-    const S loss = f.loss < most_loss ? f.loss : most_loss;
+    const S loss = f.loss < max_loss ? f.loss : max_loss;
     net_W = power_W - loss * body.loss_W(temperature_K - air_K);
     const Estimate<S>& e = seen.estimate;
     const S austenite = S(1) - e.martensite - e.r_phase;

@@ -71,17 +71,16 @@ template <class S>
 void WireMonitor<S>::circuit(const MonitorInputs<S>& seen, FaultSet& now) {
   const MeasurementParams<S>& band = seen.prepared.measuring;
   const S R = seen.measurement.resistance_ohm;  // 0 without enough current
-  const S low_A = seen.least_given_A();
+  const S low_A = seen.min_given_A();
   const bool measurable =
-      band.least_current_A <= magnitude(seen.current_A) && seen.measurement.power_valid;
+      band.min_current_A <= magnitude(seen.current_A) && seen.measurement.power_valid;
   const S nothing_ohm = S(0.02) * seen.prepared.cold_ohm;
   const bool no_voltage = measurable && R < nothing_ohm;
   now.add(Fault::sense_lead_open, no_voltage);
-  now.add(Fault::wire_short, measurable && R < band.least_resistance_ohm && !no_voltage);
+  now.add(Fault::wire_short, measurable && R < band.min_resistance_ohm && !no_voltage);
   const bool at_end = DriveMonitor<S>::voltage_at_end(seen);
   const bool no_current = S(0) < low_A && magnitude(seen.current_A) < S(0.2) * low_A;
-  now.add(Fault::wire_open,
-          no_current || (measurable && band.greatest_resistance_ohm < R && !at_end));
+  now.add(Fault::wire_open, no_current || (measurable && band.max_resistance_ohm < R && !at_end));
 }
 
 template <class S>
@@ -94,8 +93,8 @@ void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSe
   const bool sure = seen.sure();
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
   const S warm_K = s.heat.finish_K < e.temperature_K ? e.temperature_K : s.heat.finish_K;
-  const S most_loss_W = S(1.6) * body.loss_W(warm_K - seen.filter.ambient_K);
-  const S unanswered_J = s.unanswered_J + (seen.measurement.power_W - most_loss_W) * seen.dt_s -
+  const S max_loss_W = S(1.6) * body.loss_W(warm_K - seen.filter.ambient_K);
+  const S unanswered_J = s.unanswered_J + (seen.measurement.power_W - max_loss_W) * seen.dt_s -
                          (s.heat.observed_J - s.observed_before_J);
   s.unanswered_J = S(0) < unanswered_J && sure ? unanswered_J : S(0);
   s.observed_before_J = s.heat.observed_J;
@@ -111,9 +110,9 @@ void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSe
   now.add(Fault::heat_limit, seen.heated() && passes(q.limits.temperature_K, s.heat.temperature_K));
   // An observer that searches jumps from one idea to another; that is not the wire.
   const S warmer_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
-  const S most_K = q.trips.heating_rate_K_s * seen.dt_s;
-  now.add(Fault::heating_fast, S(0.7) * most_K < warmer_K);
-  now.add(Fault::heating_rate, most_K < warmer_K);
+  const S max_K = q.trips.heating_rate_K_s * seen.dt_s;
+  now.add(Fault::heating_fast, S(0.7) * max_K < warmer_K);
+  now.add(Fault::heating_rate, max_K < warmer_K);
   s.before_K = e.temperature_K;
   s.was_sure = sure;
 }
@@ -137,8 +136,8 @@ bool WireMonitor<S>::jumped(const MonitorInputs<S>& seen, State& s) {
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
   // A quarter of the resistance by the whole transformation.
   const S by_heat = S(0.25) * seen.measurement.power_W * jump_s;
-  const S most_J = jump * body.latent_m2a_J + by_heat;
-  if (most_J * s.steady_ohm < magnitude(R - s.steady_ohm) * body.latent_m2a_J) {
+  const S max_J = jump * body.latent_m2a_J + by_heat;
+  if (max_J * s.steady_ohm < magnitude(R - s.steady_ohm) * body.latent_m2a_J) {
     return true;
   }
   s.steady_ohm += (R - s.steady_ohm) * (seen.dt_s / (seen.dt_s + jump_s));
@@ -164,7 +163,7 @@ void WireMonitor<S>::mechanics(const MonitorInputs<S>& seen, State& s, FaultSet&
   now.add(Fault::load_lost, slack);
   now.add(Fault::over_stress, m.stress_valid && q.trips.stress_Pa < m.stress_Pa);
   now.add(Fault::over_strain,
-          seen.sure() && (strain < q.trips.least_strain || q.trips.greatest_strain < strain));
+          seen.sure() && (strain < q.trips.min_strain || q.trips.max_strain < strain));
   // A load that is taken away shortens the wire and lowers its resistance; a wire that slips
   // relaxes while more of it comes to lie between the leads. One that has lost its load is neither.
   const S jump_ohm = seen.filter.innovation_ohm - s.innovation_ohm;

@@ -14,13 +14,13 @@ struct ZeroCurrent {
   S current_A, voltage_V;  ///< mean readings, beyond the offsets of the settings
   S samples;
 
-  static constexpr S least_samples = S(20);
+  static constexpr S min_samples = S(20);
   /// A running mean at first, later one that forgets.
-  static constexpr S most_samples = S(1000);
+  static constexpr S max_samples = S(1000);
   /// So long after switching off the readings have settled.
   static constexpr S settling_s = S(0.02);
 
-  bool known() const { return !(samples < least_samples); }
+  bool known() const { return !(samples < min_samples); }
   bool in_band(const Prepared<S>& p) const {
     return magnitude(current_A) <= p.settings.trips.current_offset_A;
   }
@@ -35,7 +35,7 @@ struct ZeroCurrent {
     if (!plausible || !isfinite(V)) {
       return;
     }
-    samples = samples < most_samples ? samples + S(1) : samples;
+    samples = samples < max_samples ? samples + S(1) : samples;
     current_A += (I - current_A) / samples;
     voltage_V += (V - voltage_V) / samples;
   }

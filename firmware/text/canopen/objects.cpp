@@ -283,8 +283,8 @@ std::string allowed_text(const KnownObject& object) {
     return fmt::format("{}{}{}", range_text(*object.parameter),
                        object.unit.suffix.empty() ? "" : " ", object.unit.suffix);
   }
-  return fmt::format("{} to {} {}", real_text(object.parameter->least.real(), object.unit),
-                     real_text(object.parameter->greatest.real(), object.unit), object.unit.suffix);
+  return fmt::format("{} to {} {}", real_text(object.parameter->min.real(), object.unit),
+                     real_text(object.parameter->max.real(), object.unit), object.unit.suffix);
 }
 
 }  // namespace smaservo::can

@@ -64,11 +64,11 @@ std::string limits_text(const Object& object) {
       object.type == Type::boolean) {
     return text;
   }
-  if (object.least != canopen::least_of(object.type)) {
-    text += fmt::format("LowLimit={}\n", number_text(object.type, object.least));
+  if (object.min != canopen::min_of(object.type)) {
+    text += fmt::format("LowLimit={}\n", number_text(object.type, object.min));
   }
-  if (object.greatest != canopen::greatest_of(object.type)) {
-    text += fmt::format("HighLimit={}\n", number_text(object.type, object.greatest));
+  if (object.max != canopen::max_of(object.type)) {
+    text += fmt::format("HighLimit={}\n", number_text(object.type, object.max));
   }
   return text;
 }

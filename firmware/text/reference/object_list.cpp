@@ -58,7 +58,7 @@ void add_parameters(List& list) {
   for (const Parameter<double>& row : parameters<double>) {
     const std::string path(row.path.text());
     list.add({{row.key, type_of(row.type), canopen::readable | canopen::writable, canopen::nowhere,
-               row.standard.bits, row.least.bits, row.greatest.bits},
+               row.standard.bits, row.min.bits, row.max.bits},
               path,
               std::string(row.meaning),
               row.has_default(),

@@ -10,7 +10,7 @@ using nlohmann::json;
 
 constexpr std::uint32_t largest_standard_id = 0x7FF;
 constexpr std::uint32_t largest_extended_id = 0x1FFF'FFFF;
-constexpr std::uint64_t most_data = 8;
+constexpr std::uint64_t max_data = 8;
 
 /// A flag that may be missing: false. Nothing where it is no flag.
 std::optional<bool> flag(const json& map, const char* key) {
@@ -20,12 +20,12 @@ std::optional<bool> flag(const json& map, const char* key) {
   return found->get<bool>();
 }
 
-/// Nothing where it is missing, no whole number or above `most`.
-std::optional<std::uint64_t> number(const json& map, const char* key, std::uint64_t most) {
+/// Nothing where it is missing, no whole number or above `max`.
+std::optional<std::uint64_t> number(const json& map, const char* key, std::uint64_t max) {
   const auto found = map.find(key);
   if (found == map.end() || !found->is_number_unsigned()) return std::nullopt;
   const auto value = found->get<std::uint64_t>();
-  return value <= most ? std::optional(value) : std::nullopt;
+  return value <= max ? std::optional(value) : std::nullopt;
 }
 
 /// Takes the data, which a remote frame does without.
@@ -69,7 +69,7 @@ std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram) {
   }
   const auto id =
       number(map, "arbitration_id", *extended ? largest_extended_id : largest_standard_id);
-  const auto length = number(map, "dlc", most_data);
+  const auto length = number(map, "dlc", max_data);
   if (!id || !length) return std::nullopt;
   CanFrame frame;
   frame.id = static_cast<std::uint32_t>(*id);

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t longest_datagram = 4096;
 
 /// Datagrams in a row that one call passes over.
-constexpr int most_datagrams = 64;
+constexpr int max_datagrams = 64;
 
 template <class Address>
 Address as(const sockaddr_storage& general) {
@@ -156,7 +156,7 @@ void CanMulticast::connect_sender() {
 }
 
 bool CanMulticast::receive(CanFrame& frame) {
-  for (int reads = 0; reads < most_datagrams; ++reads) {
+  for (int reads = 0; reads < max_datagrams; ++reads) {
     std::array<std::uint8_t, longest_datagram> datagram;
     sockaddr_storage from{};
     socklen_t from_size = sizeof from;

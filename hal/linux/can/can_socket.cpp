@@ -35,7 +35,7 @@ bool is_up(int socket, const std::string& interface) {
 }
 
 /// Error frames in a row that one call passes over.
-constexpr int most_reads = 64;
+constexpr int max_reads = 64;
 
 /// Errors of the whole controller, not each one of a bit: these come by thousands.
 constexpr can_err_mask_t watched_errors =
@@ -186,7 +186,7 @@ void CanSocket::failed(int error) {
 
 bool CanSocket::receive(CanFrame& frame) {
   if (state_ == CanState::gone && !bring_back()) return false;
-  for (int reads = 0; reads < most_reads; ++reads) {
+  for (int reads = 0; reads < max_reads; ++reads) {
     RawFrame raw;
     const std::uint32_t before = overflow_;
     const ssize_t size = read_frame(descriptor(), raw, overflow_);

@@ -10,12 +10,12 @@
 
 namespace smaservo {
 
-inline constexpr std::size_t most_channels = 16;
+inline constexpr std::size_t max_channels = 16;
 
 struct RawFrame {
   std::int64_t time_ns;
   std::uint32_t sequence;  ///< of the samples, counted by whoever can
-  std::array<std::int64_t, most_channels> codes;
+  std::array<std::int64_t, max_channels> codes;
 };
 
 /// A converter that samples its channels at once.

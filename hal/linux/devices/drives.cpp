@@ -16,7 +16,7 @@ std::int64_t dac_code(const DacScale& scale, const DriveCommand& command) {
     return std::llround(scale.zero_code);
   }
   const double code = scale.zero_code + value * scale.codes_per_unit;
-  return std::llround(std::clamp(code, 0.0, scale.greatest_code));
+  return std::llround(std::clamp(code, 0.0, scale.max_code));
 }
 
 IioDac::IioDac(const LinuxRoots& roots, const IioDacSettings& settings)
@@ -106,7 +106,7 @@ PwmDrive::PwmDrive(const LinuxRoots& roots, const PwmSettings& settings) : setti
 
 bool PwmDrive::put(const DriveCommand& command) {
   const double duty = command.voltage_V > 0 ? command.voltage_V / settings_.supply_V : 0;
-  const double share = std::min(duty, settings_.greatest_duty);
+  const double share = std::min(duty, settings_.max_duty);
   return put_number(duty_.number(), std::llround(share * static_cast<double>(settings_.period_ns)));
 }
 

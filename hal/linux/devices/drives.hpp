@@ -32,7 +32,7 @@ class OutputStage {
 struct DacScale {
   double codes_per_unit;  ///< by ampere, or by volt where the drive takes a voltage
   double zero_code = 0;   ///< puts out nothing
-  double greatest_code = 65535;
+  double max_code = 65535;
   bool voltage = false;  ///< takes DriveCommand::voltage_V
 };
 /// What is no number is off.
@@ -94,7 +94,7 @@ struct PwmSettings {
   unsigned channel = 0;
   std::int64_t period_ns = 50'000;
   double supply_V = 24;  ///< voltage over supply is the duty cycle
-  double greatest_duty = 0.95;
+  double max_duty = 0.95;
 };
 
 /// sysfs, with the duty cycle's descriptor kept.

@@ -99,12 +99,10 @@ TextTable bandwidths(const ClosedLoopEvaluation& e) {
                    {"highest", "{:.2f} Hz"},
                    {"target", "{}"}});
   for (std::size_t i = 0; i < loop_kinds.size(); ++i) {
-    const auto [least, greatest] = std::ranges::minmax(e.bandwidth_Hz.at(i));
+    const auto [min, max] = std::ranges::minmax(e.bandwidth_Hz.at(i));
     const bool ours = loop_kinds.at(i) == LoopKind::device;
-    table.add({loop_kind_name(loop_kinds.at(i)),
-               {least, ours && least < 2.5},
-               greatest,
-               ours ? "2.5 Hz" : ""});
+    table.add(
+        {loop_kind_name(loop_kinds.at(i)), {min, ours && min < 2.5}, max, ours ? "2.5 Hz" : ""});
   }
   return table;
 }

@@ -14,7 +14,7 @@
 namespace smaservo {
 namespace {
 
-constexpr std::size_t most_named = 20;
+constexpr std::size_t max_named = 20;
 
 double quantile(const std::vector<HottestRun>& sorted, double share) {
   const auto last = static_cast<double>(sorted.size() - 1);
@@ -136,7 +136,7 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   }
   std::vector<HottestRun> worst(
       sorted.rbegin(),
-      sorted.rbegin() + static_cast<std::ptrdiff_t>(std::min(most_named, sorted.size())));
+      sorted.rbegin() + static_cast<std::ptrdiff_t>(std::min(max_named, sorted.size())));
   std::erase_if(worst, [](const HottestRun& r) { return !r.violates(); });
   for (const HottestRun& r : worst) {
     text += fmt::format("\n- seed {}: {:.1f} K at {:.2f} s, {}, {}, {}{}", r.seed, r.above_limit_K,

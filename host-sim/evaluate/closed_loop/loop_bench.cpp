@@ -18,7 +18,7 @@ SimSetup setup(const WireUnit& unit, const LoopConditions& conditions, std::uint
   const double area_m2 = unit.wire.wire.geometry.area_m2();
   return {.period_ns = period_ns,
           .converter = {.voltage_drive = false,
-                        .greatest_A = 0.5,
+                        .max_A = 0.5,
                         .slew_A_s = std::numeric_limits<double>::infinity(),
                         .lead_ohm = 0.1},
           .sensors = {.bits = 16,
@@ -52,11 +52,11 @@ Settings<double> loop_settings(const Wire<double>& wire) {
   s.limits.current_A = 0.4;
   s.limits.power_W = 10;
   s.limits.temperature_K = wire.limits.temperature_K;
-  s.limits.greatest_strain = 0.06;
+  s.limits.max_strain = 0.06;
   s.limits.stress_Pa = wire.limits.stress_Pa;
   s.trips.current_A = 0.45;
   s.trips.temperature_K = wire.limits.temperature_K + 10;
-  s.trips.greatest_strain = 0.08;
+  s.trips.max_strain = 0.08;
   s.trips.stress_Pa = 1.2 * wire.limits.stress_Pa;
   return s;
 }

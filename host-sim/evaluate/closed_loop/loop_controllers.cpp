@@ -62,14 +62,13 @@ class PositionLoop final : public LoopController {
 
   explicit PositionLoop(const KnownUnit& known)
       : params_(known.estimator_002),
-        controller_(bench_002::PidGains{40, 20, 0.4,
-                                        loop_settings(known.wire).limits.least_current_A,
+        controller_(bench_002::PidGains{40, 20, 0.4, loop_settings(known.wire).limits.min_current_A,
                                         loop_settings(known.wire).limits.current_A}),
         area_m2_(known.wire.geometry.area_m2()),
-        least_A_(loop_settings(known.wire).limits.least_current_A) {}
+        min_A_(loop_settings(known.wire).limits.min_current_A) {}
   double current_A(const Inputs<double>& in, double goal, double /*true_strain*/) override {
-    if (in.sample.current_A < 0.5 * least_A_) {
-      return least_A_;
+    if (in.sample.current_A < 0.5 * min_A_) {
+      return min_A_;
     }
     const Measurement<double> m{in.sample.voltage_V / in.sample.current_A,
                                 0,
@@ -92,7 +91,7 @@ class PositionLoop final : public LoopController {
   Observer::State state_{};
   bool started_ = false;
   bench_002::PidController controller_;
-  double area_m2_, least_A_;
+  double area_m2_, min_A_;
 };
 
 }  // namespace

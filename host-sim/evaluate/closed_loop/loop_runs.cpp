@@ -59,8 +59,8 @@ class Loop {
   double shortest_ = 0, longest_ = 0;
 };
 
-/// How often the strain turns by more than `least`.
-int reversals(std::span<const double> strain, double least) {
+/// How often the strain turns by more than `min`.
+int reversals(std::span<const double> strain, double min) {
   int count = 0;
   double lowest = strain.front();
   double highest = strain.front();
@@ -68,7 +68,7 @@ int reversals(std::span<const double> strain, double least) {
   for (const double x : strain) {
     lowest = std::min(lowest, x);
     highest = std::max(highest, x);
-    const int now = x - lowest > least ? 1 : highest - x > least ? -1 : 0;
+    const int now = x - lowest > min ? 1 : highest - x > min ? -1 : 0;
     if (now != 0 && now != heading) {
       count += heading == 0 ? 0 : 1;
       heading = now;

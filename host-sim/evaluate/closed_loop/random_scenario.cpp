@@ -93,10 +93,10 @@ class Draw {
     s.limits.current_A = currents_A.at(choice(currents_A.size()));
     s.limits.power_W = 10;
     s.limits.temperature_K = zero_degC_K + dice_.uniform(100, 140);
-    s.limits.greatest_strain = 0.06;
+    s.limits.max_strain = 0.06;
     s.trips.temperature_K = s.limits.temperature_K + 10;
     s.trips.current_A = 1.15 * s.limits.current_A;
-    s.trips.greatest_strain = 0.08;
+    s.trips.max_strain = 0.08;
     s.limits.stress_Pa = known_.limits.stress_Pa;
     s.trips.stress_Pa = 1.2 * known_.limits.stress_Pa;
     s.safe.state = static_cast<SafeState>(choice(3));
@@ -111,7 +111,7 @@ class Draw {
     SimSetup& b = loop().board;
     b.period_ns = 1'000'000;
     b.converter = {.voltage_drive = device().drive.kind == DriveKind::voltage,
-                   .greatest_A = 0.5,
+                   .max_A = 0.5,
                    .slew_A_s = std::numeric_limits<double>::infinity(),
                    .lead_ohm = 0.1};
     b.sensors = {.bits = 16,
@@ -237,10 +237,9 @@ class Draw {
       case RandomTrouble::weak_converter:
         // Of the whole run: a converter does not change.
         loop().events.pop_back();
-        loop().board.converter.greatest_A = dice_.uniform(0.05, 0.3);
+        loop().board.converter.max_A = dice_.uniform(0.05, 0.3);
         loop().board.converter.slew_A_s = log_uniform(2, 200);
-        note("{:.2f} A, {:.0f} A/s", loop().board.converter.greatest_A,
-             loop().board.converter.slew_A_s);
+        note("{:.2f} A, {:.0f} A/s", loop().board.converter.max_A, loop().board.converter.slew_A_s);
         break;
       case RandomTrouble::broken:
         e.circuit = dice_.coin() ? Circuit::broken : Circuit::open;

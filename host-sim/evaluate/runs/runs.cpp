@@ -64,7 +64,7 @@ JouleScenario still_room(const Wire<double>& wire, Load load) {
   return {.ambient_K = 298.15,
           .draught = 1,
           .overheat_K = 12,
-          .least_current_A = 0.012,
+          .min_current_A = 0.012,
           .rate_Hz = 1000,
           .record_from_s = 0,
           .drive = {},

@@ -40,7 +40,7 @@ class BalancedPlant {
                           plain_J_K - body.capacity_J_K);
     const K::State before = state_;
     const Phases<double> z = K::phases(before);
-    for (int i = 0; i < most_iterations; ++i) {
+    for (int i = 0; i < max_iterations; ++i) {
       state_ = before;
       K::advance(params_.kinetics, state_, {T + dT, in.stress_Pa});
       const Phases<double> after = K::phases(state_);
@@ -60,7 +60,7 @@ class BalancedPlant {
   }
 
  private:
-  static constexpr int most_iterations = 12;
+  static constexpr int max_iterations = 12;
 
   Params params_;
   K::State state_;

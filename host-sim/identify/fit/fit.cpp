@@ -21,16 +21,16 @@ constexpr double tolerance = 3e-4;
 
 CircumstanceParameters circumstances_of(const FitRun& run, const Run& original) {
   const bool ambient_measured = !original.ambient_K.empty();
-  double greatest = 0;
+  double max = 0;
   for (const double power : run.power_W_kg) {
-    greatest = std::max(greatest, std::isnan(power) ? 0 : std::abs(power));
+    max = std::max(max, std::isnan(power) ? 0 : std::abs(power));
   }
   return {{{"ambient", "degC", 1, Form::sum, run.ambient_K, ambient_measured ? 0.5 : 3.0},
            {"loss", "", 1, Form::factor, 1, 0.05},
            {"strain_zero", "%", 0.01, Form::sum, 0, 0.02},
            {"resistance_gain", "", 1, Form::factor, 1, 0.0015},
            {"rate", "K/s", 1, Form::factor, 1.0 / 6, 1.5},
-           {"power_zero", "W/kg", 1, Form::sum, 0, 0.1 * greatest + 1e-9}}};
+           {"power_zero", "W/kg", 1, Form::sum, 0, 0.1 * max + 1e-9}}};
 }
 
 class Watch final : public ceres::IterationCallback {
@@ -54,12 +54,12 @@ class Watch final : public ceres::IterationCallback {
 
 }  // namespace
 
-double greatest_power(const FitRun& run) {
-  double greatest = 1e-9;
+double max_power(const FitRun& run) {
+  double max = 1e-9;
   for (const double power : run.power_W_kg) {
-    greatest = std::isnan(power) ? greatest : std::max(greatest, std::abs(power));
+    max = std::isnan(power) ? max : std::max(max, std::abs(power));
   }
-  return greatest;
+  return max;
 }
 
 Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options)
@@ -69,7 +69,7 @@ Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOption
     zero_known_.push_back(zero_known(run.strain));
     circumstances_.push_back(circumstances_of(runs_.back(), run));
     Weights weights;
-    weights.power_sd = 0.03 * greatest_power(runs_.back());
+    weights.power_sd = 0.03 * max_power(runs_.back());
     weights_.push_back(weights);
   }
   with(FitVariant{from.kinetics.separate_r2a, from.kinetics.separate_r2m, from.kinetics.memory,
@@ -248,10 +248,10 @@ void Fit::try_variants() {
     const double before = cost(everything());
     with(variant);
     // The first steps show whether it leads anywhere.
-    const int first = std::max(1, options_.most_iterations / 13);
+    const int first = std::max(1, options_.max_iterations / 13);
     double after = joint(name, first);
     if (after < hopeless * before) {
-      after = joint(name, options_.most_iterations / 5 - first);
+      after = joint(name, options_.max_iterations / 5 - first);
     }
     if (interrupted_ || before - after < additional) {
       with(old);
@@ -278,14 +278,14 @@ void Fit::try_variants() {
 FitResult Fit::run() {
   calorimetry();
   stress_levels();
-  joint("all runs", options_.most_iterations);
+  joint("all runs", options_.max_iterations);
   weigh();
-  joint("all runs, weighed", options_.most_iterations);
+  joint("all runs, weighed", options_.max_iterations);
   if (options_.variants) {
     try_variants();
   }
   refine();
-  joint("refinement", options_.most_iterations);
+  joint("refinement", options_.max_iterations);
   FitResult result;
   describe(result);
   uncertainty(result);

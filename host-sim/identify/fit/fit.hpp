@@ -24,7 +24,7 @@ struct FitOptions {
   int threads = 1;
   bool variants = true;  ///< also try other structures of the model: separate surfaces, mixture
   bool circuit = false;  ///< also fit the resistance of the leads and the gain of the load cell
-  int most_iterations = 40;
+  int max_iterations = 40;
   std::function<bool(const FitProgress&)> proceed = [](const FitProgress&) { return true; };
 };
 

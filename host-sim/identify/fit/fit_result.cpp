@@ -109,7 +109,7 @@ void Fit::weigh() {
     if (runs_[i].kind == RunKind::calorimetry) {
       const FittedRun run = fitted(i);
       const auto d_power = differences(run.strain_model, run.strain_measured, false);
-      weights_[i].power_sd = std::max(0.005 * greatest_power(runs_[i]), rms(d_power));
+      weights_[i].power_sd = std::max(0.005 * max_power(runs_[i]), rms(d_power));
       weights_[i].power_independent = length(d_power);
       continue;
     }
@@ -225,7 +225,7 @@ void Fit::describe(FitResult& result) {
     FittedRun run = fitted(i);
     const auto d = differences(run.strain_model, run.strain_measured, false);
     if (run.kind == RunKind::calorimetry) {
-      run.power = quality(d, 1 / greatest_power(runs_[i]));
+      run.power = quality(d, 1 / max_power(runs_[i]));
     } else {
       run.strain = quality(d, 1 / from_.nominal_stroke);
       run.resistance = quality(differences(run.resistance_model, run.resistance_measured, true), 1);

@@ -60,7 +60,7 @@ void Fit::calorimetry() {
         return (is_of_process(key) && !key.ends_with("_stress") && !key.ends_with("_bend")) ||
                key.starts_with("wire.heat.latent") || key == "wire.heat.specific_heat";
       },
-      options_.most_iterations);
+      options_.max_iterations);
 }
 
 /// Several starts: transitions that lie beside each other by more than their width have a local
@@ -75,15 +75,15 @@ void Fit::start_at_level(const Runs& level) {
   const std::size_t a2m = index("wire.a2m.temperature");
   const Deviations before = u_;
   Deviations best = u_;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const double heating : {0.0, -0.75, 0.75, -1.5, 1.5, -2.5, 2.5}) {
     for (const double cooling : {0.0, -0.75, 0.75, -1.5, 1.5, -2.5, 2.5}) {
       u_ = before;
       u_.wire[m2a] += heating;
       u_.wire[a2m] += cooling;
       const double now = cost(level);
-      if (now < least) {
-        least = now;
+      if (now < min) {
+        min = now;
         best = u_;
       }
     }
@@ -116,7 +116,7 @@ void Fit::stress_levels() {
       u_.runs[i] = found[k].runs[i];
     }
   }
-  const double greatest_Pa = from_.limits.stress_Pa;
+  const double max_Pa = from_.limits.stress_Pa;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const std::string& key = parameters[i].key;
     if (!of_level(key)) {
@@ -132,12 +132,11 @@ void Fit::stress_levels() {
         const double sd_2 = parameters[i + 2].sd;
         columns.emplace_back(i + 1, [=](double stress) { return sd_1 * stress / sd; });
         columns.emplace_back(i + 2, [=](double stress) {
-          const double s = stress / greatest_Pa;
+          const double s = stress / max_Pa;
           return 4 * sd_2 * s * (1 - s) / sd;
         });
       } else {
-        columns.emplace_back(i + 1,
-                             [=](double stress) { return sd_1 * stress / greatest_Pa / sd; });
+        columns.emplace_back(i + 1, [=](double stress) { return sd_1 * stress / max_Pa / sd; });
       }
     }
     const auto n = static_cast<Eigen::Index>(columns.size());

@@ -88,6 +88,6 @@ class Fit {
   int iterations_ = 0;
 };
 
-double greatest_power(const FitRun& run);
+double max_power(const FitRun& run);
 
 }  // namespace smaservo

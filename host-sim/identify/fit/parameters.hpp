@@ -69,7 +69,7 @@ namespace detail {
 // there. Both ends of the range of stress, 0 and the greatest, have a value of their own, so that
 // a surface that is valid at both is valid between them.
 template <class T, class Take>
-Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double greatest_Pa,
+Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double max_Pa,
                         double temperature_sd_K, double stress_share, Take& take) {
   const auto line = [&](const double(&c)[2], double stress) { return c[0] + c[1] * stress; };
   const auto cubic = [&](const double(&c)[3], double stress) {
@@ -82,14 +82,14 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
     return cubic(from.start_K, stress) + line(from.turning, stress) * width(stress);
   };
   const double w_0 = width(0);
-  const double w_1 = width(greatest_Pa);
+  const double w_1 = width(max_Pa);
   const double T_0 = turning_K(0);
-  const double T_1 = turning_K(greatest_Pa);
-  const double bend_K = turning_K(greatest_Pa / 2) - (T_0 + T_1) / 2;
+  const double T_1 = turning_K(max_Pa);
+  const double bend_K = turning_K(max_Pa / 2) - (T_0 + T_1) / 2;
   const std::string key = "wire." + name;
 
   const T at_0 = take({key + ".temperature", "degC", 1, Form::sum, T_0, temperature_sd_K});
-  const double rise = (T_1 - T_0) / greatest_Pa;
+  const double rise = (T_1 - T_0) / max_Pa;
   const T slope =
       take({key + ".temperature_stress", "K/MPa", 1e-6, Form::sum, rise, 0.04e-6 * stress_share});
   const T bend = take({key + ".temperature_bend", "K", 1, Form::sum, bend_K, 6 * stress_share});
@@ -100,7 +100,7 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   };
   const auto [width_0, width_1] = both(".width", w_0, w_1, 0.5);
   const auto [curvature_0, curvature_1] =
-      both(".curvature", from.curvature[0], line(from.curvature, greatest_Pa), 0.4);
+      both(".curvature", from.curvature[0], line(from.curvature, max_Pa), 0.4);
   // The turning point keeps within 0.05 and 0.95.
   const auto inner = [](double z) { return (z - 0.05) / 0.9; };
   const FitParameter z{key + ".turning", "", 1, Form::share, inner(from.turning[0]), 0.5};
@@ -110,14 +110,14 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
     using std::exp;
     return x / (x + (T(1) - x) * exp(T(0) - shift));
   };
-  const double end = inner(line(from.turning, greatest_Pa));
+  const double end = inner(line(from.turning, max_Pa));
   const double begin = inner(from.turning[0]);
   const T z_0 = T(0.05) + T(0.9) * turning_0;
   const T odds = T(end / (1 - end) * (1 - begin) / begin);
   const T scaled = turning_0 * odds / (T(1) - turning_0 + turning_0 * odds);
   const T z_1 = T(0.05) + T(0.9) * moved(scaled);
 
-  const T span = T(greatest_Pa);
+  const T span = T(max_Pa);
   const T dw = (width_1 - width_0) / span;
   const T dz = (z_1 - z_0) / span;
   // T_t = T_0 + slope σ + 4 bend (σ/σ_1)(1 - σ/σ_1)
@@ -149,10 +149,10 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
   w.nominal_stroke = T(from.nominal_stroke);
   w.accuracy = {T(from.accuracy.strain), T(from.accuracy.resistance)};
 
-  const double greatest_Pa = from.limits.stress_Pa;
+  const double max_Pa = from.limits.stress_Pa;
   const ThreePhaseParams<double>& k = from.kinetics;
   const auto surface = [&](const Surface<double>& s, const char* name, double sd_K, double share) {
-    return detail::vary_surface<T>(s, name, greatest_Pa, sd_K, share, take);
+    return detail::vary_surface<T>(s, name, max_Pa, sd_K, share, take);
   };
   const Surface<double> a2m = first_surface(k.a2m_a2r);
   w.kinetics.m2a = surface(k.m2a, "m2a", 8, 1);

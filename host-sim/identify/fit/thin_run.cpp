@@ -8,7 +8,7 @@
 namespace smaservo {
 namespace {
 
-constexpr std::size_t most_compared = 1500;
+constexpr std::size_t max_compared = 1500;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 double at(const std::vector<double>& column, std::size_t row) {
@@ -49,7 +49,7 @@ void compare(FitRun& fit, std::size_t step, double strain, double ohm, double po
 void take_rows(const Run& run, FitRun& fit) {
   const std::size_t rows =
       run.kind == RunKind::settled ? run.current_A.size() : run.temperature_K.size();
-  const std::size_t every = (rows + most_compared - 1) / most_compared;
+  const std::size_t every = (rows + max_compared - 1) / max_compared;
   fit.stress_Pa = run.stress_Pa.empty() ? std::vector<double>(rows, 0.0) : smoothed(run.stress_Pa);
   for (std::size_t i = 0; i < rows; ++i) {
     if (run.kind == RunKind::settled) {
@@ -119,7 +119,7 @@ void take_time(const Run& run, double step_s, FitRun& fit) {
     take_steps(run, from, to, step_s, fit, ends);
     from = to;
   }
-  const std::size_t every = (ends.size() + most_compared - 1) / most_compared;
+  const std::size_t every = (ends.size() + max_compared - 1) / max_compared;
   std::size_t since = 0;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     ++since;

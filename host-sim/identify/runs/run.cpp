@@ -12,27 +12,27 @@ namespace {
 
 constexpr double measuring_W_m = 0.1;  ///< still air takes 0.04-0.07 W/mK from any thin wire
 constexpr double rough_resistivity_ohm_m = 0.9e-6;
-constexpr double least_current_share = 0.03;
+constexpr double min_current_share = 0.03;
 
 double largest(const std::vector<double>& values) {
-  double most = 0;
+  double max = 0;
   for (const double value : values) {
-    most = std::max(most, std::abs(value));
+    max = std::max(max, std::abs(value));
   }
-  return most;
+  return max;
 }
 
 /// Whether the largest current that the run knows of is one that heats.
 bool is_heated(const Run& run, const Geometry<double>& geometry) {
-  double most_W = 0;
+  double max_W = 0;
   for (std::size_t i = 0; i < run.current_A.size(); ++i) {
     const double current_A = run.current_A[i];
     const double voltage_V = run.voltage_V.empty() ? current_A * rough_resistivity_ohm_m *
                                                          geometry.length_m / geometry.area_m2()
                                                    : run.voltage_V[i];
-    most_W = std::max(most_W, std::abs(voltage_V * current_A));
+    max_W = std::max(max_W, std::abs(voltage_V * current_A));
   }
-  return most_W > measuring_W_m * geometry.length_m;
+  return max_W > measuring_W_m * geometry.length_m;
 }
 
 RunKind kind_of(const Run& run, bool heated) {
@@ -65,10 +65,10 @@ std::vector<double> measured_resistance(const Run& run) {
   if (run.current_A.empty() || run.voltage_V.empty()) {
     return all;
   }
-  const double least_A = least_current_share * largest(run.current_A);
+  const double min_A = min_current_share * largest(run.current_A);
   for (std::size_t i = 0; i < run.current_A.size(); ++i) {
     const double current_A = run.current_A[i];
-    all.push_back(current_A != 0 && std::abs(current_A) >= least_A
+    all.push_back(current_A != 0 && std::abs(current_A) >= min_A
                       ? run.voltage_V[i] / current_A
                       : std::numeric_limits<double>::quiet_NaN());
   }

@@ -15,15 +15,15 @@ namespace {
 
 using Values = std::vector<double>;
 
-constexpr std::size_t least_rows = 20;
-constexpr double least_strain = 0.003;
-constexpr double least_resistance_change = 0.02;
-constexpr double least_temperature_span_K = 10;
-constexpr double most_run_strain = 0.2;
-constexpr double most_stress_Pa = 1.5e9;
-constexpr double most_heating_K_s = 1e5;
+constexpr std::size_t min_rows = 20;
+constexpr double min_strain = 0.003;
+constexpr double min_resistance_change = 0.02;
+constexpr double min_temperature_span_K = 10;
+constexpr double max_run_strain = 0.2;
+constexpr double max_stress_Pa = 1.5e9;
+constexpr double max_heating_K_s = 1e5;
 constexpr double density_kg_m3 = 6450, specific_heat_J_kgK = 450;
-constexpr double least_resistivity_ohm_m = 0.5e-6 / 5, most_resistivity_ohm_m = 1.5e-6 * 5;
+constexpr double min_resistivity_ohm_m = 0.5e-6 / 5, max_resistivity_ohm_m = 1.5e-6 * 5;
 constexpr double coldest_K = 150, hottest_K = 500;  ///< no NiTi wire transforms beyond
 
 Values known(const Values& values) {
@@ -58,13 +58,13 @@ double span_of(std::span<const double> values) {
 }
 
 void check_content(const Run& run) {
-  if (run.stress_Pa.size() < least_rows) {
+  if (run.stress_Pa.size() < min_rows) {
     fail(run, fmt::format("has {} rows, at least {} are needed; record a full heating and cooling",
-                          run.stress_Pa.size(), least_rows));
+                          run.stress_Pa.size(), min_rows));
   }
   if (run.kind == RunKind::calorimetry) {
     const Range temperature_K = range_of(run.temperature_K);
-    if (temperature_K.high - temperature_K.low < least_temperature_span_K) {
+    if (temperature_K.high - temperature_K.low < min_temperature_span_K) {
       fail(run, fmt::format("the temperature spans {:.1f} K; heat and cool the sample through both "
                             "transformations",
                             temperature_K.high - temperature_K.low));
@@ -81,7 +81,7 @@ void check_content(const Run& run) {
   const Range strain = range_of(run.strain);
   const Range ohm = range_of(run.resistance_ohm);
   const double change = ohm.middle > 0 ? (ohm.high - ohm.low) / ohm.middle : 0;
-  if (strain.high - strain.low < least_strain && change < least_resistance_change) {
+  if (strain.high - strain.low < min_strain && change < min_resistance_change) {
     fail(run,
          fmt::format("the wire does not move: strain spans {:.2f} %, resistance {:.1f} %; heat "
                      "and cool it through both transformations",
@@ -90,17 +90,17 @@ void check_content(const Run& run) {
 }
 
 void check_units(const Run& run, const Geometry<double>& geometry) {
-  if (const double span = span_of(run.strain); span > most_run_strain) {
+  if (const double span = span_of(run.strain); span > max_run_strain) {
     fail(run, fmt::format("strain spans {:.3g}, no wire survives more than {}; per cent are "
                           "strain_ref_percent, and a displacement needs the right unit and length "
                           "(of {:.4g} mm)",
-                          span, most_run_strain, 1e3 * geometry.length_m));
+                          span, max_run_strain, 1e3 * geometry.length_m));
   }
   const double stress_Pa = *std::ranges::max_element(run.stress_Pa);
-  if (stress_Pa > most_stress_Pa) {
+  if (stress_Pa > max_stress_Pa) {
     fail(run, fmt::format("the stress reaches {:.4g} MPa, above {} MPa a wire breaks; check the "
                           "load's unit and the diameter (of {:.4g} um)",
-                          1e-6 * stress_Pa, 1e-6 * most_stress_Pa, 1e6 * geometry.diameter_m));
+                          1e-6 * stress_Pa, 1e-6 * max_stress_Pa, 1e6 * geometry.diameter_m));
   }
   const bool by_temperature = run.kind == RunKind::bath || run.kind == RunKind::calorimetry;
   if (by_temperature) {
@@ -115,7 +115,7 @@ void check_units(const Run& run, const Geometry<double>& geometry) {
   const double ohm = range_of(run.resistance_ohm).middle;
   const double resistivity = ohm * geometry.area_m2() / geometry.length_m;
   if (!known(run.resistance_ohm).empty() &&
-      !(resistivity > least_resistivity_ohm_m && resistivity < most_resistivity_ohm_m)) {
+      !(resistivity > min_resistivity_ohm_m && resistivity < max_resistivity_ohm_m)) {
     fail(run,
          fmt::format("a resistance of {:.4g} ohm makes {:.3g} uohm_m of {:.4g} mm of {:.4g} um "
                      "wire, NiTi has 0.5 to 1.5; check length, diameter and the units of "
@@ -126,7 +126,7 @@ void check_units(const Run& run, const Geometry<double>& geometry) {
       density_kg_m3 * specific_heat_J_kgK * geometry.area_m2() * geometry.length_m;
   for (std::size_t i = 0; i < std::min(run.current_A.size(), run.voltage_V.size()); ++i) {
     const double power_W = run.current_A[i] * run.voltage_V[i];
-    if (power_W > most_heating_K_s * heat_J_K) {
+    if (power_W > max_heating_K_s * heat_J_K) {
       fail(run, fmt::format("row {}: {:.4g} A at {:.4g} V would heat the wire by {:.2g} K/s; check "
                             "the units, length and diameter",
                             i + 1, run.current_A[i], run.voltage_V[i], power_W / heat_J_K));
@@ -187,9 +187,9 @@ double step_of(const Values& values) {
   Values sorted = known(values);
   std::ranges::sort(sorted);
   double step = std::numeric_limits<double>::infinity();
-  const double least = 1e-9 * (sorted.back() - sorted.front());
+  const double min = 1e-9 * (sorted.back() - sorted.front());
   for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i] - sorted[i - 1] > least) {
+    if (sorted[i] - sorted[i - 1] > min) {
       step = std::min(step, sorted[i] - sorted[i - 1]);
     }
   }
@@ -200,9 +200,9 @@ double step_of(const Values& values) {
 /// stretch differ by no more than one step of the converter, or by much more from row to row. A
 /// clipped column comes and goes at a steady slope.
 bool breaks_off(const Values& values, const Stretch& stretch) {
-  const double least = 1.5 * step_of(values);
+  const double min = 1.5 * step_of(values);
   const auto steady = [&](double first, double second, double third) {
-    return std::abs(second - first) > least &&
+    return std::abs(second - first) > min &&
            std::abs(third - second) < 1.25 * std::abs(second - first);
   };
   const std::size_t at = stretch.first;
@@ -222,7 +222,7 @@ bool is_noisy_elsewhere(const Values& values, const Stretch& stretch) {
       equal += values[i] == values[i - 1] ? 1U : 0U;
     }
   }
-  return stretch.count >= least_rows && 10 * equal < pairs &&
+  return stretch.count >= min_rows && 10 * equal < pairs &&
          span_of(values) > 1000 * step_of(values);
 }
 
@@ -237,8 +237,8 @@ void check_converters(const Run& run) {
     if (!is_long(stretch, held_values.size()) || !(stretch.value > 0)) {
       return;
     }
-    const auto [least, most] = std::ranges::minmax(beside(others, stretch));
-    if (most > 1.4 * std::max(least, 0.0)) {
+    const auto [min, max] = std::ranges::minmax(beside(others, stretch));
+    if (max > 1.4 * std::max(min, 0.0)) {
       fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the other one changes by "
                             "more than a wire's resistance can; its converter is clipped, widen "
                             "its range",
@@ -273,8 +273,8 @@ void check_clipped(const Run& run) {
       continue;
     }
     const Values some = known(values);
-    const auto [least, most] = std::ranges::minmax(some);
-    for (const double extreme : {least, most}) {
+    const auto [min, max] = std::ranges::minmax(some);
+    for (const double extreme : {min, max}) {
       const Stretch stretch = held(values, extreme);
       if (!is_long(stretch, values.size())) {
         continue;

@@ -20,9 +20,9 @@ inline double quantile(std::vector<double> values, double share) {
 /// rows to either side.
 inline bool has_constant_stress(const Run& run) {
   const double middle_Pa = quantile(run.stress_Pa, 0.5);
-  const double most_Pa = std::max(0.125 * std::abs(middle_Pa), 5e6);
-  return quantile(run.stress_Pa, 0.05) >= middle_Pa - most_Pa &&
-         quantile(run.stress_Pa, 0.95) <= middle_Pa + most_Pa;
+  const double max_Pa = std::max(0.125 * std::abs(middle_Pa), 5e6);
+  return quantile(run.stress_Pa, 0.05) >= middle_Pa - max_Pa &&
+         quantile(run.stress_Pa, 0.95) <= middle_Pa + max_Pa;
 }
 
 }  // namespace smaservo

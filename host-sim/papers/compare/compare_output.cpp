@@ -13,7 +13,7 @@ namespace smaservo {
 namespace {
 
 /// Points of a plotted curve at most.
-constexpr std::size_t most_points = 3000;
+constexpr std::size_t max_points = 3000;
 
 std::string percent(double value) {
   return fmt::format("{:.2f}", value);
@@ -143,7 +143,7 @@ Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one)
   const Run& run = comparison.tests[t];
   const Abscissa x = abscissa(run);
   std::string data = "$data << EOD\n";
-  const std::size_t every = 1 + run.strain.size() / most_points;
+  const std::size_t every = 1 + run.strain.size() / max_points;
   for (std::size_t i = 0; i < run.strain.size(); i += every) {
     data += fmt::format("{} {} {}\n", plotted(x.values[i]), plotted(100 * run.strain[i]),
                         plotted(100 * one.runs[t].strain[i]));

@@ -15,7 +15,7 @@ using Ihyp = ThreePhase<double>;
 using Relays = Preisach<double>;
 
 /// A run in its identification: at most so many rows, evenly.
-constexpr std::size_t most_rows = 4000;
+constexpr std::size_t max_rows = 4000;
 
 PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
   return {wire.kinetics, wire.material, wire.heat, wire.geometry};
@@ -26,7 +26,7 @@ Run in_bath(const Wire<double>& wire, const Run& run, double ambient_K) {
   Run bath{};
   bath.name = run.name;
   bath.kind = RunKind::bath;
-  const std::size_t every = (run.strain.size() + most_rows - 1) / most_rows;
+  const std::size_t every = (run.strain.size() + max_rows - 1) / max_rows;
   std::size_t i = 0;
   const DrivenSteps steps = every_row(run, ambient_K);
   drive_plant(ihyp_model(wire), steps, [&](const auto& /*params*/, const auto& state) {
@@ -54,9 +54,9 @@ std::vector<double> slice_stresses_Pa(const std::vector<Run>& runs) {
       apart.push_back(stress_Pa);
     }
   }
-  constexpr std::size_t most = std::tuple_size_v<decltype(Relays::Params::stress_Pa)>;
+  constexpr std::size_t max = std::tuple_size_v<decltype(Relays::Params::stress_Pa)>;
   std::vector<double> chosen;
-  const std::size_t count = std::min(most, apart.size());
+  const std::size_t count = std::min(max, apart.size());
   chosen.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     chosen.push_back(apart[count == 1 ? 0 : i * (apart.size() - 1) / (count - 1)]);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double outer = 0.9;
 constexpr double inner_share = 0.1;
-constexpr double most_back = 0.05;
+constexpr double max_back = 0.05;
 
 /// How far a row is from the shortest to the longest wire.
 class Stroke {
@@ -65,7 +65,7 @@ class Follower {
       on_the_way_ = true;
     } else if (on_the_way_) {
       farthest_ = std::max(farthest_, done);
-      if (done < farthest_ - most_back) {
+      if (done < farthest_ - max_back) {
         on_the_way_ = false;
       } else if (done >= 1 - inner_share) {
         add(stroke, begin_ + 1, row, points);

@@ -23,11 +23,11 @@ class Pivoting {
   }
 
   Eigen::VectorXd solve() {
-    constexpr int most_rounds = 2000;
+    constexpr int max_rounds = 2000;
     constexpr int patience = 3;  // full exchanges that may fail to lower the number of offenders
     Index fewest = std::numeric_limits<Index>::max();
     int left = patience;
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < max_rounds; ++round) {
       update();
       const std::vector<Index> offenders = find_offenders();
       const auto count = static_cast<Index>(offenders.size());

@@ -113,13 +113,13 @@ std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSt
     problem.SetParameterUpperBound(u.data(), i, 5);
   }
   std::vector<double> best = u;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const std::vector<double>& start : starts) {
     u = start;
     double cost = 0;
     problem.Evaluate({}, &cost, nullptr, nullptr, nullptr);
-    if (cost < least) {
-      least = cost;
+    if (cost < min) {
+      min = cost;
       best = u;
     }
   }

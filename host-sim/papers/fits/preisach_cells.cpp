@@ -54,9 +54,9 @@ PreisachNodes placed_nodes(const std::vector<Run>& runs, double shift_K_Pa) {
   double high_K = -low_K;
   for (const Run& run : runs) {
     const std::vector<double> x = inputs(run, shift_K_Pa);
-    const auto [least, most] = std::ranges::minmax(x);
-    low_K = std::min(low_K, least);
-    high_K = std::max(high_K, most);
+    const auto [min, max] = std::ranges::minmax(x);
+    low_K = std::min(low_K, min);
+    high_K = std::max(high_K, max);
     for (std::size_t i = 1; i < x.size(); ++i) {
       if (x[i] != x[i - 1]) {
         const double moved = std::abs(run.strain[i] - run.strain[i - 1]);
@@ -91,8 +91,8 @@ PreisachNodes placed_nodes(const std::vector<Run>& runs, double shift_K_Pa) {
 }
 
 CellRows cell_rows(const std::vector<Run>& runs, const PreisachNodes& node_K, double shift_K_Pa) {
-  constexpr std::size_t most_rows = 4000;
-  const auto stride = [](const Run& run) { return 1 + (run.strain.size() - 1) / most_rows; };
+  constexpr std::size_t max_rows = 4000;
+  const auto stride = [](const Run& run) { return 1 + (run.strain.size() - 1) / max_rows; };
   Eigen::Index count = 0;
   for (const Run& run : runs) {
     count += static_cast<Eigen::Index>((run.strain.size() - 1) / stride(run) + 1);

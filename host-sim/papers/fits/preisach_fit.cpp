@@ -16,7 +16,7 @@ namespace smaservo {
 namespace {
 
 using Model = Preisach<double>;
-constexpr std::size_t most_stresses = std::tuple_size_v<decltype(Model::Params::stress_Pa)>;
+constexpr std::size_t max_stresses = std::tuple_size_v<decltype(Model::Params::stress_Pa)>;
 
 /// Where half of the strain has gone on heating and come on cooling, the mean of the two.
 double middle_K(const PreisachSlice& slice) {
@@ -197,10 +197,10 @@ void require_histories(const std::vector<Run>& runs, const std::vector<double>& 
           "{}: the Preisach model needs temperature, stress and strain of every row", run.name));
     }
   }
-  if (stresses_Pa.empty() || stresses_Pa.size() > most_stresses ||
+  if (stresses_Pa.empty() || stresses_Pa.size() > max_stresses ||
       std::ranges::adjacent_find(stresses_Pa, std::greater_equal{}) != stresses_Pa.end()) {
     throw UserError(fmt::format("{} stresses, 1 to {} that rise are allowed", stresses_Pa.size(),
-                                most_stresses));
+                                max_stresses));
   }
 }
 
@@ -221,7 +221,7 @@ double PreisachWire::increment(double hot_K, double cold_K, double stress_Pa) co
 }
 
 PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift) {
-  const std::vector<PreisachSlice> slices = preisach_slices(runs, most_stresses);
+  const std::vector<PreisachSlice> slices = preisach_slices(runs, max_stresses);
   PreisachFit fit{};
   Model::Params& p = fit.wire.kinetics;
   p.shift_K_Pa = shift == StressShift::fitted ? fitted_shift_K_Pa(slices) : 0;

@@ -100,7 +100,7 @@ std::vector<double> steady_K(const std::vector<double>& temperature_K) {
   return steady;
 }
 
-std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t most) {
+std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t max) {
   if (runs.empty()) {
     throw UserError("no run; the Preisach model needs reversal curves in a bath");
   }
@@ -120,9 +120,9 @@ std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::si
     }
   }
   std::ranges::sort(slices, {}, &PreisachSlice::stress_Pa);
-  if (slices.size() > most) {
+  if (slices.size() > max) {
     throw UserError(
-        fmt::format("{} stresses; the Preisach model holds up to {}", slices.size(), most));
+        fmt::format("{} stresses; the Preisach model holds up to {}", slices.size(), max));
   }
   require_reversal_curves(slices);
   return slices;

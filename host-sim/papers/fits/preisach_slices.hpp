@@ -14,9 +14,9 @@ struct PreisachSlice {
   double shortest, longest;  ///< strain
 };
 
-/// By rising stress, at most `most` of them, each with reversal curves. Throws UserError as
+/// By rising stress, at most `max` of them, each with reversal curves. Throws UserError as
 /// fit_preisach() says.
-std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t most);
+std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t max);
 
 /// The temperature without the reversals that its noise makes: those below 0.5 K.
 std::vector<double> steady_K(const std::vector<double>& temperature_K);

@@ -26,9 +26,9 @@ double stroke(const Run& run) {
 double martensite_ohm(const std::vector<Run>& runs) {
   std::vector<double> long_ohm;
   for (const Run& run : runs) {
-    const double least = *std::ranges::max_element(run.strain) - 0.05 * stroke(run);
+    const double min = *std::ranges::max_element(run.strain) - 0.05 * stroke(run);
     for (std::size_t i = 0; i < run.strain.size(); ++i) {
-      if (run.strain[i] > least && std::isfinite(run.resistance_ohm[i])) {
+      if (run.strain[i] > min && std::isfinite(run.resistance_ohm[i])) {
         long_ohm.push_back(run.resistance_ohm[i]);
       }
     }
@@ -50,7 +50,7 @@ double row_s(const Run& run, std::size_t i) {
 /// short windows: of the noisiest, since a small current makes more of it.
 double smallest_reversal(const std::vector<Run>& runs, double ohm) {
   constexpr std::size_t window = 50;
-  constexpr double least = 1e-4;
+  constexpr double min = 1e-4;
   std::vector<double> noise;
   for (const Run& run : runs) {
     const std::vector<double>& R = run.resistance_ohm;
@@ -71,7 +71,7 @@ double smallest_reversal(const std::vector<Run>& runs, double ohm) {
       }
     }
   }
-  return noise.empty() ? least : std::max(least, 4 * quantile(noise, 0.9));
+  return noise.empty() ? min : std::max(min, 4 * quantile(noise, 0.9));
 }
 
 /// Slope by the median over all pairs, offset by the median of what is left.
@@ -101,14 +101,14 @@ struct Collected {
 };
 
 std::vector<Collected> collect(const std::vector<Run>& runs, double ohm) {
-  constexpr double least_stroke = 0.01;
+  constexpr double min_stroke = 0.01;
   double longest = 0;
   for (const Run& run : runs) {
     longest = std::max(longest, stroke(run));
   }
   std::vector<Collected> levels;
   for (const Run& run : runs) {
-    if (!has_constant_stress(run) || stroke(run) < std::max(least_stroke, 0.5 * longest)) {
+    if (!has_constant_stress(run) || stroke(run) < std::max(min_stroke, 0.5 * longest)) {
       continue;
     }
     const FullBranches branches = full_branches(run, ohm);
@@ -196,16 +196,15 @@ void fit_polynomials(StrainResistanceFit& fit) {
 }
 
 /// The least slope of both lines between the lightest and the heaviest load.
-double least_slope(const Observer::Params& p) {
+double min_slope(const Observer::Params& p) {
   constexpr int steps = 200;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= steps; ++i) {
-    const double stress_Pa =
-        p.least_stress_Pa + (p.greatest_stress_Pa - p.least_stress_Pa) * i / steps;
-    least = std::min({least, Observer::line(p.heating, p, stress_Pa).slope,
-                      Observer::line(p.cooling, p, stress_Pa).slope});
+    const double stress_Pa = p.min_stress_Pa + (p.max_stress_Pa - p.min_stress_Pa) * i / steps;
+    min = std::min({min, Observer::line(p.heating, p, stress_Pa).slope,
+                    Observer::line(p.cooling, p, stress_Pa).slope});
   }
-  return least;
+  return min;
 }
 
 double mean_square(const Observer::Params& params, const std::vector<Run>& runs) {
@@ -224,10 +223,10 @@ double mean_square(const Observer::Params& params, const std::vector<Run>& runs)
 /// Least squares over a_0 (as a share of the least slope) and the logarithm of τ, on a grid that
 /// contracts around its best node: the valley is curved and shallow, and a run costs little.
 void fit_transitions(Observer::Params& p, const std::vector<Run>& runs) {
-  const double slope = least_slope(p);
+  const double slope = min_slope(p);
   std::array<double, 2> best{0.4, std::log(60.0)};
   std::array<double, 2> width{0.4, 3.0};
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int round = 0; round < 6; ++round) {
     const std::array<double, 2> middle = best;
     for (int i = -3; i <= 3; ++i) {
@@ -238,8 +237,8 @@ void fit_transitions(Observer::Params& p, const std::vector<Run>& runs) {
         tried.initial_slope = share * slope;
         tried.decay = std::exp(log_decay);
         const double cost = mean_square(tried, runs);
-        if (cost < least) {
-          least = cost;
+        if (cost < min) {
+          min = cost;
           best = {share, log_decay};
           p.initial_slope = tried.initial_slope;
           p.decay = tried.decay;
@@ -248,7 +247,7 @@ void fit_transitions(Observer::Params& p, const std::vector<Run>& runs) {
     }
     width = {0.5 * width[0], 0.5 * width[1]};
   }
-  p.strain_sd = std::sqrt(least);
+  p.strain_sd = std::sqrt(min);
 }
 
 void check(const std::vector<Run>& runs) {
@@ -272,11 +271,11 @@ StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
   Observer::Params& p = fit.params;
   p.martensite_ohm = runs.empty() ? 0 : martensite_ohm(runs);
   fit.levels = fit_levels(runs, p.martensite_ohm);
-  p.least_stress_Pa = fit.levels.front().stress_Pa;
-  p.greatest_stress_Pa = fit.levels.back().stress_Pa;
+  p.min_stress_Pa = fit.levels.front().stress_Pa;
+  p.max_stress_Pa = fit.levels.back().stress_Pa;
   fit.order = std::min(StressPolynomial<double>::order, static_cast<int>(fit.levels.size()) - 1);
   // A polynomial may swing below zero between the loads; then one of lower order is taken.
-  for (fit_polynomials(fit); !(least_slope(p) > 0); fit_polynomials(fit)) {
+  for (fit_polynomials(fit); !(min_slope(p) > 0); fit_polynomials(fit)) {
     --fit.order;
   }
   std::vector<Run> thin;

@@ -23,15 +23,15 @@ HeatLaw::HeatLaw(const Settings<double>& settings, const TunedPlant& plant,
   }
 }
 
-double HeatLaw::greatest_J(Motion motion, double share, double off) const {
-  double greatest = 0;
+double HeatLaw::max_J(Motion motion, double share, double off) const {
+  double max = 0;
   for (const Stop& s : stops_) {
     const double spacing = 0.02;
     if (s.motion == motion && std::abs(s.share - share) <= std::max(off, spacing)) {
-      greatest = std::max(greatest, s.heat_J);
+      max = std::max(max, s.heat_J);
     }
   }
-  return greatest;
+  return max;
 }
 
 double HeatLaw::loss_slope_W_K(Motion motion, double share) const {

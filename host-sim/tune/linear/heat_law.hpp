@@ -14,7 +14,7 @@ class HeatLaw {
 
   /// Heat by strain in J that the law gives where the estimate says this share of the stroke, for
   /// an error of 1 % of the stroke; the greatest within `off` around it. 0 for a turned wire.
-  double greatest_J(Motion motion, double share, double off) const;
+  double max_J(Motion motion, double share, double off) const;
 
   /// Slope of the loss that the device adds where it is as warm as the file's wire would be.
   double loss_slope_W_K(Motion motion, double share) const;

@@ -56,7 +56,7 @@ class Curve {
   }
 
   Margins margins() const {
-    Margins m{stable(), none, none, greatest_sensitivity(), 0, 0};
+    Margins m{stable(), none, none, max_sensitivity(), 0, 0};
     for (std::size_t i = 1; i < omega_.size(); ++i) {
       if ((std::abs(value_[i - 1]) < 1) != (std::abs(value_[i]) < 1)) {
         take_unit_crossing(m, i);
@@ -88,7 +88,7 @@ class Curve {
     return std::abs(off) < 0.5 * std::numbers::pi && std::abs(turned) < 0.5 * std::numbers::pi;
   }
 
-  double greatest_sensitivity() const {
+  double max_sensitivity() const {
     const auto at = [&](double omega) { return 1 / std::abs(1.0 + loop_(omega)); };
     std::size_t best = 0;
     for (std::size_t i = 1; i < value_.size(); ++i) {

@@ -98,12 +98,12 @@ class Sweep {
 /// The sweep again, with stops at shares of the stroke.
 class Tracing {
  public:
-  Tracing(const TunedPlant& plant, double most_K, int stops) : plant_(plant), stops_(stops) {
+  Tracing(const TunedPlant& plant, double max_K, int stops) : plant_(plant), stops_(stops) {
     Sweep sweep(plant);
     b_.rest_strain = sweep.strain();
     b_.heat_J = -sweep.heat_J();
-    b_.least_ohm = b_.greatest_ohm = sweep.ohm();
-    while (sweep.temperature_K() < std::min(sweep.finish_K() + overheat_K, most_K)) {
+    b_.min_ohm = b_.max_ohm = sweep.ohm();
+    while (sweep.temperature_K() < std::min(sweep.finish_K() + overheat_K, max_K)) {
       sweep.move(step_K);
       take_ohm(sweep);
     }
@@ -128,8 +128,8 @@ class Tracing {
   double share(double strain) const { return (b_.rest_strain - strain) / b_.stroke(); }
 
   void take_ohm(const Sweep& sweep) {
-    b_.least_ohm = std::min(b_.least_ohm, sweep.ohm());
-    b_.greatest_ohm = std::max(b_.greatest_ohm, sweep.ohm());
+    b_.min_ohm = std::min(b_.min_ohm, sweep.ohm());
+    b_.max_ohm = std::max(b_.max_ohm, sweep.ohm());
   }
 
   void cool(Sweep& sweep) {
@@ -246,8 +246,8 @@ std::string motion_name(Motion motion) {
   return "turned";
 }
 
-Branches trace_branches(const TunedPlant& plant, double most_K, int stops) {
-  return Tracing(plant, most_K, stops).all();
+Branches trace_branches(const TunedPlant& plant, double max_K, int stops) {
+  return Tracing(plant, max_K, stops).all();
 }
 
 }  // namespace smaservo

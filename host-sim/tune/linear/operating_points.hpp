@@ -61,7 +61,7 @@ struct Branches {
   double hot_strain;   ///< as short as the limits let it become
   double hottest_K;    ///< there
   double hot_Pa;       ///< stress there
-  double least_ohm, greatest_ohm;
+  double min_ohm, max_ohm;
   double heat_J;     ///< for the whole stroke from rest, without losses
   double cooling_s;  ///< in which it stretches from 90 % to 10 % without current
   double fastest_cooling_1_s;
@@ -70,8 +70,8 @@ struct Branches {
   double stroke() const { return rest_strain - hot_strain; }
 };
 
-/// A full cycle from rest, up to 12 K beyond the transformation or `most_K`, with so many stops on
+/// A full cycle from rest, up to 12 K beyond the transformation or `max_K`, with so many stops on
 /// each branch. A wire that can not reach a place has no stop there. Steps of 0.02 K.
-Branches trace_branches(const TunedPlant& plant, double most_K, int stops = 9);
+Branches trace_branches(const TunedPlant& plant, double max_K, int stops = 9);
 
 }  // namespace smaservo

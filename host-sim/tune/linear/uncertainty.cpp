@@ -7,7 +7,7 @@
 namespace smaservo {
 namespace {
 
-constexpr double least_draught = 0.8;
+constexpr double min_draught = 0.8;
 
 /// A surface whose branch lies elsewhere, and is wider and otherwise curved.
 Surface<double> vary(Surface<double> surface, double known, Dice& dice) {
@@ -56,7 +56,7 @@ TunedPlant random_plant(const TunedPlant& plant, Dice& dice) {
   w.heat.latent_m2a_J_kg *= latent;
   w.heat.latent_r2a_J_kg *= latent;
   w.heat.specific_heat_J_kgK *= dice.factor(0.04);
-  p.draught *= least_draught * std::pow(greatest_draught / least_draught, dice.uniform(0, 1));
+  p.draught *= min_draught * std::pow(max_draught / min_draught, dice.uniform(0, 1));
   p.ambient_K += dice.uniform(-3, 3);
   return p;
 }
@@ -65,8 +65,8 @@ TunedPlant random_plant(const TunedPlant& plant, Dice& dice) {
 
 std::vector<TunedPlant> uncertain_plants(const TunedPlant& plant, int count, std::uint64_t seed) {
   std::vector<TunedPlant> all{plant, plant, plant};
-  all[1].draught *= least_draught;
-  all[2].draught *= greatest_draught;
+  all[1].draught *= min_draught;
+  all[2].draught *= max_draught;
   Dice dice(seed);
   while (static_cast<int>(all.size()) < count) {
     all.push_back(random_plant(plant, dice));

@@ -9,7 +9,7 @@
 namespace smaservo {
 
 /// Most convection that a tuned loop has to bear, by still air.
-inline constexpr double greatest_draught = 1.5;
+inline constexpr double max_draught = 1.5;
 
 /// What identification leaves open, and what surroundings do. accuracy.strain e of a stroke s says
 /// how well the branches are known: their width and strain by e/s, their place by e/s of their

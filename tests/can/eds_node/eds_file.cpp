@@ -31,10 +31,10 @@ std::string_view trimmed(std::string_view text) {
 
 /// A piece of a file that may be anything, for a terminal.
 std::string shown_text(std::string_view text) {
-  constexpr std::size_t most = 60;
-  std::string shown(text.substr(0, most));
+  constexpr std::size_t max = 60;
+  std::string shown(text.substr(0, max));
   std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.size() > most ? shown + "..." : shown;
+  return text.size() > max ? shown + "..." : shown;
 }
 
 /// Keys and section names do not mind their case.
@@ -232,8 +232,8 @@ EdsObject object_of(const Section& section, Key key, std::uint8_t node_id) {
       const std::int64_t half = std::int64_t{1} << (bits - 1);
       return is_signed && half <= value && value < 2 * half ? value - 2 * half : value;
     };
-    object.least = signed_number("LowLimit", is_signed ? -2147483648LL : 0);
-    object.greatest = signed_number("HighLimit", is_signed ? 2147483647LL : 4294967295LL);
+    object.min = signed_number("LowLimit", is_signed ? -2147483648LL : 0);
+    object.max = signed_number("HighLimit", is_signed ? 2147483647LL : 4294967295LL);
   }
   return object;
 }

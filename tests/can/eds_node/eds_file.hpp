@@ -19,7 +19,7 @@ struct EdsObject {
   std::vector<std::uint8_t>
       standard;             ///< default value as it is sent; zero, or nothing, where there is none
   bool has_limits = false;  ///< of a whole number of up to 32 bits
-  std::int64_t least = 0, greatest = 0;
+  std::int64_t min = 0, max = 0;
 };
 
 struct Eds {

@@ -99,8 +99,8 @@ Abort PlainNode::write(const Entry& entry, std::span<const std::uint8_t> from,
     const std::int64_t value = canopen::is_signed(at->type)
                                    ? std::int64_t{static_cast<std::int32_t>(bits)}
                                    : std::int64_t{bits};
-    if (value < at->least || at->greatest < value) {
-      return value < at->least ? Abort::too_low : Abort::too_high;
+    if (value < at->min || at->max < value) {
+      return value < at->min ? Abort::too_low : Abort::too_high;
     }
   }
   values_[static_cast<std::size_t>(at - eds_.objects.begin())].assign(from.begin(), from.end());

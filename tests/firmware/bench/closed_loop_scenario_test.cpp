@@ -109,18 +109,18 @@ TEST(CommandProgram, SweepsPassEveryFrequencyOnce) {
   const int cycles = static_cast<int>(2 * 10 * 7 / std::log(8.0));
   int crossings = 0;
   double last = 0.02;
-  double least = 1;
-  double most = 0;
+  double min = 1;
+  double max = 0;
   for (int i = 1; i < 10000; ++i) {
     const double now = p.at(i * 1e-3).setpoint;
     crossings += (now - 0.02) * (last - 0.02) < 0 ? 1 : 0;
     last = now;
-    least = std::min(least, now);
-    most = std::max(most, now);
+    min = std::min(min, now);
+    max = std::max(max, now);
   }
   EXPECT_NEAR(crossings, cycles, 1);
-  EXPECT_NEAR(least, 0.01, 1e-5);
-  EXPECT_NEAR(most, 0.03, 1e-5);
+  EXPECT_NEAR(min, 0.01, 1e-5);
+  EXPECT_NEAR(max, 0.03, 1e-5);
 }
 
 TEST(CommandProgram, RandomStepsStayInTheirRangeAndFollowTheSeed) {

@@ -154,24 +154,24 @@ TEST(DeviceReplay, FindsAnOutputThatWasChanged) {
   EXPECT_EQ(result.differences[0].rows, 1U);
   EXPECT_NEAR(result.differences[0].first_s, 0.5, 1e-9);
   EXPECT_EQ(result.differences[0].recorded, "0.25");
-  EXPECT_GT(result.differences[0].greatest, 0);
+  EXPECT_GT(result.differences[0].max, 0);
   EXPECT_EQ(result.differences[1].recorded, "asleep");
 }
 
 TEST(DeviceReplay, ToleratesAShareOfAnOutputsRange) {
   Recorded run;
-  double least = std::numeric_limits<double>::infinity();
-  double most = -least;
+  double min = std::numeric_limits<double>::infinity();
+  double max = -min;
   for (std::size_t row = 1; row < run.lines().size(); ++row) {
     const double value = std::stod(run.field(row, "drive_current_A"));
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   }
-  ASSERT_GT(most, least);
-  const double middle = (least + most) / 2;
+  ASSERT_GT(max, min);
+  const double middle = (min + max) / 2;
   const std::size_t nearest = 800;
   const double before = std::stod(run.field(nearest, "drive_current_A"));
-  const double change = (before < middle ? 0.01 : -0.01) * (most - least);
+  const double change = (before < middle ? 0.01 : -0.01) * (max - min);
   run.edit(nearest, "drive_current_A", fmt::format("{}", before + change));
   EXPECT_TRUE(agrees(run.replay(0.010001)));
   EXPECT_FALSE(agrees(run.replay(0.009999)));

@@ -27,7 +27,7 @@ scatter_K = 0.5
 ambient_degC = 25
 draught = 1
 overheat_K = 12
-least_current_mA = 12
+min_current_mA = 12
 rate_Hz = 100
 
 [joule.load]
@@ -108,7 +108,7 @@ TEST(Scenario, NumbersBecomeSi) {
   const auto& joule = std::get<JouleScenario>(scenario.run);
   EXPECT_EQ(scenario.seed, 1U);
   EXPECT_DOUBLE_EQ(joule.ambient_K, 298.15);
-  EXPECT_DOUBLE_EQ(joule.least_current_A, 0.012);
+  EXPECT_DOUBLE_EQ(joule.min_current_A, 0.012);
   EXPECT_DOUBLE_EQ(std::get<ConstantLoad>(joule.load).stress_Pa, 150e6);
   EXPECT_DOUBLE_EQ(joule.sensors.current_full_scale_A, 0.5);
   EXPECT_DOUBLE_EQ(joule.sensors.current_noise_A, 1e-5);

@@ -68,11 +68,11 @@ TEST(Controller, ChangesItsModeWithoutAJump) {
         loop.against_spring(2e9);
         bring_about(loop, from, random);
         const double before_W = loop.control.power_W;
-        const double most_W = 0.4 * 0.4 * loop.wire.resistance_ohm();
+        const double max_W = 0.4 * 0.4 * loop.wire.resistance_ohm();
         const double setpoint = present(loop, to);
         const double after_W = loop.step(to, setpoint).power_W;
         // 2 % of the range.
-        ASSERT_NEAR(after_W, before_W, 0.02 * most_W)
+        ASSERT_NEAR(after_W, before_W, 0.02 * max_W)
             << "from mode " << static_cast<int>(from) << " to " << static_cast<int>(to);
         loop.run(0.15, to, setpoint);
         ASSERT_NEAR(loop.control.transfer_W, 0, 1e-5);
@@ -202,8 +202,8 @@ TEST(Controller, ASetpointBeyondItsLimitIsSaid) {
   ClosedLoop<> loop(test_settings());
   loop.run(0.1, Mode::strain, loop.wire.strain() - 0.01);
   const SoftLimits<double>& q = loop.prepared().settings.limits;
-  const auto strain = loop.step(Mode::strain, q.greatest_strain + 0.01);
-  EXPECT_EQ(strain.setpoint, q.greatest_strain);
+  const auto strain = loop.step(Mode::strain, q.max_strain + 0.01);
+  EXPECT_EQ(strain.setpoint, q.max_strain);
   EXPECT_TRUE(strain.limit_reasons & bit(LimitReason::strain));
   const auto temperature = loop.step(Mode::temperature, q.temperature_K);
   EXPECT_EQ(temperature.setpoint, q.temperature_K - q.hot_spot_K);
@@ -217,14 +217,14 @@ TEST(Controller, WaitsForAWireThatCools) {
   ClosedLoop<> loop(test_settings(), 300e6);
   const double longest = loop.wire.strain();
   loop.run(1, Mode::strain, longest - 0.03);
-  double most_ahead = 0;
+  double max_ahead = 0;
   double heat_W = 0;
   loop.run(0.2, Mode::strain, longest - 0.005, [&](const auto& result) {
-    most_ahead = std::max(most_ahead, result.reference - loop.estimate().strain);
+    max_ahead = std::max(max_ahead, result.reference - loop.estimate().strain);
     heat_W =
         std::max(heat_W, result.limit_reasons & bit(LimitReason::trajectory) ? result.power_W : 0);
   });
-  EXPECT_NEAR(most_ahead, Trajectory<double>::lead, 1e-4);
+  EXPECT_NEAR(max_ahead, Trajectory<double>::lead, 1e-4);
   EXPECT_LT(heat_W, 0.006);  // the least current
 }
 

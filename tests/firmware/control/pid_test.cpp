@@ -133,13 +133,13 @@ TEST(Pid, TheSignOfTheErrorMakesNoStep) {
   q.setpoint_weight = 0.5;
   Loop::State s = Loop::start(q, 0.5, 0);
   double before = 0;
-  double greatest = 0;
+  double max = 0;
   for (int i = 0; i < 400; ++i) {
     const double u = Loop::step(q, unscaled, 1, s, 1, 0.005 * i, dt_s);
-    greatest = i > 50 ? std::max(greatest, std::abs(u - before)) : 0;
+    max = i > 50 ? std::max(max, std::abs(u - before)) : 0;
     before = u;
   }
-  EXPECT_LT(greatest, 0.03);
+  EXPECT_LT(max, 0.03);
 }
 
 TEST(Pid, InsideTheDeadBandTheOutputRests) {

@@ -18,7 +18,7 @@ constexpr std::uint32_t bit(LimitReason why) {
 
 /// A warm wire in the middle of everything, far from every limit but that of the current.
 struct Situation {
-  Situation() { settings.limits.least_strain = -1; }
+  Situation() { settings.limits.min_strain = -1; }
 
   Settings<double> settings = test_settings();
   double temperature_K = 350, strain = 0.03, stress_Pa = 150e6, supply_V = 100;
@@ -48,8 +48,8 @@ struct Situation {
 double current_W(const Situation& s) {
   return s.settings.limits.current_A * s.settings.limits.current_A * s.ohm;
 }
-double least_W(const Situation& s) {
-  return s.settings.limits.least_current_A * s.settings.limits.least_current_A * s.ohm;
+double min_W(const Situation& s) {
+  return s.settings.limits.min_current_A * s.settings.limits.min_current_A * s.ohm;
 }
 
 TEST(SoftLimits, NoneOfThemTouchesAModestPower) {
@@ -74,7 +74,7 @@ TEST(SoftLimits, EachHasItsOwnReason) {
   EXPECT_DOUBLE_EQ(s.give(20).power_W, s.loss_W);
 
   s = {};
-  s.strain = s.settings.limits.least_strain = 0.01;
+  s.strain = s.settings.limits.min_strain = 0.01;
   EXPECT_EQ(s.give(20).reasons, bit(LimitReason::strain));
   EXPECT_DOUBLE_EQ(s.give(20).power_W, s.loss_W);
 
@@ -86,7 +86,7 @@ TEST(SoftLimits, EachHasItsOwnReason) {
   s = {};
   s.settings.limits.duty = s.duty = 0.3;
   EXPECT_EQ(s.give(20).reasons, bit(LimitReason::duty));
-  EXPECT_EQ(s.give(20).power_W, least_W(s));
+  EXPECT_EQ(s.give(20).power_W, min_W(s));
 
   s = {};
   s.supply_V = 5;
@@ -94,8 +94,8 @@ TEST(SoftLimits, EachHasItsOwnReason) {
   EXPECT_DOUBLE_EQ(s.give(20).power_W, 25 / s.ohm);
 
   s = {};
-  EXPECT_EQ(s.give(0).reasons, bit(LimitReason::least_current));
-  EXPECT_EQ(s.give(0).power_W, least_W(s));
+  EXPECT_EQ(s.give(0).reasons, bit(LimitReason::min_current));
+  EXPECT_EQ(s.give(0).power_W, min_W(s));
 }
 
 TEST(SoftLimits, NoPowerIsEverAboveAnyOfThem) {
@@ -106,7 +106,7 @@ TEST(SoftLimits, NoPowerIsEverAboveAnyOfThem) {
     SoftLimits<double>& q = s.settings.limits;
     q.power_W = 5 * share(random);
     q.duty = share(random);
-    q.least_strain = 0;
+    q.min_strain = 0;
     s.temperature_K = 300 + 150 * share(random);
     s.strain = -0.005 + 0.05 * share(random);
     s.stress_Pa = 550e6 * share(random);
@@ -117,14 +117,14 @@ TEST(SoftLimits, NoPowerIsEverAboveAnyOfThem) {
     const Situation::Given given = s.give(10 * share(random) - 2);
     ASSERT_LE(given.power_W, q.power_W);
     ASSERT_LE(given.power_W, current_W(s));
-    ASSERT_GE(given.power_W, std::min({least_W(s), q.power_W, current_W(s)}));
+    ASSERT_GE(given.power_W, std::min({min_W(s), q.power_W, current_W(s)}));
     // Beside the others the least current goes on.
-    const double above_W = given.power_W - least_W(s);
+    const double above_W = given.power_W - min_W(s);
     if (above_W > 0) {
       ASSERT_LE(given.power_W, s.supply_V * s.supply_V / s.ohm);
       ASSERT_LT(s.duty, q.duty);
       ASSERT_LT(s.temperature_K, q.temperature_K - q.hot_spot_K + 10);
-      ASSERT_LT(s.strain < q.least_strain ? above_W : 0, s.loss_W);
+      ASSERT_LT(s.strain < q.min_strain ? above_W : 0, s.loss_W);
       ASSERT_LT(s.stress_Pa > q.stress_Pa ? above_W : 0, s.loss_W);
     }
   }
@@ -133,8 +133,8 @@ TEST(SoftLimits, NoPowerIsEverAboveAnyOfThem) {
 TEST(SoftLimits, WhatIsNotANumberGivesTheLeastPower) {
   const Situation s;
   const Situation::Given given = s.give(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_EQ(given.power_W, least_W(s));
-  EXPECT_EQ(given.reasons, bit(LimitReason::least_current));
+  EXPECT_EQ(given.power_W, min_W(s));
+  EXPECT_EQ(given.reasons, bit(LimitReason::min_current));
 }
 
 TEST(SoftLimits, WhatAWireCanTakeForLongEndsThePowerOfAHotEstimateToo) {
@@ -143,7 +143,7 @@ TEST(SoftLimits, WhatAWireCanTakeForLongEndsThePowerOfAHotEstimateToo) {
   s.temperature_K = 400;
   s.sustained_W = 1;
   EXPECT_EQ(s.give(20).reasons, bit(LimitReason::temperature));
-  EXPECT_EQ(s.give(20).power_W, least_W(s));
+  EXPECT_EQ(s.give(20).power_W, min_W(s));
 }
 
 TEST(SoftLimits, AnUnknownSupplyIsNoLimit) {
@@ -155,8 +155,8 @@ TEST(SoftLimits, AnUnknownSupplyIsNoLimit) {
 TEST(SoftLimits, TheLeastCurrentHeatsByLessThanAKelvin) {
   const Settings<double> settings = test_settings();
   const Prepared<double> p = prepare(settings);
-  const double least_A = settings.limits.least_current_A;
-  EXPECT_LT(least_A * least_A * 1.1 * p.cold_ohm / p.observer.model.body.loss_W_K, 1);
+  const double min_A = settings.limits.min_current_A;
+  EXPECT_LT(min_A * min_A * 1.1 * p.cold_ohm / p.observer.model.body.loss_W_K, 1);
 }
 
 // On a wire: all the power that there is, until a limit holds it.
@@ -184,14 +184,14 @@ TEST(SoftLimits, TheTemperatureComesToItsLimitWithoutOvershoot) {
 
 /// Extremes of a wire in its last second.
 struct Held {
-  double shortest = 1, longest = 0, hottest_K = 0, coldest_K = 1000, greatest_Pa = 0;
+  double shortest = 1, longest = 0, hottest_K = 0, coldest_K = 1000, max_Pa = 0;
   std::uint32_t reasons = 0;
 };
 Held hold(ClosedLoop<>& loop) {
   Held held;
   loop.run(4, Mode::power, 10, [&](const auto& result) {
     held.shortest = std::min(held.shortest, loop.wire.strain());
-    held.greatest_Pa = std::max(held.greatest_Pa, loop.wire.stress_Pa());
+    held.max_Pa = std::max(held.max_Pa, loop.wire.stress_Pa());
     if (loop.time_s > 3) {
       held.longest = std::max(held.longest, loop.wire.strain());
       held.hottest_K = std::max(held.hottest_K, loop.wire.temperature_K());
@@ -204,7 +204,7 @@ Held hold(ClosedLoop<>& loop) {
 
 TEST(SoftLimits, AContractingWireStopsAtItsStrain) {
   Settings<double> settings = test_settings();
-  settings.limits.least_strain = 0.02;
+  settings.limits.min_strain = 0.02;
   ClosedLoop<> loop(settings);
   const Held held = hold(loop);
   EXPECT_GT(held.shortest, 0.02 - 4e-4);
@@ -219,8 +219,8 @@ TEST(SoftLimits, AContractingWireStopsAtItsStress) {
   ClosedLoop<> loop(settings, 100e6);
   loop.against_spring(5e9);
   const Held held = hold(loop);
-  EXPECT_LT(held.greatest_Pa, 210e6);  // it came with 18 MPa in a step
-  EXPECT_GT(held.greatest_Pa, 190e6);
+  EXPECT_LT(held.max_Pa, 210e6);  // it came with 18 MPa in a step
+  EXPECT_GT(held.max_Pa, 190e6);
   EXPECT_LT(held.hottest_K - held.coldest_K, 0.5);
   EXPECT_EQ(held.reasons, bit(LimitReason::stress));
 }
@@ -231,14 +231,14 @@ TEST(SoftLimits, TheDutyIsNeverExceeded) {
   settings.limits.duty_window_s = 0.5;
   settings.limits.temperature_K = 600;
   ClosedLoop<> loop(settings);
-  double most = 0;
+  double max = 0;
   std::uint32_t reasons = 0;
   loop.run(3, Mode::power, 10, [&](const auto& result) {
-    most = std::max(most, loop.control.duty);
+    max = std::max(max, loop.control.duty);
     reasons |= loop.time_s > 2 ? result.limit_reasons : 0;
   });
-  EXPECT_LT(most, 0.04);
-  EXPECT_GT(most, 0.037);
+  EXPECT_LT(max, 0.04);
+  EXPECT_GT(max, 0.037);
   EXPECT_EQ(reasons, bit(LimitReason::duty));
 }
 

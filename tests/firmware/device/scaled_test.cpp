@@ -18,7 +18,7 @@ namespace {
 template <class S>
 LoopGains<S> gains(std::mt19937_64& random) {
   std::uniform_real_distribution<double> share;
-  const auto up_to = [&](double most) { return scalar<S>(most * share(random)); };
+  const auto up_to = [&](double max) { return scalar<S>(max * share(random)); };
   LoopGains<S> q{};
   q.proportional = up_to(200);
   q.integral_1_s = up_to(20);
@@ -58,10 +58,10 @@ TEST(ScaledDevice, ThePidIsThatOfADouble) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     const std::vector<double> exact = powers_W<double>(seed);
     const std::vector<double> scaled = powers_W<Scaled>(seed);
-    const double most = std::abs(
+    const double max = std::abs(
         *std::ranges::max_element(exact, {}, [](double power_W) { return std::abs(power_W); }));
     for (std::size_t i = 0; i < exact.size(); ++i) {
-      ASSERT_NEAR(scaled[i], exact[i], 1e-6 * most) << "seed " << seed << ", step " << i;
+      ASSERT_NEAR(scaled[i], exact[i], 1e-6 * max) << "seed " << seed << ", step " << i;
     }
   }
 }

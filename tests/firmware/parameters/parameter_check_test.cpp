@@ -61,10 +61,9 @@ TEST(ParameterCheck, EveryValueOutsideOfItsRangeIsNamed) {
       continue;
     }
     const float inf = std::numeric_limits<float>::infinity();
-    const std::pair<float, Problem> bad[] = {
-        {std::nextafter(row.least.real(), -inf), Problem::below},
-        {std::nextafter(row.greatest.real(), inf), Problem::above},
-        {inf, Problem::not_finite}};
+    const std::pair<float, Problem> bad[] = {{std::nextafter(row.min.real(), -inf), Problem::below},
+                                             {std::nextafter(row.max.real(), inf), Problem::above},
+                                             {inf, Problem::not_finite}};
     for (const auto& [value, problem] : bad) {
       Settings<double> settings = both;
       row.set(settings, Value::real(value));
@@ -85,24 +84,24 @@ TEST(ParameterCheck, ContradictionsNameBothParameters) {
       {"timing.command_timeout_s", 0.0019, "timing.period_s"},
       {"timing.period_s", 0.02, "timing.sample_timeout_s"},
       {"strain.tracking_s", 0.0005, "timing.period_s"},
-      {"limits.least_current_A", 0.1, "limits.current_A"},
+      {"limits.min_current_A", 0.1, "limits.current_A"},
       {"limits.current_A", 0.15, "trips.current_A"},
       {"trips.current_A", 0.5, "measurement.current_full_scale_A"},
-      {"trips.current_offset_A", 0.01, "limits.least_current_A"},
+      {"trips.current_offset_A", 0.01, "limits.min_current_A"},
       {"limits.temperature_K", 403.15, "trips.temperature_K"},
       {"wire.limits.temperature_K", 390, "limits.temperature_K"},
       {"limits.hot_spot_K", 50, ""},  // with the surface of m2a, see below
-      {"trips.greatest_ambient_K", 393.15, "limits.temperature_K"},
-      {"trips.least_ambient_K", 340, "trips.greatest_ambient_K"},
-      {"limits.least_strain", 0.05, "limits.greatest_strain"},
-      {"trips.least_strain", 0, "limits.least_strain"},
-      {"trips.greatest_strain", 0.05, "limits.greatest_strain"},
-      {"axis.zero_strain", 0.051, "limits.greatest_strain"},
-      {"axis.zero_strain", -0.001, "limits.least_strain"},
+      {"trips.max_ambient_K", 393.15, "limits.temperature_K"},
+      {"trips.min_ambient_K", 340, "trips.max_ambient_K"},
+      {"limits.min_strain", 0.05, "limits.max_strain"},
+      {"trips.min_strain", 0, "limits.min_strain"},
+      {"trips.max_strain", 0.05, "limits.max_strain"},
+      {"axis.zero_strain", 0.051, "limits.max_strain"},
+      {"axis.zero_strain", -0.001, "limits.min_strain"},
       {"limits.stress_Pa", 200e6, "trips.stress_Pa"},
       {"wire.limits.stress_Pa", 140e6, "limits.stress_Pa"},
       {"trips.slack_Pa", 150e6, "limits.stress_Pa"},
-      {"drive.least_supply_V", 30, "drive.greatest_supply_V"},
+      {"drive.min_supply_V", 30, "drive.max_supply_V"},
       {"profile.loop_s", 5, "profile.cycle_s"},
       {"wire.heat.latent_r2a_J_kg", 21e3, "wire.heat.latent_m2a_J_kg"},
       {"wire.m2a.finish_0_K", 345, "wire.m2a.start_0_K"},

@@ -17,11 +17,10 @@ namespace {
 template <class S>
 Value other_value(const Parameter<S>& row, Value value) {
   if (row.type != ValueType::real) {
-    return Value::number(value.number() == row.least.number() ? row.greatest.number()
-                                                              : row.least.number());
+    return Value::number(value.number() == row.min.number() ? row.max.number() : row.min.number());
   }
-  const float middle = 0.5F * (row.least.real() + row.greatest.real());
-  return Value::real(value.real() == middle ? row.least.real() : middle);
+  const float middle = 0.5F * (row.min.real() + row.max.real());
+  return Value::real(value.real() == middle ? row.min.real() : middle);
 }
 
 TEST(Parameters, EachIsAMemberOfItsOwn) {
@@ -47,7 +46,7 @@ TEST(Parameters, NoMemberIsLeftOut) {
     Settings<float> settings;
     std::memset(static_cast<void*>(&settings), byte, sizeof settings);
     for (const Parameter<float>& row : parameters<float>) {
-      row.set(settings, row.least);
+      row.set(settings, row.min);
     }
     return settings;
   };
@@ -120,10 +119,10 @@ TEST(Parameters, AreTheSameInFloatAndDouble) {
 
 TEST(Parameters, ValuesOutsideOfTheRangeAreTold) {
   const Parameter<float>& row = parameters<float>[find_parameter("limits.current_A")];
-  EXPECT_EQ(fit(row, row.least), Fit::inside);
-  EXPECT_EQ(fit(row, row.greatest), Fit::inside);
-  EXPECT_EQ(fit(row, Value::real(std::nextafter(row.least.real(), -1.F))), Fit::below);
-  EXPECT_EQ(fit(row, Value::real(std::nextafter(row.greatest.real(), 1e9F))), Fit::above);
+  EXPECT_EQ(fit(row, row.min), Fit::inside);
+  EXPECT_EQ(fit(row, row.max), Fit::inside);
+  EXPECT_EQ(fit(row, Value::real(std::nextafter(row.min.real(), -1.F))), Fit::below);
+  EXPECT_EQ(fit(row, Value::real(std::nextafter(row.max.real(), 1e9F))), Fit::above);
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
         -std::numeric_limits<float>::infinity()}) {

@@ -21,13 +21,13 @@ Settings<S> reference_settings(const char* wire = "smartflex-76um") {
 template <class S>
 Value random_value(const Parameter<S>& row, Value around, std::mt19937& random) {
   if (row.type != ValueType::real) {
-    return Value::number(std::uniform_int_distribution<std::uint32_t>(
-        row.least.number(), row.greatest.number())(random));
+    return Value::number(
+        std::uniform_int_distribution<std::uint32_t>(row.min.number(), row.max.number())(random));
   }
   const float x = around.real();
-  const float near = x == 0.F ? row.greatest.real() : x;
+  const float near = x == 0.F ? row.max.real() : x;
   const float shifted = x + near * std::uniform_real_distribution<float>(-0.1F, 0.1F)(random);
-  return Value::real(std::clamp(shifted, row.least.real(), row.greatest.real()));
+  return Value::real(std::clamp(shifted, row.min.real(), row.max.real()));
 }
 
 /// Each parameter is changed unless the set would become contradictory by it.

@@ -210,7 +210,7 @@ TEST(Staging, ATrialTakesLiveParametersThatDoTogether) {
   EXPECT_EQ(refused.problem, ApplyProblem::only_live);
   EXPECT_EQ(refused.parameter, find_parameter("wire.length_m"));
   staging.discard();
-  stage(staging, "limits.least_strain", 0.06F);
+  stage(staging, "limits.min_strain", 0.06F);
   EXPECT_EQ(staging.try_for(1).problem, ApplyProblem::refused);
   EXPECT_FALSE(staging.on_trial());
   EXPECT_TRUE(same_settings(staging.active(), reference_settings()));

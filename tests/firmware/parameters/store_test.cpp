@@ -355,7 +355,7 @@ TEST(Store, AChangeThatIsOutOfRangeForTheOtherReleaseIsRefused) {
   const auto narrow = std::ranges::find(r.older, Key{0x2022, 1}, &ParameterRow<float>::key);
   settings.safe.state = SafeState::release;
   ASSERT_TRUE(save_settings(storage, settings, r.new_schema).ok());
-  narrow->greatest = Value::number(1);
+  narrow->max = Value::number(1);
   const Loaded<float> loaded = load_settings(storage, r.old_schema);
   EXPECT_EQ(loaded.slots[1].state, SlotState::refused);
   EXPECT_EQ(loaded.slots[1].finding.problem, Problem::above);

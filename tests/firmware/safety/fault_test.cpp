@@ -90,18 +90,18 @@ TEST_P(BlockingFault, KeepsTheDeviceFromArming) {
   const FaultRow& row = fault_row(GetParam());
   provoker_.cause(*rig_);
   rig_->run(std::max(0.2, provoker_.before_s) + row.deglitch_s);
-  double most_A = 0;
+  double max_A = 0;
   rig_->command.arm = true;
   rig_->command.mode = Mode::strain;
   rig_->command.setpoint = 0.02;
   for (int i = 0; i < 300; ++i) {
-    most_A = std::max(most_A, rig_->step().current_A);
+    max_A = std::max(max_A, rig_->step().current_A);
   }
   EXPECT_TRUE(rig_->out.blocks.has(GetParam())) << row.name;
   EXPECT_EQ(rig_->out.state, DeviceState::ready);
   EXPECT_EQ(rig_->out.current_A, 0);
   const bool found_by_sensing = provoker_.before_s > 0;
-  EXPECT_LE(most_A, found_by_sensing ? rig_->settings.limits.least_current_A : 0);
+  EXPECT_LE(max_A, found_by_sensing ? rig_->settings.limits.min_current_A : 0);
 }
 
 TEST_P(MildFault, WarnsOrLimitsInTime) {
@@ -111,7 +111,7 @@ TEST_P(MildFault, WarnsOrLimitsInTime) {
   EXPECT_TRUE(rig_->out.latched.empty());
   EXPECT_EQ(rig_->out.state, DeviceState::running);
   if (row.severity == FaultClass::L) {
-    EXPECT_LE(rig_->out.current_A, rig_->settings.limits.least_current_A);
+    EXPECT_LE(rig_->out.current_A, rig_->settings.limits.min_current_A);
     EXPECT_TRUE(rig_->out.limited_by(LimitReason::protection));
   }
   EXPECT_LE(rig_->hottest_K, rig_->settings.trips.temperature_K + 3);

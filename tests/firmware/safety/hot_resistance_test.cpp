@@ -14,7 +14,7 @@ Rig rig_at_limit() {
   Settings<double> settings = test_settings();
   settings.limits.temperature_K = 413.15;
   settings.trips.temperature_K = 423.15;
-  settings.limits.least_strain = -0.05;
+  settings.limits.min_strain = -0.05;
   Rig rig = plain_rig(settings, 50e6);
   rig.run(0.1);
   rig.arm(Mode::power, 10);

@@ -96,7 +96,7 @@ inline std::vector<Provoker> circuit_provokers() {
        },
        [](Settings<double>& s) {
          s.limits.loss_margin = heats_for_long;
-         s.limits.least_strain = -0.05;
+         s.limits.min_strain = -0.05;
          s.limits.temperature_K = 450;
          s.trips.temperature_K = 460;
        },
@@ -119,7 +119,7 @@ inline std::vector<Provoker> heat_provokers() {
   const auto gentle = [](Settings<double>& s) {
     s.limits.current_A = 0.15;
     s.limits.loss_margin = heats_for_long;
-    s.limits.least_strain = -0.05;
+    s.limits.min_strain = -0.05;
     s.trips.heating_rate_K_s = 2000;
   };
   const auto full_power = [](Rig& rig) {
@@ -127,7 +127,7 @@ inline std::vector<Provoker> heat_provokers() {
     give_power(rig, all_W);
   };
   const auto allow_hotter = [](Settings<double>& s) {
-    s.limits.least_strain = -0.05;
+    s.limits.min_strain = -0.05;
     s.trips.following_error = 1;
   };
   return {
@@ -142,7 +142,7 @@ inline std::vector<Provoker> heat_provokers() {
        [](Settings<double>& s) {
          s.limits.temperature_K = 385;
          s.limits.loss_margin = heats_for_long;
-         s.limits.least_strain = -0.05;
+         s.limits.min_strain = -0.05;
        },
        0.1},
       {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.4},
@@ -150,9 +150,9 @@ inline std::vector<Provoker> heat_provokers() {
       {Fault::overheat_signature,
        [](Rig& rig) {
          resistance_rises(1.013)(rig);
-         rig.tamper_drive = [most_A = 0.0](double A) mutable {
-           most_A = std::min(std::max(most_A, A), 0.15);
-           return while_given(A, std::max(A, most_A));
+         rig.tamper_drive = [max_A = 0.0](double A) mutable {
+           max_A = std::min(std::max(max_A, A), 0.15);
+           return while_given(A, std::max(A, max_A));
          };
        },
        allow_hotter, 0.4},
@@ -197,7 +197,7 @@ inline std::vector<Provoker> load_provokers() {
          rig.stress_Pa = 400e6;
          rig.command.setpoint = 0.06;
        },
-       [](Settings<double>& s) { s.trips.greatest_strain = 0.045; }, 0.2},
+       [](Settings<double>& s) { s.trips.max_strain = 0.045; }, 0.2},
       {Fault::slip_seen, [](Rig& rig) { slip(rig, 1); }, {}, 0.01},
       {Fault::clamp_slip, [](Rig& rig) { slip(rig, 3); }, {}, 0.32},
       {Fault::drift, [](Rig&) {},

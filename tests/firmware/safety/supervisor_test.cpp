@@ -43,7 +43,7 @@ TEST(Supervisor, ArmsWithASenseCurrentFirst) {
   rig.command.setpoint = 0.02;
   int sensing = 0;
   while (rig.step().state == DeviceState::arming) {
-    EXPECT_EQ(rig.out.current_A, rig.settings.limits.least_current_A);
+    EXPECT_EQ(rig.out.current_A, rig.settings.limits.min_current_A);
     ++sensing;
   }
   EXPECT_EQ(rig.out.state, DeviceState::running);

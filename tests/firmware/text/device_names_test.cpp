@@ -46,7 +46,7 @@ TEST(DeviceNames, EveryLimitReasonHasOne) {
   }
   EXPECT_EQ(names.size(), static_cast<std::size_t>(LimitReason::count));
   EXPECT_EQ(names.count(""), 0U);
-  EXPECT_EQ(limit_reason_names(3), "least_current+current");
+  EXPECT_EQ(limit_reason_names(3), "min_current+current");
 }
 
 TEST(Signals, WithANameInTracesAreColumns) {

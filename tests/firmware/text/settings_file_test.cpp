@@ -64,13 +64,13 @@ TEST(SettingsFile, TheTemplateOfEveryPresetIsAFile) {
 TEST(SettingsFile, UnitsMayBeAnyOfTheirKind) {
   const Settings<double> settings = parse(
       "limits.temperature_degC = 110\nlimits.current_mA = 120\ntiming.command_timeout_ms = 50\n"
-      "limits.stress_MPa = 120\nlimits.greatest_strain_percent = 4.5\nwire.length_mm = 182\n"
+      "limits.stress_MPa = 120\nlimits.max_strain_percent = 4.5\nwire.length_mm = 182\n"
       "wire.based_on = \"smartflex-76um\"\nwire.m2a.start_1_K_MPa = 0.13\n");
   EXPECT_EQ(settings.limits.temperature_K, static_cast<double>(383.15F));
   EXPECT_EQ(settings.limits.current_A, static_cast<double>(0.12F));
   EXPECT_EQ(settings.timing.command_timeout_s, static_cast<double>(0.05F));
   EXPECT_EQ(settings.limits.stress_Pa, 120e6);
-  EXPECT_EQ(settings.limits.greatest_strain, static_cast<double>(0.045F));
+  EXPECT_EQ(settings.limits.max_strain, static_cast<double>(0.045F));
   EXPECT_EQ(settings.wire.geometry.length_m, static_cast<double>(0.182F));
   EXPECT_EQ(settings.wire.kinetics.m2a.start_K[1], static_cast<double>(0.13e-6F));
 }
@@ -104,7 +104,7 @@ TEST(SettingsFile, MistakesSayWhereAndWhatIsAllowed) {
             "device.toml:4: limits.current = 0.1: unknown key or unit; allowed: current_A, "
             "current_mA");
   EXPECT_THAT(error_in("limits", "current_kA = 0.1"), HasSubstr("allowed: current_A, current_mA"));
-  EXPECT_THAT(error_in("limits", "colour = 1"), HasSubstr("[limits] has: least_current_A,"));
+  EXPECT_THAT(error_in("limits", "colour = 1"), HasSubstr("[limits] has: min_current_A,"));
   EXPECT_THAT(error_in("colours", "red = 1"), HasSubstr("the tables are: identity, timing,"));
   EXPECT_THAT(error_of("red = 1"), StartsWith("device.toml:1: red = 1: unknown table"));
   for (const char* bad : {"nan", "inf", "-inf", "\"0.1\"", "true", "[0.1]"}) {

@@ -19,8 +19,8 @@ namespace {
 
 using Random = std::mt19937_64;
 
-std::size_t up_to(Random& random, std::size_t most) {
-  return std::uniform_int_distribution<std::size_t>(0, most)(random);
+std::size_t up_to(Random& random, std::size_t max) {
+  return std::uniform_int_distribution<std::size_t>(0, max)(random);
 }
 
 /// Standard input that gives exactly the pieces that `write` sends: a packet is read at once.

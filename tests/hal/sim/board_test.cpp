@@ -24,10 +24,7 @@ const Wire<double>& wire() {
 
 SimSetup clean_setup() {
   return {.period_ns = ms,
-          .converter = {.voltage_drive = false,
-                        .greatest_A = 0.5,
-                        .slew_A_s = no_slew,
-                        .lead_ohm = 0.5},
+          .converter = {.voltage_drive = false, .max_A = 0.5, .slew_A_s = no_slew, .lead_ohm = 0.5},
           .sensors = {.bits = 24,
                       .current_full_scale_A = 1,
                       .voltage_full_scale_V = 50,
@@ -135,21 +132,21 @@ TEST(SensorNoise, IsWhiteNormalAndBounded) {
   double squares = 0;
   double neighbours = 0;
   double last = 0;
-  double greatest = 0;
+  double max = 0;
   for (int i = 0; i < n; ++i) {
     const double x = noise();
     sum += x;
     squares += x * x;
     neighbours += x * last;
     last = x;
-    greatest = std::max(greatest, std::abs(x));
+    max = std::max(max, std::abs(x));
   }
   // Five standard deviations of each estimate.
   EXPECT_NEAR(sum / n, 0, 5 / std::sqrt(n));
   EXPECT_NEAR(squares / n, 1, 5 * std::sqrt(1.7 / n));
   EXPECT_NEAR(neighbours / n, 0, 5 / std::sqrt(n));
-  EXPECT_GT(greatest, 3);
-  EXPECT_LE(greatest, 2 * std::sqrt(3.0));
+  EXPECT_GT(max, 3);
+  EXPECT_LE(max, 2 * std::sqrt(3.0));
 }
 
 TEST(SensorNoise, HasTheSameBitsEverywhere) {
@@ -161,7 +158,7 @@ TEST(SensorNoise, HasTheSameBitsEverywhere) {
 
 TEST(SimBoard, TheConverterHasLimits) {
   SimSetup setup = clean_setup();
-  setup.converter.greatest_A = 0.2;
+  setup.converter.max_A = 0.2;
   setup.converter.slew_A_s = 50;
   SimBoard board = board_with(setup);
   next(board);

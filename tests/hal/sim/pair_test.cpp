@@ -54,7 +54,7 @@ class Antagonists {
   static SimSetup setup(const Wire<double>& wire, std::uint64_t seed) {
     return {.period_ns = ms,
             .converter = {.voltage_drive = false,
-                          .greatest_A = 0.5,
+                          .max_A = 0.5,
                           .slew_A_s = std::numeric_limits<double>::infinity(),
                           .lead_ohm = 0},
             .sensors = {24, 1, 50, 10, 0, 0, 0, 1, 1},

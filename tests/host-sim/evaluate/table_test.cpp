@@ -94,10 +94,10 @@ TEST(Table, AsJsonHasAllNumbersAndTargets) {
   EXPECT_EQ(standard["row"], "standard");
   EXPECT_EQ(standard["all"]["mean_percent"], 0.5);
   EXPECT_EQ(standard["sublayers"]["mean_percent"], 0.75);
-  EXPECT_EQ(standard["targets"]["mean_percent"]["most"], 0.4);
+  EXPECT_EQ(standard["targets"]["mean_percent"]["max"], 0.4);
   EXPECT_EQ(standard["targets"]["mean_percent"]["missed"], true);
   EXPECT_EQ(standard["targets"]["p95_percent"]["missed"], false);
-  EXPECT_EQ(standard["targets"]["within_2_sd_percent"]["least"], 90);
+  EXPECT_EQ(standard["targets"]["within_2_sd_percent"]["min"], 90);
   EXPECT_EQ(standard["each_run"][1]["condition"], "spring");
   EXPECT_EQ(standard["each_run"][1]["seed"], 7);
   const auto& start = json["observers"]["kalman"][1];
@@ -111,7 +111,7 @@ TEST(Table, CoarseIsComparedWithStandard) {
   Evaluation made = evaluation();
   ObserverEvaluation& kalman = made.observers.front();
   const auto mean = [&] { return row_figures(kalman, kalman.rows.back()).front(); };
-  EXPECT_NEAR(mean().most, 0.7, 1e-12);
+  EXPECT_NEAR(mean().max, 0.7, 1e-12);
   EXPECT_FALSE(mean().missed());
   kalman.rows.erase(kalman.rows.begin());
   EXPECT_FALSE(mean().has_target());

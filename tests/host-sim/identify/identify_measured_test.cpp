@@ -177,7 +177,7 @@ void predict_left_out(const smaservo::Run& run, const FitResult& fit, std::size_
   }
   const double resistance_sd = std::sqrt(squares / static_cast<double>(count));
   constexpr double air_sd_K = 1;
-  std::vector<double> least(run.strain.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> min(run.strain.size(), std::numeric_limits<double>::infinity());
   for (int step = -80; step <= 80; ++step) {
     const double warmer_K = 0.1 * step;
     const std::vector<Predicted<double>> here = predicted(warmer_K);
@@ -187,8 +187,8 @@ void predict_left_out(const smaservo::Run& run, const FitResult& fit, std::size_
                              ? 0
                              : (run.resistance_ohm[i] / here[i].resistance_ohm - 1) / resistance_sd;
       const double contradiction = std::pow(warmer_K / air_sd_K, 2) + ohm * ohm;
-      if (contradiction < least[i]) {
-        least[i] = contradiction;
+      if (contradiction < min[i]) {
+        min[i] = contradiction;
         errors.with_resistance[i] = error;
       }
       if (step == 0) {

@@ -56,12 +56,12 @@ double hottest_K(const Wire<double>& wire, const PlannedRun& run, double step_s)
 
 void expect_within_limits(const Wire<double>& wire, const Plan& plan, double duration_s) {
   for (const PlannedRun& run : plan.runs) {
-    const auto [least, most] = std::ranges::minmax(run.current_A);
+    const auto [min, max] = std::ranges::minmax(run.current_A);
     EXPECT_NEAR(static_cast<double>(run.current_A.size()) * plan.step_s, duration_s, plan.step_s);
-    EXPECT_LE(most, plan_current * wire.limits.current_A);
-    EXPECT_GT(least, 0.05 * most) << "nothing tells the resistance";
-    EXPECT_EQ(run.current_A.front(), least) << "the wire is at rest at first";
-    EXPECT_EQ(run.current_A.back(), least);
+    EXPECT_LE(max, plan_current * wire.limits.current_A);
+    EXPECT_GT(min, 0.05 * max) << "nothing tells the resistance";
+    EXPECT_EQ(run.current_A.front(), min) << "the wire is at rest at first";
+    EXPECT_EQ(run.current_A.back(), min);
     const double hottest = hottest_K(wire, run, plan.step_s);
     EXPECT_LT(hottest, wire.limits.temperature_K - plan_margin_K + 0.5);
     EXPECT_NEAR(hottest, std::ranges::max(run.temperature_K), 0.5);
@@ -152,10 +152,10 @@ TEST(PlanProfile, LevelsBeginAndEndAtRestAndStayInRange) {
       ASSERT_EQ(profile.size(), 1000U);
       EXPECT_EQ(std::ranges::count(profile.begin(), profile.begin() + 20, 0.0), 20);
       EXPECT_EQ(std::ranges::count(profile.end() - 20, profile.end(), 0.0), 20);
-      const auto [least, most] = std::ranges::minmax(profile);
-      EXPECT_GE(least, 0);
-      EXPECT_LE(most, 1);
-      EXPECT_GT(most, 0.8) << "no profile is without a full cycle";
+      const auto [min, max] = std::ranges::minmax(profile);
+      EXPECT_GE(min, 0);
+      EXPECT_LE(max, 1);
+      EXPECT_GT(max, 0.8) << "no profile is without a full cycle";
     }
   }
 }

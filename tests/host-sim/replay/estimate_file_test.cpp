@@ -144,8 +144,8 @@ TEST(EstimateFile, TakesRowsOfAnyLengthInAnyOrder) {
   std::vector<std::string> notes;
   EstimateFile file(folder / "e.csv", false, {"note"}, {1});
   for (int i = 0; i < 200; ++i) {
-    const std::size_t most = i % 20 == 0 ? 700'000 : 5000;
-    notes.emplace_back(random() % most, static_cast<char>('a' + i % 26));
+    const std::size_t max = i % 20 == 0 ? 700'000 : 5000;
+    notes.emplace_back(random() % max, static_cast<char>('a' + i % 26));
     file.add(plain_row(), "7," + notes.back());
   }
   file.commit();

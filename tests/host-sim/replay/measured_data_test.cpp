@@ -27,9 +27,9 @@ void expect_physical(const Estimated& e) {
   EXPECT_GT(coldest, 0) << "nothing cools the wire below the room";
   EXPECT_LT(hottest, 277) << "where the observer stops believing";
   for (const char* phase : {"martensite", "r_phase", "austenite"}) {
-    const auto [least, most] = std::ranges::minmax(e.column(phase));
-    EXPECT_GE(least, -1e-5) << phase;
-    EXPECT_LE(most, 1 + 1e-5) << phase;
+    const auto [min, max] = std::ranges::minmax(e.column(phase));
+    EXPECT_GE(min, -1e-5) << phase;
+    EXPECT_LE(max, 1 + 1e-5) << phase;
   }
 }
 

@@ -165,12 +165,12 @@ TEST_F(ReplayOf, LoadMayBeGivenInsteadOfMeasured) {
   o.stress_Pa.reset();
   o.load_N = 200e6 * o.wire.wire.geometry.area_m2();
   const Estimated by_load = estimated(o);
-  EXPECT_LE(greatest_difference(by_stress.column("strain"), by_load.column("strain")), 1e-6);
+  EXPECT_LE(max_difference(by_stress.column("strain"), by_load.column("strain")), 1e-6);
   const Estimated column =
       of(rewritten("time_s,current_A,voltage_V,stress_MPa,strain_ref", [](const Columns& c) {
         return c.time + "," + c.current + "," + c.voltage + ",200," + c.strain_ref;
       }));
-  EXPECT_LE(greatest_difference(by_stress.column("strain"), column.column("strain")), 1e-6);
+  EXPECT_LE(max_difference(by_stress.column("strain"), column.column("strain")), 1e-6);
 }
 
 TEST_F(ReplayOf, AnExplicitLoadDoesNotReplaceAMeasuredOne) {

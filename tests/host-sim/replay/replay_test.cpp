@@ -181,8 +181,7 @@ TEST(Golden, EstimateOf150MPa) {
   ASSERT_EQ(golden.rows(), now.rows());
   for (std::size_t i = 0; i < golden.columns.size(); ++i) {
     // Compilers differ in the last bits, and the filter does not amplify them.
-    EXPECT_LE(greatest_difference(golden.columns[i], now.columns[i]),
-              1e-4 * range(golden.columns[i]))
+    EXPECT_LE(max_difference(golden.columns[i], now.columns[i]), 1e-4 * range(golden.columns[i]))
         << golden.names[i] << " has changed. If that is wanted, run\n"
         << "  SMASERVO_REWRITE_GOLDEN=1 build/release/tests/host-sim/host_sim_tests "
            "--gtest_filter=Golden.*\nand commit the difference of "

@@ -51,15 +51,15 @@ inline double range(const std::vector<double>& column) {
 }
 
 /// The greatest difference; infinite where only one of the two is a number.
-inline double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double greatest = 0;
+inline double max_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double max = 0;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     if (std::isnan(a[i]) != std::isnan(b[i])) {
       return std::numeric_limits<double>::infinity();
     }
-    greatest = std::fmax(greatest, std::abs(a[i] - b[i]));
+    max = std::fmax(max, std::abs(a[i] - b[i]));
   }
-  return greatest;
+  return max;
 }
 
 }  // namespace smaservo::test

@@ -25,8 +25,8 @@ std::vector<double> random_walk(std::size_t rows, unsigned seed) {
   return strain;
 }
 
-Series filled(const std::vector<double>& strain, std::size_t most) {
-  Series series(most);
+Series filled(const std::vector<double>& strain, std::size_t max) {
+  Series series(max);
   for (std::size_t i = 0; i < strain.size(); ++i) {
     series.add(point(static_cast<double>(i), strain[i]));
   }

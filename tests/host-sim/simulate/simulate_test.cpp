@@ -86,7 +86,7 @@ TEST_P(Simulated, GivesTheShippedTraceOnAnyCompiler) {
   ASSERT_LE(now.rows(), before.rows());
   ASSERT_GE(now.rows(), whole ? before.rows() : 300U);
   for (std::size_t i = 0; i < now.columns.size(); ++i) {
-    EXPECT_LE(greatest_difference(now.columns[i], before.columns[i]),
+    EXPECT_LE(max_difference(now.columns[i], before.columns[i]),
               0.02 * range(before.columns[i]) + 1e-12)
         << now.names[i];
   }
@@ -106,8 +106,8 @@ TEST(Simulate, SeedChangesTheNoiseOnly) {
   scenario.seed += 1;
   const NumberTable other = parse_numbers(simulated(scenario));
   const auto column = [&](const NumberTable& t, std::size_t i) { return t.columns.at(i); };
-  EXPECT_GT(greatest_difference(column(one, 3), column(other, 3)), 1e-3) << "load";
-  EXPECT_EQ(greatest_difference(column(one, 4), column(other, 4)), 0) << "strain";
+  EXPECT_GT(max_difference(column(one, 3), column(other, 3)), 1e-3) << "load";
+  EXPECT_EQ(max_difference(column(one, 4), column(other, 4)), 0) << "strain";
 }
 
 TEST(Simulate, HeatShortensAndWeightStretches) {

@@ -13,11 +13,11 @@ TunedPlant plant(const char* wire, const TunedLoad& load, double draught = 1) {
   return {load_wire(wire).wire, load, 298.15, draught};
 }
 
-constexpr double most_K = 400;
+constexpr double max_K = 400;
 
 void moves_as_its_linearisation_says(const TunedPlant& tuned) {
   const LumpedModel::Params params = lumped_params(tuned);
-  const Branches b = trace_branches(tuned, most_K);
+  const Branches b = trace_branches(tuned, max_K);
   ASSERT_EQ(b.points.size(), 21U);
   for (const OperatingPoint& p : b.points) {
     LumpedModel::State state = p.state;
@@ -55,7 +55,7 @@ TEST(OperatingPoints, MoveAsTheirLinearisationSaysAgainstASpring) {
 /// What a spring's wire bears is what the spring pulls.
 TEST(OperatingPoints, BalanceTheSpring) {
   const TunedPlant tuned = plant("smartflex-76um", {50e6, 300e6, 0.02});
-  const Branches b = trace_branches(tuned, most_K);
+  const Branches b = trace_branches(tuned, max_K);
   for (const OperatingPoint& p : b.points) {
     EXPECT_NEAR(p.stress_Pa, tuned.load.stress_Pa(b.rest_strain - p.strain), 1e3);
   }
@@ -64,16 +64,16 @@ TEST(OperatingPoints, BalanceTheSpring) {
 /// But for the branches' tails.
 TEST(OperatingPoints, TurnedWiresKeepTheirStrain) {
   for (const double stress_Pa : {100e6, 300e6}) {
-    const Branches b = trace_branches(plant("smartflex-76um", {stress_Pa, stress_Pa, 0}), most_K);
-    double greatest = 0;
+    const Branches b = trace_branches(plant("smartflex-76um", {stress_Pa, stress_Pa, 0}), max_K);
+    double max = 0;
     for (const OperatingPoint& p : b.points) {
-      greatest = std::max(greatest, std::abs(p.strain_1_K));
+      max = std::max(max, std::abs(p.strain_1_K));
     }
     int turned = 0;
     for (const OperatingPoint& p : b.points) {
       if (p.motion == Motion::turned) {
         ++turned;
-        EXPECT_LT(std::abs(p.strain_1_K), 0.03 * greatest);
+        EXPECT_LT(std::abs(p.strain_1_K), 0.03 * max);
       }
     }
     EXPECT_EQ(turned, 3);
@@ -84,7 +84,7 @@ TEST(OperatingPoints, TurnedWiresKeepTheirStrain) {
 TEST(OperatingPoints, CapacitiesAddUpToTheHeatOfTheStroke) {
   const TunedPlant tuned = plant("smartflex-76um", {150e6, 150e6, 0});
   std::vector<OperatingPoint> heating;
-  for (const OperatingPoint& p : trace_branches(tuned, most_K, 199).points) {
+  for (const OperatingPoint& p : trace_branches(tuned, max_K, 199).points) {
     if (p.motion == Motion::heating) {
       heating.push_back(p);
     }

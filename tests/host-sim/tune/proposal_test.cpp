@@ -132,10 +132,10 @@ TEST(Proposal, DoesNotContradictItself) {
 
 TEST(Proposal, StaysBelowAGivenCurrent) {
   TuneTask t = proposal_task("smartflex-76um", 150);
-  t.most_current_A = 0.2;
+  t.max_current_A = 0.2;
   const Proposal p = propose(t);
   EXPECT_EQ(p.settings.limits.current_A, 0.2);
-  t.most_current_A = 0.9 * p.holding_A;
+  t.max_current_A = 0.9 * p.holding_A;
   EXPECT_THROW(propose(t), UserError);
 }
 

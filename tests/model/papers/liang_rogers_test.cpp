@@ -105,17 +105,17 @@ TEST(LiangRogers, WithoutRPhaseIsTheTwoPhaseModel) {
 
 // 002 figure 4: martensite comes before the R-phase where the stress is high.
 TEST(LiangRogers, StressTakesTheRPhaseAway) {
-  const auto most_r_phase = [](double stress_Pa) {
+  const auto max_r_phase = [](double stress_Pa) {
     K::State s = K::rest(wire(), {420, stress_Pa});
-    double most = 0;
+    double max = 0;
     for (double T = 420; T > 300; T -= 0.1) {
-      most = std::max(most, moved(s, T, stress_Pa).r_phase);
+      max = std::max(max, moved(s, T, stress_Pa).r_phase);
     }
-    return most;
+    return max;
   };
-  EXPECT_GT(most_r_phase(10e6), 0.95);
-  EXPECT_GT(most_r_phase(60e6), most_r_phase(130e6) + 0.1);
-  EXPECT_LT(most_r_phase(300e6), 0.05);
+  EXPECT_GT(max_r_phase(10e6), 0.95);
+  EXPECT_GT(max_r_phase(60e6), max_r_phase(130e6) + 0.1);
+  EXPECT_LT(max_r_phase(300e6), 0.05);
 }
 
 TEST(LiangRogers, HeatingFromRPhaseMakesNoMartensite) {

@@ -152,21 +152,21 @@ TYPED_TEST(PreisachProperties, IsTheSumOfItsRelays) {
   K::State s = K::rest(this->params, this->at(250, 200));
   sum.move(K::drive(s));
   double worst = 0;
-  double least = 1;
-  double most = 0;
+  double min = 1;
+  double max = 0;
   for (int i = 0; i < 400; ++i) {
     this->move(s, this->wander(K::drive(s)));
     sum.move(K::drive(s));
     const double martensite = K::phases(s).martensite;
     worst = std::max(worst, std::abs(martensite - sum.martensite(K::drive(s).stress_Pa)));
-    least = std::min(least, martensite);
-    most = std::max(most, martensite);
+    min = std::min(min, martensite);
+    max = std::max(max, martensite);
   }
   std::printf("worst difference from 400000 relays: %.2g\n", worst);
   // A relay counts up to nine times, which makes the mean of so many good to 0.002.
   EXPECT_LT(worst, 0.008);
-  EXPECT_LT(least, 0.1);
-  EXPECT_GT(most, 0.9);
+  EXPECT_LT(min, 0.1);
+  EXPECT_GT(max, 0.9);
 }
 
 using Suite = KineticsSuite<PreisachDouble>;

@@ -36,8 +36,8 @@ class FixedTest : public testing::Test {
   static constexpr int fraction = Format::fraction;
   static long double step() { return std::ldexp(1.0L, -fraction); }
   static long double value(const X& x) { return x.raw() * step(); }
-  static long double greatest() { return 2147483647 * step(); }
-  static long double least() { return -2147483648.0L * step(); }
+  static long double max() { return 2147483647 * step(); }
+  static long double min() { return -2147483648.0L * step(); }
 
   /// What an operation has to give whose exact result this is.
   static X nearest(long double exact) {
@@ -116,13 +116,18 @@ TYPED_TEST(FixedTest, MinusAndAssignmentsAreShortForTheLongForms) {
     ASSERT_EQ(x.raw(), y.raw());
     ASSERT_EQ(x.overflowed(), y.overflowed());
   };
-  const TypeParam least = TypeParam::of_raw(std::numeric_limits<std::int32_t>::min());
-  const TypeParam greatest = TypeParam::of_raw(std::numeric_limits<std::int32_t>::max());
-  const TypeParam extremes[] = {
-      least,         greatest,  greatest + greatest,  TypeParam(0),
-      least + least, -greatest, TypeParam::of_raw(1), TypeParam::of_raw(-1)};
-  EXPECT_TRUE((-least).overflowed());
-  EXPECT_EQ(-least, greatest);
+  const TypeParam min = TypeParam::of_raw(std::numeric_limits<std::int32_t>::min());
+  const TypeParam max = TypeParam::of_raw(std::numeric_limits<std::int32_t>::max());
+  const TypeParam extremes[] = {min,
+                                max,
+                                max + max,
+                                TypeParam(0),
+                                min + min,
+                                -max,
+                                TypeParam::of_raw(1),
+                                TypeParam::of_raw(-1)};
+  EXPECT_TRUE((-min).overflowed());
+  EXPECT_EQ(-min, max);
   for (int i = 0; i < repeats; ++i) {
     const auto number = [&] {
       return random() % 4 == 0 ? extremes[random() % 8] : any<TypeParam::fraction>(random);
@@ -144,22 +149,22 @@ TYPED_TEST(FixedTest, MinusAndAssignmentsAreShortForTheLongForms) {
 }
 
 TYPED_TEST(FixedTest, WhatHasOverflowedStaysSo) {
-  const TypeParam most = TypeParam::of_raw(std::numeric_limits<std::int32_t>::max());
-  const TypeParam over = most + most;
+  const TypeParam max = TypeParam::of_raw(std::numeric_limits<std::int32_t>::max());
+  const TypeParam over = max + max;
   ASSERT_TRUE(over.overflowed());
-  EXPECT_EQ(over, most);
+  EXPECT_EQ(over, max);
   EXPECT_FALSE(isfinite(over));
   const TypeParam none(0);
   for (const TypeParam& result :
        {over + none, none - over, over * none, none / over, -over, abs(over), sqrt(over),
-        exp(none * over), pow(most, over), ceil(over), log(over)}) {
+        exp(none * over), pow(max, over), ceil(over), log(over)}) {
     EXPECT_TRUE(result.overflowed());
   }
   EXPECT_TRUE(Fixed<12>(over).overflowed());
   EXPECT_TRUE(Fixed<20>(over).overflowed());
   // and nothing else: the next computation is a new one.
-  EXPECT_FALSE((most - most).overflowed());
-  EXPECT_TRUE((most / none).overflowed());
+  EXPECT_FALSE((max - max).overflowed());
+  EXPECT_TRUE((max / none).overflowed());
   EXPECT_TRUE((none / none).overflowed());
   EXPECT_TRUE(sqrt(TypeParam::of_raw(-1)).overflowed());
   EXPECT_TRUE(log(none).overflowed());
@@ -191,7 +196,7 @@ TYPED_TEST(FixedTest, FunctionsAreThoseOfADouble) {
     if (!result.overflowed()) {
       ASSERT_NEAR(static_cast<double>(result), exact, 0.5001 * step + error);
     } else {
-      ASSERT_GE(std::abs(exact), 0.9999 * static_cast<double>(this->greatest()));
+      ASSERT_GE(std::abs(exact), 0.9999 * static_cast<double>(this->max()));
     }
   };
   for (int i = 0; i < repeats; ++i) {

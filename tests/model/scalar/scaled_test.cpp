@@ -53,11 +53,11 @@ TEST(Scaled, ArithmeticIsThatOfADouble) {
     const Scaled b = numbers.next();
     const auto x = static_cast<double>(a);
     const auto y = static_cast<double>(b);
-    const auto greatest = [&](double sum) {
+    const auto max = [&](double sum) {
       return std::max({std::abs(x), std::abs(y), std::abs(sum)});
     };
-    expect_near(a + b, x + y, 0.76 * unit * greatest(x + y));
-    expect_near(a - b, x - y, 0.76 * unit * greatest(x - y));
+    expect_near(a + b, x + y, 0.76 * unit * max(x + y));
+    expect_near(a - b, x - y, 0.76 * unit * max(x - y));
     expect_near(a * b, x * y, 0.76 * unit * std::abs(x * y));
     if (y != 0) {
       expect_near(a / b, x / y, 0.501 * unit * std::abs(x / y));
@@ -84,21 +84,21 @@ TEST(Scaled, SumsOfProductsAreThoseOfADouble) {
                       {numbers.next(), numbers.next()},
                       {numbers.next(), numbers.next()}};
     auto sum = static_cast<double>(start);
-    double greatest = std::abs(sum);
+    double max = std::abs(sum);
     const auto add = [&](const Term& term) {
       sum += exact(term);
-      greatest = std::max(greatest, std::abs(exact(term)));
+      max = std::max(max, std::abs(exact(term)));
     };
     add(t[0]);
-    expect_near(sum_of_products(start, t[0]), sum, 2 * 2 * unit * greatest);
+    expect_near(sum_of_products(start, t[0]), sum, 2 * 2 * unit * max);
     add(t[1]);
     add(t[2]);
-    expect_near(sum_of_products(start, t[0], t[1], t[2]), sum, 4 * 4 * unit * greatest);
+    expect_near(sum_of_products(start, t[0], t[1], t[2]), sum, 4 * 4 * unit * max);
     add(t[3]);
     add(t[4]);
     const double products = sum - static_cast<double>(start);
-    expect_near(sum_of_products(start, t[0], t[1], t[2], t[3], t[4]), sum, 6 * 8 * unit * greatest);
-    expect_near(sum_of_products(t[0], t[1], t[2], t[3], t[4]), products, 6 * 8 * unit * greatest);
+    expect_near(sum_of_products(start, t[0], t[1], t[2], t[3], t[4]), sum, 6 * 8 * unit * max);
+    expect_near(sum_of_products(t[0], t[1], t[2], t[3], t[4]), products, 6 * 8 * unit * max);
   }
 }
 

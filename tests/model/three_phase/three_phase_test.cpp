@@ -286,7 +286,7 @@ TEST_F(ThreePhaseTest, NothingJumpsUnderAVaryingStress) {
   constexpr double step_Pa = step_K * 7e6;
   for (K::Params p : {paper_wire().kinetics, separate_kinetics()}) {
     p.smallest_reversal_K = 0;
-    double greatest = 0;
+    double max = 0;
     for (int walk = 0; walk < 60; ++walk) {
       Drive<double> u{uniform(300, 390), uniform(50e6, 350e6)};
       K::State s = K::rest(p, u);
@@ -302,14 +302,14 @@ TEST_F(ThreePhaseTest, NothingJumpsUnderAVaryingStress) {
                from.stress_Pa + share * (to.stress_Pa - from.stress_Pa)};
           const Phases<double> before = K::phases(s);
           K::advance(p, s, u);
-          greatest = std::max({greatest, std::abs(K::phases(s).martensite - before.martensite),
-                               std::abs(K::phases(s).r_phase - before.r_phase)});
+          max = std::max({max, std::abs(K::phases(s).martensite - before.martensite),
+                          std::abs(K::phases(s).r_phase - before.r_phase)});
         }
       }
     }
-    std::printf("greatest change of a fraction in a step: %.4f\n", greatest);
-    EXPECT_LT(greatest, 0.02);
-    EXPECT_GT(greatest, 0.002);
+    std::printf("greatest change of a fraction in a step: %.4f\n", max);
+    EXPECT_LT(max, 0.02);
+    EXPECT_GT(max, 0.002);
   }
 }
 

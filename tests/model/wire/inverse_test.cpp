@@ -91,7 +91,7 @@ TEST_P(InverseAt, HeatingIsTheForwardModelsInverse) {
 
 /// Errors of the strain in % of the stroke: the worst one, and that of 95 % of the cases.
 struct Errors {
-  double worst, most;
+  double worst, max;
 };
 
 using Way = BranchPoint<double> (*)(const Model::Params&, const K::State&, const double&,
@@ -120,9 +120,9 @@ TEST_P(InverseAt, CoolingComesCloseToTheGoal) {
   const double stress_MPa = GetParam();
   const Errors errors = cooling_errors(exact_wire(), stress_MPa * MPa);
   std::printf("%3.0f MPa: worst %.4f, 95 %% %.4f %% of the stroke\n", stress_MPa, errors.worst,
-              errors.most);
+              errors.max);
   EXPECT_LT(errors.worst, stress_MPa < 50 ? 4 : stress_MPa < 100 ? 1.2 : 0.04);
-  EXPECT_LT(errors.most, stress_MPa < 100 ? 0.12 : 0.03);
+  EXPECT_LT(errors.max, stress_MPa < 100 ? 0.12 : 0.03);
 }
 
 TEST_P(InverseAt, FurtherGoalsLieFurtherAlong) {

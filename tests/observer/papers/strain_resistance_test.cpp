@@ -188,8 +188,8 @@ TEST(StrainResistance, FloatIsAsGoodAsDouble) {
   const Observer::Params p = params();
   Small::Params q{};
   q.martensite_ohm = static_cast<float>(p.martensite_ohm);
-  q.least_stress_Pa = static_cast<float>(p.least_stress_Pa);
-  q.greatest_stress_Pa = static_cast<float>(p.greatest_stress_Pa);
+  q.min_stress_Pa = static_cast<float>(p.min_stress_Pa);
+  q.max_stress_Pa = static_cast<float>(p.max_stress_Pa);
   for (int i = 0; i <= StressPolynomial<float>::order; ++i) {
     q.heating.slope.coefficient[i] = static_cast<float>(p.heating.slope.coefficient[i]);
     q.heating.offset.coefficient[i] = static_cast<float>(p.heating.offset.coefficient[i]);

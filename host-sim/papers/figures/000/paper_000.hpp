@@ -64,8 +64,8 @@ struct Level {
   Wire<double> wire;
 };
 /// A2R is seen well enough up to here ('Stress dependence of the transformation parameters').
-inline constexpr double most_a2r_MPa = 100;
-/// Each begins with the one without stress, those above most_a2r_MPa with the one there. In the
+inline constexpr double max_a2r_MPa = 100;
+/// Each begins with the one without stress, those above max_a2r_MPa with the one there. In the
 /// paper each begins with the level below; `identify` holds on to where it begins, so that errors
 /// would add up from level to level.
 const std::vector<Level>& fitted_levels();

@@ -119,7 +119,7 @@ struct OverStress {
   const char* name;
   const char* colour;
   const char* look;  ///< of the line
-  double most_MPa;   ///< up to which levels know it
+  double max_MPa;    ///< up to which levels know it
   std::function<double(const Wire<double>&, double stress_Pa)> of;
 };
 
@@ -133,7 +133,7 @@ Plot over_stress(const char* title, const char* label, const std::vector<OverStr
     Column at;
     Column found;
     for (std::size_t k = first_level; k < levels.size(); ++k) {
-      if (levels[k].stress_MPa <= value.most_MPa) {
+      if (levels[k].stress_MPa <= value.max_MPa) {
         at.push_back(levels[k].stress_MPa);
         found.push_back(value.of(levels[k].wire, 1e6 * levels[k].stress_MPa));
       }
@@ -171,7 +171,7 @@ OverStress of_process(Process process, const char* name, const char* look,
           a2r                       ? r_phase_colour
           : process == Process::m2a ? heating_colour
                                     : cooling_colour,
-          look, a2r ? most_a2r_MPa : 400, [=](const Wire<double>& wire, double stress_Pa) {
+          look, a2r ? max_a2r_MPa : 400, [=](const Wire<double>& wire, double stress_Pa) {
             return take(isobar_of(wire, process, stress_Pa));
           }};
 }
@@ -226,14 +226,14 @@ PaperFigure figure_18() {
   std::vector<OverStress> resistivities;
   for (const auto& [which, look] : phases) {
     const Of phase = which;
-    const double most_MPa = phase == &Material<double>::r_phase ? most_a2r_MPa : 400;
+    const double max_MPa = phase == &Material<double>::r_phase ? max_a2r_MPa : 400;
     strains.push_back(
-        {look.second, look.first, solid, most_MPa, [=](const Wire<double>& wire, double stress_Pa) {
+        {look.second, look.first, solid, max_MPa, [=](const Wire<double>& wire, double stress_Pa) {
            const Phase<double>& p = wire.material.*phase;
            return 100 * (p.strain + stress_Pa / p.modulus_Pa);
          }});
     resistivities.push_back(
-        {look.second, look.first, solid, most_MPa, [=](const Wire<double>& wire, double stress_Pa) {
+        {look.second, look.first, solid, max_MPa, [=](const Wire<double>& wire, double stress_Pa) {
            const Phase<double>& p = wire.material.*phase;
            return 1e6 * (p.resistivity_ohm_m + stress_Pa * p.resistivity_ohm_m_Pa);
          }});

@@ -26,8 +26,8 @@ std::unique_ptr<SimulatedWire> simulated_wire() {
 }
 
 /// From cold to hot and back; an odd number, the hottest is in the middle.
-std::vector<double> cycle_K(double most_K, double step_K) {
-  const auto steps = static_cast<int>(std::lround((most_K - coldest_K) / step_K));
+std::vector<double> cycle_K(double max_K, double step_K) {
+  const auto steps = static_cast<int>(std::lround((max_K - coldest_K) / step_K));
   std::vector<double> all;
   for (int i = -steps; i <= steps; ++i) {
     all.push_back(coldest_K + step_K * (steps - std::abs(i)));
@@ -176,7 +176,7 @@ const std::vector<Level>& fitted_levels() {
     for (const double stress_MPa : stresses_MPa) {
       const Run run = as_run(simulated_bath_run(stress_MPa));
       all.push_back({stress_MPa, fit_wire(from, {run}, quick()).wire});
-      if (stress_MPa == most_a2r_MPa) {
+      if (stress_MPa == max_a2r_MPa) {
         from = all.back().wire;
       }
     }

@@ -50,16 +50,16 @@ double where(const std::vector<double>& column, const std::vector<double>& at, s
   return at[to];
 }
 
-double least(const std::vector<double>& values, std::size_t from, std::size_t to) {
+double min(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return *std::min_element(values.begin() + static_cast<std::ptrdiff_t>(from),
                            values.begin() + static_cast<std::ptrdiff_t>(to));
 }
-double most(const std::vector<double>& values, std::size_t from, std::size_t to) {
+double max(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return *std::max_element(values.begin() + static_cast<std::ptrdiff_t>(from),
                            values.begin() + static_cast<std::ptrdiff_t>(to));
 }
 double span(const std::vector<double>& values) {
-  return most(values, 0, values.size()) - least(values, 0, values.size());
+  return max(values, 0, values.size()) - min(values, 0, values.size());
 }
 
 double deviation_from_line(const std::vector<double>& x, const std::vector<double>& y) {
@@ -90,9 +90,9 @@ Peaks peaks(const CalorimetryRun& run) {
   for (std::size_t i = run.hottest(); i < power.size(); ++i) {
     const double T = run.temperature_K[i];
     const bool above = T > 50 + zero_degC_K;
-    double& greatest = above ? a2r : r2m;
-    if (-power[i] > greatest) {
-      greatest = -power[i];
+    double& max = above ? a2r : r2m;
+    if (-power[i] > max) {
+      max = -power[i];
       (above ? found.a2r_K : found.r2m_K) = T;
     }
   }
@@ -113,8 +113,8 @@ SelfSensing self_sensing(const BathRun& run) {
   const std::vector<double> ohm = resistances_ohm(run);
   const std::size_t hot = run.hottest();
   const std::size_t end = run.rows() - 1;
-  const double low = std::max(least(run.strain, 0, hot + 1), least(run.strain, hot, end + 1));
-  const double high = std::min(most(run.strain, 0, hot + 1), most(run.strain, hot, end + 1));
+  const double low = std::max(min(run.strain, 0, hot + 1), min(run.strain, hot, end + 1));
+  const double high = std::min(max(run.strain, 0, hot + 1), max(run.strain, hot, end + 1));
   double gap_ohm = 0;
   // Not at the very ends, where strain hardly changes with resistance.
   for (double share = 0.05; share < 0.955; share += 0.01) {

@@ -40,7 +40,7 @@ Scenario scenario(Family family, const Load& load, Steps drive) {
   JouleScenario joule{.ambient_K = 298.15,
                       .draught = 1,
                       .overheat_K = overheat_K(load),
-                      .least_current_A = least_current_A,
+                      .min_current_A = min_current_A,
                       .rate_Hz = 200,
                       .record_from_s = 0,
                       .drive = std::move(drive),

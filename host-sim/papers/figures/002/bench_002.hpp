@@ -28,7 +28,7 @@ StrainResistanceFit calibrate(Family family);
 SpringLoad spring();
 Sensors sensors();
 /// Keeps the resistance measurable.
-inline constexpr double least_current_A = 0.06;
+inline constexpr double min_current_A = 0.06;
 /// The experiments of section 4.5, on a wire that was just calibrated: other levels of the power
 /// than those of the calibration.
 Run validation_run(Family family, const Load& load);

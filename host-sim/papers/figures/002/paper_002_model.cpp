@@ -45,9 +45,9 @@ std::string over_stress_block(const std::string& name, const StrainResistanceFit
                               Lines lines) {
   Rows rows;
   constexpr int steps = 100;
-  const double low_Pa = fit.params.least_stress_Pa;
+  const double low_Pa = fit.params.min_stress_Pa;
   for (int i = 0; i <= steps; ++i) {
-    const double stress_Pa = low_Pa + (fit.params.greatest_stress_Pa - low_Pa) * i / steps;
+    const double stress_Pa = low_Pa + (fit.params.max_stress_Pa - low_Pa) * i / steps;
     rows.push_back(row(stress_Pa, lines(stress_Pa)));
   }
   return data_block(name, rows);

@@ -8,7 +8,7 @@
 
 namespace smaservo::bench_002 {
 PidGains gains() {
-  return {16, 16, 1.5, least_current_A, wire().wire.limits.current_A};
+  return {16, 16, 1.5, min_current_A, wire().wire.limits.current_A};
 }
 
 double PidController::current_A(double goal, double strain, double dt_s) {
@@ -19,12 +19,12 @@ double PidController::current_A(double goal, double strain, double dt_s) {
   const double rise = (strain - before_) / (smoothing_s + dt_s);
   before_ += rise * dt_s;
   const double wanted_A = gains_.proportional_A * error + integral_A_ + gains_.derivative_As * rise;
-  const bool above = wanted_A > gains_.greatest_current_A;
-  const bool below = wanted_A < gains_.least_current_A;
+  const bool above = wanted_A > gains_.max_current_A;
+  const bool below = wanted_A < gains_.min_current_A;
   if (!(above && error > 0) && !(below && error < 0)) {
     integral_A_ += gains_.integral_A_s * error * dt_s;
   }
-  return std::clamp(wanted_A, gains_.least_current_A, gains_.greatest_current_A);
+  return std::clamp(wanted_A, gains_.min_current_A, gains_.max_current_A);
 }
 
 std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>::Params& estimator,
@@ -34,12 +34,12 @@ std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>
   constexpr double each_s = 22;
   const PidGains limits = gains();
   Rig rig(family, spring());
-  Estimator::State s = Estimator::start(estimator, rig.step(least_current_A), Rig::ambient_K);
+  Estimator::State s = Estimator::start(estimator, rig.step(min_current_A), Rig::ambient_K);
   const auto step = [&](double current_A) {
     Estimator::advance(estimator, s, rig.step(current_A), Rig::step_s);
   };
   while (rig.time_s() < 15) {
-    step(rig.time_s() < 6 ? limits.greatest_current_A : limits.least_current_A);
+    step(rig.time_s() < 6 ? limits.max_current_A : limits.min_current_A);
   }
   PidController controller(limits);
   std::mt19937_64 random(seed);

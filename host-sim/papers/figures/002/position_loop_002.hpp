@@ -13,8 +13,8 @@ struct PidGains {
   double proportional_A;
   double integral_A_s;
   double derivative_As;
-  double least_current_A;     ///< keeps the resistance measurable
-  double greatest_current_A;  ///< what the wire bears
+  double min_current_A;  ///< keeps the resistance measurable
+  double max_current_A;  ///< what the wire bears
 };
 
 /// Found by trial, as the paper's.

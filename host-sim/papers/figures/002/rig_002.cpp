@@ -17,12 +17,12 @@ class Recorder {
  public:
   explicit Recorder(Rig& rig) : rig_(rig) {}
 
-  void run(bool heats, double most_s, const std::function<bool(double strain)>& done) {
-    for (const double stop_s = rig_.time_s() + most_s;
+  void run(bool heats, double max_s, const std::function<bool(double strain)>& done) {
+    for (const double stop_s = rig_.time_s() + max_s;
          rig_.time_s() < stop_s && !done(rig_.strain());) {
       const double time_s = rig_.time_s();
       const RigRow row{time_s, rig_.strain(), rig_.resistance_ohm(), rig_.temperature_K(), heats};
-      const Measurement<double> m = rig_.step(heats ? on_A() : least_current_A);
+      const Measurement<double> m = rig_.step(heats ? on_A() : min_current_A);
       if (tick_++ % 5 == 0) {
         loops.rows.push_back(row);
         loops.run.time_s.push_back(row.time_s);

@@ -22,7 +22,7 @@ double FixedController::power_W(double measured_K, double next_K) {
   const double error_K = next_K - measured_K;
   const double rate_K_s = (filtered_K_ - filtered_before_K_) / design_.sample_s;
   const double wanted_W = gain_W_K_ * (error_K - derivative_time_s_ * rate_K_s) + integral_W_;
-  const double power_W = std::clamp(wanted_W, 0.0, design_.most_W);
+  const double power_W = std::clamp(wanted_W, 0.0, design_.max_W);
   const bool inwards = (wanted_W > power_W) != (error_K > 0);
   if (wanted_W == power_W || inwards) {
     integral_W_ += gain_W_K_ * error_K * design_.sample_s / integral_time_s_;
@@ -52,7 +52,7 @@ AdaptiveController::AdaptiveController(const LoopDesign& design, const AdaptiveS
     : design_(design), settings_(settings) {
   // As designed; the second pole and the offset are left to be found.
   const double a = std::exp(-design.sample_s * design.loss_W_K / design.capacity_J_K);
-  const double b = (1 - a) * design.most_W / design.loss_W_K / 10;
+  const double b = (1 - a) * design.max_W / design.loss_W_K / 10;
   const RecursiveLeastSquares start({a, 0, b, 0}, 1e-3, settings.forgetting, 100);
   regions_.assign(settings.region_edges_K.size() + 1, start);
 }
@@ -74,7 +74,7 @@ double AdaptiveController::power_W(double measured_K, double next_K) {
   power_ = std::clamp(wanted, 0.0, 1.0);
   regressors_ = {y, before_, power_, 1};
   before_ = y;
-  return power_ * design_.most_W;
+  return power_ * design_.max_W;
 }
 
 std::size_t AdaptiveController::region(double temperature_K) const {

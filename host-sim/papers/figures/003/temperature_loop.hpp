@@ -17,7 +17,7 @@ namespace smaservo {
 class TemperatureController {
  public:
   virtual ~TemperatureController() = default;
-  /// The power for the sample time that begins now, 0..most_W. `next_K` is the reference at its
+  /// The power for the sample time that begins now, 0..max_W. `next_K` is the reference at its
   /// end.
   virtual double power_W(double measured_K, double next_K) = 0;
 };
@@ -25,7 +25,7 @@ class TemperatureController {
 /// What both controllers are designed for: the wire without transformation, as one heat capacity.
 struct LoopDesign {
   double sample_s;
-  double most_W;
+  double max_W;
   double capacity_J_K;
   double loss_W_K;
   double ambient_K;

@@ -58,7 +58,7 @@ TEST(BusJournal, SaysOldNewAndSource) {
 TEST(BusJournal, CountsWhatItDoesNotSay) {
   const LoggedChange change{0, gain, Source::sdo, 0, 1, Abort::none};
   std::vector<std::string> texts = said(std::vector<LoggedChange>(100, change), 100);
-  ASSERT_EQ(texts.size(), BusJournal::most_at_once + 1);
+  ASSERT_EQ(texts.size(), BusJournal::max_at_once + 1);
   EXPECT_EQ(texts.back(), "80 more changes and refusals at the same time");
   texts = said({change}, 8);
   ASSERT_EQ(texts.size(), 2U);

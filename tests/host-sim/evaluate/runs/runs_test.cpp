@@ -142,9 +142,9 @@ TEST(TestRuns, RippleHoldsTheWireInMidTransformation) {
     EXPECT_TRUE(mean(16) > 0.1 && mean(16) < 0.9) << seed << ": " << mean(16);
     // A wire has return-point memory: it settles.
     EXPECT_NEAR(mean(32), mean(16), 0.01) << seed;
-    const auto [least, most] = std::ranges::minmax(
+    const auto [min, max] = std::ranges::minmax(
         second(20), {}, [](const SimulatedRow& row) { return row.current_A * row.voltage_V; });
-    EXPECT_NEAR(most.current_A * most.voltage_V / (least.current_A * least.voltage_V), 3, 0.05);
+    EXPECT_NEAR(max.current_A * max.voltage_V / (min.current_A * min.voltage_V), 3, 0.05);
   }
 }
 

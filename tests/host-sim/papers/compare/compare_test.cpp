@@ -75,7 +75,7 @@ std::string refusal(const Runs& training, const Runs& tests) {
 
 /// Mean of the differences to another strain, and how far they go from it.
 struct Offset {
-  double mean, most;
+  double mean, max;
 };
 Offset offset(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
@@ -140,7 +140,7 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
   EXPECT_THAT(all.free_zero, ElementsAre(false, false, true));
   for (const auto& [name, error] : expected) {
     const Compared& one = named(all, name);
-    EXPECT_NEAR(offset(one.runs[2].strain, one.runs[0].strain).most, 0, 1e-9) << name;
+    EXPECT_NEAR(offset(one.runs[2].strain, one.runs[0].strain).max, 0, 1e-9) << name;
     std::vector<double> errors;
     for (std::size_t i = 0; i < spring.strain.size(); ++i) {
       const double e = one.runs[2].strain[i] - all.tests[2].strain[i];
@@ -228,7 +228,7 @@ TEST(Compare, ADisplacementIsPutWhereTheTypeIsLongest) {
     const auto& strain = named(free, name).runs[0].strain;
     const Offset apart = offset(strain, named(absolute, name).runs[0].strain);
     EXPECT_NEAR(apart.mean, 0, 0.002) << name;
-    EXPECT_LT(apart.most, 0.002) << name;
+    EXPECT_LT(apart.max, 0.002) << name;
   }
 }
 

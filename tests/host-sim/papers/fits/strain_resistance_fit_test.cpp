@@ -114,7 +114,7 @@ TEST(StrainResistanceFit, OneLevelHoldsAtItsStressAlone) {
   const StrainResistanceFit fit = identify_strain_resistance(runs({98, 100, 102}));
   EXPECT_EQ(fit.order, 0);
   ASSERT_EQ(fit.levels.size(), 1U);
-  EXPECT_EQ(fit.params.least_stress_Pa, fit.params.greatest_stress_Pa);
+  EXPECT_EQ(fit.params.min_stress_Pa, fit.params.max_stress_Pa);
   EXPECT_LT(worst_percent(fit, 100e6), 3);
   const Measurement<double> other{10, 0, 0, 150e6, true, true, true};
   const auto s = Observer::start(fit.params, other, 298);

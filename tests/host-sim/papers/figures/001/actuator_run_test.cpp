@@ -50,18 +50,17 @@ TEST_F(ActuatorRunTest, EverySampleIsWithinTheModel) {
 
 TEST_F(ActuatorRunTest, StrainStaysBelow0105AndStressVariesBy4MPa) {
   double strain = 0;
-  double least_Pa = 1e12;
-  double most_Pa = 0;
+  double min_Pa = 1e12;
+  double max_Pa = 0;
   for (const ActuatorSample& sample : run()) {
     strain = std::max(strain, sample.output.strain);
-    least_Pa = std::min(least_Pa, sample.output.stress_Pa);
-    most_Pa = std::max(most_Pa, sample.output.stress_Pa);
+    min_Pa = std::min(min_Pa, sample.output.stress_Pa);
+    max_Pa = std::max(max_Pa, sample.output.stress_Pa);
   }
-  std::printf("strain up to %.4f, stress %.2f to %.2f MPa\n", strain, least_Pa / 1e6,
-              most_Pa / 1e6);
+  std::printf("strain up to %.4f, stress %.2f to %.2f MPa\n", strain, min_Pa / 1e6, max_Pa / 1e6);
   EXPECT_LT(strain, 0.105);
   EXPECT_GT(strain, 0.1);
-  EXPECT_NEAR((most_Pa - least_Pa) / 1e6, 4, 0.5);
+  EXPECT_NEAR((max_Pa - min_Pa) / 1e6, 4, 0.5);
 }
 
 TEST_F(ActuatorRunTest, FirstSwingIsALoopAndLaterOnesAreMinor) {

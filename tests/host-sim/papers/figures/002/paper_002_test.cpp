@@ -32,8 +32,8 @@ void expect_a_working_loop(const std::vector<LoopRow>& rows) {
   double error = 0, settled = 0;
   std::size_t settled_rows = 0;
   for (const LoopRow& row : rows) {
-    ASSERT_GE(row.current_A, limits.least_current_A);
-    ASSERT_LE(row.current_A, limits.greatest_current_A);
+    ASSERT_GE(row.current_A, limits.min_current_A);
+    ASSERT_LE(row.current_A, limits.max_current_A);
     error += std::abs(row.estimate - row.strain) / 0.04;
     if (std::fmod(row.time_s, 22) > 15) {
       settled += std::abs(row.estimate - row.goal) / 0.04;
