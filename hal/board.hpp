@@ -7,7 +7,7 @@
 
 #include "hal/can_frame.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// All readings of one instant. A reading that failed, or that the board can not take, is NaN,
 /// never an old or invented number. In the board's own precision.
@@ -64,4 +64,4 @@ concept CanPort = requires(P port, CanFrame& in, const CanFrame& out) {
   { port.send(out) } -> std::same_as<bool>;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 struct CanFrame {
   std::uint32_t id = 0;                ///< 11 bits, or 29 with `extended`
@@ -18,4 +18,4 @@ struct CanFrame {
   bool operator==(const CanFrame&) const = default;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

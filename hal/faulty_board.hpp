@@ -7,7 +7,7 @@
 
 #include "hal/board.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// What is wrong, from the next read() on. All combine.
 struct BoardFaults {
@@ -92,4 +92,4 @@ class FaultyBoard {
   std::uint32_t reads_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

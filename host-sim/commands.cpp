@@ -9,7 +9,8 @@ namespace smaservo {
 
 void require(const char* option, const std::optional<double>& value, double low, double high) {
   if (value && !(*value >= low && *value <= high)) {
-    throw UserError(fmt::format("{} {}: must be between {} and {}", option, *value, low, high));
+    throw files::UserError(
+        fmt::format("{} {}: must be between {} and {}", option, *value, low, high));
   }
 }
 
@@ -21,7 +22,7 @@ void refuse_to_overwrite(const std::string& file, const std::string& output) {
     return;
   }
   if (plain && (file == output || std::filesystem::equivalent(file, output, missing))) {
-    throw UserError(fmt::format("{}: is the same file as {}", output, file));
+    throw files::UserError(fmt::format("{}: is the same file as {}", output, file));
   }
 }
 

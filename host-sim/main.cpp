@@ -15,18 +15,18 @@ int run(int argc, char** argv) {
   CLI::App app{"Replays, simulates and describes shape-memory-alloy wires on a PC.", "host-sim"};
   app.set_version_flag("--version", SMASERVO_VERSION);
   app.require_subcommand(1);
-  smaservo::add_calibrate_plan_command(app);
-  smaservo::add_can_command(app);
-  smaservo::add_compare_command(app);
-  smaservo::add_describe_command(app);
-  smaservo::add_evaluate_command(app);
-  smaservo::add_explain_command(app);
-  smaservo::add_figures_command(app);
-  smaservo::add_identify_command(app);
-  smaservo::add_replay_command(app);
-  smaservo::add_simulate_command(app);
-  smaservo::add_tune_command(app);
-  smaservo::add_wires_command(app);
+  smaservo::plan::add_calibrate_plan_command(app);
+  smaservo::can::add_can_command(app);
+  smaservo::compare::add_compare_command(app);
+  smaservo::describe::add_describe_command(app);
+  smaservo::evaluate::add_evaluate_command(app);
+  smaservo::describe::add_explain_command(app);
+  smaservo::figures::add_figures_command(app);
+  smaservo::identify::add_identify_command(app);
+  smaservo::replay::add_replay_command(app);
+  smaservo::simulate::add_simulate_command(app);
+  smaservo::tune::add_tune_command(app);
+  smaservo::describe::add_wires_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& result) {
@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : wrong_command_line;
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    throw smaservo::UserError(fmt::format("standard output: {}", std::strerror(errno)));
+    throw smaservo::files::UserError(fmt::format("standard output: {}", std::strerror(errno)));
   }
   return 0;
 }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace smaservo {
+namespace smaservo::bench {
 
 ClosedLoop::ClosedLoop(const ClosedLoopScenario& scenario)
     : prepared_(prepare(scenario.settings)),
@@ -22,7 +22,7 @@ ClosedLoop::ClosedLoop(const ClosedLoopScenario& scenario)
   }
 }
 
-void ClosedLoop::ControlledWire::step(ReadStatus status, const Frame& frame,
+void ClosedLoop::ControlledWire::step(hal::ReadStatus status, const hal::Frame& frame,
                                       const Heard<double>& heard, double dt_s,
                                       std::int64_t period_ns, DeviceStep<double>& now) {
   run_cycle(board, frame, status, heard, period_ns, now,
@@ -57,10 +57,10 @@ bool ClosedLoop::step() {
       second_->board.safe_off();
     }
   }
-  Frame frame{};
-  Frame other_frame{};
-  ReadStatus status{};
-  ReadStatus other_status{};
+  hal::Frame frame{};
+  hal::Frame other_frame{};
+  hal::ReadStatus status{};
+  hal::ReadStatus other_status{};
   if (pair_) {
     const auto both = pair_->read(frame, other_frame);
     status = both[0];
@@ -88,8 +88,8 @@ std::optional<OtherWire> ClosedLoop::other() const {
   if (!second_) {
     return std::nullopt;
   }
-  const SimTruth truth = second_->board.truth();
+  const hal::SimTruth truth = second_->board.truth();
   return OtherWire{truth.strain, truth.current_A, truth.hottest_K};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -9,7 +9,7 @@
 #include "firmware/text/cycle.hpp"
 #include "hal/sim/pair.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
 /// The second wire of a pair, at the same instant.
 struct OtherWire {
@@ -28,20 +28,21 @@ class ClosedLoop {
 
   /// One period; false when the time is over.
   bool step();
-  const Cycle& cycle() const { return cycle_; }
+  const text::Cycle& cycle() const { return cycle_; }
   std::optional<OtherWire> other() const;
 
  private:
   /// A wire with the device that drives it.
   struct ControlledWire {
-    ControlledWire(const Prepared<double>& prepared, const PlantSetup& plant, const SimSetup& setup)
+    ControlledWire(const Prepared<double>& prepared, const PlantSetup& plant,
+                   const hal::SimSetup& setup)
         : device(Device<double>::start()), prepared_(prepared), board(make_plant(plant), setup) {}
-    void step(ReadStatus status, const Frame& frame, const Heard<double>& heard, double dt_s,
-              std::int64_t period_ns, DeviceStep<double>& now);
+    void step(hal::ReadStatus status, const hal::Frame& frame, const Heard<double>& heard,
+              double dt_s, std::int64_t period_ns, DeviceStep<double>& now);
 
     Device<double>::State device;
     const Prepared<double>& prepared_;
-    SimBoard board;
+    hal::SimBoard board;
   };
 
   Command<double> opposite(const Command<double>& command) const;
@@ -52,13 +53,13 @@ class ClosedLoop {
   ControlledWire first_;
   std::unique_ptr<ControlledWire> second_;
   bool second_drives_ = false;
-  std::optional<SimPair> pair_;
+  std::optional<hal::SimPair> pair_;
   double rest_strains_ = 0;  ///< of both wires together
   CommandProgram program_;
   SimEvents events_;
   bool began_ = false;
   std::int64_t time_ns_ = 0;
-  Cycle cycle_{};
+  text::Cycle cycle_{};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

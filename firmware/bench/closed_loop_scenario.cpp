@@ -10,28 +10,28 @@
 #include "firmware/text/settings_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 namespace {
 
 constexpr double MPa = 1e6;
 constexpr std::array<std::string_view, 2> drive_names{"current", "voltage"};
 constexpr std::array<std::string_view, 2> pair_names{"driven", "passive"};
 
-Settings<double> read_device(const TomlFile& file, TomlTable table) {
+Settings<double> read_device(const files::TomlFile& file, files::TomlTable table) {
   const std::string path = file.beside(table.text("settings"));
-  std::vector<Override> changed;
+  std::vector<files::Override> changed;
   if (table.has("set")) {
-    changed = parse_settings(table.texts("set"));
+    changed = text::parse_settings(table.texts("set"));
   }
   table.finish();
-  return load_settings_file(path, changed);
+  return text::load_settings_file(path, changed);
 }
 
 /// A good front end for this device, changed by the file.
-Sensors read_sensors(TomlTable table, const Settings<double>& settings) {
+hal::Sensors read_sensors(files::TomlTable table, const Settings<double>& settings) {
   const Measuring<double>& m = settings.measuring;
   const double area_m2 = settings.wire.geometry.area_m2();
-  Sensors s{};
+  hal::Sensors s{};
   s.bits = static_cast<int>(table.number("bits", 8, 32, 16));
   s.current_full_scale_A =
       1e-3 * table.number("current_full_scale_mA", 1, 1e5, 1e3 * m.current_full_scale_A);
@@ -46,8 +46,9 @@ Sensors read_sensors(TomlTable table, const Settings<double>& settings) {
   return s;
 }
 
-Converter read_converter(TomlTable table, const Settings<double>& settings, SimSetup& board) {
-  Converter c{};
+hal::Converter read_converter(files::TomlTable table, const Settings<double>& settings,
+                              hal::SimSetup& board) {
+  hal::Converter c{};
   const std::size_t kind = table.has("type") ? table.choice("type", drive_names)
                                              : static_cast<std::size_t>(settings.drive.kind);
   c.voltage_drive = kind == 1;
@@ -59,12 +60,14 @@ Converter read_converter(TomlTable table, const Settings<double>& settings, SimS
   return c;
 }
 
-SimSetup read_board(TomlTable& root, TomlTable& plant, const ClosedLoopScenario& scenario) {
-  SimSetup board{};
+hal::SimSetup read_board(files::TomlTable& root, files::TomlTable& plant,
+                         const ClosedLoopScenario& scenario) {
+  hal::SimSetup board{};
   board.period_ns = std::llround(scenario.settings.timing.period_s * 1e9);
   board.converter = read_converter(root.table_or_empty("drive"), scenario.settings, board);
   board.sensors = read_sensors(root.table_or_empty("sensors"), scenario.settings);
-  board.load = root.has("load") ? read_load(root.table("load")) : Load{ConstantLoad{150 * MPa}};
+  board.load =
+      root.has("load") ? read_load(root.table("load")) : hal::Load{hal::ConstantLoad{150 * MPa}};
   board.geometry = scenario.plant.wire.wire.geometry;
   board.surroundings.ambient_K = zero_degC_K + plant.number("ambient_degC", -40, 80, 25);
   board.surroundings.draught = plant.number("draught", 0.1, 10, 1);
@@ -74,12 +77,12 @@ SimSetup read_board(TomlTable& root, TomlTable& plant, const ClosedLoopScenario&
   return board;
 }
 
-PairSetup read_pair(TomlTable table, const ClosedLoopScenario& scenario) {
+PairSetup read_pair(files::TomlTable table, const ClosedLoopScenario& scenario) {
   PairSetup pair{scenario.plant, scenario.board, table.choice("type", pair_names) == 0};
   // The same kind of wire, another piece of it; both at rest under the first one's load.
   pair.plant.seed = scenario.plant.seed + 7919;
   pair.board.seed = scenario.board.seed + 7919;
-  if (!std::holds_alternative<ConstantLoad>(scenario.board.load)) {
+  if (!std::holds_alternative<hal::ConstantLoad>(scenario.board.load)) {
     table.fail("type", "a pair needs a constant load, which is the force at rest");
   }
   table.finish();
@@ -89,11 +92,12 @@ PairSetup read_pair(TomlTable table, const ClosedLoopScenario& scenario) {
 }  // namespace
 
 bool is_closed_loop(const std::filesystem::path& path) {
-  return TomlFile(path).root().has("device");
+  return files::TomlFile(path).root().has("device");
 }
 
 Settings<double> standard_settings() {
-  Settings<double> settings = settings_for(load_wire(std::string(default_wire)).wire);
+  Settings<double> settings =
+      text::settings_for(files::load_wire(std::string(files::default_wire)).wire);
   settings.measuring.current_full_scale_A = 0.5;
   settings.limits.min_current_A = 0.02;
   settings.limits.current_A = 0.4;
@@ -109,26 +113,27 @@ Settings<double> standard_settings() {
 ClosedLoopScenario standard_closed_loop(const Settings<double>& settings) {
   static const toml::table empty;
   const std::string name = "standard";
-  TomlTable root(empty, "", name);
-  TomlTable plant(empty, "", name);
+  files::TomlTable root(empty, "", name);
+  files::TomlTable plant(empty, "", name);
   ClosedLoopScenario scenario{};
   scenario.name = name;
   scenario.seed = 1;
   scenario.settings = settings;
-  scenario.plant = {PlantFamily::ihyp, load_wire(std::string(default_wire)), 0.5, {}, 1};
+  scenario.plant = {
+      PlantFamily::ihyp, files::load_wire(std::string(files::default_wire)), 0.5, {}, 1};
   scenario.board = read_board(root, plant, scenario);
   return scenario;
 }
 
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path) {
-  const TomlFile file(path);
-  TomlTable root = file.root();
+  const files::TomlFile file(path);
+  files::TomlTable root = file.root();
   ClosedLoopScenario scenario{};
   scenario.name = path.string();
   scenario.note = root.text("note");
   scenario.seed = static_cast<std::uint64_t>(root.number("seed", 0, 1e9, 1));
   scenario.settings = read_device(file, root.table("device"));
-  TomlTable plant = root.table_or_empty("plant");
+  files::TomlTable plant = root.table_or_empty("plant");
   scenario.plant = read_plant(file, plant, scenario.seed);
   std::mt19937_64 random(scenario.seed + 3);
   scenario.program = read_commands(root.tables("command"), random);
@@ -146,4 +151,4 @@ ClosedLoopScenario load_closed_loop(const std::filesystem::path& path) {
   return scenario;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -14,12 +14,12 @@
 #include "firmware/settings.hpp"
 #include "hal/sim/board.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
 /// A second wire against the first one.
 struct PairSetup {
   PlantSetup plant;
-  SimSetup board;
+  hal::SimSetup board;
   bool driven;  ///< by a device of its own that goes the other way; else it is only pulled
 };
 
@@ -30,7 +30,7 @@ struct ClosedLoopScenario {
   double duration_s;
   Settings<double> settings;
   PlantSetup plant;
-  SimSetup board;
+  hal::SimSetup board;
   std::optional<PairSetup> pair;
   std::vector<CommandStretch> program;
   std::vector<SimEvent> events;
@@ -50,4 +50,4 @@ ClosedLoopScenario standard_closed_loop(const Settings<double>& settings);
 /// Throws ConfigError: names file, line, key, value and what is allowed.
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path);
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

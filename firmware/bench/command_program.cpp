@@ -12,7 +12,7 @@
 #include "firmware/bench/scenario_tables.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 namespace {
 
 constexpr double min_lasting_s = 1e-3;
@@ -57,7 +57,7 @@ std::vector<std::string> all_keys() {
   return keys;
 }
 
-Setpoint read_setpoint(TomlTable& table) {
+Setpoint read_setpoint(files::TomlTable& table) {
   std::optional<Setpoint> found;
   if (table.has("mode")) {
     found = {table.choice("mode", bare_modes) == 0 ? Mode::off : Mode::identification, 0, 0};
@@ -95,7 +95,7 @@ Setpoint read_setpoint(TomlTable& table) {
   return *found;
 }
 
-CommandStretch read_common(TomlTable& table, Mode mode) {
+CommandStretch read_common(files::TomlTable& table, Mode mode) {
   CommandStretch stretch{};
   stretch.command.mode = mode;
   stretch.command.arm = table.flag("arm", mode != Mode::off);
@@ -114,7 +114,7 @@ CommandStretch read_common(TomlTable& table, Mode mode) {
 /// Makes the stretches of one table.
 class Maker {
  public:
-  Maker(TomlTable& table, std::mt19937_64& random, std::vector<CommandStretch>& to)
+  Maker(files::TomlTable& table, std::mt19937_64& random, std::vector<CommandStretch>& to)
       : table_(table),
         random_(random),
         to_(to),
@@ -203,7 +203,7 @@ class Maker {
     }
   }
 
-  TomlTable& table_;
+  files::TomlTable& table_;
   std::mt19937_64& random_;
   std::vector<CommandStretch>& to_;
   Setpoint setpoint_;
@@ -212,9 +212,10 @@ class Maker {
 
 }  // namespace
 
-std::vector<CommandStretch> read_commands(std::vector<TomlTable> tables, std::mt19937_64& random) {
+std::vector<CommandStretch> read_commands(std::vector<files::TomlTable> tables,
+                                          std::mt19937_64& random) {
   std::vector<CommandStretch> stretches;
-  for (TomlTable& table : tables) {
+  for (files::TomlTable& table : tables) {
     Maker(table, random, stretches).make();
     table.finish();
   }
@@ -250,4 +251,4 @@ Command<double> CommandProgram::at(double time_s) {
   return command;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

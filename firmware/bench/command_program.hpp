@@ -8,9 +8,11 @@
 
 #include "firmware/command.hpp"
 
-namespace smaservo {
-
+namespace smaservo::files {
 class TomlTable;
+}  // namespace smaservo::files
+
+namespace smaservo::bench {
 
 /// One mode for some time. The set-point goes on a straight line, with a sine on it where asked.
 struct CommandStretch {
@@ -23,7 +25,8 @@ struct CommandStretch {
 };
 
 /// Reads all of them; random ones are drawn. Throws UserError.
-std::vector<CommandStretch> read_commands(std::vector<TomlTable> tables, std::mt19937_64& random);
+std::vector<CommandStretch> read_commands(std::vector<files::TomlTable> tables,
+                                          std::mt19937_64& random);
 
 /// The stretches one after the other; the last one's end holds on.
 class CommandProgram {
@@ -41,4 +44,4 @@ class CommandProgram {
   double duration_s_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -20,7 +20,7 @@
 #include "model/files/progress.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 namespace {
 
 /// The finite number that a text is, all of it; none for other texts.
@@ -37,7 +37,7 @@ std::optional<double> number_in(std::string_view text) {
 class Comparison {
  public:
   Comparison(const std::vector<std::string>& names, double tolerance) : tolerance_(tolerance) {
-    for (const DeviceColumn& column : output_columns()) {
+    for (const text::DeviceColumn& column : text::output_columns()) {
       const auto found = std::ranges::find(names, column.name);
       if (found != names.end()) {
         pairs_.push_back({column, static_cast<std::size_t>(found - names.begin())});
@@ -46,7 +46,7 @@ class Comparison {
     }
   }
 
-  void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
+  void add(const text::Cycle& cycle, const std::vector<std::string_view>& fields) {
     bool differs = false;
     for (Pair& pair : pairs_) {
       now_.clear();
@@ -78,7 +78,7 @@ class Comparison {
 
  private:
   struct Pair {
-    DeviceColumn column;
+    text::DeviceColumn column;
     std::size_t position;
     OutputDifference difference{};
     bool numbers = true;  // wherever they differ
@@ -118,22 +118,23 @@ class Comparison {
 /// The file to write: the log and the outputs, then what the trace has besides.
 class ReplayFile {
  public:
-  ReplayFile(const std::string& path, const TraceReader& trace) {
-    std::vector<DeviceColumn> columns = log_columns(
-        trace.has(Column::supply), trace.has(Column::ambient), trace.has(Column::driver));
-    columns.insert(columns.end(), output_columns().begin(), output_columns().end());
+  ReplayFile(const std::string& path, const hal::TraceReader& trace) {
+    std::vector<text::DeviceColumn> columns =
+        text::log_columns(trace.has(hal::Column::supply), trace.has(hal::Column::ambient),
+                          trace.has(hal::Column::driver));
+    columns.insert(columns.end(), text::output_columns().begin(), text::output_columns().end());
     std::vector<std::string> further;
     for (std::size_t i = 0; i < trace.names().size(); ++i) {
       const std::string& name = trace.names()[i];
-      if (std::ranges::find(columns, name, &DeviceColumn::name) == columns.end()) {
+      if (std::ranges::find(columns, name, &text::DeviceColumn::name) == columns.end()) {
         positions_.push_back(i);
         further.push_back(name);
       }
     }
-    file_ = std::make_unique<DeviceTraceFile>(path, std::move(columns), further);
+    file_ = std::make_unique<text::DeviceTraceFile>(path, std::move(columns), further);
   }
 
-  void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
+  void add(const text::Cycle& cycle, const std::vector<std::string_view>& fields) {
     further_.clear();
     for (const std::size_t position : positions_) {
       further_ += ',';
@@ -146,21 +147,21 @@ class ReplayFile {
  private:
   std::vector<std::size_t> positions_;
   std::string further_;
-  std::unique_ptr<DeviceTraceFile> file_;
+  std::unique_ptr<text::DeviceTraceFile> file_;
 };
 
 double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std::int64_t to_ns) {
   const std::int64_t step_ns = to_ns - from_ns;
   const double dt_s = static_cast<double>(step_ns) * 1e-9;
   if (step_ns < shortest_step_ns || longest_step_ns < step_ns) {
-    throw UserError(fmt::format("{}: {} s after the row at {} s; a device steps every {} to {} s",
-                                trace, dt_s, from_s, static_cast<double>(shortest_step_ns) / 1e9,
-                                static_cast<double>(longest_step_ns) / 1e9));
+    throw files::UserError(fmt::format(
+        "{}: {} s after the row at {} s; a device steps every {} to {} s", trace, dt_s, from_s,
+        static_cast<double>(shortest_step_ns) / 1e9, static_cast<double>(longest_step_ns) / 1e9));
   }
   return dt_s;
 }
 
-void change_parameters(const DeviceLog& log, const std::vector<std::string_view>& fields,
+void change_parameters(const text::DeviceLog& log, const std::vector<std::string_view>& fields,
                        double time_s, Prepared<double>& prepared, Device<double>::State& device) {
   Settings<double> settings = prepared.settings;
   if (log.change(fields, time_s, settings)) {
@@ -171,34 +172,34 @@ void change_parameters(const DeviceLog& log, const std::vector<std::string_view>
 }  // namespace
 
 DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
-  TraceOptions trace_options = options.trace_options;
+  hal::TraceOptions trace_options = options.trace_options;
   trace_options.device = true;
-  TraceReader reader(options.trace, trace_options);
+  hal::TraceReader reader(options.trace, trace_options);
   const std::vector<std::string> names = reader.names();
-  const DeviceLog log(options.trace, names);
+  const text::DeviceLog log(options.trace, names);
   Comparison comparison(names, options.tolerance);
   std::unique_ptr<ReplayFile> file;
   if (!options.out.empty()) {
     file = std::make_unique<ReplayFile>(options.out, reader);
   }
-  Progress progress("replay", reader.file_size());
-  ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
-                    options.settings.wire.geometry.area_m2());
+  files::Progress progress("replay", reader.file_size());
+  hal::ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
+                         options.settings.wire.geometry.area_m2());
   const auto prepared = std::make_unique<Prepared<double>>(prepare(options.settings));
   Device<double>::State device = Device<double>::start();
   DeviceReplayResult result;
   std::vector<std::string_view> fields;
-  Cycle cycle{};
-  Frame frame{};
+  text::Cycle cycle{};
+  hal::Frame frame{};
   std::int64_t last_ns = 0;
-  for (ReadStatus status = board.read(frame); status != ReadStatus::end;
+  for (hal::ReadStatus status = board.read(frame); status != hal::ReadStatus::end;
        status = board.read(frame)) {
     const double dt_s = result.rows == 0
                             ? options.settings.timing.period_s
                             : step_s(options.trace, cycle.time_s, last_ns, frame.time_ns);
     last_ns = frame.time_ns;
     cycle.time_s = static_cast<double>(frame.time_ns) / 1e9;
-    split_fields(board.row().text, fields);
+    text::split_fields(board.row().text, fields);
     change_parameters(log, fields, cycle.time_s, *prepared, device);
     run_cycle(board, frame, status, log.heard(fields, cycle.time_s), 0, cycle,
               [&](const Inputs<double>& in, const Command<double>& command) {
@@ -213,7 +214,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
     progress.update(board.trace().bytes());
   }
   if (result.rows == 0) {
-    throw UserError(fmt::format("{}: has no usable row", options.trace));
+    throw files::UserError(fmt::format("{}: has no usable row", options.trace));
   }
   result.skipped = board.trace().skipped();
   result.complaints = board.trace().complaints();
@@ -246,11 +247,11 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
            fmt::format("all {} outputs are the same to the last bit\n", result.compared.size());
   }
   text += fmt::format("{} rows differ from the outputs in the trace\n", result.differing_rows);
-  TextTable table({{"output"},
-                   {"rows", "{}"},
-                   {"first at s", "{:.6g}"},
-                   {"greatest", "{:.4g}"},
-                   {"first one: in the trace, now"}});
+  files::TextTable table({{"output"},
+                          {"rows", "{}"},
+                          {"first at s", "{:.6g}"},
+                          {"greatest", "{:.4g}"},
+                          {"first one: in the trace, now"}});
   for (const OutputDifference& d : result.differences) {
     table.add({d.column, d.rows, d.first_s, d.max,
                fmt::format("'{}', '{}'{}", d.recorded, d.now, d.tolerated ? ", tolerated" : "")});
@@ -258,4 +259,4 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
   return text + table.text();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -8,11 +8,11 @@
 #include "firmware/settings.hpp"
 #include "hal/replay/trace.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
 struct DeviceReplayOptions {
   std::string trace;  ///< path, "-" for standard input
-  TraceOptions trace_options;
+  hal::TraceOptions trace_options;
   Settings<double> settings;
   std::string out;       ///< CSV, "-" for standard output; empty: none
   double tolerance = 0;  ///< of numbers, share of their range in the trace; texts must be the same
@@ -48,4 +48,4 @@ bool agrees(const DeviceReplayResult& result);
 /// The result for a terminal.
 std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult& result);
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

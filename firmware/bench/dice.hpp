@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::bench {
 
 class Dice {
  public:
@@ -25,4 +25,4 @@ class Dice {
   std::normal_distribution<double> normal_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

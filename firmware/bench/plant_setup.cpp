@@ -7,18 +7,18 @@
 #include "hal/sim/lumped_wire.hpp"
 #include "model/files/toml_table.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 namespace {
 
 constexpr std::array<std::string_view, 3> plant_names{"lumped", "ihyp", "sublayers"};
 
-WireDescription named_wire(const TomlFile& file, const std::string& name) {
-  return load_wire(name.ends_with(".toml") ? file.beside(name) : name);
+files::WireDescription named_wire(const files::TomlFile& file, const std::string& name) {
+  return files::load_wire(name.ends_with(".toml") ? file.beside(name) : name);
 }
 
 }  // namespace
 
-PlantSetup read_plant(const TomlFile& file, TomlTable& table, std::uint64_t seed) {
+PlantSetup read_plant(const files::TomlFile& file, files::TomlTable& table, std::uint64_t seed) {
   PlantSetup plant{};
   plant.family = table.has("family") ? static_cast<PlantFamily>(table.choice("family", plant_names))
                                      : PlantFamily::ihyp;
@@ -26,13 +26,14 @@ PlantSetup read_plant(const TomlFile& file, TomlTable& table, std::uint64_t seed
   if (table.has("unit")) {
     const auto unit_seed = static_cast<std::uint64_t>(table.number("unit", 0, 1e9));
     const WireUnit unit = random_unit(
-        plant.family == PlantFamily::sublayers ? Family::sublayers : Family::ihyp, unit_seed);
+        plant.family == PlantFamily::sublayers ? hal::Family::sublayers : hal::Family::ihyp,
+        unit_seed);
     plant.wire = unit.wire;
     plant.scatter_K = unit.scatter_K;
     plant.sublayers = unit.sublayers;
   } else {
     plant.wire =
-        named_wire(file, table.has("wire") ? table.text("wire") : std::string(default_wire));
+        named_wire(file, table.has("wire") ? table.text("wire") : std::string(files::default_wire));
     plant.scatter_K = table.number("scatter_K", 0, 20, 0.5);
   }
   return plant;
@@ -42,13 +43,15 @@ std::string_view plant_name(PlantFamily family) {
   return plant_names.at(static_cast<std::size_t>(family));
 }
 
-std::unique_ptr<SimulatedWire> make_plant(const PlantSetup& plant) {
+std::unique_ptr<hal::SimulatedWire> make_plant(const PlantSetup& plant) {
   if (plant.family == PlantFamily::lumped) {
-    return make_lumped_wire(plant.wire.wire);
+    return hal::make_lumped_wire(plant.wire.wire);
   }
   std::mt19937_64 random(plant.seed);
-  const Family family = plant.family == PlantFamily::ihyp ? Family::ihyp : Family::sublayers;
-  return make_simulated_wire(family, plant.wire.wire, plant.sublayers, plant.scatter_K, random);
+  const hal::Family family =
+      plant.family == PlantFamily::ihyp ? hal::Family::ihyp : hal::Family::sublayers;
+  return hal::make_simulated_wire(family, plant.wire.wire, plant.sublayers, plant.scatter_K,
+                                  random);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -8,10 +8,12 @@
 #include "hal/sim/simulated_wire.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
-
-class TomlTable;
+namespace smaservo::files {
 class TomlFile;
+class TomlTable;
+}  // namespace smaservo::files
+
+namespace smaservo::bench {
 
 enum class PlantFamily : unsigned char { lumped, ihyp, sublayers };
 std::string_view plant_name(PlantFamily family);
@@ -19,14 +21,14 @@ std::string_view plant_name(PlantFamily family);
 /// A wire as it really is.
 struct PlantSetup {
   PlantFamily family;
-  WireDescription wire;
-  double scatter_K;             ///< of the transition temperatures along it; none in a lumped one
-  SublayerStructure sublayers;  ///< of that family only
-  std::uint64_t seed;           ///< of the scatter
+  files::WireDescription wire;
+  double scatter_K;  ///< of the transition temperatures along it; none in a lumped one
+  hal::SublayerStructure sublayers;  ///< of that family only
+  std::uint64_t seed;                ///< of the scatter
 };
-std::unique_ptr<SimulatedWire> make_plant(const PlantSetup& plant);
+std::unique_ptr<hal::SimulatedWire> make_plant(const PlantSetup& plant);
 
 /// Takes the keys family, unit or wire and scatter_K. Throws UserError.
-PlantSetup read_plant(const TomlFile& file, TomlTable& table, std::uint64_t seed);
+PlantSetup read_plant(const files::TomlFile& file, files::TomlTable& table, std::uint64_t seed);
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

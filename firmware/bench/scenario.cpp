@@ -8,19 +8,19 @@
 #include "firmware/bench/scenario_tables.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
-Load read_load(TomlTable table) {
+hal::Load read_load(files::TomlTable table) {
   const std::string type = table.text("type");
-  Load load;
+  hal::Load load;
   if (type == "constant") {
-    load = ConstantLoad{1e6 * table.number("stress_MPa", 0, 1000)};
+    load = hal::ConstantLoad{1e6 * table.number("stress_MPa", 0, 1000)};
   } else if (type == "spring") {
-    load =
-        SpringLoad{1e6 * table.number("low_MPa", 0, 1000), 1e6 * table.number("high_MPa", 0, 1000),
-                   table.number("stroke", 0.001, 0.2), table.number("lag_s", 0.01, 10)};
+    load = hal::SpringLoad{1e6 * table.number("low_MPa", 0, 1000),
+                           1e6 * table.number("high_MPa", 0, 1000),
+                           table.number("stroke", 0.001, 0.2), table.number("lag_s", 0.01, 10)};
   } else if (type == "varying") {
-    load = VaryingLoad{
+    load = hal::VaryingLoad{
         1e6 * table.number("stress_MPa", 0, 1000), 1e6 * table.number("amplitude_MPa", 0, 1000),
         table.number("period_s", 0.1, 1000), 1e6 * table.number("walk_MPa", 0, 1000, 0),
         1e6 * table.number("min_MPa", 0, 1000)};
@@ -35,16 +35,16 @@ namespace {
 
 constexpr double longest_run_s = 1e5;
 
-Family read_family(TomlTable& table) {
+hal::Family read_family(files::TomlTable& table) {
   if (!table.has("family")) {
-    return Family::ihyp;
+    return hal::Family::ihyp;
   }
-  std::array<std::string_view, families.size()> names;
-  std::ranges::transform(families, names.begin(), family_name);
-  return families[table.choice("family", names)];
+  std::array<std::string_view, hal::families.size()> names;
+  std::ranges::transform(hal::families, names.begin(), hal::family_name);
+  return hal::families[table.choice("family", names)];
 }
 
-DriveStep read_level(TomlTable& table) {
+DriveStep read_level(files::TomlTable& table) {
   DriveStep step{table.number("level", 0, 2), table.number("for_s", 0.001, longest_run_s)};
   if (table.has("ripple")) {
     step.ripple = table.number("ripple", 0, 1);
@@ -53,9 +53,9 @@ DriveStep read_level(TomlTable& table) {
   return step;
 }
 
-std::vector<DriveStep> read_drive(std::vector<TomlTable> tables, std::mt19937_64& random) {
+std::vector<DriveStep> read_drive(std::vector<files::TomlTable> tables, std::mt19937_64& random) {
   std::vector<DriveStep> drive;
-  for (TomlTable& step : tables) {
+  for (files::TomlTable& step : tables) {
     if (step.has("level")) {
       drive.push_back(read_level(step));
     } else if (step.has("shrinking")) {
@@ -88,16 +88,16 @@ std::vector<DriveStep> read_drive(std::vector<TomlTable> tables, std::mt19937_64
   return drive;
 }
 
-Sensors read_sensors(TomlTable table) {
-  Sensors s{static_cast<int>(table.number("bits", 8, 32)),
-            1e-3 * table.number("current_full_scale_mA", 1, 1e5),
-            table.number("voltage_full_scale_V", 0.1, 1000),
-            table.number("load_full_scale_N", 0.01, 1e5),
-            1e-6 * table.number("current_noise_uA", 0, 1e6),
-            1e-3 * table.number("voltage_noise_mV", 0, 1e3),
-            1e-3 * table.number("load_noise_mN", 0, 1e6),
-            1 + 0.01 * table.number("load_gain_error_percent", -50, 50),
-            1 + 0.01 * table.number("resistance_drift_percent", -20, 20)};
+hal::Sensors read_sensors(files::TomlTable table) {
+  hal::Sensors s{static_cast<int>(table.number("bits", 8, 32)),
+                 1e-3 * table.number("current_full_scale_mA", 1, 1e5),
+                 table.number("voltage_full_scale_V", 0.1, 1000),
+                 table.number("load_full_scale_N", 0.01, 1e5),
+                 1e-6 * table.number("current_noise_uA", 0, 1e6),
+                 1e-3 * table.number("voltage_noise_mV", 0, 1e3),
+                 1e-3 * table.number("load_noise_mN", 0, 1e6),
+                 1 + 0.01 * table.number("load_gain_error_percent", -50, 50),
+                 1 + 0.01 * table.number("resistance_drift_percent", -20, 20)};
   table.finish();
   return s;
 }
@@ -105,18 +105,18 @@ Sensors read_sensors(TomlTable table) {
 }  // namespace
 
 Scenario load_scenario(const std::filesystem::path& file) {
-  const TomlFile parsed(file);
-  TomlTable root = parsed.root();
+  const files::TomlFile parsed(file);
+  files::TomlTable root = parsed.root();
   Scenario scenario{};
   scenario.note = root.text("note");
   const std::string wire = root.text("wire");
-  scenario.wire = load_wire(wire.ends_with(".toml") ? parsed.beside(wire) : wire);
+  scenario.wire = files::load_wire(wire.ends_with(".toml") ? parsed.beside(wire) : wire);
   scenario.seed = static_cast<std::uint64_t>(root.number("seed", 0, 1e9));
   scenario.scatter_K = root.number("scatter_K", 0, 20);
   scenario.family = read_family(root);
   std::mt19937_64 random(scenario.seed);
   if (root.has("bath")) {
-    TomlTable bath = root.table("bath");
+    files::TomlTable bath = root.table("bath");
     BathScenario b{1e6 * bath.number("stress_MPa", 0, 1000), bath.number("step_K", 0.01, 10),
                    bath.numbers("turning_degC", -50, 250),
                    bath.number("temperature_noise_K", 0, 5)};
@@ -126,7 +126,7 @@ Scenario load_scenario(const std::filesystem::path& file) {
     bath.finish();
     scenario.run = b;
   } else {
-    TomlTable joule = root.table("joule");
+    files::TomlTable joule = root.table("joule");
     JouleScenario j{zero_degC_K + joule.number("ambient_degC", -40, 80),
                     joule.number("draught", 0.1, 10),
                     joule.number("overheat_K", 0, 100),
@@ -146,4 +146,4 @@ Scenario load_scenario(const std::filesystem::path& file) {
   return scenario;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

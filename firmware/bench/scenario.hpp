@@ -11,7 +11,7 @@
 #include "hal/sim/simulated_wire.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
 /// Heating power by level: 0 keeps the wire at ambient temperature, 1 would end where it is fully
 /// transformed and `overheat` warmer.
@@ -31,8 +31,8 @@ struct JouleScenario {
   double rate_Hz;
   double record_from_s;
   std::vector<DriveStep> drive;
-  Load load;
-  Sensors sensors;
+  hal::Load load;
+  hal::Sensors sensors;
 };
 
 /// A wire in a bath whose temperature and load are set.
@@ -45,15 +45,15 @@ struct BathScenario {
 
 struct Scenario {
   std::string note;
-  WireDescription wire;
+  files::WireDescription wire;
   std::uint64_t seed;
   double scatter_K;  ///< standard deviation of the transition temperatures along the wire
-  Family family = Family::ihyp;
-  SublayerStructure sublayers;  ///< of that family only
+  hal::Family family = hal::Family::ihyp;
+  hal::SublayerStructure sublayers;  ///< of that family only
   std::variant<JouleScenario, BathScenario> run;
 };
 
 /// Throws UserError: names file, key, value and what is allowed.
 Scenario load_scenario(const std::filesystem::path& file);
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -4,12 +4,12 @@
 #include "hal/sim/simulated_bench.hpp"
 #include "model/files/toml_table.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
 /// No time of a scenario is beyond.
 inline constexpr double longest_s = 1e5;
 
 /// Throws UserError.
-Load read_load(TomlTable table);
+hal::Load read_load(files::TomlTable table);
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -8,21 +8,21 @@
 #include "firmware/bench/scenario_tables.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 namespace {
 
 constexpr double for_ever = std::numeric_limits<double>::infinity();
 constexpr double rounding_s = 1e-9;
 
 constexpr std::array<std::string_view, 3> wire_states{"broken", "open", "shorted"};
-constexpr std::array<std::string_view, reading_count> readings{"current", "voltage", "load",
-                                                               "supply",  "ambient", "driver"};
+constexpr std::array<std::string_view, hal::reading_count> readings{"current", "voltage", "load",
+                                                                    "supply",  "ambient", "driver"};
 constexpr std::array<std::string_view, 6> sensor_faults{"missing", "stuck", "offset",
                                                         "noise",   "value", "gain"};
 /// The greatest amount of a sensor's fault: A, V, N, V, K, K.
-constexpr std::array<double, reading_count> max_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
+constexpr std::array<double, hal::reading_count> max_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
 
-void read_surroundings(TomlTable& table, SimEvent& event) {
+void read_surroundings(files::TomlTable& table, SimEvent& event) {
   if (table.has("ambient_degC")) {
     event.ambient_K = zero_degC_K + table.number("ambient_degC", -60, 150);
   }
@@ -43,29 +43,30 @@ void read_surroundings(TomlTable& table, SimEvent& event) {
   }
 }
 
-void read_breakage(TomlTable& table, SimEvent& event) {
+void read_breakage(files::TomlTable& table, SimEvent& event) {
   if (table.has("wire")) {
-    event.circuit = static_cast<Circuit>(1 + table.choice("wire", wire_states));
-    if (*event.circuit == Circuit::shorted) {
+    event.circuit = static_cast<hal::Circuit>(1 + table.choice("wire", wire_states));
+    if (*event.circuit == hal::Circuit::shorted) {
       event.bridged_share = table.number("bridged_share", 0.01, 0.99);
     }
   }
   if (table.has("sensor")) {
     const std::size_t reading = table.choice("sensor", readings);
-    SpoiltSensor spoilt{static_cast<SensorFault>(1 + table.choice("fault", sensor_faults)), 0};
-    if (spoilt.fault >= SensorFault::offset) {
+    hal::SpoiltSensor spoilt{
+        static_cast<hal::SensorFault>(1 + table.choice("fault", sensor_faults)), 0};
+    if (spoilt.fault >= hal::SensorFault::offset) {
       const double max = max_amounts.at(reading);
       spoilt.amount = table.number("amount", -max, max);
     }
-    event.sensor = {static_cast<Reading>(reading), spoilt};
+    event.sensor = {static_cast<hal::Reading>(reading), spoilt};
   }
 }
 
 }  // namespace
 
-std::vector<SimEvent> read_events(std::vector<TomlTable> tables) {
+std::vector<SimEvent> read_events(std::vector<files::TomlTable> tables) {
   std::vector<SimEvent> events;
-  for (TomlTable& table : tables) {
+  for (files::TomlTable& table : tables) {
     SimEvent event{};
     event.at_s = table.number("at_s", 0, longest_s);
     event.for_s = table.number("for_s", 0.001, longest_s, for_ever);
@@ -81,14 +82,14 @@ std::vector<SimEvent> read_events(std::vector<TomlTable> tables) {
   return events;
 }
 
-SimEvents::SimEvents(std::vector<SimEvent> events, const SimSurroundings& without)
+SimEvents::SimEvents(std::vector<SimEvent> events, const hal::SimSurroundings& without)
     : events_(std::move(events)),
       without_(without),
       next_s_(events_.empty() ? for_ever : -for_ever) {}
 
-void SimEvents::change(double time_s, SimBoard& board) {
-  SimSurroundings around = without_;
-  FrontEndFaults faults{};
+void SimEvents::change(double time_s, hal::SimBoard& board) {
+  hal::SimSurroundings around = without_;
+  hal::FrontEndFaults faults{};
   late_ = false;
   reboots_ = false;
   next_s_ = for_ever;
@@ -123,4 +124,4 @@ void SimEvents::change(double time_s, SimBoard& board) {
   board.faults() = faults;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -8,17 +8,19 @@
 
 #include "hal/sim/board.hpp"
 
-namespace smaservo {
-
+namespace smaservo::files {
 class TomlTable;
+}  // namespace smaservo::files
+
+namespace smaservo::bench {
 
 /// From at_s on, for for_s; what is not set stays.
 struct SimEvent {
   double at_s, for_s;
   std::optional<double> ambient_K, draught, supply_V, added_stress_Pa, slip, driver_above_K;
-  std::optional<Circuit> circuit;
+  std::optional<hal::Circuit> circuit;
   double bridged_share = 0;
-  std::optional<std::pair<Reading, SpoiltSensor>> sensor;
+  std::optional<std::pair<hal::Reading, hal::SpoiltSensor>> sensor;
   double lost_share = 0;
   bool emergency_stop = false;
   bool driver_fault = false;
@@ -27,16 +29,16 @@ struct SimEvent {
 };
 
 /// Throws UserError.
-std::vector<SimEvent> read_events(std::vector<TomlTable> tables);
+std::vector<SimEvent> read_events(std::vector<files::TomlTable> tables);
 
 /// Keeps a board in the state that the events so far have made. Events that overlap add up; of
 /// those that change the same thing the last one in the file counts.
 class SimEvents {
  public:
-  SimEvents(std::vector<SimEvent> events, const SimSurroundings& without);
+  SimEvents(std::vector<SimEvent> events, const hal::SimSurroundings& without);
 
   /// Times must not go back. Cheap while nothing changes.
-  void apply(double time_s, SimBoard& board) {
+  void apply(double time_s, hal::SimBoard& board) {
     if (time_s >= next_s_) {
       change(time_s, board);
     }
@@ -45,13 +47,13 @@ class SimEvents {
   bool reboots() const { return reboots_; }
 
  private:
-  void change(double time_s, SimBoard& board);
+  void change(double time_s, hal::SimBoard& board);
 
   std::vector<SimEvent> events_;
-  SimSurroundings without_;
+  hal::SimSurroundings without_;
   double next_s_;
   bool late_ = false;
   bool reboots_ = false;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

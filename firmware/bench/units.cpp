@@ -6,7 +6,7 @@
 
 #include "firmware/bench/dice.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 namespace {
 
 Surface<double> vary(Surface<double> surface, double shift_sd_K, Dice& dice) {
@@ -33,7 +33,7 @@ void vary(Phase<double>& phase, Dice& dice) {
   phase.resistivity_ohm_m_K *= resistivity * dice.factor(0.10);
 }
 
-SublayerStructure random_structure(Dice& dice) {
+hal::SublayerStructure random_structure(Dice& dice) {
   return {.m_correlation = dice.uniform(0.4, 0.8),
           .r_correlation = dice.uniform(-0.8, -0.4),
           .a2m_tail = dice.uniform(1.1, 1.5),
@@ -49,10 +49,10 @@ SublayerStructure random_structure(Dice& dice) {
 
 }  // namespace
 
-WireUnit random_unit(Family family, std::uint64_t seed) {
+WireUnit random_unit(hal::Family family, std::uint64_t seed) {
   Dice dice(seed);
-  WireUnit unit{family, seed, load_wire(std::string(default_wire)), 0, {}};
-  unit.wire.name = fmt::format("{} {}", family_name(family), seed);
+  WireUnit unit{family, seed, files::load_wire(std::string(files::default_wire)), 0, {}};
+  unit.wire.name = fmt::format("{} {}", hal::family_name(family), seed);
   Wire<double>& w = unit.wire.wire;
   const double limit_N = w.limits.stress_Pa * w.geometry.area_m2();
   w.geometry.length_m *= dice.factor(0.005);
@@ -81,7 +81,7 @@ WireUnit random_unit(Family family, std::uint64_t seed) {
   h.convection_W_m2K2 = air.convection_W_m2K2;
 
   unit.scatter_K = dice.uniform(0.3, 0.7);
-  if (family == Family::ihyp) {
+  if (family == hal::Family::ihyp) {
     // R-phase does not follow martensite's surfaces exactly, as the observers' model has it.
     k.separate_r2a = true;
     k.r2a = vary(k.m2a, 1.0, dice);
@@ -95,12 +95,12 @@ WireUnit random_unit(Family family, std::uint64_t seed) {
 
 Wire<double> WireUnit::type_file() const {
   std::mt19937_64 random;
-  const auto cold = make_simulated_wire(family, wire.wire, sublayers, 0, random);
-  const std::string preset(default_wire);
-  const double length_m = load_wire(preset).wire.geometry.length_m;
-  return load_wire(preset, {{"wire.resistance_ohm_per_m",
-                             fmt::format("{}", cold->resistance_ohm() / length_m)}})
+  const auto cold = hal::make_simulated_wire(family, wire.wire, sublayers, 0, random);
+  const std::string preset(files::default_wire);
+  const double length_m = files::load_wire(preset).wire.geometry.length_m;
+  return files::load_wire(preset, {{"wire.resistance_ohm_per_m",
+                                    fmt::format("{}", cold->resistance_ohm() / length_m)}})
       .wire;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

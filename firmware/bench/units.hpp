@@ -6,15 +6,15 @@
 #include "hal/sim/simulated_wire.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::bench {
 
 /// One piece of wire, as it really is.
 struct WireUnit {
-  Family family;
+  hal::Family family;
   std::uint64_t seed;  ///< what it was drawn with
-  WireDescription wire;
-  double scatter_K;             ///< along the wire
-  SublayerStructure sublayers;  ///< of that family only
+  files::WireDescription wire;
+  double scatter_K;                  ///< along the wire
+  hal::SublayerStructure sublayers;  ///< of that family only
 
   /// What is known of it without a calibration: the preset, with the resistivities scaled to the
   /// resistance that the cold wire has at 25 °C without load (the key wire.resistance).
@@ -26,6 +26,6 @@ struct WireUnit {
 /// temperatures of each process 1.5 K, their slopes with stress 4 %, curvature 10 %, strain 3 %,
 /// resistivities 1 %, their change per kelvin 10 %, moduli 8 %, latent heats 6 %, specific heat
 /// 4 %, length 0.5 %, diameter 1 %, conductivity to the clamps 10 %.
-WireUnit random_unit(Family family, std::uint64_t seed);
+WireUnit random_unit(hal::Family family, std::uint64_t seed);
 
-}  // namespace smaservo
+}  // namespace smaservo::bench

@@ -11,17 +11,18 @@
 
 namespace {
 
-int run(const smaservo::DaemonOptions& options) {
+int run(const smaservo::daemon::DaemonOptions& options) {
   if (options.board == "sim" || options.board.starts_with("sim=")) {
-    return smaservo::serve_simulation(options);
+    return smaservo::daemon::serve_simulation(options);
   }
   if (options.board.starts_with("replay=")) {
-    return smaservo::serve_replay(options);
+    return smaservo::daemon::serve_replay(options);
   }
   if (options.off) {
-    return smaservo::switch_board_off(options);
+    return smaservo::daemon::switch_board_off(options);
   }
-  return options.check ? smaservo::check_board(options) : smaservo::serve_board(options);
+  return options.check ? smaservo::daemon::check_board(options)
+                       : smaservo::daemon::serve_board(options);
 }
 
 int ended_by(const std::exception& error, int code) {
@@ -34,21 +35,21 @@ int ended_by(const std::exception& error, int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  smaservo::DaemonOptions options;
+  smaservo::daemon::DaemonOptions options;
   int code = 0;
-  if (!smaservo::parse_options(argc, argv, options, code)) {
+  if (!smaservo::daemon::parse_options(argc, argv, options, code)) {
     return code;
   }
   try {
     code = run(options);
-    while (code == smaservo::start_anew) {
-      smaservo::prepare_next_run(options);
+    while (code == smaservo::daemon::start_anew) {
+      smaservo::daemon::prepare_next_run(options);
       code = run(options);
     }
     return code;
-  } catch (const smaservo::ConfigError& error) {
+  } catch (const smaservo::files::ConfigError& error) {
     return ended_by(error, EX_CONFIG);
-  } catch (const smaservo::CanNameError& error) {
+  } catch (const smaservo::hal::CanNameError& error) {
     return ended_by(error, EX_CONFIG);
   } catch (const std::exception& error) {
     return ended_by(error, 1);

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr int wrong_command_line = 2;
@@ -76,4 +76,4 @@ void prepare_next_run(DaemonOptions& options) {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Of the command line.
 struct DaemonOptions {
@@ -28,4 +28,4 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code);
 /// A run within the same process: a recording in a file of its own has ended with the one before.
 void prepare_next_run(DaemonOptions& options);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

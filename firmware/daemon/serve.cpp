@@ -8,7 +8,7 @@
 #include "firmware/daemon/bus/bus_service.hpp"
 #include "firmware/text/settings_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 std::string after_equals(const std::string& text) {
@@ -43,13 +43,13 @@ ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>&
 
 int serve_simulation(const DaemonOptions& options) {
   const std::string file = after_equals(options.board);
-  ClosedLoopScenario scenario =
-      file.empty()
-          ? standard_closed_loop(options.device.empty() ? standard_settings()
-                                                        : load_settings_file(options.device))
-          : load_closed_loop(file);
+  bench::ClosedLoopScenario scenario =
+      file.empty() ? bench::standard_closed_loop(options.device.empty()
+                                                     ? bench::standard_settings()
+                                                     : text::load_settings_file(options.device))
+                   : bench::load_closed_loop(file);
   if (!file.empty() && !options.device.empty()) {
-    scenario.settings = load_settings_file(options.device);
+    scenario.settings = text::load_settings_file(options.device);
   }
   const KeptSettings kept = keep_settings(options.settings, scenario.settings, true);
   ServiceSetup setup = service_setup(options, kept.settings);
@@ -76,7 +76,7 @@ int serve_simulation(const DaemonOptions& options) {
 int serve_replay(const DaemonOptions& options) {
   const std::string trace = after_equals(options.board);
   const Settings<double> settings =
-      load_settings_file(options.device.empty() ? trace + ".toml" : options.device);
+      text::load_settings_file(options.device.empty() ? trace + ".toml" : options.device);
   ServiceSetup setup = service_setup(options, settings);
   setup.settings_file.clear();
   setup.folder.clear();  // a recorded run leaves no mark, and takes no settings but its own
@@ -88,4 +88,4 @@ int serve_replay(const DaemonOptions& options) {
   return serve(service, board, board, timing, false);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

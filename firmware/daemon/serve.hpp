@@ -7,7 +7,7 @@
 #include "firmware/daemon/process/off_actions.hpp"
 #include "firmware/daemon/service/service.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Of the bus's thread: before all that has no priority, behind the loop and, by default, behind
 /// the kernel's interrupt threads (50).
@@ -16,14 +16,14 @@ constexpr int bus_priority(const RealTimeSettings& loop) {
 }
 
 /// Runs this board with this command source.
-template <Board B>
+template <hal::Board B>
 int serve(Service& service, B& board, CommandSource& source, const LoopTiming& timing, bool paced) {
   const auto run = [&](auto pacing) {
     Loop loop(board, pacing, service.device(), source, service.links(), service.figures(), timing);
     return service.run(
         {[&] { return loop.cycle(); }, [&] { board.safe_off(); }, off_actions_of(board)});
   };
-  return paced ? run(Pace<MonotonicClock>(timing.period_ns)) : run(NoPace{});
+  return paced ? run(Pace<hal::MonotonicClock>(timing.period_ns)) : run(NoPace{});
 }
 
 LoopTiming timing_of(const Settings<double>& settings, double for_s);
@@ -37,4 +37,4 @@ int serve_board(const DaemonOptions& options);
 int check_board(const DaemonOptions& options);
 int switch_board_off(const DaemonOptions& options);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

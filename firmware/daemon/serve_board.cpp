@@ -14,12 +14,12 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 /// Elsewhere for a test, which brings its own tree.
-LinuxRoots roots() {
-  LinuxRoots roots;
+hal::LinuxRoots roots() {
+  hal::LinuxRoots roots;
   if (const char* const root = std::getenv("SMASERVO_ROOT")) {
     roots = {std::string(root) + "/sys", std::string(root) + "/dev", std::string(root) + "/config"};
   }
@@ -27,16 +27,16 @@ LinuxRoots roots() {
 }
 
 Settings<double> unconfigured() {
-  return settings_for(load_wire(std::string(default_wire)).wire);
+  return text::settings_for(files::load_wire(std::string(files::default_wire)).wire);
 }
 
-LinuxBoardParts open_parts(const BoardFile& file) {
-  const LinuxRoots where = roots();
-  LinuxBoardParts parts;
+hal::LinuxBoardParts open_parts(const BoardFile& file) {
+  const hal::LinuxRoots where = roots();
+  hal::LinuxBoardParts parts;
   // Outputs first: they are off before anything else can fail.
   parts.drive = open_drive(file, where);
-  parts.lines = open_lines(where, file.lines);
-  parts.slow = std::make_unique<SlowSensors>(where, file.slow);
+  parts.lines = hal::open_lines(where, file.lines);
+  parts.slow = std::make_unique<hal::SlowSensors>(where, file.slow);
   parts.digitizer = open_front_end(file, where);
   parts.calibration = file.calibration;
   return parts;
@@ -52,10 +52,10 @@ std::string kept_board(const std::string& folder) {
 void keep_board(const std::string& folder, const std::string& text) {
   const mode_t before = umask(0077);
   try {
-    OutputFile copy(kept_board(folder));
+    files::OutputFile copy(kept_board(folder));
     copy.write(text);
     copy.commit();
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     fmt::print(stderr, "smaservod: {}; --off goes by the board file alone\n", error.what());
   }
   umask(before);
@@ -65,7 +65,7 @@ void keep_board(const std::string& folder, const std::string& text) {
 std::optional<BoardFile> usable(const std::string& path, bool said) {
   try {
     return load_board_file(path);
-  } catch (const ConfigError& error) {
+  } catch (const files::ConfigError& error) {
     if (!said) {
       fmt::print(stderr, "smaservod: {}\n", error.what());
     }
@@ -75,22 +75,22 @@ std::optional<BoardFile> usable(const std::string& path, bool said) {
 
 /// Each by itself: what fails must not keep the other one on. To open them is to switch them off.
 bool outputs_off(const BoardFile& file) {
-  LinuxRoots where = roots();
+  hal::LinuxRoots where = roots();
   where.takes_over = true;
   bool ok = true;
   const auto off = [&](const std::function<void()>& open) {
     try {
       open();
-    } catch (const DeviceError& error) {
+    } catch (const hal::DeviceError& error) {
       fmt::print(stderr, "smaservod: {}\n", error.what());
       ok = false;
     }
   };
   off([&] { open_drive(file, where); });
-  LinesSettings outputs;
+  hal::LinesSettings outputs;
   outputs.enable = file.lines.enable;
   outputs.kick = file.lines.kick;
-  off([&] { open_lines(where, outputs); });
+  off([&] { hal::open_lines(where, outputs); });
   return ok;
 }
 
@@ -98,11 +98,11 @@ bool outputs_off(const BoardFile& file) {
 bool settings_tried(const BoardFile& file) {
   std::string problem;
   try {
-    const Settings<double> settings = load_settings_file(file.device);
+    const Settings<double> settings = text::load_settings_file(file.device);
     problem = period_problem(settings);
     problem = problem.empty() ? board_problem(file, settings) : problem;
     problem = problem.empty() ? problem : file.device + ": " + problem;
-  } catch (const ConfigError& error) {
+  } catch (const files::ConfigError& error) {
     problem = error.what();
   }
   fmt::print("{:<16} {}\n", "settings", problem.empty() ? "ok" : problem);
@@ -115,7 +115,7 @@ bool tried(const char* what, const std::function<void()>& open) {
     open();
     fmt::print("{:<16} ok\n", what);
     return true;
-  } catch (const DeviceBusy&) {
+  } catch (const hal::DeviceBusy&) {
     throw;
   } catch (const std::runtime_error& error) {
     fmt::print("{:<16} {}\n", what, error.what());
@@ -123,23 +123,25 @@ bool tried(const char* what, const std::function<void()>& open) {
   }
 }
 
-bool line_tried(const char* what, const LineSettings& line, LineSettings LinesSettings::* which) {
+bool line_tried(const char* what, const hal::LineSettings& line,
+                hal::LineSettings hal::LinesSettings::* which) {
   if (line.name.empty()) {
     fmt::print("{:<16} the board has none\n", what);
     return true;
   }
-  LinesSettings one;
+  hal::LinesSettings one;
   one.*which = line;
-  return tried(what, [&] { open_lines(roots(), one); });
+  return tried(what, [&] { hal::open_lines(roots(), one); });
 }
 
 /// A file with an impossible period is refused. Stored settings, which came over the bus, must stay
 /// in reach of it: they are not obeyed, and the device can not be armed.
 KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options) {
   const bool configured = !options.device.empty();
-  const Settings<double> given = configured ? load_settings_file(options.device) : unconfigured();
+  const Settings<double> given =
+      configured ? text::load_settings_file(options.device) : unconfigured();
   if (const std::string problem = period_problem(given); !problem.empty()) {
-    throw ConfigError(fmt::format("{}: {}", options.device, problem));
+    throw files::ConfigError(fmt::format("{}: {}", options.device, problem));
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
@@ -166,20 +168,21 @@ int check_board(const DaemonOptions& options) {
   bool ok = false;
   try {
     ok = tried("drive", [&] { open_drive(file, roots()); });
-  } catch (const DeviceBusy& error) {
+  } catch (const hal::DeviceBusy& error) {
     fmt::print("{:<16} {}\n{:<16} not opened: that would disturb it\n", "drive", error.what(),
                "all others");
     return 1;
   }
   ok = tried("front end", [&] { open_front_end(file, roots()); }) && ok;
-  ok = tried("sensors", [&] { const SlowSensors all(roots(), file.slow); }) && ok;
-  ok = line_tried("enable", file.lines.enable, &LinesSettings::enable) && ok;
-  ok = line_tried("kick", file.lines.kick, &LinesSettings::kick) && ok;
-  ok =
-      line_tried("emergency stop", file.lines.emergency_stop, &LinesSettings::emergency_stop) && ok;
-  ok = line_tried("driver fault", file.lines.driver_fault, &LinesSettings::driver_fault) && ok;
+  ok = tried("sensors", [&] { const hal::SlowSensors all(roots(), file.slow); }) && ok;
+  ok = line_tried("enable", file.lines.enable, &hal::LinesSettings::enable) && ok;
+  ok = line_tried("kick", file.lines.kick, &hal::LinesSettings::kick) && ok;
+  ok = line_tried("emergency stop", file.lines.emergency_stop,
+                  &hal::LinesSettings::emergency_stop) &&
+       ok;
+  ok = line_tried("driver fault", file.lines.driver_fault, &hal::LinesSettings::driver_fault) && ok;
   if (file.bus) {
-    ok = tried("bus", [&] { open_can(file.bus->interface); }) && ok;
+    ok = tried("bus", [&] { hal::open_can(file.bus->interface); }) && ok;
   }
   const bool settings_ok = file.device.empty() || settings_tried(file);
   return !settings_ok ? EX_CONFIG : ok ? 0 : 1;
@@ -198,14 +201,14 @@ int switch_board_off(const DaemonOptions& options) {
   if (result != nullptr && std::string(result) != "success" && !refused) {
     try {
       keep_service_result(folder, result);
-    } catch (const UserError& error) {
+    } catch (const files::UserError& error) {
       fmt::print(stderr, "smaservod: {}\n", error.what());
     }
   }
   bool files = present.has_value();
   bool outputs = true;
   // Both, and what fails in one must not keep those of the other on.
-  if (const std::string copy = kept_board(folder); exists(copy)) {
+  if (const std::string copy = kept_board(folder); hal::exists(copy)) {
     const std::optional<BoardFile> kept = usable(copy, false);
     files = files && kept;
     outputs = !kept || (present && present->text == kept->text) || outputs_off(*kept);
@@ -220,7 +223,7 @@ int serve_board(const DaemonOptions& options) {
   with.device = options.device.empty() ? file.device : options.device;
   with.settings = options.settings.empty() ? file.folder : options.settings;
   const KeptSettings kept = board_settings(file, with);
-  LinuxBoard board(open_parts(file));
+  hal::LinuxBoard board(open_parts(file));
   ServiceSetup setup = service_setup(with, kept.settings);
   setup.board = file.name;
   setup.thread = file.thread;
@@ -230,7 +233,7 @@ int serve_board(const DaemonOptions& options) {
   // The folder is this run's from here on, and nothing has been heated yet.
   keep_board(with.settings, file.text);
   if (!options.program.empty()) {
-    Programmed programmed(load_closed_loop(options.program).program);
+    Programmed programmed(bench::load_closed_loop(options.program).program);
     return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);
   }
   NoCommandSource nobody;
@@ -247,4 +250,4 @@ int serve_board(const DaemonOptions& options) {
   return serve(service, board, source, timing_of(kept.settings, options.for_s), true);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

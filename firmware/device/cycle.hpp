@@ -38,12 +38,12 @@ struct DeviceStep {
 
 /// Where no frame came nothing was read.
 template <class S, class Number>
-Inputs<S> inputs_of(const FrameOf<Number>& frame, ReadStatus status) {
+Inputs<S> inputs_of(const hal::FrameOf<Number>& frame, hal::ReadStatus status) {
   const S none = std::numeric_limits<S>::quiet_NaN();
   Inputs<S> in{};
   in.sample = {none, none, none};
   in.supply_V = in.ambient_K = in.driver_K = none;
-  in.fresh = status == ReadStatus::frame;
+  in.fresh = status == hal::ReadStatus::frame;
   if (!in.fresh) {
     return in;
   }
@@ -60,9 +60,9 @@ Inputs<S> inputs_of(const FrameOf<Number>& frame, ReadStatus status) {
 /// `step(inputs, command)` gives the device's Output. The lease is renewed by every cycle, the
 /// hardware's by one that heats and has read a frame.
 template <class B, class S, class Number, class Step>
-  requires Board<B, Number>
-void run_cycle(B& board, const FrameOf<Number>& frame, ReadStatus status, const Heard<S>& heard,
-               std::int64_t period_ns, DeviceStep<S>& now, Step step) {
+  requires hal::Board<B, Number>
+void run_cycle(B& board, const hal::FrameOf<Number>& frame, hal::ReadStatus status,
+               const Heard<S>& heard, std::int64_t period_ns, DeviceStep<S>& now, Step step) {
   now.command = heard.command;
   now.inputs = inputs_of<S>(frame, status);
   now.inputs.deadline_missed = heard.late;
@@ -72,7 +72,7 @@ void run_cycle(B& board, const FrameOf<Number>& frame, ReadStatus status, const 
   const Output<S>& out = now.output;
   board.drive({static_cast<Number>(out.current_A), static_cast<Number>(out.voltage_V),
                board.now_ns() + leased_periods * period_ns});
-  if (status == ReadStatus::frame && is_heated(out.state)) {
+  if (status == hal::ReadStatus::frame && is_heated(out.state)) {
     board.kick();
   }
 }

@@ -1,6 +1,6 @@
 #include "firmware/mcu/device.hpp"
 
-namespace smaservo {
+namespace smaservo::mcu {
 
 Output<float> step_device(const Prepared<float>& prepared, Device<float>::State& state,
                           const Inputs<float>& in, const Command<float>& command, float dt_s) {
@@ -12,4 +12,4 @@ Measurement<float> observe_device(const Prepared<float>& prepared, Device<float>
   return Device<float>::observe(prepared, state, in, dt_s);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::mcu

@@ -4,7 +4,7 @@
 
 #include "firmware/device/device.hpp"
 
-namespace smaservo {
+namespace smaservo::mcu {
 
 Output<float> step_device(const Prepared<float>& prepared, Device<float>::State& state,
                           const Inputs<float>& in, const Command<float>& command, float dt_s);
@@ -13,4 +13,4 @@ Output<float> step_device(const Prepared<float>& prepared, Device<float>::State&
 Measurement<float> observe_device(const Prepared<float>& prepared, Device<float>::State& state,
                                   const Inputs<float>& in, float dt_s);
 
-}  // namespace smaservo
+}  // namespace smaservo::mcu

@@ -11,7 +11,7 @@
 #include "hal/cortex-m/board.hpp"
 #include "hal/cortex-m/start_up.hpp"
 
-namespace smaservo {
+namespace smaservo::mcu {
 namespace {
 
 /// All that lives as long as the device, in memory that the linker has counted.
@@ -25,8 +25,8 @@ class Loop {
   void run() {
     board_.start();
     servo_.start({}, board_.now_us());
-    FrameOf<float> frame{};
-    for (ReadStatus status = board_.read(frame); status != ReadStatus::end;
+    hal::FrameOf<float> frame{};
+    for (hal::ReadStatus status = board_.read(frame); status != hal::ReadStatus::end;
          status = board_.read(frame)) {
       communicate();
       step(frame, status);
@@ -36,7 +36,7 @@ class Loop {
 
  private:
   void communicate() {
-    CanFrame frame;
+    hal::CanFrame frame;
     while (can_.receive(frame)) {
       servo_.receive(frame, board_.now_us());
     }
@@ -70,7 +70,7 @@ class Loop {
         servo_.finish(false);  // what the bus remembers is not kept here
     }
   }
-  void step(const FrameOf<float>& frame, ReadStatus status) {
+  void step(const hal::FrameOf<float>& frame, hal::ReadStatus status) {
     const float dt_s = 1e-6F * static_cast<float>((board_.missed() + 1) * period_us_);
     const Heard<float> heard{servo_.command(), servo_.external(), board_.missed() > 0};
     DeviceStep<float> now;
@@ -94,7 +94,7 @@ class Loop {
 std::optional<Loop> loop;
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::mcu
 
 void sys_tick_interrupt() {
   smaservo::cortex_m::ticks = smaservo::cortex_m::ticks + 1;

@@ -11,7 +11,7 @@
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 constexpr std::size_t no_column = std::numeric_limits<std::size_t>::max();
@@ -39,7 +39,7 @@ DeviceLog::DeviceLog(const std::string& trace, const std::vector<std::string>& n
   }
   for (const Which which : {mode, setpoint, arm}) {
     if (positions_.at(which) == no_column) {
-      throw UserError(fmt::format(
+      throw files::UserError(fmt::format(
           "{}: has no column {}; a device is replayed from command_mode, command_setpoint and "
           "command_arm, as simulate writes them",
           trace, columns.at(which)));
@@ -105,7 +105,7 @@ bool DeviceLog::change(const std::vector<std::string_view>& fields, double time_
 
 void DeviceLog::fail(Which which, std::string_view field, std::string_view what,
                      double time_s) const {
-  throw UserError(
+  throw files::UserError(
       fmt::format("{}: at {} s: {} = '{}' {}", trace_, time_s, columns.at(which), field, what));
 }
 
@@ -120,4 +120,4 @@ double DeviceLog::parse(std::string_view field, Which which, double time_s) cons
   return value;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -10,7 +10,7 @@
 #include "firmware/device/cycle.hpp"
 #include "firmware/settings.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// The texts of a row's fields.
 void split_fields(std::string_view row, std::vector<std::string_view>& fields);
@@ -59,4 +59,4 @@ class DeviceLog {
   std::array<std::size_t, columns.size()> positions_{};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::text

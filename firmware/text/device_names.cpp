@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 constexpr std::array<std::string_view, mode_count> modes{
@@ -79,4 +79,4 @@ std::string limit_reason_names(std::uint32_t bits) {
   return text;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

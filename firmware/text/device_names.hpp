@@ -8,7 +8,7 @@
 #include "firmware/command.hpp"
 #include "firmware/safety/faults/table.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 std::string_view mode_name(Mode mode);
 std::optional<Mode> mode_of(std::string_view name);
@@ -22,4 +22,4 @@ std::string names_of(FaultSet set);
 std::optional<FaultSet> named_faults(std::string_view names);
 std::string limit_reason_names(std::uint32_t bits);
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -7,7 +7,7 @@
 #include "firmware/signals.hpp"
 #include "firmware/text/device_names.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 constexpr std::size_t buffer_size = std::size_t{1} << 18U;
@@ -166,4 +166,4 @@ void DeviceTraceFile::commit() {
   file_.commit();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -10,7 +10,7 @@
 #include "firmware/text/cycle.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// A name and its text for a step. Numbers are the shortest text that reads back to the same bits;
 /// what is not a number is empty.
@@ -51,9 +51,9 @@ class DeviceTraceFile {
   void commit();
 
  private:
-  OutputFile file_;
+  files::OutputFile file_;
   DeviceRows rows_;
   std::string buffer_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -8,17 +8,17 @@
 #include "model/files/toml_fields.hpp"
 #include "model/files/wire_fields.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 using Row = Parameter<double>;
 
-Field field_of(const Row& row, std::size_t slot) {
+files::Field field_of(const Row& row, std::size_t slot) {
   const auto limit = [&](Value value) { return std::stod(value_text(row, value)); };
   const bool counts = row.type == ValueType::real || row.type == ValueType::number;
   const KeyParts parts = key_parts(row);
   return {fmt::format("{}.{}", parts.table, parts.name),
-          field_type(row.type),
+          files::field_type(row.type),
           row.type == ValueType::real ? row.kind : kind::count,
           counts ? limit(row.min) : 0,
           counts ? limit(row.max) : 0,
@@ -31,16 +31,16 @@ Field field_of(const Row& row, std::size_t slot) {
 /// The rows of the wire, which come last, have the slots of a wire file; the others follow them.
 constexpr std::size_t device_rows = parameter_count - wire_parameter_count;
 constexpr std::size_t slot_of(std::size_t row) {
-  return row < device_rows ? wire_slot_count + row : row - device_rows;
+  return row < device_rows ? files::wire_slot_count + row : row - device_rows;
 }
 
-const std::vector<Field>& settings_fields() {
-  static const std::vector<Field> fields = [] {
-    std::vector<Field> all;
+const std::vector<files::Field>& settings_fields() {
+  static const std::vector<files::Field> fields = [] {
+    std::vector<files::Field> all;
     for (std::size_t i = 0; i < device_rows; ++i) {
       all.push_back(field_of(parameters<double>[i], slot_of(i)));
     }
-    all.insert(all.end(), wire_fields().begin(), wire_fields().end());
+    all.insert(all.end(), files::wire_fields().begin(), files::wire_fields().end());
     return all;
   }();
   return fields;
@@ -52,7 +52,7 @@ Value value_of(const Row& row, double number) {
 }
 
 struct Wanted {
-  Entries values;
+  files::Entries values;
   std::string wire;        ///< preset, or path of a file; empty: none
   std::string wire_where;  ///< "FILE:LINE: KEY = VALUE"
 };
@@ -65,27 +65,28 @@ void read_settings(const toml::table& table, const std::string& origin,
       return false;
     }
     const auto name = node.value<std::string>();
-    wanted.wire_where = place(origin, key, node);
+    wanted.wire_where = files::place(origin, key, node);
     if (!name) {
-      throw ConfigError(wanted.wire_where + ": must be a preset or a wire file");
+      throw files::ConfigError(wanted.wire_where + ": must be a preset or a wire file");
     }
     wanted.wire = name->ends_with(".toml") ? (folder / *name).string() : *name;
     return true;
   };
-  overlay(wanted.values, read_fields(settings_fields(), table, origin, take_wire));
+  files::overlay(wanted.values, files::read_fields(settings_fields(), table, origin, take_wire));
 }
 
 /// The wire that is named, with what is replaced: nothing else follows from that.
 Wire<double> wire_of(const Wanted& wanted, const std::string& origin) {
-  Entries entries;
+  files::Entries entries;
   try {
-    entries = wanted.wire.empty() ? Entries() : describe_wire(load_wire(wanted.wire).wire);
-  } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("{}: {}", wanted.wire_where, error.what()));
+    entries = wanted.wire.empty() ? files::Entries()
+                                  : files::describe_wire(files::load_wire(wanted.wire).wire);
+  } catch (const files::ConfigError& error) {
+    throw files::ConfigError(fmt::format("{}: {}", wanted.wire_where, error.what()));
   }
-  overlay(entries, wanted.values);
-  return build_wire(entries, [&](std::string_view path, const std::string& reason) {
-    throw ConfigError(
+  files::overlay(entries, wanted.values);
+  return files::build_wire(entries, [&](std::string_view path, const std::string& reason) {
+    throw files::ConfigError(
         fmt::format("{}: {} {}; [wire] needs based_on = \"PRESET or FILE.toml\", or every number "
                     "of the wire",
                     origin, path, reason));
@@ -125,24 +126,25 @@ void require_sound(const Wanted& wanted, const std::string& origin,
                    const Settings<double>& settings) {
   const Finding finding = check(settings);
   if (finding.problem == Problem::contradiction) {
-    throw ConfigError(contradiction(wanted, origin, parameter_rules[finding.rule], settings));
+    throw files::ConfigError(
+        contradiction(wanted, origin, parameter_rules[finding.rule], settings));
   }
   if (!finding.ok()) {
-    throw ConfigError(fmt::format("{}: must be {}",
-                                  origin_of(wanted, origin, finding.parameter, settings),
-                                  range_text(parameters<double>[finding.parameter])));
+    throw files::ConfigError(fmt::format("{}: must be {}",
+                                         origin_of(wanted, origin, finding.parameter, settings),
+                                         range_text(parameters<double>[finding.parameter])));
   }
 }
 
 }  // namespace
 
 Settings<double> parse_settings_file(std::string_view text, const std::string& origin,
-                                     const std::vector<Override>& overrides,
+                                     const std::vector<files::Override>& overrides,
                                      const std::filesystem::path& folder) {
   Wanted wanted;
-  read_settings(parse_toml(text, origin), origin, folder, wanted);
-  for (const Override& setting : overrides) {
-    read_settings(parse_override(setting), std::string(set_origin), "", wanted);
+  read_settings(files::parse_toml(text, origin), origin, folder, wanted);
+  for (const files::Override& setting : overrides) {
+    read_settings(files::parse_override(setting), std::string(files::set_origin), "", wanted);
   }
   Settings<double> settings = default_settings<double>();
   for (std::size_t i = 0; i < device_rows; ++i) {
@@ -157,12 +159,12 @@ Settings<double> parse_settings_file(std::string_view text, const std::string& o
   return settings;
 }
 
-std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
-  std::vector<Override> settings;
+std::vector<files::Override> parse_settings(const std::vector<std::string>& texts) {
+  std::vector<files::Override> settings;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw ConfigError(fmt::format("--set {}: must be key=value", text));
+      throw files::ConfigError(fmt::format("--set {}: must be key=value", text));
     }
     settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
@@ -170,9 +172,9 @@ std::vector<Override> parse_settings(const std::vector<std::string>& texts) {
 }
 
 Settings<double> load_settings_file(const std::string& path,
-                                    const std::vector<Override>& overrides) {
-  return parse_settings_file(whole_file(path), path, overrides,
+                                    const std::vector<files::Override>& overrides) {
+  return parse_settings_file(files::whole_file(path), path, overrides,
                              std::filesystem::path(path).parent_path());
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

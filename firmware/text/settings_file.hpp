@@ -21,21 +21,21 @@
 #include "firmware/parameters/parameter_check.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// The settings have passed check() and have a wire. `overrides` are as on the command line, such
 /// as "limits.current_mA", "120". Throws ConfigError with file, line, key, value and what is
 /// allowed.
 Settings<double> load_settings_file(const std::string& path,
-                                    const std::vector<Override>& overrides = {});
+                                    const std::vector<files::Override>& overrides = {});
 
 /// The same from text; `origin` is what messages call it, a wire file is looked for in `folder`.
 Settings<double> parse_settings_file(std::string_view text, const std::string& origin,
-                                     const std::vector<Override>& overrides = {},
+                                     const std::vector<files::Override>& overrides = {},
                                      const std::filesystem::path& folder = ".");
 
 /// The meaning of --set: "key=value" split. Throws ConfigError.
-std::vector<Override> parse_settings(const std::vector<std::string>& texts);
+std::vector<files::Override> parse_settings(const std::vector<std::string>& texts);
 
 /// Every parameter, in SI; read back it gives the same floats. Settings must have a wire.
 std::string to_toml(const Settings<double>& settings);
@@ -46,4 +46,4 @@ std::string settings_template(const std::string& wire);
 /// The defaults, with limits as the wire's maker states them.
 Settings<double> settings_for(const Wire<double>& wire);
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -8,7 +8,7 @@
 #include "model/files/toml_fields.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 using Row = Parameter<double>;
@@ -33,7 +33,7 @@ std::string written(const Settings<double>& settings, Line line) {
 
 std::string key_and_value(const Row& row, const Settings<double>& settings) {
   const std::string value = value_text(row, row.get(settings));
-  return fmt::format("{} = {}", key_with(key_parts(row).name, row.kind.front().suffix),
+  return fmt::format("{} = {}", files::key_with(key_parts(row).name, row.kind.front().suffix),
                      row.type == ValueType::choice ? "\"" + value + "\"" : value);
 }
 
@@ -60,7 +60,7 @@ std::pair<std::string, std::string> in_common_unit(const Row& row,
   const auto text = [&](float value) {
     return fmt::format("{:.6g}", unit.from_si(std::stod(value_text(row, Value::real(value)))));
   };
-  return {fmt::format("{} = {}", key_with(key_parts(row).name, unit.suffix), text(si)),
+  return {fmt::format("{} = {}", files::key_with(key_parts(row).name, unit.suffix), text(si)),
           fmt::format("{} to {}", text(row.min.real()), text(row.max.real()))};
 }
 
@@ -81,7 +81,7 @@ std::string to_toml(const Settings<double>& settings) {
 }
 
 std::string settings_template(const std::string& wire) {
-  const Settings<double> settings = settings_for(load_wire(wire).wire);
+  const Settings<double> settings = settings_for(files::load_wire(wire).wire);
   std::string out =
       "# Settings of a device. Keys may carry another unit of their kind (current_mA,\n"
       "# temperature_degC); what is left out has its default. Limits are those of the wire's\n"
@@ -96,7 +96,7 @@ std::string settings_template(const std::string& wire) {
   return out + fmt::format(
                    "\n[wire]\nbased_on = {}  # a preset, or a file beside this one; any "
                    "number of it may be replaced below\n",
-                   quoted(wire));
+                   files::quoted(wire));
 }
 
 Settings<double> settings_for(const Wire<double>& wire) {
@@ -118,4 +118,4 @@ Settings<double> settings_for(const Wire<double>& wire) {
   return stored_settings<double>(s);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 #include <optional>
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 /// The shortest text that is this float when it is read as a double and rounded.
@@ -100,7 +100,7 @@ std::string apply_changes(std::string_view text, Settings<double>& settings) {
     const std::size_t equals = std::min(one.find('='), one.size());
     const std::size_t i = find_parameter(one.substr(0, equals));
     if (i == no_parameter) {
-      const std::string now = renamed_key(one.substr(0, equals));
+      const std::string now = files::renamed_key(one.substr(0, equals));
       return find_parameter(now) == no_parameter
                  ? fmt::format("has an unknown parameter '{}'", one.substr(0, equals))
                  : fmt::format("has '{}', which is now called {}", one.substr(0, equals), now);
@@ -116,4 +116,4 @@ std::string apply_changes(std::string_view text, Settings<double>& settings) {
   return {};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

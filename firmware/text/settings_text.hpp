@@ -7,7 +7,7 @@
 #include "firmware/parameters/parameters.hpp"
 #include "model/files/fields.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// A path in its parts: "limits" and "current" of "limits.current_A".
 struct KeyParts {
@@ -27,4 +27,4 @@ std::string changes_text(const Settings<double>& from, const Settings<double>& t
 /// Makes such changes, all or none. Empty, or what is wrong with the text; ranges are not checked.
 std::string apply_changes(std::string_view text, Settings<double>& settings);
 
-}  // namespace smaservo
+}  // namespace smaservo::text

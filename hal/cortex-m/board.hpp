@@ -36,7 +36,7 @@ class PipeBoard {
 
   /// Sleeps until the timer's next tick. As the pipe brings the readings at once, there is nothing
   /// more to wait for; a converter is started by the tick, and its interrupt ends the sleep.
-  ReadStatus read(FrameOf<float>& frame) {
+  hal::ReadStatus read(hal::FrameOf<float>& frame) {
     while (ticks == served_) {
       wait_for_interrupt();
     }
@@ -45,7 +45,7 @@ class PipeBoard {
     send();
     link::Readings now{};
     if (from_.read(std::as_writable_bytes(std::span(&now, 1))) != sizeof now) {
-      return ReadStatus::end;
+      return hal::ReadStatus::end;
     }
     frame = {.time_ns = std::int64_t{served_} * period_us_ * 1000,
              .sequence = now.sequence,
@@ -57,13 +57,13 @@ class PipeBoard {
              .driver_K = now.driver_K,
              .emergency_stop = (now.flags & link::emergency_stop) != 0,
              .driver_fault = (now.flags & link::driver_fault) != 0};
-    return (now.flags & link::fresh) != 0 ? ReadStatus::frame : ReadStatus::nothing;
+    return (now.flags & link::fresh) != 0 ? hal::ReadStatus::frame : hal::ReadStatus::nothing;
   }
   /// Periods that went by unseen before the last frame.
   std::uint32_t missed() const { return missed_; }
 
   /// For a second at most.
-  void drive(const DriveCommandOf<float>& command) {
+  void drive(const hal::DriveCommandOf<float>& command) {
     next_.current_A = command.current_A;
     next_.voltage_V = command.voltage_V;
     next_.lease_us = static_cast<std::int32_t>(command.valid_until_ns - now_ns()) / 1000;
@@ -91,14 +91,14 @@ class PipeBoard {
   semihosting::File to_{"drive", semihosting::Open::write};
   semihosting::File from_{"readings", semihosting::Open::read};
 };
-static_assert(Board<PipeBoard, float>);
+static_assert(hal::Board<PipeBoard, float>);
 
 /// Asks the other end for what has come.
 class PipeCan {
  public:
   bool is_open() const { return to_.is_open() && from_.is_open(); }
 
-  bool receive(CanFrame& in) {
+  bool receive(hal::CanFrame& in) {
     link::Can ask{};
     to_.write(std::as_bytes(std::span(&ask, 1)));
     link::Can answer{};
@@ -109,7 +109,7 @@ class PipeCan {
     in = {.id = answer.id, .length = answer.length, .data = answer.data};
     return true;
   }
-  bool send(const CanFrame& out) {
+  bool send(const hal::CanFrame& out) {
     const link::Can frame{1, out.id, out.length, {}, out.data};
     return to_.write(std::as_bytes(std::span(&frame, 1)));
   }
@@ -118,7 +118,7 @@ class PipeCan {
   semihosting::File to_{"can-out", semihosting::Open::write};
   semihosting::File from_{"can-in", semihosting::Open::read};
 };
-static_assert(CanPort<PipeCan>);
+static_assert(hal::CanPort<PipeCan>);
 
 /// Two slots of settings as files.
 class SlotFiles {

@@ -5,7 +5,7 @@
 
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 double reading(const Channel& channel, const RawFrame& raw) {
@@ -88,4 +88,4 @@ std::int64_t LinuxBoard::now_ns() {
   return monotonic_ns();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -11,7 +11,7 @@
 #include "hal/linux/devices/lines.hpp"
 #include "hal/linux/devices/slow_sensors.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// A reading from a code: SI is (code - zero_code) * scale. A code at or beyond its bounds is that
 /// of a converter at its rail and stays what it is: the device knows its full scale.
@@ -70,4 +70,4 @@ class LinuxBoard {
 
 static_assert(Board<LinuxBoard>);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

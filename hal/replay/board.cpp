@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 ReplayBoard::ReplayBoard(TraceReader trace, double load_N, double area_m2)
     : trace_(std::move(trace)), load_N_(load_N), area_m2_(area_m2) {
@@ -43,4 +43,4 @@ ReadStatus ReplayBoard::read(Frame& frame) {
   return ReadStatus::frame;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

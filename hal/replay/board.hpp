@@ -6,7 +6,7 @@
 #include "hal/board.hpp"
 #include "hal/replay/trace.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 class ReplayBoard {
  public:
@@ -37,4 +37,4 @@ class ReplayBoard {
 
 static_assert(Board<ReplayBoard>);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -15,7 +15,7 @@
 
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 struct Known {
@@ -494,4 +494,4 @@ const std::vector<std::string>& TraceReader::complaints() const {
   return impl_->complaints;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

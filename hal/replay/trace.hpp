@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// What a trace may hold and the program understands. Other columns are kept as text.
 enum class Column : unsigned char {
@@ -97,4 +97,4 @@ class TraceReader {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 constexpr std::int64_t longest_part_ns = 1'000'000;
@@ -83,4 +83,4 @@ SimTruth SimBoard::truth() const {
   return {strain_ + surroundings.slip, wire_->hottest_K(), front_end_.current_A(), stress_Pa_};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -9,7 +9,7 @@
 #include "hal/sim/front_end.hpp"
 #include "hal/sim/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// What stands around the wire, as events change it.
 struct SimSurroundings {
@@ -94,4 +94,4 @@ class SimBoard {
 
 static_assert(Board<SimBoard>);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

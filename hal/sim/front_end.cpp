@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 Quantiser grid(double full_scale, int bits) {
@@ -154,4 +154,4 @@ bool FrontEnd::read(const Truth& truth, Frame& frame) {
   return true;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

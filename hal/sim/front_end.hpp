@@ -9,7 +9,7 @@
 #include "hal/board.hpp"
 #include "hal/sim/simulated_bench.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// The output stage.
 struct Converter {
@@ -111,4 +111,4 @@ class FrontEnd {
   Frame last_{};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -2,7 +2,7 @@
 
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 class LumpedWire : public SimulatedWire {
@@ -69,4 +69,4 @@ std::unique_ptr<SimulatedWire> make_lumped_wire(const Wire<double>& wire) {
   return std::make_unique<LumpedWire>(wire);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -6,10 +6,10 @@
 
 #include "hal/sim/simulated_wire.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// At rest at 25 °C without load. Its loss is the wire file's, times the draught; the hottest point
 /// is the one temperature.
 std::unique_ptr<SimulatedWire> make_lumped_wire(const Wire<double>& wire);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 constexpr double close_m = 1e-9;
@@ -85,4 +85,4 @@ std::array<ReadStatus, 2> SimPair::read(Frame& first, Frame& second) {
   return {one, second_.sample(second)};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

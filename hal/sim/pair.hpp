@@ -4,7 +4,7 @@
 
 #include "hal/sim/board.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 class SimPair {
  public:
@@ -33,4 +33,4 @@ class SimPair {
   double force_N_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 double quantised(double value, double full_scale, int bits) {
@@ -53,4 +53,4 @@ Readings read_sensors(const Sensors& sensors, double current_A, double ohm, doub
   return r;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

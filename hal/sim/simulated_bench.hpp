@@ -5,7 +5,7 @@
 #include <random>
 #include <variant>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// Load on the wire.
 struct ConstantLoad {
@@ -55,4 +55,4 @@ struct Readings {
 Readings read_sensors(const Sensors& sensors, double current_A, double ohm, double load_N,
                       std::normal_distribution<double>& normal, std::mt19937_64& random);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

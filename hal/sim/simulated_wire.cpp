@@ -5,7 +5,7 @@
 
 #include "model/wire/distributed.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 /// Temperature at which a process has converted this fraction.
@@ -193,4 +193,4 @@ std::unique_ptr<SimulatedWire> make_simulated_wire(Family family, const Wire<dou
                                 : make_sublayers(wire, structure, scatter_K, random);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

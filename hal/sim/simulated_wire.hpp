@@ -12,7 +12,7 @@
 #include "model/wire/sublayers.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 enum class Family : unsigned char {
   ihyp,      ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
@@ -71,4 +71,4 @@ std::unique_ptr<SimulatedWire> make_simulated_wire(Family family, const Wire<dou
                                                    const SublayerStructure& structure,
                                                    double scatter_K, std::mt19937_64& random);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

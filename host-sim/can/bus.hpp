@@ -13,9 +13,9 @@ class Bus {
   virtual ~Bus() = default;
 
   /// Throws UserError where the bus does not take it.
-  virtual void send(const CanFrame& frame) = 0;
+  virtual void send(const hal::CanFrame& frame) = 0;
   /// Waits for a frame at most until now_us() is there.
-  virtual bool receive(CanFrame& frame, std::int64_t until_us) = 0;
+  virtual bool receive(hal::CanFrame& frame, std::int64_t until_us) = 0;
   virtual std::int64_t now_us() const = 0;
   virtual std::string name() const = 0;
 };

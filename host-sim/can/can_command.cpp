@@ -19,10 +19,8 @@
 #include "model/files/output_file.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::can {
 namespace {
-
-using can::Remote;
 
 struct Common {
   std::string can;
@@ -85,7 +83,7 @@ void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char*
 void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
   const can::FoundNodes found = can::scan(bus, static_cast<std::int64_t>(listen_s * 1e6));
-  TextTable table({{"", "{}"}, {""}, {""}});
+  files::TextTable table({{"", "{}"}, {""}, {""}});
   for (const can::FoundNode& node : found.nodes) {
     const can::SdoClient client(bus, node.node);
     Remote remote(client);
@@ -95,7 +93,7 @@ void scan(const Common& common, double listen_s) {
   if (found.without_id) table.add({"?", "without a node-id", "answers to LSS"});
   print(table.text());
   if (found.nodes.empty() && !found.without_id) {
-    throw UserError(fmt::format("{}: nobody answers", bus.name()));
+    throw files::UserError(fmt::format("{}: nobody answers", bus.name()));
   }
 }
 
@@ -103,7 +101,7 @@ void listen(const Common& common, double for_s) {
   can::PortBus bus(common.can);
   const std::int64_t start_us = bus.now_us();
   const std::int64_t until_us = start_us + static_cast<std::int64_t>(for_s * 1e6);
-  CanFrame frame;
+  hal::CanFrame frame;
   while (bus.receive(frame, until_us)) {
     print(fmt::format("{:10.4f}  {}\n", static_cast<double>(bus.now_us() - start_us) * 1e-6,
                       can::frame_text(frame)));
@@ -114,8 +112,8 @@ void listen(const Common& common, double for_s) {
 
 void get(Remote& remote, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    const can::KnownObject object = can::find_object(name);
-    const std::string value = can::value_text(object, remote.read(object));
+    const text::KnownObject object = text::find_object(name);
+    const std::string value = text::value_text(object, remote.read(object));
     names.size() == 1 ? fmt::print("{}\n", value)
                       : fmt::print("{} = {}\n", object.name.empty() ? name : object.name, value);
   }
@@ -124,20 +122,21 @@ void get(Remote& remote, const std::vector<std::string>& names) {
 std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
   std::vector<can::Change> changes;
   const bool pair = texts.size() == 2 && texts[0].find('=') == std::string::npos;
-  const std::vector<Override> settings =
-      pair ? std::vector<Override>{{texts[0], texts[1]}} : parse_settings(texts);
+  const std::vector<files::Override> settings =
+      pair ? std::vector<files::Override>{{texts[0], texts[1]}} : text::parse_settings(texts);
   for (const auto& [name, value] : settings) {
-    const can::KnownObject object = can::find_object(name);
-    if (!object.writable) throw UserError(fmt::format("{} can not be written", can::title(object)));
-    changes.emplace_back(object, can::value_bytes(object, value));
+    const text::KnownObject object = text::find_object(name);
+    if (!object.writable)
+      throw files::UserError(fmt::format("{} can not be written", text::title(object)));
+    changes.emplace_back(object, text::value_bytes(object, value));
   }
   return changes;
 }
 
 void dump(Remote& remote, const std::string& out) {
-  OutputFile file(out);
+  files::OutputFile file(out);
   file.write(fmt::format("# Parameters of node {} on {}.\n\n", remote.node(), remote.bus().name()));
-  file.write(to_toml(can::read_settings(remote)));
+  file.write(text::to_toml(can::read_settings(remote)));
   file.commit();
 }
 
@@ -180,7 +179,7 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
 }
 
 void step(Remote& remote, const StepArguments& a) {
-  prepare_folder("--runs", a.runs);
+  files::prepare_folder("--runs", a.runs);
   const auto before = earlier_runs(a.runs);
   // What can not be read is said before anything moves.
   std::vector<can::StepRun> runs;
@@ -193,7 +192,7 @@ void step(Remote& remote, const StepArguments& a) {
                      : 1 + static_cast<unsigned>(std::strtoul(
                                before.front().stem().string().substr(5).c_str(), nullptr, 10));
   std::vector<std::string> names{fmt::format("step-{:04}", number)};
-  OutputFile file((std::filesystem::path(a.runs) / (names[0] + ".csv")).string());
+  files::OutputFile file((std::filesystem::path(a.runs) / (names[0] + ".csv")).string());
   file.write(can::to_csv(runs[0].recording));
   file.commit();
   for (std::size_t i = 0; i + 1 < runs.size(); ++i) names.push_back(before[i].stem().string());
@@ -205,15 +204,15 @@ void record(Remote& remote, const can::RecordingPlan& plan, const std::string& o
             double patience_s) {
   can::arm_recorder(remote, plan);
   can::wait_for_recorder(remote, plan, patience_s);
-  OutputFile file(out);
+  files::OutputFile file(out);
   file.write(can::to_csv(can::read_recording(remote, plan)));
   file.commit();
 }
 
 void explain(const std::shared_ptr<Common>& common, const std::string& name) {
-  Fault fault = find_fault(name);
+  Fault fault = text::find_fault(name);
   if (!name.empty() && fault == Fault::none) {
-    throw UserError(fmt::format("{}: no such fault; `host-sim explain` lists them", name));
+    throw files::UserError(fmt::format("{}: no such fault; `host-sim explain` lists them", name));
   }
   if (name.empty()) {
     Session session(*common);
@@ -223,7 +222,7 @@ void explain(const std::shared_ptr<Common>& common, const std::string& name) {
       return;
     }
   }
-  print(explain_fault(fault));
+  print(text::explain_fault(fault));
 }
 
 void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
@@ -390,4 +389,4 @@ void add_can_command(CLI::App& app) {
   add_motion_commands(*can, common);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::can

@@ -24,7 +24,8 @@ constexpr std::array<const char*, 16> functions{
     "NMT",    "EMCY",   "TIME",   "TPDO 1",     "RPDO 1",      "TPDO 2", "RPDO 2",    "TPDO 3",
     "RPDO 3", "TPDO 4", "RPDO 4", "SDO answer", "SDO request", "",       "heartbeat", "LSS"};
 
-void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found, const CanFrame& frame) {
+void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found,
+          const hal::CanFrame& frame) {
   const unsigned node = frame.id & 0x7FU;
   const unsigned function = frame.id >> 7U;
   if (frame.extended || frame.remote) return;
@@ -41,15 +42,15 @@ void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found, const 
   }
 }
 
-std::string emergency_text(const CanFrame& frame) {
+std::string emergency_text(const hal::CanFrame& frame) {
   const auto code = static_cast<unsigned>(canopen::take_number(std::span(frame.data).first(2)));
   if (code == 0) return "no error any more";
-  const Fault fault = find_fault(fmt::format("{:04X}h", code));
+  const Fault fault = text::find_fault(fmt::format("{:04X}h", code));
   return fmt::format("{:04X}h{}", code,
                      fault == Fault::none ? "" : fmt::format(" {}", fault_name(fault)));
 }
 
-std::string nmt_text(const CanFrame& frame) {
+std::string nmt_text(const hal::CanFrame& frame) {
   const char* command = frame.data[0] == 1     ? "start"
                         : frame.data[0] == 2   ? "stop"
                         : frame.data[0] == 128 ? "pre-operational"
@@ -65,7 +66,7 @@ std::string nmt_text(const CanFrame& frame) {
 FoundNodes scan(Bus& bus, std::int64_t listen_us) {
   FoundNodes found;
   std::array<FoundNode, max_nodes + 1> nodes{};
-  CanFrame frame;
+  hal::CanFrame frame;
   bus.send({.id = lss_request, .length = 8, .data = {identify_unconfigured}});
   for (unsigned node = 1; node <= max_nodes; ++node) {
     bus.send({.id = 0x600 + node, .length = 8, .data = {0x40, 0x00, 0x10, 0x00}});
@@ -82,7 +83,7 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
   return found;
 }
 
-std::string frame_text(const CanFrame& frame) {
+std::string frame_text(const hal::CanFrame& frame) {
   const std::string data = fmt::format("{:02X}", fmt::join(frame.payload(), " "));
   if (frame.extended || frame.remote) {
     return fmt::format("{} {:X}h: no CANopen: {}", frame.remote ? "remote" : "extended", frame.id,
@@ -103,7 +104,7 @@ std::string frame_text(const CanFrame& frame) {
   if ((function == 11 || function == 12) && frame.length == 8 && frame.data[0] == 0x80) {
     const auto code =
         static_cast<std::uint32_t>(canopen::take_number(std::span(frame.data).subspan(4)));
-    return fmt::format("SDO abort of {}: {:08X}h {}", node, code, abort_text(code));
+    return fmt::format("SDO abort of {}: {:08X}h {}", node, code, text::abort_text(code));
   }
   if (functions[function][0] == '\0') return fmt::format("{:03X}h: {}", frame.id, data);
   return fmt::format("{} of {}: {}", functions[function], node, data);

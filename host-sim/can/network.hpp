@@ -25,6 +25,6 @@ struct FoundNodes {
 FoundNodes scan(Bus& bus, std::int64_t listen_us);
 
 /// What a frame says, by its pre-defined identifier: "heartbeat of 5: operational".
-std::string frame_text(const CanFrame& frame);
+std::string frame_text(const hal::CanFrame& frame);
 
 }  // namespace smaservo::can

@@ -13,11 +13,11 @@ namespace {
 /// A queue that is full empties within some frames' time, unless nobody acknowledges them.
 constexpr int queue_tries = 200;
 
-LinuxCan opened(const std::string& name) {
+hal::LinuxCan opened(const std::string& name) {
   try {
-    return open_can(name);
-  } catch (const CanError& error) {
-    throw UserError(error.what());
+    return hal::open_can(name);
+  } catch (const hal::CanError& error) {
+    throw files::UserError(error.what());
   }
 }
 
@@ -25,28 +25,28 @@ LinuxCan opened(const std::string& name) {
 
 PortBus::PortBus(const std::string& name) : port_(opened(name)) {}
 
-void PortBus::send(const CanFrame& frame) {
+void PortBus::send(const hal::CanFrame& frame) {
   for (int i = 0; i < queue_tries; ++i) {
     if (port_.send(frame)) return;
-    if (port_.state() == CanState::down || port_.state() == CanState::gone) {
-      throw UserError(
-          fmt::format("{}: the interface is {}", name(), smaservo::name(port_.state())));
+    if (port_.state() == hal::CanState::down || port_.state() == hal::CanState::gone) {
+      throw files::UserError(
+          fmt::format("{}: the interface is {}", name(), hal::name(port_.state())));
     }
     poll(nullptr, 0, 1);
   }
-  throw UserError(
+  throw files::UserError(
       fmt::format("{}: the queue stays full: nobody acknowledges frames; is the cable connected, "
                   "terminated, and the bit rate the same everywhere?",
                   name()));
 }
 
-bool PortBus::receive(CanFrame& frame, std::int64_t until_us) {
+bool PortBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
   for (;;) {
     if (port_.receive(frame)) return true;
     const std::int64_t left_us = until_us - now_us();
     if (left_us <= 0) return false;
-    if (port_.state() == CanState::bus_off) {
-      throw UserError(
+    if (port_.state() == hal::CanState::bus_off) {
+      throw files::UserError(
           fmt::format("{}: the controller is bus-off; `ip link set {} type can "
                       "restart` starts it again",
                       name(), name()));

@@ -11,13 +11,13 @@ class PortBus final : public Bus {
   /// As open_can() takes it. Throws UserError.
   explicit PortBus(const std::string& name);
 
-  void send(const CanFrame& frame) override;
-  bool receive(CanFrame& frame, std::int64_t until_us) override;
+  void send(const hal::CanFrame& frame) override;
+  bool receive(hal::CanFrame& frame, std::int64_t until_us) override;
   std::int64_t now_us() const override;
   std::string name() const override { return port_.name(); }
 
  private:
-  LinuxCan port_;
+  hal::LinuxCan port_;
 };
 
 }  // namespace smaservo::can

@@ -27,7 +27,8 @@ std::uint8_t sub_of_signal(const std::string& name) {
     std::vector<std::string_view> names;
     names.reserve(signal_count);
     for (const Signal<double>& row : rows) names.push_back(row.name);
-    throw UserError(fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
+    throw files::UserError(
+        fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
   }
   return sub_of(static_cast<std::size_t>(found - rows.begin()));
 }
@@ -43,7 +44,8 @@ void set_trigger(Remote& remote, const std::string& trigger) {
     return;
   }
   if (sign == std::string::npos) {
-    throw UserError(fmt::format("--trigger {}: must be SIGNAL>LEVEL or SIGNAL<LEVEL", trigger));
+    throw files::UserError(
+        fmt::format("--trigger {}: must be SIGNAL>LEVEL or SIGNAL<LEVEL", trigger));
   }
   set(remote, "recorder.trigger_signal", sub_of_signal(trigger.substr(0, sign)));
   set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
@@ -58,7 +60,7 @@ RecorderState state_of(Remote& remote) {
 
 std::vector<double> Recording::column(const std::string& signal) const {
   const auto found = std::ranges::find(signals, signal);
-  if (found == signals.end()) throw UserError(fmt::format("{} was not recorded", signal));
+  if (found == signals.end()) throw files::UserError(fmt::format("{} was not recorded", signal));
   const auto at = static_cast<std::size_t>(found - signals.begin());
   std::vector<double> values;
   values.reserve(rows.size());
@@ -68,15 +70,15 @@ std::vector<double> Recording::column(const std::string& signal) const {
 
 void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   if (plan.signals.empty() || plan.signals.size() > canopen::channel_count) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{} signals: must be 1 to {}", plan.signals.size(), canopen::channel_count));
   }
   if (plan.before_s > 0 && plan.trigger.empty()) {
-    throw UserError(fmt::format("--before {} s: needs a --trigger", plan.before_s));
+    throw files::UserError(fmt::format("--before {} s: needs a --trigger", plan.before_s));
   }
   if (plan.before_s >= plan.seconds) {
-    throw UserError(fmt::format("--before {} s: must be less than the {} s of the recording",
-                                plan.before_s, plan.seconds));
+    throw files::UserError(fmt::format("--before {} s: must be less than the {} s of the recording",
+                                       plan.before_s, plan.seconds));
   }
   set(remote, "recorder.command", 0);
   for (std::size_t i = 0; i < canopen::channel_count; ++i) {
@@ -90,14 +92,14 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   try {
     set(remote, "recorder.command", 1);
   } catch (const SdoError& error) {
-    throw UserError(fmt::format("the device has no memory to record to: {}", error.what()));
+    throw files::UserError(fmt::format("the device has no memory to record to: {}", error.what()));
   }
   const double step_s = remote.number("recorder.period_s");
   const double capacity = remote.number("recorder.capacity");
   set(remote, "recorder.command", 0);
   const double divisor = std::max(1.0, std::ceil(plan.seconds / (step_s * capacity) - 1e-6));
   if (divisor > 65535) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{} s are too long: at most {} s", plan.seconds, 65535 * step_s * capacity));
   }
   set(remote, "recorder.divisor", divisor);
@@ -124,9 +126,9 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
     }
     if (triggered_us == 0 && now_us >= until_us) {
       set(remote, "recorder.command", 0);
-      throw UserError(fmt::format("not triggered within {} s", patience_s));
+      throw files::UserError(fmt::format("not triggered within {} s", patience_s));
     }
-    CanFrame passing;
+    hal::CanFrame passing;
     while (bus.receive(passing, now_us + poll_us)) {
     }
   }
@@ -135,7 +137,7 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
 Recording read_recording(Remote& remote, const RecordingPlan& plan) {
   Recording recording{plan.signals, remote.number("recorder.period_s"), {}};
   set(remote, "recorder.command", 0);
-  const Bytes bytes = remote.client().upload_block(find_object("recorder.data").key);
+  const Bytes bytes = remote.client().upload_block(text::find_object("recorder.data").key);
   const std::size_t width = 4 * plan.signals.size();
   std::span<const std::uint8_t> rest(bytes);
   for (; rest.size() >= width; rest = rest.subspan(width)) {
@@ -172,7 +174,7 @@ double field_number(const std::string& text, const std::string& path, unsigned l
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw UserError(fmt::format("{}:{}: {}: is no number", path, line, text));
+    throw files::UserError(fmt::format("{}:{}: {}: is no number", path, line, text));
   }
   return number;
 }
@@ -183,7 +185,7 @@ Recording load_recording(const std::string& path) {
   std::ifstream in(path);
   std::string line;
   if (!std::getline(in, line) || !line.starts_with("time_s,")) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{}: is no recording: its first line must begin with time_s,", path));
   }
   Recording recording;
@@ -198,12 +200,12 @@ Recording load_recording(const std::string& path) {
       row.push_back(field_number(field, path, number));
     }
     if (row.size() != recording.signals.size() + 1) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("{}:{}: must have {} fields", path, number, recording.signals.size() + 1));
     }
     recording.period_s = recording.rows.empty() ? 0 : row.front() - last_s;
     if (!recording.rows.empty() && !(recording.period_s > 0)) {
-      throw UserError(fmt::format("{}:{}: time_s must increase", path, number));
+      throw files::UserError(fmt::format("{}:{}: time_s must increase", path, number));
     }
     last_s = row.front();
     recording.rows.emplace_back(row.begin() + 1, row.end());

@@ -44,8 +44,8 @@ constexpr auto drive_states = std::to_array<StateName>({
 });
 
 /// What may help, beside what the node said.
-std::string hint(const KnownObject& object, std::uint32_t code) {
-  const std::string allowed = allowed_text(object);
+std::string hint(const text::KnownObject& object, std::uint32_t code) {
+  const std::string allowed = text::allowed_text(object);
   switch (code) {
     case 0x06090030:
     case 0x06090031:
@@ -87,7 +87,7 @@ std::string drive_state_text(unsigned statusword) {
                                      : found->name;
 }
 
-Bytes Remote::read(const KnownObject& object) {
+Bytes Remote::read(const text::KnownObject& object) {
   try {
     // What has no fixed size may be long.
     return canopen::size_of(object.type) == 0 && object.type == canopen::Type::domain
@@ -99,29 +99,30 @@ Bytes Remote::read(const KnownObject& object) {
   }
 }
 
-void Remote::write(const KnownObject& object, const Bytes& value) {
+void Remote::write(const text::KnownObject& object, const Bytes& value) {
   try {
     client_.download(object.key, value);
   } catch (const SdoError& error) {
-    throw SdoError(fmt::format("{} = {}: {}{}", title(object), value_text(object, value),
-                               error.what(), hint(object, error.code())),
-                   error.code());
+    throw SdoError(
+        fmt::format("{} = {}: {}{}", text::title(object), text::value_text(object, value),
+                    error.what(), hint(object, error.code())),
+        error.code());
   }
 }
 
 std::string Remote::text(const std::string& name) {
-  const KnownObject object = find_object(name);
-  return value_text(object, read(object));
+  const text::KnownObject object = text::find_object(name);
+  return text::value_text(object, read(object));
 }
 
 double Remote::number(const std::string& name) {
-  const KnownObject object = find_object(name);
-  return value_number(object, read(object));
+  const text::KnownObject object = text::find_object(name);
+  return text::value_number(object, read(object));
 }
 
 void Remote::set(const std::string& name, const std::string& value) {
-  const KnownObject object = find_object(name);
-  write(object, value_bytes(object, value));
+  const text::KnownObject object = text::find_object(name);
+  write(object, text::value_bytes(object, value));
 }
 
 void Remote::change(const std::vector<Change>& changes) {
@@ -158,7 +159,7 @@ void Remote::commit(const std::vector<Change>& changes) {
 void Remote::revert() {
   try {
     set("tuning.command", "4");
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     fmt::print(stderr, "host-sim: {}\n", error.what());
   }
 }
@@ -167,16 +168,16 @@ void Remote::revert() {
 void Remote::explain_refusal(const SdoError& error) {
   const auto named = [&](const char* object) {
     const auto bits = static_cast<std::uint32_t>(number(object));
-    return find_object(fmt::format("{:04X}:{}", bits >> 16U, bits >> 8U & 0xFFU));
+    return text::find_object(fmt::format("{:04X}:{}", bits >> 16U, bits >> 8U & 0xFFU));
   };
-  const KnownObject one = named("tuning.refused");
-  const KnownObject other = named("tuning.refused_other");
+  const text::KnownObject one = named("tuning.refused");
+  const text::KnownObject other = named("tuning.refused_other");
   if (one.key.index == 0) throw error;
-  throw UserError(fmt::format(
-      "nothing has changed: {} = {} {}", title(one), value_text(one, read(one)),
-      other.key.index == 0
-          ? fmt::format("is refused: {}", error.what())
-          : fmt::format("contradicts {} = {}", title(other), value_text(other, read(other)))));
+  throw files::UserError(fmt::format(
+      "nothing has changed: {} = {} {}", text::title(one), text::value_text(one, read(one)),
+      other.key.index == 0 ? fmt::format("is refused: {}", error.what())
+                           : fmt::format("contradicts {} = {}", text::title(other),
+                                         text::value_text(other, read(other)))));
 }
 
 void Remote::nmt(NmtCommand command) {
@@ -191,7 +192,7 @@ bool Remote::wait_for(const std::function<bool(unsigned)>& reached, double patie
     if (reached(status())) return true;
     const std::int64_t now_us = bus().now_us();
     if (now_us >= until_us) return false;
-    CanFrame passing;
+    hal::CanFrame passing;
     while (bus().receive(passing, now_us + listen_us)) {
     }
   }
@@ -204,12 +205,13 @@ std::string Remote::reasons() {
   };
   const FaultSet all = set_of("faults.blocks_low", "faults.blocks_high") |
                        set_of("faults.latched_low", "faults.latched_high");
-  return all.empty() ? "" : fmt::format(": {}; `host-sim can faults` says more", names_of(all));
+  return all.empty() ? ""
+                     : fmt::format(": {}; `host-sim can faults` says more", text::names_of(all));
 }
 
 void Remote::enable() {
   if ((status() & fault_mask) == fault_state) {
-    throw UserError(fmt::format(
+    throw files::UserError(fmt::format(
         "node {} has a fault{}; `host-sim can reset-faults` acknowledges it", node(), reasons()));
   }
   if ((status() & state_mask) == enabled_state) return;
@@ -222,7 +224,7 @@ void Remote::enable() {
       return (status & state_mask) == expected;
     };
     if (!wait_for(reached, state_patience_s)) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("node {} stays in \"{}\"{}", node(), drive_state_text(status()), reasons()));
     }
   }
@@ -232,7 +234,8 @@ void Remote::disable() {
   control(0);
   const auto off = [](unsigned status) { return (status & state_mask) != enabled_state; };
   if (!wait_for(off, state_patience_s)) {
-    throw UserError(fmt::format("node {} stays in \"{}\"", node(), drive_state_text(status())));
+    throw files::UserError(
+        fmt::format("node {} stays in \"{}\"", node(), drive_state_text(status())));
   }
 }
 
@@ -241,7 +244,7 @@ void Remote::reset_faults() {
   control(fault_reset);
   const auto gone = [](unsigned status) { return (status & fault_mask) != fault_state; };
   if (!wait_for(gone, state_patience_s)) {
-    throw UserError(fmt::format("node {}: the fault stays{}", node(), reasons()));
+    throw files::UserError(fmt::format("node {}: the fault stays{}", node(), reasons()));
   }
   control(0);
 }
@@ -251,13 +254,14 @@ void Remote::set_profile_position() {
   // The mode is in force when the display says so.
   const auto shown = [this](unsigned) { return number("6061") == 1; };
   if (!wait_for(shown, state_patience_s)) {
-    throw UserError(fmt::format("node {} does not change to Profile position", node()));
+    throw files::UserError(fmt::format("node {} does not change to Profile position", node()));
   }
 }
 
 void Remote::move(std::int32_t target_um, double patience_s) {
   if ((status() & state_mask) != enabled_state) {
-    throw UserError(fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
+    throw files::UserError(
+        fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
   }
   set_profile_position();
   set("607A", std::to_string(target_um));
@@ -265,7 +269,7 @@ void Remote::move(std::int32_t target_um, double patience_s) {
   control(enable_operation | new_setpoint_at_once);
   const auto taken = [](unsigned status) { return (status & acknowledged_bit) != 0; };
   if (!wait_for(taken, state_patience_s)) {
-    throw UserError(fmt::format("node {} does not take the set-point{}", node(), reasons()));
+    throw files::UserError(fmt::format("node {} does not take the set-point{}", node(), reasons()));
   }
   control(enable_operation);
   const auto there = [](unsigned status) {
@@ -273,14 +277,14 @@ void Remote::move(std::int32_t target_um, double patience_s) {
   };
   const bool ended = wait_for(there, patience_s);
   if (!ended || (status() & state_mask) != enabled_state) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("node {} has not reached {} um within {} s: it is at {} um, \"{}\"{}", node(),
                     target_um, patience_s, text("6064"), drive_state_text(status()), reasons()));
   }
 }
 
 void Remote::store() {
-  const KnownObject object = find_object("1010:1");
+  const text::KnownObject object = text::find_object("1010:1");
   client_.set_timeout(SdoClient::store_timeout_us);
   write(object, {'s', 'a', 'v', 'e'});
   client_.set_timeout(SdoClient::usual_timeout_us);

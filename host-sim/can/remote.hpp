@@ -27,7 +27,7 @@ std::string nmt_state_text(unsigned state);
 /// The state of CiA 402 that a statusword says.
 std::string drive_state_text(unsigned statusword);
 
-using Change = std::pair<KnownObject, Bytes>;
+using Change = std::pair<text::KnownObject, Bytes>;
 
 /// Everything throws UserError; what the node refuses names object, value and what is allowed.
 class Remote {
@@ -38,10 +38,10 @@ class Remote {
   Bus& bus() { return client_.bus(); }
   unsigned node() const { return client_.node(); }
 
-  Bytes read(const KnownObject& object);
-  void write(const KnownObject& object, const Bytes& value);
+  Bytes read(const text::KnownObject& object);
+  void write(const text::KnownObject& object, const Bytes& value);
   /// Of the name that find_object() takes.
-  Bytes read(const std::string& name) { return read(find_object(name)); }
+  Bytes read(const std::string& name) { return read(text::find_object(name)); }
   std::string text(const std::string& name);
   double number(const std::string& name);
   void set(const std::string& name, const std::string& value);

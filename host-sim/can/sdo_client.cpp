@@ -49,7 +49,7 @@ void SdoClient::send(const Data& data) {
 }
 
 bool SdoClient::next_answer(Data& data, std::int64_t until_us) {
-  CanFrame frame;
+  hal::CanFrame frame;
   while (bus_.receive(frame, until_us)) {
     if (frame.id == answer_base + node_ && !frame.extended && !frame.remote && frame.length == 8) {
       data = frame.data;
@@ -69,7 +69,7 @@ SdoClient::Data SdoClient::answer(Key key) {
 /// Sends what starts a transfer. An answer to another object is late for one that was given up.
 SdoClient::Data SdoClient::request(Key key, const Data& data) {
   // Answers that wait already are of transfers that were given up.
-  CanFrame old;
+  hal::CanFrame old;
   while (bus_.receive(old, 0)) {
   }
   Data first = data;
@@ -92,7 +92,7 @@ void SdoClient::silent(Key key) const {
 }
 
 void SdoClient::refused(Key key, std::uint32_t code) const {
-  const std::string_view text = abort_text(code);
+  const std::string_view text = text::abort_text(code);
   throw SdoError(fmt::format("node {}: {}: refused: {} (abort {:08X}h)", node_, key_text(key),
                              text.empty() ? "for a reason of its own" : text, code),
                  code);
@@ -105,7 +105,7 @@ void SdoClient::abort(Key key, std::uint32_t code) {
   put_number(std::span(data).subspan(4), code);
   send(data);
   throw SdoError(fmt::format("node {}: {}: broken off: {} (abort {:08X}h)", node_, key_text(key),
-                             abort_text(code), code),
+                             text::abort_text(code), code),
                  code);
 }
 

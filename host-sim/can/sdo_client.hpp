@@ -15,9 +15,9 @@ namespace smaservo::can {
 using Bytes = std::vector<std::uint8_t>;
 
 /// A transfer that the node refused, or that it did not answer.
-class SdoError : public UserError {
+class SdoError : public files::UserError {
  public:
-  SdoError(const std::string& text, std::uint32_t code) : UserError(text), code_(code) {}
+  SdoError(const std::string& text, std::uint32_t code) : files::UserError(text), code_(code) {}
 
   /// The abort code; 0: no answer.
   std::uint32_t code() const { return code_; }

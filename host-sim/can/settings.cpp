@@ -14,8 +14,8 @@ Value value_of(const Bytes& bytes) {
   return {static_cast<std::uint32_t>(canopen::take_number(bytes))};
 }
 
-KnownObject object_of(const Parameter<double>& row) {
-  return find_object(std::string(row.path.text()));
+text::KnownObject object_of(const Parameter<double>& row) {
+  return text::find_object(std::string(row.path.text()));
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ Settings<double> read_settings(Remote& remote) {
   }
   for (const Parameter<double>& row : parameters<double>) {
     if (row.is_used(settings) && fit(row, row.get(settings)) == Fit::not_finite) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("node {}: {} is not set: it has no wire yet; give it a whole "
                       "settings file with `host-sim can restore`",
                       remote.node(), row.path.text()));
@@ -37,7 +37,7 @@ Settings<double> read_settings(Remote& remote) {
 }
 
 Settings<double> file_settings(const std::string& path, const Settings<double>& of_node) {
-  Settings<double> settings = load_settings_file(path);
+  Settings<double> settings = text::load_settings_file(path);
   settings.identity = of_node.identity;
   return settings;
 }
@@ -53,9 +53,10 @@ std::vector<Difference> differences(const Settings<double>& file, const Settings
 }
 
 std::string differences_text(const std::vector<Difference>& differences) {
-  TextTable table({{""}, {""}, {""}});
+  files::TextTable table({{""}, {""}, {""}});
   for (const Difference& d : differences) {
-    table.add({d.row->path.text(), value_text(*d.row, d.here), value_text(*d.row, d.there)});
+    table.add(
+        {d.row->path.text(), text::value_text(*d.row, d.here), text::value_text(*d.row, d.there)});
   }
   return table.text();
 }
@@ -63,7 +64,7 @@ std::string differences_text(const std::vector<Difference>& differences) {
 void restore(Remote& remote, const std::vector<Difference>& differences) {
   std::vector<Change> changes;
   for (const Difference& d : differences) {
-    const KnownObject object = object_of(*d.row);
+    const text::KnownObject object = object_of(*d.row);
     Bytes bytes(canopen::size_of(object.type));
     canopen::put_number(bytes, d.here.bits);
     changes.emplace_back(object, std::move(bytes));

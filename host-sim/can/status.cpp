@@ -23,14 +23,14 @@ std::string or_none(const std::string& text) {
 
 std::string device_state(Remote& remote) {
   const auto state = static_cast<unsigned>(remote.number("device.state"));
-  return state < device_state_count ? std::string(state_name(static_cast<DeviceState>(state)))
+  return state < device_state_count ? std::string(text::state_name(static_cast<DeviceState>(state)))
                                     : fmt::format("{}", state);
 }
 
 }  // namespace
 
 std::string info_text(Remote& remote) {
-  TextTable table({{""}, {""}});
+  files::TextTable table({{""}, {""}});
   table.add({"node", fmt::format("{} on {}", remote.node(), remote.bus().name())});
   table.add({"device", fmt::format("{}, hardware {}, software {}", remote.text("1008"),
                                    remote.text("1009"), remote.text("100A"))});
@@ -45,7 +45,7 @@ std::string info_text(Remote& remote) {
       {"position", fmt::format("{} um, target {} um", remote.text("6064"), remote.text("607A"))});
   table.add({"temperature",
              fmt::format("{:.1f} degC", remote.number("live.temperature_K") - zero_degC_K)});
-  table.add({"faults", or_none(names_of(fault_set(remote, "latched")))});
+  table.add({"faults", or_none(text::names_of(fault_set(remote, "latched")))});
   table.add(
       {"loop", fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",
                            remote.text("loop.steps"), remote.text("loop.missed"),
@@ -60,12 +60,12 @@ std::string info_text(Remote& remote) {
 
 std::string changes_text(Remote& remote) {
   constexpr std::size_t size = canopen::ChangeLog::bytes;
-  const Bytes log = remote.read(find_object("changes.last"));
+  const Bytes log = remote.read(text::find_object("changes.last"));
   std::string text;
   for (std::size_t end = log.size() / size * size; end != 0; end -= size) {
-    const canopen::LoggedChange change = change_of(std::span(log).subspan(end - size, size));
+    const canopen::LoggedChange change = text::change_of(std::span(log).subspan(end - size, size));
     text += fmt::format("{:>12.3f} s  {}\n", 1e-3 * static_cast<double>(change.time_ms),
-                        change_text(change));
+                        text::change_text(change));
   }
   return text.empty() ? "none\n" : text;
 }
@@ -76,16 +76,16 @@ Fault first_cause(Remote& remote) {
 }
 
 std::string faults_text(Remote& remote) {
-  TextTable table({{""}, {""}});
+  files::TextTable table({{""}, {""}});
   table.add({"state", device_state(remote)});
-  table.add({"latched", or_none(names_of(fault_set(remote, "latched")))});
+  table.add({"latched", or_none(text::names_of(fault_set(remote, "latched")))});
   const Fault first = first_cause(remote);
   if (first != Fault::none) table.add({"first cause", std::string(fault_name(first))});
-  table.add({"active", or_none(names_of(fault_set(remote, "active")))});
-  table.add({"warnings", or_none(names_of(fault_set(remote, "warnings")))});
-  table.add({"blocked by", or_none(names_of(fault_set(remote, "blocks")))});
+  table.add({"active", or_none(text::names_of(fault_set(remote, "active")))});
+  table.add({"warnings", or_none(text::names_of(fault_set(remote, "warnings")))});
+  table.add({"blocked by", or_none(text::names_of(fault_set(remote, "blocks")))});
   const auto reasons = static_cast<std::uint32_t>(remote.number("device.limit_reasons"));
-  table.add({"limited by", or_none(limit_reason_names(reasons))});
+  table.add({"limited by", or_none(text::limit_reason_names(reasons))});
   const auto count = static_cast<unsigned>(remote.number("1003:0"));
   for (unsigned i = 1; i <= count; ++i) {
     const auto entry = static_cast<std::uint32_t>(remote.number(fmt::format("1003:{}", i)));

@@ -31,15 +31,15 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
     const auto state = static_cast<StepState>(remote.number("step.state"));
     if (state == StepState::done) return;
     if (state == StepState::broken_off || state == StepState::none) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("the step was broken off: \"{}\"; `host-sim can faults` says more",
                       drive_state_text(static_cast<unsigned>(remote.number("6041")))));
     }
     const std::int64_t now_us = bus.now_us();
     if (now_us >= until_us) {
-      throw UserError(fmt::format("the step has not ended within {} s", patience_s));
+      throw files::UserError(fmt::format("the step has not ended within {} s", patience_s));
     }
-    CanFrame passing;
+    hal::CanFrame passing;
     while (bus.receive(passing, now_us + step_poll_us)) {
     }
   }
@@ -55,9 +55,10 @@ void wait_until_still(Remote& remote) {
   while (remote.number("device.state") != running || std::abs(remote.number("606C")) > still_um_s) {
     const std::int64_t now_us = bus.now_us();
     if (now_us >= until_us) {
-      throw UserError(fmt::format("the wire has not come to a rest within {} s", patience_s));
+      throw files::UserError(
+          fmt::format("the wire has not come to a rest within {} s", patience_s));
     }
-    CanFrame passing;
+    hal::CanFrame passing;
     while (bus.receive(passing, now_us + step_poll_us)) {
     }
   }
@@ -70,9 +71,9 @@ void wait_until_recording(Remote& remote) {
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   while (remote.number("recorder.samples") == 0) {
     if (bus.now_us() >= until_us) {
-      throw UserError(fmt::format("the recorder has not begun within {} s", patience_s));
+      throw files::UserError(fmt::format("the recorder has not begun within {} s", patience_s));
     }
-    CanFrame passing;
+    hal::CanFrame passing;
     while (bus.receive(passing, bus.now_us() + 1000)) {
     }
   }
@@ -134,9 +135,9 @@ std::string data_block(const StepRun& run, std::size_t number) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const double time_s =
         (static_cast<double>(i) - static_cast<double>(edges.there)) * run.recording.period_s;
-    text += plotted_row(std::array{time_s, 1e6 * (positions[i] - positions.front()),
-                                   1e6 * (setpoints[i] - setpoints.front()),
-                                   temperatures[i] - zero_degC_K, 1e3 * currents[i]});
+    text += report::plotted_row(std::array{time_s, 1e6 * (positions[i] - positions.front()),
+                                           1e6 * (setpoints[i] - setpoints.front()),
+                                           temperatures[i] - zero_degC_K, 1e3 * currents[i]});
   }
   return text + "EOD\n";
 }
@@ -172,13 +173,14 @@ std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
   return sums;
 }
 
-TextTable figures_of(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
-  TextTable table({{""},
-                   {"rise s", "{:.3f}"},
-                   {"overshoot %", "{:.1f}"},
-                   {"settled s", "{:.3f}"},
-                   {"error %", "{:.2f}"},
-                   {"peak degC", "{:.1f}"}});
+files::TextTable figures_of(const std::vector<StepRun>& runs,
+                            const std::vector<std::string>& names) {
+  files::TextTable table({{""},
+                          {"rise s", "{:.3f}"},
+                          {"overshoot %", "{:.1f}"},
+                          {"settled s", "{:.3f}"},
+                          {"error %", "{:.2f}"},
+                          {"peak degC", "{:.1f}"}});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto [f, peak_K] = judge(runs[i]);
     table.add({names[i], f.rise_s, f.overshoot_percent, f.settling_s, f.error_percent,
@@ -190,7 +192,7 @@ TextTable figures_of(const std::vector<StepRun>& runs, const std::vector<std::st
 }  // namespace
 
 StepRun run_step(Remote& remote, const StepPlan& plan) {
-  if (plan.amplitude_um == 0) throw UserError("--amplitude-um 0: must be other than 0");
+  if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must be other than 0");
   // The memory is filled at the end of the step back, and not much later.
   const RecordingPlan recorded{
       {"setpoint", "position_m", "temperature_K", "current_A"}, 2 * plan.seconds + before_s, 0, ""};
@@ -212,14 +214,14 @@ StepResult judge(const StepRun& run) {
   const auto temperatures = run.recording.column("temperature_K");
   const double amplitude_m = setpoints.empty() ? 0 : amplitude_of(setpoints);
   const Edges edges = setpoints.empty() ? Edges{} : edges_of(setpoints, amplitude_m);
-  StepJudge judge(std::abs(amplitude_m), run.recording.period_s);
+  report::StepJudge judge(std::abs(amplitude_m), run.recording.period_s);
   for (std::size_t i = edges.there; i < edges.back; ++i) {
     judge.add(static_cast<double>(i) * run.recording.period_s, setpoints.front() + amplitude_m,
               positions[i]);
   }
   judge.finish();
   if (amplitude_m == 0 || judge.steps().empty()) {
-    throw UserError("the recording has no step of 0.2 s and more");
+    throw files::UserError("the recording has no step of 0.2 s and more");
   }
   return {judge.steps().front(), std::ranges::max(temperatures)};
 }
@@ -227,7 +229,7 @@ StepResult judge(const StepRun& run) {
 StepRun load_step(const std::string& path) {
   StepRun run{{}, load_recording(path)};
   const auto setpoints = run.recording.column("setpoint");
-  if (setpoints.empty()) throw UserError(fmt::format("{}: has no rows", path));
+  if (setpoints.empty()) throw files::UserError(fmt::format("{}: has no rows", path));
   run.plan.amplitude_um = static_cast<std::int32_t>(std::lround(1e6 * amplitude_of(setpoints)));
   return run;
 }
@@ -239,7 +241,7 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
   for (const StepRun& run : runs) ways_um.push_back(way_um(run, axis));
   return figures_of(runs, names).text() +
          fmt::format("\ncontraction, um: * {}{}\n", names[0], runs.size() > 1 ? ", . before" : "") +
-         text_plot(ways_um, axis.columns, 12) +
+         report::text_plot(ways_um, axis.columns, 12) +
          fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),
                      axis.columns - 12, axis.to_s);
 }
@@ -262,15 +264,16 @@ void write_step_report(const std::string& path, const std::vector<StepRun>& runs
     temperatures.push_back(curve(4));
     currents.push_back(curve(5));
   }
-  const std::vector<Plot> plots{
+  const std::vector<report::Plot> plots{
       {"Contraction", "The newest in blue, the runs before in grey.", false,
-       draw({960, 380, "time / s", "contraction / um"}, data, "", positions)},
+       report::draw({960, 380, "time / s", "contraction / um"}, data, "", positions)},
       {"Temperature", "As the device estimates it.", true,
-       draw({480, 300, "time / s", "temperature / degC"}, data, "", temperatures)},
+       report::draw({480, 300, "time / s", "temperature / degC"}, data, "", temperatures)},
       {"Current", "As the device gives it.", true,
-       draw({480, 300, "time / s", "current / mA"}, data, "", currents)}};
-  write_html(path, "Step test",
-             plots_html(plots) + listing_html("Figures", step_text(runs, names)));
+       report::draw({480, 300, "time / s", "current / mA"}, data, "", currents)}};
+  report::write_html(
+      path, "Step test",
+      report::plots_html(plots) + report::listing_html("Figures", step_text(runs, names)));
 }
 
 }  // namespace smaservo::can

@@ -20,7 +20,7 @@ struct StepRun {
 StepRun run_step(Remote& remote, const StepPlan& plan);
 
 struct StepResult {
-  StepFigures figures;  ///< percentages are of the amplitude
+  report::StepFigures figures;  ///< percentages are of the amplitude
   double peak_K;
 };
 /// Of the step there. Throws UserError where the recording has none.

@@ -27,43 +27,43 @@ struct Row {
 constexpr Key statusword{0x6041, 0};
 
 /// What people would look up.
-std::string words_of(const KnownObject& object, const Bytes& bytes) {
+std::string words_of(const text::KnownObject& object, const Bytes& bytes) {
   return object.key == statusword
              ? fmt::format("  {}",
                            drive_state_text(static_cast<unsigned>(canopen::take_number(bytes))))
              : "";
 }
 
-std::string table(const std::vector<KnownObject>& objects, const Row& row) {
-  TextTable table({{""}, {""}});
+std::string table(const std::vector<text::KnownObject>& objects, const Row& row) {
+  files::TextTable table({{""}, {""}});
   for (std::size_t i = 0; i < objects.size(); ++i) {
     table.add({objects[i].name, row.texts[i] + row.words[i]});
   }
   return table.text();
 }
 
-std::vector<KnownObject> chosen_objects(const std::vector<std::string>& names) {
-  std::vector<KnownObject> objects;
+std::vector<text::KnownObject> chosen_objects(const std::vector<std::string>& names) {
+  std::vector<text::KnownObject> objects;
   for (const std::string& name : names) {
-    objects.push_back(find_object(name));
+    objects.push_back(text::find_object(name));
     if (objects.back().name.empty()) objects.back().name = name;
   }
   return objects;
 }
 
 /// Where the plotted one stands, added where it is missing; the number of objects: none.
-std::size_t place_of_plot(const std::string& name, std::vector<KnownObject>& objects) {
+std::size_t place_of_plot(const std::string& name, std::vector<text::KnownObject>& objects) {
   if (name.empty()) return objects.size();
-  const KnownObject wanted = find_object(name);
-  const auto found = std::ranges::find(objects, wanted.key, &KnownObject::key);
+  const text::KnownObject wanted = text::find_object(name);
+  const auto found = std::ranges::find(objects, wanted.key, &text::KnownObject::key);
   const auto place = static_cast<std::size_t>(found - objects.begin());
   if (place == objects.size()) objects.push_back(wanted);
   return place;
 }
 
-std::string header(const std::vector<KnownObject>& objects) {
+std::string header(const std::vector<text::KnownObject>& objects) {
   std::string text = "time_s";
-  for (const KnownObject& object : objects) text += "," + object.name;
+  for (const text::KnownObject& object : objects) text += "," + object.name;
   return text + '\n';
 }
 
@@ -71,7 +71,7 @@ std::string header(const std::vector<KnownObject>& objects) {
 
 void watch(Remote& remote, const WatchPlan& plan, bool in_place,
            const std::function<void(const std::string&)>& show) {
-  std::vector<KnownObject> objects = chosen_objects(
+  std::vector<text::KnownObject> objects = chosen_objects(
       plan.names.empty() ? std::vector<std::string>(usual.begin(), usual.end()) : plan.names);
   const std::size_t plotted = place_of_plot(plan.plot, objects);
   if (!in_place) show(header(objects));
@@ -79,21 +79,21 @@ void watch(Remote& remote, const WatchPlan& plan, bool in_place,
   const std::int64_t start_us = remote.bus().now_us();
   const auto period_us = static_cast<std::int64_t>(plan.period_s * 1e6);
   for (std::uint64_t i = 0; plan.count == 0 || i < plan.count; ++i) {
-    CanFrame passing;
+    hal::CanFrame passing;
     while (remote.bus().receive(passing, start_us + static_cast<std::int64_t>(i) * period_us)) {
     }
     Row row{static_cast<double>(remote.bus().now_us() - start_us) * 1e-6, {}, {}};
     for (std::size_t k = 0; k < objects.size(); ++k) {
       const Bytes bytes = remote.read(objects[k]);
-      row.texts.push_back(value_text(objects[k], bytes));
+      row.texts.push_back(text::value_text(objects[k], bytes));
       row.words.push_back(words_of(objects[k], bytes));
-      if (k == plotted) history.push_back(value_number(objects[k], bytes));
+      if (k == plotted) history.push_back(text::value_number(objects[k], bytes));
     }
     if (history.size() > plot_width) history.erase(history.begin());
-    const std::string plot =
-        plotted < objects.size()
-            ? "\n" + objects[plotted].name + "\n" + text_plot({history}, plot_width, plot_height)
-            : "";
+    const std::string plot = plotted < objects.size()
+                                 ? "\n" + objects[plotted].name + "\n" +
+                                       report::text_plot({history}, plot_width, plot_height)
+                                 : "";
     const bool last = i + 1 == plan.count;
     show(in_place ? to_the_top + table(objects, row) + plot
                   : fmt::format("{:.3f},{}\n{}", row.time_s, fmt::join(row.texts, ","),

@@ -9,12 +9,12 @@
 #include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::describe {
 namespace {
 
 struct DescribeArguments {
   std::string topic;
-  std::string wire{default_wire};
+  std::string wire{files::default_wire};
 };
 
 struct Topic {
@@ -24,17 +24,17 @@ struct Topic {
 
 constexpr auto topics = std::to_array<Topic>({
     {"dbc", "the frames of node 1 on CAN (firmware/reference/smaservo.dbc)",
-     [](const DescribeArguments&) { return dbc_text(); }},
+     [](const DescribeArguments&) { return text::dbc_text(); }},
     {"eds", "electronic data sheet of the CANopen node (firmware/reference/smaservo.eds)",
-     [](const DescribeArguments&) { return eds_text(); }},
+     [](const DescribeArguments&) { return text::eds_text(); }},
     {"faults", "every fault of a device, in Markdown (firmware/reference/FAULTS.md)",
-     [](const DescribeArguments&) { return fault_reference(); }},
+     [](const DescribeArguments&) { return text::fault_reference(); }},
     {"objects", "objects of the CANopen node beside the parameters, in Markdown (OBJECTS.md)",
-     [](const DescribeArguments&) { return object_reference(); }},
+     [](const DescribeArguments&) { return text::object_reference(); }},
     {"parameters", "every parameter of a device, in Markdown (firmware/reference/PARAMETERS.md)",
-     [](const DescribeArguments&) { return parameter_reference(); }},
+     [](const DescribeArguments&) { return text::parameter_reference(); }},
     {"settings", "a settings file to start from, for the wire of --wire",
-     [](const DescribeArguments& a) { return settings_template(a.wire); }},
+     [](const DescribeArguments& a) { return text::settings_template(a.wire); }},
 });
 
 std::string list_of_topics() {
@@ -52,7 +52,7 @@ void describe(const DescribeArguments& a) {
       return;
     }
   }
-  throw UserError(
+  throw files::UserError(
       fmt::format("describe {}: no such topic; the topics are:{}", a.topic, list_of_topics()));
 }
 
@@ -67,4 +67,4 @@ void add_describe_command(CLI::App& app) {
   command->callback([a] { describe(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::describe

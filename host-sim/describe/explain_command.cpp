@@ -7,7 +7,7 @@
 #include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::describe {
 namespace {
 
 void list_faults() {
@@ -18,15 +18,15 @@ void list_faults() {
 }
 
 void explain(const std::string& name) {
-  const Fault fault = find_fault(name);
+  const Fault fault = text::find_fault(name);
   if (fault == Fault::none) {
-    const std::vector<std::string> close = similar_faults(name);
-    throw UserError(
+    const std::vector<std::string> close = text::similar_faults(name);
+    throw files::UserError(
         close.empty()
             ? fmt::format("{}: no such fault; `host-sim explain` lists them", name)
             : fmt::format("{}: no such fault; did you mean {}?", name, fmt::join(close, ", ")));
   }
-  fmt::print("{}", explain_fault(fault));
+  fmt::print("{}", text::explain_fault(fault));
 }
 
 }  // namespace
@@ -39,4 +39,4 @@ void add_explain_command(CLI::App& app) {
   command->callback([name] { name->empty() ? list_faults() : explain(*name); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::describe

@@ -16,7 +16,7 @@
 #include "model/files/output_file.hpp"
 #include "model/files/parallel.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double usual_ambient_K = 298.15;
@@ -29,7 +29,7 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
 }
 
 struct JudgedUnit {
-  WireUnit unit;
+  bench::WireUnit unit;
   Wire<double> type_file, calibrated;
 };
 
@@ -52,7 +52,7 @@ std::vector<std::size_t> chosen_rows(const EvaluateOptions& options) {
   }
   for (const std::string& name : options.rows) {
     if (std::ranges::count(names, name) == 0) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("--row {}: no such row; there are: {}", name, fmt::join(names, ", ")));
     }
   }
@@ -61,22 +61,23 @@ std::vector<std::size_t> chosen_rows(const EvaluateOptions& options) {
 
 void require(const char* option, std::int64_t value, std::int64_t min, std::int64_t max) {
   if (value < min || value > max) {
-    throw UserError(fmt::format("{} {}: must be between {} and {}", option, value, min, max));
+    throw files::UserError(
+        fmt::format("{} {}: must be between {} and {}", option, value, min, max));
   }
 }
 
-void check(const EvaluateOptions& options, const RunSettings& settings) {
+void check(const EvaluateOptions& options, const replay::RunSettings& settings) {
   require("--units", options.units, 1, 1000);
   require("--runs", options.runs, 0, 100'000);
   require("--threads", options.threads, 1, 1000);
   if (options.seed > 1'000'000'000) {
-    throw UserError(fmt::format("--seed {}: must be at most 1000000000", options.seed));
+    throw files::UserError(fmt::format("--seed {}: must be at most 1000000000", options.seed));
   }
-  const Wire<double> preset = load_wire(std::string(default_wire)).wire;
+  const Wire<double> preset = files::load_wire(std::string(files::default_wire)).wire;
   for (auto name = options.observers.begin(); name != options.observers.end(); ++name) {
-    make_observer(*name, preset, settings, {}, usual_ambient_K);
+    replay::make_observer(*name, preset, settings, {}, usual_ambient_K);
     if (std::find(options.observers.begin(), name, *name) != name) {
-      throw UserError(fmt::format("--observer {}: is given twice", *name));
+      throw files::UserError(fmt::format("--observer {}: is given twice", *name));
     }
   }
 }
@@ -93,16 +94,17 @@ std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::
 std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
   std::vector<JudgedUnit> units;
   for (int i = 0; i < options.units; ++i) {
-    for (const Family family : families) {
-      const WireUnit unit = random_unit(family, options.seed + static_cast<std::uint64_t>(i));
+    for (const hal::Family family : hal::families) {
+      const bench::WireUnit unit =
+          bench::random_unit(family, options.seed + static_cast<std::uint64_t>(i));
       units.push_back({unit, unit.type_file(), {}});
     }
   }
   if (calibrated) {
     if (!options.wires.empty()) {
-      prepare_folder("--wires", options.wires);
+      files::prepare_folder("--wires", options.wires);
     }
-    parallel(
+    files::parallel(
         units.size(), options.threads,
         [&](std::size_t i) { units[i].calibrated = calibrated_wire(units[i].unit, options.wires); },
         reporting(options, "calibration", units.size()));
@@ -123,7 +125,7 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
       const bool disturbed =
           row.disturbed == Disturbed::always ||
           (row.disturbed == Disturbed::every_other && round / row.conditions.size() % 2 == 1);
-      const WireUnit& unit = units[at].unit;
+      const bench::WireUnit& unit = units[at].unit;
       jobs.push_back({index,
                       at,
                       {unit.family, unit.seed, row.conditions[round % row.conditions.size()],
@@ -145,25 +147,25 @@ std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_
 
 /// As a user of these converters would set it: below 160 steps of the current's converter the
 /// resistance may be off by 0.3 %, always to the same side.
-double min_current_A(const Sensors& sensors) {
+double min_current_A(const hal::Sensors& sensors) {
   return 160 * sensors.current_full_scale_A / std::ldexp(1.0, sensors.bits - 1);
 }
 
 std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& wire,
-                               const RunSettings& settings, const Sensors& sensors,
-                               const std::vector<SimulatedRow>& rows) {
-  MeasurementParams<double> measuring = measuring_params(wire, settings);
+                               const replay::RunSettings& settings, const hal::Sensors& sensors,
+                               const std::vector<simulate::SimulatedRow>& rows) {
+  MeasurementParams<double> measuring = replay::measuring_params(wire, settings);
   measuring.min_current_A = std::max(measuring.min_current_A, min_current_A(sensors));
-  std::unique_ptr<AnyObserver> running;
+  std::unique_ptr<replay::AnyObserver> running;
   std::vector<JudgedRow> judged;
   judged.reserve(rows.size());
-  for (const SimulatedRow& row : rows) {
+  for (const simulate::SimulatedRow& row : rows) {
     const Measurement<double> m =
         measure(measuring, Sample<double>{row.current_A, row.voltage_V, row.load_N});
     if (running) {
       running->advance(m, row.time_s - judged.back().time_s);
     } else {
-      running = make_observer(observer, wire, settings, m, usual_ambient_K);
+      running = replay::make_observer(observer, wire, settings, m, usual_ambient_K);
     }
     const Estimate<double> e = running->estimate();
     judged.push_back({row.time_s, row.strain, e.strain, e.strain_sd, e.health});
@@ -171,13 +173,13 @@ std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& 
   return judged;
 }
 
-JudgedRun judge(const EvaluatedRun& run, const JouleScenario& joule,
+JudgedRun judge(const EvaluatedRun& run, const bench::JouleScenario& joule,
                 const std::vector<JudgedRow>& rows, double stroke) {
   JudgedRun judged{.run = run, .figures = judge_errors(rows, stroke), .start = {}};
   if (run.condition == Condition::hold_ripple) {
     double begin_s = -joule.record_from_s;
-    const auto ripple =
-        std::ranges::find_if(joule.drive, [](const DriveStep& step) { return step.ripple > 0; });
+    const auto ripple = std::ranges::find_if(
+        joule.drive, [](const bench::DriveStep& step) { return step.ripple > 0; });
     for (auto step = joule.drive.begin(); step != ripple; ++step) {
       begin_s += step->seconds;
     }
@@ -190,25 +192,28 @@ JudgedRun judge(const EvaluatedRun& run, const JouleScenario& joule,
 }
 
 /// Simulates a run once and shows it to all observers of its row.
-std::vector<JudgedRun> judge(const EvaluateOptions& options, const RunSettings& settings,
+std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSettings& settings,
                              const Job& job, const JudgedUnit& unit, double stroke) {
-  const Scenario scenario = test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
-  std::vector<SimulatedRow> rows;
-  simulate_rows(scenario, [&](const SimulatedRow& row) { rows.push_back(row); });
+  const bench::Scenario scenario =
+      test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
+  std::vector<simulate::SimulatedRow> rows;
+  simulate::simulate_rows(scenario,
+                          [&](const simulate::SimulatedRow& row) { rows.push_back(row); });
   const bool known = evaluation_rows()[job.row].calibrated;
   std::vector<JudgedRun> judged;
   for (const std::string& observer : observers_of(options, job.row)) {
     const std::vector<JudgedRow> observed =
         observe(observer, known ? unit.calibrated : unit.type_file, settings,
-                std::get<JouleScenario>(scenario.run).sensors, rows);
-    judged.push_back(judge(job.run, std::get<JouleScenario>(scenario.run), observed, stroke));
+                std::get<bench::JouleScenario>(scenario.run).sensors, rows);
+    judged.push_back(
+        judge(job.run, std::get<bench::JouleScenario>(scenario.run), observed, stroke));
   }
   return judged;
 }
 
 RowResult row_result(std::size_t row, std::vector<JudgedRun> runs) {
   RowResult result{row, {}, together(runs), {}};
-  for (const Family family : families) {
+  for (const hal::Family family : hal::families) {
     std::vector<JudgedRun> own;
     std::ranges::copy_if(runs, std::back_inserter(own),
                          [&](const JudgedRun& run) { return run.run.family == family; });
@@ -221,7 +226,7 @@ RowResult row_result(std::size_t row, std::vector<JudgedRun> runs) {
 }  // namespace
 
 Evaluation evaluate(const EvaluateOptions& options) {
-  const RunSettings settings = parse_run_settings(options.settings);
+  const replay::RunSettings settings = replay::parse_run_settings(options.settings);
   check(options, settings);
   const std::vector<std::size_t> rows = chosen_rows(options);
   const bool calibrated =
@@ -230,7 +235,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
   const std::vector<Job> jobs = work_list(options, rows, units);
   const double stroke = units.front().type_file.nominal_stroke;
   std::vector<std::vector<JudgedRun>> judged(jobs.size());
-  parallel(
+  files::parallel(
       jobs.size(), options.threads,
       [&](std::size_t i) {
         judged[i] = judge(options, settings, jobs[i], units[jobs[i].unit], stroke);
@@ -256,4 +261,4 @@ Evaluation evaluate(const EvaluateOptions& options) {
   return evaluation;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -12,7 +12,7 @@
 #include "host-sim/evaluate/rows.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// Seeds of units are for tests from 1000 on; observers are tuned with 1 to 99.
 inline constexpr std::uint64_t first_test_seed = 1000;
@@ -23,8 +23,8 @@ struct EvaluateOptions {
   std::uint64_t seed = first_test_seed;
   int threads = 1;  ///< the result does not depend on them
   std::vector<std::string> observers{"kalman"};
-  std::vector<Override> settings;  ///< of observers and measurement
-  std::vector<std::string> rows;   ///< names; none: all
+  std::vector<files::Override> settings;  ///< of observers and measurement
+  std::vector<std::string> rows;          ///< names; none: all
   /// Folder of the calibrated wires, made where it is missing. A unit whose file (calibrated_name)
   /// is there is not calibrated again. Empty: nothing is kept.
   std::string wires;
@@ -36,7 +36,7 @@ struct RowResult {
   std::size_t row;              ///< of evaluation_rows()
   std::vector<JudgedRun> runs;  ///< units in turn
   RowFigures all;
-  std::array<RowFigures, families.size()> by_family;
+  std::array<RowFigures, hal::families.size()> by_family;
 };
 
 struct ObserverEvaluation {
@@ -57,4 +57,4 @@ struct Evaluation {
 /// read or written. A run takes about 0.3 s, the calibration of a unit about a minute, on one core.
 Evaluation evaluate(const EvaluateOptions& options);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

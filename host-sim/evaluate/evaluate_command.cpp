@@ -17,7 +17,7 @@
 #include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 struct EvaluateArguments {
@@ -36,7 +36,7 @@ std::string json_file(const std::string& out) {
     return (std::filesystem::path(out) / "evaluate.json").string();
   }
   if (!out.empty() && out != "-" && !out.ends_with(".json")) {
-    throw UserError(fmt::format("--out {}: must be a folder or end in .json", out));
+    throw files::UserError(fmt::format("--out {}: must be a folder or end in .json", out));
   }
   return out;
 }
@@ -54,20 +54,20 @@ class Stages {
 
  private:
   std::string stage_;
-  std::optional<Progress> line_;
+  std::optional<files::Progress> line_;
 };
 
 /// One of the random scenarios, to look at.
 void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   const RandomScenario scenario =
       random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
-  const LoopRunResult result = run_closed_loop(scenario.loop, {.out = a.out});
-  fmt::print(a.out == "-" ? stderr : stdout, "{}", summary(scenario.loop, result));
+  const simulate::LoopRunResult result = simulate::run_closed_loop(scenario.loop, {.out = a.out});
+  fmt::print(a.out == "-" ? stderr : stdout, "{}", simulate::summary(scenario.loop, result));
 }
 
 /// Where numbers and table go; opened first, for an evaluation may take an hour.
 struct Destination {
-  std::optional<OutputFile> json;
+  std::optional<files::OutputFile> json;
   std::optional<TableFile> table;
 
   void write(const std::string& numbers, const std::string& markdown) {
@@ -121,7 +121,7 @@ void run(EvaluateArguments& a) {
     run_closed_loop(a, destination);
     return;
   }
-  a.options.settings = parse_settings(a.settings);
+  a.options.settings = text::parse_settings(a.settings);
   Evaluation evaluation;
   {
     Stages stages;
@@ -147,7 +147,7 @@ void add_evaluate_command(CLI::App& app) {
   EvaluateOptions& options = a->options;
   options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::vector<std::string> observers;
-  for (const ObserverKind& kind : observer_kinds()) {
+  for (const replay::ObserverKind& kind : replay::observer_kinds()) {
     observers.emplace_back(kind.name);
   }
   std::vector<std::string> rows;
@@ -188,4 +188,4 @@ void add_evaluate_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
@@ -66,4 +66,4 @@ std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowRes
   return row_figures(row_of(row), row.all, max_mean(observer, row));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

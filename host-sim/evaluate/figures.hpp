@@ -6,7 +6,7 @@
 
 #include "host-sim/evaluate/evaluate.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// A number of a row and what it should be.
 struct Figure {
@@ -30,4 +30,4 @@ std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& figu
 
 const EvaluationRow& row_of(const RowResult& result);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 using Rows = std::span<const JudgedRow>;
@@ -115,4 +115,4 @@ StartFigures judge_start(Rows run, double stroke) {
           never || astray, asked->health == Health::good};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

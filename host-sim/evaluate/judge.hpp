@@ -8,7 +8,7 @@
 #include "host-sim/replay/error_statistics.hpp"
 #include "observer/estimate.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// The truth and the estimate at one instant.
 struct JudgedRow {
@@ -24,7 +24,7 @@ inline constexpr double near_percent = 6;   ///< what an observer must find from
 
 /// Errors are in per cent of the nominal stroke.
 struct RunFigures {
-  ErrorStatistics error;          ///< after the first second
+  replay::ErrorStatistics error;  ///< after the first second
   std::uint64_t with_sd = 0;      ///< of these errors, those with a standard deviation
   std::uint64_t within_2_sd = 0;  ///< and those inside of two of it
   bool lost = false;
@@ -51,4 +51,4 @@ struct StartFigures {
 };
 StartFigures judge_start(std::span<const JudgedRow> run, double stroke);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double nothing_known = std::numeric_limits<double>::quiet_NaN();
@@ -94,4 +94,4 @@ RowFigures together(const std::vector<JudgedRun>& runs) {
   return row;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

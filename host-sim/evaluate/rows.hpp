@@ -10,7 +10,7 @@
 #include "host-sim/evaluate/judge.hpp"
 #include "host-sim/evaluate/runs/runs.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 enum class Disturbed : unsigned char { never, always, every_other };
 
@@ -33,7 +33,7 @@ const std::vector<EvaluationRow>& evaluation_rows();
 
 /// One run, so that it can be made again: test_run(random_unit(family, unit), ...).
 struct EvaluatedRun {
-  Family family;
+  hal::Family family;
   std::uint64_t unit;
   Condition condition;
   bool disturbed;
@@ -51,7 +51,7 @@ struct JudgedRun {
 /// Runs that are counted together.
 struct RowFigures {
   int runs = 0;
-  ErrorStatistics
+  replay::ErrorStatistics
       error;  ///< of all instants after the first second of each run, in % of the stroke
   int lost = 0;
   double within_2_sd;  ///< share of these instants; NaN where an observer has no deviation
@@ -63,4 +63,4 @@ struct RowFigures {
 };
 RowFigures together(const std::vector<JudgedRun>& runs);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

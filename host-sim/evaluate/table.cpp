@@ -13,7 +13,7 @@
 #include "model/files/output_file.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double no_scale = std::numeric_limits<double>::quiet_NaN();
@@ -43,29 +43,29 @@ std::string three(const RowFigures& f) {
 }
 
 /// With columns of the families at the end. What is marked misses its target.
-TextTable table_of(std::vector<TextTable::Column> columns) {
-  for (const Family family : families) {
-    columns.push_back({std::string(family_name(family)), "{}"});
+files::TextTable table_of(std::vector<files::TextTable::Column> columns) {
+  for (const hal::Family family : hal::families) {
+    columns.push_back({std::string(hal::family_name(family)), "{}"});
   }
-  return TextTable(std::move(columns), "");
+  return files::TextTable(std::move(columns), "");
 }
 
-TextTable errors(const ObserverEvaluation& observer) {
-  TextTable table = table_of({{"row"},
-                              {"runs", "{}"},
-                              {"mean", "{:.2f}"},
-                              {"95 %", "{:.2f}"},
-                              {"max", "{:.2f}"},
-                              {"lost", "{:.0f}"},
-                              {"in 2 sd", "{:.1f}"},
-                              {"target", "{}"}});
+files::TextTable errors(const ObserverEvaluation& observer) {
+  files::TextTable table = table_of({{"row"},
+                                     {"runs", "{}"},
+                                     {"mean", "{:.2f}"},
+                                     {"95 %", "{:.2f}"},
+                                     {"max", "{:.2f}"},
+                                     {"lost", "{:.0f}"},
+                                     {"in 2 sd", "{:.1f}"},
+                                     {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures f = row_figures(observer, result);
     std::string targets = target(f[0]);
     for (const std::size_t i : {1U, 2U}) {
       targets += f[i].has_target() ? " / " + target(f[i]) : "";
     }
-    TextTable::Row line{row_of(result).name, result.all.runs};
+    files::TextTable::Row line{row_of(result).name, result.all.runs};
     for (std::size_t i = 0; i < 5; ++i) {
       line.emplace_back(f[i].value, f[i].missed());
     }
@@ -93,15 +93,15 @@ std::string meaning(std::string_view figure) {
 }
 
 /// What only some rows have.
-TextTable particulars(const ObserverEvaluation& observer) {
-  TextTable table = table_of({{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
+files::TextTable particulars(const ObserverEvaluation& observer) {
+  files::TextTable table = table_of({{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures all = row_figures(observer, result);
     for (std::size_t i = 5; i < all.size(); ++i) {
-      TextTable::Row line{row_of(result).name,
-                          meaning(all[i].name),
-                          {number(all[i]), all[i].missed()},
-                          target(all[i])};
+      files::TextTable::Row line{row_of(result).name,
+                                 meaning(all[i].name),
+                                 {number(all[i]), all[i].missed()},
+                                 target(all[i])};
       for (const RowFigures& family : result.by_family) {
         line.emplace_back(number(row_figures(row_of(result), family, no_scale)[i]));
       }
@@ -127,7 +127,7 @@ std::string worst(const RowResult& row) {
       row.runs, {}, [](const JudgedRun& run) { return run.figures.error.mean(); });
   const EvaluatedRun& run = judged->run;
   return fmt::format("{}: mean {:.2f}, {} {}, {}{}, seed {}", row_of(row).name,
-                     judged->figures.error.mean(), family_name(run.family), run.unit,
+                     judged->figures.error.mean(), hal::family_name(run.family), run.unit,
                      condition_name(run.condition), run.disturbed ? " disturbed" : "", run.seed);
 }
 
@@ -156,8 +156,8 @@ nlohmann::ordered_json targets(const Figures& figures) {
 
 nlohmann::ordered_json run_json(const JudgedRun& judged) {
   const EvaluatedRun& run = judged.run;
-  const ErrorStatistics& error = judged.figures.error;
-  nlohmann::ordered_json json{{"family", family_name(run.family)},
+  const replay::ErrorStatistics& error = judged.figures.error;
+  nlohmann::ordered_json json{{"family", hal::family_name(run.family)},
                               {"unit", run.unit},
                               {"condition", condition_name(run.condition)},
                               {"disturbed", run.disturbed},
@@ -180,9 +180,9 @@ nlohmann::ordered_json run_json(const JudgedRun& judged) {
 nlohmann::ordered_json row_json(const ObserverEvaluation& observer, const RowResult& result) {
   const Figures all = row_figures(observer, result);
   nlohmann::ordered_json json{{"row", row_of(result).name}, {"all", numbers(all, result.all.runs)}};
-  for (const Family family : families) {
+  for (const hal::Family family : hal::families) {
     const RowFigures& f = result.by_family[static_cast<std::size_t>(family)];
-    json[std::string(family_name(family))] =
+    json[std::string(hal::family_name(family))] =
         numbers(row_figures(row_of(result), f, no_scale), f.runs);
   }
   json["targets"] = targets(all);
@@ -198,7 +198,7 @@ std::string table_text(const Evaluation& evaluation) {
   std::string text = title(evaluation) + "\n* misses its target\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
     text += fmt::format("\n{}\n{}", observer.observer, errors(observer).text());
-    const TextTable particular = particulars(observer);
+    const files::TextTable particular = particulars(observer);
     text += particular.empty() ? "" : "\n" + particular.text();
     text += "\nworst runs\n";
     for (const RowResult& row : observer.rows) {
@@ -219,24 +219,25 @@ std::string table_json(const Evaluation& evaluation) {
       rows.push_back(row_json(observer, row));
     }
   }
-  return json_text(json);
+  return files::json_text(json);
 }
 
 std::string table_markdown(const Evaluation& evaluation) {
   std::string text = title(evaluation) + ". Bold: misses its target.\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
     text += fmt::format("\n`{}`\n\n{}", observer.observer, errors(observer).markdown());
-    const TextTable particular = particulars(observer);
+    const files::TextTable particular = particulars(observer);
     text += particular.empty() ? "" : "\n" + particular.markdown();
   }
   return text;
 }
 
 void write_table_report(const std::string& path, const Evaluation& evaluation) {
-  std::string html = fmt::format("<p>{}.</p>\n", escaped(title(evaluation)));
+  std::string html = fmt::format("<p>{}.</p>\n", files::escaped(title(evaluation)));
   for (const ObserverEvaluation& observer : evaluation.observers) {
-    html += fmt::format("<h2>{}</h2>\n{}", escaped(observer.observer), errors(observer).html());
-    const TextTable particular = particulars(observer);
+    html +=
+        fmt::format("<h2>{}</h2>\n{}", files::escaped(observer.observer), errors(observer).html());
+    const files::TextTable particular = particulars(observer);
     html += particular.empty() ? "" : particular.html();
     html += "<p class=\"caption\">Worst runs:</p><ul class=\"caption\">\n";
     for (const RowResult& row : observer.rows) {
@@ -246,9 +247,9 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   }
   html += "<h2>Rows</h2>\n<ul>\n";
   for (const EvaluationRow& row : evaluation_rows()) {
-    html += fmt::format("<li>{}: {}</li>\n", row.name, escaped(row.meaning));
+    html += fmt::format("<li>{}: {}</li>\n", row.name, files::escaped(row.meaning));
   }
-  write_html(path, "Evaluation of observers", html + "</ul>\n");
+  report::write_html(path, "Evaluation of observers", html + "</ul>\n");
 }
 
 TableFile::TableFile(std::string path) : path_(std::move(path)) {
@@ -258,14 +259,14 @@ TableFile::TableFile(std::string path) : path_(std::move(path)) {
   std::stringstream content;
   content << input.rdbuf();
   if (!input) {
-    throw UserError(fmt::format("--markdown {}: can not be read", path_));
+    throw files::UserError(fmt::format("--markdown {}: can not be read", path_));
   }
   const std::string text = content.str();
   const std::size_t head = text.find(begin);
   const std::size_t from = text.find('\n', head);
   const std::size_t to = text.find(end, head);
   if (head == std::string::npos || from == std::string::npos || to == std::string::npos) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("--markdown {}: needs a line that begins with \"{}\", and \"{}\" "
                     "after it",
                     path_, begin, end));
@@ -275,9 +276,9 @@ TableFile::TableFile(std::string path) : path_(std::move(path)) {
 }
 
 void TableFile::rewrite(const std::string& markdown) const {
-  OutputFile file(path_);
+  files::OutputFile file(path_);
   file.write(before_ + "\n" + markdown + "\n" + after_);
   file.commit();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

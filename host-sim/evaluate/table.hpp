@@ -6,7 +6,7 @@
 
 #include "host-sim/evaluate/evaluate.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 std::string table_text(const Evaluation& evaluation);
 std::string table_json(const Evaluation& evaluation);
@@ -27,4 +27,4 @@ class TableFile {
   std::string path_, before_, after_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

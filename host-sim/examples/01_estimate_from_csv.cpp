@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   using namespace smaservo;
   const std::string trace = argc > 1 ? argv[1] : "host-sim/traces/150MPa.csv";
   const std::string wire_file = argc > 2 ? argv[2] : "host-sim/traces/units/a.toml";
-  const Wire<double> wire = load_wire(wire_file).wire;
+  const Wire<double> wire = files::load_wire(wire_file).wire;
 
   // What the sensors are worth, and which resistances can be this wire's.
   const double cold_ohm = cold_resistance_ohm(wire);
@@ -31,8 +31,8 @@ int main(int argc, char** argv) {
 
   // A trace is a board that reads its rows. The first one starts the observer, in a room of 25
   // degC.
-  ReplayBoard board(TraceReader(trace, {}), 0, sensors.area_m2);
-  Frame frame{};
+  hal::ReplayBoard board(hal::TraceReader(trace, {}), 0, sensors.area_m2);
+  hal::Frame frame{};
   board.read(frame);
   const auto measured = [&] {
     return measure<double>(sensors, {frame.current_A, frame.voltage_V, frame.load_N});
@@ -43,14 +43,14 @@ int main(int argc, char** argv) {
   fmt::print("time s  strain %    +- %  reference %\n");
   std::int64_t last_ns = frame.time_ns;
   double next_s = 1;
-  while (board.read(frame) == ReadStatus::frame) {
+  while (board.read(frame) == hal::ReadStatus::frame) {
     Observer::advance(model, state, measured(),
                       1e-9 * static_cast<double>(frame.time_ns - last_ns));
     last_ns = frame.time_ns;
     if (1e-9 * static_cast<double>(frame.time_ns) >= next_s) {
       const Estimate<double> e = Observer::estimate(model, state);
       fmt::print("{:6.1f}  {:8.2f}  {:6.2f}  {:11.2f}\n", next_s, 100 * e.strain, 100 * e.strain_sd,
-                 100 * board.row()[Column::strain_ref]);
+                 100 * board.row()[hal::Column::strain_ref]);
       next_s += 1;
     }
   }

@@ -16,7 +16,7 @@ int main() {
   constexpr double dt_s = 1e-3;
 
   // The presets have names; a file of your own is load_wire("mine.toml").
-  const Model::Params wire = plant_params(load_wire("smartflex-76um").wire);
+  const Model::Params wire = plant_params(files::load_wire("smartflex-76um").wire);
   Model::State state = Model::rest(wire, {ambient_K, stress_Pa});
 
   fmt::print("time s  current A  temperature degC  strain %  resistance ohm\n");

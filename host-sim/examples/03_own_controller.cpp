@@ -20,7 +20,7 @@ int main() {
   constexpr double max_A = 0.2;      // what the converter can
 
   // The wire that is simulated is also the observer's model.
-  const Wire<double> wire = load_wire("smartflex-76um").wire;
+  const Wire<double> wire = files::load_wire("smartflex-76um").wire;
   const Model::Params plant = plant_params(wire);
   Model::State state = Model::rest(plant, {ambient_K, stress_Pa});
 

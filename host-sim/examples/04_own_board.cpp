@@ -3,7 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "firmware/device/board_io.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/device/device.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/settings_file.hpp"
@@ -15,15 +15,15 @@ namespace {
 class OwnBoard {
  public:
   explicit OwnBoard(const Model::Params& wire) : wire_(wire) {}
-  ReadStatus read(Frame& frame) {
+  hal::ReadStatus read(hal::Frame& frame) {
     const double ohm = Model::resistance_ohm(wire_, state_, 298.15);
     const double A = time_ns_ < command_.valid_until_ns ? command_.current_A : 0;
     Model::advance(wire_, state_, {A * A * ohm, 150e6, 298.15}, 1e-3);
     time_ns_ += 1'000'000;
     frame = {time_ns_, ++sequence_, A, A * ohm, 0.68, 24, NAN, NAN, false, false};  // NAN: not read
-    return time_ns_ < 600'000'000 ? ReadStatus::frame : ReadStatus::end;
+    return time_ns_ < 600'000'000 ? hal::ReadStatus::frame : hal::ReadStatus::end;
   }
-  void drive(const DriveCommand& command) { command_ = command; }
+  void drive(const hal::DriveCommand& command) { command_ = command; }
   void safe_off() { command_ = {}; }
   void kick() {}  // yours pulses the circuit that cuts the heat when the program hangs
   std::int64_t now_ns() const { return time_ns_; }
@@ -31,29 +31,30 @@ class OwnBoard {
  private:
   Model::Params wire_;
   Model::State state_ = Model::rest(wire_, {298.15, 150e6});
-  DriveCommand command_{};
+  hal::DriveCommand command_{};
   std::int64_t time_ns_ = 0;
   std::uint32_t sequence_ = 0;
 };
-static_assert(Board<OwnBoard>);
+static_assert(hal::Board<OwnBoard>);
 }  // namespace
 
 int main() {
   const Prepared<double> prepared =
-      prepare(load_settings_file("host-sim/scenarios/devices/smartflex-76um.toml"));
+      prepare(text::load_settings_file("host-sim/scenarios/devices/smartflex-76um.toml"));
   Device<double>::State device = Device<double>::start();
   OwnBoard board(prepared.observer.model);
-  Frame frame{};
+  hal::Frame frame{};
+  DeviceStep<double> now{};
+  const auto step = [&](const Inputs<double>& in, const Command<double>& command) {
+    return Device<double>::step(prepared, device, in, command, 1e-3);
+  };
   fmt::print("time s  state     current A  strain %\n");
-  for (int i = 1; board.read(frame) == ReadStatus::frame; ++i) {
-    const auto in = inputs_of<double>(frame, ReadStatus::frame);
+  for (int i = 1; board.read(frame) == hal::ReadStatus::frame; ++i) {
     const Command<double> hold{.fresh = true, .arm = true, .mode = Mode::strain, .setpoint = 0.02};
-    const Output<double> out = Device<double>::step(prepared, device, in, hold, 1e-3);
-    board.drive(drive_of(out, board.now_ns(), 3'000'000));  // heat is a lease of 3 ms
-    board.kick();
+    run_cycle(board, frame, hal::ReadStatus::frame, Heard<double>{hold, {}}, 1'000'000, now, step);
     if (i % 50 == 0) {
-      fmt::print("{:6.2f}  {:8}  {:9.3f}  {:8.2f}\n", i * 1e-3, state_name(out.state),
-                 out.current_A, 100 * out.estimate.strain);
+      fmt::print("{:6.2f}  {:8}  {:9.3f}  {:8.2f}\n", i * 1e-3, text::state_name(now.output.state),
+                 now.output.current_A, 100 * now.output.estimate.strain);
     }
   }
   board.safe_off();

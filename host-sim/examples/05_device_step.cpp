@@ -12,7 +12,6 @@
 using namespace smaservo;
 using Model = Plant<ThreePhase<float>>;
 namespace {
-
 /// What your registers do: here a wire under 0.68 N, and a current through it.
 class Hardware {
  public:
@@ -42,7 +41,8 @@ class Hardware {
 int main() {
   // A microcontroller has its settings in flash: firmware/parameters/store.hpp.
   const char* const file = "host-sim/scenarios/devices/smartflex-76um.toml";
-  static const Prepared<float> prepared = prepare(stored_settings<float>(load_settings_file(file)));
+  static const Prepared<float> prepared =
+      prepare(stored_settings<float>(text::load_settings_file(file)));
   static Device<float>::State device = Device<float>::start();
   Hardware hardware(prepared.observer.model);
   fmt::print("time s  current A  strain %  temperature degC\n");

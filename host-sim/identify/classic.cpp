@@ -13,7 +13,7 @@
 #include "host-sim/identify/runs/steady_load.hpp"
 #include "model/three_phase/ihyp.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 enum class Shape : unsigned char { cosine, tanh, arctan, bezier, ihyp };
@@ -270,4 +270,4 @@ std::vector<ClassicFit> fit_adaptable(const Run& run) {
   return {fitted<Shape::bezier>("Bezier", *cycle), fitted<Shape::ihyp>("ihyp", *cycle)};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -10,7 +10,7 @@
 
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// A curve from 1 to 0 through the T-z-plane, made of four support points: (0, 1), two inner ones
 /// and (1, 0) (000, 'Transformation function', after Enemark and Santos 2016).
@@ -100,4 +100,4 @@ std::vector<ClassicFit> fit_classics(const Run& run);
 /// Takes some 0.1 s for 500 rows.
 std::vector<ClassicFit> fit_adaptable(const Run& run);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -7,7 +7,7 @@
 #include "host-sim/identify/fitted_wire.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 /// Seconds at every comparison; of settled states their number.
@@ -36,12 +36,14 @@ std::string data_block(const FittedRun& run, const std::vector<double>& place,
   for (std::size_t i = 0; i < place.size(); ++i) {
     const double measured = at(run.strain_measured, i);
     const double model = at(run.strain_model, i);
-    text +=
-        fmt::format("{} {} {} {} {} {} {}\n", plotted(place[i]),
-                    plotted(at(run.temperature_K, i) - zero_degC_K),
-                    plotted(heat ? measured : 100 * measured), plotted(heat ? model : 100 * model),
-                    plotted(heat ? model - measured : 100 * (model - measured) / nominal_stroke),
-                    plotted(at(run.resistance_measured, i)), plotted(at(run.resistance_model, i)));
+    text += fmt::format(
+        "{} {} {} {} {} {} {}\n", report::plotted(place[i]),
+        report::plotted(at(run.temperature_K, i) - zero_degC_K),
+        report::plotted(heat ? measured : 100 * measured),
+        report::plotted(heat ? model : 100 * model),
+        report::plotted(heat ? model - measured : 100 * (model - measured) / nominal_stroke),
+        report::plotted(at(run.resistance_measured, i)),
+        report::plotted(at(run.resistance_model, i)));
   }
   return text + "EOD\n";
 }
@@ -53,8 +55,8 @@ class RunDrawing {
         name_(file_name(fitted.name)),
         data_(data_block(fitted, places(run), nominal_stroke)) {}
 
-  std::vector<Plot> all() const {
-    std::vector<Plot> plots;
+  std::vector<report::Plot> all() const {
+    std::vector<report::Plot> plots;
     const bool strain = run_.strain.count > 0;
     const bool resistance = run_.resistance.count > 0;
     switch (run_.kind) {
@@ -109,8 +111,8 @@ class RunDrawing {
     return over + (over == "temperature" ? " in °C" : over == "time" ? " in s" : "");
   }
 
-  Plot curve(const char* what, const char* over, const char* label, int x, int measured, int model,
-             bool half) const {
+  report::Plot curve(const char* what, const char* over, const char* label, int x, int measured,
+                     int model, bool half) const {
     const std::vector<std::string> curves{
         fmt::format("$data using {}:{} with lines lc rgb reference lw 2.5 title 'measured'", x,
                     measured),
@@ -120,23 +122,25 @@ class RunDrawing {
                 "", curves);
   }
 
-  Plot residual(const char* over, int x, const char* label) const {
+  report::Plot residual(const char* over, int x, const char* label) const {
     return plot(fmt::format("{}: what is left", name_), "What the model does not explain.",
                 unit(over), label, true, "set xzeroaxis lt 1 lc rgb '#666666'\n",
                 {fmt::format("$data using {}:5 with lines lc rgb estimate notitle", x)});
   }
 
-  Plot loop() const {
+  report::Plot loop() const {
     return plot(fmt::format("{}: strain over resistance", name_), "What an observer makes use of.",
                 "resistance in Ω", "strain in %", true, "",
                 {"$data using 6:3 with lines lc rgb reference lw 2.5 title 'measured'",
                  "$data using 7:4 with lines lc rgb estimate title 'model'"});
   }
 
-  Plot plot(std::string title, std::string caption, const std::string& x_label, const char* y_label,
-            bool half, const std::string& more, const std::vector<std::string>& curves) const {
-    const Axes axes = half ? Axes{500, 400, x_label, y_label} : Axes{1000, 320, x_label, y_label};
-    return {std::move(title), std::move(caption), half, draw(axes, data_, more, curves)};
+  report::Plot plot(std::string title, std::string caption, const std::string& x_label,
+                    const char* y_label, bool half, const std::string& more,
+                    const std::vector<std::string>& curves) const {
+    const report::Axes axes =
+        half ? report::Axes{500, 400, x_label, y_label} : report::Axes{1000, 320, x_label, y_label};
+    return {std::move(title), std::move(caption), half, report::draw(axes, data_, more, curves)};
   }
 
   const FittedRun& run_;
@@ -146,15 +150,15 @@ class RunDrawing {
 
 }  // namespace
 
-std::vector<Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs) {
-  std::vector<Plot> all;
+std::vector<report::Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs) {
+  std::vector<report::Plot> all;
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     const RunDrawing drawing(fit.runs[i], runs[i], fit.wire.nominal_stroke);
-    for (Plot& plot : drawing.all()) {
+    for (report::Plot& plot : drawing.all()) {
       all.push_back(std::move(plot));
     }
   }
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

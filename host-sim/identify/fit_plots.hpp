@@ -6,10 +6,10 @@
 #include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/report/gnuplot.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// Of each run: measured and fitted strain and resistance, and what is left between them. Throws
 /// UserError when gnuplot is missing or fails.
-std::vector<Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs);
+std::vector<report::Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

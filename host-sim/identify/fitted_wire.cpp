@@ -11,7 +11,7 @@
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 constexpr double max_strain = 0.15;
@@ -39,7 +39,7 @@ void check_explained(const FitResult& fit) {
   std::vector<FittedRun> runs = fit.runs;
   std::ranges::sort(runs, {}, unexplained);
   if (unexplained(runs[(runs.size() - 1) / 2]) > 1) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{}: the fitted model misses its {} (RMS){}; is it this wire, with the right "
                     "units, length, load and columns?",
                     runs.back().name, deviation_text(runs.back()),
@@ -47,11 +47,12 @@ void check_explained(const FitResult& fit) {
   }
 }
 
-void check_valid(const WireDescription& wire) {
+void check_valid(const files::WireDescription& wire) {
   try {
-    parse_wire(to_toml(wire), wire.name);
-  } catch (const ConfigError& error) {
-    throw UserError(fmt::format("the runs lead to a wire that can not be: {}", error.what()));
+    files::parse_wire(files::to_toml(wire), wire.name);
+  } catch (const files::ConfigError& error) {
+    throw files::UserError(
+        fmt::format("the runs lead to a wire that can not be: {}", error.what()));
   }
 }
 
@@ -68,7 +69,7 @@ bool stands_above(std::string_view path, std::string_view key) {
 }
 
 /// The source that speaks for a key: its own, or that of the nearest table.
-std::string inherited(const WireDescription& from, std::string_view key) {
+std::string inherited(const files::WireDescription& from, std::string_view key) {
   std::string text;
   std::size_t longest = 0;
   for (const auto& [path, source] : from.sources) {
@@ -91,7 +92,7 @@ Groups grouped(const FitResult& fit) {
 }
 
 std::string source_of(const std::string& group, const Groups::mapped_type& parameters,
-                      const WireDescription& from, const FitResult& fit) {
+                      const files::WireDescription& from, const FitResult& fit) {
   std::vector<std::string> found, kept;
   for (const FittedParameter* fitted : parameters) {
     const FitParameter& parameter = fitted->parameter;
@@ -181,8 +182,8 @@ std::string with_deviation(double value, double sd) {
   return fmt::format("{:.{}f} ± {:.{}f}", nothing ? 0.0 : value, decimals, sd, decimals);
 }
 
-WireDescription fitted_wire(const WireDescription& from, const FitResult& fit,
-                            const std::string& name) {
+files::WireDescription fitted_wire(const files::WireDescription& from, const FitResult& fit,
+                                   const std::string& name) {
   check_explained(fit);
   const Groups groups = grouped(fit);
   std::map<std::string, std::string> sources;
@@ -208,9 +209,9 @@ WireDescription fitted_wire(const WireDescription& from, const FitResult& fit,
       sources[path] = text;
     }
   }
-  WireDescription wire{name, now, {sources.begin(), sources.end()}};
+  files::WireDescription wire{name, now, {sources.begin(), sources.end()}};
   check_valid(wire);
   return wire;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -7,7 +7,7 @@
 #include "host-sim/identify/fit/fit.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// The last part of a path.
 std::string file_name(const std::string& path);
@@ -31,7 +31,7 @@ std::string group_of(std::string_view key);
 /// runs: strain within 15 % of the nominal stroke (RMS), without strain the resistance within 10 %,
 /// in calorimetry the heat flow within 50 % of its greatest. The same when a wire file could not
 /// hold the wire.
-WireDescription fitted_wire(const WireDescription& from, const FitResult& fit,
-                            const std::string& name);
+files::WireDescription fitted_wire(const files::WireDescription& from, const FitResult& fit,
+                                   const std::string& name);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -14,12 +14,12 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 struct IdentifyArguments {
   std::vector<std::string> runs;
-  std::string from{default_wire};
+  std::string from{files::default_wire};
   std::vector<std::string> settings, columns;
   std::string out, report;
   bool json = false;
@@ -77,7 +77,7 @@ class FitStatus {
 
 void check_files(const IdentifyArguments& a) {
   if (!a.out.ends_with(".toml")) {
-    throw UserError(fmt::format("--out {}: the name of a wire file ends in .toml", a.out));
+    throw files::UserError(fmt::format("--out {}: the name of a wire file ends in .toml", a.out));
   }
   for (auto run = a.runs.begin(); run != a.runs.end(); ++run) {
     refuse_to_overwrite(*run, a.out);
@@ -127,8 +127,8 @@ FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::v
 void run(const IdentifyArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   check_files(a);
-  const WireDescription from = load_wire(a.from, parse_settings(a.settings));
-  OutputFile file(a.out);
+  const files::WireDescription from = files::load_wire(a.from, text::parse_settings(a.settings));
+  files::OutputFile file(a.out);
   Identification all;
   all.from = from.name;
   all.out = a.out;
@@ -139,7 +139,7 @@ void run(const IdentifyArguments& a) {
     all.classics.push_back(fit_classics(run));
   }
   all.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  file.write(to_toml(all.wire));
+  file.write(files::to_toml(all.wire));
   file.commit();
   if (!a.report.empty()) {
     write_fit_report(a.report, all);
@@ -181,4 +181,4 @@ void add_identify_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

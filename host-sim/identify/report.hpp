@@ -9,7 +9,7 @@
 #include "host-sim/identify/fit/fit.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// Everything that is known after a fit.
 struct Identification {
@@ -17,7 +17,7 @@ struct Identification {
   std::string out;   ///< file of the wire
   std::vector<Run> runs;
   FitResult fit;
-  WireDescription wire;
+  files::WireDescription wire;
   std::vector<std::vector<ClassicFit>> classics;  ///< of each run, see fit_classics()
   double elapsed_s = 0;
 };
@@ -37,4 +37,4 @@ std::string fit_json(const Identification& all);
 /// Writes one HTML file that opens without a network. Throws UserError.
 void write_fit_report(const std::string& path, const Identification& all);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -14,7 +14,7 @@
 #include "model/files/parallel.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::plan {
 namespace {
 
 using Model = Plant<ThreePhase<double>>;
@@ -83,34 +83,37 @@ class Expectation {
         dt_s_(dt_s),
         variant_{wire.kinetics.separate_r2a, wire.kinetics.separate_r2m, wire.kinetics.memory,
                  wire.material.mixture, false},
-        problem_{wire_, variant_, fit_parameters(wire_, variant_), {{without(0), without(1)}}} {}
+        problem_{wire_,
+                 variant_,
+                 identify::fit_parameters(wire_, variant_),
+                 {{without(0), without(1)}}} {}
 
-  const std::vector<FitParameter>& parameters() const { return problem_.parameters; }
+  const std::vector<identify::FitParameter>& parameters() const { return problem_.parameters; }
 
   /// JᵀJ of the wire's parameters, without what the run needs for its own ones.
   Eigen::MatrixXd information(const Driven& driven) const {
-    FitRun run = fit_run(driven);
-    const Assumed<double> truth{wire_, {0, 1}, {ambient_K, 1, 0, 1, 1, 0}};
-    std::vector<Predicted<double>> predicted;
-    predict(run, truth, truth, predicted);
-    for (const Predicted<double>& p : predicted) {
+    identify::FitRun run = fit_run(driven);
+    const identify::Assumed<double> truth{wire_, {0, 1}, {ambient_K, 1, 0, 1, 1, 0}};
+    std::vector<identify::Predicted<double>> predicted;
+    identify::predict(run, truth, truth, predicted);
+    for (const identify::Predicted<double>& p : predicted) {
       run.strain.push_back(p.strain);
       run.resistance_ohm.push_back(p.resistance_ohm);
     }
-    const Weights weights;
-    const RunCost cost(problem_, run, circumstances_, weights);
+    const identify::Weights weights;
+    const identify::RunCost cost(problem_, run, circumstances_, weights);
     std::vector<double> u(cost.size(), 0.0);
     const std::size_t wires = problem_.parameters.size();
-    std::vector<Active> active;
-    active.reserve(wires + circumstance_count);
+    std::vector<identify::Active> active;
+    active.reserve(wires + identify::circumstance_count);
     for (std::size_t i = 0; i < wires; ++i) {
       active.push_back({&u[i], i, {}});
     }
-    for (const int own : {iAmbient, iLoss, iZero, iGain}) {
-      const std::size_t i = wires + circuit_count + static_cast<std::size_t>(own);
+    for (const int own : {identify::iAmbient, identify::iLoss, identify::iZero, identify::iGain}) {
+      const std::size_t i = wires + identify::circuit_count + static_cast<std::size_t>(own);
       active.push_back({&u[i], i, {}});
     }
-    const AllRunsCost all({{cost, u, 0}}, active, 1);
+    const identify::AllRunsCost all({{cost, u, 0}}, active, 1);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(
         all.num_residuals(), static_cast<Eigen::Index>(active.size()));
     std::vector<double> residuals(static_cast<std::size_t>(all.num_residuals()));
@@ -129,12 +132,14 @@ class Expectation {
 
  private:
   /// A number that is known.
-  static FitParameter without(double value) { return {"", "", 1, Form::sum, value, 0}; }
+  static identify::FitParameter without(double value) {
+    return {"", "", 1, identify::Form::sum, value, 0};
+  }
 
-  FitRun fit_run(const Driven& driven) const {
+  identify::FitRun fit_run(const Driven& driven) const {
     const std::size_t steps = driven.power_W.size();
-    FitRun run;
-    run.kind = RunKind::joule;
+    identify::FitRun run;
+    run.kind = identify::RunKind::joule;
     run.dt_s.assign(steps, dt_s_);
     run.power_W = driven.power_W;
     for (const double current_A : driven.run.current_A) {
@@ -152,15 +157,16 @@ class Expectation {
 
   const Wire<double>& wire_;
   double dt_s_;
-  FitVariant variant_;
-  FitProblem problem_;
+  identify::FitVariant variant_;
+  identify::FitProblem problem_;
   /// As a fit's, with a measured ambient temperature; the load cell and the leads are known.
-  CircumstanceParameters circumstances_{{{"ambient", "degC", 1, Form::sum, ambient_K, 0.5},
-                                         {"loss", "", 1, Form::factor, 1, 0.05},
-                                         {"strain_zero", "%", 0.01, Form::sum, 0, 0.02},
-                                         {"resistance_gain", "", 1, Form::factor, 1, 0.0015},
-                                         without(1),
-                                         without(0)}};
+  identify::CircumstanceParameters circumstances_{
+      {{"ambient", "degC", 1, identify::Form::sum, ambient_K, 0.5},
+       {"loss", "", 1, identify::Form::factor, 1, 0.05},
+       {"strain_zero", "%", 0.01, identify::Form::sum, 0, 0.02},
+       {"resistance_gain", "", 1, identify::Form::factor, 1, 0.0015},
+       without(1),
+       without(0)}};
 };
 
 /// Deviations of all parameters by their prior's, with all this information.
@@ -256,7 +262,7 @@ class Search {
   void add(const std::vector<std::pair<double, Recipe>>& wanted) {
     const std::size_t before = pool_.size();
     pool_.resize(before + wanted.size());
-    parallel(
+    files::parallel(
         wanted.size(), options_.threads,
         [&](std::size_t i) { pool_[before + i] = candidate(wanted[i].first, wanted[i].second); },
         [&](std::size_t done) { options_.progress(before + done, total_); });
@@ -361,23 +367,23 @@ double mean_logarithm(const Plan& plan, double ExpectedParameter::* deviation) {
 
 Plan plan_runs(const Wire<double>& wire, const PlanOptions& options) {
   if (!(options.duration_s >= 10 && options.duration_s <= 600)) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("a run of {} s: must take between 10 and 600 s", options.duration_s));
   }
   for (const double stress_Pa : options.stresses_Pa) {
     if (!(stress_Pa > 0 && stress_Pa <= (1 + 1e-9) * wire.limits.stress_Pa)) {
-      throw UserError(fmt::format(
+      throw files::UserError(fmt::format(
           "a load of {:.4g} N, {:.4g} MPa: must be above 0 and at most {:.4g} N, {:.4g} MPa, "
           "wire.limits.load",
           stress_Pa * wire.geometry.area_m2(), 1e-6 * stress_Pa,
           wire.limits.stress_Pa * wire.geometry.area_m2(), 1e-6 * wire.limits.stress_Pa));
     }
     if (std::ranges::count(options.stresses_Pa, stress_Pa) > 1) {
-      throw UserError(fmt::format("a load of {:.4g} N, {:.4g} MPa: is given twice",
-                                  stress_Pa * wire.geometry.area_m2(), 1e-6 * stress_Pa));
+      throw files::UserError(fmt::format("a load of {:.4g} N, {:.4g} MPa: is given twice",
+                                         stress_Pa * wire.geometry.area_m2(), 1e-6 * stress_Pa));
     }
   }
   return Search(wire, options).run();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::plan

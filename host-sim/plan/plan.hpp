@@ -9,7 +9,7 @@
 
 #include "host-sim/identify/fit/parameters.hpp"
 
-namespace smaservo {
+namespace smaservo::plan {
 
 /// A plan keeps the wire this much below wire.limits.temperature.
 inline constexpr double plan_margin_K = 10;
@@ -36,7 +36,7 @@ struct PlannedRun {
 
 /// Deviations that a fit would leave, by those of the prior: 1 where the runs say nothing.
 struct ExpectedParameter {
-  FitParameter parameter;
+  identify::FitParameter parameter;
   double triangle, plan;
 };
 
@@ -57,4 +57,4 @@ double mean_logarithm(const Plan& plan, double ExpectedParameter::* deviation);
 /// of range; the greatest stress is wire.limits.load's.
 Plan plan_runs(const Wire<double>& wire, const PlanOptions& options);
 
-}  // namespace smaservo
+}  // namespace smaservo::plan

@@ -15,7 +15,7 @@
 #include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::plan {
 namespace {
 
 struct PlanArguments {
@@ -69,13 +69,13 @@ std::string csv(const Plan& plan) {
 }
 
 /// A deviation in the unit of the parameter; relative for a factor, in logits for a share.
-std::string deviation_text(const FitParameter& p, double share) {
+std::string deviation_text(const identify::FitParameter& p, double share) {
   switch (p.form) {
-    case Form::sum:
+    case identify::Form::sum:
       return fmt::format("{:.3g} {}", share * p.sd / p.scale, p.unit == "degC" ? "K" : p.unit);
-    case Form::factor:
+    case identify::Form::factor:
       return fmt::format("{:.2g} %", 100 * share * p.sd);
-    case Form::share:
+    case identify::Form::share:
       break;
   }
   return fmt::format("{:.2g} logit", share * p.sd);
@@ -100,14 +100,14 @@ std::string instructions(const Planned& p) {
       fmt::join(loads, ", "), p.arguments.wire, settings, fmt::join(files, " "));
 }
 
-TextTable runs(const Planned& p) {
-  TextTable table({{"run", "", "name"},
-                   {.key = "stress_MPa"},
-                   {"load in N", "{:.4g}", "load_N"},
-                   {"peak in mA", "{:.4g}", "peak_A", 1e3},
-                   {"of limit", "{:.2f}"},
-                   {"hottest °C", "{:.1f}", "hottest_degC"},
-                   {"stroke in %", "{:.2f}", "stroke", 100}});
+files::TextTable runs(const Planned& p) {
+  files::TextTable table({{"run", "", "name"},
+                          {.key = "stress_MPa"},
+                          {"load in N", "{:.4g}", "load_N"},
+                          {"peak in mA", "{:.4g}", "peak_A", 1e3},
+                          {"of limit", "{:.2f}"},
+                          {"hottest °C", "{:.1f}", "hottest_degC"},
+                          {"stroke in %", "{:.2f}", "stroke", 100}});
   for (const PlannedRun& run : p.plan.runs) {
     const double peak_A = std::ranges::max(run.current_A);
     table.add({name_of(run), 1e-6 * run.stress_Pa, load_N(p, run), peak_A,
@@ -117,16 +117,16 @@ TextTable runs(const Planned& p) {
   return table;
 }
 
-TextTable deviations(const Planned& p) {
-  TextTable table({{"expected deviation", "", "key"},
-                   {.key = "prior_sd"},
-                   {.key = "triangle"},
-                   {.key = "plan"},
-                   {.key = "determined"},
-                   {"prior", "{}"},
-                   {"triangle", "{}"},
-                   {"plan", "{}"},
-                   {""}});
+files::TextTable deviations(const Planned& p) {
+  files::TextTable table({{"expected deviation", "", "key"},
+                          {.key = "prior_sd"},
+                          {.key = "triangle"},
+                          {.key = "plan"},
+                          {.key = "determined"},
+                          {"prior", "{}"},
+                          {"triangle", "{}"},
+                          {"plan", "{}"},
+                          {""}});
   for (const ExpectedParameter& e : p.plan.parameters) {
     const bool determined = e.plan < 0.5;
     table.add({e.parameter.key, e.parameter.sd, e.triangle, e.plan, determined,
@@ -157,32 +157,33 @@ std::string json(const Planned& p) {
   all["determined"] = {{"triangle", determined(p.plan, &ExpectedParameter::triangle)},
                        {"plan", determined(p.plan, &ExpectedParameter::plan)}};
   all["ratio"] = ratio(p.plan);
-  return json_text(all);
+  return files::json_text(all);
 }
 
-std::vector<Plot> plots(const Plan& plan) {
-  std::vector<Plot> all;
+std::vector<report::Plot> plots(const Plan& plan) {
+  std::vector<report::Plot> all;
   for (const PlannedRun& run : plan.runs) {
     std::string data = "$data << EOD\n";
     for (std::size_t i = 0; i < run.current_A.size(); ++i) {
       data +=
-          fmt::format("{} {} {} {}\n", plotted(static_cast<double>(i + 1) * plan.step_s),
-                      plotted(1e3 * run.current_A[i]), plotted(run.temperature_K[i] - zero_degC_K),
-                      plotted(100 * run.strain[i]));
+          fmt::format("{} {} {} {}\n", report::plotted(static_cast<double>(i + 1) * plan.step_s),
+                      report::plotted(1e3 * run.current_A[i]),
+                      report::plotted(run.temperature_K[i] - zero_degC_K),
+                      report::plotted(100 * run.strain[i]));
     }
     data += "EOD\n";
     const std::string name = name_of(run);
     const auto curve = [&](const char* label, int column) {
-      return draw({1000, 260, "time in s", label}, data, "unset key\n",
-                  {fmt::format("$data using 1:{} with lines lc rgb estimate", column)});
+      return report::draw({1000, 260, "time in s", label}, data, "unset key\n",
+                          {fmt::format("$data using 1:{} with lines lc rgb estimate", column)});
     };
     all.push_back({name + ": current", "", false, curve("current in mA", 2)});
     all.push_back({name + ": temperature", "as the wire's own model expects it", true,
-                   draw({490, 260, "time in s", "temperature in °C"}, data, "unset key\n",
-                        {"$data using 1:3 with lines lc rgb estimate"})});
+                   report::draw({490, 260, "time in s", "temperature in °C"}, data, "unset key\n",
+                                {"$data using 1:3 with lines lc rgb estimate"})});
     all.push_back({name + ": strain", "as the wire's own model expects it", true,
-                   draw({490, 260, "time in s", "strain in %"}, data, "unset key\n",
-                        {"$data using 1:4 with lines lc rgb estimate"})});
+                   report::draw({490, 260, "time in s", "strain in %"}, data, "unset key\n",
+                                {"$data using 1:4 with lines lc rgb estimate"})});
   }
   return all;
 }
@@ -199,10 +200,10 @@ Plan plan(const PlanArguments& a, const Wire<double>& wire) {
   for (const double stress_MPa : a.stresses_MPa) {
     options.stresses_Pa.push_back(1e6 * stress_MPa);
   }
-  std::unique_ptr<Progress> progress;
+  std::unique_ptr<files::Progress> progress;
   options.progress = [&](std::size_t done, std::size_t total) {
     if (!progress) {
-      progress = std::make_unique<Progress>("profiles tried", total);
+      progress = std::make_unique<files::Progress>("profiles tried", total);
     }
     progress->step(done);
   };
@@ -213,21 +214,21 @@ void run(const PlanArguments& a) {
   require("--duration-s", a.duration_s, 10, 600);
   refuse_to_overwrite(a.out, a.report);
   if (a.out == "-" && a.report == "-") {
-    throw UserError("--out and --report can not both be standard output");
+    throw files::UserError("--out and --report can not both be standard output");
   }
   if (a.wire.ends_with(".toml")) {
     refuse_to_overwrite(a.wire, a.out);
     refuse_to_overwrite(a.wire, a.report);
   }
-  const Wire<double> wire = load_wire(a.wire, parse_settings(a.settings)).wire;
+  const Wire<double> wire = files::load_wire(a.wire, text::parse_settings(a.settings)).wire;
   const Planned planned{a, wire, plan(a, wire)};
-  OutputFile file(a.out);
+  files::OutputFile file(a.out);
   file.write(csv(planned.plan));
   file.commit();
   if (!a.report.empty()) {
-    write_html(
-        a.report, "calibrate-plan " + a.wire,
-        plots_html(plots(planned.plan)) + listing_html("Expected deviations", summary(planned)));
+    report::write_html(a.report, "calibrate-plan " + a.wire,
+                       report::plots_html(plots(planned.plan)) +
+                           report::listing_html("Expected deviations", summary(planned)));
   }
   fmt::print(a.out == "-" || a.report == "-" ? stderr : stdout, "{}",
              a.json ? json(planned) : summary(planned));
@@ -258,4 +259,4 @@ void add_calibrate_plan_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::plan

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace smaservo {
+namespace smaservo::plan {
 namespace {
 
 double uniform(std::mt19937_64& random, double low, double high) {
@@ -150,4 +150,4 @@ std::vector<double> levels(const Recipe& r, std::size_t steps) {
   return profile;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::plan

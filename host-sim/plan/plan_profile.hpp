@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::plan {
 
 /// What a run consists of, one part after the other. Levels go from 0, the least current, to 1, the
 /// greatest, and are proportional to the power.
@@ -31,4 +31,4 @@ Recipe varied(const Recipe& recipe, std::mt19937_64& random);
 /// Levels of so many steps. Starts and ends with a fiftieth of the time at level 0.
 std::vector<double> levels(const Recipe& recipe, std::size_t steps);
 
-}  // namespace smaservo
+}  // namespace smaservo::plan

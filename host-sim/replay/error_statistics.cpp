@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 constexpr double bin_percent = 0.01;
@@ -48,4 +48,4 @@ double ErrorStatistics::quantile(double share) const {
   return maximum_;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::replay {
 
 /// Mean, 95 % quantile and maximum of errors in per cent, in constant memory: the quantile is
 /// rounded up to 0.01 %.
@@ -24,4 +24,4 @@ class ErrorStatistics {
   double maximum_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

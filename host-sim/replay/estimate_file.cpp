@@ -9,7 +9,7 @@
 
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 constexpr std::size_t estimate_buffer_size = std::size_t{1} << 18;
@@ -120,4 +120,4 @@ void EstimateFile::commit() {
   file_.commit();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

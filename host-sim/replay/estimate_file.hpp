@@ -6,7 +6,7 @@
 
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 /// One row of an estimate, in SI. NaN is written as an empty field.
 struct EstimateRow {
@@ -35,11 +35,11 @@ class EstimateFile {
   void commit();
 
  private:
-  OutputFile file_;
+  files::OutputFile file_;
   bool has_reference_;
   std::vector<std::size_t> positions_;
   std::vector<char> buffer_;
   std::size_t used_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

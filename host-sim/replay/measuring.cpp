@@ -2,7 +2,7 @@
 
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 MeasurementParams<double> measuring_params(const Wire<double>& wire, const RunSettings& settings) {
   const double ohm = cold_resistance_ohm(wire);
@@ -13,4 +13,4 @@ MeasurementParams<double> measuring_params(const Wire<double>& wire, const RunSe
   return with_settings(p, settings);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

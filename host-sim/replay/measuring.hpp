@@ -5,9 +5,9 @@
 #include "model/wire/wire.hpp"
 #include "observer/measurement.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 /// What a good front end for this wire would be, with the user's settings on top.
 MeasurementParams<double> measuring_params(const Wire<double>& wire, const RunSettings& settings);
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -10,7 +10,7 @@
 #include "observer/open_loop.hpp"
 #include "observer/substepping.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 template <StrainObserver O>
@@ -60,8 +60,8 @@ std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<dou
   for (const ObserverKind& kind : observer_kinds()) {
     names.push_back(kind.name);
   }
-  throw UserError(
+  throw files::UserError(
       fmt::format("--observer {}: no such observer; there are: {}", name, fmt::join(names, ", ")));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -9,7 +9,7 @@
 #include "model/wire/wire.hpp"
 #include "observer/estimate.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 /// An observer chosen at run time.
 class AnyObserver {
@@ -31,4 +31,4 @@ std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<dou
                                            const RunSettings& settings,
                                            const Measurement<double>& first, double ambient_K);
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

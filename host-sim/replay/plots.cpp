@@ -3,16 +3,16 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 constexpr const char* data_columns =
     "# time strain low high reference R R_model T T_reference M M+R I stress\n";
 
 /// All points as a data block; time counts from the first one.
-std::string data_block(const std::vector<PlotPoint>& points) {
+std::string data_block(const std::vector<report::PlotPoint>& points) {
   std::string text = fmt::format("$data << EOD\n{}", data_columns);
-  for (const PlotPoint& p : points) {
+  for (const report::PlotPoint& p : points) {
     const double band = std::isnan(p.strain_sd_percent) ? 0 : 2 * p.strain_sd_percent;
     const double columns[] = {p.time_s - points.front().time_s,
                               p.strain_percent,
@@ -27,7 +27,7 @@ std::string data_block(const std::vector<PlotPoint>& points) {
                               p.martensite + p.r_phase,
                               p.current_A,
                               p.stress_MPa};
-    text += plotted_row(columns);
+    text += report::plotted_row(columns);
   }
   return text + "EOD\n";
 }
@@ -36,9 +36,9 @@ std::string data_block(const std::vector<PlotPoint>& points) {
 struct Shown {
   bool time, reference, resistance, temperature_ref, current;
 };
-Shown shown(const ReplayResult& result, const std::vector<PlotPoint>& points) {
+Shown shown(const ReplayResult& result, const std::vector<report::PlotPoint>& points) {
   Shown s{result.timed, result.has_reference, false, false, false};
-  for (const PlotPoint& p : points) {
+  for (const report::PlotPoint& p : points) {
     s.resistance = s.resistance || std::isfinite(p.resistance_ohm);
     s.temperature_ref = s.temperature_ref || std::isfinite(p.temperature_ref_degC);
     s.current = s.current || std::isfinite(p.current_A);
@@ -55,7 +55,7 @@ class Drawing {
         data_(data_block(points_)),
         x_label_(shown_.time ? "time in s" : "row") {}
 
-  Plot strain() const {
+  report::Plot strain() const {
     std::vector<std::string> curves{
         "$data using 1:3:4 with filledcurves lc rgb band title 'two standard deviations'"};
     if (shown_.reference) {
@@ -66,7 +66,7 @@ class Drawing {
                 "strain in %", 320, "", curves);
   }
 
-  Plot resistance() const {
+  report::Plot resistance() const {
     std::vector<std::string> curves;
     if (shown_.resistance) {
       curves.emplace_back("$data using 1:6 with lines lc rgb measured title 'measured'");
@@ -76,7 +76,7 @@ class Drawing {
                 260, "", curves);
   }
 
-  Plot temperature() const {
+  report::Plot temperature() const {
     std::vector<std::string> curves;
     if (shown_.temperature_ref) {
       curves.emplace_back("$data using 1:9 with lines lc rgb reference title 'reference'");
@@ -86,7 +86,7 @@ class Drawing {
                 curves);
   }
 
-  Plot phases() const {
+  report::Plot phases() const {
     return wide("Phases", "Fractions of the whole wire, stacked.", "fraction", 260,
                 "set yrange [0:1]\n",
                 {"$data using 1:(0):10 with filledcurves lc rgb '#4477aa' title 'martensite'",
@@ -94,7 +94,7 @@ class Drawing {
                  "$data using 1:11:(1) with filledcurves lc rgb '#dd99a0' title 'austenite'"});
   }
 
-  Plot inputs() const {
+  report::Plot inputs() const {
     std::vector<std::string> curves{
         "$data using 1:13 axes x1y2 with lines lc rgb reference title 'stress'"};
     std::string more =
@@ -110,14 +110,14 @@ class Drawing {
     return wide("Inputs", "What drives the wire.", label, 220, more, curves);
   }
 
-  Plot strain_resistance() const {
+  report::Plot strain_resistance() const {
     const char* ohm = shown_.resistance ? "6" : "7";
     return square("Strain over resistance",
                   "One resistance, several strains: what a straight line misses.",
                   "resistance in Ω", loop(ohm));
   }
 
-  Plot strain_temperature() const {
+  report::Plot strain_temperature() const {
     return square("Strain over temperature", "The hysteresis between heating and cooling.",
                   "temperature in °C", loop("8"));
   }
@@ -134,18 +134,19 @@ class Drawing {
     return curves;
   }
 
-  Plot wide(const char* title, const char* caption, const char* y_label, int height,
-            const std::string& more, const std::vector<std::string>& curves) const {
+  report::Plot wide(const char* title, const char* caption, const char* y_label, int height,
+                    const std::string& more, const std::vector<std::string>& curves) const {
     return {title, caption, false,
-            draw({1000, height, x_label_, y_label}, data_, "set rmargin at screen 0.93\n" + more,
-                 curves)};
+            report::draw({1000, height, x_label_, y_label}, data_,
+                         "set rmargin at screen 0.93\n" + more, curves)};
   }
-  Plot square(const char* title, const char* caption, const char* x_label,
-              const std::vector<std::string>& curves) const {
-    return {title, caption, true, draw({500, 400, x_label, "strain in %"}, data_, "", curves)};
+  report::Plot square(const char* title, const char* caption, const char* x_label,
+                      const std::vector<std::string>& curves) const {
+    return {title, caption, true,
+            report::draw({500, 400, x_label, "strain in %"}, data_, "", curves)};
   }
 
-  std::vector<PlotPoint> points_;
+  std::vector<report::PlotPoint> points_;
   Shown shown_;
   std::string data_;
   const char* x_label_;
@@ -153,11 +154,11 @@ class Drawing {
 
 }  // namespace
 
-std::vector<Plot> draw_plots(const ReplayResult& result) {
+std::vector<report::Plot> draw_plots(const ReplayResult& result) {
   const Drawing drawing(result);
   return {
       drawing.strain(), drawing.resistance(),        drawing.temperature(),       drawing.phases(),
       drawing.inputs(), drawing.strain_resistance(), drawing.strain_temperature()};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -6,9 +6,9 @@
 #include "host-sim/replay/replay.hpp"
 #include "host-sim/report/gnuplot.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 /// Throws UserError when gnuplot is missing or fails.
-std::vector<Plot> draw_plots(const ReplayResult& result);
+std::vector<report::Plot> draw_plots(const ReplayResult& result);
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

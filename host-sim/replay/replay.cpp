@@ -14,7 +14,7 @@
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -26,25 +26,25 @@ constexpr double usual_ambient_K = 298.15;
 /// The strain that the trace knows to be true, or NaN.
 class Reference {
  public:
-  Reference(const TraceReader& trace, double length_m)
-      : strain_(trace.has(Column::strain_ref)),
-        displacement_(!strain_ && trace.has(Column::displacement)),
+  Reference(const hal::TraceReader& trace, double length_m)
+      : strain_(trace.has(hal::Column::strain_ref)),
+        displacement_(!strain_ && trace.has(hal::Column::displacement)),
         length_m_(length_m) {}
 
   bool known() const { return strain_ || displacement_; }
 
   /// A displacement has no zero of its own: it starts where the first estimate is.
-  double of(const TraceRow& row, double first_estimate) {
+  double of(const hal::TraceRow& row, double first_estimate) {
     if (strain_) {
-      return row[Column::strain_ref];
+      return row[hal::Column::strain_ref];
     }
     if (!displacement_) {
       return nan;
     }
     if (std::isnan(zero_)) {
-      zero_ = first_estimate + row[Column::displacement] / length_m_;
+      zero_ = first_estimate + row[hal::Column::displacement] / length_m_;
     }
-    return zero_ - row[Column::displacement] / length_m_;
+    return zero_ - row[hal::Column::displacement] / length_m_;
   }
 
  private:
@@ -57,7 +57,7 @@ class Reference {
 /// Where the estimates of a run go: file, statistics, plots.
 class Sink {
  public:
-  Sink(const ReplayOptions& options, const TraceReader& trace, ReplayResult& result)
+  Sink(const ReplayOptions& options, const hal::TraceReader& trace, ReplayResult& result)
       : result_(result),
         name_(options.trace),
         reference_(trace, options.wire.wire.geometry.length_m),
@@ -75,7 +75,7 @@ class Sink {
   }
 
   /// `row` comes with everything but its reference; `inputs` with what only plots show.
-  void add(EstimateRow row, const TraceRow& source, PlotPoint point) {
+  void add(EstimateRow row, const hal::TraceRow& source, report::PlotPoint point) {
     row.strain_ref = reference_.of(source, row.strain);
     first_s_ = std::isnan(first_s_) ? row.time_s : first_s_;
     add_error(0, row.strain, row.strain_ref, row.time_s);
@@ -89,7 +89,7 @@ class Sink {
     point.resistance_ohm = row.resistance_ohm;
     point.resistance_model_ohm = row.resistance_model_ohm;
     point.temperature_degC = row.temperature_K - zero_degC_K;
-    point.temperature_ref_degC = source[Column::temperature] - zero_degC_K;
+    point.temperature_ref_degC = source[hal::Column::temperature] - zero_degC_K;
     point.martensite = row.martensite;
     point.r_phase = row.r_phase;
     result_.series.add(point);
@@ -104,12 +104,12 @@ class Sink {
     add_error(observer, strain, last_ref_, last_s_);
   }
 
-  void finish(const TraceReader& trace) {
+  void finish(const hal::TraceReader& trace) {
     result_.skipped = trace.skipped();
     result_.bytes = trace.bytes();
     result_.complaints = trace.complaints();
     if (result_.rows == 0) {
-      throw UserError(fmt::format("{}: has no usable row", name_));
+      throw files::UserError(fmt::format("{}: has no usable row", name_));
     }
     result_.duration_s = std::isnan(last_s_) ? 0 : last_s_ - first_s_;
     if (file_) {
@@ -140,8 +140,8 @@ class Sink {
 };
 
 /// What the run was told of a load that the trace may not have.
-double default_load_N(const ReplayOptions& options, const TraceReader& trace) {
-  if (trace.has(Column::load) || trace.has(Column::stress)) {
+double default_load_N(const ReplayOptions& options, const hal::TraceReader& trace) {
+  if (trace.has(hal::Column::load) || trace.has(hal::Column::stress)) {
     return nan;
   }
   if (options.load_N) {
@@ -150,13 +150,13 @@ double default_load_N(const ReplayOptions& options, const TraceReader& trace) {
   if (options.stress_Pa) {
     return *options.stress_Pa * options.wire.wire.geometry.area_m2();
   }
-  throw UserError(fmt::format(
+  throw files::UserError(fmt::format(
       "{}: has neither load_N nor stress_MPa; give the load with --load-N or --stress-MPa",
       options.trace));
 }
 
 /// Temperature and stress are known: the kinetics alone, without heat balance or resistance.
-void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& result) {
+void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayResult& result) {
   using K = ThreePhase<double>;
   const auto model = plant_params(options.wire.wire);
   const double area_m2 = options.wire.wire.geometry.area_m2();
@@ -164,14 +164,14 @@ void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& 
   result.open_loop = true;
   result.observers = {{"model", {}, false}};
   Sink sink(options, trace, result);
-  Progress progress("replay", trace.file_size());
+  files::Progress progress("replay", trace.file_size());
   K::State state{};
-  TraceRow row{};
+  hal::TraceRow row{};
   while (trace.next(row)) {
-    const double stress_Pa = trace.has(Column::stress) ? row[Column::stress]
-                             : trace.has(Column::load) ? row[Column::load] / area_m2
-                                                       : load_N / area_m2;
-    const Drive<double> drive{row[Column::temperature], stress_Pa};
+    const double stress_Pa = trace.has(hal::Column::stress) ? row[hal::Column::stress]
+                             : trace.has(hal::Column::load) ? row[hal::Column::load] / area_m2
+                                                            : load_N / area_m2;
+    const Drive<double> drive{row[hal::Column::temperature], stress_Pa};
     if (result.rows == 0) {
       state = K::rest(model.kinetics, drive);
     } else {
@@ -182,11 +182,11 @@ void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& 
     const double elongation = strain(model.material, z, stress_Pa);
     const double ohm = resistance_ohm(resistivity(model.material, z, drive).value,
                                       model.length_per_area_1_m, elongation);
-    PlotPoint point{};
+    report::PlotPoint point{};
     point.current_A = nan;
     point.stress_MPa = stress_Pa * 1e-6;
-    sink.add({row[Column::time], elongation, nan, drive.temperature_K, z.martensite, z.r_phase, nan,
-              ohm, true, nan},
+    sink.add({row[hal::Column::time], elongation, nan, drive.temperature_K, z.martensite, z.r_phase,
+              nan, ohm, true, nan},
              row, point);
     progress.update(trace.bytes());
   }
@@ -196,13 +196,13 @@ void replay_bath(const ReplayOptions& options, TraceReader trace, ReplayResult& 
 using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 
 Observers start_observers(const ReplayOptions& options, const RunSettings& settings,
-                          const ReplayResult& result, const ReplayBoard& board,
+                          const ReplayResult& result, const hal::ReplayBoard& board,
                           const Measurement<double>& first) {
   double ambient_K = usual_ambient_K;
   if (options.ambient_K) {
     ambient_K = *options.ambient_K;
-  } else if (board.trace().has(Column::ambient)) {
-    ambient_K = board.row()[Column::ambient];
+  } else if (board.trace().has(hal::Column::ambient)) {
+    ambient_K = board.row()[hal::Column::ambient];
   }
   Observers observers;
   for (const ObserverResult& wanted : result.observers) {
@@ -212,7 +212,7 @@ Observers start_observers(const ReplayOptions& options, const RunSettings& setti
 }
 
 void replay_electrical(const ReplayOptions& options, const RunSettings& settings,
-                       TraceReader reader, ReplayResult& result) {
+                       hal::TraceReader reader, ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
   const MeasurementParams<double> measuring = measuring_params(wire, settings);
   const double load_N = default_load_N(options, reader);
@@ -222,12 +222,12 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
       result.observers.push_back({name, {}, false});
     }
   }
-  Progress progress("replay", reader.file_size());
-  ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
+  files::Progress progress("replay", reader.file_size());
+  hal::ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
   Observers observers;
-  Frame frame{};
+  hal::Frame frame{};
   std::int64_t last_ns = 0;
-  while (board.read(frame) == ReadStatus::frame) {
+  while (board.read(frame) == hal::ReadStatus::frame) {
     const Measurement<double> m =
         measure(measuring, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
     const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
@@ -241,10 +241,10 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
     }
     last_ns = frame.time_ns;
     const Estimate<double> e = observers.front()->estimate();
-    PlotPoint point{};
+    report::PlotPoint point{};
     point.current_A = frame.current_A;
     point.stress_MPa = m.stress_Pa * 1e-6;
-    sink.add({board.row()[Column::time], e.strain, e.strain_sd, e.temperature_K, e.martensite,
+    sink.add({board.row()[hal::Column::time], e.strain, e.strain_sd, e.temperature_K, e.martensite,
               e.r_phase, m.resistance_valid ? m.resistance_ohm : nan, e.resistance_model_ohm,
               m.resistance_valid, nan},
              board.row(), point);
@@ -260,16 +260,16 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
 
 ReplayResult replay(const ReplayOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  TraceReader trace(options.trace, options.trace_options);
+  hal::TraceReader trace(options.trace, options.trace_options);
   ReplayResult result;
-  const bool electrical = trace.has(Column::current) && trace.has(Column::voltage);
+  const bool electrical = trace.has(hal::Column::current) && trace.has(hal::Column::voltage);
   const RunSettings settings = parse_run_settings(options.settings);
   if (electrical && trace.timed()) {
     replay_electrical(options, settings, std::move(trace), result);
-  } else if (trace.has(Column::temperature) && !electrical) {
+  } else if (trace.has(hal::Column::temperature) && !electrical) {
     replay_bath(options, std::move(trace), result);
   } else {
-    throw UserError(fmt::format(
+    throw files::UserError(fmt::format(
         "{}: needs time_s, current_A and voltage_V (and load_N or stress_MPa), or temperature_degC "
         "and stress_MPa for the model alone; has: {}. A trace without time needs --period-s, other "
         "names --column",
@@ -280,4 +280,4 @@ ReplayResult replay(const ReplayOptions& options) {
   return result;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

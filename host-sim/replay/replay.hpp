@@ -12,15 +12,15 @@
 #include "host-sim/report/series.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 struct ReplayOptions {
   std::string trace;  ///< path, "-" for standard input
-  TraceOptions trace_options;
-  WireDescription wire;
+  hal::TraceOptions trace_options;
+  files::WireDescription wire;
   std::vector<std::string> observers{"kalman"};  ///< the first one writes `out` and the plots, the
                                                  ///< others run where there is a reference
-  std::vector<Override> settings;                ///< of observer and measurement
+  std::vector<files::Override> settings;         ///< of observer and measurement
   std::optional<double> load_N;                  ///< where the trace has neither load nor stress
   std::optional<double> stress_Pa;
   std::optional<double> ambient_K;  ///< guess; the trace's first value, or 25 °C
@@ -46,10 +46,10 @@ struct ReplayResult {
   std::vector<std::string> complaints;
   double duration_s = 0;
   double elapsed_s = 0;
-  Series series;
+  report::Series series;
 };
 
 /// Throws UserError, TraceError.
 ReplayResult replay(const ReplayOptions& options);
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

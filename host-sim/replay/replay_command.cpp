@@ -11,12 +11,12 @@
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 struct ReplayArguments {
   ReplayOptions options;
-  std::string wire{default_wire};
+  std::string wire{files::default_wire};
   std::vector<std::string> settings;
   std::string report;
   std::string device;
@@ -29,16 +29,18 @@ struct ReplayArguments {
 
 void run_device(const ReplayArguments& a) {
   require("--tolerance", a.tolerance, 0, 1);
-  DeviceReplayOptions options{a.options.trace, a.options.trace_options,
-                              load_settings_file(a.device), a.options.out, a.tolerance.value_or(0)};
+  bench::DeviceReplayOptions options{a.options.trace, a.options.trace_options,
+                                     text::load_settings_file(a.device), a.options.out,
+                                     a.tolerance.value_or(0)};
   options.trace_options.period_s = a.period_s.value_or(0);
   refuse_to_overwrite(options.trace, options.out);
   refuse_to_overwrite(a.device, options.out);
-  const DeviceReplayResult result = replay_device(options);
+  const bench::DeviceReplayResult result = bench::replay_device(options);
   fmt::print(options.out == "-" ? stderr : stdout, "{}", summary(options, result));
-  if (!agrees(result) && !a.allow_differences) {
-    throw UserError(fmt::format("{}: the outputs differ from those in the trace{}", options.trace,
-                                a.tolerance ? " by more than the tolerance" : ""));
+  if (!bench::agrees(result) && !a.allow_differences) {
+    throw files::UserError(fmt::format("{}: the outputs differ from those in the trace{}",
+                                       options.trace,
+                                       a.tolerance ? " by more than the tolerance" : ""));
   }
 }
 
@@ -58,15 +60,15 @@ void run(ReplayArguments& a) {
     a.options.ambient_K = zero_degC_K + *a.ambient_degC;
   }
   a.options.trace_options.period_s = a.period_s.value_or(0);
-  std::vector<Override> wire;
-  for (Override& setting : parse_settings(a.settings)) {
+  std::vector<files::Override> wire;
+  for (files::Override& setting : text::parse_settings(a.settings)) {
     (is_run_setting(setting.first) ? a.options.settings : wire).push_back(std::move(setting));
   }
-  a.options.wire = load_wire(a.wire, wire);
+  a.options.wire = files::load_wire(a.wire, wire);
   const auto& names = a.options.observers;
   for (auto name = names.begin(); name != names.end(); ++name) {
     if (std::find(names.begin(), name, *name) != name) {
-      throw UserError(fmt::format("--observer {}: is given twice", *name));
+      throw files::UserError(fmt::format("--observer {}: is given twice", *name));
     }
   }
   refuse_to_overwrite(a.options.trace, a.options.out);
@@ -145,4 +147,4 @@ void add_replay_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -10,16 +10,16 @@
 #include "model/files/text_table.hpp"
 #include "observer/kalman.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
-TextTable errors(const ReplayResult& result) {
-  TextTable table({{"observer"},
-                   {"mean", "{:.2f}", "mean_percent"},
-                   {"95 %", "{:.2f}", "p95_percent"},
-                   {"maximum", "{:.2f}", "max_percent"},
-                   {""},
-                   {.key = "lost"}});
+files::TextTable errors(const ReplayResult& result) {
+  files::TextTable table({{"observer"},
+                          {"mean", "{:.2f}", "mean_percent"},
+                          {"95 %", "{:.2f}", "p95_percent"},
+                          {"maximum", "{:.2f}", "max_percent"},
+                          {""},
+                          {.key = "lost"}});
   for (const ObserverResult& observer : result.observers) {
     const ErrorStatistics& e = observer.error;
     table.add({observer.name,
@@ -53,7 +53,7 @@ std::string settings_text(const ReplayOptions& options) {
   const KalmanTuning<double> defaults = kalman_tuning(options.wire.wire.accuracy);
   for (const auto& [field, member] : run_keys()) {
     const auto given = settings.find(field.slot);
-    const std::string key = key_with(field.path, field.kind.front().suffix);
+    const std::string key = files::key_with(field.path, field.kind.front().suffix);
     const auto* const tuning = std::get_if<double KalmanTuning<double>::*>(&member);
     const std::string otherwise = tuning == nullptr ? "" : fmt::format("{:g}", defaults.**tuning);
     if (given != settings.end()) {
@@ -96,15 +96,16 @@ std::string trace_name(const ReplayOptions& options) {
 
 void write_report(const std::string& path, const ReplayOptions& options,
                   const ReplayResult& result) {
-  std::string html = fmt::format("<p>{}</p>\n", escaped(reading(options, result)));
+  std::string html = fmt::format("<p>{}</p>\n", files::escaped(reading(options, result)));
   html += errors_html(options, result);
-  html += plots_html(draw_plots(result));
+  html += report::plots_html(draw_plots(result));
   if (!result.complaints.empty()) {
-    html += listing_html("Skipped rows", fmt::format("{}\n", fmt::join(result.complaints, "\n")));
+    html += report::listing_html("Skipped rows",
+                                 fmt::format("{}\n", fmt::join(result.complaints, "\n")));
   }
-  html += listing_html("Wire", to_toml(options.wire));
-  html += listing_html("Settings", settings_text(options));
-  write_html(path, trace_name(options), html);
+  html += report::listing_html("Wire", files::to_toml(options.wire));
+  html += report::listing_html("Settings", settings_text(options));
+  report::write_html(path, trace_name(options), html);
 }
 
 std::string summary(const ReplayOptions& options, const ReplayResult& result) {
@@ -132,7 +133,7 @@ std::string summary_json(const ReplayOptions& options, const ReplayResult& resul
       json["error"][result.observers[i].name] = rows[i];
     }
   }
-  return json_text(json);
+  return files::json_text(json);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -4,7 +4,7 @@
 
 #include "host-sim/replay/replay.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 
 /// Writes one HTML file that opens without a network: numbers, plots, wire and settings. Throws
 /// UserError.
@@ -17,4 +17,4 @@ std::string summary(const ReplayOptions& options, const ReplayResult& result);
 /// The same for machines, as one JSON object.
 std::string summary_json(const ReplayOptions& options, const ReplayResult& result);
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

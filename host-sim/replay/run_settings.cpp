@@ -3,13 +3,14 @@
 #include "model/files/toml_fields.hpp"
 #include "observer/kalman.hpp"
 
-namespace smaservo {
+namespace smaservo::replay {
 namespace {
 
 std::vector<RunKey> make_run_keys() {
   std::vector<RunKey> keys;
   const auto add = [&](const char* path, Kind kind, double min, double max, auto member) {
-    keys.push_back({{path, FieldType::number, kind, min, max, keys.size(), 1, {}, ""}, member});
+    keys.push_back(
+        {{path, files::FieldType::number, kind, min, max, keys.size(), 1, {}, ""}, member});
   };
   using Tuning = KalmanTuning<double>;
   const auto tune = [&](const char* path, Kind kind, double Tuning::* member) {
@@ -56,24 +57,25 @@ const std::vector<RunKey>& run_keys() {
 }
 
 bool is_run_setting(const std::string& key) {
-  const std::string now = renamed_key(key);
+  const std::string now = files::renamed_key(key);
   const std::string& name = now.empty() ? key : now;
   return name.starts_with("observer.") || name.starts_with("measurement.");
 }
 
-RunSettings parse_run_settings(const std::vector<Override>& settings) {
-  static const std::vector<Field> fields = [] {
-    std::vector<Field> all;
+RunSettings parse_run_settings(const std::vector<files::Override>& settings) {
+  static const std::vector<files::Field> fields = [] {
+    std::vector<files::Field> all;
     for (const RunKey& key : run_keys()) {
       all.push_back(key.field);
     }
     return all;
   }();
   RunSettings parsed;
-  for (const Override& setting : settings) {
-    overlay(parsed, read_fields(fields, parse_override(setting), std::string(set_origin)));
+  for (const files::Override& setting : settings) {
+    files::overlay(parsed, files::read_fields(fields, files::parse_override(setting),
+                                              std::string(files::set_origin)));
   }
   return parsed;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

@@ -9,26 +9,28 @@
 #include "observer/measurement.hpp"
 
 namespace smaservo {
-
 template <class S>
 struct KalmanTuning;
+}  // namespace smaservo
+
+namespace smaservo::replay {
 
 /// A key and the member that it sets.
 struct RunKey {
-  Field field;
+  files::Field field;
   std::variant<double KalmanTuning<double>::*, double MeasurementParams<double>::*> member;
 };
 /// By their slots.
 const std::vector<RunKey>& run_keys();
 
 /// What is set.
-using RunSettings = Entries;
+using RunSettings = files::Entries;
 
 /// Whether a key of --set is one of them, and none of the wire's; old names, too.
 bool is_run_setting(const std::string& key);
 
 /// Throws ConfigError for a key that does not exist or a value that is not allowed.
-RunSettings parse_run_settings(const std::vector<Override>& settings);
+RunSettings parse_run_settings(const std::vector<files::Override>& settings);
 
 /// Parameters of either kind with what is set on top.
 template <class Params>
@@ -41,4 +43,4 @@ Params with_settings(Params params, const RunSettings& settings) {
   return params;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::replay

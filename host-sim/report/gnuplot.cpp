@@ -16,7 +16,7 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "host-sim-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) {
-      throw UserError(fmt::format("{}: {}", name, std::strerror(errno)));
+      throw files::UserError(fmt::format("{}: {}", name, std::strerror(errno)));
     }
     path_ = name;
   }
@@ -71,7 +71,7 @@ std::string gnuplot(const std::string& script) {
   const int failed = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("the report needs gnuplot (package gnuplot-nox): {}", std::strerror(failed)));
   }
   int status = 0;
@@ -79,7 +79,7 @@ std::string gnuplot(const std::string& script) {
   }
   std::string svg = read_all(svg_file);
   if (status != 0 || svg.find("</svg>") == std::string::npos) {
-    throw UserError(fmt::format("gnuplot failed: {}", read_all(error_file)));
+    throw files::UserError(fmt::format("gnuplot failed: {}", read_all(error_file)));
   }
   return svg;
 }
@@ -130,4 +130,4 @@ std::string plotted_row(std::span<const double> values) {
   return row + '\n';
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::report

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::report {
 
 struct Plot {
   std::string title;
@@ -33,4 +33,4 @@ std::string plotted(double value);
 /// These as a row of a data block.
 std::string plotted_row(std::span<const double> values);
 
-}  // namespace smaservo
+}  // namespace smaservo::report

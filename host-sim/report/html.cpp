@@ -5,7 +5,7 @@
 
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::report {
 namespace {
 
 std::string base64(std::string_view bytes) {
@@ -70,19 +70,19 @@ std::string plots_html(const std::vector<Plot>& plots) {
     html += fmt::format(
         "<section{}><h2>{}</h2>\n<p class=\"caption\">{}</p>\n<img style=\"--shape:{}\" alt=\"{}\" "
         "src=\"data:image/svg+xml;base64,{}\"></section>\n",
-        plot.half_width ? " class=\"half\"" : "", escaped(plot.title), escaped(plot.caption),
-        shape(plot), escaped(plot.title), base64(plot.svg));
+        plot.half_width ? " class=\"half\"" : "", files::escaped(plot.title),
+        files::escaped(plot.caption), shape(plot), files::escaped(plot.title), base64(plot.svg));
   }
   return html + "</div>\n";
 }
 
 std::string listing_html(std::string_view heading, std::string_view text) {
-  return fmt::format("<h2>{}</h2>\n<pre>{}</pre>\n", escaped(heading), escaped(text));
+  return fmt::format("<h2>{}</h2>\n<pre>{}</pre>\n", files::escaped(heading), files::escaped(text));
 }
 
 void write_html(const std::string& path, std::string_view title, std::string_view body) {
-  const std::string name = escaped(title);
-  OutputFile file(path);
+  const std::string name = files::escaped(title);
+  files::OutputFile file(path);
   file.write(fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><title>{}</title>\n{}</head><body>\n"
       "<h1>{}</h1>\n{}<p class=\"caption\">Written by host-sim {}.</p>\n</body></html>\n",
@@ -90,4 +90,4 @@ void write_html(const std::string& path, std::string_view title, std::string_vie
   file.commit();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::report

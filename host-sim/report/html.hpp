@@ -8,7 +8,7 @@
 #include "host-sim/report/gnuplot.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::report {
 
 /// All plots, those of half the width side by side.
 std::string plots_html(const std::vector<Plot>& plots);
@@ -19,4 +19,4 @@ std::string listing_html(std::string_view heading, std::string_view text);
 /// Writes a complete document around the body. Throws UserError.
 void write_html(const std::string& path, std::string_view title, std::string_view body);
 
-}  // namespace smaservo
+}  // namespace smaservo::report

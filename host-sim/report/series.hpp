@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::report {
 
 /// A whole run in a few thousand points, each with a time_s: of each stretch of rows the ones with
 /// the smallest and the greatest `key`. When it is full, stretches become twice as long.
@@ -77,4 +77,4 @@ struct PlotPoint {
 };
 using Series = SeriesOf<PlotPoint, &PlotPoint::strain_percent>;
 
-}  // namespace smaservo
+}  // namespace smaservo::report

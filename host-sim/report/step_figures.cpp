@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::report {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -58,14 +58,14 @@ StepFigures StepJudge::judged() const {
   return f;
 }
 
-TextTable steps_table(const std::vector<StepFigures>& steps) {
-  TextTable table({{"step at s", "{:.3f}"},
-                   {"from %", "{:.3f}", "", 100},
-                   {"to %", "{:.3f}", "", 100},
-                   {"rise s", "{:.3f}"},
-                   {"settling s", "{:.3f}"},
-                   {"overshoot %", "{:.2f}"},
-                   {"error %", "{:.2f}"}});
+files::TextTable steps_table(const std::vector<StepFigures>& steps) {
+  files::TextTable table({{"step at s", "{:.3f}"},
+                          {"from %", "{:.3f}", "", 100},
+                          {"to %", "{:.3f}", "", 100},
+                          {"rise s", "{:.3f}"},
+                          {"settling s", "{:.3f}"},
+                          {"overshoot %", "{:.2f}"},
+                          {"error %", "{:.2f}"}});
   for (const StepFigures& s : steps) {
     table.add(
         {s.from_s, s.from, s.to, s.rise_s, s.settling_s, s.overshoot_percent, s.error_percent});
@@ -73,4 +73,4 @@ TextTable steps_table(const std::vector<StepFigures>& steps) {
   return table;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::report

@@ -5,7 +5,7 @@
 
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::report {
 
 /// One set-point that stood still. Percentages are of the nominal stroke, of the true strain. NaN:
 /// it never came to that.
@@ -40,6 +40,6 @@ class StepJudge {
   std::vector<StepFigures> steps_;
 };
 
-TextTable steps_table(const std::vector<StepFigures>& steps);
+files::TextTable steps_table(const std::vector<StepFigures>& steps);
 
-}  // namespace smaservo
+}  // namespace smaservo::report

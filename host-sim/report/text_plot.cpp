@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-namespace smaservo::can {
+namespace smaservo::report {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -70,4 +70,4 @@ std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_
   return text;
 }
 
-}  // namespace smaservo::can
+}  // namespace smaservo::report

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace smaservo::can {
+namespace smaservo::report {
 
 /// Curves in letters, `width` by `height`, with their range at the left: the first one of stars,
 /// the others of dots below it. Columns take the mean of what falls into them. What is not finite
@@ -11,4 +11,4 @@ namespace smaservo::can {
 std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_t width,
                       std::size_t height);
 
-}  // namespace smaservo::can
+}  // namespace smaservo::report

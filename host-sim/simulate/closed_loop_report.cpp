@@ -10,7 +10,7 @@
 #include "host-sim/report/html.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::simulate {
 namespace {
 
 constexpr const char* data_columns =
@@ -23,7 +23,7 @@ std::string data_block(const std::vector<LoopPoint>& points) {
         p.time_s,     p.setpoint_percent, p.reference_percent, p.strain_percent, p.estimate_percent,
         p.current_A,  p.power_W,          p.wire_degC,         p.hot_spot_degC,  p.hottest_degC,
         p.stress_MPa, p.other_setpoint,   p.other_measured};
-    text += plotted_row(columns);
+    text += report::plotted_row(columns);
   }
   return text + "EOD\n";
 }
@@ -42,8 +42,8 @@ std::vector<Row> time_table(const LoopRecord& record) {
       rows.push_back({std::string(name(key)), colour, &spans});
     }
   };
-  add(record.states, state_name, "measured");
-  add(record.limits, limit_reason_name, "estimate");
+  add(record.states, text::state_name, "measured");
+  add(record.limits, text::limit_reason_name, "estimate");
   add(record.warnings, fault_name, "0xddaa33");
   add(record.latched, fault_name, "0xb00020");
   return rows;
@@ -51,18 +51,18 @@ std::vector<Row> time_table(const LoopRecord& record) {
 
 class LoopPlots {
  public:
-  LoopPlots(const ClosedLoopScenario& scenario, const LoopRecord& record)
+  LoopPlots(const bench::ClosedLoopScenario& scenario, const LoopRecord& record)
       : scenario_(scenario),
         record_(record),
         points_(record.series.points()),
         data_(data_block(points_)) {}
 
-  std::vector<Plot> all() const {
-    std::vector<Plot> plots{strain()};
+  std::vector<report::Plot> all() const {
+    std::vector<report::Plot> plots{strain()};
     if (shows(&LoopPoint::other_measured)) {
       plots.push_back(other());
     }
-    for (Plot plot : {drive(), temperature(), stress(), times()}) {
+    for (report::Plot plot : {drive(), temperature(), stress(), times()}) {
       plots.push_back(std::move(plot));
     }
     return plots;
@@ -74,7 +74,7 @@ class LoopPlots {
                                [&](const LoopPoint& p) { return std::isfinite(p.*value); });
   }
 
-  Plot strain() const {
+  report::Plot strain() const {
     std::vector<std::string> curves;
     if (shows(&LoopPoint::setpoint_percent)) {
       curves.emplace_back("$data using 1:2 with steps lc rgb measured lw 2 title 'set-point'");
@@ -89,14 +89,14 @@ class LoopPlots {
                 "strain in %", 340, "", curves);
   }
 
-  Plot other() const {
+  report::Plot other() const {
     return wide("Other modes", "Set-points that are not a length, in SI units of their mode.", "",
                 240, "",
                 {"$data using 1:12 with lines lc rgb measured lw 2 title 'set-point'",
                  "$data using 1:13 with lines lc rgb estimate title 'as the device measures it'"});
   }
 
-  Plot drive() const {
+  report::Plot drive() const {
     return wide("Current and power",
                 "The current as it flows; the power that the controller wants.", "current in A",
                 240,
@@ -106,7 +106,7 @@ class LoopPlots {
                  "$data using 1:6 with lines lc rgb estimate title 'current'"});
   }
 
-  Plot temperature() const {
+  report::Plot temperature() const {
     std::vector<std::string> curves{
         "$data using 1:10 with lines lc rgb reference lw 2 title 'hottest point, true'"};
     if (shows(&LoopPoint::hot_spot_degC)) {
@@ -120,13 +120,13 @@ class LoopPlots {
                 280, "", curves);
   }
 
-  Plot stress() const {
+  report::Plot stress() const {
     return wide("Stress", "Of the wire, as it is.", "stress in MPa", 200, "set yrange [0:*]\n",
                 {"$data using 1:11 with lines lc rgb reference notitle"});
   }
 
   /// States, limit reasons, warnings and faults as bars.
-  Plot times() const {
+  report::Plot times() const {
     const std::vector<Row> rows = time_table(record_);
     std::string more =
         fmt::format("set yrange [{}:0.5]\nset ytics (", 0.5 - static_cast<double>(rows.size()));
@@ -145,32 +145,32 @@ class LoopPlots {
           "$row{} using 1:2:3:4 with vectors nohead lw 7 lc rgb {} notitle", i, rows[i].colour));
     }
     more += ") noenhanced\n" + fmt::format("set xrange [0:{}]\n", scenario_.duration_s);
-    Plot plot{"States, limits, faults",
-              "Grey: state. Blue: what limits the output. Amber: warnings. Red: latched faults.",
-              false,
-              draw({1000, 90 + 18 * static_cast<int>(rows.size()), "time in s", ""}, data,
-                   margins + more, curves)};
+    report::Plot plot{
+        "States, limits, faults",
+        "Grey: state. Blue: what limits the output. Amber: warnings. Red: latched faults.", false,
+        report::draw({1000, 90 + 18 * static_cast<int>(rows.size()), "time in s", ""}, data,
+                     margins + more, curves)};
     return plot;
   }
 
   static constexpr const char* margins = "set lmargin at screen 0.14\nset rmargin at screen 0.91\n";
 
-  Plot wide(const char* title, const char* caption, const char* y_label, int height,
-            const std::string& more, const std::vector<std::string>& curves) const {
-    return {
-        title, caption, false,
-        draw({1000, height, "time in s", y_label}, data_,
-             margins + fmt::format("set xrange [0:{}]\n", scenario_.duration_s) + more, curves)};
+  report::Plot wide(const char* title, const char* caption, const char* y_label, int height,
+                    const std::string& more, const std::vector<std::string>& curves) const {
+    return {title, caption, false,
+            report::draw({1000, height, "time in s", y_label}, data_,
+                         margins + fmt::format("set xrange [0:{}]\n", scenario_.duration_s) + more,
+                         curves)};
   }
 
-  const ClosedLoopScenario& scenario_;
+  const bench::ClosedLoopScenario& scenario_;
   const LoopRecord& record_;
   std::vector<LoopPoint> points_;
   std::string data_;
 };
 
-std::string numbers_html(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
-  TextTable table({{""}, {""}});
+std::string numbers_html(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result) {
+  files::TextTable table({{""}, {""}});
   table.add(
       {"hottest point, true",
        fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C", result.max_hottest_K - zero_degC_K,
@@ -189,26 +189,26 @@ std::string steps_html(const LoopRunResult& result) {
   if (result.strain_steps.empty()) {
     return "";
   }
-  return "<h2>Steps</h2>\n" + steps_table(result.strain_steps).html() +
+  return "<h2>Steps</h2>\n" + report::steps_table(result.strain_steps).html() +
          "<p class=\"caption\">From and to are strain; overshoot and steady error (mean over the "
          "last quarter) are in % of the nominal stroke; settling is to ±2 % of it.</p>\n";
 }
 
 }  // namespace
 
-void write_report(const std::string& path, const ClosedLoopScenario& scenario,
+void write_report(const std::string& path, const bench::ClosedLoopScenario& scenario,
                   const LoopRunResult& result) {
-  std::string html =
-      fmt::format("<p>{}</p>\n<p>{} steps, {:.4g} s, plant {}, wire {}</p>\n",
-                  escaped(scenario.note), result.steps, result.duration_s,
-                  plant_name(scenario.plant.family), escaped(scenario.plant.wire.name));
+  std::string html = fmt::format("<p>{}</p>\n<p>{} steps, {:.4g} s, plant {}, wire {}</p>\n",
+                                 files::escaped(scenario.note), result.steps, result.duration_s,
+                                 bench::plant_name(scenario.plant.family),
+                                 files::escaped(scenario.plant.wire.name));
   html += numbers_html(scenario, result);
   if (result.record) {
-    html += plots_html(LoopPlots(scenario, *result.record).all());
+    html += report::plots_html(LoopPlots(scenario, *result.record).all());
   }
   html += steps_html(result);
-  html += listing_html("Wire as it is", to_toml(scenario.plant.wire));
-  write_html(path, scenario.name, html);
+  html += report::listing_html("Wire as it is", files::to_toml(scenario.plant.wire));
+  report::write_html(path, scenario.name, html);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::simulate

@@ -12,7 +12,7 @@
 #include "firmware/text/device_trace.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::simulate {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -29,7 +29,7 @@ double wanted_strain(const Settings<double>& settings, Mode mode, double value) 
 }
 
 /// What a mode controls, as the device measures it.
-double controlled(const Cycle& cycle) {
+double controlled(const text::Cycle& cycle) {
   const Sample<double>& sample = cycle.inputs.sample;
   switch (cycle.output.mode) {
     case Mode::current:
@@ -55,10 +55,10 @@ double controlled(const Cycle& cycle) {
 /// Writes down what a report shows.
 class Recorder {
  public:
-  Recorder(const ClosedLoopScenario& scenario, LoopRecord& record)
+  Recorder(const bench::ClosedLoopScenario& scenario, LoopRecord& record)
       : settings_(scenario.settings), record_(record), gap_s_(scenario.duration_s / 500) {}
 
-  void add(const Cycle& cycle) {
+  void add(const text::Cycle& cycle) {
     const Output<double>& out = cycle.output;
     const bool length = out.mode == Mode::strain || out.mode == Mode::position;
     const double controlled_now = controlled(cycle);
@@ -112,12 +112,12 @@ class Recorder {
 
 class Judge {
  public:
-  Judge(const ClosedLoopScenario& scenario, LoopRunResult& result)
+  Judge(const bench::ClosedLoopScenario& scenario, LoopRunResult& result)
       : settings_(scenario.settings),
         result_(result),
         steps_(scenario.settings.wire.nominal_stroke, scenario.settings.timing.period_s) {}
 
-  void add(const Cycle& cycle) {
+  void add(const text::Cycle& cycle) {
     const bool runs = cycle.output.state == DeviceState::running;
     steps_.add(cycle.time_s,
                runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
@@ -147,25 +147,25 @@ class Judge {
  private:
   const Settings<double>& settings_;
   LoopRunResult& result_;
-  StepJudge steps_;
+  report::StepJudge steps_;
   FaultSet latched_;
 };
 
 /// The trace of the first wire, with what the second one does beside it.
 class LoopFile {
  public:
-  LoopFile(const std::string& path, const ClosedLoopScenario& scenario)
+  LoopFile(const std::string& path, const bench::ClosedLoopScenario& scenario)
       : file_(path, columns(scenario.board),
               scenario.pair ? std::vector<std::string>{"other_strain_ref", "other_current_A",
                                                        "other_hottest_K"}
                             : std::vector<std::string>{}) {}
 
-  void add(const ClosedLoop& loop) {
+  void add(const bench::ClosedLoop& loop) {
     further_.clear();
     if (const auto other = loop.other()) {
       for (const double value : {other->strain, other->current_A, other->hottest_K}) {
         further_ += ',';
-        append_number(further_, value);
+        text::append_number(further_, value);
       }
     }
     file_.add(loop.cycle(), further_);
@@ -173,21 +173,22 @@ class LoopFile {
   void commit() { file_.commit(); }
 
  private:
-  static std::vector<DeviceColumn> columns(const SimSetup& board) {
-    std::vector<DeviceColumn> all =
-        log_columns(board.reads_supply, board.reads_ambient, board.reads_driver);
-    all.insert(all.end(), output_columns().begin(), output_columns().end());
-    all.insert(all.end(), truth_columns().begin(), truth_columns().end());
+  static std::vector<text::DeviceColumn> columns(const hal::SimSetup& board) {
+    std::vector<text::DeviceColumn> all =
+        text::log_columns(board.reads_supply, board.reads_ambient, board.reads_driver);
+    all.insert(all.end(), text::output_columns().begin(), text::output_columns().end());
+    all.insert(all.end(), text::truth_columns().begin(), text::truth_columns().end());
     return all;
   }
 
-  DeviceTraceFile file_;
+  text::DeviceTraceFile file_;
   std::string further_;
 };
 
 }  // namespace
 
-LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options) {
+LoopRunResult run_closed_loop(const bench::ClosedLoopScenario& scenario,
+                              const LoopRunOptions& options) {
   LoopRunResult result;
   std::unique_ptr<LoopFile> file;
   if (!options.out.empty()) {
@@ -198,7 +199,7 @@ LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunO
     recorder.emplace(scenario, result.record.emplace());
   }
   Judge judge(scenario, result);
-  ClosedLoop loop(scenario);
+  bench::ClosedLoop loop(scenario);
   const auto start = std::chrono::steady_clock::now();
   while (loop.step()) {
     judge.add(loop.cycle());
@@ -221,7 +222,7 @@ LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunO
   return result;
 }
 
-std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& result) {
+std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result) {
   std::string text = fmt::format("{}: {} steps, {:.4g} s, {:.0f} times real time\n{}\n",
                                  scenario.name, result.steps, result.duration_s,
                                  result.duration_s / result.elapsed_s, scenario.note);
@@ -236,8 +237,8 @@ std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& res
   if (result.strain_steps.empty()) {
     return text;
   }
-  return text + steps_table(result.strain_steps).text() +
+  return text + report::steps_table(result.strain_steps).text() +
          "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::simulate

@@ -13,7 +13,7 @@
 #include "host-sim/report/series.hpp"
 #include "host-sim/report/step_figures.hpp"
 
-namespace smaservo {
+namespace smaservo::simulate {
 
 /// What the plots of a closed loop show, in the units of their axes. NaN leaves a gap.
 struct LoopPoint {
@@ -30,7 +30,7 @@ using Spans = std::vector<std::pair<double, double>>;
 
 /// What a report shows of a run.
 struct LoopRecord {
-  SeriesOf<LoopPoint, &LoopPoint::strain_percent> series;
+  report::SeriesOf<LoopPoint, &LoopPoint::strain_percent> series;
   std::map<LimitReason, Spans> limits;
   std::map<Fault, Spans> latched, warnings;
   std::map<DeviceState, Spans> states;
@@ -39,7 +39,7 @@ struct LoopRecord {
 struct LoopRunResult {
   std::uint64_t steps = 0;
   double duration_s = 0, elapsed_s = 0;
-  std::vector<StepFigures> strain_steps;
+  std::vector<report::StepFigures> strain_steps;
   double max_hottest_K = 0;
   double max_hottest_s = 0;
   double max_current_A = 0;
@@ -54,9 +54,10 @@ struct LoopRunOptions {
 };
 
 /// Throws UserError.
-LoopRunResult run_closed_loop(const ClosedLoopScenario& scenario, const LoopRunOptions& options);
+LoopRunResult run_closed_loop(const bench::ClosedLoopScenario& scenario,
+                              const LoopRunOptions& options);
 
 /// The numbers for a terminal.
-std::string summary(const ClosedLoopScenario& scenario, const LoopRunResult& result);
+std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result);
 
-}  // namespace smaservo
+}  // namespace smaservo::simulate

@@ -11,22 +11,24 @@
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::simulate {
 namespace {
 
 constexpr double step_s = 1e-3;
 
-std::unique_ptr<SimulatedWire> make_wire(const Scenario& scenario, std::mt19937_64& random) {
-  return make_simulated_wire(scenario.family, scenario.wire.wire, scenario.sublayers,
-                             scenario.scatter_K, random);
+std::unique_ptr<hal::SimulatedWire> make_wire(const bench::Scenario& scenario,
+                                              std::mt19937_64& random) {
+  return hal::make_simulated_wire(scenario.family, scenario.wire.wire, scenario.sublayers,
+                                  scenario.scatter_K, random);
 }
 
-void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSink& sink) {
+void run_joule(const bench::Scenario& scenario, const bench::JouleScenario& joule,
+               const RowSink& sink) {
   const Wire<double>& wire = scenario.wire.wire;
   std::mt19937_64 random(scenario.seed + 1);
   std::normal_distribution<double> normal;
   const auto plant = make_wire(scenario, random);
-  LoadModel load(joule.load);
+  hal::LoadModel load(joule.load);
   plant->rest(joule.ambient_K, load.stress_Pa());
   // What the lumped balance says is needed; the plant does as it likes.
   const auto body = thermal_body(wire.geometry, wire.heat);
@@ -36,7 +38,7 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSi
   }();
   const long every = std::lround(1 / (joule.rate_Hz * step_s));
   long tick = 0;
-  for (const DriveStep& step : joule.drive) {
+  for (const bench::DriveStep& step : joule.drive) {
     const double level_W = step.level * body.loss_W(hottest_K - 298.15);
     const long begin = tick;
     for (const long stop = tick + std::lround(step.seconds / step_s); tick < stop; ++tick) {
@@ -47,9 +49,9 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSi
       load.advance(time_s, step_s, strain, random);
       const double ohm = plant->resistance_ohm();
       const double current_A = std::max(std::sqrt(power_W / ohm), joule.min_current_A);
-      const Readings read =
-          read_sensors(joule.sensors, current_A, ohm, load.stress_Pa() * wire.geometry.area_m2(),
-                       normal, random);
+      const hal::Readings read =
+          hal::read_sensors(joule.sensors, current_A, ohm,
+                            load.stress_Pa() * wire.geometry.area_m2(), normal, random);
       if (tick % every == 0 && time_s >= joule.record_from_s) {
         sink({time_s - joule.record_from_s, read.current_A, read.voltage_V, read.load_N, strain});
       }
@@ -58,7 +60,7 @@ void run_joule(const Scenario& scenario, const JouleScenario& joule, const RowSi
   }
 }
 
-void run_bath(const Scenario& scenario, const BathScenario& bath,
+void run_bath(const bench::Scenario& scenario, const bench::BathScenario& bath,
               const std::function<void(const SimulatedBathRow&)>& sink) {
   std::mt19937_64 random(scenario.seed + 1);
   std::normal_distribution<double> normal;
@@ -80,8 +82,8 @@ void run_bath(const Scenario& scenario, const BathScenario& bath,
 
 }  // namespace
 
-void simulate(const Scenario& scenario, OutputFile& trace) {
-  if (std::holds_alternative<BathScenario>(scenario.run)) {
+void simulate(const bench::Scenario& scenario, files::OutputFile& trace) {
+  if (std::holds_alternative<bench::BathScenario>(scenario.run)) {
     trace.write("temperature_degC,stress_MPa,strain_ref\n");
     simulate_bath_rows(scenario, [&](const SimulatedBathRow& row) {
       trace.write(fmt::format("{:.3f},{:.3f},{:.6f}\n", row.temperature_K - zero_degC_K,
@@ -96,13 +98,13 @@ void simulate(const Scenario& scenario, OutputFile& trace) {
   });
 }
 
-void simulate_rows(const Scenario& scenario, const RowSink& sink) {
-  run_joule(scenario, std::get<JouleScenario>(scenario.run), sink);
+void simulate_rows(const bench::Scenario& scenario, const RowSink& sink) {
+  run_joule(scenario, std::get<bench::JouleScenario>(scenario.run), sink);
 }
 
-void simulate_bath_rows(const Scenario& scenario,
+void simulate_bath_rows(const bench::Scenario& scenario,
                         const std::function<void(const SimulatedBathRow&)>& sink) {
-  run_bath(scenario, std::get<BathScenario>(scenario.run), sink);
+  run_bath(scenario, std::get<bench::BathScenario>(scenario.run), sink);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::simulate

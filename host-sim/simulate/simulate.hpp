@@ -6,7 +6,7 @@
 #include "firmware/bench/scenario.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::simulate {
 
 /// What is measured, and the strain as it is.
 struct SimulatedRow {
@@ -15,18 +15,18 @@ struct SimulatedRow {
 using RowSink = std::function<void(const SimulatedRow&)>;
 
 /// Writes the trace; the same scenario gives the same trace.
-void simulate(const Scenario& scenario, OutputFile& trace);
+void simulate(const bench::Scenario& scenario, files::OutputFile& trace);
 
 /// The same rows in memory, before they are rounded to the digits of a file. The scenario's run
 /// must be a JouleScenario; throws std::bad_variant_access for a bath.
-void simulate_rows(const Scenario& scenario, const RowSink& sink);
+void simulate_rows(const bench::Scenario& scenario, const RowSink& sink);
 
 /// What is known of a bath at each of its steps; the temperature is noisy.
 struct SimulatedBathRow {
   double temperature_K, stress_Pa, strain;
 };
 /// The same for a BathScenario.
-void simulate_bath_rows(const Scenario& scenario,
+void simulate_bath_rows(const bench::Scenario& scenario,
                         const std::function<void(const SimulatedBathRow&)>& sink);
 
-}  // namespace smaservo
+}  // namespace smaservo::simulate

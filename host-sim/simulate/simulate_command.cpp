@@ -8,7 +8,7 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::simulate {
 namespace {
 
 struct SimulateArguments {
@@ -16,7 +16,7 @@ struct SimulateArguments {
 };
 
 void run_loop(const SimulateArguments& a) {
-  const ClosedLoopScenario scenario = load_closed_loop(a.scenario);
+  const bench::ClosedLoopScenario scenario = bench::load_closed_loop(a.scenario);
   const LoopRunResult result =
       run_closed_loop(scenario, {.out = a.out, .record = !a.report.empty()});
   if (!a.report.empty()) {
@@ -31,18 +31,18 @@ void run(const SimulateArguments& a) {
   refuse_to_overwrite(a.scenario, a.out);
   refuse_to_overwrite(a.scenario, a.report);
   refuse_to_overwrite(a.out, a.report);
-  if (is_closed_loop(a.scenario)) {
+  if (bench::is_closed_loop(a.scenario)) {
     run_loop(a);
     return;
   }
   if (!a.report.empty()) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{}: has no [device], so there is nothing to report; replay "
                     "--report shows what an observer makes of the trace",
                     a.scenario));
   }
-  const Scenario scenario = load_scenario(a.scenario);
-  OutputFile file(a.out.empty() ? "-" : a.out);
+  const bench::Scenario scenario = bench::load_scenario(a.scenario);
+  files::OutputFile file(a.out.empty() ? "-" : a.out);
   simulate(scenario, file);
   file.commit();
 }
@@ -63,4 +63,4 @@ void add_simulate_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::simulate

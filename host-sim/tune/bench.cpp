@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::tune {
 
 TunedBench::TunedBench(const TunedPlant& plant, double current_noise_A, double voltage_noise_V)
     : plant_(plant),
@@ -33,4 +33,4 @@ void TunedBench::drive(double current_A, double dt_s) {
   stress_Pa_ = advance_loaded(plant_, params_, state_, power_W, rest_strain_, dt_s);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -6,7 +6,7 @@
 #include "firmware/command.hpp"
 #include "host-sim/tune/linear/operating_points.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 class TunedBench {
  public:
@@ -35,4 +35,4 @@ class TunedBench {
   std::normal_distribution<double> normal_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

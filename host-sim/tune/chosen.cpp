@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 void add_loop(std::vector<Chosen>& all, const char* table, const char* gain, const char* band,
@@ -82,4 +82,4 @@ std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& he
   return text;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

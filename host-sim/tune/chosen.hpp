@@ -6,7 +6,7 @@
 
 #include "firmware/settings.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 struct Chosen {
   const char* table;  ///< of the file: "strain"
@@ -23,4 +23,4 @@ std::vector<Chosen> chosen_settings(const Settings<double>& settings, bool resis
 /// As part of a settings file.
 std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& heading);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -6,7 +6,7 @@
 #include "firmware/device/device.hpp"
 #include "host-sim/tune/bench.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 double estimate_noise(const TunedPlant& plant, const Proposal& p) {
   const Prepared<double> prepared = prepare(p.settings);
@@ -41,4 +41,4 @@ double estimate_noise(const TunedPlant& plant, const Proposal& p) {
   return std::sqrt(std::max(0.0, square / counted - mean * mean));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

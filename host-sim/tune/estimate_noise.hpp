@@ -2,11 +2,11 @@
 
 #include "host-sim/tune/proposal.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// Standard deviation of what the noise of current and voltage does to the estimated strain, half
 /// way along the heating branch: two observers on one simulated wire for 2 s, one of them with
 /// clean sensors.
 double estimate_noise(const TunedPlant& plant, const Proposal& p);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

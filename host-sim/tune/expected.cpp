@@ -7,7 +7,7 @@
 #include "firmware/device/device.hpp"
 #include "host-sim/tune/bench.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr double contraction[] = {0.5, 0.85, 0.4, 0.15};
@@ -168,4 +168,4 @@ std::vector<StepResponse> worst_steps(const ExpectedSteps& expected) {
   return worst;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

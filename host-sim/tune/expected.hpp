@@ -5,7 +5,7 @@
 #include "firmware/faults.hpp"
 #include "host-sim/tune/proposal.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// One step of the set-point and what the wire made of it.
 struct StepResponse {
@@ -49,4 +49,4 @@ int restless_wires(const ExpectedSteps& expected, const Settings<double>& settin
 StepResponse judge_step(const std::vector<double>& strain, std::size_t first, std::size_t last,
                         double from, double to, double period_s, double band);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -12,7 +12,7 @@
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 /// The whole stroke at the current limit takes this time, or this share of what stretching takes.
@@ -69,7 +69,7 @@ double resistance_noise_ohm(const Measuring<double>& m, double ohm, double curre
 }
 
 Settings<double> bare_settings(const Wire<double>& wire, double current_A) {
-  const MeasurementParams<double> front_end = measuring_params(wire, {});
+  const MeasurementParams<double> front_end = replay::measuring_params(wire, {});
   const double full_V = rounded_up(1.5 * current_A * cold_resistance_ohm(wire));
   Settings<double> s = default_settings<double>();
   s.wire = wire;
@@ -90,7 +90,7 @@ void require_motion(const TuneTask& task, const Branches& b) {
   };
   if (b.stroke() < 0.1 * task.plant.wire.nominal_stroke || count(Motion::heating) < 5 ||
       count(Motion::cooling) < 5) {
-    throw UserError(fmt::format(
+    throw files::UserError(fmt::format(
         "in air of {:.4g} °C under {:.4g} MPa: the wire contracts by {:.2g} % up to {:.4g} °C and "
         "stretches again over {} of 9 parts of it; it needs colder air or another load",
         task.plant.ambient_K - zero_degC_K, 1e-6 * task.plant.load.low_Pa, 100 * b.stroke(),
@@ -109,7 +109,7 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   const double wanted_A = rounded_up(std::max(stroke_A, 1.2 * p.holding_A));
   const double current_A = std::min(wanted_A, task.max_current_A);
   if (current_A < p.holding_A) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("--current-A {}: holding this wire short in a draught needs {:.3g} A; must be "
                     "at least that",
                     task.max_current_A, p.holding_A));
@@ -156,4 +156,4 @@ double min_dead_band(const TuneTask& task, const Proposal& p) {
   return rounded_up(std::max(3 * noise, 0.1 * task.plant.wire.accuracy.strain));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

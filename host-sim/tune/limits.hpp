@@ -3,7 +3,7 @@
 
 #include "host-sim/tune/proposal.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// Standard deviation of one reading.
 double resistance_noise_ohm(const Measuring<double>& m, double ohm, double current_A);
@@ -22,4 +22,4 @@ double resistance_dead_band_ohm(const Proposal& p);
 /// than a tenth of what the model does not know.
 double min_dead_band(const TuneTask& task, const Proposal& p);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

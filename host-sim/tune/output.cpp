@@ -11,7 +11,7 @@
 #include "model/files/toml_fields.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 double dB(double gain) {
@@ -46,7 +46,7 @@ double in_Hz(double rad_s) {
 }
 
 std::string settings_text(const Tuned& t) {
-  TextTable table({{""}, {"", "{:.6g}"}, {""}});
+  files::TextTable table({{""}, {"", "{:.6g}"}, {""}});
   for (const Chosen& c : t.chosen) {
     table.add({c.path(), c.value, c.why});
   }
@@ -54,13 +54,13 @@ std::string settings_text(const Tuned& t) {
 }
 
 std::string margins_text(const Tuned& t) {
-  TextTable table({{"loop"},
-                   {"gain margin dB", "{:.1f}"},
-                   {"phase margin °", "{:.0f}"},
-                   {"worst Ms", "{:.2f}"},
-                   {"crosses Hz", "{:.3g}"},
-                   {"answers in %", "{:.0f}"},
-                   {"worst where"}});
+  files::TextTable table({{"loop"},
+                          {"gain margin dB", "{:.1f}"},
+                          {"phase margin °", "{:.0f}"},
+                          {"worst Ms", "{:.2f}"},
+                          {"crosses Hz", "{:.3g}"},
+                          {"answers in %", "{:.0f}"},
+                          {"worst where"}});
   for (const DesignedLoop& loop : t.proposal.loops) {
     const Margins& m = loop.worst;
     if (loop.possible) {
@@ -78,16 +78,16 @@ std::string margins_text(const Tuned& t) {
                      AskedMargins{}.sensitivity);
 }
 
-TextTable relays(const Tuned& t) {
-  TextTable table({{"relay test", "", "loop"},
-                   {"while", "", "motion"},
-                   {"wire", "", "plant"},
-                   {"Hz", "{:.3g}", "Hz"},
-                   {"expected", "{:.3g}", "expected_Hz"},
-                   {"gain", "{:.3g}", "gain"},
-                   {"expected", "{:.3g}", "expected_gain"},
-                   {""},
-                   {.key = "agrees"}});
+files::TextTable relays(const Tuned& t) {
+  files::TextTable table({{"relay test", "", "loop"},
+                          {"while", "", "motion"},
+                          {"wire", "", "plant"},
+                          {"Hz", "{:.3g}", "Hz"},
+                          {"expected", "{:.3g}", "expected_Hz"},
+                          {"gain", "{:.3g}", "gain"},
+                          {"expected", "{:.3g}", "expected_gain"},
+                          {""},
+                          {.key = "agrees"}});
   for (const RelayCheck& c : t.relays) {
     table.add({loop_text(c.name), motion_name(c.motion), c.plant, in_Hz(c.tested.rad_s),
                in_Hz(c.expected.rad_s), c.tested.gain, c.expected.gain,
@@ -97,13 +97,13 @@ TextTable relays(const Tuned& t) {
 }
 
 std::string steps_text(const Tuned& t) {
-  TextTable table({{"step of the strain"},
-                   {"rise s", "{:.3g}"},
-                   {"settles s", "{:.3g}"},
-                   {"overshoot %", "{:.2f}"},
-                   {"steady %", "{:.2f}"},
-                   {"ripple %", "{:.2f}"},
-                   {"hottest °C", "{:.1f}"}});
+  files::TextTable table({{"step of the strain"},
+                          {"rise s", "{:.3g}"},
+                          {"settles s", "{:.3g}"},
+                          {"overshoot %", "{:.2f}"},
+                          {"steady %", "{:.2f}"},
+                          {"ripple %", "{:.2f}"},
+                          {"hottest °C", "{:.1f}"}});
   const auto add = [&](const char* who, const StepResponse& s) {
     table.add({fmt::format("{:.2f} to {:.2f} %{}", 100 * s.from, 100 * s.to, who), s.rise_s,
                s.settling_s, percent_of_stroke(t, s.overshoot),
@@ -174,16 +174,16 @@ std::string tuned_json(const Tuned& t) {
         {{"file", step_json(t.expected.runs.front().steps[i])}, {"worst", step_json(t.worst[i])}});
   }
   all["warnings"] = t.warnings;
-  return json_text(all);
+  return files::json_text(all);
 }
 
 std::string tuned_toml(const Tuned& t) {
   const std::string wire =
       t.based_on.empty()
           ? "# [wire] based_on: the wire was changed with --set; name a file of it.\n"
-          : fmt::format("\n[wire]\nbased_on = {}\n", quoted(t.based_on));
+          : fmt::format("\n[wire]\nbased_on = {}\n", files::quoted(t.based_on));
   return chosen_toml(t.chosen,
                      fmt::format("# Proposed by host-sim tune.\n# {}{}", heading(t), wire));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

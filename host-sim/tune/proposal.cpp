@@ -14,7 +14,7 @@
 #include "model/files/error.hpp"
 #include "observer/kalman.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 /// No loop is made faster than this many periods, so that what is not in its model, as the front
@@ -194,7 +194,7 @@ class Design {
  private:
   void require_found(bool found) const {
     if (!found) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("{}: no gains keep the margins; the file's wire.accuracy.strain is "
                       "too coarse for this wire",
                       loop_text(name_)));
@@ -255,4 +255,4 @@ Proposal propose(const TuneTask& task) {
   return p;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

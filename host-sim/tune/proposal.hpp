@@ -10,7 +10,7 @@
 #include "host-sim/tune/linear/loop.hpp"
 #include "host-sim/tune/linear/operating_points.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 enum class LoopName : unsigned char { strain, temperature, resistance, force };
 inline constexpr std::array loop_names{LoopName::strain, LoopName::temperature,
@@ -58,4 +58,4 @@ Proposal propose(const TuneTask& task);
 /// The device's settings for this wire with none of its gains; `current_A` is its limit.
 Settings<double> bare_settings(const Wire<double>& wire, double current_A);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr int periods = 8;
@@ -101,4 +101,4 @@ bool agrees(const RelayCheck& check) {
          near(check.tested.gain, check.expected.gain);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -9,7 +9,7 @@
 
 #include "host-sim/tune/proposal.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// What a relay drives: holds this power for a period, and tells the variable after it.
 struct RelayPlant {
@@ -57,4 +57,4 @@ std::vector<RelayCheck> relay_checks(const TuneTask& task, const Proposal& p);
 inline constexpr double relay_factor = 1.3;
 bool agrees(const RelayCheck& check);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

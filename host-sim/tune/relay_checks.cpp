@@ -7,7 +7,7 @@
 #include "hal/sim/simulated_wire.hpp"
 #include "host-sim/tune/relay.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr double period_ticks = 20;  ///< of the oscillation that is aimed at
@@ -95,16 +95,16 @@ class SegmentedWire {
   double strain() const { return wire_->strain(); }
 
  private:
-  static std::unique_ptr<SimulatedWire> at_rest(const TunedPlant& plant) {
+  static std::unique_ptr<hal::SimulatedWire> at_rest(const TunedPlant& plant) {
     std::mt19937_64 random(1);
-    auto wire = make_simulated_wire(Family::ihyp, plant.wire, {}, 0.3, random);
+    auto wire = hal::make_simulated_wire(hal::Family::ihyp, plant.wire, {}, 0.3, random);
     wire->rest(plant.ambient_K, plant.load.low_Pa);
     return wire;
   }
 
   TunedPlant plant_;
   double period_s_;
-  std::unique_ptr<SimulatedWire> wire_;
+  std::unique_ptr<hal::SimulatedWire> wire_;
   double rest_strain_;
 };
 
@@ -185,4 +185,4 @@ std::vector<RelayCheck> relay_checks(const TuneTask& task, const Proposal& p) {
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// To three digits, downwards or upwards; 0 stays. 2.5e-3 and 2.5 come out as they are written.
 inline double rounded(double x, bool up) {
@@ -25,4 +25,4 @@ inline double rounded_down(double x) {
   return rounded(x, false);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

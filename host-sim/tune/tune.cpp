@@ -7,7 +7,7 @@
 #include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/rounding.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 /// Of the uncertain wires that close the loop in time.
@@ -41,7 +41,7 @@ void try_dead_bands(Tuned& t) {
     faults = faults | r.faults;
   }
   if (!faults.empty()) {
-    t.warnings.push_back(fmt::format("faults of the uncertain wires: {}", names_of(faults)));
+    t.warnings.push_back(fmt::format("faults of the uncertain wires: {}", text::names_of(faults)));
   }
 }
 
@@ -77,4 +77,4 @@ Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask&
   return t;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -9,7 +9,7 @@
 #include "host-sim/tune/proposal.hpp"
 #include "host-sim/tune/relay.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 struct Tuned {
   std::string wire;      ///< its name
@@ -33,4 +33,4 @@ std::string tuned_toml(const Tuned& tuned);
 /// Writes one HTML file that opens without a network. Throws UserError.
 void write_tune_report(const std::string& path, const Tuned& tuned);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

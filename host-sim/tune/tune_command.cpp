@@ -12,11 +12,11 @@
 #include "model/files/output_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 struct TuneArguments {
-  std::string wire{default_wire};
+  std::string wire{files::default_wire};
   std::vector<std::string> settings;
   std::optional<double> load_N, stress_MPa, current_A;
   std::vector<double> spring;  ///< low and high stress in MPa, stroke
@@ -30,7 +30,8 @@ TunedLoad spring(const std::vector<double>& s) {
   require("--spring HIGH", s[1], 0, 1e4);
   require("--spring STROKE", s[2], 1e-4, 1);
   if (!(s[0] < s[1])) {
-    throw UserError(fmt::format("--spring {},{},{}: HIGH must be above LOW", s[0], s[1], s[2]));
+    throw files::UserError(
+        fmt::format("--spring {},{},{}: HIGH must be above LOW", s[0], s[1], s[2]));
   }
   return {1e6 * s[0], 1e6 * s[1], s[2]};
 }
@@ -49,7 +50,7 @@ void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
   const double max_MPa = 1e-6 * wire.limits.stress_Pa;
   for (const double stress_Pa : {load.low_Pa, load.is_spring() ? 0 : load.high_Pa}) {
     if (wire.limits.stress_Pa < stress_Pa) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("a load of {:.4g} MPa: the wire bears up to {:.4g} MPa "
                       "(wire.limits.load, {:.4g} N)",
                       1e-6 * stress_Pa, max_MPa, wire.limits.stress_Pa * wire.geometry.area_m2()));
@@ -74,11 +75,12 @@ void run(const TuneArguments& a) {
   }
   const int loads = (a.load_N ? 1 : 0) + (a.stress_MPa ? 1 : 0) + (a.spring.empty() ? 0 : 1);
   if (loads != 1) {
-    throw UserError("one load is needed: --load-N, --stress-MPa or --spring");
+    throw files::UserError("one load is needed: --load-N, --stress-MPa or --spring");
   }
   require("--ambient-degC", a.ambient_degC, -60, 120);
   require("--current-A", a.current_A, 1e-4, 1e3);
-  const WireDescription description = load_wire(a.wire, parse_settings(a.settings));
+  const files::WireDescription description =
+      files::load_wire(a.wire, text::parse_settings(a.settings));
   const TunedLoad tuned_load = load(a, description.wire);
   require_allowed(description.wire, tuned_load);
   const TuneTask task{{description.wire, tuned_load, a.ambient_degC + zero_degC_K, 1},
@@ -87,7 +89,7 @@ void run(const TuneArguments& a) {
                       1};
   const Tuned tuned = tune(a.wire, based_on(a), task);
   if (!a.out.empty()) {
-    OutputFile file(a.out);
+    files::OutputFile file(a.out);
     file.write(tuned_toml(tuned));
     file.commit();
   }
@@ -124,4 +126,4 @@ void add_tune_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

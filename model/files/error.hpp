@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// A mistake of the user's or the machine's that a message explains; ends the program with 1.
 class UserError : public std::runtime_error {
@@ -17,4 +17,4 @@ class ConfigError : public UserError {
   using UserError::UserError;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 struct Renamed {
@@ -71,4 +71,4 @@ std::vector<KeyUnit> key_units(const Field& field) {
   return units;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

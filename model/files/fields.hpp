@@ -11,7 +11,7 @@
 
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// "wire.length_m", "0.12": replaces a key of a file, in any unit of its kind.
 using Override = std::pair<std::string, std::string>;
@@ -62,4 +62,4 @@ std::string renamed_key(std::string_view key);
 /// "current" and "mA", "duty" and ""
 std::string key_with(std::string_view name, std::string_view suffix);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -7,7 +7,7 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 std::string whole_file(const std::string& path) {
   const std::ifstream in(path, std::ios::binary);
@@ -21,4 +21,4 @@ std::string whole_file(const std::string& path) {
   return text.str();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -2,9 +2,9 @@
 
 #include <string>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// All that a file holds, which may be nothing. Throws ConfigError where it can not be read.
 std::string whole_file(const std::string& path);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -9,7 +9,7 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 namespace fs = std::filesystem;
 
@@ -78,4 +78,4 @@ void prepare_folder(const char* option, const std::string& folder) {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

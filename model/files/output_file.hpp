@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// A file that appears under its name only when it is complete: written beside, then renamed.
 /// "-" is standard output; devices and pipes are written as they are. Throws UserError when it
@@ -32,4 +32,4 @@ class OutputFile {
 /// be written there.
 void prepare_folder(const char* option, const std::string& folder);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// Calls part(i) for all i below count, in order but by several threads at once. `done` is called
 /// after each part with how many there have been, never from two threads at once. Throws what the
@@ -48,4 +48,4 @@ void parallel(std::size_t count, int threads, const Part& part,
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

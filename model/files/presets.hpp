@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// One .toml file of model/wires: an alloy with its sizes.
 struct Preset {
@@ -13,4 +13,4 @@ struct Preset {
 
 std::span<const Preset> presets();
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -7,7 +7,7 @@
 #include <unistd.h>
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 constexpr std::int64_t first_after_ns = 500'000'000;
@@ -60,4 +60,4 @@ void Progress::print(std::uint64_t done) {
   next_ns_ = now + every_ns;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

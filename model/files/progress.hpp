@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// A line on the terminal that says how far a long job is; silent where standard error is none.
 class Progress {
@@ -31,4 +31,4 @@ class Progress {
   std::int64_t next_ns_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -298,4 +298,4 @@ std::string json_text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::files {
 
 class TextTable {
  public:
@@ -76,4 +76,4 @@ std::string escaped(std::string_view text);
 /// A document in lines; bytes that are no UTF-8 are replaced.
 std::string json_text(const nlohmann::ordered_json& json);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -9,7 +9,7 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 /// A node as it would be written.
@@ -302,4 +302,4 @@ void overlay(Entries& below, const Entries& above) {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -8,7 +8,7 @@
 
 #include "model/files/fields.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// `origin` is what messages call the text.
 toml::table parse_toml(std::string_view text, const std::string& origin);
@@ -39,4 +39,4 @@ Entries read_fields(std::span<const Field> fields, const toml::table& table,
 /// Puts `above` on top of `below`.
 void overlay(Entries& below, const Entries& above);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

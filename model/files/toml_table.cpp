@@ -7,7 +7,7 @@
 #include "model/files/input_file.hpp"
 #include "model/files/toml_fields.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 void TomlTable::fail(std::string_view key, const std::string& reason) const {
   const std::string path = path_ + std::string(key);
@@ -160,4 +160,4 @@ std::string TomlFile::beside(const std::string& name) const {
   return (std::filesystem::path(origin_).parent_path() / name).string();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

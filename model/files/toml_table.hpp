@@ -10,7 +10,7 @@
 #include <toml++/toml.h>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// One table of the file: takes keys, and refuses what nobody took. All throw ConfigError.
 class TomlTable {
@@ -75,4 +75,4 @@ class TomlFile {
   toml::table parsed_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -6,7 +6,7 @@
 
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 using Row = WireParameter<double>;
@@ -330,4 +330,4 @@ Entries describe_wire(const Wire<double>& wire) {
   return entries;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

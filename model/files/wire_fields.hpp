@@ -12,7 +12,7 @@
 #include "model/files/fields.hpp"
 #include "model/wire/wire_parameters.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// All keys. Slots are the rows of wire_parameters, in whose order they stand; the first key of a
 /// slot is the one that is written:
@@ -50,4 +50,4 @@ std::string where_said(const Entries& entries, const std::string& origin, std::s
 /// Entries that build this wire to the same bits, each number by itself.
 Entries describe_wire(const Wire<double>& wire);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -12,7 +12,7 @@
 #include "model/files/toml_fields.hpp"
 #include "model/files/wire_fields.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 struct Loaded {
@@ -195,4 +195,4 @@ std::string to_toml(const WireDescription& description) {
   return out;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

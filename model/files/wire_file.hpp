@@ -11,7 +11,7 @@
 #include "model/files/fields.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 struct WireDescription {
   std::string name;
@@ -38,4 +38,4 @@ inline constexpr std::string_view default_wire = "smartflex-76um";
 /// A complete description as TOML that load_wire() reads back to the same numbers.
 std::string to_toml(const WireDescription& description);
 
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -6,7 +6,7 @@
 
 #include "model/papers/cosine_process.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 template <class S>
 struct Cosine {
@@ -81,4 +81,4 @@ struct Cosine {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

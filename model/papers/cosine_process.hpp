@@ -7,7 +7,7 @@
 
 #include "model/kinetics.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 /// Start and finish at zero stress, with start_K != finish_K.
 template <class S>
@@ -57,4 +57,4 @@ struct CosineBranch {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

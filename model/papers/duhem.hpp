@@ -9,7 +9,7 @@
 
 #include "model/kinetics.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 template <class S>
 struct Duhem {
@@ -204,4 +204,4 @@ struct Duhem {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

@@ -11,7 +11,7 @@
 #include "model/units.hpp"
 #include "model/wire/material.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 /// Convection that depends on direction, and a heat capacity that rises where austenite begins:
 /// the paper's stand-in for latent heat. Its temperatures are in °C.
@@ -190,4 +190,4 @@ struct DuhemActuator {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

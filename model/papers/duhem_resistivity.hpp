@@ -7,7 +7,7 @@
 
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 template <class S>
 struct DuhemResistivity {
@@ -53,4 +53,4 @@ struct DuhemResistivity {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

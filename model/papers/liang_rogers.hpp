@@ -12,7 +12,7 @@
 #include "model/papers/cosine_process.hpp"
 #include "model/wire/material.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 template <class S>
 struct LiangRogers {
@@ -153,4 +153,4 @@ constexpr S mixed_modulus_strain(const Material<S>& m, const Phases<S>& z, const
          a * m.austenite.strain;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

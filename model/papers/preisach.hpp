@@ -25,7 +25,7 @@
 
 #include "model/kinetics.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 /// The turning points of an input that are still open, outermost first, alternately hot and cold;
 /// the first is hot and is where the input came from. Each lies inside the two before it.
@@ -286,4 +286,4 @@ struct Preisach {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

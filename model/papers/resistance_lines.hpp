@@ -4,7 +4,7 @@
 
 #include "model/papers/liang_rogers.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 /// A state in the strain-resistance plane; the resistance relative to R_0 = ρ_M L_0/A_0, that of
 /// martensite at the material's reference temperature (002 eq. 17 and 18).
@@ -74,4 +74,4 @@ struct ResistanceLines {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace smaservo {
+namespace smaservo::papers {
 
 template <class S>
 struct SpringBias {
@@ -102,4 +102,4 @@ struct SpringBias {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

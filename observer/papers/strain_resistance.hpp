@@ -24,7 +24,7 @@
 #include "model/papers/resistance_lines.hpp"
 #include "observer/estimate.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 /// Σ β_i (σ/σ_max)^i, i = 0..4 (002 eq. 7 to 10 and 22 to 25, whose exponents i - 1 can only be i).
 template <class S>
@@ -165,4 +165,4 @@ struct StrainResistance {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

@@ -6,7 +6,7 @@
 
 #include "model/three_phase/ihyp.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// The greatest root of w³ + a w² + b w + c, by Viète's cosines where there are three real roots,
 /// by the hyperbolic functions where there is one.
@@ -83,4 +83,4 @@ Split<S> newton_fraction(const IhypShape<S>& shape, S tau) {
   return lower ? Split<S>{y, S(1) - y} : Split<S>{S(1) - y, y};
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -8,19 +8,19 @@
 #include "firmware/bench/closed_loop.hpp"
 #include "tests/bench/main.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 namespace {
 
 /// A wire that goes from strain to strain for 60 s, under 200 MPa.
-ClosedLoopScenario scenario(PlantFamily family) {
-  ClosedLoopScenario s =
-      load_closed_loop(std::string(SMASERVO_SOURCE_DIR) + "/host-sim/scenarios/staircase.toml");
+bench::ClosedLoopScenario scenario(bench::PlantFamily family) {
+  bench::ClosedLoopScenario s = bench::load_closed_loop(std::string(SMASERVO_SOURCE_DIR) +
+                                                        "/host-sim/scenarios/staircase.toml");
   s.plant.family = family;
   s.program.resize(1);
   s.program.front().seconds = 0.5;
   std::mt19937_64 random(1);
   for (int i = 0; i < 60; ++i) {
-    CommandStretch step{};
+    bench::CommandStretch step{};
     step.command.arm = true;
     step.command.mode = Mode::strain;
     step.command.setpoint = step.end =
@@ -32,14 +32,14 @@ ClosedLoopScenario scenario(PlantFamily family) {
   return s;
 }
 
-void time_loop(benchmark::State& state, const ClosedLoopScenario& loop_scenario) {
+void time_loop(benchmark::State& state, const bench::ClosedLoopScenario& loop_scenario) {
   std::int64_t steps = 0;
   for ([[maybe_unused]] auto _ : state) {
-    ClosedLoop loop(loop_scenario);
+    bench::ClosedLoop loop(loop_scenario);
     while (loop.step()) {
       ++steps;
     }
-    benchmark::DoNotOptimize(loop.turn());
+    benchmark::DoNotOptimize(loop.cycle());
   }
   state.SetItemsProcessed(steps);
   const double simulated_s =
@@ -50,13 +50,13 @@ void time_loop(benchmark::State& state, const ClosedLoopScenario& loop_scenario)
 }  // namespace
 
 void register_benchmarks() {
-  for (const PlantFamily family :
-       {PlantFamily::lumped, PlantFamily::ihyp, PlantFamily::sublayers}) {
-    const std::string name = "closed_loop/" + std::string(plant_name(family));
+  for (const bench::PlantFamily family :
+       {bench::PlantFamily::lumped, bench::PlantFamily::ihyp, bench::PlantFamily::sublayers}) {
+    const std::string name = "closed_loop/" + std::string(bench::plant_name(family));
     benchmark::RegisterBenchmark(name.c_str(), [s = scenario(family)](benchmark::State& state) {
       time_loop(state, s);
     })->Unit(benchmark::kMillisecond);
   }
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -5,7 +5,7 @@
 #include "model/wire/plant.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 template <class To>
 Material<To> convert(const Material<double>& from) {
@@ -65,4 +65,4 @@ Wire<To> convert(const Wire<double>& from) {
           {to(from.accuracy.strain), to(from.accuracy.resistance)}};
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

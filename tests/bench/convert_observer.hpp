@@ -5,7 +5,7 @@
 #include "observer/measurement.hpp"
 #include "tests/bench/convert.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 template <class To>
 KalmanTuning<To> convert(const KalmanTuning<double>& from) {
@@ -34,4 +34,4 @@ Sample<To> convert(const Sample<double>& from) {
   return {scalar<To>(from.current_A), scalar<To>(from.voltage_V), scalar<To>(from.load_N)};
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

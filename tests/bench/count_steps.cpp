@@ -9,13 +9,13 @@
 
 #include "tests/bench/steps.hpp"
 
-extern "C" [[gnu::noinline]] void smaservo::bench::counted_steps(const AnyStep& step,
-                                                                 std::size_t times) {
+extern "C" [[gnu::noinline]] void smaservo::benchmarks::counted_steps(const AnyStep& step,
+                                                                      std::size_t times) {
   step.repeat(step.object, times);
 }
 
 int main(int argc, char** argv) {
-  using namespace smaservo::bench;
+  using namespace smaservo::benchmarks;
   Runs runs;
   for_each_step<float>(adding(runs, "float"));
   for_each_step<double>(adding(runs, "double"));

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// A step of any kind.
 struct AnyStep {
@@ -68,4 +68,4 @@ void add_device_runs(Runs& runs);
 void add_paper_runs(Runs& runs);
 void add_wire_runs(Runs& runs);
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 struct Operations {
   std::uint64_t additions = 0;  ///< and subtractions
@@ -97,13 +97,13 @@ class Counted {
   double x_;
 };
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks
 
 /// As precise as a float: the refinements of the curve are those of a target.
 template <>
-struct std::numeric_limits<smaservo::bench::Counted> : std::numeric_limits<double> {
+struct std::numeric_limits<smaservo::benchmarks::Counted> : std::numeric_limits<double> {
   static constexpr int digits = std::numeric_limits<float>::digits;
-  static constexpr smaservo::bench::Counted quiet_NaN() noexcept {
-    return smaservo::bench::Counted(std::numeric_limits<double>::quiet_NaN());
+  static constexpr smaservo::benchmarks::Counted quiet_NaN() noexcept {
+    return smaservo::benchmarks::Counted(std::numeric_limits<double>::quiet_NaN());
   }
 };

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// The elements of a table, one after the other, for ever.
 template <class T>
@@ -24,4 +24,4 @@ class Cycle {
   std::size_t at_ = 0;
 };
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -9,7 +9,7 @@
 #include "tests/bench/cycle.hpp"
 #include "tests/firmware/device/test_device.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// One instant of the closed loop.
 template <class S>
@@ -36,7 +36,7 @@ class Recording {
 
  private:
   void record() {
-    TestBench wire(load_wire(std::string(default_wire)).wire, 150e6);
+    TestBench wire(files::load_wire(std::string(files::default_wire)).wire, 150e6);
     const double longest = wire.strain();
     run(wire, longest);
     begin = state;
@@ -119,4 +119,4 @@ void for_each_device_step(F f) {
   f("device_step", [] { return DeviceStep<S>(); });
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

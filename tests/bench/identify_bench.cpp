@@ -11,18 +11,19 @@ namespace smaservo {
 namespace {
 
 void identify(benchmark::State& state) {
-  const WireUnit unit = random_unit(Family::ihyp, 1);
+  const bench::WireUnit unit = bench::random_unit(hal::Family::ihyp, 1);
   const auto count = static_cast<std::size_t>(state.range(0));
-  std::vector<Run> runs;
+  std::vector<identify::Run> runs;
   runs.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     // Spread over all stresses, however many there are.
-    runs.push_back(calibration_measurement(unit, i * calibration_stresses_MPa.size() / count));
+    runs.push_back(evaluate::calibration_measurement(
+        unit, i * evaluate::calibration_stresses_MPa.size() / count));
   }
-  FitOptions options;
+  identify::FitOptions options;
   options.threads = static_cast<int>(state.range(1));
   while (state.KeepRunning()) {
-    benchmark::DoNotOptimize(fit_wire(unit.type_file(), runs, options));
+    benchmark::DoNotOptimize(identify::fit_wire(unit.type_file(), runs, options));
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include "model/three_phase/ihyp.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 template <class S>
 struct IhypCase {
@@ -77,4 +77,4 @@ double worst_relative_error(Split<S> (*inverse)(const IhypShape<S>&, S)) {
   return static_cast<double>(worst);
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

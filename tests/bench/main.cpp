@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
-    smaservo::bench::register_benchmarks();
+    smaservo::benchmarks::register_benchmarks();
     benchmark::RunSpecifiedBenchmarks();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", argv[0], error.what());

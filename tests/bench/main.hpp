@@ -1,8 +1,8 @@
 #pragma once
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// What a program of this folder measures; its main() in main.cpp runs it.
 void register_benchmarks();
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

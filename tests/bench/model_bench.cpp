@@ -7,7 +7,7 @@
 #include "tests/bench/steps.hpp"
 #include "tests/bench/time_step.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 namespace {
 
 /// Paper 000 simulates 47.3 s at 0.1 ms in 17.2 s: 473 000 points of the kinetics alone.
@@ -59,4 +59,4 @@ void register_benchmarks() {
   add_errors<double>("double");
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -17,7 +17,7 @@
 #include "tests/bench/device_steps.hpp"
 #include "tests/observer/shipped_traces.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 namespace {
 
 using S = Counted;
@@ -161,10 +161,10 @@ struct Table {
 };
 
 }  // namespace
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks
 
 int main() {
-  smaservo::bench::Table table;
+  smaservo::benchmarks::Table table;
   table.traces();
   table.device();
   table.print();

@@ -10,25 +10,25 @@
 #include "observer/papers/strain_resistance.hpp"
 #include "tests/bench/steps.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// The same temperatures as Gaussians: four deviations from start to finish.
 template <class S>
-typename Duhem<S>::Params duhem_params() {
-  const typename Cosine<S>::Params p = cosine_params<S>();
-  const auto process = [](const CosineProcess<S>& c) {
-    return typename Duhem<S>::Process{S(0.5) * (c.start_K + c.finish_K),
-                                      S(0.25) * std::abs(c.finish_K - c.start_K),
-                                      S(1) / c.stress_Pa_K};
+typename papers::Duhem<S>::Params duhem_params() {
+  const typename papers::Cosine<S>::Params p = cosine_params<S>();
+  const auto process = [](const papers::CosineProcess<S>& c) {
+    return typename papers::Duhem<S>::Process{S(0.5) * (c.start_K + c.finish_K),
+                                              S(0.25) * std::abs(c.finish_K - c.start_K),
+                                              S(1) / c.stress_Pa_K};
   };
   return {process(p.m2a), process(p.a2m)};
 }
 
 /// With an R-phase that begins 8 K above the martensite.
 template <class S>
-typename LiangRogers<S>::Params liang_rogers_params() {
-  const typename Cosine<S>::Params p = cosine_params<S>();
-  CosineProcess<S> a2r = p.a2m;
+typename papers::LiangRogers<S>::Params liang_rogers_params() {
+  const typename papers::Cosine<S>::Params p = cosine_params<S>();
+  papers::CosineProcess<S> a2r = p.a2m;
   a2r.start_K += S(8);
   a2r.finish_K += S(8);
   return {p.m2a, p.a2m, a2r};
@@ -36,8 +36,8 @@ typename LiangRogers<S>::Params liang_rogers_params() {
 
 /// Relays spread evenly over 20 to 110 °C, the same at three stresses.
 template <class S>
-typename Preisach<S>::Params preisach_params() {
-  typename Preisach<S>::Params p{};
+typename papers::Preisach<S>::Params preisach_params() {
+  typename papers::Preisach<S>::Params p{};
   const std::size_t last = p.node_K.size() - 1;
   const auto share = [&](std::size_t i) { return static_cast<S>(i) / static_cast<S>(last); };
   for (std::size_t i = 0; i <= last; ++i) {
@@ -57,8 +57,8 @@ typename Preisach<S>::Params preisach_params() {
 
 /// Two lines some tenths of a per cent apart, about as a wire of 76 um has them at 150 MPa.
 template <class S>
-typename StrainResistance<S>::Params strain_resistance_params() {
-  typename StrainResistance<S>::Params p{};
+typename papers::StrainResistance<S>::Params strain_resistance_params() {
+  typename papers::StrainResistance<S>::Params p{};
   p.martensite_ohm = measurements<S>().front().resistance_ohm;
   p.min_stress_Pa = S(100e6);
   p.max_stress_Pa = S(200e6);
@@ -73,15 +73,15 @@ typename StrainResistance<S>::Params strain_resistance_params() {
 
 template <class S, class F>
 void for_each_paper_step(F f) {
-  f("duhem_step", [] { return KineticsStep<Duhem<S>>(duhem_params<S>(), triangle<S>(0)); });
+  f("duhem_step", [] { return KineticsStep<papers::Duhem<S>>(duhem_params<S>(), triangle<S>(0)); });
   f("liang_rogers_step",
-    [] { return KineticsStep<LiangRogers<S>>(liang_rogers_params<S>(), triangle<S>(0)); });
+    [] { return KineticsStep<papers::LiangRogers<S>>(liang_rogers_params<S>(), triangle<S>(0)); });
   f("preisach_step",
-    [] { return KineticsStep<Preisach<S>>(preisach_params<S>(), triangle<S>(0)); });
+    [] { return KineticsStep<papers::Preisach<S>>(preisach_params<S>(), triangle<S>(0)); });
   f("preisach_step_varying_stress",
-    [] { return KineticsStep<Preisach<S>>(preisach_params<S>(), triangle<S>(100e6)); });
+    [] { return KineticsStep<papers::Preisach<S>>(preisach_params<S>(), triangle<S>(100e6)); });
   f("strain_resistance_step",
-    [] { return ObserverStep<StrainResistance<S>>(strain_resistance_params<S>()); });
+    [] { return ObserverStep<papers::StrainResistance<S>>(strain_resistance_params<S>()); });
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

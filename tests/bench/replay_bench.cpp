@@ -16,7 +16,7 @@
 #include "model/wire/plant.hpp"
 #include "tests/bench/main.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 namespace {
 
 constexpr int rows = 1'000'000;
@@ -76,10 +76,10 @@ void write_trace(const std::string& path, const Wire<double>& wire) {
   }
 }
 
-void time_replay(benchmark::State& state, const ReplayOptions& options) {
+void time_replay(benchmark::State& state, const replay::ReplayOptions& options) {
   std::uint64_t bytes = 0;
   for ([[maybe_unused]] auto _ : state) {
-    const ReplayResult result = replay(options);
+    const replay::ReplayResult result = replay::replay(options);
     if (result.rows != rows) {
       state.SkipWithError("rows are missing");
     }
@@ -112,9 +112,9 @@ void time_read(benchmark::State& state, const std::string& path) {
 
 void register_benchmarks() {
   static const TemporaryFolder folder;
-  ReplayOptions options;
+  replay::ReplayOptions options;
   options.trace = folder.file("trace.csv");
-  options.wire = load_wire(std::string(default_wire));
+  options.wire = files::load_wire(std::string(files::default_wire));
   options.out = folder.file("estimate.csv");
   write_trace(options.trace, options.wire.wire);
   const auto add = [](const char* name, auto function) {
@@ -128,4 +128,4 @@ void register_benchmarks() {
   add("bare_read", [path = options.trace](benchmark::State& state) { time_read(state, path); });
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

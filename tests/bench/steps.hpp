@@ -18,14 +18,14 @@
 #include "tests/bench/cycle.hpp"
 #include "tests/bench/ihyp_error.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 inline constexpr double stress_Pa = 150e6;
 inline constexpr double ambient_K = 298.15;
 
 inline const Plant<ThreePhase<double>>::Params& default_plant() {
   static const Plant<ThreePhase<double>>::Params params =
-      plant_params(load_wire(std::string(default_wire)).wire);
+      plant_params(files::load_wire(std::string(files::default_wire)).wire);
   return params;
 }
 
@@ -71,11 +71,11 @@ class InverseStep {
 
 /// The two-phase cosine model with the wire's M2A and A2M temperatures: the yardstick.
 template <class S>
-typename Cosine<S>::Params cosine_params() {
+typename papers::Cosine<S>::Params cosine_params() {
   const ThreePhase<double>::Params& p = default_plant().kinetics;
   const auto process = [](const Surface<double>& s) {
-    return CosineProcess<S>{scalar<S>(s.start_K[0]), scalar<S>(s.finish_K[0]),
-                            scalar<S>(1 / s.start_K[1])};
+    return papers::CosineProcess<S>{scalar<S>(s.start_K[0]), scalar<S>(s.finish_K[0]),
+                                    scalar<S>(1 / s.start_K[1])};
   };
   return {process(p.m2a), process(first_surface(p.a2m_a2r))};
 }
@@ -83,9 +83,9 @@ typename Cosine<S>::Params cosine_params() {
 /// Only the temperatures at which the cosine model converts: between them it has nothing to do.
 template <class S>
 std::vector<Drive<S>> converting_only() {
-  const typename Cosine<S>::Params p = cosine_params<S>();
+  const typename papers::Cosine<S>::Params p = cosine_params<S>();
   std::vector<Drive<S>> drives;
-  for (const CosineProcess<S>& process : {p.m2a, p.a2m}) {
+  for (const papers::CosineProcess<S>& process : {p.m2a, p.a2m}) {
     constexpr int steps = 1800;
     const auto stress = scalar<S>(stress_Pa);
     const S start_K = process.start_K + stress / process.stress_Pa_K;
@@ -201,9 +201,10 @@ void for_each_step(F f) {
   f("ihyp_inverse", [] { return InverseStep<S, ihyp_fraction<S>>(); });
   f("ihyp_inverse_cardano", [] { return InverseStep<S, cardano_fraction<S>>(); });
   f("ihyp_inverse_newton", [] { return InverseStep<S, newton_fraction<S>>(); });
-  f("cosine_step", [] { return KineticsStep<Cosine<S>>(cosine_params<S>(), triangle<S>(0)); });
+  f("cosine_step",
+    [] { return KineticsStep<papers::Cosine<S>>(cosine_params<S>(), triangle<S>(0)); });
   f("cosine_step_converting",
-    [] { return KineticsStep<Cosine<S>>(cosine_params<S>(), converting_only<S>()); });
+    [] { return KineticsStep<papers::Cosine<S>>(cosine_params<S>(), converting_only<S>()); });
   f("model_step_cut", [] { return CutStep<S>(); });
   f("model_step_constant_stress", [] { return three_phase_step<S>(0); });
   f("model_step_varying_stress", [] { return three_phase_step<S>(100e6); });
@@ -214,4 +215,4 @@ void for_each_step(F f) {
     [] { return ObserverStep<MultipleModelFilter<S>>({convert<S>(default_plant()), {}}); });
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

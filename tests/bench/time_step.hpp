@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// The compiler must take the step's state for read and changed by others, as a caller's is.
 template <class Step>
@@ -39,4 +39,4 @@ void time_device_steps();
 void time_paper_steps();
 void time_wire_steps();
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -12,15 +12,16 @@
 #include "hal/sim/simulated_wire.hpp"
 #include "tests/bench/steps.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 
 /// Strain, resistance and 1 ms, while the power goes up and down within 20 s and the stress swings
 /// by 30 MPa within 4 s.
 class WireStep {
  public:
-  explicit WireStep(Family family) {
+  explicit WireStep(hal::Family family) {
     std::mt19937_64 random(1);
-    wire_ = make_simulated_wire(family, load_wire(std::string(default_wire)).wire, {}, 0.5, random);
+    wire_ = hal::make_simulated_wire(
+        family, files::load_wire(std::string(files::default_wire)).wire, {}, 0.5, random);
     wire_->rest(ambient_K, stress_Pa);
     std::vector<Input> inputs;
     for (const Measurement<double>& m : measurements()) {
@@ -42,7 +43,7 @@ class WireStep {
   struct Input {
     double current_A, stress_Pa;
   };
-  std::unique_ptr<SimulatedWire> wire_;
+  std::unique_ptr<hal::SimulatedWire> wire_;
   Cycle<Input> inputs_{{}};
   double strain_ = 0;
   double ohm_ = 0;
@@ -50,9 +51,9 @@ class WireStep {
 
 template <class F>
 void for_each_wire_step(F f) {
-  for (const Family family : families) {
-    f("wire_step_" + std::string(family_name(family)), [family] { return WireStep(family); });
+  for (const hal::Family family : hal::families) {
+    f("wire_step_" + std::string(hal::family_name(family)), [family] { return WireStep(family); });
   }
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks

@@ -15,7 +15,7 @@
 #include "tests/firmware/device/random_use.hpp"
 #include "tests/firmware/parameters/random_settings.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::benchmarks {
 namespace {
 
 constexpr std::size_t all_steps = 10'000'000;
@@ -217,10 +217,10 @@ extern "C" [[gnu::noinline]] void counted_step(const Prepared<S>& p, Device<S>::
   one_step(p, s, now);
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::benchmarks
 
 int main(int argc, char** argv) {
-  using namespace smaservo::bench;
+  using namespace smaservo::benchmarks;
   if (argc == 2) {
     Search search;
     search.run();

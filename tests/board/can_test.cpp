@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint32_t node_id = 0x123;
 
-CanFrame some_frame() {
-  CanFrame frame;
+hal::CanFrame some_frame() {
+  hal::CanFrame frame;
   frame.id = 0x581;
   frame.length = 3;
   frame.data = {0xca, 0xfe, 0x01};
@@ -24,7 +24,7 @@ CanFrame some_frame() {
 }
 
 /// A frame within a second, as the kernel hands it over.
-bool wait_for(CanSocket& port, CanFrame& frame) {
+bool wait_for(hal::CanSocket& port, hal::CanFrame& frame) {
   for (int tries = 0; tries < 10; ++tries) {
     if (port.receive(frame)) return true;
     pollfd readable{port.descriptor(), POLLIN, 0};
@@ -53,9 +53,9 @@ class Can : public testing::Test {
 };
 
 TEST_F(Can, FramesComeFromOutside) {
-  CanSocket port("vcan0");
+  hal::CanSocket port("vcan0");
   run("cansend vcan0 123#DEADBEEF");
-  CanFrame frame;
+  hal::CanFrame frame;
   ASSERT_TRUE(wait_for(port, frame));
   EXPECT_EQ(frame.id, node_id);
   EXPECT_EQ(frame.length, 4);
@@ -63,19 +63,19 @@ TEST_F(Can, FramesComeFromOutside) {
 }
 
 TEST_F(Can, FramesGoOutAndDoNotComeBack) {
-  CanSocket port("vcan0");
+  hal::CanSocket port("vcan0");
   EXPECT_EQ(dump_while("vcan0", [&] { EXPECT_TRUE(port.send(some_frame())); }),
             " vcan0 581 [3] CA FE 01\n");
-  CanFrame frame;
+  hal::CanFrame frame;
   EXPECT_FALSE(port.receive(frame));
 }
 
 TEST_F(Can, TheKernelSortsOutOtherIdentifiers) {
-  CanSocket port("vcan0");
+  hal::CanSocket port("vcan0");
   constexpr std::array<std::uint32_t, 2> ids{0x000, node_id};
   port.accept(ids);
   run("cansend vcan0 122#01; cansend vcan0 00000123#02; cansend vcan0 123#R; cansend vcan0 123#03");
-  CanFrame frame;
+  hal::CanFrame frame;
   ASSERT_TRUE(wait_for(port, frame));
   EXPECT_EQ(frame.data[0], 3);
   EXPECT_FALSE(port.receive(frame));
@@ -83,35 +83,35 @@ TEST_F(Can, TheKernelSortsOutOtherIdentifiers) {
 }
 
 TEST_F(Can, InterfaceGoesDownAndComesUp) {
-  CanSocket port("vcan0");
-  CanFrame frame;
+  hal::CanSocket port("vcan0");
+  hal::CanFrame frame;
   run("/usr/sbin/ip link set vcan0 down");
   EXPECT_FALSE(port.receive(frame));
-  EXPECT_EQ(port.state(), CanState::down);
+  EXPECT_EQ(port.state(), hal::CanState::down);
   EXPECT_FALSE(port.send(some_frame()));
   EXPECT_GE(port.statistics().dropped_down, 1U);
   EXPECT_EQ(port.statistics().downs, 1U);
   run("/usr/sbin/ip link set vcan0 up");
   EXPECT_EQ(dump_while("vcan0", [&] { EXPECT_TRUE(port.send(some_frame())); }),
             " vcan0 581 [3] CA FE 01\n");
-  EXPECT_EQ(port.state(), CanState::active);
+  EXPECT_EQ(port.state(), hal::CanState::active);
   run("cansend vcan0 123#07");
   ASSERT_TRUE(wait_for(port, frame));
   EXPECT_EQ(frame.data[0], 7);
 }
 
 TEST_F(Can, InterfaceDisappearsAndComesBack) {
-  CanSocket port("vcan0");
+  hal::CanSocket port("vcan0");
   constexpr std::array<std::uint32_t, 1> ids{node_id};
   port.accept(ids);
   run("/usr/sbin/ip link del vcan0");
   EXPECT_FALSE(port.send(some_frame()));
-  EXPECT_EQ(port.state(), CanState::gone);
+  EXPECT_EQ(port.state(), hal::CanState::gone);
   run("/usr/sbin/ip link add vcan0 type vcan; /usr/sbin/ip link set vcan0 up");
-  CanFrame frame;
+  hal::CanFrame frame;
   EXPECT_FALSE(port.receive(frame));
   EXPECT_FALSE(port.receive(frame));
-  EXPECT_EQ(port.state(), CanState::active);
+  EXPECT_EQ(port.state(), hal::CanState::active);
   EXPECT_GE(port.statistics().reopens, 1U);
   run("cansend vcan0 122#01; cansend vcan0 123#09");
   ASSERT_TRUE(wait_for(port, frame));
@@ -119,27 +119,27 @@ TEST_F(Can, InterfaceDisappearsAndComesBack) {
 }
 
 TEST_F(Can, ErrorFramesTellBusOffAndRestart) {
-  CanSocket port("vcan0");
-  CanFrame frame;
+  hal::CanSocket port("vcan0");
+  hal::CanFrame frame;
   run("cansend vcan0 20000004#0010000000000000");  // error-passive while receiving
   EXPECT_FALSE(port.receive(frame));
-  EXPECT_EQ(port.state(), CanState::passive);
+  EXPECT_EQ(port.state(), hal::CanState::passive);
   run("cansend vcan0 20000040#0000000000000000");
   EXPECT_FALSE(port.receive(frame));
-  EXPECT_EQ(port.state(), CanState::bus_off);
+  EXPECT_EQ(port.state(), hal::CanState::bus_off);
   EXPECT_EQ(port.statistics().bus_offs, 1U);
   run("cansend vcan0 20000100#0000000000000000");
   EXPECT_FALSE(port.receive(frame));
-  EXPECT_EQ(port.state(), CanState::active);
+  EXPECT_EQ(port.state(), hal::CanState::active);
   EXPECT_EQ(port.statistics().error_frames, 3U);
 }
 
 TEST_F(Can, NamesWhatItCanNotOpen) {
-  EXPECT_THROW(CanSocket("vcan7"), CanError);
+  EXPECT_THROW(hal::CanSocket("vcan7"), hal::CanError);
   try {
-    const CanSocket port("lo");
+    const hal::CanSocket port("lo");
     FAIL() << port.name();
-  } catch (const CanError& error) {
+  } catch (const hal::CanError& error) {
     EXPECT_STREQ(error.what(), "lo: is no CAN interface");
   }
 }
@@ -150,18 +150,18 @@ TEST(CanController, FramesGoBothWays) {
     run("/usr/sbin/ip link set " + std::string(interface) +
         " up type can bitrate 500000 restart-ms 100");
   }
-  CanSocket port("can0");
+  hal::CanSocket port("can0");
   EXPECT_EQ(dump_while("can1", [&] { EXPECT_TRUE(port.send(some_frame())); }),
             " can1 581 [3] CA FE 01\n");
   run("cansend can1 123#0102030405060708");
-  CanFrame frame;
+  hal::CanFrame frame;
   ASSERT_TRUE(wait_for(port, frame));
   EXPECT_EQ(frame.length, 8);
   EXPECT_EQ(frame.data[7], 8);
-  EXPECT_EQ(port.state(), CanState::active);
+  EXPECT_EQ(port.state(), hal::CanState::active);
   run("/usr/sbin/ip link set can0 down");
   EXPECT_FALSE(port.send(some_frame()));
-  EXPECT_EQ(port.state(), CanState::down);
+  EXPECT_EQ(port.state(), hal::CanState::down);
 }
 
 // The controller's interrupt waits for a processor that is busy sending: one frame is under way,
@@ -171,7 +171,7 @@ TEST(CanController, AFullQueueRefusesAndWaitsForNobody) {
     run("/usr/sbin/ip link set " + std::string(interface) + " down; /usr/sbin/ip link set " +
         interface + " up type can bitrate 500000");
   }
-  CanSocket port("can0");
+  hal::CanSocket port("can0");
   const sched_param above{.sched_priority = 90};
   const sched_param ordinary{.sched_priority = 0};
   ASSERT_EQ(sched_setscheduler(0, SCHED_FIFO, &above), 0);
@@ -185,7 +185,7 @@ TEST(CanController, AFullQueueRefusesAndWaitsForNobody) {
   EXPECT_LE(frames - 12, refused);
   EXPECT_LE(refused, frames - 11);
   EXPECT_EQ(port.statistics().dropped_full, static_cast<std::uint64_t>(refused));
-  EXPECT_EQ(port.state(), CanState::active);
+  EXPECT_EQ(port.state(), hal::CanState::active);
   run("sleep 0.1");
   EXPECT_TRUE(port.send(some_frame())) << "it has emptied";
 }

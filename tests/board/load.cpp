@@ -41,7 +41,7 @@ void sleep_until(std::int64_t ns) {
   clock_nanosleep(CLOCK_REALTIME, TIMER_ABSTIME, &until, nullptr);
 }
 /// When the kernel has got the last frame that was read.
-std::int64_t stamp_ns(const CanSocket& port) {
+std::int64_t stamp_ns(const hal::CanSocket& port) {
   timespec stamp{};
   return ioctl(port.descriptor(), SIOCGSTAMPNS, &stamp) == 0 ? ns_of(stamp) : now_ns();
 }
@@ -52,7 +52,7 @@ std::int64_t stamp_ns(const CanSocket& port) {
 /// which is more than the PDOs leave free on a bus of 1 Mbit/s.
 class Transfers {
  public:
-  Transfers(CanSocket& port, std::uint32_t node) : port_(port), node_(node) {}
+  Transfers(hal::CanSocket& port, std::uint32_t node) : port_(port), node_(node) {}
 
   void begin() { plan(at_ % 10 == 9 ? block_request : value_request); }
   /// Sends what is due.
@@ -65,7 +65,7 @@ class Transfers {
   }
   /// When advance() will have something to send; 0: an answer comes first.
   std::int64_t due_ns() const { return due_ns_; }
-  void receive(const CanFrame& frame, std::int64_t came_ns) {
+  void receive(const hal::CanFrame& frame, std::int64_t came_ns) {
     if (asked_ns_ != 0) {
       times_.add(came_ns - asked_ns_);
       asked_ns_ = 0;
@@ -90,7 +90,7 @@ class Transfers {
     }
   }
 
-  const Histogram& times() const { return times_; }
+  const daemon::Histogram& times() const { return times_; }
   int aborts() const { return aborts_; }
   int blocks() const { return blocks_; }
   int lost_segments() const { return lost_segments_; }
@@ -116,7 +116,7 @@ class Transfers {
     ++at_;
     begin();
   }
-  void receive_segment(const CanFrame& frame) {
+  void receive_segment(const hal::CanFrame& frame) {
     const int number = frame.data[0] & 0x7F;
     const bool last = (frame.data[0] & 0x80U) != 0;
     if (number == segment_ + 1) {
@@ -134,9 +134,9 @@ class Transfers {
     }
   }
 
-  CanSocket& port_;
+  hal::CanSocket& port_;
   std::uint32_t node_;
-  Histogram times_;
+  daemon::Histogram times_;
   std::mt19937 random_{7};
   std::uniform_int_distribution<int> sizes_{1, 127};
   Bytes planned_{};
@@ -209,9 +209,9 @@ class Master {
 
   /// Whether all is well.
   bool report() {
-    const Histogram& t = transfers_.times();
+    const daemon::Histogram& t = transfers_.times();
     const auto us = [](std::int64_t ns) { return static_cast<double>(ns) / 1e3; };
-    const auto print = [&](const char* what, const Histogram& h) {
+    const auto print = [&](const char* what, const daemon::Histogram& h) {
       fmt::print("LOAD {} {} p50 {:.0f} p99 {:.0f} p99_9 {:.0f} max {:.0f} us\n", what, h.count(),
                  us(h.quantile_ns(0.5)), us(h.quantile_ns(0.99)), us(h.quantile_ns(0.999)),
                  us(h.max_ns()));
@@ -244,7 +244,7 @@ class Master {
   }
 
   void send(std::uint32_t id, std::uint8_t length, std::uint64_t value) {
-    CanFrame frame{.id = id, .length = length};
+    hal::CanFrame frame{.id = id, .length = length};
     put_number(frame.data, value);
     port_.send(frame);
   }
@@ -253,7 +253,7 @@ class Master {
   /// what an emulated processor is slowest at.
   void listen_until(std::int64_t at_ns) {
     for (;;) {
-      CanFrame frame;
+      hal::CanFrame frame;
       while (port_.receive(frame)) {
         take(frame, stamp_ns(port_));
       }
@@ -265,7 +265,7 @@ class Master {
       sleep_until(due_ns == 0 ? at_ns : std::min(at_ns, due_ns));
     }
   }
-  void take(const CanFrame& frame, std::int64_t came_ns) {
+  void take(const hal::CanFrame& frame, std::int64_t came_ns) {
     if (frame.id == 0x580 + node_) {
       if (transferring_) {
         transfers_.receive(frame, came_ns);
@@ -293,7 +293,7 @@ class Master {
   }
 
   std::uint32_t ask(std::uint8_t command, Key key, std::uint32_t value) {
-    CanFrame request{.id = 0x600 + node_, .length = 8};
+    hal::CanFrame request{.id = 0x600 + node_, .length = 8};
     request.data = {command, static_cast<std::uint8_t>(key.index),
                     static_cast<std::uint8_t>(key.index >> 8U), key.sub};
     put_number(std::span(request.data).subspan(4), value);
@@ -324,15 +324,15 @@ class Master {
     set({index, 0}, sub, 1);
   }
 
-  CanSocket port_;
+  hal::CanSocket port_;
   std::uint32_t node_;
   Transfers transfers_;
-  CanFrame answer_{};
+  hal::CanFrame answer_{};
   bool answered_ = false, transferring_ = false;
   std::uint16_t status_ = 0;
   std::int32_t target_ = 0;
   std::array<Cycle, 1024> cycles_{};  ///< the last ones, by their number
-  Histogram delays_;                  ///< from SYNC to the second TPDO
+  daemon::Histogram delays_;          ///< from SYNC to the second TPDO
   std::int64_t synced_ = 0, answered_syncs_ = 0, tpdos_ = 0, checked_ = 0, lost_ = 0;
 };
 

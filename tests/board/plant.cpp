@@ -85,9 +85,9 @@ class Tail {
 class Plant {
  public:
   /// Its drive chops the supply.
-  explicit Plant(const ClosedLoopScenario& scenario)
+  explicit Plant(const bench::ClosedLoopScenario& scenario)
       : file_(open("/dev/testboard", O_RDWR | O_CLOEXEC)),
-        board_(make_plant(scenario.plant), scenario.board),
+        board_(bench::make_plant(scenario.plant), scenario.board),
         ambient_K_(scenario.board.surroundings.ambient_K),
         supply_V_(scenario.board.surroundings.supply_V) {
     if (file_ < 0) throw std::runtime_error("no /dev/testboard");
@@ -105,9 +105,9 @@ class Plant {
                                                : static_cast<double>(output_.effective_ns) /
                                                      static_cast<double>(output_.period_ns);
     board_.drive({0, duty * supply_V_, board_.now_ns() + 2 * step_ns});
-    Frame frame{};
-    if (board_.read(frame) == ReadStatus::frame) give(frame);
-    const SimTruth truth = board_.truth();
+    hal::Frame frame{};
+    if (board_.read(frame) == hal::ReadStatus::frame) give(frame);
+    const hal::SimTruth truth = board_.truth();
     hottest_K_ = std::max(hottest_K_, truth.hottest_K);
     tail_.add(truth.strain);
   }
@@ -120,7 +120,7 @@ class Plant {
   }
 
  private:
-  void give(const Frame& frame) const {
+  void give(const hal::Frame& frame) const {
     using namespace board_channels;
     const BoardCodes codes{{current.code(frame.current_A), voltage.code(frame.voltage_V),
                             load.code(frame.load_N), supply.code(frame.supply_V),
@@ -131,7 +131,7 @@ class Plant {
   }
 
   int file_;
-  SimBoard board_;
+  hal::SimBoard board_;
   double ambient_K_, supply_V_;
   BoardOutput output_{};
   double hottest_K_ = 0;
@@ -170,7 +170,7 @@ class Watch {
 };
 
 int simulate(const std::vector<std::string>& arguments) {
-  const ClosedLoopScenario scenario = load_closed_loop(arguments.at(0));
+  const bench::ClosedLoopScenario scenario = bench::load_closed_loop(arguments.at(0));
   const double seconds = std::stod(arguments.at(1));
   std::vector<Happening> happenings;
   for (std::size_t i = 2; i + 2 < arguments.size(); i += 3) {

@@ -20,14 +20,14 @@ void shell(const std::string& command) {
 }
 
 /// Waits for a frame, at most two seconds.
-bool next(CanSocket& port, CanFrame& frame) {
+bool next(hal::CanSocket& port, hal::CanFrame& frame) {
   pollfd waiting{port.descriptor(), POLLIN, 0};
   return port.receive(frame) || (poll(&waiting, 1, 2000) > 0 && port.receive(frame));
 }
 
 /// Looks at the port until it is in this state, at most two seconds.
-bool becomes(CanSocket& port, CanState state) {
-  CanFrame frame;
+bool becomes(hal::CanSocket& port, hal::CanState state) {
+  hal::CanFrame frame;
   for (int i = 0; i < 200 && port.state() != state; ++i) {
     port.receive(frame);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -35,12 +35,12 @@ bool becomes(CanSocket& port, CanState state) {
   return port.state() == state;
 }
 
-constexpr CanFrame hello{.id = 0x123, .length = 3, .data = {1, 2, 3}};
+constexpr hal::CanFrame hello{.id = 0x123, .length = 3, .data = {1, 2, 3}};
 
 std::string refusal(const std::string& name) {
   try {
-    open_can(name);
-  } catch (const CanError& error) {
+    hal::open_can(name);
+  } catch (const hal::CanError& error) {
     return error.what();
   }
   return "";
@@ -53,18 +53,18 @@ TEST(CanSocket, SaysWhyItCanNotBeOpened) {
 }
 
 TEST(CanSocket, OthersHearAndTheSenderDoesNot) {
-  CanSocket one("vcan0");
-  CanSocket other("vcan0");
-  CanSocket elsewhere("vcan1");
-  const CanFrame frames[] = {
+  hal::CanSocket one("vcan0");
+  hal::CanSocket other("vcan0");
+  hal::CanSocket elsewhere("vcan1");
+  const hal::CanFrame frames[] = {
       hello,
       {.id = 0x1ABCDEF0, .extended = true, .length = 8, .data = {8, 7, 6, 5, 4, 3, 2, 1}},
       {.id = 0x701, .remote = true, .length = 4},
       {.id = 0},
   };
-  for (const CanFrame& frame : frames) {
+  for (const hal::CanFrame& frame : frames) {
     ASSERT_TRUE(one.send(frame));
-    CanFrame got;
+    hal::CanFrame got;
     ASSERT_TRUE(next(other, got));
     EXPECT_EQ(got, frame);
     EXPECT_FALSE(one.receive(got));
@@ -75,75 +75,76 @@ TEST(CanSocket, OthersHearAndTheSenderDoesNot) {
 }
 
 TEST(CanSocket, AcceptsOnlyDataFramesWithTheseIdentifiers) {
-  CanSocket sender("vcan0");
-  CanSocket port("vcan0");
+  hal::CanSocket sender("vcan0");
+  hal::CanSocket port("vcan0");
   const std::uint32_t ids[] = {0x000, 0x123, 0x601};
   port.accept(ids);
-  for (const CanFrame& other : {CanFrame{.id = 0x124}, CanFrame{.id = 0x123, .extended = true},
-                                CanFrame{.id = 0x123, .remote = true}, CanFrame{.id = 0x723}}) {
+  for (const hal::CanFrame& other :
+       {hal::CanFrame{.id = 0x124}, hal::CanFrame{.id = 0x123, .extended = true},
+        hal::CanFrame{.id = 0x123, .remote = true}, hal::CanFrame{.id = 0x723}}) {
     ASSERT_TRUE(sender.send(other));
   }
   for (const std::uint32_t id : ids) {
     ASSERT_TRUE(sender.send({.id = id}));
-    CanFrame got;
+    hal::CanFrame got;
     ASSERT_TRUE(next(port, got));
-    EXPECT_EQ(got, CanFrame{.id = id});
+    EXPECT_EQ(got, hal::CanFrame{.id = id});
   }
 }
 
 TEST(CanSocket, OutlivesAnInterfaceThatGoesDown) {
-  CanSocket port("vcan0");
-  CanSocket other("vcan0");
+  hal::CanSocket port("vcan0");
+  hal::CanSocket other("vcan0");
   shell("ip link set vcan0 down");
   EXPECT_FALSE(port.send(hello));
-  EXPECT_TRUE(becomes(other, CanState::down));
-  EXPECT_EQ(port.state(), CanState::down);
+  EXPECT_TRUE(becomes(other, hal::CanState::down));
+  EXPECT_EQ(port.state(), hal::CanState::down);
   EXPECT_EQ(port.statistics().dropped_down, 1U);
   shell("ip link set vcan0 up");
   EXPECT_TRUE(port.send(hello));
-  CanFrame got;
+  hal::CanFrame got;
   EXPECT_TRUE(next(other, got));
-  EXPECT_TRUE(becomes(other, CanState::active));
+  EXPECT_TRUE(becomes(other, hal::CanState::active));
   EXPECT_EQ(port.statistics().downs, 1U);
   EXPECT_EQ(other.statistics().downs, 1U);
 }
 
 TEST(CanSocket, StartsOnAnInterfaceThatIsDown) {
   shell("ip link set vcan0 down");
-  CanSocket port("vcan0");
-  EXPECT_EQ(port.state(), CanState::down);
+  hal::CanSocket port("vcan0");
+  EXPECT_EQ(port.state(), hal::CanState::down);
   EXPECT_FALSE(port.send(hello));
   shell("ip link set vcan0 up");
   EXPECT_TRUE(port.send(hello));
-  EXPECT_TRUE(becomes(port, CanState::active));
+  EXPECT_TRUE(becomes(port, hal::CanState::active));
 }
 
 TEST(CanSocket, ComesBackWithItsInterfaceAndItsFilters) {
   shell("ip link add vcan7 type vcan && ip link set vcan7 up");
-  CanSocket port("vcan7");
+  hal::CanSocket port("vcan7");
   const int descriptor = port.descriptor();
   const std::uint32_t ids[] = {0x123};
   port.accept(ids);
   for (int i = 1; i <= 3; ++i) {
     shell("ip link delete vcan7");
-    EXPECT_TRUE(becomes(port, CanState::gone));
+    EXPECT_TRUE(becomes(port, hal::CanState::gone));
     EXPECT_FALSE(port.send(hello));
     shell("ip link add vcan7 type vcan && ip link set vcan7 up");
     EXPECT_TRUE(port.send(hello));
-    CanSocket other("vcan7");
+    hal::CanSocket other("vcan7");
     EXPECT_TRUE(other.send({.id = 0x124}));
     EXPECT_TRUE(other.send(hello));
-    CanFrame got;
+    hal::CanFrame got;
     ASSERT_TRUE(next(port, got));
     EXPECT_EQ(got, hello);
     EXPECT_FALSE(port.receive(got));
-    EXPECT_EQ(port.state(), CanState::active);
+    EXPECT_EQ(port.state(), hal::CanState::active);
     EXPECT_EQ(port.statistics().reopens, static_cast<std::uint64_t>(i));
   }
   // It went and came while nobody looked.
   shell("ip link delete vcan7 && ip link add vcan7 type vcan && ip link set vcan7 up");
-  EXPECT_TRUE(becomes(port, CanState::gone) || port.send(hello));
-  EXPECT_TRUE(becomes(port, CanState::active));
+  EXPECT_TRUE(becomes(port, hal::CanState::gone) || port.send(hello));
+  EXPECT_TRUE(becomes(port, hal::CanState::active));
   EXPECT_EQ(port.descriptor(), descriptor);
   shell("ip link delete vcan7");
 }
@@ -151,17 +152,17 @@ TEST(CanSocket, ComesBackWithItsInterfaceAndItsFilters) {
 // What the kernel still has to say of the interface that was does not make the new one disappear.
 TEST(CanSocket, AnInterfaceThatComesBackDownHasGoneOnce) {
   shell("ip link add vcan7 type vcan && ip link set vcan7 up");
-  CanSocket port("vcan7");
+  hal::CanSocket port("vcan7");
   shell("ip link delete vcan7");
   EXPECT_FALSE(port.send(hello));  // leaves the error to be read
   shell("ip link add vcan7 type vcan");
-  CanFrame got;
+  hal::CanFrame got;
   for (int i = 0; i < 5; ++i) {
     EXPECT_FALSE(port.receive(got));
     EXPECT_FALSE(port.send(hello));
-    EXPECT_NE(port.state(), CanState::active);
+    EXPECT_NE(port.state(), hal::CanState::active);
   }
-  EXPECT_EQ(port.state(), CanState::down);
+  EXPECT_EQ(port.state(), hal::CanState::down);
   shell("ip link set vcan7 up");
   EXPECT_TRUE(port.send(hello));
   EXPECT_EQ(port.statistics().downs, 1U);
@@ -178,16 +179,16 @@ void inject(std::uint32_t classes, const char* data) {
 }
 
 TEST(CanSocket, FollowsTheControllersErrorStates) {
-  CanSocket port("vcan0");
-  CanFrame frame;
+  hal::CanSocket port("vcan0");
+  hal::CanFrame frame;
   inject(CAN_ERR_CRTL, "0020000000000000");
-  EXPECT_TRUE(becomes(port, CanState::passive));
+  EXPECT_TRUE(becomes(port, hal::CanState::passive));
   inject(CAN_ERR_CRTL, "0040000000000000");
-  EXPECT_TRUE(becomes(port, CanState::active));
+  EXPECT_TRUE(becomes(port, hal::CanState::active));
   inject(CAN_ERR_BUSOFF, "0000000000000000");
-  EXPECT_TRUE(becomes(port, CanState::bus_off));
+  EXPECT_TRUE(becomes(port, hal::CanState::bus_off));
   inject(CAN_ERR_RESTARTED, "0000000000000000");
-  EXPECT_TRUE(becomes(port, CanState::active));
+  EXPECT_TRUE(becomes(port, hal::CanState::active));
   EXPECT_FALSE(port.receive(frame));
   EXPECT_EQ(port.statistics().error_frames, 4U);
   EXPECT_EQ(port.statistics().bus_offs, 1U);
@@ -196,13 +197,13 @@ TEST(CanSocket, FollowsTheControllersErrorStates) {
 
 // A queue that is full, here that of the receiver.
 TEST(CanSocket, CountsWhatItWasTooSlowFor) {
-  CanSocket sender("vcan0");
-  CanSocket port("vcan0");
+  hal::CanSocket sender("vcan0");
+  hal::CanSocket port("vcan0");
   constexpr std::uint64_t sent = 5000;
   for (std::uint64_t i = 0; i < sent; ++i) {
     ASSERT_TRUE(sender.send(hello));
   }
-  CanFrame got;
+  hal::CanFrame got;
   std::uint64_t received = 0;
   while (port.receive(got)) {
     ++received;

@@ -14,19 +14,19 @@ namespace {
 constexpr std::uint32_t last_id = 0x7F0;
 constexpr int patience_ms = 10'000;
 
-CanFrame mirrored(CanFrame frame) {
+hal::CanFrame mirrored(hal::CanFrame frame) {
   ++frame.id;
   std::reverse(frame.data.begin(), frame.data.begin() + frame.length);
   return frame;
 }
 
 int run(const char* name) {
-  LinuxCan port = open_can(name);
+  hal::LinuxCan port = hal::open_can(name);
   fmt::print("ready\n");
   std::fflush(stdout);
   pollfd waiting{port.descriptor(), POLLIN, 0};
   while (poll(&waiting, 1, patience_ms) > 0) {
-    CanFrame frame;
+    hal::CanFrame frame;
     while (port.receive(frame)) {
       if (frame.id == last_id) return 0;
       port.send(mirrored(frame));

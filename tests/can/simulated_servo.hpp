@@ -52,8 +52,8 @@ class SimulatedServo {
     servo_.set_timing({steps, 0, 0, 0, 0, 0});
     answer_requests();
   }
-  void receive(const CanFrame& frame) { servo_.receive(frame, now_us_); }
-  bool take(CanFrame& frame) { return servo_.take(frame); }
+  void receive(const hal::CanFrame& frame) { servo_.receive(frame, now_us_); }
+  bool take(hal::CanFrame& frame) { return servo_.take(frame); }
   std::uint64_t now_us() const { return now_us_; }
 
   Rig& rig() { return rig_; }

@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);  // NOLINT(*-cast)
   try {
     smaservo::parse_eds(text, "fuzz.eds", 1);
-  } catch (const smaservo::UserError&) {
+  } catch (const smaservo::files::UserError&) {
     return 0;
   }
   return 0;

@@ -26,10 +26,10 @@ constexpr int enough = 40;
 
 class Simulated {
  public:
-  using Board = SimBoard;
+  using Board = hal::SimBoard;
   Simulated()
       : board(
-            {make_lumped_wire(load_wire(std::string(default_wire)).wire),
+            {hal::make_lumped_wire(files::load_wire(std::string(files::default_wire)).wire),
              {.period_ns = ms,
               .converter = {.voltage_drive = false, .max_A = 0.5, .slew_A_s = 1e6, .lead_ohm = 0.5},
               .sensors = {.bits = 24,
@@ -41,25 +41,25 @@ class Simulated {
                           .load_noise_N = 1e-4,
                           .load_gain = 1,
                           .resistance_gain = 1},
-              .load = ConstantLoad{150e6},
-              .geometry = load_wire(std::string(default_wire)).wire.geometry,
+              .load = hal::ConstantLoad{150e6},
+              .geometry = files::load_wire(std::string(files::default_wire)).wire.geometry,
               .surroundings = {},
               .reads_supply = true,
               .reads_ambient = true,
               .reads_driver = true,
               .seed = 1}}) {}
   double driven_A() {
-    Frame frame{};
+    hal::Frame frame{};
     board.read(frame);
     return board.truth().current_A;
   }
-  SimBoard board;
+  hal::SimBoard board;
 };
 
 class Replayed {
  public:
-  using Board = ReplayBoard;
-  Replayed() : board(TraceReader(folder_.write("trace.csv", rows()), {}), 1, 1e-8) {}
+  using Board = hal::ReplayBoard;
+  Replayed() : board(hal::TraceReader(folder_.write("trace.csv", rows()), {}), 1, 1e-8) {}
   double driven_A() const { return board.last_command().current_A; }
 
  private:
@@ -73,34 +73,34 @@ class Replayed {
   TemporaryFolder folder_;
 
  public:
-  ReplayBoard board;
+  hal::ReplayBoard board;
 };
 
 class OfLinux {
  public:
-  using Board = LinuxBoard;
+  using Board = hal::LinuxBoard;
   OfLinux() : board(parts(hands)) {}
   double driven_A() const { return hands.enabled ? hands.current_A : 0; }
   Hands hands;
-  LinuxBoard board;
+  hal::LinuxBoard board;
 };
 
 template <class Backend>
 class FaultyBoards : public testing::Test {
  protected:
   Backend backend;
-  FaultyBoard<typename Backend::Board> twin{backend.board};
+  hal::FaultyBoard<typename Backend::Board> twin{backend.board};
 
-  Frame next() {
-    Frame frame{};
-    EXPECT_EQ(twin.read(frame), ReadStatus::frame);
+  hal::Frame next() {
+    hal::Frame frame{};
+    EXPECT_EQ(twin.read(frame), hal::ReadStatus::frame);
     return frame;
   }
 };
 using Backends = testing::Types<Simulated, Replayed, OfLinux>;
 TYPED_TEST_SUITE(FaultyBoards, Backends);
 
-std::array<std::uint64_t, 6> bits(const Frame& f) {
+std::array<std::uint64_t, 6> bits(const hal::Frame& f) {
   return std::bit_cast<std::array<std::uint64_t, 6>>(
       std::array{f.current_A, f.voltage_V, f.load_N, f.supply_V, f.ambient_K, f.driver_K});
 }
@@ -108,9 +108,9 @@ std::array<std::uint64_t, 6> bits(const Frame& f) {
 TYPED_TEST(FaultyBoards, WithoutFaultsAreTheBoard) {
   TypeParam alone;
   for (int i = 0; i < enough; ++i) {
-    const Frame frame = this->next();
-    Frame same{};
-    ASSERT_EQ(alone.board.read(same), ReadStatus::frame);
+    const hal::Frame frame = this->next();
+    hal::Frame same{};
+    ASSERT_EQ(alone.board.read(same), hal::ReadStatus::frame);
     EXPECT_EQ(bits(frame), bits(same)) << i;
     EXPECT_EQ(frame.sequence, same.sequence);
     EXPECT_FALSE(frame.emergency_stop || frame.driver_fault);
@@ -118,12 +118,13 @@ TYPED_TEST(FaultyBoards, WithoutFaultsAreTheBoard) {
 }
 
 TYPED_TEST(FaultyBoards, LoseOneReadingAndNoOther) {
-  bool BoardFaults::* const which[] = {&BoardFaults::current_missing, &BoardFaults::voltage_missing,
-                                       &BoardFaults::load_missing};
+  bool hal::BoardFaults::* const which[] = {&hal::BoardFaults::current_missing,
+                                            &hal::BoardFaults::voltage_missing,
+                                            &hal::BoardFaults::load_missing};
   for (std::size_t i = 0; i < 3; ++i) {
     this->twin.faults = {};
     this->twin.faults.*which[i] = true;
-    const Frame frame = this->next();
+    const hal::Frame frame = this->next();
     const double readings[] = {frame.current_A, frame.voltage_V, frame.load_N};
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_EQ(std::isnan(readings[k]), k == i) << i << ' ' << k;
@@ -135,10 +136,10 @@ TYPED_TEST(FaultyBoards, LoseEachThirdFrame) {
   this->twin.faults.lose_every = 3;
   std::optional<std::uint32_t> before;
   for (int i = 1; i <= enough; ++i) {
-    Frame frame{};
-    const ReadStatus status = this->twin.read(frame);
-    ASSERT_EQ(status, i % 3 == 0 ? ReadStatus::nothing : ReadStatus::frame) << i;
-    if (status == ReadStatus::frame) {
+    hal::Frame frame{};
+    const hal::ReadStatus status = this->twin.read(frame);
+    ASSERT_EQ(status, i % 3 == 0 ? hal::ReadStatus::nothing : hal::ReadStatus::frame) << i;
+    if (status == hal::ReadStatus::frame) {
       if (before) {
         EXPECT_EQ(frame.sequence - *before, i % 3 == 1 ? 2U : 1U) << "lost frames leave a gap";
       }
@@ -148,10 +149,10 @@ TYPED_TEST(FaultyBoards, LoseEachThirdFrame) {
 }
 
 TYPED_TEST(FaultyBoards, StandStill) {
-  const Frame last = this->next();
+  const hal::Frame last = this->next();
   this->twin.faults.stuck = true;
   for (int i = 0; i < 5; ++i) {
-    const Frame frame = this->next();
+    const hal::Frame frame = this->next();
     EXPECT_EQ(frame.sequence, last.sequence);
     EXPECT_EQ(bits(frame), bits(last));
     EXPECT_GT(frame.time_ns, last.time_ns) << "time goes on";
@@ -165,8 +166,8 @@ TYPED_TEST(FaultyBoards, PressTheStopAndFailTheDriver) {
   EXPECT_TRUE(this->next().emergency_stop);
   this->twin.faults.driver_fault = true;
   this->twin.faults.lose_every = 1;
-  Frame frame{};
-  EXPECT_EQ(this->twin.read(frame), ReadStatus::nothing);
+  hal::Frame frame{};
+  EXPECT_EQ(this->twin.read(frame), hal::ReadStatus::nothing);
   EXPECT_TRUE(frame.emergency_stop && frame.driver_fault) << "inputs do not wait for a frame";
 }
 
@@ -195,16 +196,16 @@ TYPED_TEST(FaultyBoards, HaveADeadDrive) {
 
 TYPED_TEST(FaultyBoards, EndForAsLongAsTheyAreTold) {
   this->twin.faults.ends = true;
-  Frame frame{};
-  EXPECT_EQ(this->twin.read(frame), ReadStatus::end);
+  hal::Frame frame{};
+  EXPECT_EQ(this->twin.read(frame), hal::ReadStatus::end);
   this->twin.faults.ends = false;
   EXPECT_EQ(this->next().sequence, 0U) << "the board was not asked";
 }
 
 TEST(FaultyLinuxBoard, KicksNoMore) {
   OfLinux backend;
-  FaultyBoard twin(backend.board);
-  Frame frame{};
+  hal::FaultyBoard twin(backend.board);
+  hal::Frame frame{};
   twin.read(frame);
   twin.drive({0.1, 0, 0});
   twin.kick();

@@ -126,14 +126,14 @@ TEST(Command, JsonIsValidAndHasTheNumbers) {
   ASSERT_EQ(f.status, 0);
   EXPECT_EQ(f.err, "");
   const auto json = nlohmann::json::parse(f.out);
-  ReplayOptions options = replay_options(path, "b");
+  replay::ReplayOptions options = replay_options(path, "b");
   options.observers = {"kalman", "open-loop", "line"};
-  const ReplayResult result = replay(options);
+  const replay::ReplayResult result = replay::replay(options);
   EXPECT_EQ(json.at("rows"), 400);
   EXPECT_EQ(json.at("bytes"), short_trace().size());
   EXPECT_NEAR(json.at("duration_s").get<double>(), 3.99, 1e-9);
   EXPECT_EQ(json.at("error").size(), 3U);
-  for (const ObserverResult& observer : result.observers) {
+  for (const replay::ObserverResult& observer : result.observers) {
     const auto& error = json.at("error").at(observer.name);
     EXPECT_DOUBLE_EQ(error.at("mean_percent").get<double>(), observer.error.mean());
     EXPECT_DOUBLE_EQ(error.at("p95_percent").get<double>(), observer.error.quantile(0.95));
@@ -239,14 +239,14 @@ TEST(Command, WiresAreListedAndPrintedSoThatTheyLoadAgain) {
   Program program;
   const Finished list = program.run({"wires"});
   EXPECT_EQ(list.status, 0);
-  for (const std::string& name : preset_names()) {
+  for (const std::string& name : files::preset_names()) {
     EXPECT_THAT(list.out, HasSubstr(name));
   }
   const Finished printed = program.run({"wires", unit_b(), "--set", "wire.length_mm=123"});
   ASSERT_EQ(printed.status, 0);
   program.folder().write("w.toml", printed.out);
   EXPECT_EQ(program.run({"wires", "w.toml"}).out, printed.out);
-  EXPECT_DOUBLE_EQ(load_wire(program.folder() / "w.toml").wire.geometry.length_m, 0.123);
+  EXPECT_DOUBLE_EQ(files::load_wire(program.folder() / "w.toml").wire.geometry.length_m, 0.123);
 }
 
 }  // namespace

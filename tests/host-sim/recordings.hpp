@@ -53,14 +53,14 @@ inline std::string csv(const std::vector<RecordedColumn>& columns) {
   return text;
 }
 
-inline RunOptions of_recorded_wire() {
+inline identify::RunOptions of_recorded_wire() {
   return {recorded_wire, 150e6, {}, {}};
 }
 
-inline Run run_of(const std::vector<RecordedColumn>& columns,
-                  const RunOptions& options = of_recorded_wire()) {
+inline identify::Run run_of(const std::vector<RecordedColumn>& columns,
+                            const identify::RunOptions& options = of_recorded_wire()) {
   const TemporaryFolder folder;
-  return read_run(folder.write("run.csv", csv(columns)), options);
+  return identify::read_run(folder.write("run.csv", csv(columns)), options);
 }
 
 /// As a converter of this step would deliver them, within its range.

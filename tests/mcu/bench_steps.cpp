@@ -27,7 +27,7 @@ Device<S>::State state, copy;
 std::size_t step_stack(const StepInputs& r, const Inputs<S>& in, const Command<S>& command) {
   copy = state;
   cortex_m::repaint_stack();
-  step_device(prepared, copy, in, command, r.dt_s);
+  mcu::step_device(prepared, copy, in, command, r.dt_s);
   return cortex_m::stack_bytes();
 }
 
@@ -59,10 +59,10 @@ bool count_file(std::string_view name) {
     }
     copy = state;
     const std::uint32_t observe =
-        instructions([&] { observe_device(prepared, copy, in, r->inputs.dt_s); });
+        instructions([&] { mcu::observe_device(prepared, copy, in, r->inputs.dt_s); });
     const bool observed = state.observing;
     const std::uint32_t whole =
-        instructions([&] { step_device(prepared, state, in, command, r->inputs.dt_s); });
+        instructions([&] { mcu::step_device(prepared, state, in, command, r->inputs.dt_s); });
     if (observed) {
       observer.add(observe);
       device.add(whole);

@@ -14,11 +14,11 @@
 namespace smaservo::mcu {
 namespace {
 
-using S = bench::Counted;
+using S = benchmarks::Counted;
 
 template <class Step>
 std::uint64_t operations(Step&& step) {
-  const bench::Operations before = S::operations;
+  const benchmarks::Operations before = S::operations;
   step();
   return (S::operations - before).all();
 }

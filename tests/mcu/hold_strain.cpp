@@ -40,7 +40,7 @@ class Pipe {
   explicit Pipe(const fs::path& path) {
     fs::remove(path);
     if (::mkfifo(path.c_str(), 0600) != 0) {
-      throw UserError(path.string() + ": no named pipe can be made");
+      throw files::UserError(path.string() + ": no named pipe can be made");
     }
     file_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
   }
@@ -53,14 +53,14 @@ class Pipe {
   template <class T>
   void put(const T& record) const {
     if (::write(file_, &record, sizeof record) != ssize_t{sizeof record}) {
-      throw UserError("a pipe does not take what is written");
+      throw files::UserError("a pipe does not take what is written");
     }
   }
   template <class T>
   T get() const {
     T record{};
     if (::read(file_, &record, sizeof record) != ssize_t{sizeof record}) {
-      throw UserError("the board has gone");
+      throw files::UserError("the board has gone");
     }
     return record;
   }
@@ -78,7 +78,7 @@ class Board {
     std::vector<char*> arguments(command.begin(), command.end());
     arguments.push_back(nullptr);
     if (::posix_spawnp(&process_, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
-      throw UserError(fmt::format("{} can not be started", arguments[0]));
+      throw files::UserError(fmt::format("{} can not be started", arguments[0]));
     }
   }
   ~Board() {
@@ -102,7 +102,7 @@ class Master {
   explicit Master(std::int32_t target_um) : target_um_(target_um) {}
 
   /// Frames of this period.
-  std::vector<CanFrame> frames(int period) {
+  std::vector<hal::CanFrame> frames(int period) {
     switch (period) {
       case 300:
         return {{.id = 0, .length = 2, .data = {1, 1}}};
@@ -118,7 +118,7 @@ class Master {
         return {};
     }
   }
-  void heard(const CanFrame& frame) {
+  void heard(const hal::CanFrame& frame) {
     if (frame.id == 0x181) {
       status = static_cast<std::uint16_t>(frame.data[0] | frame.data[1] << 8);
     }
@@ -131,12 +131,12 @@ class Master {
   int emergencies = 0, heard_frames = 0;
 
  private:
-  static CanFrame control(std::uint8_t word) {
+  static hal::CanFrame control(std::uint8_t word) {
     return {.id = 0x201, .length = 3, .data = {word, 0, 1}};
   }
-  CanFrame target() const {
+  hal::CanFrame target() const {
     const auto bits = static_cast<std::uint32_t>(target_um_);
-    CanFrame frame{.id = 0x301, .length = 8};
+    hal::CanFrame frame{.id = 0x301, .length = 8};
     for (unsigned i = 0; i < 4; ++i) {
       frame.data.at(i) = static_cast<std::uint8_t>(bits >> 8U * i);
     }
@@ -149,8 +149,8 @@ class Master {
 /// The board's converter and output stage, with the wire behind them.
 class Bench {
  public:
-  explicit Bench(const ClosedLoopScenario& scenario)
-      : board_(make_plant(scenario.plant), scenario.board) {}
+  explicit Bench(const bench::ClosedLoopScenario& scenario)
+      : board_(bench::make_plant(scenario.plant), scenario.board) {}
 
   void drive(const link::Drive& drive) {
     if (drive.kicked != 0) {
@@ -162,24 +162,24 @@ class Bench {
         {static_cast<double>(drive.current_A), static_cast<double>(drive.voltage_V), until_ns});
   }
   link::Readings read() {
-    Frame frame{};
-    const ReadStatus status = board_.read(frame);
+    hal::Frame frame{};
+    const hal::ReadStatus status = board_.read(frame);
     const auto f = [](double x) { return static_cast<float>(x); };
-    return {frame.sequence,     status == ReadStatus::frame ? link::fresh : 0U,
+    return {frame.sequence,     status == hal::ReadStatus::frame ? link::fresh : 0U,
             f(frame.current_A), f(frame.voltage_V),
             f(frame.load_N),    f(frame.supply_V),
             f(frame.ambient_K), f(frame.driver_K)};
   }
-  SimTruth truth() const { return board_.truth(); }
+  hal::SimTruth truth() const { return board_.truth(); }
 
  private:
-  SimBoard board_;
+  hal::SimBoard board_;
   std::int64_t kicked_until_ns_ = 0;
 };
 
 class Run {
  public:
-  Run(const fs::path& folder, const ClosedLoopScenario& scenario)
+  Run(const fs::path& folder, const bench::ClosedLoopScenario& scenario)
       : settings_(scenario.settings),
         bench_(scenario),
         drive_(folder / "drive"),
@@ -214,14 +214,14 @@ class Run {
  private:
   /// One question per period, and one more for each frame that has been given.
   void talk(int period) {
-    std::vector<CanFrame> frames = master_.frames(period);
+    std::vector<hal::CanFrame> frames = master_.frames(period);
     std::size_t given = 0;
     for (bool asked = false; !asked;) {
       const auto said = can_out_.get<link::Can>();
       if (said.frames != 0) {
         master_.heard({.id = said.id, .length = said.length, .data = said.data});
       } else if (given < frames.size()) {
-        const CanFrame& f = frames[given++];
+        const hal::CanFrame& f = frames[given++];
         can_in_.put(link::Can{1, f.id, f.length, {}, f.data});
       } else {
         can_in_.put(link::Can{});
@@ -230,7 +230,7 @@ class Run {
     }
   }
   void judge(int period) {
-    const SimTruth truth = bench_.truth();
+    const hal::SimTruth truth = bench_.truth();
     early_heat_ = early_heat_ || (period < 330 && truth.current_A > 0);
     if (period >= steps - 1000) {
       worst_ = std::max(worst_, std::abs(truth.strain - target_));
@@ -258,8 +258,8 @@ void write_slot(const fs::path& path, const Settings<double>& settings) {
 
 bool hold(const fs::path& folder, std::span<char* const> command) {
   fs::create_directories(folder);
-  const ClosedLoopScenario scenario =
-      load_closed_loop(fs::path(SMASERVO_SOURCE_DIR) / "host-sim/scenarios/steps.toml");
+  const bench::ClosedLoopScenario scenario =
+      bench::load_closed_loop(fs::path(SMASERVO_SOURCE_DIR) / "host-sim/scenarios/steps.toml");
   write_slot(folder / "slot-0", scenario.settings);
   fs::remove(folder / "slot-1");
   Run run(folder, scenario);

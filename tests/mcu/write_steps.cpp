@@ -57,7 +57,7 @@ class Recorder {
     put(image);
     put(std::as_bytes(std::span(records_)));
     if (!file.flush()) {
-      throw UserError(path.string() + ": can not be written");
+      throw files::UserError(path.string() + ": can not be written");
     }
   }
 
@@ -69,13 +69,13 @@ class Recorder {
 };
 
 /// The device watches: it is never armed.
-Recorder trace(const fs::path& scenario, TraceReader reader) {
-  const Settings<double> settings = settings_for(load_scenario(scenario).wire.wire);
+Recorder trace(const fs::path& scenario, hal::TraceReader reader) {
+  const Settings<double> settings = text::settings_for(bench::load_scenario(scenario).wire.wire);
   Recorder recorder(stored_settings<float>(settings));
-  ReplayBoard board(std::move(reader), 0, settings.wire.geometry.area_m2());
-  Frame frame{};
+  hal::ReplayBoard board(std::move(reader), 0, settings.wire.geometry.area_m2());
+  hal::Frame frame{};
   std::int64_t last_ns = 0;
-  for (ReadStatus status = board.read(frame); status != ReadStatus::end;
+  for (hal::ReadStatus status = board.read(frame); status != hal::ReadStatus::end;
        status = board.read(frame)) {
     const std::int64_t step_ns =
         std::clamp(frame.time_ns - last_ns, shortest_step_ns, longest_step_ns);
@@ -89,12 +89,12 @@ Recorder trace(const fs::path& scenario, TraceReader reader) {
 }
 
 Recorder closed_loop(const fs::path& path) {
-  const ClosedLoopScenario scenario = load_closed_loop(path);
+  const bench::ClosedLoopScenario scenario = bench::load_closed_loop(path);
   Recorder recorder(stored_settings<float>(scenario.settings));
-  ClosedLoop loop(scenario);
+  bench::ClosedLoop loop(scenario);
   double last_s = -scenario.settings.timing.period_s;
   while (loop.step()) {
-    const Cycle& cycle = loop.cycle();
+    const text::Cycle& cycle = loop.cycle();
     recorder.add(pack(cycle.inputs, cycle.command, cycle.time_s - last_s, recorder.empty()));
     last_s = cycle.time_s;
   }
@@ -133,8 +133,8 @@ void write_all(const fs::path& folder) {
     if (csv.extension() != ".toml" || !fs::exists(csv.replace_extension(".csv"))) {
       continue;
     }
-    TraceReader reader(csv.string(), {});
-    if (reader.has(Column::voltage)) {  // a bath has neither voltage nor current
+    hal::TraceReader reader(csv.string(), {});
+    if (reader.has(hal::Column::voltage)) {  // a bath has neither voltage nor current
       trace(entry.path(), std::move(reader))
           .write(folder / fmt::format("trace-{}.steps", csv.stem().string()));
     }

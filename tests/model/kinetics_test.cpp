@@ -42,39 +42,39 @@ struct ThreePhaseSeparate : ThreePhaseDouble {
 };
 
 struct CosineDouble {
-  using Model = Cosine<double>;
+  using Model = papers::Cosine<double>;
   static Model::Params params() { return flexinol_cosine<double>(); }
   static constexpr InnerLoops loops = InnerLoops::dead_band;
   static constexpr double rounding = 1e-12;
 };
 
 struct CosineFloat : CosineDouble {
-  using Model = Cosine<float>;
+  using Model = papers::Cosine<float>;
   static Model::Params params() { return flexinol_cosine<float>(); }
   static constexpr double rounding = 1e-5;
 };
 
 /// No memory, and a Gaussian is never quite over: every ripple on a slope converts a little.
 struct DuhemDouble {
-  using Model = Duhem<double>;
+  using Model = papers::Duhem<double>;
   static Model::Params params() { return flexinol_duhem<double>(); }
   static constexpr InnerLoops loops = InnerLoops::ratchet;
   static constexpr double rounding = 1e-12;
 };
 
 struct DuhemFloat : DuhemDouble {
-  using Model = Duhem<float>;
+  using Model = papers::Duhem<float>;
   static Model::Params params() { return flexinol_duhem<float>(); }
   static constexpr double rounding = 1e-5;
 };
 
 struct LiangRogersDouble : CosineDouble {
-  using Model = LiangRogers<double>;
+  using Model = papers::LiangRogers<double>;
   static Model::Params params() { return flexinol_liang_rogers<double>(); }
 };
 
 struct LiangRogersFloat : CosineFloat {
-  using Model = LiangRogers<float>;
+  using Model = papers::LiangRogers<float>;
   static Model::Params params() { return flexinol_liang_rogers<float>(); }
 };
 

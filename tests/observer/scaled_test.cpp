@@ -19,7 +19,7 @@
 namespace smaservo::scaled_test {
 namespace {
 
-using bench::convert;
+using benchmarks::convert;
 
 constexpr double ambient_K = 298.15;
 

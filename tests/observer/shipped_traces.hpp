@@ -29,13 +29,13 @@ struct TraceStep {
 };
 
 inline std::vector<TraceStep> load_trace(const std::string& path) {
-  TraceReader reader(path, {});
+  hal::TraceReader reader(path, {});
   std::vector<TraceStep> steps;
-  TraceRow row{};
+  hal::TraceRow row{};
   double last_s = 0;
   while (reader.next(row)) {
-    const double now_s = row[Column::time];
-    steps.push_back({{row[Column::current], row[Column::voltage], row[Column::load]},
+    const double now_s = row[hal::Column::time];
+    steps.push_back({{row[hal::Column::current], row[hal::Column::voltage], row[hal::Column::load]},
                      steps.empty() ? 0 : now_s - last_s});
     last_s = now_s;
   }
@@ -47,7 +47,8 @@ inline std::vector<TraceStep> load_trace(const ShippedTrace& trace) {
 }
 
 inline Wire<double> load_unit(const ShippedTrace& trace) {
-  return load_wire(SMASERVO_SOURCE_DIR "/host-sim/traces/units/" + trace.unit + ".toml").wire;
+  return files::load_wire(SMASERVO_SOURCE_DIR "/host-sim/traces/units/" + trace.unit + ".toml")
+      .wire;
 }
 
 /// A good front end for this wire.

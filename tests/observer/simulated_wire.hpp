@@ -15,7 +15,7 @@
 namespace smaservo {
 
 inline const Wire<double>& bench_wire() {
-  static const Wire<double> wire = load_wire(std::string(default_wire)).wire;
+  static const Wire<double> wire = files::load_wire(std::string(files::default_wire)).wire;
   return wire;
 }
 

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # root is set by toolchain/dev
-# Which room may include which. Sourced by toolchain/dev.
+# Which room may include which, and its namespace. Sourced by toolchain/dev.
 
 # The floors of the house, the highest first: the lines between the marks in README.md.
 floors() { sed -n '/^<!-- rooms/,/^<!-- end of rooms/{ /^    /p }' "$root/README.md"; }
@@ -35,6 +35,34 @@ includes_upward() {
     }' - "${sources[@]}") < <(floors)
 }
 
+# Lines "file: what": sources that open no namespace of their room. The core's is smaservo; the
+# folders of hal share one, and so do the papers' models; all others are called like their folder.
+namespaces_astray() {
+  local -a sources
+  mapfile -d '' sources < <(our_files '*.cpp' '*.hpp' ':!tests')
+  (cd "$root" && awk '
+    function wanted(path, part, n) {
+      n = split(path, part, "/")
+      if (path ~ "^hal/cortex-m/") return "smaservo::(cortex_m|semihosting)"
+      if (path ~ "^hal/") return "smaservo::hal"
+      if (path ~ "^(model|observer)/papers/") return "smaservo::papers"
+      if (path ~ "^model/files/") return "smaservo::files"
+      if (path ~ "^firmware/(text|bench|canopen|daemon|mcu)/") return "smaservo::" part[2]
+      if (path ~ "^host-sim/papers/") return "smaservo::" part[3]
+      if (path ~ "^host-sim/[^/]*/") return "smaservo::" part[2]
+      return "smaservo"
+    }
+    function report() {
+      if (opens && !right) printf "%s: namespace %s is wanted\n", file, want
+    }
+    FNR == 1 { report(); file = FILENAME; want = wanted(file); opens = right = 0 }
+    /^namespace smaservo/ {
+      opens = 1
+      if ($2 ~ "^" want "(::[a-z0-9_]+)?$") right = 1
+    }
+    END { report() }' "${sources[@]}")
+}
+
 check_rooms() {
   local found
   [[ $(floors | wc -w) -ge 20 ]] || {
@@ -45,6 +73,12 @@ check_rooms() {
   [[ -z $found ]] || {
     printf '%s\n' "$found" >&2
     say '^ includes go downwards only: README.md, "The house"'
+    return 1
+  }
+  found=$(namespaces_astray) || return
+  [[ -z $found ]] || {
+    printf '%s\n' "$found" >&2
+    say '^ each room has its namespace: CONTRIBUTING.md, "Rooms"'
     return 1
   }
 }

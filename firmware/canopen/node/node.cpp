@@ -16,8 +16,8 @@ constexpr std::uint8_t communication_error = 0x10;
 constexpr std::uint16_t heartbeat_lost = 0x8130;
 constexpr std::uint16_t sync_length = 0x8240;
 
-CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
-  CanFrame frame;
+hal::CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
+  hal::CanFrame frame;
   frame.id = id;
   frame.length = length;
   return frame;
@@ -60,7 +60,7 @@ void Node::enter(Nmt state) {
   application_.nmt_changed(state);
 }
 
-void Node::command(const CanFrame& frame) {
+void Node::command(const hal::CanFrame& frame) {
   if (frame.length != 2 || (frame.data[1] != 0 && frame.data[1] != node_id_)) {
     return;
   }
@@ -114,7 +114,7 @@ void Node::finish(bool done) {
 
 // Frames in.
 
-void Node::receive(const CanFrame& frame, std::uint64_t now_us) {
+void Node::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
   now_us_ = now_us;
   if (frame.extended || frame.length > 8) {
     return;
@@ -160,7 +160,7 @@ void Node::receive(const CanFrame& frame, std::uint64_t now_us) {
   }
 }
 
-void Node::receive_sync(const CanFrame& frame) {
+void Node::receive_sync(const hal::CanFrame& frame) {
   if (state_ != Nmt::operational) {
     return;
   }
@@ -174,7 +174,7 @@ void Node::receive_sync(const CanFrame& frame) {
   pdos_.sync(length == 0 ? std::uint8_t{0} : frame.data[0]);
 }
 
-void Node::receive_heartbeat(const CanFrame& frame) {
+void Node::receive_heartbeat(const hal::CanFrame& frame) {
   if (frame.length != 1) {
     return;
   }
@@ -202,7 +202,7 @@ void Node::find_again() {
   }
 }
 
-void Node::receive_lss(const CanFrame& frame) {
+void Node::receive_lss(const hal::CanFrame& frame) {
   if (frame.length != 8 || request_ == Request::reset_node ||
       request_ == Request::reset_communication) {
     return;
@@ -339,7 +339,7 @@ void Node::show_errors() {
 
 // Frames out.
 
-bool Node::take(CanFrame& frame) {
+bool Node::take(hal::CanFrame& frame) {
   if (lss_.take(std::span<std::uint8_t, 8>(frame.data))) {
     const auto data = frame.data;
     frame = frame_of(lss_answer_id, 8);
@@ -353,7 +353,7 @@ bool Node::take(CanFrame& frame) {
          (state_ == Nmt::operational && pdos_.take(frame, now_us_)) || take_answer(frame);
 }
 
-bool Node::take_heartbeat(CanFrame& frame) {
+bool Node::take_heartbeat(hal::CanFrame& frame) {
   const std::uint64_t period_us = 1000ULL * objects_.heartbeat_ms;
   const bool due = period_us != 0 && period_us <= now_us_ - heartbeat_us_;
   if (!boots_ && !due) {
@@ -368,7 +368,7 @@ bool Node::take_heartbeat(CanFrame& frame) {
   return true;
 }
 
-bool Node::take_emergency(CanFrame& frame) {
+bool Node::take_emergency(hal::CanFrame& frame) {
   if (!communicates() || emergencies_waiting_ == 0) {
     return false;
   }
@@ -392,7 +392,7 @@ bool Node::take_emergency(CanFrame& frame) {
   return true;
 }
 
-bool Node::take_answer(CanFrame& frame) {
+bool Node::take_answer(hal::CanFrame& frame) {
   if (!communicates()) {
     return false;
   }

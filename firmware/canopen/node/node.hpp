@@ -89,10 +89,10 @@ class Node final : public Dictionary {
   /// After switching on and after each reset. The image is what image() once gave; an empty or
   /// damaged one means defaults. False: it is damaged.
   bool start(std::span<const std::uint8_t> image, std::uint64_t now_us);
-  void receive(const CanFrame& frame, std::uint64_t now_us);
+  void receive(const hal::CanFrame& frame, std::uint64_t now_us);
   void advance(std::uint64_t now_us);
   /// The next frame to send, the most urgent first.
-  bool take(CanFrame& frame);
+  bool take(hal::CanFrame& frame);
 
   Request request() const { return request_; }
   /// Of a reset: start() is the answer.
@@ -153,19 +153,19 @@ class Node final : public Dictionary {
   bool load_image(std::span<const std::uint8_t> image, bool keeps_node_id);
   std::byte* memory();
 
-  void command(const CanFrame& frame);
+  void command(const hal::CanFrame& frame);
   void enter(Nmt state);
-  void receive_sync(const CanFrame& frame);
-  void receive_heartbeat(const CanFrame& frame);
-  void receive_lss(const CanFrame& frame);
+  void receive_sync(const hal::CanFrame& frame);
+  void receive_heartbeat(const hal::CanFrame& frame);
+  void receive_lss(const hal::CanFrame& frame);
   void watch_consumers();
   void watch_sync();
   void lose(std::uint16_t code, std::uint8_t who);
   void find_again();
   void show_errors();
-  bool take_heartbeat(CanFrame& frame);
-  bool take_emergency(CanFrame& frame);
-  bool take_answer(CanFrame& frame);
+  bool take_heartbeat(hal::CanFrame& frame);
+  bool take_emergency(hal::CanFrame& frame);
+  bool take_answer(hal::CanFrame& frame);
   bool communicates() const { return state_ == Nmt::operational || state_ == Nmt::pre_operational; }
 
   NodeConfig config_;

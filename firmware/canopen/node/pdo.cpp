@@ -163,7 +163,7 @@ void Pdos::changed(Key key) {
 
 // Receiving.
 
-PdoEvent Pdos::receive(const CanFrame& frame, std::uint64_t now_us) {
+PdoEvent Pdos::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
   if (frame.remote) {
     for (std::size_t i = 0; i < pdo_count; ++i) {
       const PdoParams& params = objects_.tpdo[i];
@@ -303,7 +303,7 @@ void Pdos::look(std::size_t i, std::uint64_t now_us) {
   tx.due = !tx.ever || by_time || length != tx.length || data != tx.data;
 }
 
-bool Pdos::take(CanFrame& frame, std::uint64_t now_us) {
+bool Pdos::take(hal::CanFrame& frame, std::uint64_t now_us) {
   for (std::size_t i = 0; i < pdo_count; ++i) {
     const PdoParams& params = objects_.tpdo[i];
     Transmit& tx = tx_[i];

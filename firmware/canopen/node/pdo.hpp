@@ -33,12 +33,12 @@ class Pdos {
   /// It has got it.
   void changed(Key key);
 
-  PdoEvent receive(const CanFrame& frame, std::uint64_t now_us);
+  PdoEvent receive(const hal::CanFrame& frame, std::uint64_t now_us);
   /// `counter` of the SYNC; 0: it has none.
   void sync(std::uint8_t counter);
   /// Events and timers. PdoEvent::timed_out when an RPDO with an event timer stays away.
   PdoEvent advance(std::uint64_t now_us);
-  bool take(CanFrame& frame, std::uint64_t now_us);
+  bool take(hal::CanFrame& frame, std::uint64_t now_us);
 
   bool has_deadline() const;  ///< some RPDO has an event timer
   bool on_time() const;       ///< all of them have come within it

@@ -53,10 +53,10 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   bool start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
     return node().start(image, now_us);
   }
-  void receive(const CanFrame& frame, std::uint64_t now_us) { node().receive(frame, now_us); }
+  void receive(const hal::CanFrame& frame, std::uint64_t now_us) { node().receive(frame, now_us); }
   /// At least every millisecond.
   using ServoCore::advance;
-  bool take(CanFrame& frame) { return node().take(frame); }
+  bool take(hal::CanFrame& frame) { return node().take(frame); }
 
   /// For the next step.
   Command<S> command() const;

@@ -10,19 +10,19 @@
 #include "model/files/toml_table.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr std::array<std::string_view, 2> front_end_names{"ads131m04", "iio"};
 constexpr std::array<std::string_view, 3> drive_names{"iio-dac", "spi-dac", "pwm"};
 constexpr std::array<std::string_view, 3> reading_names{"current", "voltage", "load"};
 
-std::string text_or(TomlTable& table, std::string_view key, const std::string& otherwise) {
+std::string text_or(files::TomlTable& table, std::string_view key, const std::string& otherwise) {
   return table.has(key) ? table.text(key) : otherwise;
 }
 
 template <class T = unsigned>
-T whole(TomlTable& table, std::string_view key, double low, double high, double otherwise) {
+T whole(files::TomlTable& table, std::string_view key, double low, double high, double otherwise) {
   const double value = table.number(key, low, high, otherwise);
   if (value != std::floor(value)) {
     table.fail(key, "must be a whole number");
@@ -31,7 +31,7 @@ T whole(TomlTable& table, std::string_view key, double low, double high, double 
 }
 
 /// The n of base << n.
-unsigned exponent(const TomlTable& table, std::string_view key, double value, unsigned base,
+unsigned exponent(const files::TomlTable& table, std::string_view key, double value, unsigned base,
                   unsigned max) {
   for (unsigned n = 0; n <= max; ++n) {
     if (value == static_cast<double>(base << n)) {
@@ -42,17 +42,17 @@ unsigned exponent(const TomlTable& table, std::string_view key, double value, un
                       std::to_string(base << max));
 }
 
-SpiSettings read_spi(TomlTable& table, unsigned mode) {
+hal::SpiSettings read_spi(files::TomlTable& table, unsigned mode) {
   return {table.text("spi"), mode, whole(table, "clock_Hz", 1e4, 5e7, 8e6)};
 }
 
-Ads131m04FrontEnd read_ads(TomlTable& table) {
+Ads131m04FrontEnd read_ads(files::TomlTable& table) {
   Ads131m04FrontEnd front{read_spi(table, 1), {}};
   front.settings.osr_exponent =
       exponent(table, "oversampling", table.number("oversampling", 128, 16384, 1024), 128, 7);
   if (table.has("gains")) {
     const std::vector<double> gains = table.numbers("gains", 1, 128);
-    if (gains.size() != ads131m04::channels) {
+    if (gains.size() != hal::ads131m04::channels) {
       table.fail("gains", "must have four numbers");
     }
     std::ranges::transform(gains, front.settings.gain_exponents.begin(),
@@ -61,8 +61,8 @@ Ads131m04FrontEnd read_ads(TomlTable& table) {
   return front;
 }
 
-IioSettings read_iio(TomlTable& table) {
-  IioSettings iio;
+hal::IioSettings read_iio(files::TomlTable& table) {
+  hal::IioSettings iio;
   iio.device = table.text("device");
   iio.trigger = text_or(table, "trigger", "");
   iio.hrtimer_Hz = table.number("hrtimer_Hz", 1, 1e5, 0);
@@ -77,18 +77,19 @@ IioSettings read_iio(TomlTable& table) {
 /// Volts at the pins by code.
 double volt_per_code(const Ads131m04FrontEnd& front, std::size_t place) {
   const unsigned gain = 1U << front.settings.gain_exponents.at(place);
-  return ads131m04::reference_V / gain / 0x1p23;
+  return hal::ads131m04::reference_V / gain / 0x1p23;
 }
 
-Channel read_channel(TomlTable table, BoardFile& file) {
-  Channel channel{};
-  if (auto* iio = std::get_if<IioSettings>(&file.front_end)) {
+hal::Channel read_channel(files::TomlTable table, BoardFile& file) {
+  hal::Channel channel{};
+  if (auto* iio = std::get_if<hal::IioSettings>(&file.front_end)) {
     channel.place = iio->channels.size();
     iio->channels.push_back(table.text("channel"));
     channel.scale = table.number("per_code", -1e6, 1e6);
   } else {
     const auto& ads = std::get<Ads131m04FrontEnd>(file.front_end);
-    channel.place = static_cast<std::size_t>(table.number("channel", 0, ads131m04::channels - 1));
+    channel.place =
+        static_cast<std::size_t>(table.number("channel", 0, hal::ads131m04::channels - 1));
     channel.scale = table.number("per_volt", -1e6, 1e6) * volt_per_code(ads, channel.place);
   }
   if (channel.scale == 0) {
@@ -99,7 +100,7 @@ Channel read_channel(TomlTable table, BoardFile& file) {
   return channel;
 }
 
-void read_front_end(TomlTable table, BoardFile& file) {
+void read_front_end(files::TomlTable table, BoardFile& file) {
   if (table.choice("type", front_end_names) == 0) {
     file.front_end = read_ads(table);
   } else {
@@ -114,8 +115,8 @@ void read_front_end(TomlTable table, BoardFile& file) {
   table.finish();
 }
 
-DacScale read_scale(TomlTable& table) {
-  DacScale scale{};
+hal::DacScale read_scale(files::TomlTable& table) {
+  hal::DacScale scale{};
   scale.voltage = table.has("codes_per_volt");
   scale.codes_per_unit =
       table.number(scale.voltage ? "codes_per_volt" : "codes_per_ampere", 1e-3, 1e9);
@@ -125,7 +126,7 @@ DacScale read_scale(TomlTable& table) {
 }
 
 /// No key: no ceiling.
-canopen::Ceilings read_ceilings(TomlTable table) {
+canopen::Ceilings read_ceilings(files::TomlTable table) {
   const auto ceiling = [&](std::string_view key, double low, double high, double factor,
                            double offset) {
     return table.has(key) ? static_cast<float>(factor * table.number(key, low, high) + offset)
@@ -147,16 +148,16 @@ canopen::Ceilings read_ceilings(TomlTable table) {
   return ceilings;
 }
 
-void read_drive(TomlTable table, BoardFile& file) {
+void read_drive(files::TomlTable table, BoardFile& file) {
   const auto hardware_A = static_cast<float>(1e-3 * table.number("max_mA", 1, 1e5));
   file.ceilings.current_A = std::min(file.ceilings.current_A, hardware_A);
   switch (table.choice("type", drive_names)) {
     case 0:
-      file.drive = IioDacSettings{table.text("device"), text_or(table, "channel", "out_voltage0"),
-                                  read_scale(table)};
+      file.drive = hal::IioDacSettings{
+          table.text("device"), text_or(table, "channel", "out_voltage0"), read_scale(table)};
       break;
     case 1: {
-      SpiDacSettings dac{};
+      hal::SpiDacSettings dac{};
       dac.spi = read_spi(table, whole(table, "mode", 0, 3, 1));
       dac.frame_bytes = whole(table, "frame_bytes", 2, 3, 3);
       dac.command = whole<std::uint32_t>(table, "command", 0, 16777215, 0);
@@ -166,7 +167,7 @@ void read_drive(TomlTable table, BoardFile& file) {
       break;
     }
     default: {
-      PwmSettings pwm;
+      hal::PwmSettings pwm;
       pwm.chip = text_or(table, "chip", pwm.chip);
       pwm.channel = whole(table, "channel", 0, 63, 0);
       pwm.period_ns = std::llround(1e9 / table.number("frequency_Hz", 10, 1e6, 20e3));
@@ -178,23 +179,23 @@ void read_drive(TomlTable table, BoardFile& file) {
   table.finish();
 }
 
-LineSettings read_line(TomlTable& lines, std::string_view key) {
+hal::LineSettings read_line(files::TomlTable& lines, std::string_view key) {
   if (!lines.has(key)) {
     return {};
   }
-  TomlTable table = lines.table(key);
-  const LineSettings line{table.text("line"), table.flag("active_low", false)};
+  files::TomlTable table = lines.table(key);
+  const hal::LineSettings line{table.text("line"), table.flag("active_low", false)};
   table.finish();
   return line;
 }
 
-SlowSensor read_slow(TomlTable& slow, std::string_view key, bool temperature) {
+hal::SlowSensor read_slow(files::TomlTable& slow, std::string_view key, bool temperature) {
   if (!slow.has(key)) {
     return {};
   }
-  TomlTable table = slow.table(key);
-  SlowSensor sensor{table.text("file"), table.number("scale", -1e6, 1e6),
-                    table.number("offset", -1e9, 1e9, 0)};
+  files::TomlTable table = slow.table(key);
+  hal::SlowSensor sensor{table.text("file"), table.number("scale", -1e6, 1e6),
+                         table.number("offset", -1e9, 1e9, 0)};
   // The kernel's temperatures are in degrees Celsius.
   if (temperature && sensor.scale != 0) {
     sensor.offset += zero_degC_K / sensor.scale;
@@ -203,7 +204,7 @@ SlowSensor read_slow(TomlTable& slow, std::string_view key, bool temperature) {
   return sensor;
 }
 
-BusSettings read_bus(TomlTable table) {
+BusSettings read_bus(files::TomlTable table) {
   constexpr double max_key = 4294967295;
   const BusSettings bus{table.text("interface"),
                         whole(table, "node_id", 0, 127, 0),
@@ -217,25 +218,25 @@ BusSettings read_bus(TomlTable table) {
 }  // namespace
 
 BoardFile load_board_file(const std::string& path) {
-  const TomlFile toml(path);
-  TomlTable root = toml.root();
+  const files::TomlFile toml(path);
+  files::TomlTable root = toml.root();
   BoardFile file{};
   file.name = root.text("name");
   const std::string device = text_or(root, "settings", "");
   file.device = device.empty() ? "" : toml.beside(device);
   file.folder = text_or(root, "folder", default_folder);
-  TomlTable loop = root.table_or_empty("loop");
+  files::TomlTable loop = root.table_or_empty("loop");
   file.thread.priority = whole<int>(loop, "priority", 1, 98, 80);
   file.thread.processor = whole<int>(loop, "processor", 0, 1023, -1);
   loop.finish();
   read_front_end(root.table("front_end"), file);
   file.ceilings = read_ceilings(root.table_or_empty("ceilings"));
   read_drive(root.table("drive"), file);
-  TomlTable lines = root.table_or_empty("lines");
+  files::TomlTable lines = root.table_or_empty("lines");
   file.lines = {read_line(lines, "enable"), read_line(lines, "kick"),
                 read_line(lines, "emergency_stop"), read_line(lines, "driver_fault")};
   lines.finish();
-  TomlTable slow = root.table_or_empty("sensors");
+  files::TomlTable slow = root.table_or_empty("sensors");
   file.slow = {read_slow(slow, "supply", false), read_slow(slow, "ambient", true),
                read_slow(slow, "driver", true)};
   slow.finish();
@@ -247,24 +248,26 @@ BoardFile load_board_file(const std::string& path) {
   return file;
 }
 
-std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots) {
+std::unique_ptr<hal::Digitizer> open_front_end(const BoardFile& file,
+                                               const hal::LinuxRoots& roots) {
   if (const auto* ads = std::get_if<Ads131m04FrontEnd>(&file.front_end)) {
-    return std::make_unique<Ads131m04Digitizer>(std::make_unique<SpiDevice>(roots, ads->spi),
-                                                roots.dev + "/" + ads->spi.device, ads->settings);
+    return std::make_unique<hal::Ads131m04Digitizer>(
+        std::make_unique<hal::SpiDevice>(roots, ads->spi), roots.dev + "/" + ads->spi.device,
+        ads->settings);
   }
-  return std::make_unique<IioDigitizer>(roots, std::get<IioSettings>(file.front_end));
+  return std::make_unique<hal::IioDigitizer>(roots, std::get<hal::IioSettings>(file.front_end));
 }
 
-std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots) {
+std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::LinuxRoots& roots) {
   return std::visit(
-      [&](const auto& drive) -> std::unique_ptr<OutputStage> {
+      [&](const auto& drive) -> std::unique_ptr<hal::OutputStage> {
         using T = std::decay_t<decltype(drive)>;
-        if constexpr (std::is_same_v<T, IioDacSettings>) {
-          return std::make_unique<IioDac>(roots, drive);
-        } else if constexpr (std::is_same_v<T, SpiDacSettings>) {
-          return std::make_unique<SpiDac>(roots, drive);
+        if constexpr (std::is_same_v<T, hal::IioDacSettings>) {
+          return std::make_unique<hal::IioDac>(roots, drive);
+        } else if constexpr (std::is_same_v<T, hal::SpiDacSettings>) {
+          return std::make_unique<hal::SpiDac>(roots, drive);
         } else {
-          return std::make_unique<PwmDrive>(roots, drive);
+          return std::make_unique<hal::PwmDrive>(roots, drive);
         }
       },
       file.drive);
@@ -309,4 +312,4 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
   return "";
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -15,11 +15,11 @@
 #include "hal/linux/devices/ads131m04_digitizer.hpp"
 #include "hal/linux/devices/iio.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct Ads131m04FrontEnd {
-  SpiSettings spi;
-  Ads131m04Settings settings;
+  hal::SpiSettings spi;
+  hal::Ads131m04Settings settings;
 };
 
 struct BusSettings {
@@ -35,11 +35,11 @@ struct BoardFile {
   std::string folder;  ///< of the store
   RealTimeSettings thread;
   canopen::Ceilings ceilings;  ///< of the current: at most what the hardware limits it to
-  std::variant<Ads131m04FrontEnd, IioSettings> front_end;
-  Calibration calibration;
-  std::array<SlowSensor, SlowSensors::count> slow;
-  std::variant<IioDacSettings, SpiDacSettings, PwmSettings> drive;
-  LinesSettings lines;
+  std::variant<Ads131m04FrontEnd, hal::IioSettings> front_end;
+  hal::Calibration calibration;
+  std::array<hal::SlowSensor, hal::SlowSensors::count> slow;
+  std::variant<hal::IioDacSettings, hal::SpiDacSettings, hal::PwmSettings> drive;
+  hal::LinesSettings lines;
   std::optional<BusSettings> bus;
   std::string text;  ///< all of it
 };
@@ -51,8 +51,8 @@ inline constexpr const char* default_folder = "/var/lib/smaservo";
 BoardFile load_board_file(const std::string& path);
 
 /// Each of these opens what the file names; all throw DeviceError.
-std::unique_ptr<Digitizer> open_front_end(const BoardFile& file, const LinuxRoots& roots);
-std::unique_ptr<OutputStage> open_drive(const BoardFile& file, const LinuxRoots& roots);
+std::unique_ptr<hal::Digitizer> open_front_end(const BoardFile& file, const hal::LinuxRoots& roots);
+std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::LinuxRoots& roots);
 
 /// timing.period_s on a board: 100 Hz to 2 kHz.
 inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
@@ -62,4 +62,4 @@ std::string period_problem(const Settings<double>& settings);
 /// What of these settings is beyond the board; empty: nothing.
 std::string board_problem(const BoardFile& file, const Settings<double>& settings);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,15 +8,15 @@
 #include "firmware/bench/command_program.hpp"
 #include "firmware/daemon/loop/command_source.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 class Programmed : public CommandSource {
  public:
-  explicit Programmed(std::vector<CommandStretch> program) : program_(std::move(program)) {}
+  explicit Programmed(std::vector<bench::CommandStretch> program) : program_(std::move(program)) {}
   Heard<double> listen(double time_s) override { return {program_.at(time_s), {}}; }
 
  private:
-  CommandProgram program_;
+  bench::CommandProgram program_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

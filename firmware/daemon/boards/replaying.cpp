@@ -2,11 +2,11 @@
 
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
-TraceOptions of_a_device() {
-  TraceOptions options;
+hal::TraceOptions of_a_device() {
+  hal::TraceOptions options;
   options.device = true;
   return options;
 }
@@ -17,12 +17,12 @@ Replaying::Replaying(const std::string& trace, const Settings<double>& settings,
                      ParameterDesk& desk)
     : name_(trace),
       desk_(desk),
-      board_(TraceReader(trace, of_a_device()), std::numeric_limits<double>::quiet_NaN(),
+      board_(hal::TraceReader(trace, of_a_device()), std::numeric_limits<double>::quiet_NaN(),
              settings.wire.geometry.area_m2()),
       log_(name_, board_.trace().names()) {}
 
 Heard<double> Replaying::listen(double time_s) {
-  split_fields(board_.row().text, fields_);
+  text::split_fields(board_.row().text, fields_);
   Settings<double> settings = desk_.settings();
   if (log_.change(fields_, time_s, settings)) {
     desk_.change(settings);
@@ -30,4 +30,4 @@ Heard<double> Replaying::listen(double time_s) {
   return log_.heard(fields_, time_s);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

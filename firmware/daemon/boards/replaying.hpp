@@ -10,7 +10,7 @@
 #include "firmware/text/device_log.hpp"
 #include "hal/replay/board.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Time, commands and changes of parameters are the trace's. Allocates: not for a real machine.
 class Replaying : public CommandSource {
@@ -21,8 +21,8 @@ class Replaying : public CommandSource {
   Replaying(const std::string& trace, const Settings<double>& settings, ParameterDesk& desk);
 
   // A Board.
-  ReadStatus read(Frame& frame) { return board_.read(frame); }
-  void drive(const DriveCommand& command) { board_.drive(command); }
+  hal::ReadStatus read(hal::Frame& frame) { return board_.read(frame); }
+  void drive(const hal::DriveCommand& command) { board_.drive(command); }
   void safe_off() { board_.safe_off(); }
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
@@ -33,11 +33,11 @@ class Replaying : public CommandSource {
  private:
   std::string name_;
   ParameterDesk& desk_;
-  ReplayBoard board_;
-  DeviceLog log_;
+  hal::ReplayBoard board_;
+  text::DeviceLog log_;
   std::vector<std::string_view> fields_;
 };
 
-static_assert(Board<Replaying>);
+static_assert(hal::Board<Replaying>);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

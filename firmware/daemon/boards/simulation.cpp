@@ -7,27 +7,27 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
-Simulation::Simulation(const ClosedLoopScenario& scenario)
-    : board_(make_plant(scenario.plant), scenario.board),
+Simulation::Simulation(const bench::ClosedLoopScenario& scenario)
+    : board_(bench::make_plant(scenario.plant), scenario.board),
       program_(scenario.program),
       events_(scenario.events, scenario.board.surroundings),
       has_program_(!scenario.program.empty()),
       period_ns_(scenario.board.period_ns),
       end_ns_(scenario.duration_s > 0 ? std::llround(scenario.duration_s * 1e9)
                                       : std::numeric_limits<std::int64_t>::max()) {
-  if (scenario.pair || std::ranges::any_of(scenario.events, &SimEvent::reboots)) {
-    throw ConfigError(
+  if (scenario.pair || std::ranges::any_of(scenario.events, &bench::SimEvent::reboots)) {
+    throw files::ConfigError(
         fmt::format("{}: a pair of wires, or a device that starts anew, is for "
                     "host-sim simulate, not for a daemon",
                     scenario.name));
   }
 }
 
-ReadStatus Simulation::read(Frame& frame) {
+hal::ReadStatus Simulation::read(hal::Frame& frame) {
   if (began_ && board_.now_ns() + period_ns_ >= end_ns_) {
-    return ReadStatus::end;
+    return hal::ReadStatus::end;
   }
   events_.apply(began_ ? static_cast<double>(board_.now_ns()) * 1e-9 : 0, board_);
   began_ = true;
@@ -57,4 +57,4 @@ Heard<double> Demonstration::listen(double time_s) {
           {}};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

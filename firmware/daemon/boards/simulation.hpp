@@ -7,7 +7,7 @@
 #include "firmware/daemon/loop/command_source.hpp"
 #include "hal/sim/board.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Time is the simulation's: one period per frame, whatever the clock says. The board ends with the
 /// scenario's time.
@@ -16,11 +16,11 @@ class Simulation : public CommandSource {
   static constexpr bool in_monotonic_time = false;
 
   /// Throws ConfigError: a pair, or events that start the device anew, are not for one daemon.
-  explicit Simulation(const ClosedLoopScenario& scenario);
+  explicit Simulation(const bench::ClosedLoopScenario& scenario);
 
   // A Board.
-  ReadStatus read(Frame& frame);
-  void drive(const DriveCommand& command) { board_.drive(command); }
+  hal::ReadStatus read(hal::Frame& frame);
+  void drive(const hal::DriveCommand& command) { board_.drive(command); }
   void safe_off() { board_.safe_off(); }
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
@@ -28,17 +28,17 @@ class Simulation : public CommandSource {
   // A Command source.
   Heard<double> listen(double time_s) override;
 
-  SimTruth truth() const { return board_.truth(); }
+  hal::SimTruth truth() const { return board_.truth(); }
 
  private:
-  SimBoard board_;
-  CommandProgram program_;
-  SimEvents events_;
+  hal::SimBoard board_;
+  bench::CommandProgram program_;
+  bench::SimEvents events_;
   bool has_program_, began_ = false;
   std::int64_t period_ns_, end_ns_;
 };
 
-static_assert(Board<Simulation>);
+static_assert(hal::Board<Simulation>);
 
 /// Up and down between two lengths, 2 s each, for ever; for a first try.
 class Demonstration : public CommandSource {
@@ -50,4 +50,4 @@ class Demonstration : public CommandSource {
   double short_, long_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -6,7 +6,7 @@
 
 #include "firmware/text/canopen/change_text.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 BusJournal::BusJournal(Say say)
     : say_(std::move(say)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -29,7 +29,7 @@ void BusJournal::write() {
   std::uint32_t left_out = 0;
   for (canopen::LoggedChange change{}; ring_.pop(change); ++seen_) {
     if (said < max_at_once) {
-      say_(can::change_text(change));
+      say_(text::change_text(change));
       ++said;
     } else {
       ++left_out;
@@ -45,4 +45,4 @@ void BusJournal::write() {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -10,7 +10,7 @@
 #include "firmware/canopen/servo/change_log.hpp"
 #include "firmware/daemon/loop/ring.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 class BusJournal {
  public:
@@ -39,4 +39,4 @@ class BusJournal {
   std::jthread thread_;  // last: it ends before what it uses
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

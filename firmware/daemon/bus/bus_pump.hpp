@@ -12,7 +12,7 @@
 #include "hal/board.hpp"
 #include "hal/linux/can/can_status.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// What a cycle of the loop tells the node.
 struct CycleReport {
@@ -36,7 +36,7 @@ class BusCommandSource : public CommandSource {
   explicit BusCommandSource(double lease_s) : lease_s_(lease_s) {}
 
   Heard<double> listen(double time_s) override;
-  void tell(const Cycle& cycle, double dt_s) override {
+  void tell(const text::Cycle& cycle, double dt_s) override {
     reports_.push({cycle.output, cycle.inputs, dt_s});
   }
 
@@ -71,7 +71,7 @@ inline Heard<double> BusCommandSource::listen(double time_s) {
 /// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
 /// the loop's cycles since. Calls `changed()` where the node has put other settings in force, in
 /// each round again until it says that the loop will have them; the node refuses others meanwhile.
-template <CanPort Port, class Node>
+template <hal::CanPort Port, class Node>
 class BusPump {
  public:
   BusPump(Port& port, Node& node, BusCommandSource& source)
@@ -79,7 +79,7 @@ class BusPump {
 
   template <class Changed>
   void round(std::uint64_t now_us, FaultSet port_faults, Changed changed) {
-    CanFrame frame;
+    hal::CanFrame frame;
     for (int i = 0; i < max_frames && port_.receive(frame); ++i) {
       node_.receive(frame, now_us);
       ++frames_;
@@ -121,8 +121,8 @@ class BusPump {
     for (; tries < max_sent && (waits_ || node_.take(next_)); ++tries) {
       since_us_ = waits_ ? since_us_ : now_us;
       const bool sent = port_.send(next_);
-      const CanState state = port_.state();
-      const bool reachable = state != CanState::down && state != CanState::gone;
+      const hal::CanState state = port_.state();
+      const bool reachable = state != hal::CanState::down && state != hal::CanState::gone;
       waits_ = !sent && reachable && now_us - since_us_ < patience_us;
       if (!sent && !waits_) {
         ++dropped_;
@@ -141,7 +141,7 @@ class BusPump {
   Port& port_;
   Node& node_;
   BusCommandSource& source_;
-  CanFrame next_{};
+  hal::CanFrame next_{};
   bool waits_ = false;  ///< next_ for room in the queue
   bool has_more_ = false;
   std::uint64_t since_us_ = 0;
@@ -149,4 +149,4 @@ class BusPump {
   std::uint64_t frames_ = 0, dropped_ = 0, queue_full_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

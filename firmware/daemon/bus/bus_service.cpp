@@ -22,7 +22,7 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 using canopen::Request;
@@ -40,12 +40,12 @@ Image read_image(const std::string& path) {
 /// What it says went wrong; empty: durable.
 std::string write_image(const std::string& path, const Image& image) {
   try {
-    OutputFile file(path);
+    files::OutputFile file(path);
     file.write({reinterpret_cast<const char*>(image.data()),  // NOLINT(*-reinterpret-cast): bytes
                 image.size()});
     file.commit();
     return {};
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     return error.what();
   }
 }
@@ -79,9 +79,9 @@ struct BusService::Parts {
         desk(desk_),
         links(links_),
         figures(figures_),
-        port(open_can(setup_.interface)),
+        port(hal::open_can(setup_.interface)),
         recorder(recorder_values),
-        eds(eds_text()),
+        eds(text::eds_text()),
         staging(desk_.settings()),
         servo(config_of(setup, recorder, eds), staging),
         source(thread_lease_s),
@@ -107,13 +107,13 @@ struct BusService::Parts {
   ParameterDesk& desk;
   LoopLinks& links;
   const LoopFigures& figures;
-  LinuxCan port;
+  hal::LinuxCan port;
   std::vector<float> recorder;
   std::string eds;
   Staging<double> staging;
   canopen::Servo<double> servo;
   BusCommandSource source;
-  BusPump<LinuxCan, canopen::Servo<double>> pump;
+  BusPump<hal::LinuxCan, canopen::Servo<double>> pump;
   BusJournal journal;
   std::future<std::string> storing;
   std::uint64_t heard_us = 0, frames = 0;
@@ -135,7 +135,7 @@ void BusService::start() {
 }
 
 void BusService::Parts::run(const std::stop_token& stop) {
-  const auto now = [] { return static_cast<std::uint64_t>(monotonic_ns() / 1000); };
+  const auto now = [] { return static_cast<std::uint64_t>(hal::monotonic_ns() / 1000); };
   // Of rights that are missing the loop tells.
   if (setup.priority > 0) {
     make_real_time({.priority = setup.priority});
@@ -162,13 +162,13 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
     frames = pump.frames();
     heard_us = now_us;
   }
-  const CanState state = port.state();
+  const hal::CanState state = port.state();
   const bool silent =
       setup.command_source_timeout_s > 0 &&
       static_cast<double>(now_us - heard_us) * 1e-6 > setup.command_source_timeout_s;
   FaultSet set;
-  set.add(Fault::bus_lost, silent || state == CanState::bus_off || state == CanState::down ||
-                               state == CanState::gone);
+  set.add(Fault::bus_lost, silent || state == hal::CanState::bus_off ||
+                               state == hal::CanState::down || state == hal::CanState::gone);
   return set;
 }
 
@@ -260,4 +260,4 @@ std::string BusService::Parts::keep(Request request, const Settings<double>& set
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

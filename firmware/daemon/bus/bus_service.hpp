@@ -8,7 +8,7 @@
 #include "firmware/daemon/bus/bus_pump.hpp"
 #include "firmware/daemon/loop/desk.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct BusSetup {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
@@ -41,4 +41,4 @@ class BusService {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,10 +8,10 @@
 #include "firmware/parameters/store.hpp"
 #include "hal/linux/system/file_store.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
-static_assert(Storage<FileStore>);
+static_assert(Storage<hal::FileStore>);
 
 constexpr std::array<std::string_view, 6> slot_names{
     "valid", "empty", "unreadable", "damaged", "of a newer release", "refused"};
@@ -29,7 +29,7 @@ KeptSettings keep_settings(const std::string& folder, const Settings<double>& ot
   if (folder.empty()) {
     return kept;
   }
-  FileStore store(folder);
+  hal::FileStore store(folder);
   const Loaded<double> loaded = load_settings<double>(store);
   const auto& [a, b] = loaded.slots;
   if (loaded.reason == LoadReason::none) {
@@ -49,7 +49,7 @@ KeptSettings keep_settings(const std::string& folder, const Settings<double>& ot
 }
 
 std::string store_settings(const std::string& folder, const Settings<double>& settings) {
-  FileStore store(folder);
+  hal::FileStore store(folder);
   const Saved saved = save_settings(store, settings);
   constexpr std::array<std::string_view, 7> problems{"",
                                                      "the settings contradict each other",
@@ -72,4 +72,4 @@ std::string forget_settings(const std::string& folder) {
   return {};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

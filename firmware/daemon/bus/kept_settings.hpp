@@ -5,7 +5,7 @@
 #include "firmware/faults.hpp"
 #include "firmware/settings.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Which settings a run begins with, and why.
 struct KeptSettings {
@@ -26,4 +26,4 @@ std::string store_settings(const std::string& folder, const Settings<double>& se
 /// Leaves the store empty. Empty, or what went wrong.
 std::string forget_settings(const std::string& folder);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -3,7 +3,7 @@
 
 #include "firmware/text/cycle.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Both calls are the loop's: they neither wait nor allocate.
 class CommandSource {
@@ -16,7 +16,7 @@ class CommandSource {
   /// Late is a cycle as recorded or simulated; the loop knows by itself when it really is.
   virtual Heard<double> listen(double time_s) = 0;
   /// What came of it.
-  virtual void tell(const Cycle& /*cycle*/, double /*dt_s*/) {}
+  virtual void tell(const text::Cycle& /*cycle*/, double /*dt_s*/) {}
 };
 
 /// Nobody: the device stays off.
@@ -25,4 +25,4 @@ class NoCommandSource : public CommandSource {
   Heard<double> listen(double /*time_s*/) override { return {{.fresh = true}, {}}; }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -2,7 +2,7 @@
 
 #include "firmware/text/settings_text.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 ParameterDesk::~ParameterDesk() {
   delete_old();
@@ -14,7 +14,7 @@ ParameterDesk::~ParameterDesk() {
 
 std::optional<std::uint32_t> ParameterDesk::change(const Settings<double>& settings) {
   const std::scoped_lock lock(mutex_);
-  std::string text = changes_text(settings_, settings);
+  std::string text = text::changes_text(settings_, settings);
   if (text.empty()) {
     return last_;
   }
@@ -59,4 +59,4 @@ std::string ParameterDesk::take_text(std::uint32_t number) {
   return text;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

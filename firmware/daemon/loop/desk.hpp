@@ -10,7 +10,7 @@
 #include "firmware/daemon/loop/links.hpp"
 #include "firmware/parameters/parameter_check.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// The owner of a daemon's settings in force, and where they change while the loop runs: prepared
 /// here, in force there as a whole at the beginning of a cycle. Whoever uses them keeps the number
@@ -52,4 +52,4 @@ class ParameterDesk {
   int under_way_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Times of up to centuries in steps of 3 %, exact below 64 ns. One thread adds, any reads. Cost of
 /// add(): about 10 operations.
@@ -73,4 +73,4 @@ class Histogram {
   std::atomic<std::uint64_t> count_{0}, sum_ns_{0}, max_ns_{0};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -10,11 +10,11 @@
 #include "firmware/daemon/loop/ring.hpp"
 #include "firmware/text/cycle.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// What one cycle leaves to the recorder.
 struct CycleRecord {
-  Cycle cycle;
+  text::Cycle cycle;
   std::uint64_t number;  ///< of the cycle; a jump: the ring was full
   std::uint32_t set;     ///< number of the parameters that came into force with it; 0: as before
 };
@@ -54,4 +54,4 @@ struct LoopFigures {
   std::atomic<std::uint64_t> guard_stops{0};  ///< times that the guard had to switch off
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

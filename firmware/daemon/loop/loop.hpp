@@ -11,7 +11,7 @@
 #include "firmware/device/cycle.hpp"
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct LoopTiming {
   std::int64_t period_ns;
@@ -24,7 +24,7 @@ struct LoopTiming {
 template <class B>
 inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
 
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 class Loop {
  public:
   Loop(B& board, Pacing pacing, PreparedDevice& device, CommandSource& source, LoopLinks& links,
@@ -42,7 +42,7 @@ class Loop {
   bool cycle();
 
  private:
-  void count_frame(ReadStatus status);
+  void count_frame(hal::ReadStatus status);
   void count_setpoints(std::uint32_t come);
   double advance_time();
   void adopt_sets();
@@ -57,7 +57,7 @@ class Loop {
   LoopLinks& links_;
   LoopFigures& figures_;
   LoopTiming timing_;
-  Frame frame_{};
+  hal::Frame frame_{};
   CycleRecord now_{};
   bool began_ = false;
   bool sequenced_ = false;
@@ -66,21 +66,21 @@ class Loop {
   std::int64_t time_ns_ = 0;  ///< of the device: the sum of its steps
 };
 
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 bool Loop<B, Pacing>::cycle() {
   const Woke woke = pacing_.wait();
-  const std::int64_t woke_ns = monotonic_ns();
-  const ReadStatus status = board_.read(frame_);
+  const std::int64_t woke_ns = hal::monotonic_ns();
+  const hal::ReadStatus status = board_.read(frame_);
   const bool over = timing_.max_cycles != 0 && now_.number >= timing_.max_cycles;
-  if (over || status == ReadStatus::end || links_.stop.load(std::memory_order_relaxed)) {
+  if (over || status == hal::ReadStatus::end || links_.stop.load(std::memory_order_relaxed)) {
     links_.lease_ends_ns.store(0, std::memory_order_relaxed);
     board_.safe_off();
     return false;
   }
-  const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : monotonic_ns();
+  const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : hal::monotonic_ns();
   count_frame(status);
   const double dt_s = advance_time();
-  Cycle& cycle = now_.cycle;
+  text::Cycle& cycle = now_.cycle;
   Heard<double> heard = source_.listen(cycle.time_s);
   heard.late = heard.late || (in_monotonic_time<B> && woke.missed > 0);
   heard.external = heard.external | FaultSet::from_bits(links_.faults.load());
@@ -93,25 +93,25 @@ bool Loop<B, Pacing>::cycle() {
               renew_lease(is_heated(out.state));
               return out;
             });
-  const std::int64_t driven_ns = monotonic_ns();
+  const std::int64_t driven_ns = hal::monotonic_ns();
   source_.tell(cycle, dt_s);
   links_.output.put(cycle.output);
   note_stop(before, sampled_ns, driven_ns);
   leave_record();
   // The first frame has waited for the loop to begin.
-  if (status == ReadStatus::frame && now_.number > 1) {
+  if (status == hal::ReadStatus::frame && now_.number > 1) {
     figures_.sample_to_drive.add(driven_ns - sampled_ns);
   }
   figures_.wake.add(woke.late_ns);
   figures_.missed.fetch_add(woke.missed, std::memory_order_relaxed);
-  figures_.execution.add(monotonic_ns() - woke_ns);
+  figures_.execution.add(hal::monotonic_ns() - woke_ns);
   figures_.cycles.fetch_add(1, std::memory_order_relaxed);
   return true;
 }
 
-template <Board B, class Pacing>
-void Loop<B, Pacing>::count_frame(ReadStatus status) {
-  if (status != ReadStatus::frame) {
+template <hal::Board B, class Pacing>
+void Loop<B, Pacing>::count_frame(hal::ReadStatus status) {
+  if (status != hal::ReadStatus::frame) {
     figures_.no_frame.fetch_add(1, std::memory_order_relaxed);
     return;
   }
@@ -125,7 +125,7 @@ void Loop<B, Pacing>::count_frame(ReadStatus status) {
 
 /// A master's clock and the loop's are not locked to each other: now and then two come before one
 /// cycle, and then none before the next.
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
   figures_.setpoints.fetch_add(come, std::memory_order_relaxed);
   figures_.superseded.fetch_add(come > 1 ? come - 1 : 0, std::memory_order_relaxed);
@@ -133,7 +133,7 @@ void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
 
 /// After a longer pause than a device can step over its time stands still: the wire has cooled
 /// further than it believes, which is the safe side.
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 double Loop<B, Pacing>::advance_time() {
   const std::int64_t step_ns =
       began_ ? std::clamp(frame_.time_ns - last_ns_, shortest_step_ns, longest_step_ns)
@@ -149,7 +149,7 @@ double Loop<B, Pacing>::advance_time() {
   return static_cast<double>(step_ns) * 1e-9;
 }
 
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::adopt_sets() {
   now_.set = 0;
   ParameterSet* set = nullptr;
@@ -161,14 +161,14 @@ void Loop<B, Pacing>::adopt_sets() {
 }
 
 /// Before the drive is told, so that the guard ends the heat of a loop that hangs there.
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::renew_lease(bool heated) {
-  const std::int64_t ends_ns = monotonic_ns() + leased_periods * timing_.period_ns;
+  const std::int64_t ends_ns = hal::monotonic_ns() + leased_periods * timing_.period_ns;
   links_.lease_ends_ns.store(heated ? ends_ns : 0, std::memory_order_relaxed);
   links_.heated.store(heated, std::memory_order_relaxed);
 }
 
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::note_stop(const Output<double>& before, std::int64_t sampled_ns,
                                 std::int64_t driven_ns) {
   const Output<double>& now = now_.cycle.output;
@@ -183,7 +183,7 @@ void Loop<B, Pacing>::note_stop(const Output<double>& before, std::int64_t sampl
   });
 }
 
-template <Board B, class Pacing>
+template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::leave_record() {
   ++now_.number;
   if (links_.record == nullptr) {
@@ -199,4 +199,4 @@ void Loop<B, Pacing>::leave_record() {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct Woke {
   std::int64_t late_ns = 0;  ///< after the cycle's time
@@ -51,4 +51,4 @@ struct NoPace {
   static Woke wait() { return {}; }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

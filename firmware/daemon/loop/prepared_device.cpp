@@ -5,7 +5,7 @@
 #include "firmware/device/adopt.hpp"
 #include "firmware/device/device.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct ParameterSet {
   Prepared<double> prepared;
@@ -44,4 +44,4 @@ ParameterSet* PreparedDevice::adopt(ParameterSet* set) {
   return before;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

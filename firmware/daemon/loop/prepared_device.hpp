@@ -7,7 +7,7 @@
 #include "firmware/command.hpp"
 #include "firmware/settings.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Settings with all that follows from them, made outside of the loop.
 struct ParameterSet;
@@ -40,4 +40,4 @@ class PreparedDevice {
   ParameterSetPtr set_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

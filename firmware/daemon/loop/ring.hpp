@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Where two threads write, so that they do not disturb each other's cache.
 inline constexpr std::size_t cache_line = 64;
@@ -85,4 +85,4 @@ class Latest {
   alignas(cache_line) unsigned front_ = 2;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

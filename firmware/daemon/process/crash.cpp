@@ -3,7 +3,7 @@
 #include <unistd.h>
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 // A handler knows nothing but its signal.
@@ -21,7 +21,7 @@ void set_handlers(void (*handler)(int)) {
 
 }  // namespace
 
-CrashGuard::CrashGuard(std::vector<OffAction> off, const RunMark* mark,
+CrashGuard::CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark,
                        const std::atomic<bool>& heated)
     : off_(std::move(off)), mark_(mark == nullptr ? -1 : mark->descriptor()), heated_(heated) {
   for (std::size_t i = 0; mark != nullptr && i < crash_signals.size(); ++i) {
@@ -40,7 +40,7 @@ CrashGuard::~CrashGuard() {
 void CrashGuard::handle(int signal) {
   const CrashGuard* const self = guard.load();
   if (self != nullptr) {
-    switch_off(self->off_);
+    hal::switch_off(self->off_);
     for (std::size_t i = 0; i < crash_signals.size(); ++i) {
       if (crash_signals[i] != signal || self->mark_ < 0) {
         continue;
@@ -56,4 +56,4 @@ void CrashGuard::handle(int signal) {
   raise(signal);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -9,7 +9,7 @@
 #include "firmware/daemon/process/last_run.hpp"
 #include "hal/linux/system/off_action.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Signals that mean a program's own mistake.
 inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
@@ -19,7 +19,7 @@ inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGAB
 class CrashGuard {
  public:
   /// `mark` null: none is left. `heated` and the board outlive it.
-  CrashGuard(std::vector<OffAction> off, const RunMark* mark, const std::atomic<bool>& heated);
+  CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark, const std::atomic<bool>& heated);
   ~CrashGuard();
   CrashGuard(const CrashGuard&) = delete;
   CrashGuard& operator=(const CrashGuard&) = delete;
@@ -30,10 +30,10 @@ class CrashGuard {
   struct Blocks {
     RunMark::Block off, heated;
   };
-  std::vector<OffAction> off_;
+  std::vector<hal::OffAction> off_;
   int mark_;
   const std::atomic<bool>& heated_;
   std::array<Blocks, crash_signals.size()> blocks_{};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

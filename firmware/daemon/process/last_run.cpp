@@ -17,7 +17,7 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 std::string text_of(const std::string& path) {
@@ -76,13 +76,13 @@ std::string describe(const LastRun& last) {
 }
 
 RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boot) {
-  prepare_folder("--settings", folder);
+  files::prepare_folder("--settings", folder);
   const std::string path = folder + "/run";
   const std::string result = folder + "/service-result";
-  file_ = Descriptor(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
+  file_ = hal::Descriptor(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
   if (file_.number() >= 0 && flock(file_.number(), LOCK_EX | LOCK_NB) != 0 &&
       errno == EWOULDBLOCK) {
-    throw UserError(fmt::format("{}: another smaservod runs with this folder", folder));
+    throw files::UserError(fmt::format("{}: another smaservod runs with this folder", folder));
   }
   last_ = parse(text_of(path), boot);
   if (last_.unclean()) {
@@ -96,7 +96,7 @@ RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boo
   std::error_code none;
   std::filesystem::remove(result, none);
   if (file_.number() < 0 || !set(State::idle)) {
-    throw UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+    throw files::UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
   }
 }
 
@@ -139,9 +139,9 @@ std::string boot_id() {
 }
 
 void keep_service_result(const std::string& folder, const std::string& result) {
-  OutputFile file(folder + "/service-result");
+  files::OutputFile file(folder + "/service-result");
   file.write(result + "\n");
   file.commit();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

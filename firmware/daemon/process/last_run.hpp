@@ -7,7 +7,7 @@
 
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 enum class Ending : unsigned char {
   none,  ///< there was no run before
@@ -53,7 +53,7 @@ class RunMark {
   Block block(const std::string& state) const;
 
   std::string boot_;
-  Descriptor file_;
+  hal::Descriptor file_;
   LastRun last_;
   bool marked_heated_ = false;
   std::int64_t cold_since_ns_ = 0;
@@ -65,4 +65,4 @@ std::string boot_id();
 /// For `smaservod --off`, which runs after the service has ended: keeps what systemd says of it.
 void keep_service_result(const std::string& folder, const std::string& result);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 std::string_view environment(const char* name) {
@@ -51,4 +51,4 @@ void ServiceManager::send(const std::string& text) {
          static_cast<socklen_t>(size));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -6,7 +6,7 @@
 
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Tells systemd how the service is (sd_notify(3)): datagrams to the socket that NOTIFY_SOCKET
 /// names. Does nothing where there is none. What can not be sent is lost, never waited for.
@@ -28,8 +28,8 @@ class ServiceManager {
   void send(const std::string& text);
 
   std::string socket_;
-  Descriptor datagrams_;
+  hal::Descriptor datagrams_;
   std::int64_t alive_every_ns_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

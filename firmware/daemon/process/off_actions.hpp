@@ -7,11 +7,11 @@
 
 #include "hal/linux/system/off_action.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// A board with such outputs has off_actions().
 template <class B>
-std::vector<OffAction> off_actions_of(const B& board) {
+std::vector<hal::OffAction> off_actions_of(const B& board) {
   if constexpr (requires { board.off_actions(); }) {
     return board.off_actions();
   } else {
@@ -19,4 +19,4 @@ std::vector<OffAction> off_actions_of(const B& board) {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

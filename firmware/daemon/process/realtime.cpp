@@ -14,7 +14,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr std::size_t stack_size = std::size_t{256} * 1024;
@@ -93,7 +93,7 @@ WatchedThread::WatchedThread() : thread_(static_cast<int>(syscall(SYS_gettid))) 
   event.config = PERF_COUNT_HW_INSTRUCTIONS;
   event.exclude_kernel = 1;
   event.exclude_hv = 1;
-  counter_ = Descriptor(
+  counter_ = hal::Descriptor(
       static_cast<int>(syscall(SYS_perf_event_open, &event, 0, -1, -1, PERF_FLAG_FD_CLOEXEC)));
 }
 
@@ -119,4 +119,4 @@ std::optional<std::uint64_t> WatchedThread::instructions() const {
              : std::nullopt;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

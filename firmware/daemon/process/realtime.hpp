@@ -8,7 +8,7 @@
 
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct RealTimeSettings {
   int priority = 80;   ///< of SCHED_FIFO, 1 to 99
@@ -39,7 +39,7 @@ class WatchedThread {
 
  private:
   int thread_;
-  Descriptor counter_;
+  hal::Descriptor counter_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

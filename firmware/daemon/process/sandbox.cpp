@@ -11,7 +11,7 @@
 #include <sys/syscall.h>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr std::array allowed{
@@ -42,4 +42,4 @@ std::string allow_loop_calls_only() {
   return {};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

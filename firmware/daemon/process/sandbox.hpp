@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// From now on the calling thread may make the system calls of a loop only: its sleep, its clocks,
 /// reads, writes and ioctls of descriptors that are open, its end. Any other one ends the program
@@ -10,4 +10,4 @@ namespace smaservo {
 /// why the kernel refuses.
 std::string allow_loop_calls_only();
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

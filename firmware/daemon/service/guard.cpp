@@ -4,14 +4,14 @@
 
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr std::int64_t guard_every_ns = 2'000'000;
 
 }  // namespace
 
-LeaseGuard::LeaseGuard(const std::vector<OffAction>& off,
+LeaseGuard::LeaseGuard(const std::vector<hal::OffAction>& off,
                        const std::optional<RealTimeSettings>& loop,
                        const std::atomic<std::int64_t>& lease_ends_ns,
                        std::atomic<std::uint64_t>& stops)
@@ -26,17 +26,17 @@ void LeaseGuard::run(const std::stop_token& stop) const {
     make_real_time({std::min(loop_->priority + 1, 99), loop_->processor});
   }
   std::int64_t revoked_ns = 0;
-  std::int64_t next_ns = monotonic_ns();
+  std::int64_t next_ns = hal::monotonic_ns();
   while (!stop.stop_requested()) {
-    next_ns = std::max(next_ns + guard_every_ns, monotonic_ns());
-    MonotonicClock::sleep_until(next_ns);
+    next_ns = std::max(next_ns + guard_every_ns, hal::monotonic_ns());
+    hal::MonotonicClock::sleep_until(next_ns);
     const std::int64_t ends_ns = lease_ends_ns_.load();
-    if (ends_ns != 0 && ends_ns != revoked_ns && ends_ns < monotonic_ns()) {
-      switch_off(off_);
+    if (ends_ns != 0 && ends_ns != revoked_ns && ends_ns < hal::monotonic_ns()) {
+      hal::switch_off(off_);
       revoked_ns = ends_ns;
       stops_.fetch_add(1);
     }
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

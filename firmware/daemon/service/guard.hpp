@@ -10,7 +10,7 @@
 #include "firmware/daemon/process/realtime.hpp"
 #include "hal/linux/system/off_action.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// While it lives, a thread of its own looks at the lease every 2 ms.
 class LeaseGuard {
@@ -18,17 +18,17 @@ class LeaseGuard {
   /// `loop`: the loop's rights, where it has some; the guard's are those above. The outputs, the
   /// lease (LoopLinks::lease_ends_ns) and the count of times that they had to be switched off
   /// outlive it.
-  LeaseGuard(const std::vector<OffAction>& off, const std::optional<RealTimeSettings>& loop,
+  LeaseGuard(const std::vector<hal::OffAction>& off, const std::optional<RealTimeSettings>& loop,
              const std::atomic<std::int64_t>& lease_ends_ns, std::atomic<std::uint64_t>& stops);
 
  private:
   void run(const std::stop_token& stop) const;
 
-  const std::vector<OffAction>& off_;
+  const std::vector<hal::OffAction>& off_;
   std::optional<RealTimeSettings> loop_;
   const std::atomic<std::int64_t>& lease_ends_ns_;
   std::atomic<std::uint64_t>& stops_;
   std::jthread thread_;  // last: it ends before what it uses
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

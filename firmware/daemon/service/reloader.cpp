@@ -5,7 +5,7 @@
 
 #include "firmware/text/settings_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 std::vector<std::string> Reloader::reload() const {
   if (file_.empty()) {
@@ -13,7 +13,7 @@ std::vector<std::string> Reloader::reload() const {
   }
   std::vector<std::string> said;
   try {
-    const Settings<double> to = changed(desk_.settings(), load_settings_file(file_), said);
+    const Settings<double> to = changed(desk_.settings(), text::load_settings_file(file_), said);
     if (const std::string why = refused(to); !why.empty()) {
       said.push_back(fmt::format("{}: nothing is changed: {}", file_, why));
     }
@@ -52,4 +52,4 @@ std::string Reloader::refused(const Settings<double>& to) const {
   return problem;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

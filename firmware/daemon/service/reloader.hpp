@@ -8,7 +8,7 @@
 
 #include "firmware/daemon/loop/desk.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// As a whole or not at all; what may change after a start only waits for it.
 class Reloader {
@@ -35,4 +35,4 @@ class Reloader {
   const std::atomic<bool>& heated_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

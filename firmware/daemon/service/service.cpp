@@ -15,7 +15,7 @@
 #include "firmware/text/device_names.hpp"
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
@@ -41,8 +41,8 @@ int wait_for_signal(std::int64_t time_ns) {
 }
 
 std::string sentence(const DeviceState state, FaultSet latched) {
-  return latched.empty() ? std::string(state_name(state))
-                         : fmt::format("{}: {}", state_name(state), names_of(latched));
+  return latched.empty() ? std::string(text::state_name(state))
+                         : fmt::format("{}: {}", text::state_name(state), text::names_of(latched));
 }
 
 }  // namespace
@@ -144,7 +144,7 @@ void Service::watch(ServiceManager& manager) {
   std::uint64_t cycles = 0;
   while (!loop_over_.load()) {
     answer(wait_for_signal(look_every_ns), reloader, manager);
-    const std::int64_t now_ns = monotonic_ns();
+    const std::int64_t now_ns = hal::monotonic_ns();
     look();
     if (mark_ && !mark_->follow(links_.heated.load(), now_ns)) {
       status_.warn(fmt::format("{}/run: cannot be written", setup_.folder));
@@ -204,4 +204,4 @@ void Service::say_end() {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

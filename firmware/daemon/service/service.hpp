@@ -12,7 +12,7 @@
 #include "firmware/daemon/status/status_writer.hpp"
 #include "hal/linux/system/off_action.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct ServiceSetup {
   std::string board;  ///< as the status calls it
@@ -37,7 +37,7 @@ inline constexpr int start_anew = -1;
 struct Served {
   std::function<bool()> cycle;
   std::function<void()> safe_off;
-  std::vector<OffAction> off;
+  std::vector<hal::OffAction> off;
 };
 
 class Recorder;
@@ -87,4 +87,4 @@ class Service {
   bool asked_to_end_ = false;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -1,6 +1,6 @@
 #include "firmware/daemon/status/loop_usage.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 void LoopUsage::begin() {
   watched_ = std::make_unique<WatchedThread>();
@@ -46,4 +46,4 @@ void LoopUsage::ask() {
   last_instructions_ = watched_->instructions();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

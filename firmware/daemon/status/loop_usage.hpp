@@ -9,7 +9,7 @@
 
 #include "firmware/daemon/process/realtime.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Page faults and instructions of the loop's thread, without its first cycles.
 class LoopUsage {
@@ -45,4 +45,4 @@ class LoopUsage {
   std::optional<std::uint64_t> last_instructions_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

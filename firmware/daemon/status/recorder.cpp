@@ -14,14 +14,14 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 constexpr std::int64_t durable_every_ns = 1'000'000'000;
 
-std::vector<DeviceColumn> columns() {
-  std::vector<DeviceColumn> all = log_columns(true, true, true);
-  all.insert(all.end(), output_columns().begin(), output_columns().end());
+std::vector<text::DeviceColumn> columns() {
+  std::vector<text::DeviceColumn> all = text::log_columns(true, true, true);
+  all.insert(all.end(), text::output_columns().begin(), text::output_columns().end());
   return all;
 }
 
@@ -43,18 +43,19 @@ Recorder::Recorder(const std::string& path, const Settings<double>& settings,
       file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644)),
       buffer_(format_.header()) {
   if (file_.number() < 0 && errno == EEXIST) {
-    throw ConfigError(fmt::format("--record {}: exists; a recording is never overwritten", path_));
+    throw files::ConfigError(
+        fmt::format("--record {}: exists; a recording is never overwritten", path_));
   }
   if (file_.number() < 0) {
-    throw UserError(fmt::format("--record {}: {}", path_, std::strerror(errno)));
+    throw files::UserError(fmt::format("--record {}: {}", path_, std::strerror(errno)));
   }
-  OutputFile beside(path_ + ".toml");
-  beside.write(to_toml(settings));
+  files::OutputFile beside(path_ + ".toml");
+  beside.write(text::to_toml(settings));
   beside.commit();
   write();
   make_durable();
   if (ended_) {
-    throw UserError(fmt::format("--record {}: {}", path_, problem_));
+    throw files::UserError(fmt::format("--record {}: {}", path_, problem_));
   }
 }
 
@@ -64,7 +65,7 @@ void Recorder::pump() {
     add(record);
   }
   write();
-  if (!ended_ && monotonic_ns() - durable_at_ns_ >= durable_every_ns) {
+  if (!ended_ && hal::monotonic_ns() - durable_at_ns_ >= durable_every_ns) {
     make_durable();
   }
 }
@@ -121,7 +122,7 @@ void Recorder::write() {
 }
 
 void Recorder::make_durable() {
-  durable_at_ns_ = monotonic_ns();
+  durable_at_ns_ = hal::monotonic_ns();
   if (fdatasync(file_.number()) != 0 && errno != EINVAL) {  // EINVAL: a pipe or a device
     end(std::strerror(errno));
   }
@@ -135,4 +136,4 @@ void Recorder::end(const std::string& why) {
   problem_ = whole ? why : why + "; its last row may be cut off";
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,7 +8,7 @@
 #include "firmware/text/device_trace.hpp"
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 /// Appends whole rows, durable once a second: a loss of power costs the last second, a full disk
 /// what comes after. A cycle that is missing, because the disk was too slow for the ring, ends the
@@ -39,8 +39,8 @@ class Recorder {
   std::string path_;
   Ring<CycleRecord>& ring_;
   ParameterDesk& desk_;
-  DeviceRows format_;
-  Descriptor file_;
+  text::DeviceRows format_;
+  hal::Descriptor file_;
   std::string buffer_;
   std::uint64_t last_ = 0;      ///< cycle
   std::int64_t written_ = 0;    ///< bytes of whole rows
@@ -52,4 +52,4 @@ class Recorder {
   bool ended_ = false;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -5,7 +5,7 @@
 
 #include "firmware/text/device_names.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -55,8 +55,8 @@ std::string status_json(const Status& status) {
   Json json{{"version", SMASERVO_VERSION},
             {"board", status.board},
             {"period_us", us(status.period_ns)},
-            {"state", state_name(out.state)},
-            {"mode", mode_name(out.mode)},
+            {"state", text::state_name(out.state)},
+            {"mode", text::mode_name(out.mode)},
             {"time_s", static_cast<double>(out.time_us) * 1e-6},
             {"current_A", out.current_A},
             {"strain", out.estimate.strain},
@@ -108,8 +108,8 @@ std::string status_text(const Status& status) {
       "{} cycles of {:.6g} us on {}, {} missed, {} without a frame, {} frames lost\n"
       "state {}, first cause {}, latched: {}\n",
       f.cycles.load(), us(status.period_ns), status.board, f.missed.load(), f.no_frame.load(),
-      f.lost_frames.load(), state_name(out.state), fault_name(out.first_cause),
-      out.latched.empty() ? "none" : names_of(out.latched));
+      f.lost_frames.load(), text::state_name(out.state), fault_name(out.first_cause),
+      out.latched.empty() ? "none" : text::names_of(out.latched));
   text += fmt::format("{:<16}{:>10}{:>10}{:>10}{:>10}\n", "us", "50 %", "99 %", "99.9 %", "max");
   text += line_of("wake-up", f.wake);
   text += line_of("execution", f.execution);
@@ -144,4 +144,4 @@ std::string status_text(const Status& status) {
   return text;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

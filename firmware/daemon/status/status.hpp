@@ -9,7 +9,7 @@
 #include "firmware/daemon/process/last_run.hpp"
 #include "firmware/daemon/status/loop_usage.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 struct RecordingStatus {
   std::string path;
@@ -33,4 +33,4 @@ std::string status_json(const Status& status);
 /// For people.
 std::string status_text(const Status& status);
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,7 +8,7 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 StatusWriter::StatusWriter(std::string file, std::string board, std::int64_t period_ns,
                            const StatusSources& sources)
@@ -49,13 +49,13 @@ void StatusWriter::write(bool runs) {
     return;
   }
   try {
-    OutputFile file(file_);
+    files::OutputFile file(file_);
     file.write(status_json(status(runs)));
     file.commit();
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     fails_ = true;
     warn(error.what());
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

@@ -8,7 +8,7 @@
 #include "firmware/daemon/status/loop_usage.hpp"
 #include "firmware/daemon/status/status.hpp"
 
-namespace smaservo {
+namespace smaservo::daemon {
 
 class Recorder;
 
@@ -48,4 +48,4 @@ class StatusWriter {
   bool fails_ = false;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::daemon

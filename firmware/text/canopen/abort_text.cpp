@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace smaservo::can {
+namespace smaservo::text {
 namespace {
 
 struct AbortText {
@@ -52,4 +52,4 @@ std::string_view abort_text(std::uint32_t code) {
   return found == texts.end() ? "" : found->text;
 }
 
-}  // namespace smaservo::can
+}  // namespace smaservo::text

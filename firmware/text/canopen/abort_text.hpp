@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
-namespace smaservo::can {
+namespace smaservo::text {
 
 /// What an SDO abort code of CiA 301 means; "" for one that is unknown.
 std::string_view abort_text(std::uint32_t code);
 
-}  // namespace smaservo::can
+}  // namespace smaservo::text

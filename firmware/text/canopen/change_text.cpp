@@ -7,7 +7,7 @@
 #include "firmware/text/canopen/abort_text.hpp"
 #include "firmware/text/canopen/objects.hpp"
 
-namespace smaservo::can {
+namespace smaservo::text {
 namespace {
 
 using canopen::Abort;
@@ -79,4 +79,4 @@ canopen::LoggedChange change_of(std::span<const std::uint8_t> bytes) {
           static_cast<Abort>(number(16, 4))};
 }
 
-}  // namespace smaservo::can
+}  // namespace smaservo::text

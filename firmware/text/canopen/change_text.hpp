@@ -6,7 +6,7 @@
 
 #include "firmware/canopen/servo/change_log.hpp"
 
-namespace smaservo::can {
+namespace smaservo::text {
 
 /// "strain.proportional_W (2100h:1): 0 -> 0.5, by SDO";
 /// "limits.current_A (2020h:2): stays 0.4; 99 by SDO is refused: value too high (abort 06090031h)"
@@ -15,4 +15,4 @@ std::string change_text(const canopen::LoggedChange& change);
 /// An entry of 2220h:2: ChangeLog::bytes of them.
 canopen::LoggedChange change_of(std::span<const std::uint8_t> bytes);
 
-}  // namespace smaservo::can
+}  // namespace smaservo::text

@@ -15,7 +15,7 @@
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo::can {
+namespace smaservo::text {
 namespace {
 
 using canopen::Type;
@@ -80,7 +80,7 @@ bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit)
   if (object.parameter == nullptr) return false;
   const KeyParts parts = key_parts(*object.parameter);
   for (const Unit& other : object.parameter->kind) {
-    if (name == fmt::format("{}.{}", parts.table, key_with(parts.name, other.suffix))) {
+    if (name == fmt::format("{}.{}", parts.table, files::key_with(parts.name, other.suffix))) {
       unit = other;
       return true;
     }
@@ -137,7 +137,7 @@ std::string real_text(float value, const Unit& unit) {
 
 [[noreturn]] void bad_value(const KnownObject& object, const std::string& text,
                             std::string_view allowed) {
-  throw UserError(fmt::format("{} = {}: must be {}", title(object), text, allowed));
+  throw files::UserError(fmt::format("{} = {}: must be {}", title(object), text, allowed));
 }
 
 std::uint64_t integer(const KnownObject& object, const std::string& text) {
@@ -216,11 +216,11 @@ KnownObject find_object(const std::string& text) {
     return {key, Type::octets, "", "", true, nullptr};
   }
   if (const std::optional<KnownObject> object = named(text)) return *object;
-  if (const std::string now = renamed_key(text); named(now)) {
-    throw UserError(fmt::format("{}: is now called {}", text, now));
+  if (const std::string now = files::renamed_key(text); named(now)) {
+    throw files::UserError(fmt::format("{}: is now called {}", text, now));
   }
   const std::vector<std::string> close = close_names(text);
-  throw UserError(
+  throw files::UserError(
       close.empty()
           ? fmt::format("{}: no such object; a name of firmware/reference/PARAMETERS.md or "
                         "INDEX:SUB, such as 2100:1",
@@ -287,4 +287,4 @@ std::string allowed_text(const KnownObject& object) {
                      real_text(object.parameter->max.real(), object.unit), object.unit.suffix);
 }
 
-}  // namespace smaservo::can
+}  // namespace smaservo::text

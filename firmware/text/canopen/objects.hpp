@@ -9,7 +9,7 @@
 #include "firmware/canopen/node/object.hpp"
 #include "firmware/parameters/parameters.hpp"
 
-namespace smaservo::can {
+namespace smaservo::text {
 
 struct KnownObject {
   Key key;
@@ -41,4 +41,4 @@ std::vector<std::uint8_t> value_bytes(const KnownObject& object, const std::stri
 /// What a parameter may be, with its unit; "" where nothing is known.
 std::string allowed_text(const KnownObject& object);
 
-}  // namespace smaservo::can
+}  // namespace smaservo::text

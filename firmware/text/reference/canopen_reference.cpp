@@ -7,7 +7,7 @@
 #include "firmware/text/reference/object_list.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 using canopen::Object;
@@ -301,7 +301,8 @@ std::string pdo_text(const Object& object) {
 }
 
 std::string table_text(const ListedIndex& listed) {
-  TextTable table({{"Object"}, {"Name"}, {"Type"}, {"Access"}, {"PDO"}, {"Default"}, {"Meaning"}});
+  files::TextTable table(
+      {{"Object"}, {"Name"}, {"Type"}, {"Access"}, {"PDO"}, {"Default"}, {"Meaning"}});
   for (const ListedObject& object : listed.objects) {
     const Object& o = object.object;
     table.add({fmt::format("{:04X}h:{}", o.key.index, o.key.sub), object.name, type_text(o.type),
@@ -362,4 +363,4 @@ std::string object_reference() {
   return text;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// firmware/reference/smaservo.eds, as CiA 306 has it.
 std::string eds_text();
@@ -12,4 +12,4 @@ std::string dbc_text();
 /// firmware/reference/OBJECTS.md.
 std::string object_reference();
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -11,7 +11,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 constexpr std::string_view reaction(FaultClass severity) {
@@ -93,12 +93,12 @@ std::optional<unsigned> code(std::string_view text) {
 }  // namespace
 
 std::string fault_reference() {
-  TextTable classes({{"class"}, {"what follows"}});
+  files::TextTable classes({{"class"}, {"what follows"}});
   for (std::size_t i = 0; i < fault_class_count; ++i) {
     const auto severity = static_cast<FaultClass>(i);
     classes.add({class_name(severity), reaction(severity)});
   }
-  TextTable faults({{"fault"}, {"code"}, {"class"}, {"time"}, {"what it is"}});
+  files::TextTable faults({{"fault"}, {"code"}, {"class"}, {"time"}, {"what it is"}});
   for (const FaultRow& row : fault_rows) {
     faults.add({fmt::format("[{0}](#{0})", row.name), fmt::format("{:04X}h", row.code),
                 class_name(row.severity), deglitch(row), row.text});
@@ -160,4 +160,4 @@ std::vector<std::string> similar_faults(std::string_view name) {
   return close;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -7,7 +7,7 @@
 
 #include "firmware/faults.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// firmware/reference/FAULTS.md, made from the table of faults.
 std::string fault_reference();
@@ -22,4 +22,4 @@ Fault find_fault(std::string_view name_or_code);
 /// Names that are much like this one, the closest first; at most three.
 std::vector<std::string> similar_faults(std::string_view name);
 
-}  // namespace smaservo
+}  // namespace smaservo::text

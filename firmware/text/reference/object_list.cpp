@@ -7,7 +7,7 @@
 #include "firmware/parameters/parameters.hpp"
 #include "firmware/signals.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 using canopen::Type;
@@ -132,4 +132,4 @@ std::vector<ListedIndex> list_objects() {
   return list.take();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

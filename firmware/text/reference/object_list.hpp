@@ -7,7 +7,7 @@
 #include "firmware/canopen/node/objects.hpp"
 #include "firmware/parameters/parameter.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 
 struct ListedObject {
   canopen::Object object;
@@ -35,4 +35,4 @@ std::string_view type_text(canopen::Type type);
 /// In the order of their indices.
 std::vector<ListedIndex> list_objects();
 
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -8,7 +8,7 @@
 #include "firmware/text/settings_text.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 using Row = Parameter<double>;
@@ -46,7 +46,8 @@ std::string_view group_of(const Row& row) {
 }
 
 std::string group_text(std::string_view group) {
-  TextTable table({{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Meaning"}});
+  files::TextTable table(
+      {{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Meaning"}});
   for (const Row& row : parameters<double>) {
     if (group_of(row) == group) {
       table.add({fmt::format("{:04X}h:{}", row.key.index, row.key.sub),
@@ -59,7 +60,7 @@ std::string group_text(std::string_view group) {
 }
 
 std::string rules_text() {
-  TextTable table({{"Rule"}, {"Why"}});
+  files::TextTable table({{"Rule"}, {"Why"}});
   for (const Rule& rule : parameter_rules) {
     table.add({rule_text(rule), rule.meaning});
   }
@@ -92,4 +93,4 @@ std::string parameter_reference() {
          rules_text();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::text

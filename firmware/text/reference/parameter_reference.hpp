@@ -2,9 +2,9 @@
 
 #include <string>
 
-namespace smaservo {
+namespace smaservo::text {
 
 /// firmware/reference/PARAMETERS.md: every parameter, in Markdown.
 std::string parameter_reference();
 
-}  // namespace smaservo
+}  // namespace smaservo::text

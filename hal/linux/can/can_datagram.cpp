@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 using nlohmann::json;
@@ -79,4 +79,4 @@ std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram) {
   return read_data(map, frame) ? std::optional(frame) : std::nullopt;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -9,7 +9,7 @@
 
 #include "hal/can_frame.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// `time_s` since 1970; receivers put their own in its place.
 std::vector<std::uint8_t> to_datagram(const CanFrame& frame, double time_s);
@@ -18,4 +18,4 @@ std::vector<std::uint8_t> to_datagram(const CanFrame& frame, double time_s);
 /// identifier or a length beyond the standard's.
 std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -12,7 +12,7 @@
 #include "hal/linux/can/can_datagram.hpp"
 #include "hal/linux/can/socket_option.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 static_assert(CanPort<CanMulticast>);
 
@@ -198,4 +198,4 @@ bool CanMulticast::send(const CanFrame& frame) {
   return false;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -10,7 +10,7 @@
 #include "hal/linux/can/can_status.hpp"
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 inline constexpr const char* default_multicast_group = "ff15:7079:7468:6f6e:6465:6d6f:6d63:6173";
 inline constexpr std::uint16_t default_multicast_port = 43113;
@@ -54,4 +54,4 @@ class CanMulticast {
   CanStatistics statistics_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -16,7 +16,7 @@
 #include "hal/board.hpp"
 #include "hal/linux/can/socket_option.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 static_assert(CanPort<CanSocket>);
 
@@ -244,4 +244,4 @@ bool CanSocket::send(const CanFrame& frame) {
   return false;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

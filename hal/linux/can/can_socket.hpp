@@ -10,7 +10,7 @@
 #include "hal/linux/can/can_status.hpp"
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// A CanPort. The interface may go down, come up, disappear and come back: frames are dropped and
 /// counted meanwhile. Frames of its own do not come back; those of other programs on the same
@@ -52,4 +52,4 @@ class CanSocket {
   CanStatistics statistics_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

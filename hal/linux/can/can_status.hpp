@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// A port that can not be opened: names it and says why.
 class CanError : public std::runtime_error {
@@ -56,4 +56,4 @@ struct CanStatistics {
   std::uint64_t reopens = 0;  ///< it had disappeared and came back
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -5,7 +5,7 @@
 
 #include "hal/board.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 static_assert(CanPort<LinuxCan>);
 
@@ -54,4 +54,4 @@ LinuxCan open_can(const std::string& text) {
   return LinuxCan(CanMulticast(parts.group, port));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

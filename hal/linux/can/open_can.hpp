@@ -8,7 +8,7 @@
 #include "hal/linux/can/can_multicast.hpp"
 #include "hal/linux/can/can_socket.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// A CanPort of either kind.
 class LinuxCan {
@@ -48,4 +48,4 @@ class LinuxCan {
 /// follows; "%INTERFACE" after the group keeps it there. Throws CanError.
 LinuxCan open_can(const std::string& text);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <sys/socket.h>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// As setsockopt(), but the error is the result; 0: none.
 template <class Value>
@@ -11,4 +11,4 @@ int set_option(int socket, int level, int option, const Value& value) {
   return setsockopt(socket, level, option, &value, sizeof value) == 0 ? 0 : errno;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-namespace smaservo::ads131m04 {
+namespace smaservo::hal::ads131m04 {
 
 inline constexpr std::size_t channels = 4;
 inline constexpr std::size_t word_bytes = 3;
@@ -105,4 +105,4 @@ constexpr bool was_reset(std::uint16_t status) {
   return (status & 0x0400U) != 0;
 }
 
-}  // namespace smaservo::ads131m04
+}  // namespace smaservo::hal::ads131m04

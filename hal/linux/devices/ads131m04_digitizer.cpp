@@ -5,7 +5,7 @@
 
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 using ads131m04::FrameBytes;
 using ads131m04::Register;
@@ -90,4 +90,4 @@ std::optional<std::uint16_t> Ads131m04Digitizer::get(Register r) {
   return reply ? std::optional(reply->response) : std::nullopt;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

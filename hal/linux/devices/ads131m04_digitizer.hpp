@@ -6,7 +6,7 @@
 #include "hal/linux/devices/digitizer.hpp"
 #include "hal/linux/devices/spi.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 struct Ads131m04Settings {
   unsigned osr_exponent = 3;  ///< 128 << 3 = 1024: 4000 samples a second of a clock of 8.192 MHz
@@ -39,4 +39,4 @@ class Ads131m04Digitizer : public Digitizer {
   std::uint64_t damaged_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -8,7 +8,7 @@
 
 #include "hal/board.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 inline constexpr std::size_t max_channels = 16;
 
@@ -31,4 +31,4 @@ class Digitizer {
   virtual bool read(RawFrame& raw) = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

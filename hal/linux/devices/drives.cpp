@@ -8,7 +8,7 @@
 #include <linux/spi/spidev.h>
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 std::int64_t dac_code(const DacScale& scale, const DriveCommand& command) {
   const double value = scale.voltage ? command.voltage_V : command.current_A;
@@ -114,4 +114,4 @@ OffAction PwmDrive::off_action() {
   return {duty_.number(), 0, &zero_, 1};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -11,7 +11,7 @@
 #include "hal/linux/system/files.hpp"
 #include "hal/linux/system/off_action.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 class OutputStage {
  public:
@@ -111,4 +111,4 @@ class PwmDrive final : public OutputStage {
   char zero_ = '0';
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -9,7 +9,7 @@
 
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 constexpr std::size_t scans_at_once = 64;
@@ -149,4 +149,4 @@ bool IioDigitizer::read(RawFrame& raw) {
   return true;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -8,7 +8,7 @@
 #include "hal/linux/devices/iio_scan.hpp"
 #include "hal/linux/system/files.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 struct IioSettings {
   std::string device;                 ///< as its attribute `name` says
@@ -52,4 +52,4 @@ class IioDigitizer : public Digitizer {
   std::uint32_t sequence_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <numeric>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 std::optional<unsigned> take_number(std::string_view& text) {
@@ -81,4 +81,4 @@ std::int64_t sample_of(const PlacedElement& element, std::span<const std::byte> 
                         : static_cast<std::int64_t>(word >> (64 - type.bits));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// "le:s24/32>>8"
 struct ScanType {
@@ -45,4 +45,4 @@ ScanLayout lay_out(std::span<const ScanElement> elements);
 
 std::int64_t sample_of(const PlacedElement& element, std::span<const std::byte> scan);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

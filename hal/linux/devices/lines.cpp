@@ -8,7 +8,7 @@
 #include <linux/gpio.h>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 template <auto free_it>
@@ -122,4 +122,4 @@ std::unique_ptr<Lines> open_lines(const LinuxRoots& roots, const LinesSettings& 
   return std::make_unique<GpioLines>(roots, settings);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

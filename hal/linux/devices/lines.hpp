@@ -8,7 +8,7 @@
 #include "hal/linux/system/files.hpp"
 #include "hal/linux/system/off_action.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 struct LineSettings {
   std::string name;  ///< as `gpioinfo` shows it; empty: the board has none
@@ -41,4 +41,4 @@ class Lines {
 /// Throws DeviceError. Outputs begin inactive.
 std::unique_ptr<Lines> open_lines(const LinuxRoots& roots, const LinesSettings& settings);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -5,7 +5,7 @@
 #include <limits>
 #include <mutex>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 SlowSensors::SlowSensors(const LinuxRoots& roots, const std::array<SlowSensor, count>& sensors)
     : sensors_(sensors) {
@@ -43,4 +43,4 @@ void SlowSensors::read_all(bool first) {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -7,7 +7,7 @@
 
 #include "hal/linux/system/files.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// A file of the kernel with one number: SI is (number + offset) * scale.
 struct SlowSensor {
@@ -37,4 +37,4 @@ class SlowSensors {
   std::jthread thread_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -9,7 +9,7 @@
 #include <linux/spi/spidev.h>
 #include <sys/ioctl.h>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 SpiDevice::SpiDevice(const LinuxRoots& roots, const SpiSettings& settings)
     : file_(open_file(roots.dev + "/" + settings.device, O_RDWR)), clock_Hz_(settings.clock_Hz) {
@@ -33,4 +33,4 @@ bool SpiDevice::transfer(std::span<const std::uint8_t> out, std::span<std::uint8
   return ioctl(file_.number(), SPI_IOC_MESSAGE(1), &message) == static_cast<int>(message.len);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -6,7 +6,7 @@
 
 #include "hal/linux/system/files.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 class SpiPort {
  public:
@@ -38,4 +38,4 @@ class SpiDevice : public SpiPort {
   std::uint32_t clock_Hz_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

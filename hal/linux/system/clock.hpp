@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <ctime>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 inline std::int64_t monotonic_ns() {
   timespec now{};
@@ -24,4 +24,4 @@ struct MonotonicClock {
   }
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -3,7 +3,7 @@
 #include <unistd.h>
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// An open file of the kernel's that closes with its owner; -1: none.
 class Descriptor {
@@ -26,4 +26,4 @@ class Descriptor {
   int number_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -8,7 +8,7 @@
 
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 bool write_all(int file, std::span<const std::byte> bytes) {
@@ -96,4 +96,4 @@ bool FileStore::replace(unsigned slot) {
   return folder.number() >= 0 && fsync(folder.number()) == 0;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// The two slots of firmware/parameters/store.hpp as files FOLDER/settings.0 and FOLDER/settings.1.
 /// What was written is gathered, and in force with sync(): written beside, made durable, renamed,
@@ -36,4 +36,4 @@ class FileStore {
   std::array<Slot, 2> slots_{};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

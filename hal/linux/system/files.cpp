@@ -11,7 +11,7 @@
 
 #include "hal/linux/system/clock.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 namespace {
 
 [[noreturn]] void fail(const std::string& path) {
@@ -104,4 +104,4 @@ bool put_number(int descriptor, std::int64_t number) {
   return pwrite(descriptor, text.data(), size, 0) == static_cast<ssize_t>(size);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

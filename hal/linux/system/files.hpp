@@ -9,7 +9,7 @@
 
 #include "hal/linux/system/descriptor.hpp"
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// A device that can not be used: names the file and says why.
 class DeviceError : public std::runtime_error {
@@ -50,4 +50,4 @@ std::string find_by_name(const std::string& parent, const std::string& prefix,
 /// A whole number that a kept descriptor is told, from its beginning; no allocation.
 bool put_number(int descriptor, std::int64_t number);
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

@@ -5,7 +5,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace smaservo {
+namespace smaservo::hal {
 
 /// One system call that switches an output off. Its data lives as long as the board.
 struct OffAction {
@@ -26,4 +26,4 @@ inline void switch_off(std::span<const OffAction> actions) {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::hal

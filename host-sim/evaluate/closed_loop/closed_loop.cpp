@@ -8,7 +8,7 @@
 #include "model/files/output_file.hpp"
 #include "model/files/parallel.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double in_time_s = 0.10;
@@ -27,34 +27,34 @@ std::function<void(std::size_t)> reporting(const ClosedLoopOptions& options, std
 
 std::vector<KnownUnit> known_units(const ClosedLoopOptions& options) {
   if (!options.wires.empty()) {
-    prepare_folder("--wires", options.wires);
+    files::prepare_folder("--wires", options.wires);
   }
-  std::vector<KnownUnit> units(static_cast<std::size_t>(options.units) * families.size());
-  parallel(
+  std::vector<KnownUnit> units(static_cast<std::size_t>(options.units) * hal::families.size());
+  files::parallel(
       units.size(), options.threads,
       [&](std::size_t i) {
-        units[i] = known_unit(families.at(i % families.size()), options.seed + i / families.size(),
-                              options.wires);
+        units[i] = known_unit(hal::families.at(i % hal::families.size()),
+                              options.seed + i / hal::families.size(), options.wires);
       },
       reporting(options, "calibration", units.size()));
   return units;
 }
 
 LoopConditions conditions(LoopRow row, std::uint64_t seed) {
-  Dice dice(seed);
+  bench::Dice dice(seed);
   LoopConditions c{};
   c.load_gain = 1 + dice.uniform(-0.005, 0.005);
   switch (row) {
     case LoopRow::weights:
-      c.load = ConstantLoad{MPa * dice.uniform(100, 300)};
+      c.load = hal::ConstantLoad{MPa * dice.uniform(100, 300)};
       break;
     case LoopRow::spring: {
       const double low_MPa = dice.uniform(100, 140);
-      c.load = SpringLoad{MPa * low_MPa, MPa * dice.uniform(220, 300), 0.04, 0.02};
+      c.load = hal::SpringLoad{MPa * low_MPa, MPa * dice.uniform(220, 300), 0.04, 0.02};
       break;
     }
     case LoopRow::light:
-      c.load = ConstantLoad{50 * MPa};
+      c.load = hal::ConstantLoad{50 * MPa};
       break;
   }
   return c;
@@ -84,7 +84,7 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
                            const ClosedLoopOptions& options) {
   const auto runs = static_cast<std::size_t>(options.runs);
   std::vector<std::array<LoopRun, loop_kinds.size()>> results(runs);
-  parallel(
+  files::parallel(
       runs * loop_kinds.size(), options.threads,
       [&](std::size_t i) {
         const std::size_t run = i / loop_kinds.size();
@@ -133,10 +133,10 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
     of_kind.resize(units.size());
   }
   const std::size_t total = units.size() * loop_kinds.size();
-  parallel(
+  files::parallel(
       total, options.threads,
       [&](std::size_t i) {
-        const LoopConditions at{ConstantLoad{200 * MPa}};
+        const LoopConditions at{hal::ConstantLoad{200 * MPa}};
         result.bandwidth_Hz.at(i % loop_kinds.size())[i / loop_kinds.size()] = bandwidth_Hz(
             loop_kinds.at(i % loop_kinds.size()), units[i / loop_kinds.size()], at, options.seed);
       },
@@ -152,4 +152,4 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
   return result;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -12,7 +12,7 @@
 #include "host-sim/evaluate/closed_loop/loop_runs.hpp"
 #include "host-sim/replay/error_statistics.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 struct ClosedLoopOptions {
   int units = 3;      ///< of each family, with seeds from `seed` on
@@ -35,7 +35,7 @@ inline constexpr std::array closed_loop_rows{LoopRow::weights, LoopRow::spring, 
 
 /// What one controller did in one row. Errors in per cent of the nominal stroke.
 struct LoopFigures {
-  ErrorStatistics error;                     ///< of a step's end
+  replay::ErrorStatistics error;             ///< of a step's end
   std::vector<double> heating_s, cooling_s;  ///< sorted; infinite where a step never settled
   int heated_in_time = 0;                    ///< settled within 0.10 s
   int cooled_in_time = 0;    ///< settled within 1.3 times what the ideal sensor needed
@@ -67,4 +67,4 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options);
 std::string closed_loop_markdown(const ClosedLoopEvaluation& evaluation);
 std::string closed_loop_json(const ClosedLoopEvaluation& evaluation);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -11,7 +11,7 @@
 #include "model/files/parallel.hpp"
 #include "model/files/text_table.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr std::size_t max_named = 20;
@@ -38,12 +38,12 @@ struct Tally {
   }
 };
 
-void add_line(TextTable& table, const std::string& what, const Tally& t) {
+void add_line(files::TextTable& table, const std::string& what, const Tally& t) {
   table.add({what, t.runs, {t.violations, t.violations > 0}, t.worst_K, t.worst_seed, t.tripped});
 }
 
 /// A line for each class.
-void add_lines(TextTable& table, const std::vector<HottestRun>& runs, std::string_view kind,
+void add_lines(files::TextTable& table, const std::vector<HottestRun>& runs, std::string_view kind,
                std::string_view (*name)(const HottestRun&)) {
   std::map<std::string_view, Tally> classes;
   for (const HottestRun& run : runs) {
@@ -54,15 +54,15 @@ void add_lines(TextTable& table, const std::vector<HottestRun>& runs, std::strin
   }
 }
 
-TextTable classes(const std::vector<HottestRun>& runs, const Tally& all) {
-  TextTable table({{""},
-                   {"scenarios", "{}"},
-                   {fmt::format("above {:g} K", hottest_allowed_K), "{}"},
-                   {"highest, K", "{:.1f}"},
-                   {"its seed", "{}"},
-                   {"trip", "{}"}});
+files::TextTable classes(const std::vector<HottestRun>& runs, const Tally& all) {
+  files::TextTable table({{""},
+                          {"scenarios", "{}"},
+                          {fmt::format("above {:g} K", hottest_allowed_K), "{}"},
+                          {"highest, K", "{:.1f}"},
+                          {"its seed", "{}"},
+                          {"trip", "{}"}});
   add_line(table, "all", all);
-  add_lines(table, runs, "mode", [](const HottestRun& r) { return mode_name(r.mode); });
+  add_lines(table, runs, "mode", [](const HottestRun& r) { return text::mode_name(r.mode); });
   add_lines(table, runs, "set-points", [](const HottestRun& r) {
     return std::string_view(r.beyond ? "beyond the limits" : "within the limits");
   });
@@ -75,7 +75,7 @@ TextTable classes(const std::vector<HottestRun>& runs, const Tally& all) {
 }  // namespace
 
 HottestRun run_hottest(const RandomScenario& scenario) {
-  ClosedLoop loop(scenario.loop);
+  bench::ClosedLoop loop(scenario.loop);
   HottestRun run{scenario.loop.seed,
                  scenario.mode,
                  scenario.air,
@@ -87,7 +87,7 @@ HottestRun run_hottest(const RandomScenario& scenario) {
                  std::numeric_limits<double>::infinity()};
   const double limit_K = scenario.loop.settings.limits.temperature_K;
   while (loop.step()) {
-    const Cycle& cycle = loop.cycle();
+    const text::Cycle& cycle = loop.cycle();
     if (cycle.truth.hottest_K - limit_K > run.above_limit_K) {
       run.above_limit_K = cycle.truth.hottest_K - limit_K;
       run.at_s = cycle.time_s;
@@ -104,7 +104,7 @@ std::vector<HottestRun> run_hottest(const std::vector<CalibratedUnit>& units, st
                                     int count, int threads,
                                     const std::function<void(std::size_t)>& done) {
   std::vector<HottestRun> runs(static_cast<std::size_t>(count));
-  parallel(
+  files::parallel(
       runs.size(), threads,
       [&](std::size_t i) { runs[i] = run_hottest(random_scenario(units, seed + i)); }, done);
   return runs;
@@ -140,10 +140,10 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   std::erase_if(worst, [](const HottestRun& r) { return !r.violates(); });
   for (const HottestRun& r : worst) {
     text += fmt::format("\n- seed {}: {:.1f} K at {:.2f} s, {}, {}, {}{}", r.seed, r.above_limit_K,
-                        r.at_s, mode_name(r.mode), random_air_name(r.air),
+                        r.at_s, text::mode_name(r.mode), random_air_name(r.air),
                         random_trouble_name(r.trouble), r.beyond ? ", beyond" : "");
   }
   return text + (worst.empty() ? "" : "\n");
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -8,7 +8,7 @@
 
 #include "host-sim/evaluate/closed_loop/random_scenario.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// What the true hottest point may be above limits.temperature_K.
 inline constexpr double hottest_allowed_K = 3;
@@ -49,4 +49,4 @@ std::vector<HottestRun> run_hottest(const std::vector<CalibratedUnit>& units, st
 /// Tables of Markdown: all of them, classes of them, those that violate, and what tripped.
 std::string hottest_markdown(const std::vector<HottestRun>& runs);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

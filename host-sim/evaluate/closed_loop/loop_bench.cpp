@@ -6,13 +6,14 @@
 #include "firmware/device/cycle.hpp"
 #include "firmware/parameters/parameters.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr std::int64_t period_ns = 1'000'000;
 
-SimSetup setup(const WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed) {
-  SimSurroundings around;
+hal::SimSetup setup(const bench::WireUnit& unit, const LoopConditions& conditions,
+                    std::uint64_t seed) {
+  hal::SimSurroundings around;
   around.ambient_K = conditions.ambient_K;
   around.draught = conditions.draught;
   const double area_m2 = unit.wire.wire.geometry.area_m2();
@@ -39,9 +40,10 @@ SimSetup setup(const WireUnit& unit, const LoopConditions& conditions, std::uint
           .seed = seed};
 }
 
-std::unique_ptr<SimulatedWire> wire(const WireUnit& unit, std::uint64_t seed) {
+std::unique_ptr<hal::SimulatedWire> wire(const bench::WireUnit& unit, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  return make_simulated_wire(unit.family, unit.wire.wire, unit.sublayers, unit.scatter_K, random);
+  return hal::make_simulated_wire(unit.family, unit.wire.wire, unit.sublayers, unit.scatter_K,
+                                  random);
 }
 
 }  // namespace
@@ -61,12 +63,13 @@ Settings<double> loop_settings(const Wire<double>& wire) {
   return s;
 }
 
-LoopBench::LoopBench(const WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed)
+LoopBench::LoopBench(const bench::WireUnit& unit, const LoopConditions& conditions,
+                     std::uint64_t seed)
     : board_(wire(unit, seed), setup(unit, conditions, seed)) {}
 
 Inputs<double> LoopBench::read() {
-  Frame frame{};
-  const ReadStatus status = board_.read(frame);
+  hal::Frame frame{};
+  const hal::ReadStatus status = board_.read(frame);
   peak_K_ = std::max(peak_K_, board_.truth().hottest_K);
   return inputs_of<double>(frame, status);
 }
@@ -75,4 +78,4 @@ void LoopBench::drive(double current_A) {
   board_.drive({current_A, 0, board_.now_ns() + leased_periods * period_ns});
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

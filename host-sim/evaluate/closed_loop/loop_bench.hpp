@@ -7,14 +7,14 @@
 #include "firmware/device/device.hpp"
 #include "hal/sim/board.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// The device for this wire: what every loop run begins with.
 Settings<double> loop_settings(const Wire<double>& wire);
 
 /// What the room does to it.
 struct LoopConditions {
-  Load load;
+  hal::Load load;
   double ambient_K = 298.15;
   double draught = 1;
   double resistance_gain = 1;
@@ -26,20 +26,20 @@ class LoopBench {
  public:
   static constexpr double step_s = 1e-3;
 
-  LoopBench(const WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed);
+  LoopBench(const bench::WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed);
 
   /// The readings of now; after them drive() has a period to act.
   Inputs<double> read();
   void drive(double current_A);
 
-  SimBoard& board() { return board_; }
-  SimTruth truth() const { return board_.truth(); }
+  hal::SimBoard& board() { return board_; }
+  hal::SimTruth truth() const { return board_.truth(); }
   /// Highest temperature anywhere in the wire so far.
   double peak_K() const { return peak_K_; }
 
  private:
-  SimBoard board_;
+  hal::SimBoard board_;
   double peak_K_ = 0;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -10,7 +10,7 @@
 #include "host-sim/papers/fits/strain_resistance_fit.hpp"
 #include "observer/line.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -58,12 +58,13 @@ class ResistanceLoop final : public LoopController {
 
 class PositionLoop final : public LoopController {
  public:
-  using Observer = StrainResistance<double>;
+  using Observer = papers::StrainResistance<double>;
 
   explicit PositionLoop(const KnownUnit& known)
       : params_(known.estimator_002),
-        controller_(bench_002::PidGains{40, 20, 0.4, loop_settings(known.wire).limits.min_current_A,
-                                        loop_settings(known.wire).limits.current_A}),
+        controller_(figures::bench_002::PidGains{40, 20, 0.4,
+                                                 loop_settings(known.wire).limits.min_current_A,
+                                                 loop_settings(known.wire).limits.current_A}),
         area_m2_(known.wire.geometry.area_m2()),
         min_A_(loop_settings(known.wire).limits.min_current_A) {}
   double current_A(const Inputs<double>& in, double goal, double /*true_strain*/) override {
@@ -90,7 +91,7 @@ class PositionLoop final : public LoopController {
   Observer::Params params_;
   Observer::State state_{};
   bool started_ = false;
-  bench_002::PidController controller_;
+  figures::bench_002::PidController controller_;
   double area_m2_, min_A_;
 };
 
@@ -123,17 +124,17 @@ const Output<double>& DeviceLoop::step(const Inputs<double>& in, const Command<d
   return output_;
 }
 
-KnownUnit known_unit(Family family, std::uint64_t seed, const std::string& folder) {
-  KnownUnit known{random_unit(family, seed), {}, {}};
+KnownUnit known_unit(hal::Family family, std::uint64_t seed, const std::string& folder) {
+  KnownUnit known{bench::random_unit(family, seed), {}, {}};
   known.wire = calibrated_wire(known.unit, folder);
-  std::vector<Run> runs;
+  std::vector<identify::Run> runs;
   for (std::size_t i = 0; i < calibration_stresses_MPa.size(); ++i) {
     // Its lines can not follow loads with much R-phase.
     if (calibration_stresses_MPa.at(i) >= 50) {
       runs.push_back(calibration_measurement(known.unit, i));
     }
   }
-  known.estimator_002 = identify_strain_resistance(runs).params;
+  known.estimator_002 = fits::identify_strain_resistance(runs).params;
   return known;
 }
 
@@ -151,4 +152,4 @@ std::unique_ptr<LoopController> make_loop(LoopKind kind, const KnownUnit& known)
   return std::make_unique<PositionLoop>(known);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

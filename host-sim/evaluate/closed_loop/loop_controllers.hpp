@@ -9,7 +9,7 @@
 #include "host-sim/evaluate/closed_loop/loop_bench.hpp"
 #include "observer/papers/strain_resistance.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 enum class LoopKind : unsigned char {
   device,       ///< the firmware
@@ -32,12 +32,12 @@ class LoopController {
 
 /// What is known of a unit: its calibrated wire, and 002's estimator from the same runs.
 struct KnownUnit {
-  WireUnit unit;
+  bench::WireUnit unit;
   Wire<double> wire;
-  StrainResistance<double>::Params estimator_002;
+  papers::StrainResistance<double>::Params estimator_002;
 };
 /// Calibrated, or read from the folder; 002's estimator is identified each time, in 3 s.
-KnownUnit known_unit(Family family, std::uint64_t seed, const std::string& folder);
+KnownUnit known_unit(hal::Family family, std::uint64_t seed, const std::string& folder);
 
 std::unique_ptr<LoopController> make_loop(LoopKind kind, const KnownUnit& known);
 
@@ -56,4 +56,4 @@ class DeviceLoop {
   Output<double> output_{};
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

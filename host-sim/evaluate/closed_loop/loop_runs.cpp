@@ -8,7 +8,7 @@
 
 #include "firmware/bench/dice.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 /// A controller on a wire, and the strains that it can be asked for.
@@ -18,9 +18,10 @@ class Loop {
       : stroke_(known.wire.nominal_stroke),
         bench_(known.unit, conditions, seed),
         controller_(make_loop(kind, known)) {
-    const auto* spring = std::get_if<SpringLoad>(&conditions.load);
-    const double hot_Pa =
-        spring != nullptr ? spring->high_Pa : std::get<ConstantLoad>(conditions.load).stress_Pa;
+    const auto* spring = std::get_if<hal::SpringLoad>(&conditions.load);
+    const double hot_Pa = spring != nullptr
+                              ? spring->high_Pa
+                              : std::get<hal::ConstantLoad>(conditions.load).stress_Pa;
     // The first frame is that of the wire at rest.
     const Inputs<double> at_rest = bench_.read();
     longest_ = bench_.truth().strain;
@@ -104,7 +105,7 @@ LoopStep judge(std::span<const double> strain, double before, double goal, doubl
 LoopRun run_steps(LoopKind kind, const KnownUnit& known, const LoopConditions& conditions,
                   int steps, std::uint64_t seed) {
   Loop loop(kind, known, conditions, seed);
-  Dice dice(seed);
+  bench::Dice dice(seed);
   LoopRun run{};
   double before = loop.at(0.95);
   for (int i = 0; i < steps; ++i) {
@@ -158,4 +159,4 @@ double bandwidth_Hz(LoopKind kind, const KnownUnit& known, const LoopConditions&
   return low_Hz;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -6,7 +6,7 @@
 
 #include "host-sim/evaluate/closed_loop/loop_controllers.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 inline constexpr double loop_hold_s = 2.5;           ///< of each strain
 inline constexpr double loop_band_percent = 2;       ///< settled
@@ -41,4 +41,4 @@ double sine_gain_dB(LoopKind kind, const KnownUnit& known, const LoopConditions&
 double bandwidth_Hz(LoopKind kind, const KnownUnit& known, const LoopConditions& conditions,
                     std::uint64_t seed);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

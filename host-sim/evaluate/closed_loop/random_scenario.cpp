@@ -13,7 +13,7 @@
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 constexpr double duration_s = 20;
@@ -43,7 +43,7 @@ class Draw {
   RandomScenario scenario() const { return result_; }
 
  private:
-  ClosedLoopScenario& loop() { return result_.loop; }
+  bench::ClosedLoopScenario& loop() { return result_.loop; }
   Settings<double>& device() { return result_.loop.settings; }
 
   /// 0 to count - 1.
@@ -65,29 +65,30 @@ class Draw {
   /// The truth, and the file that the device has of it.
   void wire(const std::vector<CalibratedUnit>& units) {
     const CalibratedUnit& known = units[choice(units.size())];
-    PlantSetup& plant = loop().plant;
+    bench::PlantSetup& plant = loop().plant;
     plant.seed = dice_.seed();
     if (chance(0.8)) {
-      plant.family = known.unit.family == Family::ihyp ? PlantFamily::ihyp : PlantFamily::sublayers;
+      plant.family = known.unit.family == hal::Family::ihyp ? bench::PlantFamily::ihyp
+                                                            : bench::PlantFamily::sublayers;
       plant.wire = known.unit.wire;
       plant.scatter_K = known.unit.scatter_K;
       plant.sublayers = known.unit.sublayers;
       known_ = known.wire;
     } else {
       // One temperature, whose heat is as far off as a calibration leaves it.
-      plant.family = PlantFamily::lumped;
-      plant.wire = load_wire(std::string(default_wire));
+      plant.family = bench::PlantFamily::lumped;
+      plant.wire = files::load_wire(std::string(files::default_wire));
       known_ = dice_.coin() ? plant.wire.wire : known.wire;
       plant.wire.wire = known_;
       HeatParams<double>& heat = plant.wire.wire.heat;
       heat.convection_W_m2K *= dice_.factor(0.02);
       heat.specific_heat_J_kgK *= dice_.factor(0.04);
     }
-    note("{} {}", plant_name(plant.family), known.unit.seed);
+    note("{} {}", bench::plant_name(plant.family), known.unit.seed);
   }
 
   void settings() {
-    Settings<double>& s = device() = settings_for(known_);
+    Settings<double>& s = device() = text::settings_for(known_);
     const double maker_A = known_.limits.current_A;
     const std::array<double, 3> currents_A{maker_A, 2 * maker_A, 0.4};
     s.limits.current_A = currents_A.at(choice(currents_A.size()));
@@ -108,7 +109,7 @@ class Draw {
 
   void board() {
     const double area_m2 = loop().plant.wire.wire.geometry.area_m2();
-    SimSetup& b = loop().board;
+    hal::SimSetup& b = loop().board;
     b.period_ns = 1'000'000;
     b.converter = {.voltage_drive = device().drive.kind == DriveKind::voltage,
                    .max_A = 0.5,
@@ -132,37 +133,37 @@ class Draw {
   }
 
   void load() {
-    SimSetup& b = loop().board;
+    hal::SimSetup& b = loop().board;
     low_Pa_ = high_Pa_ = MPa * dice_.uniform(10, 250);
     switch (choice(3)) {
       case 0:
         low_Pa_ = MPa * dice_.uniform(20, 150);
         high_Pa_ = low_Pa_ + MPa * dice_.uniform(20, 150);
-        b.load = SpringLoad{low_Pa_, high_Pa_, 0.04, 0.02};
+        b.load = hal::SpringLoad{low_Pa_, high_Pa_, 0.04, 0.02};
         note("spring {:.0f} to {:.0f} MPa", low_Pa_ / MPa, high_Pa_ / MPa);
         break;
       case 1: {
         const double amplitude_Pa = dice_.uniform(0, 0.3) * low_Pa_;
-        b.load =
-            VaryingLoad{low_Pa_, amplitude_Pa, log_uniform(0.3, 10), 0.02 * low_Pa_, 0.5 * low_Pa_};
+        b.load = hal::VaryingLoad{low_Pa_, amplitude_Pa, log_uniform(0.3, 10), 0.02 * low_Pa_,
+                                  0.5 * low_Pa_};
         note("{:.0f} MPa varying by {:.0f}", low_Pa_ / MPa, amplitude_Pa / MPa);
         break;
       }
       default:
-        b.load = ConstantLoad{low_Pa_};
+        b.load = hal::ConstantLoad{low_Pa_};
         note("{:.0f} MPa", low_Pa_ / MPa);
     }
   }
 
-  SimEvent& event(double at_s, double for_s) {
-    SimEvent& e = loop().events.emplace_back();
+  bench::SimEvent& event(double at_s, double for_s) {
+    bench::SimEvent& e = loop().events.emplace_back();
     e.at_s = at_s;
     e.for_s = for_s;
     return e;
   }
 
   void air() {
-    SimSurroundings& around = loop().board.surroundings;
+    hal::SimSurroundings& around = loop().board.surroundings;
     around.ambient_K = zero_degC_K + dice_.uniform(5, 40);
     note("air {:.0f} °C", around.ambient_K - zero_degC_K);
     const double kind = dice_.uniform(0, 1);
@@ -179,12 +180,13 @@ class Draw {
       gusts();
     } else if (kind < 0.8) {
       result_.air = RandomAir::shielded;
-      SimEvent& e = event(chance(0.3) ? 0 : dice_.uniform(1, 10), dice_.uniform(2, duration_s));
+      bench::SimEvent& e =
+          event(chance(0.3) ? 0 : dice_.uniform(1, 10), dice_.uniform(2, duration_s));
       e.draught = dice_.uniform(0.75, 1);
       note("shielded {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
     } else {
       result_.air = RandomAir::ambient_step;
-      SimEvent& e = event(dice_.uniform(1, 12), dice_.uniform(2, duration_s));
+      bench::SimEvent& e = event(dice_.uniform(1, 12), dice_.uniform(2, duration_s));
       e.ambient_K = zero_degC_K + dice_.uniform(5, 40);
       note("air {:.0f} °C from {:.1f} s for {:.1f} s", *e.ambient_K - zero_degC_K, e.at_s, e.for_s);
     }
@@ -193,7 +195,7 @@ class Draw {
   void gusts() {
     double at_s = chance(0.3) ? 0 : dice_.uniform(1, 6);
     for (std::size_t i = 1 + choice(3); i > 0; --i) {
-      SimEvent& e = event(at_s, log_uniform(0.3, 8));
+      bench::SimEvent& e = event(at_s, log_uniform(0.3, 8));
       e.draught = log_uniform(1.2, 3);
       note("draught {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
       at_s += e.for_s + log_uniform(0.2, 4);
@@ -209,7 +211,7 @@ class Draw {
     }
     const double at_s = dice_.uniform(1, 14);
     const double for_s = chance(0.5) ? duration_s : log_uniform(0.02, 5);
-    SimEvent& e = event(at_s, for_s);
+    bench::SimEvent& e = event(at_s, for_s);
     note("{} from {:.2f} s for {:.2f} s", random_trouble_name(result_.trouble), at_s, for_s);
     switch (result_.trouble) {
       case RandomTrouble::load_change:
@@ -242,10 +244,10 @@ class Draw {
         note("{:.2f} A, {:.0f} A/s", loop().board.converter.max_A, loop().board.converter.slew_A_s);
         break;
       case RandomTrouble::broken:
-        e.circuit = dice_.coin() ? Circuit::broken : Circuit::open;
+        e.circuit = dice_.coin() ? hal::Circuit::broken : hal::Circuit::open;
         break;
       case RandomTrouble::shorted:
-        e.circuit = Circuit::shorted;
+        e.circuit = hal::Circuit::shorted;
         e.bridged_share = dice_.uniform(0.1, 0.95);
         note("{:.0f} %", 100 * e.bridged_share);
         break;
@@ -262,36 +264,36 @@ class Draw {
     }
   }
 
-  void sensor(SimEvent& e) {
+  void sensor(bench::SimEvent& e) {
     const std::size_t which = choice(sensor_names.size());
-    SpoiltSensor spoilt;
+    hal::SpoiltSensor spoilt;
     double amount = 0;
     switch (result_.trouble) {
       case RandomTrouble::stuck:
-        spoilt = {SensorFault::stuck, 0};
+        spoilt = {hal::SensorFault::stuck, 0};
         break;
       case RandomTrouble::offset:
-        spoilt = {SensorFault::offset, 0};
+        spoilt = {hal::SensorFault::offset, 0};
         amount =
             sign() *
             std::array{log_uniform(0.5e-3, 50e-3), log_uniform(0.01, 3), log_uniform(0.02, 1)}.at(
                 which);
         break;
       case RandomTrouble::noise:
-        spoilt = {SensorFault::noise, 0};
+        spoilt = {hal::SensorFault::noise, 0};
         amount =
             std::array{log_uniform(0.05e-3, 5e-3), log_uniform(1e-3, 0.1), log_uniform(0.01, 0.2)}
                 .at(which);
         break;
       case RandomTrouble::gain:
-        spoilt = {SensorFault::gain, 0};
+        spoilt = {hal::SensorFault::gain, 0};
         amount = dice_.uniform(0.5, 1.5);
         break;
       default:
-        spoilt = {SensorFault::missing, 0};
+        spoilt = {hal::SensorFault::missing, 0};
     }
     spoilt.amount = amount;
-    e.sensor = {static_cast<Reading>(which), spoilt};
+    e.sensor = {static_cast<hal::Reading>(which), spoilt};
     note("{} {:.4g}", sensor_names.at(which), amount);
   }
 
@@ -330,7 +332,7 @@ class Draw {
   }
 
   void stretch(Mode mode, double seconds, double from, double to) {
-    CommandStretch s{};
+    bench::CommandStretch s{};
     s.command.mode = mode;
     s.command.arm = mode != Mode::off;
     s.command.setpoint = from;
@@ -357,7 +359,7 @@ class Draw {
       }
       case 2: {
         stretch(mode, seconds, 0.5 * (level + other), 0.5 * (level + other));
-        CommandStretch& sine = loop().program.back();
+        bench::CommandStretch& sine = loop().program.back();
         sine.amplitude = 0.5 * std::abs(other - level);
         sine.from_Hz = sine.to_Hz = log_uniform(0.1, 5);
         break;
@@ -381,7 +383,7 @@ class Draw {
     result_.mode = modes.at(choice(modes.size()));
     result_.beyond = chance(0.4);
     const bool insists = chance(0.4);
-    note("{}{}{}", mode_name(result_.mode), result_.beyond ? " beyond" : "",
+    note("{}{}{}", text::mode_name(result_.mode), result_.beyond ? " beyond" : "",
          insists ? ", insists" : "");
     stretch(Mode::off, 0.3, 0, 0);
     while (used_s_ < duration_s) {
@@ -393,7 +395,7 @@ class Draw {
     }
   }
 
-  Dice dice_;
+  bench::Dice dice_;
   RandomScenario result_{};
   Wire<double> known_{};
   double low_Pa_ = 0, high_Pa_ = 0;
@@ -414,8 +416,8 @@ std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
                                              const std::string& folder) {
   std::vector<CalibratedUnit> units;
   for (int i = 0; i < of_each; ++i) {
-    for (const Family family : families) {
-      const WireUnit unit = random_unit(family, seed + static_cast<std::uint64_t>(i));
+    for (const hal::Family family : hal::families) {
+      const bench::WireUnit unit = bench::random_unit(family, seed + static_cast<std::uint64_t>(i));
       units.push_back({unit, calibrated_wire(unit, folder)});
     }
   }
@@ -426,4 +428,4 @@ RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::ui
   return Draw(units, seed).scenario();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -9,11 +9,11 @@
 #include "firmware/bench/closed_loop_scenario.hpp"
 #include "firmware/bench/units.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// A piece of wire, and what identify has found of it.
 struct CalibratedUnit {
-  WireUnit unit;
+  bench::WireUnit unit;
   Wire<double> wire;
 };
 
@@ -48,8 +48,8 @@ inline constexpr std::size_t random_trouble_count = 15;
 std::string_view random_trouble_name(RandomTrouble trouble);
 
 struct RandomScenario {
-  ClosedLoopScenario loop;  ///< its note says what was drawn
-  Mode mode;                ///< of the most part
+  bench::ClosedLoopScenario loop;  ///< its note says what was drawn
+  Mode mode;                       ///< of the most part
   RandomAir air;
   RandomTrouble trouble;
   bool beyond;  ///< set-points beyond what limits and load allow
@@ -59,4 +59,4 @@ struct RandomScenario {
 /// range.
 RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -10,13 +10,13 @@
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
-Run calibration_measurement(const WireUnit& unit, std::size_t index) {
+namespace smaservo::evaluate {
+identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t index) {
   const double area_m2 = unit.type_file().geometry.area_m2();
-  Run run{};
+  identify::Run run{};
   run.name = fmt::format("{} MPa", calibration_stresses_MPa.at(index));
-  run.kind = RunKind::joule;
-  simulate_rows(calibration_run(unit, index), [&](const SimulatedRow& row) {
+  run.kind = identify::RunKind::joule;
+  simulate::simulate_rows(calibration_run(unit, index), [&](const simulate::SimulatedRow& row) {
     run.time_s.push_back(row.time_s);
     run.current_A.push_back(row.current_A);
     run.voltage_V.push_back(row.voltage_V);
@@ -27,35 +27,35 @@ Run calibration_measurement(const WireUnit& unit, std::size_t index) {
   return run;
 }
 
-WireDescription calibrate(const WireUnit& unit) {
+files::WireDescription calibrate(const bench::WireUnit& unit) {
   const Wire<double> from = unit.type_file();
-  std::vector<Run> runs;
+  std::vector<identify::Run> runs;
   runs.reserve(calibration_stresses_MPa.size());
   for (std::size_t i = 0; i < calibration_stresses_MPa.size(); ++i) {
     runs.push_back(calibration_measurement(unit, i));
   }
-  const FitResult fit = fit_wire(from, runs, {});
-  return {fmt::format("{} {}", family_name(unit.family), unit.seed),
+  const identify::FitResult fit = identify::fit_wire(from, runs, {});
+  return {fmt::format("{} {}", hal::family_name(unit.family), unit.seed),
           fit.wire,
           {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};
 }
 
-Wire<double> calibrated_wire(const WireUnit& unit, const std::string& folder) {
+Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder) {
   const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
   if (!folder.empty() && std::filesystem::exists(file)) {
-    return load_wire(file.string()).wire;
+    return files::load_wire(file.string()).wire;
   }
-  const WireDescription found = calibrate(unit);
+  const files::WireDescription found = calibrate(unit);
   if (!folder.empty()) {
-    OutputFile output(file.string());
-    output.write(to_toml(found));
+    files::OutputFile output(file.string());
+    output.write(files::to_toml(found));
     output.commit();
   }
   return found.wire;
 }
 
-std::string calibrated_name(Family family, std::uint64_t seed) {
-  return fmt::format("{}-{}.toml", family_name(family), seed);
+std::string calibrated_name(hal::Family family, std::uint64_t seed) {
+  return fmt::format("{}-{}.toml", hal::family_name(family), seed);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

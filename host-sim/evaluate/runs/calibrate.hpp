@@ -6,21 +6,21 @@
 #include "firmware/bench/units.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 /// One of the unit's calibration runs, as a bench would record it. The stress is that of the wire's
 /// nominal diameter.
-Run calibration_measurement(const WireUnit& unit, std::size_t index);
+identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t index);
 
 /// Fits the wire to all calibration_runs, from the unit's type file on; one thread. Takes about a
 /// minute.
-WireDescription calibrate(const WireUnit& unit);
+files::WireDescription calibrate(const bench::WireUnit& unit);
 
 /// The same, kept in a folder: read where it is there, made and written where it is not. An empty
 /// name keeps nothing. Throws UserError.
-Wire<double> calibrated_wire(const WireUnit& unit, const std::string& folder);
+Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder);
 
 /// "ihyp-1000.toml": the file of a unit's calibrated wire.
-std::string calibrated_name(Family family, std::uint64_t seed);
+std::string calibrated_name(hal::Family family, std::uint64_t seed);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

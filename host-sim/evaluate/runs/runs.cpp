@@ -7,10 +7,10 @@
 
 #include "firmware/bench/dice.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
-using Steps = std::vector<DriveStep>;
+using Steps = std::vector<bench::DriveStep>;
 
 void full_cycles(Steps& drive, int count) {
   for (int i = 0; i < count; ++i) {
@@ -27,7 +27,7 @@ void shrinking_loops(Steps& drive, double center, double amplitude, double each_
   }
 }
 
-void random_steps(Steps& drive, double seconds, Dice& dice) {
+void random_steps(Steps& drive, double seconds, bench::Dice& dice) {
   while (seconds > 5e-4) {
     // Whole milliseconds, as the plant's steps.
     const double part_s = std::min(1e-3 * std::round(dice.uniform(300, 3000)), seconds);
@@ -39,27 +39,27 @@ void random_steps(Steps& drive, double seconds, Dice& dice) {
 /// What must be added to the finish of the transformation, so that level 1 ends 12 K above it under
 /// the highest stress and in these surroundings: a level is made for the first stress and for still
 /// air of 25 °C.
-double overheat_K(const Wire<double>& wire, const JouleScenario& joule) {
+double overheat_K(const Wire<double>& wire, const bench::JouleScenario& joule) {
   const auto finish_K = [&](double stress_Pa) {
     const Isobar<double> m2a = isobar(wire.kinetics.m2a, stress_Pa);
     return m2a.start_K + 1 / m2a.per_K;
   };
   double first_Pa = 0;
   double highest_Pa = 0;
-  if (const auto* spring = std::get_if<SpringLoad>(&joule.load)) {
+  if (const auto* spring = std::get_if<hal::SpringLoad>(&joule.load)) {
     first_Pa = spring->low_Pa;
     highest_Pa = spring->high_Pa;
-  } else if (const auto* varying = std::get_if<VaryingLoad>(&joule.load)) {
+  } else if (const auto* varying = std::get_if<hal::VaryingLoad>(&joule.load)) {
     first_Pa = varying->stress_Pa;
     highest_Pa = varying->stress_Pa + varying->amplitude_Pa;
   } else {
-    first_Pa = highest_Pa = std::get<ConstantLoad>(joule.load).stress_Pa;
+    first_Pa = highest_Pa = std::get<hal::ConstantLoad>(joule.load).stress_Pa;
   }
   const double above_ambient_K = finish_K(highest_Pa) + 12 - joule.ambient_K;
   return 298.15 + joule.draught * above_ambient_K - finish_K(first_Pa);
 }
 
-JouleScenario still_room(const Wire<double>& wire, Load load) {
+bench::JouleScenario still_room(const Wire<double>& wire, hal::Load load) {
   const double noise_N = 0.5 * MPa * wire.geometry.area_m2();
   return {.ambient_K = 298.15,
           .draught = 1,
@@ -80,27 +80,28 @@ JouleScenario still_room(const Wire<double>& wire, Load load) {
                       .resistance_gain = 1}};
 }
 
-Scenario scenario(const WireUnit& unit, std::string note, std::uint64_t seed, JouleScenario joule) {
+bench::Scenario scenario(const bench::WireUnit& unit, std::string note, std::uint64_t seed,
+                         bench::JouleScenario joule) {
   return {std::move(note), unit.wire,       seed, unit.scatter_K, unit.family,
           unit.sublayers,  std::move(joule)};
 }
 
-Load constant(double low_MPa, double high_MPa, Dice& dice) {
-  return ConstantLoad{MPa * dice.uniform(low_MPa, high_MPa)};
+hal::Load constant(double low_MPa, double high_MPa, bench::Dice& dice) {
+  return hal::ConstantLoad{MPa * dice.uniform(low_MPa, high_MPa)};
 }
 
-Load spring(Dice& dice) {
-  return SpringLoad{MPa * dice.uniform(100, 140), MPa * dice.uniform(220, 300), 0.04, 0.05};
+hal::Load spring(bench::Dice& dice) {
+  return hal::SpringLoad{MPa * dice.uniform(100, 140), MPa * dice.uniform(220, 300), 0.04, 0.05};
 }
 
-Load random_load(Condition condition, Dice& dice) {
+hal::Load random_load(Condition condition, bench::Dice& dice) {
   switch (condition) {
     case Condition::spring:
       return spring(dice);
     case Condition::varying: {
       const double amplitude_MPa = dice.uniform(30, 70);
-      return VaryingLoad{MPa * dice.uniform(180, 220), MPa * amplitude_MPa, dice.uniform(3, 9),
-                         MPa * 10, MPa * 100};
+      return hal::VaryingLoad{MPa * dice.uniform(180, 220), MPa * amplitude_MPa, dice.uniform(3, 9),
+                              MPa * 10, MPa * 100};
     }
     case Condition::light:
       return constant(10, 50, dice);
@@ -115,7 +116,7 @@ Load random_load(Condition condition, Dice& dice) {
   return constant(100, 400, dice);
 }
 
-Steps random_drive(Condition condition, Dice& dice) {
+Steps random_drive(Condition condition, bench::Dice& dice) {
   Steps drive{{0, 1}};
   full_cycles(drive, 1);
   if (condition == Condition::hold_ripple) {
@@ -132,7 +133,7 @@ Steps random_drive(Condition condition, Dice& dice) {
   return drive;
 }
 
-void disturb(JouleScenario& joule, Dice& dice) {
+void disturb(bench::JouleScenario& joule, bench::Dice& dice) {
   joule.ambient_K += dice.uniform(-10, 10);
   joule.draught = dice.uniform(0.8, 1.2);
   joule.sensors.resistance_gain = dice.coin() ? 1.01 : 0.99;
@@ -141,11 +142,11 @@ void disturb(JouleScenario& joule, Dice& dice) {
 
 }  // namespace
 
-Scenario calibration_run(const WireUnit& unit, std::size_t index) {
+bench::Scenario calibration_run(const bench::WireUnit& unit, std::size_t index) {
   const double stress_MPa = calibration_stresses_MPa.at(index);
-  JouleScenario joule = still_room(unit.wire.wire, ConstantLoad{MPa * stress_MPa});
+  bench::JouleScenario joule = still_room(unit.wire.wire, hal::ConstantLoad{MPa * stress_MPa});
   // Far from the seeds that units and test runs are likely to have.
-  Dice dice(unit.seed + 7919 * (index + 1));
+  bench::Dice dice(unit.seed + 7919 * (index + 1));
   joule.sensors.load_gain = 1 + dice.uniform(-0.005, 0.005);
   joule.drive = {{0, 1}};
   full_cycles(joule.drive, 2);
@@ -175,9 +176,10 @@ std::string_view condition_name(Condition condition) {
   return "coarse";
 }
 
-Scenario test_run(const WireUnit& unit, Condition condition, std::uint64_t seed, bool disturbed) {
-  Dice dice(seed);
-  JouleScenario joule = still_room(unit.wire.wire, random_load(condition, dice));
+bench::Scenario test_run(const bench::WireUnit& unit, Condition condition, std::uint64_t seed,
+                         bool disturbed) {
+  bench::Dice dice(seed);
+  bench::JouleScenario joule = still_room(unit.wire.wire, random_load(condition, dice));
   joule.drive = random_drive(condition, dice);
   joule.sensors.load_gain = 1 + dice.uniform(-0.005, 0.005);
   if (disturbed) {
@@ -204,4 +206,4 @@ Scenario test_run(const WireUnit& unit, Condition condition, std::uint64_t seed,
                   dice.seed(), std::move(joule));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -9,7 +9,7 @@
 #include "firmware/bench/scenario.hpp"
 #include "firmware/bench/units.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 
 inline constexpr double MPa = 1e6;
 
@@ -18,7 +18,7 @@ inline constexpr std::array calibration_stresses_MPa{10.0,  25.0,  50.0,  100.0,
 
 /// 60 s at 1 kHz under one of calibration_stresses_MPa: at rest at 25 °C, two full cycles, ten
 /// shrinking loops, random steps of the power.
-Scenario calibration_run(const WireUnit& unit, std::size_t index);
+bench::Scenario calibration_run(const bench::WireUnit& unit, std::size_t index);
 
 enum class Condition : unsigned char {
   constant,       ///< 100..400 MPa
@@ -38,7 +38,7 @@ std::string_view condition_name(Condition condition);
 /// by up to 0.5 %. Disturbed: the ambient temperature by up to 10 K, convection by up to 20 %, the
 /// resistance by 1 % up or down, the load cell by up to 1 %; the power is
 /// raised or lowered until the wire still runs to its end. All random numbers come from the seed.
-Scenario test_run(const WireUnit& unit, Condition condition, std::uint64_t seed,
-                  bool disturbed = false);
+bench::Scenario test_run(const bench::WireUnit& unit, Condition condition, std::uint64_t seed,
+                         bool disturbed = false);
 
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

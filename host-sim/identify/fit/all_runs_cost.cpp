@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-namespace smaservo {
+namespace smaservo::identify {
 
 std::vector<double> values(const std::vector<Active>& active) {
   std::vector<double> x;
@@ -99,4 +99,4 @@ bool AllRunsCost::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -10,7 +10,7 @@
 
 #include "host-sim/identify/fit/run_cost.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// One deviation that may change.
 struct Active {
@@ -50,4 +50,4 @@ class AllRunsCost final : public ceres::CostFunction {
   std::size_t threads_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

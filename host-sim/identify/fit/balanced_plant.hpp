@@ -9,7 +9,7 @@
 
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// With plain numbers, of second order in the step: the loss is the mean of that at both ends. For
 /// steps of some hundredths of the wire's time constant.
@@ -123,4 +123,4 @@ class FollowingPlant {
   T heat_J_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

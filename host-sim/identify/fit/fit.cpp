@@ -9,7 +9,7 @@
 #include "host-sim/identify/fit/fit_state.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 /// No deviation gets farther from its prior, in standard deviations.
@@ -295,9 +295,9 @@ FitResult Fit::run() {
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options) {
   if (runs.empty()) {
-    throw UserError("identify: there is no run to fit to");
+    throw files::UserError("identify: there is no run to fit to");
   }
   return Fit(from, runs, options).run();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

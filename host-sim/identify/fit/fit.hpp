@@ -11,7 +11,7 @@
 #include "host-sim/identify/fit/prediction.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// Where a fit is; it goes on as long as the answer is true.
 struct FitProgress {
@@ -87,4 +87,4 @@ inline constexpr double coarse_step_s = 24e-3;
 /// A run thinned for the fit, to steps of about so long and at most 1500 comparisons.
 FitRun thin_run(const Run& run, double step_s = fine_step_s);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -7,7 +7,7 @@
 
 #include "host-sim/identify/fit/fit_state.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 /// How far neighbouring residuals err together: 1 + 2 Σ ρ_k, up to the first that is not positive.
@@ -238,4 +238,4 @@ void Fit::describe(FitResult& result) {
   result.iterations = iterations_;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

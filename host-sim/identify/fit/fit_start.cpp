@@ -10,7 +10,7 @@
 
 #include "host-sim/identify/fit/fit_state.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 /// The deviations that a single level of stress can determine. What heats and cools the wire is
@@ -159,4 +159,4 @@ void Fit::stress_levels() {
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

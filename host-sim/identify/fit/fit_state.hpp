@@ -13,7 +13,7 @@
 #include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/identify/fit/run_cost.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// All deviations of a fit.
 struct Deviations {
@@ -90,4 +90,4 @@ class Fit {
 
 double max_power(const FitRun& run);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

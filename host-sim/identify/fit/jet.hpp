@@ -3,20 +3,21 @@
 
 #include <ceres/jet.h>
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// Derivatives by so many parameters are computed at once.
 inline constexpr int jet_width = 16;
 using Jet = ceres::Jet<double, jet_width>;
 
-}  // namespace smaservo
+}  // namespace smaservo::identify
 
 namespace ceres {
 
 /// Ceres multiplies by the reciprocal, which rounds twice. A path through the hysteresis turns
 /// where a comparison says so, and must be the same with and without derivatives, to the bit. The
 /// derivatives themselves may round.
-inline smaservo::Jet operator/(const smaservo::Jet& f, const smaservo::Jet& g) {
+inline smaservo::identify::Jet operator/(const smaservo::identify::Jet& f,
+                                         const smaservo::identify::Jet& g) {
   const double quotient = f.a / g.a;
   const double reciprocal = 1 / g.a;
   return {quotient, (f.v - quotient * g.v) * reciprocal};

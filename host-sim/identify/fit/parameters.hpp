@@ -12,7 +12,7 @@
 
 #include "model/wire/wire.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// How a value follows from its deviation.
 enum class Form : unsigned char {
@@ -233,4 +233,4 @@ inline std::vector<FitParameter> fit_parameters(const Wire<double>& from,
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -13,7 +13,7 @@
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// A run thinned to what the fit needs. The wire is advanced step by step; after some of the steps
 /// prediction and measurement are compared. All vectors of one kind have the same length.
@@ -205,4 +205,4 @@ void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>
   }
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -11,7 +11,7 @@
 #include "host-sim/identify/fit/parameters.hpp"
 #include "host-sim/identify/fit/prediction.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// Residuals beyond this many standard deviations count less: soft L1.
 inline constexpr double robust_sd = 3;
@@ -170,4 +170,4 @@ class RunCost {
   const Weights& weights_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -5,7 +5,7 @@
 
 #include "host-sim/identify/fit/fit.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 constexpr std::size_t max_compared = 1500;
@@ -148,4 +148,4 @@ FitRun thin_run(const Run& run, double step_s) {
   return fit;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -7,7 +7,7 @@
 
 #include "host-sim/identify/runs/run_checks.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 constexpr double measuring_W_m = 0.1;  ///< still air takes 0.04-0.07 W/mK from any thin wire
@@ -115,29 +115,29 @@ std::string_view name_of(RunKind kind) {
 }
 
 Run read_run(const std::string& path, const RunOptions& options) {
-  TraceOptions trace_options = options.trace;
+  hal::TraceOptions trace_options = options.trace;
   trace_options.resistance_and_power = true;
-  TraceReader trace(path, trace_options);
+  hal::TraceReader trace(path, trace_options);
   Run run{path == "-" ? "standard input" : path, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   std::vector<double> load_N, displacement_m;
   struct Wanted {
-    Column column;
+    hal::Column column;
     std::vector<double>& values;
   };
-  const Wanted columns[] = {{Column::current, run.current_A},
-                            {Column::voltage, run.voltage_V},
-                            {Column::load, load_N},
-                            {Column::stress, run.stress_Pa},
-                            {Column::temperature, run.temperature_K},
-                            {Column::ambient, run.ambient_K},
-                            {Column::strain_ref, run.strain},
-                            {Column::displacement, displacement_m},
-                            {Column::resistance, run.resistance_ohm},
-                            {Column::power, run.power_W_kg}};
-  TraceRow row{};
+  const Wanted columns[] = {{hal::Column::current, run.current_A},
+                            {hal::Column::voltage, run.voltage_V},
+                            {hal::Column::load, load_N},
+                            {hal::Column::stress, run.stress_Pa},
+                            {hal::Column::temperature, run.temperature_K},
+                            {hal::Column::ambient, run.ambient_K},
+                            {hal::Column::strain_ref, run.strain},
+                            {hal::Column::displacement, displacement_m},
+                            {hal::Column::resistance, run.resistance_ohm},
+                            {hal::Column::power, run.power_W_kg}};
+  hal::TraceRow row{};
   while (trace.next(row)) {
     if (trace.timed()) {
-      run.time_s.push_back(row[Column::time]);
+      run.time_s.push_back(row[hal::Column::time]);
     }
     for (const Wanted& wanted : columns) {
       if (trace.has(wanted.column)) {
@@ -177,4 +177,4 @@ bool zero_known(const std::vector<double>& strain) {
   return std::abs(low) > 1e-7 && std::abs(high) > 1e-7;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -10,7 +10,7 @@
 #include "hal/replay/trace.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// What the wire went through, which follows from the columns, in this order:
 /// - calorimetry: `power` and temperature; a sample heated and cooled in a calorimeter.
@@ -45,7 +45,7 @@ struct RunOptions {
   Geometry<double> geometry;
   std::optional<double> stress_Pa;  ///< for files that have neither stress nor load
   std::optional<double> load_N;     ///< the same; counts when there is no stress_Pa
-  TraceOptions trace;
+  hal::TraceOptions trace;
 };
 
 /// Reads the whole file. Throws UserError, which says what to measure instead, for a file that
@@ -63,4 +63,4 @@ Run read_run(const std::string& path, const RunOptions& options);
 /// exactly 0 was made 0 there.
 bool zero_known(const std::vector<double>& strain);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

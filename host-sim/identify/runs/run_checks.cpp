@@ -10,7 +10,7 @@
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 namespace {
 
 using Values = std::vector<double>;
@@ -296,7 +296,7 @@ void check_clipped(const Run& run) {
 }  // namespace
 
 void fail(const Run& run, const std::string& what) {
-  throw UserError(fmt::format("{}: {}", run.name, what));
+  throw files::UserError(fmt::format("{}: {}", run.name, what));
 }
 
 void check_run(const Run& run, const Geometry<double>& geometry) {
@@ -305,4 +305,4 @@ void check_run(const Run& run, const Geometry<double>& geometry) {
   check_clipped(run);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

@@ -4,7 +4,7 @@
 
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// What read_run() promises of a run. Throws UserError.
 void check_run(const Run& run, const Geometry<double>& geometry);
@@ -12,4 +12,4 @@ void check_run(const Run& run, const Geometry<double>& geometry);
 /// Throws a UserError that begins with the run's name.
 [[noreturn]] void fail(const Run& run, const std::string& what);
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

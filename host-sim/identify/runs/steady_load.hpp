@@ -8,7 +8,7 @@
 
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::identify {
 
 /// The value that this share of all values does not exceed.
 inline double quantile(std::vector<double> values, double share) {
@@ -25,4 +25,4 @@ inline bool has_constant_stress(const Run& run) {
          quantile(run.stress_Pa, 0.95) <= middle_Pa + max_Pa;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::identify

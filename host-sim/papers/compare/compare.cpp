@@ -12,30 +12,31 @@
 #include "model/files/error.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
 using Progress = std::function<void(std::string_view)>;
 
-void require_usable(const Run& run) {
-  if (run.kind != RunKind::joule && run.kind != RunKind::bath) {
-    throw UserError(fmt::format("{}: is a {} run; compare takes runs of Joule heating or in a bath",
-                                run.name, name_of(run.kind)));
+void require_usable(const identify::Run& run) {
+  if (run.kind != identify::RunKind::joule && run.kind != identify::RunKind::bath) {
+    throw files::UserError(
+        fmt::format("{}: is a {} run; compare takes runs of Joule heating or in a bath", run.name,
+                    identify::name_of(run.kind)));
   }
   if (run.strain.empty()) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{}: has no strain_ref or displacement, which compare needs", run.name));
   }
 }
 
 /// The wire that identify makes of the runs. Throws UserError.
-IdentifiedWire identified(const WireDescription& from, const std::vector<Run>& training,
-                          int threads) {
-  FitOptions options;
+IdentifiedWire identified(const files::WireDescription& from,
+                          const std::vector<identify::Run>& training, int threads) {
+  identify::FitOptions options;
   options.threads = threads;
-  const FitResult fit = fit_wire(from.wire, training, options);
+  const identify::FitResult fit = identify::fit_wire(from.wire, training, options);
   IdentifiedWire found{fit.wire, static_cast<int>(fit.parameters.size()), {}, 0};
-  for (const FittedRun& run : fit.runs) {
+  for (const identify::FittedRun& run : fit.runs) {
     found.ambient_K.push_back(run.circumstances.ambient_K);
     found.usual_ambient_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
   }
@@ -53,7 +54,7 @@ class Systems {
     Compared one;
     try {
       one.system = identify();
-    } catch (const UserError& error) {
+    } catch (const files::UserError& error) {
       one.system = {name, "", 0, fmt::format("not identified: {}", error.what()), {}};
     }
     all.push_back(std::move(one));
@@ -67,15 +68,15 @@ class Systems {
 
 /// A run whose strain has a zero of its own, moved so that it is longest where `from` is at rest
 /// there. Runs of different loads would contradict each other otherwise.
-Run placed(Run run, const Wire<double>& from) {
-  if (zero_known(run.strain)) {
+identify::Run placed(identify::Run run, const Wire<double>& from) {
+  if (identify::zero_known(run.strain)) {
     return run;
   }
   using Model = Plant<ThreePhase<double>>;
   const auto longest = std::ranges::max_element(run.strain);
   const auto row = static_cast<std::size_t>(longest - run.strain.begin());
   const double room_K = run.ambient_K.empty() ? 298.15 : run.ambient_K.front();
-  const Drive<double> there{run.kind == RunKind::bath ? run.temperature_K[row] : room_K,
+  const Drive<double> there{run.kind == identify::RunKind::bath ? run.temperature_K[row] : room_K,
                             run.stress_Pa[row]};
   const Model::Params params = plant_params(from);
   const double shift = Model::strain(params, Model::rest(params, there)) - *longest;
@@ -85,11 +86,12 @@ Run placed(Run run, const Wire<double>& from) {
   return run;
 }
 
-std::vector<Compared> identify_all(const WireDescription& from, const std::vector<Run>& measured,
-                                   int threads, const Progress& progress) {
-  std::vector<Run> training;
+std::vector<Compared> identify_all(const files::WireDescription& from,
+                                   const std::vector<identify::Run>& measured, int threads,
+                                   const Progress& progress) {
+  std::vector<identify::Run> training;
   training.reserve(measured.size());
-  for (const Run& run : measured) {
+  for (const identify::Run& run : measured) {
     training.push_back(placed(run, from.wire));
   }
   Systems systems(progress);
@@ -104,12 +106,12 @@ std::vector<Compared> identify_all(const WireDescription& from, const std::vecto
   std::string reason;
   try {
     own = identified(from, measured, threads);  // finds the zeros by itself
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     reason = error.what();
   }
   const auto with_own = [&](auto make) {
     if (!own) {
-      throw UserError(reason);
+      throw files::UserError(reason);
     }
     return make(*own);
   };
@@ -137,16 +139,16 @@ double median_difference(const std::vector<double>& a, const std::vector<double>
   return *middle;
 }
 
-using Column = std::vector<double> Run::*;
+using Column = std::vector<double> identify::Run::*;
 
 /// Share of a test's rows, of those that are numbers, outside of all training rows by more than
 /// `margin(value)`.
 template <class Margin>
-double share_beyond(const Run& test, const std::vector<Run>& training, Column column,
-                    Margin margin) {
+double share_beyond(const identify::Run& test, const std::vector<identify::Run>& training,
+                    Column column, Margin margin) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (const Run& run : training) {
+  for (const identify::Run& run : training) {
     for (const double x : run.*column) {
       low = x < low ? x : low;
       high = high < x ? x : high;
@@ -161,17 +163,17 @@ double share_beyond(const Run& test, const std::vector<Run>& training, Column co
   return rows > 0 && low <= high ? outside / rows : 0;
 }
 
-Beyond beyond(const Run& test, const std::vector<Run>& training) {
-  return {
-      share_beyond(test, training, &Run::stress_Pa, [](double) { return 2e6; }),
-      share_beyond(test, training, &Run::resistance_ohm, [](double ohm) { return 0.002 * ohm; })};
+Beyond beyond(const identify::Run& test, const std::vector<identify::Run>& training) {
+  return {share_beyond(test, training, &identify::Run::stress_Pa, [](double) { return 2e6; }),
+          share_beyond(test, training, &identify::Run::resistance_ohm,
+                       [](double ohm) { return 0.002 * ohm; })};
 }
 
 void test(Compared& one, const Comparison& comparison) {
   double elapsed_s = 0;
   double rows = 0;
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
-    const Run& run = comparison.tests[t];
+    const identify::Run& run = comparison.tests[t];
     SystemRun result;
     const auto start = std::chrono::steady_clock::now();
     result.strain = one.system.strain(run);
@@ -196,15 +198,15 @@ void test(Compared& one, const Comparison& comparison) {
 
 }  // namespace
 
-Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
-                   int threads, const Progress& progress) {
+Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
+                   std::vector<identify::Run> tests, int threads, const Progress& progress) {
   Comparison comparison{
       from.name, from.wire.nominal_stroke, std::move(training), std::move(tests), {}, {}, {}};
-  for (const std::vector<Run>* runs : {&comparison.training, &comparison.tests}) {
+  for (const std::vector<identify::Run>* runs : {&comparison.training, &comparison.tests}) {
     std::ranges::for_each(*runs, require_usable);
   }
-  for (const Run& run : comparison.tests) {
-    comparison.free_zero.push_back(!zero_known(run.strain));
+  for (const identify::Run& run : comparison.tests) {
+    comparison.free_zero.push_back(!identify::zero_known(run.strain));
     comparison.beyond.push_back(beyond(run, comparison.training));
   }
   comparison.systems = identify_all(from, comparison.training, threads, progress);
@@ -217,10 +219,10 @@ Comparison compare(const WireDescription& from, std::vector<Run> training, std::
     }
   }
   if (!any) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("no system could be identified; {}", comparison.systems.front().system.remark));
   }
   return comparison;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

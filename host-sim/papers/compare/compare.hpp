@@ -10,19 +10,19 @@
 #include "host-sim/replay/error_statistics.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 
 /// What a system makes of one run.
 struct SystemRun {
-  std::vector<double> strain;  ///< of every row, NaN where it says nothing
-  ErrorStatistics error;       ///< in % of the nominal stroke
+  std::vector<double> strain;     ///< of every row, NaN where it says nothing
+  replay::ErrorStatistics error;  ///< in % of the nominal stroke
 };
 
 struct Compared {
   System system;
-  std::vector<SystemRun> runs;  ///< as the tests; empty when it was not identified
-  ErrorStatistics error;        ///< over all tests
-  double step_s = 0;            ///< time for a row, of tests that it says something about
+  std::vector<SystemRun> runs;    ///< as the tests; empty when it was not identified
+  replay::ErrorStatistics error;  ///< over all tests
+  double step_s = 0;              ///< time for a row, of tests that it says something about
 };
 
 /// How much of a test lies outside of what the training runs went through, so that every system
@@ -35,7 +35,7 @@ struct Beyond {
 struct Comparison {
   std::string from;
   double nominal_stroke;
-  std::vector<Run> training, tests;
+  std::vector<identify::Run> training, tests;
   std::vector<bool> free_zero;  ///< of a test: nobody knows its absolute strain
   std::vector<Beyond> beyond;   ///< of a test
   std::vector<Compared> systems;
@@ -46,12 +46,13 @@ struct Comparison {
 /// a training run is moved so that it is longest where `from` is at rest under its load. Throws
 /// UserError for runs other than of Joule heating or in a bath, a training or test run without
 /// strain, and when not even one system could be identified.
-Comparison compare(const WireDescription& from, std::vector<Run> training, std::vector<Run> tests,
-                   int threads, const std::function<void(std::string_view)>& progress);
+Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
+                   std::vector<identify::Run> tests, int threads,
+                   const std::function<void(std::string_view)>& progress);
 
 std::string comparison_text(const Comparison& comparison);
 std::string comparison_json(const Comparison& comparison);
 /// Throws UserError.
 void write_comparison_report(const std::string& path, const Comparison& comparison);
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

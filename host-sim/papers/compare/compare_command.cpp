@@ -11,12 +11,12 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
 struct CompareArguments {
   std::vector<std::string> training, tests;
-  std::string from{default_wire};
+  std::string from{files::default_wire};
   std::vector<std::string> settings, columns;
   std::string out, report;
   bool json = false;
@@ -53,7 +53,7 @@ bool same_file(const std::string& a, const std::string& b) {
 void refuse_repeats(const char* option, const std::vector<std::string>& runs) {
   for (auto run = runs.begin(); run != runs.end(); ++run) {
     if (std::any_of(runs.begin(), run, [&](const auto& other) { return same_file(other, *run); })) {
-      throw UserError(fmt::format("{} {}: is given twice", option, *run));
+      throw files::UserError(fmt::format("{} {}: is given twice", option, *run));
     }
   }
 }
@@ -64,7 +64,7 @@ void require_writable(const std::string& path) {
   const auto kind = std::filesystem::status(path, missing).type();
   using enum std::filesystem::file_type;
   if (!path.empty() && path != "-" && (kind == not_found || kind == regular || kind == directory)) {
-    const OutputFile attempt(path);
+    const files::OutputFile attempt(path);
   }
 }
 
@@ -84,7 +84,7 @@ void check_files(const CompareArguments& a) {
   refuse_repeats("--test", a.tests);
   for (const std::string& run : a.tests) {
     if (std::ranges::any_of(a.training, [&](const auto& one) { return same_file(one, run); })) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("--test {}: is a training run, too; a system may not be asked "
                       "about what it has seen",
                       run));
@@ -94,27 +94,28 @@ void check_files(const CompareArguments& a) {
   require_writable(a.report);
 }
 
-std::vector<Run> read_runs(const std::vector<std::string>& paths, const RunOptions& options) {
-  std::vector<Run> runs;
+std::vector<identify::Run> read_runs(const std::vector<std::string>& paths,
+                                     const identify::RunOptions& options) {
+  std::vector<identify::Run> runs;
   runs.reserve(paths.size());
   for (const std::string& path : paths) {
-    runs.push_back(read_run(path, options));
+    runs.push_back(identify::read_run(path, options));
   }
   return runs;
 }
 
 void run(const CompareArguments& a) {
   check_files(a);
-  const WireDescription from = load_wire(a.from, parse_settings(a.settings));
+  const files::WireDescription from = files::load_wire(a.from, text::parse_settings(a.settings));
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   require("--load-N", a.load_N, 0, 1e5);
-  RunOptions options{from.wire.geometry, {}, a.load_N, {}};
+  identify::RunOptions options{from.wire.geometry, {}, a.load_N, {}};
   if (a.stress_MPa) {
     options.stress_Pa = 1e6 * *a.stress_MPa;
   }
   options.trace.renames = a.columns;
-  std::vector<Run> training = read_runs(a.training, options);
-  std::vector<Run> tests = read_runs(a.tests, options);
+  std::vector<identify::Run> training = read_runs(a.training, options);
+  std::vector<identify::Run> tests = read_runs(a.tests, options);
   const int threads = a.threads > 0
                           ? a.threads
                           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -125,7 +126,7 @@ void run(const CompareArguments& a) {
                          [&](std::string_view system) { status.name(system); });
   }
   if (!a.out.empty()) {
-    OutputFile file(a.out);
+    files::OutputFile file(a.out);
     file.write(comparison_json(comparison));
     file.commit();
   }
@@ -165,4 +166,4 @@ void add_compare_command(CLI::App& app) {
   command->callback([a] { run(*a); });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

@@ -9,7 +9,7 @@
 #include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
 /// Points of a plotted curve at most.
@@ -20,7 +20,7 @@ std::string percent(double value) {
 }
 
 /// "mean / 95 % / max", "-" where there is nothing.
-std::string figures(const ErrorStatistics& error) {
+std::string figures(const replay::ErrorStatistics& error) {
   return error.count() == 0 ? "-"
                             : fmt::format("{} / {} / {}", percent(error.mean()),
                                           percent(error.quantile(0.95)), percent(error.maximum()));
@@ -32,10 +32,10 @@ std::string remark(const Compared& one) {
   return asked && one.error.count() == 0 ? silent : one.system.remark;
 }
 
-std::string names(const std::vector<Run>& runs) {
+std::string names(const std::vector<identify::Run>& runs) {
   std::string all;
-  for (const Run& run : runs) {
-    all += (all.empty() ? "" : ", ") + file_name(run.name);
+  for (const identify::Run& run : runs) {
+    all += (all.empty() ? "" : ", ") + identify::file_name(run.name);
   }
   return all;
 }
@@ -44,11 +44,11 @@ std::string heading(const Comparison& comparison) {
   std::string text = fmt::format(
       "Identified on {}; asked about {}. Errors of the strain in % of a {:g} % stroke.",
       names(comparison.training), names(comparison.tests), 100 * comparison.nominal_stroke);
-  for (const Run& run : comparison.training) {
-    if (!zero_known(run.strain)) {
+  for (const identify::Run& run : comparison.training) {
+    if (!identify::zero_known(run.strain)) {
       text += fmt::format(
           " {}: the strain has a zero of its own, it is taken to be longest where {} is at rest.",
-          file_name(run.name), comparison.from);
+          identify::file_name(run.name), comparison.from);
     }
   }
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
@@ -57,7 +57,8 @@ std::string heading(const Comparison& comparison) {
       text += fmt::format(
           " {} goes beyond the training, so that what is said there is extrapolated: by its stress "
           "in {:.1f} % of the rows, by its resistance in {:.1f} %.",
-          file_name(comparison.tests[t].name), 100 * beyond.stress, 100 * beyond.resistance);
+          identify::file_name(comparison.tests[t].name), 100 * beyond.stress,
+          100 * beyond.resistance);
     }
   }
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
@@ -65,7 +66,7 @@ std::string heading(const Comparison& comparison) {
       text += fmt::format(
           " {}: the strain has a zero of its own, each system's median error is "
           "taken off.",
-          file_name(comparison.tests[t].name));
+          identify::file_name(comparison.tests[t].name));
     }
   }
   return text;
@@ -74,7 +75,7 @@ std::string heading(const Comparison& comparison) {
 using Json = nlohmann::ordered_json;
 
 /// Without numbers where there is nothing.
-Json error_json(const ErrorStatistics& error) {
+Json error_json(const replay::ErrorStatistics& error) {
   Json json{{"rows", error.count()}};
   if (error.count() > 0) {
     json["mean_percent"] = error.mean();
@@ -85,25 +86,25 @@ Json error_json(const ErrorStatistics& error) {
 }
 
 /// In HTML with the mean of each test at the end.
-TextTable table_of(const Comparison& comparison, bool with_tests) {
-  std::vector<TextTable::Column> columns{{"system"},
-                                         {"mean", "{:.2f}"},
-                                         {"95 %", "{:.2f}"},
-                                         {"max", "{:.2f}"},
-                                         {"a row", "{:.0f} ns", "", 1e9},
-                                         {"parameters", "{}"}};
+files::TextTable table_of(const Comparison& comparison, bool with_tests) {
+  std::vector<files::TextTable::Column> columns{{"system"},
+                                                {"mean", "{:.2f}"},
+                                                {"95 %", "{:.2f}"},
+                                                {"max", "{:.2f}"},
+                                                {"a row", "{:.0f} ns", "", 1e9},
+                                                {"parameters", "{}"}};
   for (std::size_t t = 0; with_tests && t < comparison.tests.size(); ++t) {
-    columns.push_back({file_name(comparison.tests[t].name) + ", mean", "{:.2f}"});
+    columns.push_back({identify::file_name(comparison.tests[t].name) + ", mean", "{:.2f}"});
   }
-  TextTable table(std::move(columns));
+  files::TextTable table(std::move(columns));
   for (const Compared& one : comparison.systems) {
-    TextTable::Row row{one.system.name};
+    files::TextTable::Row row{one.system.name};
     if (one.error.count() > 0) {
       row.insert(row.end(), {one.error.mean(), one.error.quantile(0.95), one.error.maximum(),
                              one.step_s, one.system.parameters});
       for (std::size_t t = 0; with_tests && t < one.runs.size(); ++t) {
-        const ErrorStatistics& error = one.runs[t].error;
-        row.push_back(error.count() > 0 ? error.mean() : TextTable::Cell{});
+        const replay::ErrorStatistics& error = one.runs[t].error;
+        row.push_back(error.count() > 0 ? error.mean() : files::TextTable::Cell{});
       }
     }
     table.add(std::move(row));
@@ -115,9 +116,10 @@ std::string remarks_html(const Comparison& comparison) {
   std::string html = "<p class=\"caption\">";
   for (const Compared& one : comparison.systems) {
     const std::string said = remark(one);
-    html += fmt::format("<b>{}</b>: {}{}{}.<br>\n", escaped(one.system.name),
-                        escaped(one.system.meaning),
-                        one.system.meaning.empty() || said.empty() ? "" : "; ", escaped(said));
+    html +=
+        fmt::format("<b>{}</b>: {}{}{}.<br>\n", files::escaped(one.system.name),
+                    files::escaped(one.system.meaning),
+                    one.system.meaning.empty() || said.empty() ? "" : "; ", files::escaped(said));
   }
   return html + "</p>\n";
 }
@@ -127,8 +129,8 @@ struct Abscissa {
   const char* label;
   std::vector<double> values;
 };
-Abscissa abscissa(const Run& run) {
-  if (run.kind == RunKind::bath) {
+Abscissa abscissa(const identify::Run& run) {
+  if (run.kind == identify::RunKind::bath) {
     std::vector<double> degC;
     degC.reserve(run.temperature_K.size());
     for (const double T : run.temperature_K) {
@@ -139,21 +141,22 @@ Abscissa abscissa(const Run& run) {
   return {"resistance in Ω", run.resistance_ohm};
 }
 
-Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one) {
-  const Run& run = comparison.tests[t];
+report::Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one) {
+  const identify::Run& run = comparison.tests[t];
   const Abscissa x = abscissa(run);
   std::string data = "$data << EOD\n";
   const std::size_t every = 1 + run.strain.size() / max_points;
   for (std::size_t i = 0; i < run.strain.size(); i += every) {
-    data += fmt::format("{} {} {}\n", plotted(x.values[i]), plotted(100 * run.strain[i]),
-                        plotted(100 * one.runs[t].strain[i]));
+    data += fmt::format("{} {} {}\n", report::plotted(x.values[i]),
+                        report::plotted(100 * run.strain[i]),
+                        report::plotted(100 * one.runs[t].strain[i]));
   }
   data += "EOD\n";
-  return {fmt::format("{}: {}", file_name(run.name), one.system.name), figures(one.runs[t].error),
-          true,
-          draw({500, 360, x.label, "strain in %"}, data, "",
-               {"$data using 1:2 with lines lc rgb reference lw 2.5 title 'reference'",
-                "$data using 1:3 with lines lc rgb estimate title 'estimate'"})};
+  return {fmt::format("{}: {}", identify::file_name(run.name), one.system.name),
+          figures(one.runs[t].error), true,
+          report::draw({500, 360, x.label, "strain in %"}, data, "",
+                       {"$data using 1:2 with lines lc rgb reference lw 2.5 title 'reference'",
+                        "$data using 1:3 with lines lc rgb estimate title 'estimate'"})};
 }
 
 }  // namespace
@@ -172,7 +175,7 @@ std::string comparison_json(const Comparison& comparison) {
   Json json;
   json["from"] = comparison.from;
   json["nominal_stroke"] = comparison.nominal_stroke;
-  for (const Run& run : comparison.training) {
+  for (const identify::Run& run : comparison.training) {
     json["training"].push_back(run.name);
   }
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
@@ -198,11 +201,11 @@ std::string comparison_json(const Comparison& comparison) {
     }
     json["systems"].push_back(system);
   }
-  return json_text(json);
+  return files::json_text(json);
 }
 
 void write_comparison_report(const std::string& path, const Comparison& comparison) {
-  std::vector<Plot> plots;
+  std::vector<report::Plot> plots;
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
     for (const Compared& one : comparison.systems) {
       if (!one.runs.empty() && one.runs[t].error.count() > 0) {
@@ -210,9 +213,10 @@ void write_comparison_report(const std::string& path, const Comparison& comparis
       }
     }
   }
-  write_html(path, "Systems compared",
-             fmt::format("<p>{}</p>\n", escaped(heading(comparison))) +
-                 table_of(comparison, true).html() + remarks_html(comparison) + plots_html(plots));
+  report::write_html(path, "Systems compared",
+                     fmt::format("<p>{}</p>\n", files::escaped(heading(comparison))) +
+                         table_of(comparison, true).html() + remarks_html(comparison) +
+                         report::plots_html(plots));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

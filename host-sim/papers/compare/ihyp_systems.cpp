@@ -10,17 +10,17 @@
 #include "host-sim/replay/observers.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
-std::vector<double> nothing_of(const Run& run) {
+std::vector<double> nothing_of(const identify::Run& run) {
   return std::vector<double>(run.strain.size(), std::numeric_limits<double>::quiet_NaN());
 }
 
-std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
+std::vector<double> observed(const IdentifiedWire& identified, const identify::Run& run) {
   const Wire<double>& wire = identified.wire;
-  const MeasurementParams<double> measuring = measuring_params(wire, {});
-  std::unique_ptr<AnyObserver> observer;
+  const MeasurementParams<double> measuring = replay::measuring_params(wire, {});
+  std::unique_ptr<replay::AnyObserver> observer;
   std::vector<double> strain;
   strain.reserve(run.time_s.size());
   for (std::size_t i = 0; i < run.time_s.size(); ++i) {
@@ -32,7 +32,7 @@ std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
     } else {
       const double ambient_K =
           run.ambient_K.empty() ? identified.usual_ambient_K : run.ambient_K.front();
-      observer = make_observer("kalman", wire, {}, m, ambient_K);
+      observer = replay::make_observer("kalman", wire, {}, m, ambient_K);
     }
     strain.push_back(observer->estimate().strain);
   }
@@ -41,10 +41,10 @@ std::vector<double> observed(const IdentifiedWire& identified, const Run& run) {
 
 }  // namespace
 
-System stress_strain_resistance(const std::vector<Run>& runs) {
-  std::vector<Run> usable;
+System stress_strain_resistance(const std::vector<identify::Run>& runs) {
+  std::vector<identify::Run> usable;
   std::string unused;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     if (run.resistance_ohm.empty()) {
       unused += (unused.empty() ? "; not used, having no resistance: " : ", ") + run.name;
     } else {
@@ -52,34 +52,36 @@ System stress_strain_resistance(const std::vector<Run>& runs) {
     }
   }
   if (usable.empty()) {
-    throw UserError("no run has a resistance");
+    throw files::UserError("no run has a resistance");
   }
-  const StrainResistanceFit fit = identify_strain_resistance(usable);
+  const fits::StrainResistanceFit fit = fits::identify_strain_resistance(usable);
   const std::string remark = fit.order == 0 ? "one load only: holds at its stress alone"
                                             : fmt::format("{} loads, polynomials of order {}",
                                                           fit.levels.size(), fit.order);
-  return {"stress-strain-resistance", "002: lines over resistance by stress, with transitions",
-          4 * (fit.order + 1) + 2, remark + unused, [params = fit.params](const Run& run) {
-            return run.resistance_ohm.empty() ? nothing_of(run) : estimate_strain(params, run);
-          }};
+  return {
+      "stress-strain-resistance", "002: lines over resistance by stress, with transitions",
+      4 * (fit.order + 1) + 2, remark + unused, [params = fit.params](const identify::Run& run) {
+        return run.resistance_ohm.empty() ? nothing_of(run) : fits::estimate_strain(params, run);
+      }};
 }
 
 System ihyp_alone(const IdentifiedWire& identified) {
   const Wire<double>& wire = identified.wire;
-  const PlantModel<ThreePhase<double>> model{wire.kinetics, wire.material, wire.heat,
-                                             wire.geometry};
+  const fits::PlantModel<ThreePhase<double>> model{wire.kinetics, wire.material, wire.heat,
+                                                   wire.geometry};
   return {"ihyp", "000: three phases, return-point memory, heat balance", identified.parameters, "",
-          [model, ambient_K = identified.usual_ambient_K](const Run& run) {
-            return driven_strain(model, every_row(run, ambient_K));
+          [model, ambient_K = identified.usual_ambient_K](const identify::Run& run) {
+            return fits::driven_strain(model, fits::every_row(run, ambient_K));
           }};
 }
 
 System ihyp_observer(const IdentifiedWire& identified) {
   return {"ihyp observer", "the same, corrected by the resistance; not in a bath",
-          identified.parameters, "", [identified](const Run& run) {
+          identified.parameters, "", [identified](const identify::Run& run) {
             // In a bath no power tells the temperature.
-            return run.kind == RunKind::joule ? observed(identified, run) : nothing_of(run);
+            return run.kind == identify::RunKind::joule ? observed(identified, run)
+                                                        : nothing_of(run);
           }};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

@@ -9,7 +9,7 @@
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
 /// Where a transformation of the wire begins and ends at a stress.
@@ -28,12 +28,12 @@ double rise_K_Pa(const Surface<double>& surface) {
 }
 
 template <class K>
-using Adjustables = std::vector<Adjustable<PlantModel<K>>>;
+using Adjustables = std::vector<fits::Adjustable<fits::PlantModel<K>>>;
 
 /// What every wire has beside its kinetics, with the deviations that identify uses.
 template <class K>
 Adjustables<K> common() {
-  using Model = PlantModel<K>;
+  using Model = fits::PlantModel<K>;
   return {
       {"martensite strain", [](Model& m, double u) { m.material.martensite.strain += 0.008 * u; }},
       {"zero of strain",
@@ -70,22 +70,24 @@ std::vector<std::vector<double>> shifted_starts(std::size_t count) {
 }
 
 template <class K>
-System fitted(const char* name, const char* meaning, const PlantModel<K>& prior,
-              Adjustables<K> adjustables, const std::vector<Run>& runs, int threads) {
-  for (const Adjustable<PlantModel<K>>& one : common<K>()) {
+System fitted(const char* name, const char* meaning, const fits::PlantModel<K>& prior,
+              Adjustables<K> adjustables, const std::vector<identify::Run>& runs, int threads) {
+  for (const fits::Adjustable<fits::PlantModel<K>>& one : common<K>()) {
     adjustables.push_back(one);
   }
-  const PlantModel<K> model =
-      fit_plant(prior, adjustables, runs, shifted_starts(adjustables.size()), threads);
+  const fits::PlantModel<K> model =
+      fits::fit_plant(prior, adjustables, runs, shifted_starts(adjustables.size()), threads);
   return {name, meaning, static_cast<int>(adjustables.size()), "",
-          [model](const Run& run) { return driven_strain(model, every_row(run)); }};
+          [model](const identify::Run& run) {
+            return fits::driven_strain(model, fits::every_row(run));
+          }};
 }
 
 }  // namespace
 
-System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads) {
-  using K = Duhem<double>;
-  using Model = PlantModel<K>;
+System duhem(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads) {
+  using K = papers::Duhem<double>;
+  using Model = fits::PlantModel<K>;
   const Surface<double> a2m = first_surface(from.kinetics.a2m_a2r);
   const auto process_of = [](const Surface<double>& surface) {
     const Span at = span(surface, 0);
@@ -108,26 +110,26 @@ System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads
       runs, threads);
 }
 
-System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int threads) {
-  using K = LiangRogers<double>;
-  using Model = PlantModel<K>;
+System liang_rogers(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads) {
+  using K = papers::LiangRogers<double>;
+  using Model = fits::PlantModel<K>;
   const Surface<double> a2m = first_surface(from.kinetics.a2m_a2r);
   const Surface<double> a2r = second_surface(from.kinetics.a2m_a2r);
   // A Clausius-Clapeyron slope must be positive and finite.
   const auto process_of = [](const Surface<double>& surface) {
     const Span at = span(surface, 0);
-    return CosineProcess<double>{at.start_K, at.finish_K,
-                                 1 / std::max(rise_K_Pa(surface), 0.02e-6)};
+    return papers::CosineProcess<double>{at.start_K, at.finish_K,
+                                         1 / std::max(rise_K_Pa(surface), 0.02e-6)};
   };
   const Model prior{{process_of(from.kinetics.m2a), process_of(a2m), process_of(a2r)},
                     from.material,
                     from.heat,
                     from.geometry};
-  const auto move = [](CosineProcess<double>& process, double by_K) {
+  const auto move = [](papers::CosineProcess<double>& process, double by_K) {
     process.start_K += by_K;
     process.finish_K += by_K;
   };
-  const auto widen = [](CosineProcess<double>& process, double u) {
+  const auto widen = [](papers::CosineProcess<double>& process, double u) {
     const double middle_K = 0.5 * (process.start_K + process.finish_K);
     process.start_K = middle_K + (process.start_K - middle_K) * std::exp(0.6 * u);
     process.finish_K = middle_K + (process.finish_K - middle_K) * std::exp(0.6 * u);
@@ -147,4 +149,4 @@ System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int 
       runs, threads);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

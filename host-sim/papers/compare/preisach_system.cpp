@@ -8,28 +8,28 @@
 #include "host-sim/papers/fits/plant_fit.hpp"
 #include "host-sim/papers/fits/preisach_fit.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
 using Ihyp = ThreePhase<double>;
-using Relays = Preisach<double>;
+using Relays = papers::Preisach<double>;
 
 /// A run in its identification: at most so many rows, evenly.
 constexpr std::size_t max_rows = 4000;
 
-PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
+fits::PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
   return {wire.kinetics, wire.material, wire.heat, wire.geometry};
 }
 
 /// The run as if it had been made in a bath of the temperatures that the wire had.
-Run in_bath(const Wire<double>& wire, const Run& run, double ambient_K) {
-  Run bath{};
+identify::Run in_bath(const Wire<double>& wire, const identify::Run& run, double ambient_K) {
+  identify::Run bath{};
   bath.name = run.name;
-  bath.kind = RunKind::bath;
+  bath.kind = identify::RunKind::bath;
   const std::size_t every = (run.strain.size() + max_rows - 1) / max_rows;
   std::size_t i = 0;
-  const DrivenSteps steps = every_row(run, ambient_K);
-  drive_plant(ihyp_model(wire), steps, [&](const auto& /*params*/, const auto& state) {
+  const fits::DrivenSteps steps = fits::every_row(run, ambient_K);
+  fits::drive_plant(ihyp_model(wire), steps, [&](const auto& /*params*/, const auto& state) {
     if (i % every == 0) {
       bath.temperature_K.push_back(Plant<Ihyp>::temperature_K(state));
       bath.strain.push_back(run.strain[i]);
@@ -41,11 +41,11 @@ Run in_bath(const Wire<double>& wire, const Run& run, double ambient_K) {
 }
 
 /// The runs' stresses, as many as the model holds, each at least 20 MPa from the next.
-std::vector<double> slice_stresses_Pa(const std::vector<Run>& runs) {
+std::vector<double> slice_stresses_Pa(const std::vector<identify::Run>& runs) {
   std::vector<double> all;
-  for (const Run& run : runs) {
-    all.push_back(quantile(run.stress_Pa, 0.02));
-    all.push_back(quantile(run.stress_Pa, 0.98));
+  for (const identify::Run& run : runs) {
+    all.push_back(identify::quantile(run.stress_Pa, 0.02));
+    all.push_back(identify::quantile(run.stress_Pa, 0.98));
   }
   std::ranges::sort(all);
   std::vector<double> apart;
@@ -70,7 +70,7 @@ double shift_K_Pa(const Wire<double>& wire) {
   return wire.kinetics.m2a.start_shift_K(0, high_Pa) / high_Pa;
 }
 
-int weights_of(const PreisachWire& wire) {
+int weights_of(const fits::PreisachWire& wire) {
   // Every cell of the grid, and two strains for each stress; the shift.
   const auto nodes = static_cast<int>(wire.kinetics.node_K.size());
   return static_cast<int>(wire.kinetics.stress_count) * (nodes * (nodes - 1) / 2 + 2) + 1;
@@ -78,25 +78,28 @@ int weights_of(const PreisachWire& wire) {
 
 }  // namespace
 
-System preisach(const IdentifiedWire& identified, const std::vector<Run>& runs) {
+System preisach(const IdentifiedWire& identified, const std::vector<identify::Run>& runs) {
   const Wire<double>& wire = identified.wire;
-  std::vector<Run> baths;
+  std::vector<identify::Run> baths;
   baths.reserve(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     baths.push_back(in_bath(wire, runs[i], identified.ambient_K[i]));
   }
-  const PreisachFit fit = fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(wire));
-  const auto drive = [fit, wire, ambient_K = identified.usual_ambient_K](const Run& run) {
-    const PlantModel<Relays> model{fit.wire.kinetics, wire.material, wire.heat, wire.geometry};
+  const fits::PreisachFit fit =
+      fits::fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(wire));
+  const auto drive = [fit, wire, ambient_K = identified.usual_ambient_K](const identify::Run& run) {
+    const fits::PlantModel<Relays> model{fit.wire.kinetics, wire.material, wire.heat,
+                                         wire.geometry};
     std::vector<double> strain;
-    drive_plant(model, every_row(run, ambient_K), [&](const auto& params, const auto& state) {
-      const double martensite = params.ends.average(Plant<Relays>::phases(state)).martensite;
-      strain.push_back(fit.wire.strain(martensite, Relays::drive(state.kinetics).stress_Pa));
-    });
+    fits::drive_plant(
+        model, fits::every_row(run, ambient_K), [&](const auto& params, const auto& state) {
+          const double martensite = params.ends.average(Plant<Relays>::phases(state)).martensite;
+          strain.push_back(fit.wire.strain(martensite, Relays::drive(state.kinetics).stress_Pa));
+        });
     return strain;
   };
   return {"Preisach", "003: relays weighed by stress, with ihyp's heat balance",
           weights_of(fit.wire), fit.remark, drive};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

@@ -7,21 +7,21 @@
 #include "host-sim/papers/compare/system.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// The resistance by that of the first run's first rows: of the order of one.
-double unit_ohm(const std::vector<Run>& runs) {
-  for (const Run& run : runs) {
+double unit_ohm(const std::vector<identify::Run>& runs) {
+  for (const identify::Run& run : runs) {
     for (const double ohm : run.resistance_ohm) {
       if (std::isfinite(ohm)) {
         return ohm;
       }
     }
   }
-  throw UserError("no run has a resistance");
+  throw files::UserError("no run has a resistance");
 }
 
 /// Which line a row belongs to: 0 while the resistance falls, 1 while it rises.
@@ -50,7 +50,7 @@ struct Polynomials {
   bool two;
   Eigen::VectorXd coefficients[2];
 
-  std::vector<double> strain(const Run& run) const {
+  std::vector<double> strain(const identify::Run& run) const {
     if (run.resistance_ohm.empty()) {
       return std::vector<double>(run.strain.size(), no_value);
     }
@@ -83,11 +83,11 @@ struct Sums {
   Eigen::VectorXd right;
 };
 
-Polynomials fit(const std::vector<Run>& runs, int order, bool two) {
+Polynomials fit(const std::vector<identify::Run>& runs, int order, bool two) {
   const Eigen::Index size = order + 1;
   Polynomials fitted{unit_ohm(runs), order, two, {}};
   Sums sums[2]{Sums(size), Sums(size)};
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     Direction direction;
     const std::size_t rows = std::min(run.strain.size(), run.resistance_ohm.size());
     for (std::size_t i = 0; i < rows; ++i) {
@@ -108,32 +108,32 @@ Polynomials fit(const std::vector<Run>& runs, int order, bool two) {
   for (int line = 0; line < (two ? 2 : 1); ++line) {
     const auto solver = sums[line].normal.colPivHouseholderQr();
     if (solver.rank() < size) {
-      throw UserError("no run has strain and resistance over a whole motion");
+      throw files::UserError("no run has strain and resistance over a whole motion");
     }
     fitted.coefficients[line] = solver.solve(sums[line].right);
   }
   return fitted;
 }
 
-System system(const char* name, const char* meaning, const std::vector<Run>& runs, int order,
-              bool two) {
+System system(const char* name, const char* meaning, const std::vector<identify::Run>& runs,
+              int order, bool two) {
   const Polynomials fitted = fit(runs, order, two);
   return {name, meaning, (order + 1) * (two ? 2 : 1), "",
-          [fitted](const Run& run) { return fitted.strain(run); }};
+          [fitted](const identify::Run& run) { return fitted.strain(run); }};
 }
 
 }  // namespace
 
-System one_line(const std::vector<Run>& runs) {
+System one_line(const std::vector<identify::Run>& runs) {
   return system("one line", "strain as a straight line over resistance", runs, 1, false);
 }
 
-System polynomial(const std::vector<Run>& runs) {
+System polynomial(const std::vector<identify::Run>& runs) {
   return system("polynomial", "of fourth order over resistance", runs, 4, false);
 }
 
-System two_lines(const std::vector<Run>& runs) {
+System two_lines(const std::vector<identify::Run>& runs) {
   return system("two lines", "one for heating, one for cooling", runs, 1, true);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

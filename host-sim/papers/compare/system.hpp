@@ -9,7 +9,7 @@
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo {
+namespace smaservo::compare {
 
 /// One way, identified.
 struct System {
@@ -19,24 +19,24 @@ struct System {
   std::string remark;  ///< what data it could not use, or why there is none
   /// Strain of every row of a run, NaN where it says nothing. Empty where the runs could not
   /// identify it.
-  std::function<std::vector<double>(const Run&)> strain;
+  std::function<std::vector<double>(const identify::Run&)> strain;
 };
 
 /// Of the resistance alone: one line; a polynomial of fourth order; two lines, one for heating and
 /// one for cooling. Least squares over all rows that have both, all runs counting alike. Each
 /// throws UserError where no run has strain and resistance.
-System one_line(const std::vector<Run>& runs);
-System polynomial(const std::vector<Run>& runs);
+System one_line(const std::vector<identify::Run>& runs);
+System polynomial(const std::vector<identify::Run>& runs);
 /// The direction is that of the last change of the resistance by more than 1 %.
-System two_lines(const std::vector<Run>& runs);
+System two_lines(const std::vector<identify::Run>& runs);
 
 /// 002. Throws UserError where no run has a resistance, and as identify_strain_resistance() says.
-System stress_strain_resistance(const std::vector<Run>& runs);
+System stress_strain_resistance(const std::vector<identify::Run>& runs);
 
 /// Kinetics and heat balance from power and stress, or in a bath from its temperature, without
 /// feedback. `from` gives geometry, limits and priors. Only the strain is fitted.
-System duhem(const Wire<double>& from, const std::vector<Run>& runs, int threads);
-System liang_rogers(const Wire<double>& from, const std::vector<Run>& runs, int threads);
+System duhem(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads);
+System liang_rogers(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads);
 
 /// What identify has found.
 struct IdentifiedWire {
@@ -48,10 +48,10 @@ struct IdentifiedWire {
 };
 
 /// 003. Temperatures are those of the identified heat balance.
-System preisach(const IdentifiedWire& identified, const std::vector<Run>& runs);
+System preisach(const IdentifiedWire& identified, const std::vector<identify::Run>& runs);
 
 /// The project's model by itself, and its observer.
 System ihyp_alone(const IdentifiedWire& identified);
 System ihyp_observer(const IdentifiedWire& identified);
 
-}  // namespace smaservo
+}  // namespace smaservo::compare

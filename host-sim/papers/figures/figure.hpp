@@ -7,13 +7,13 @@
 
 #include "host-sim/report/gnuplot.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 
 struct PaperFigure {
   int number;           ///< in its paper
   std::string title;    ///< what the paper's figure shows
   std::string caption;  ///< one line: what to see
-  std::vector<Plot> panels;
+  std::vector<report::Plot> panels;
 };
 
 struct Paper {
@@ -35,4 +35,4 @@ const std::vector<Paper>& papers();
 /// there are several), and index.html, into a folder that is made if it is missing.
 void write_figures(const std::string& folder, const std::vector<std::string>& paper_numbers);
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

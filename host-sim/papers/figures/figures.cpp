@@ -8,11 +8,11 @@
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 namespace {
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
-  OutputFile file(path.string());
+  files::OutputFile file(path.string());
   file.write(text);
   file.commit();
 }
@@ -26,8 +26,8 @@ std::string file_name(const Paper& paper, const PaperFigure& figure, std::size_t
 
 std::string figure_html(const Paper& paper, const PaperFigure& figure) {
   return fmt::format("<h3>{}, figure {}: {}</h3>\n<p class=\"caption\">{}</p>\n{}", paper.number,
-                     figure.number, escaped(figure.title), escaped(figure.caption),
-                     plots_html(figure.panels));
+                     figure.number, files::escaped(figure.title), files::escaped(figure.caption),
+                     report::plots_html(figure.panels));
 }
 
 }  // namespace
@@ -62,18 +62,18 @@ void write_figures(const std::string& folder, const std::vector<std::string>& pa
   }
   for (const std::string& number : paper_numbers) {
     if (std::ranges::count(known, number) == 0) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("--paper {}: no such paper; there are: {}", number, fmt::join(known, ", ")));
     }
   }
-  prepare_folder("--out", folder);
+  files::prepare_folder("--out", folder);
   std::string html;
   for (const Paper& paper : papers()) {
     if (!paper_numbers.empty() && std::ranges::count(paper_numbers, paper.number) == 0) {
       continue;
     }
-    html += fmt::format("<h2>Paper {}: {}</h2>\n<p>{}</p>\n", paper.number, escaped(paper.title),
-                        escaped(paper.left_out));
+    html += fmt::format("<h2>Paper {}: {}</h2>\n<p>{}</p>\n", paper.number,
+                        files::escaped(paper.title), files::escaped(paper.left_out));
     for (const PaperFigure& figure : paper.figures()) {
       for (std::size_t panel = 0; panel < figure.panels.size(); ++panel) {
         write_file(std::filesystem::path(folder) / file_name(paper, figure, panel),
@@ -82,7 +82,8 @@ void write_figures(const std::string& folder, const std::vector<std::string>& pa
       html += figure_html(paper, figure);
     }
   }
-  write_html((std::filesystem::path(folder) / "index.html").string(), "The papers' figures", html);
+  report::write_html((std::filesystem::path(folder) / "index.html").string(), "The papers' figures",
+                     html);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

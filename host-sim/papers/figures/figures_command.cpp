@@ -4,7 +4,7 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/papers/figures/figure.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 
 void add_figures_command(CLI::App& app) {
   struct FiguresArguments {
@@ -24,4 +24,4 @@ void add_figures_command(CLI::App& app) {
   });
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

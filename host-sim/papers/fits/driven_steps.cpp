@@ -8,7 +8,7 @@
 #include "model/files/error.hpp"
 #include "observer/kalman.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
 /// A load cell's noise would walk models without memory to the middle of their loops. As the
@@ -16,25 +16,30 @@ namespace {
 constexpr double load_filter_s = KalmanTuning<double>{}.stress_filter_s;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-double ambient_of(const Run& run, double otherwise_K) {
+double ambient_of(const identify::Run& run, double otherwise_K) {
   return run.ambient_K.empty() ? otherwise_K
                                : std::accumulate(run.ambient_K.begin(), run.ambient_K.end(), 0.0) /
                                      static_cast<double>(run.ambient_K.size());
 }
 
-void require_motion(const Run& run) {
-  if (run.kind != RunKind::joule && run.kind != RunKind::bath) {
-    throw UserError(fmt::format("{}: is a {} run; must be of Joule heating or of a bath", run.name,
-                                name_of(run.kind)));
+void require_motion(const identify::Run& run) {
+  if (run.kind != identify::RunKind::joule && run.kind != identify::RunKind::bath) {
+    throw files::UserError(fmt::format("{}: is a {} run; must be of Joule heating or of a bath",
+                                       run.name, identify::name_of(run.kind)));
   }
 }
 
 }  // namespace
 
-DrivenSteps every_row(const Run& run, double ambient_K) {
+DrivenSteps every_row(const identify::Run& run, double ambient_K) {
   require_motion(run);
-  DrivenSteps steps{
-      run.kind == RunKind::bath, ambient_of(run, ambient_K), {}, {}, {}, run.stress_Pa, run.strain};
+  DrivenSteps steps{run.kind == identify::RunKind::bath,
+                    ambient_of(run, ambient_K),
+                    {},
+                    {},
+                    {},
+                    run.stress_Pa,
+                    run.strain};
   if (steps.bath) {
     steps.temperature_K = run.temperature_K;
     return steps;
@@ -53,10 +58,10 @@ DrivenSteps every_row(const Run& run, double ambient_K) {
   return steps;
 }
 
-DrivenSteps thinned(const Run& run) {
+DrivenSteps thinned(const identify::Run& run) {
   require_motion(run);
-  const FitRun fit = thin_run(run, coarse_step_s);
-  DrivenSteps steps{run.kind == RunKind::bath,
+  const identify::FitRun fit = identify::thin_run(run, identify::coarse_step_s);
+  DrivenSteps steps{run.kind == identify::RunKind::bath,
                     ambient_of(run, usual_room_K),
                     fit.dt_s,
                     fit.power_W,
@@ -70,4 +75,4 @@ DrivenSteps thinned(const Run& run) {
   return steps;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -4,7 +4,7 @@
 
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// What drives a wire from row to row, of joule and bath runs.
 struct DrivenSteps {
@@ -20,8 +20,8 @@ inline constexpr double usual_room_K = 298.15;
 
 /// Every row of a run; `ambient_K` counts where it does not tell. Throws UserError for other kinds
 /// of runs.
-DrivenSteps every_row(const Run& run, double ambient_K = usual_room_K);
+DrivenSteps every_row(const identify::Run& run, double ambient_K = usual_room_K);
 /// Thinned for a fit: steps of about 24 ms, the power's mean over each.
-DrivenSteps thinned(const Run& run);
+DrivenSteps thinned(const identify::Run& run);
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
 constexpr double outer = 0.9;
@@ -29,7 +29,7 @@ class Stroke {
 /// Means over bins of the stroke.
 class Bins {
  public:
-  void add(double share, const ResistancePoint<double>& point) {
+  void add(double share, const papers::ResistancePoint<double>& point) {
     const double place = (share - inner_share) / (outer - inner_share) * static_cast<double>(count);
     const auto bin =
         static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(count) - 1));
@@ -37,7 +37,7 @@ class Bins {
     sum_[bin].resistance += point.resistance;
     ++rows_[bin];
   }
-  void append_to(std::vector<ResistancePoint<double>>& points) const {
+  void append_to(std::vector<papers::ResistancePoint<double>>& points) const {
     for (std::size_t i = 0; i < count; ++i) {
       if (rows_[i] > 0) {
         points.push_back({sum_[i].strain / rows_[i], sum_[i].resistance / rows_[i]});
@@ -47,16 +47,18 @@ class Bins {
 
  private:
   static constexpr std::size_t count = 40;
-  std::array<ResistancePoint<double>, count> sum_{};
+  std::array<papers::ResistancePoint<double>, count> sum_{};
   std::array<double, count> rows_{};
 };
 
 /// Follows one direction through the rows and hands out each full branch in it.
 class Follower {
  public:
-  Follower(bool heats, const Run& run, double ohm) : heats_(heats), run_(run), ohm_(ohm) {}
+  Follower(bool heats, const identify::Run& run, double ohm)
+      : heats_(heats), run_(run), ohm_(ohm) {}
 
-  void visit(const Stroke& stroke, std::size_t row, std::vector<ResistancePoint<double>>& points) {
+  void visit(const Stroke& stroke, std::size_t row,
+             std::vector<papers::ResistancePoint<double>>& points) {
     const double share = stroke.share(row);
     const double done = heats_ ? 1 - share : share;
     if (done <= 1 - outer) {
@@ -76,7 +78,7 @@ class Follower {
 
  private:
   void add(const Stroke& stroke, std::size_t from, std::size_t to,
-           std::vector<ResistancePoint<double>>& points) const {
+           std::vector<papers::ResistancePoint<double>>& points) const {
     Bins bins;
     for (std::size_t row = from; row < to; ++row) {
       if (std::isfinite(run_.resistance_ohm[row])) {
@@ -87,7 +89,7 @@ class Follower {
   }
 
   bool heats_;
-  const Run& run_;
+  const identify::Run& run_;
   double ohm_;
   bool on_the_way_ = false;
   std::size_t begin_ = 0;
@@ -96,7 +98,7 @@ class Follower {
 
 }  // namespace
 
-FullBranches full_branches(const Run& run, double ohm) {
+FullBranches full_branches(const identify::Run& run, double ohm) {
   const Stroke stroke(run.strain);
   Follower heating(true, run, ohm);
   Follower cooling(false, run, ohm);
@@ -108,11 +110,11 @@ FullBranches full_branches(const Run& run, double ohm) {
   return found;
 }
 
-Run averaged(const Run& run, double seconds) {
+identify::Run averaged(const identify::Run& run, double seconds) {
   if (run.time_s.empty()) {
     return run;
   }
-  Run thin{};
+  identify::Run thin{};
   thin.name = run.name;
   thin.kind = run.kind;
   std::size_t begin = 0;
@@ -136,4 +138,4 @@ Run averaged(const Run& run, double seconds) {
   return thin;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

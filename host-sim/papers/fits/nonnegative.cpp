@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
 using Eigen::Index;
@@ -90,4 +90,4 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& normal,
   return Pivoting(normal, right, free).solve();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

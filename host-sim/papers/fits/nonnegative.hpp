@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// Minimises |A x - b|² with x[i] >= 0 for i >= free, from the normal equations: `normal` is AᵀA
 /// (positive definite), `right` Aᵀb. Block principal pivoting, after Júdice and Pires (1994): exact
@@ -10,4 +10,4 @@ namespace smaservo {
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& normal,
                                           const Eigen::VectorXd& right, Eigen::Index free);
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -9,13 +9,13 @@
 #include "host-sim/identify/fit/run_cost.hpp"
 #include "model/files/parallel.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
 constexpr double strain_sd = 5e-4;
 double weight(const DrivenSteps& run) {
   const auto rows = std::ranges::count_if(run.strain, [](double x) { return !std::isnan(x); });
-  return share_of(independent_at_first, static_cast<std::size_t>(rows));
+  return identify::share_of(identify::independent_at_first, static_cast<std::size_t>(rows));
 }
 
 /// The residuals of all runs, and the prior, by all deviations: in one block, so that the sums over
@@ -40,7 +40,7 @@ class StrainResiduals final : public ceres::CostFunction {
                 double** jacobians) const override {
     const std::vector<double> u(parameters[0], parameters[0] + count_);
     double* jacobian = jacobians == nullptr ? nullptr : jacobians[0];
-    parallel(
+    files::parallel(
         runs_.size(), threads_,
         [&](std::size_t run) {
           evaluate(run, u, residuals + first_row_[run]);
@@ -67,7 +67,7 @@ class StrainResiduals final : public ceres::CostFunction {
     const double share = weight(runs_[run]);
     for (std::size_t i = 0; i < strain.size(); ++i) {
       const double error = (strain[i] - measured[i]) / strain_sd;
-      residuals[i] = std::isnan(error) ? 0 : share * robust(error);
+      residuals[i] = std::isnan(error) ? 0 : share * identify::robust(error);
     }
   }
 
@@ -134,4 +134,4 @@ std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSt
   return u;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -12,7 +12,7 @@
 #include "host-sim/papers/fits/driven_steps.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// What a fit may change. Its deviation u is 0 ± 1 before the runs are seen.
 template <class Model>
@@ -90,7 +90,7 @@ std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSt
 template <class K>
 PlantModel<K> fit_plant(const PlantModel<K>& prior,
                         const std::vector<Adjustable<PlantModel<K>>>& adjustables,
-                        const std::vector<Run>& runs,
+                        const std::vector<identify::Run>& runs,
                         const std::vector<std::vector<double>>& starts, int threads) {
   const auto at = [&](const std::vector<double>& u) {
     PlantModel<K> model = prior;
@@ -101,7 +101,7 @@ PlantModel<K> fit_plant(const PlantModel<K>& prior,
   };
   std::vector<DrivenSteps> steps;
   steps.reserve(runs.size());
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     steps.push_back(thinned(run));
   }
   return at(fit_deviations(
@@ -112,4 +112,4 @@ PlantModel<K> fit_plant(const PlantModel<K>& prior,
       starts, threads));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

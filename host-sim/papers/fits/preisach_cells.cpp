@@ -7,10 +7,10 @@
 
 #include "host-sim/papers/fits/preisach_slices.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
-using Path = Staircase<double, 64>;
+using Path = papers::Staircase<double, 64>;
 constexpr std::size_t node_count = std::tuple_size_v<PreisachNodes>;
 constexpr std::size_t cells = (node_count - 1) * node_count / 2;
 
@@ -20,7 +20,7 @@ constexpr Eigen::Index cell_index(std::size_t hot, std::size_t cold) {
 }
 
 /// The temperature less what the stress adds, without the reversals that noise makes.
-std::vector<double> inputs(const Run& run, double shift_K_Pa) {
+std::vector<double> inputs(const identify::Run& run, double shift_K_Pa) {
   std::vector<double> all(run.temperature_K);
   for (std::size_t i = 0; i < all.size(); ++i) {
     all[i] -= shift_K_Pa * run.stress_Pa[i];
@@ -48,11 +48,11 @@ void add_triangle(const PreisachNodes& node_K, double sign, double hot_K, double
 
 }  // namespace
 
-PreisachNodes placed_nodes(const std::vector<Run>& runs, double shift_K_Pa) {
+PreisachNodes placed_nodes(const std::vector<identify::Run>& runs, double shift_K_Pa) {
   std::array<std::vector<std::pair<double, double>>, 2> moves;  // input, strain
   double low_K = std::numeric_limits<double>::infinity();
   double high_K = -low_K;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     const std::vector<double> x = inputs(run, shift_K_Pa);
     const auto [min, max] = std::ranges::minmax(x);
     low_K = std::min(low_K, min);
@@ -90,18 +90,21 @@ PreisachNodes placed_nodes(const std::vector<Run>& runs, double shift_K_Pa) {
   return node_K;
 }
 
-CellRows cell_rows(const std::vector<Run>& runs, const PreisachNodes& node_K, double shift_K_Pa) {
+CellRows cell_rows(const std::vector<identify::Run>& runs, const PreisachNodes& node_K,
+                   double shift_K_Pa) {
   constexpr std::size_t max_rows = 4000;
-  const auto stride = [](const Run& run) { return 1 + (run.strain.size() - 1) / max_rows; };
+  const auto stride = [](const identify::Run& run) {
+    return 1 + (run.strain.size() - 1) / max_rows;
+  };
   Eigen::Index count = 0;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     count += static_cast<Eigen::Index>((run.strain.size() - 1) / stride(run) + 1);
   }
   CellRows all{Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(1 + cells)),
                Eigen::VectorXd(count), Eigen::VectorXd(count)};
   Eigen::Index at = 0;
   Eigen::RowVectorXd row(all.columns.cols());
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     const std::vector<double> x = inputs(run, shift_K_Pa);
     Path path = Path::cooled(node_K.back(), x[0]);
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -125,17 +128,18 @@ CellRows cell_rows(const std::vector<Run>& runs, const PreisachNodes& node_K, do
   return all;
 }
 
-double sum_up(const Eigen::VectorXd& weights, PreisachParams<double>::Increments& increments) {
+double sum_up(const Eigen::VectorXd& weights,
+              papers::PreisachParams<double>::Increments& increments) {
   const auto of = [&](std::size_t hot, std::size_t cold) { return weights[cell_index(hot, cold)]; };
   const auto F = [&](std::size_t hot, std::size_t cold) {
-    return hot > cold ? increments[PreisachParams<double>::index(hot, cold)] : 0.0;
+    return hot > cold ? increments[papers::PreisachParams<double>::index(hot, cold)] : 0.0;
   };
   for (std::size_t span = 1; span < node_count; ++span) {
     for (std::size_t cold = 0; cold + span < node_count; ++cold) {
       const std::size_t hot = cold + span;
       const double inner =
           span > 1 ? F(hot - 1, cold) + F(hot, cold + 1) - F(hot - 1, cold + 1) : 0;
-      increments[PreisachParams<double>::index(hot, cold)] = inner + of(hot - 1, cold);
+      increments[papers::PreisachParams<double>::index(hot, cold)] = inner + of(hot - 1, cold);
     }
   }
   const double all = F(node_count - 1, 0);
@@ -143,4 +147,4 @@ double sum_up(const Eigen::VectorXd& weights, PreisachParams<double>::Increments
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -12,17 +12,17 @@
 #include "host-sim/papers/fits/preisach_slices.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
-using Model = Preisach<double>;
+using Model = papers::Preisach<double>;
 constexpr std::size_t max_stresses = std::tuple_size_v<decltype(Model::Params::stress_Pa)>;
 
 /// Where half of the strain has gone on heating and come on cooling, the mean of the two.
 double middle_K(const PreisachSlice& slice) {
   const double half = 0.5 * (slice.shortest + slice.longest);
   std::vector<double> down, up;
-  for (const Run* run : slice.runs) {
+  for (const identify::Run* run : slice.runs) {
     for (std::size_t i = 1; i < run->strain.size(); ++i) {
       const double before = run->strain[i - 1] - half;
       const double after = run->strain[i] - half;
@@ -31,8 +31,9 @@ double middle_K(const PreisachSlice& slice) {
       }
     }
   }
-  return down.empty() || up.empty() ? std::nan("")
-                                    : 0.5 * (quantile(down, 0.5) + quantile(up, 0.5));
+  return down.empty() || up.empty()
+             ? std::nan("")
+             : 0.5 * (identify::quantile(down, 0.5) + identify::quantile(up, 0.5));
 }
 
 double fitted_shift_K_Pa(const std::vector<PreisachSlice>& slices) {
@@ -161,7 +162,7 @@ PreisachStrain strains_at(const PreisachWire& wire, double stress_Pa) {
           std::lerp(low.stroke, high.stroke, at.share)};
 }
 
-std::vector<double> replayed(const PreisachWire& wire, const Run& run) {
+std::vector<double> replayed(const PreisachWire& wire, const identify::Run& run) {
   std::vector<double> strain;
   const std::vector<double> T = steady_K(run.temperature_K);
   Model::State s = Model::rest(wire.kinetics, {T.front(), run.stress_Pa.front()});
@@ -173,10 +174,10 @@ std::vector<double> replayed(const PreisachWire& wire, const Run& run) {
 }
 
 /// What the model makes of the runs that it was fitted to.
-void replay(const std::vector<Run>& runs, PreisachFit& fit) {
+void replay(const std::vector<identify::Run>& runs, PreisachFit& fit) {
   double squares = 0;
   std::size_t count = 0;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     fit.strain.push_back(replayed(fit.wire, run));
     for (std::size_t i = 0; i < run.strain.size(); ++i) {
       const double stroke = strains_at(fit.wire, run.stress_Pa[i]).stroke;
@@ -187,20 +188,21 @@ void replay(const std::vector<Run>& runs, PreisachFit& fit) {
   fit.rms = std::sqrt(squares / static_cast<double>(count));
 }
 
-void require_histories(const std::vector<Run>& runs, const std::vector<double>& stresses_Pa) {
+void require_histories(const std::vector<identify::Run>& runs,
+                       const std::vector<double>& stresses_Pa) {
   if (runs.empty()) {
-    throw UserError("no run; the Preisach model needs strain over temperature");
+    throw files::UserError("no run; the Preisach model needs strain over temperature");
   }
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     if (run.strain.empty() || run.temperature_K.empty() || run.stress_Pa.empty()) {
-      throw UserError(fmt::format(
+      throw files::UserError(fmt::format(
           "{}: the Preisach model needs temperature, stress and strain of every row", run.name));
     }
   }
   if (stresses_Pa.empty() || stresses_Pa.size() > max_stresses ||
       std::ranges::adjacent_find(stresses_Pa, std::greater_equal{}) != stresses_Pa.end()) {
-    throw UserError(fmt::format("{} stresses, 1 to {} that rise are allowed", stresses_Pa.size(),
-                                max_stresses));
+    throw files::UserError(fmt::format("{} stresses, 1 to {} that rise are allowed",
+                                       stresses_Pa.size(), max_stresses));
   }
 }
 
@@ -220,7 +222,7 @@ double PreisachWire::increment(double hot_K, double cold_K, double stress_Pa) co
          Model::increment(kinetics, inside(hot_K), inside(cold_K), stress_Pa);
 }
 
-PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift) {
+PreisachFit fit_preisach(const std::vector<identify::Run>& runs, StressShift shift) {
   const std::vector<PreisachSlice> slices = preisach_slices(runs, max_stresses);
   PreisachFit fit{};
   Model::Params& p = fit.wire.kinetics;
@@ -239,7 +241,7 @@ PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift) {
   return fit;
 }
 
-PreisachFit fit_preisach_histories(const std::vector<Run>& runs,
+PreisachFit fit_preisach_histories(const std::vector<identify::Run>& runs,
                                    const std::vector<double>& stresses_Pa, double shift_K_Pa) {
   constexpr double tie = 1e-3;
   require_histories(runs, stresses_Pa);
@@ -254,4 +256,4 @@ PreisachFit fit_preisach_histories(const std::vector<Run>& runs,
   return fit;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

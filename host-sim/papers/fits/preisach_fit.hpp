@@ -7,7 +7,7 @@
 #include "host-sim/identify/runs/run.hpp"
 #include "model/papers/preisach.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// Strain at one stress of a Preisach model, linear between two and constant beyond.
 struct PreisachStrain {
@@ -16,7 +16,7 @@ struct PreisachStrain {
 };
 
 struct PreisachWire {
-  Preisach<double>::Params kinetics;
+  papers::Preisach<double>::Params kinetics;
   std::vector<PreisachStrain> strains;  ///< one for each stress of the kinetics
 
   double strain(double martensite, double stress_Pa) const;
@@ -45,14 +45,14 @@ struct PreisachFit {
 /// Throws UserError for no run, one that is not in a bath or has no strain, a stress that is not
 /// constant, more than 8 stresses, a run that begins neither hot nor cold, and for a stress with
 /// fewer than five reversal curves.
-PreisachFit fit_preisach(const std::vector<Run>& runs, StressShift shift);
+PreisachFit fit_preisach(const std::vector<identify::Run>& runs, StressShift shift);
 
 /// The same from any histories under any load, at these stresses (rising, up to 8): a row between
 /// two of them counts for both, and the weights of neighbours are held together. The temperature
 /// may be one that a heat balance gives; what is wrong with it is in the model then. Runs begin
 /// hot, or cooled down from hot. Throws UserError for no run, one without temperature, stress or
 /// strain, and for stresses that do not rise or are too many.
-PreisachFit fit_preisach_histories(const std::vector<Run>& runs,
+PreisachFit fit_preisach_histories(const std::vector<identify::Run>& runs,
                                    const std::vector<double>& stresses_Pa, double shift_K_Pa);
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

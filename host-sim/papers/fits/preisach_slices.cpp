@@ -8,26 +8,27 @@
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
 constexpr double smallest_reversal_K = 0.5;
 constexpr double same_stress_Pa = 3e6;
 constexpr std::size_t fewest_curves = 5;
 
-[[noreturn]] void fail(const Run& run, const std::string& what) {
-  throw UserError(fmt::format("{}: {}", run.name, what));
+[[noreturn]] void fail(const identify::Run& run, const std::string& what) {
+  throw files::UserError(fmt::format("{}: {}", run.name, what));
 }
 
-double checked_stress_Pa(const Run& run) {
-  if (run.kind != RunKind::bath || run.strain.empty()) {
-    fail(run, fmt::format("is a {} run{}; the Preisach model is identified from strain over "
-                          "temperature in a bath",
-                          name_of(run.kind), run.strain.empty() ? " without strain" : ""));
+double checked_stress_Pa(const identify::Run& run) {
+  if (run.kind != identify::RunKind::bath || run.strain.empty()) {
+    fail(run,
+         fmt::format("is a {} run{}; the Preisach model is identified from strain over "
+                     "temperature in a bath",
+                     identify::name_of(run.kind), run.strain.empty() ? " without strain" : ""));
   }
-  const double middle_Pa = quantile(run.stress_Pa, 0.5);
-  const double low_Pa = quantile(run.stress_Pa, 0.05);
-  const double high_Pa = quantile(run.stress_Pa, 0.95);
+  const double middle_Pa = identify::quantile(run.stress_Pa, 0.5);
+  const double low_Pa = identify::quantile(run.stress_Pa, 0.05);
+  const double high_Pa = identify::quantile(run.stress_Pa, 0.95);
   if (low_Pa < middle_Pa - same_stress_Pa || high_Pa > middle_Pa + same_stress_Pa) {
     fail(run,
          fmt::format("its stress goes from {:.1f} to {:.1f} MPa; reversal curves need a constant "
@@ -48,7 +49,7 @@ double checked_stress_Pa(const Run& run) {
 std::size_t reversal_count(const PreisachSlice& slice) {
   const double stroke = slice.longest - slice.shortest;
   std::vector<long> tops;
-  for (const Run* run : slice.runs) {
+  for (const identify::Run* run : slice.runs) {
     const std::vector<double> T = steady_K(run->temperature_K);
     bool heats = false;
     for (std::size_t i = 1; i < T.size(); ++i) {
@@ -68,7 +69,7 @@ void require_reversal_curves(const std::vector<PreisachSlice>& slices) {
   for (const PreisachSlice& slice : slices) {
     const std::size_t count = reversal_count(slice);
     if (count < fewest_curves) {
-      throw UserError(fmt::format(
+      throw files::UserError(fmt::format(
           "{}: {} reversal curves at {:.0f} MPa; the Preisach model needs at least {}, better 20: "
           "heat to another temperature within the transformation each time and cool down fully",
           slice.runs.front()->name, count, 1e-6 * slice.stress_Pa, fewest_curves));
@@ -100,12 +101,13 @@ std::vector<double> steady_K(const std::vector<double>& temperature_K) {
   return steady;
 }
 
-std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t max) {
+std::vector<PreisachSlice> preisach_slices(const std::vector<identify::Run>& runs,
+                                           std::size_t max) {
   if (runs.empty()) {
-    throw UserError("no run; the Preisach model needs reversal curves in a bath");
+    throw files::UserError("no run; the Preisach model needs reversal curves in a bath");
   }
   std::vector<PreisachSlice> slices;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     const double stress_Pa = checked_stress_Pa(run);
     const auto [shortest, longest] = std::ranges::minmax(run.strain);
     const auto same = std::ranges::find_if(slices, [&](const PreisachSlice& slice) {
@@ -121,11 +123,11 @@ std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::si
   }
   std::ranges::sort(slices, {}, &PreisachSlice::stress_Pa);
   if (slices.size() > max) {
-    throw UserError(
+    throw files::UserError(
         fmt::format("{} stresses; the Preisach model holds up to {}", slices.size(), max));
   }
   require_reversal_curves(slices);
   return slices;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -5,20 +5,20 @@
 
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// Runs at one stress.
 struct PreisachSlice {
   double stress_Pa;
-  std::vector<const Run*> runs;
+  std::vector<const identify::Run*> runs;
   double shortest, longest;  ///< strain
 };
 
 /// By rising stress, at most `max` of them, each with reversal curves. Throws UserError as
 /// fit_preisach() says.
-std::vector<PreisachSlice> preisach_slices(const std::vector<Run>& runs, std::size_t max);
+std::vector<PreisachSlice> preisach_slices(const std::vector<identify::Run>& runs, std::size_t max);
 
 /// The temperature without the reversals that its noise makes: those below 0.5 K.
 std::vector<double> steady_K(const std::vector<double>& temperature_K);
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

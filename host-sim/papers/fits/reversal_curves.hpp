@@ -4,15 +4,15 @@
 #include "firmware/bench/scenario.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// The run to identify a wire from at one stress: for each of `curves` temperatures from cold to
 /// there and back, so chosen for the wire's M2A that the first converts a little and the last
 /// nearly everything; a full cycle before and after. Cold is 25 °C or colder. stress_Pa as the wire
 /// allows.
-BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, int curves);
+bench::BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, int curves);
 
 /// What a bath of the scenario measures.
-Run bath_run(const Scenario& scenario);
+identify::Run bath_run(const bench::Scenario& scenario);
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

@@ -12,20 +12,20 @@
 #include "host-sim/papers/fits/full_branches.hpp"
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 namespace {
 
-using Observer = StrainResistance<double>;
+using Observer = papers::StrainResistance<double>;
 
-double stroke(const Run& run) {
+double stroke(const identify::Run& run) {
   const auto [shortest, longest] = std::ranges::minmax(run.strain);
   return longest - shortest;
 }
 
 /// R_0: the median resistance of what is within a twentieth of the stroke of the longest.
-double martensite_ohm(const std::vector<Run>& runs) {
+double martensite_ohm(const std::vector<identify::Run>& runs) {
   std::vector<double> long_ohm;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     const double min = *std::ranges::max_element(run.strain) - 0.05 * stroke(run);
     for (std::size_t i = 0; i < run.strain.size(); ++i) {
       if (run.strain[i] > min && std::isfinite(run.resistance_ohm[i])) {
@@ -34,25 +34,25 @@ double martensite_ohm(const std::vector<Run>& runs) {
     }
   }
   if (long_ohm.empty()) {
-    throw UserError(
+    throw files::UserError(
         "no run has a resistance where the wire is long (within a twentieth of its stroke); let a "
         "small current flow while it is cold");
   }
-  return quantile(long_ohm, 0.5);
+  return identify::quantile(long_ohm, 0.5);
 }
 
-double row_s(const Run& run, std::size_t i) {
+double row_s(const identify::Run& run, std::size_t i) {
   constexpr double settled_s = 1e3;
   return run.time_s.empty() || i == 0 ? settled_s : run.time_s[i] - run.time_s[i - 1];
 }
 
 /// Four standard deviations of the smoothed resistance's noise, from the second differences of
 /// short windows: of the noisiest, since a small current makes more of it.
-double smallest_reversal(const std::vector<Run>& runs, double ohm) {
+double smallest_reversal(const std::vector<identify::Run>& runs, double ohm) {
   constexpr std::size_t window = 50;
   constexpr double min = 1e-4;
   std::vector<double> noise;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     const std::vector<double>& R = run.resistance_ohm;
     for (std::size_t begin = 1; begin + window + 1 < R.size(); begin += window) {
       std::vector<double> bends;
@@ -64,18 +64,19 @@ double smallest_reversal(const std::vector<Run>& runs, double ohm) {
       }
       if (bends.size() == window) {
         // The variance of a second difference is six times the noise's.
-        const double sd = quantile(bends, 0.5) / (0.6745 * std::sqrt(6.0));
+        const double sd = identify::quantile(bends, 0.5) / (0.6745 * std::sqrt(6.0));
         const double dt_s = row_s(run, begin);
         const double weight = dt_s / (dt_s + Observer::smoothing_s);
         noise.push_back(sd / ohm * std::sqrt(weight / (2 - weight)));
       }
     }
   }
-  return noise.empty() ? min : std::max(min, 4 * quantile(noise, 0.9));
+  return noise.empty() ? min : std::max(min, 4 * identify::quantile(noise, 0.9));
 }
 
 /// Slope by the median over all pairs, offset by the median of what is left.
-ResistanceLine<double> theil_sen(const std::vector<ResistancePoint<double>>& points) {
+papers::ResistanceLine<double> theil_sen(
+    const std::vector<papers::ResistancePoint<double>>& points) {
   std::vector<double> slopes;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
@@ -85,37 +86,37 @@ ResistanceLine<double> theil_sen(const std::vector<ResistancePoint<double>>& poi
       }
     }
   }
-  const double slope = slopes.empty() ? 0 : quantile(slopes, 0.5);
+  const double slope = slopes.empty() ? 0 : identify::quantile(slopes, 0.5);
   std::vector<double> offsets;
   offsets.reserve(points.size());
   for (const auto& point : points) {
     offsets.push_back(point.strain - slope * point.resistance);
   }
-  return {slope, quantile(offsets, 0.5)};
+  return {slope, identify::quantile(offsets, 0.5)};
 }
 
 /// The points of all branches at one load.
 struct Collected {
   double stress_Pa;
-  std::vector<ResistancePoint<double>> heating, cooling;
+  std::vector<papers::ResistancePoint<double>> heating, cooling;
 };
 
-std::vector<Collected> collect(const std::vector<Run>& runs, double ohm) {
+std::vector<Collected> collect(const std::vector<identify::Run>& runs, double ohm) {
   constexpr double min_stroke = 0.01;
   double longest = 0;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     longest = std::max(longest, stroke(run));
   }
   std::vector<Collected> levels;
-  for (const Run& run : runs) {
-    if (!has_constant_stress(run) || stroke(run) < std::max(min_stroke, 0.5 * longest)) {
+  for (const identify::Run& run : runs) {
+    if (!identify::has_constant_stress(run) || stroke(run) < std::max(min_stroke, 0.5 * longest)) {
       continue;
     }
     const FullBranches branches = full_branches(run, ohm);
     if (branches.heating.empty() || branches.cooling.empty()) {
       continue;
     }
-    const double stress_Pa = quantile(run.stress_Pa, 0.5);
+    const double stress_Pa = identify::quantile(run.stress_Pa, 0.5);
     const auto same = std::ranges::find_if(levels, [&](const Collected& level) {
       return std::abs(level.stress_Pa - stress_Pa) < std::max(0.05 * stress_Pa, 2e6);
     });
@@ -128,10 +129,10 @@ std::vector<Collected> collect(const std::vector<Run>& runs, double ohm) {
   return levels;
 }
 
-ResistanceLine<double> rising_line(const Collected& level, bool heats) {
-  const ResistanceLine<double> line = theil_sen(heats ? level.heating : level.cooling);
+papers::ResistanceLine<double> rising_line(const Collected& level, bool heats) {
+  const papers::ResistanceLine<double> line = theil_sen(heats ? level.heating : level.cooling);
   if (!(line.slope > 0)) {
-    throw UserError(fmt::format(
+    throw files::UserError(fmt::format(
         "the runs at {:.0f} MPa: strain does not rise with resistance on {} (slope {:.3f}), so no "
         "line can tell the one from the other; leave this load out or take a heavier one",
         level.stress_Pa * 1e-6, heats ? "heating" : "cooling", line.slope));
@@ -139,13 +140,13 @@ ResistanceLine<double> rising_line(const Collected& level, bool heats) {
   return line;
 }
 
-std::vector<LoadLevel> fit_levels(const std::vector<Run>& runs, double ohm) {
+std::vector<LoadLevel> fit_levels(const std::vector<identify::Run>& runs, double ohm) {
   std::vector<LoadLevel> levels;
   for (const Collected& level : collect(runs, ohm)) {
     levels.push_back({level.stress_Pa, rising_line(level, true), rising_line(level, false)});
   }
   if (levels.empty()) {
-    throw UserError(fmt::format(
+    throw files::UserError(fmt::format(
         "{} runs: none of constant load has a full heating and a full cooling, from 90 % of its "
         "stroke (which must be 1 % of the length, and half of the other runs') to 10 % without "
         "turning; measure at least one whole loop at each load",
@@ -173,14 +174,14 @@ std::vector<double> fit_polynomial(const std::vector<double>& x, const std::vect
   return {solved.data(), solved.data() + solved.size()};
 }
 
-StressPolynomial<double> polynomial(const std::vector<LoadLevel>& levels, int order,
-                                    double (*number)(const LoadLevel&)) {
+papers::StressPolynomial<double> polynomial(const std::vector<LoadLevel>& levels, int order,
+                                            double (*number)(const LoadLevel&)) {
   std::vector<double> x, y;
   for (const LoadLevel& level : levels) {
     x.push_back(level.stress_Pa / levels.back().stress_Pa);
     y.push_back(number(level));
   }
-  StressPolynomial<double> fitted{};
+  papers::StressPolynomial<double> fitted{};
   std::ranges::copy(fit_polynomial(x, y, order), fitted.coefficient);
   return fitted;
 }
@@ -207,10 +208,10 @@ double min_slope(const Observer::Params& p) {
   return min;
 }
 
-double mean_square(const Observer::Params& params, const std::vector<Run>& runs) {
+double mean_square(const Observer::Params& params, const std::vector<identify::Run>& runs) {
   double squares = 0;
   std::size_t count = 0;
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     const std::vector<double> strain = estimate_strain(params, run);
     for (std::size_t i = 0; i < strain.size(); ++i) {
       squares += (strain[i] - run.strain[i]) * (strain[i] - run.strain[i]);
@@ -222,7 +223,7 @@ double mean_square(const Observer::Params& params, const std::vector<Run>& runs)
 
 /// Least squares over a_0 (as a share of the least slope) and the logarithm of τ, on a grid that
 /// contracts around its best node: the valley is curved and shallow, and a run costs little.
-void fit_transitions(Observer::Params& p, const std::vector<Run>& runs) {
+void fit_transitions(Observer::Params& p, const std::vector<identify::Run>& runs) {
   const double slope = min_slope(p);
   std::array<double, 2> best{0.4, std::log(60.0)};
   std::array<double, 2> width{0.4, 3.0};
@@ -250,14 +251,14 @@ void fit_transitions(Observer::Params& p, const std::vector<Run>& runs) {
   p.strain_sd = std::sqrt(min);
 }
 
-void check(const std::vector<Run>& runs) {
-  for (const Run& run : runs) {
-    const bool usable = run.kind == RunKind::joule || run.kind == RunKind::bath;
+void check(const std::vector<identify::Run>& runs) {
+  for (const identify::Run& run : runs) {
+    const bool usable = run.kind == identify::RunKind::joule || run.kind == identify::RunKind::bath;
     if (!usable || run.strain.empty() || run.resistance_ohm.empty() || run.stress_Pa.empty()) {
-      throw UserError(fmt::format(
+      throw files::UserError(fmt::format(
           "{}: a run of kind {} with {} strains, {} resistances and {} stresses; all three are "
           "needed, of a joule or bath run",
-          run.name, name_of(run.kind), run.strain.size(), run.resistance_ohm.size(),
+          run.name, identify::name_of(run.kind), run.strain.size(), run.resistance_ohm.size(),
           run.stress_Pa.size()));
     }
   }
@@ -265,7 +266,7 @@ void check(const std::vector<Run>& runs) {
 
 }  // namespace
 
-StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
+StrainResistanceFit identify_strain_resistance(const std::vector<identify::Run>& runs) {
   check(runs);
   StrainResistanceFit fit{};
   Observer::Params& p = fit.params;
@@ -273,14 +274,15 @@ StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
   fit.levels = fit_levels(runs, p.martensite_ohm);
   p.min_stress_Pa = fit.levels.front().stress_Pa;
   p.max_stress_Pa = fit.levels.back().stress_Pa;
-  fit.order = std::min(StressPolynomial<double>::order, static_cast<int>(fit.levels.size()) - 1);
+  fit.order =
+      std::min(papers::StressPolynomial<double>::order, static_cast<int>(fit.levels.size()) - 1);
   // A polynomial may swing below zero between the loads; then one of lower order is taken.
   for (fit_polynomials(fit); !(min_slope(p) > 0); fit_polynomials(fit)) {
     --fit.order;
   }
-  std::vector<Run> thin;
+  std::vector<identify::Run> thin;
   thin.reserve(runs.size());
-  for (const Run& run : runs) {
+  for (const identify::Run& run : runs) {
     // Transitions are slower than that, and every trial runs through all rows.
     thin.push_back(averaged(run, 0.02));
   }
@@ -289,7 +291,7 @@ StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs) {
   return fit;
 }
 
-std::vector<double> estimate_strain(const Observer::Params& params, const Run& run) {
+std::vector<double> estimate_strain(const Observer::Params& params, const identify::Run& run) {
   std::vector<double> strain;
   Observer::State s{};
   for (std::size_t i = 0; i < run.strain.size(); ++i) {
@@ -305,4 +307,4 @@ std::vector<double> estimate_strain(const Observer::Params& params, const Run& r
   return strain;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

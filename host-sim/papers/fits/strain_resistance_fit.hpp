@@ -7,16 +7,16 @@
 #include "host-sim/identify/runs/run.hpp"
 #include "observer/papers/strain_resistance.hpp"
 
-namespace smaservo {
+namespace smaservo::fits {
 
 /// The lines at one load.
 struct LoadLevel {
   double stress_Pa;
-  ResistanceLine<double> heating, cooling;
+  papers::ResistanceLine<double> heating, cooling;
 };
 
 struct StrainResistanceFit {
-  StrainResistance<double>::Params params;
+  papers::StrainResistance<double>::Params params;
   std::vector<LoadLevel> levels;  ///< by stress
   int order;  ///< of the polynomials, up to 4; 0 for one level: then they hold at its stress alone
 };
@@ -29,9 +29,10 @@ struct StrainResistanceFit {
 /// loops. Throws UserError where no run has a full heating or a full cooling, and where the strain
 /// does not rise with the resistance, as light loads with much R-phase have it on cooling. Takes
 /// about a second for ten minutes at 1 kHz.
-StrainResistanceFit identify_strain_resistance(const std::vector<Run>& runs);
+StrainResistanceFit identify_strain_resistance(const std::vector<identify::Run>& runs);
 
 /// What the observer makes of a run: the strain of every row.
-std::vector<double> estimate_strain(const StrainResistance<double>::Params& params, const Run& run);
+std::vector<double> estimate_strain(const papers::StrainResistance<double>::Params& params,
+                                    const identify::Run& run);
 
-}  // namespace smaservo
+}  // namespace smaservo::fits

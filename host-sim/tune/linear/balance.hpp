@@ -4,7 +4,7 @@
 
 #include "host-sim/tune/linear/operating_points.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// The stress at which wire and spring balance, from the one before. `shorter` tells how much
 /// shorter than at rest the wire is at a stress; more stress makes it longer, so there is one
@@ -37,4 +37,4 @@ double balanced_stress_Pa(const TunedLoad& load, double from_Pa, const F& shorte
   return b;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

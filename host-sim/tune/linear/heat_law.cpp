@@ -5,7 +5,7 @@
 
 #include "firmware/control/feed_forward.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 HeatLaw::HeatLaw(const Settings<double>& settings, const TunedPlant& plant,
                  const Branches& nominal) {
@@ -41,4 +41,4 @@ double HeatLaw::loss_slope_W_K(Motion motion, double share) const {
   return nearest->loss_slope_W_K;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

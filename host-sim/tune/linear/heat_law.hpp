@@ -5,7 +5,7 @@
 #include "firmware/prepared.hpp"
 #include "host-sim/tune/linear/operating_points.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 class HeatLaw {
  public:
@@ -27,4 +27,4 @@ class HeatLaw {
   std::vector<Stop> stops_;
 };
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

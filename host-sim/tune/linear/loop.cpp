@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 using Complex = std::complex<double>;
@@ -42,4 +42,4 @@ Margins margins(const LinearLoop& loop) {
   return margins([&](double omega) { return open_loop(loop, omega); }, 1e-6 * nyquist, nyquist);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -7,7 +7,7 @@
 #include "firmware/settings.hpp"
 #include "host-sim/tune/linear/margins.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// From power to a controlled variable y and back. G(s) = y'/(C s + λ), held for a period.
 struct LinearLoop {
@@ -27,4 +27,4 @@ std::complex<double> open_loop(const LinearLoop& loop, double rad_s);
 /// At frequencies from far below the loop's to Nyquist.
 Margins margins(const LinearLoop& loop);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

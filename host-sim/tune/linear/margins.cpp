@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr double by_decade = 60;
@@ -139,4 +139,4 @@ Margins worse(const Margins& a, const Margins& b) {
           (a.gain < b.gain ? a : b).oscillation_rad_s};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// L(jω) of a loop that is stable when it is open, integrators aside; ω in rad/s.
 using OpenLoop = std::function<std::complex<double>(double rad_s)>;
@@ -39,4 +39,4 @@ struct AskedMargins {
 /// The worse of both, number by number; frequencies are those of the smaller margin.
 Margins worse(const Margins& a, const Margins& b);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

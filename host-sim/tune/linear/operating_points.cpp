@@ -6,7 +6,7 @@
 
 #include "host-sim/tune/linear/balance.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 using Kinetics3 = ThreePhase<double>;
@@ -250,4 +250,4 @@ Branches trace_branches(const TunedPlant& plant, double max_K, int stops) {
   return Tracing(plant, max_K, stops).all();
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

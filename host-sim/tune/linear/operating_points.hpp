@@ -7,7 +7,7 @@
 
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// A constant load (stroke 0), or a spring: a straight line from the stress on the wire at rest to
 /// that on one shorter by `stroke`.
@@ -74,4 +74,4 @@ struct Branches {
 /// each branch. A wire that can not reach a place has no stop there. Steps of 0.02 K.
 Branches trace_branches(const TunedPlant& plant, double max_K, int stops = 9);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

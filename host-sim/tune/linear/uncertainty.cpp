@@ -4,13 +4,13 @@
 
 #include "firmware/bench/dice.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr double min_draught = 0.8;
 
 /// A surface whose branch lies elsewhere, and is wider and otherwise curved.
-Surface<double> vary(Surface<double> surface, double known, Dice& dice) {
+Surface<double> vary(Surface<double> surface, double known, bench::Dice& dice) {
   const double width_K = surface.finish_K[0] - surface.start_K[0];
   const double shift_K = 2 * dice.deviation(known) * width_K;
   const double wider_K = dice.deviation(known) * width_K;
@@ -28,7 +28,7 @@ Surface<double> vary(Surface<double> surface, double known, Dice& dice) {
   return surface;
 }
 
-void vary(Phase<double>& phase, double known, Dice& dice) {
+void vary(Phase<double>& phase, double known, bench::Dice& dice) {
   phase.strain *= dice.factor(known);
   phase.modulus_Pa *= dice.factor(0.05);
   const double resistivity = dice.factor(0.003);
@@ -37,7 +37,7 @@ void vary(Phase<double>& phase, double known, Dice& dice) {
   phase.resistivity_ohm_m_Pa *= resistivity;
 }
 
-TunedPlant random_plant(const TunedPlant& plant, Dice& dice) {
+TunedPlant random_plant(const TunedPlant& plant, bench::Dice& dice) {
   TunedPlant p = plant;
   Wire<double>& w = p.wire;
   const double known = w.accuracy.strain / w.nominal_stroke;
@@ -67,11 +67,11 @@ std::vector<TunedPlant> uncertain_plants(const TunedPlant& plant, int count, std
   std::vector<TunedPlant> all{plant, plant, plant};
   all[1].draught *= min_draught;
   all[2].draught *= max_draught;
-  Dice dice(seed);
+  bench::Dice dice(seed);
   while (static_cast<int>(all.size()) < count) {
     all.push_back(random_plant(plant, dice));
   }
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -6,7 +6,7 @@
 
 #include "host-sim/tune/linear/operating_points.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 
 /// Most convection that a tuned loop has to bear, by still air.
 inline constexpr double max_draught = 1.5;
@@ -20,4 +20,4 @@ inline constexpr double max_draught = 1.5;
 /// members; plant.draught of the file counts.
 std::vector<TunedPlant> uncertain_plants(const TunedPlant& plant, int count, std::uint64_t seed);
 
-}  // namespace smaservo
+}  // namespace smaservo::tune

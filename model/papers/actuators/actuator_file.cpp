@@ -9,7 +9,7 @@
 #include "model/files/input_file.hpp"
 #include "model/files/toml_fields.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 namespace {
 
 using Params = DuhemActuator<double>::Params;
@@ -18,11 +18,11 @@ constexpr std::string_view strain_laws[] = {"balance", "polynomial"};
 
 /// The keys of a file, and by slot the members that they fill.
 struct Keys {
-  std::vector<Field> fields;
+  std::vector<files::Field> fields;
   std::vector<double*> members;
   std::size_t law;  ///< slot of the strain law
 
-  void add(std::string path, FieldType type, Kind kind, double min, double max,
+  void add(std::string path, files::FieldType type, Kind kind, double min, double max,
            std::span<double> to) {
     fields.push_back({std::move(path), type, kind, min, max, members.size(), to.size(), {}, ""});
     for (double& member : to) {
@@ -34,10 +34,10 @@ struct Keys {
 Keys make_keys(Params& p) {
   Keys keys{};
   const auto number = [&](const char* path, Kind kind, double min, double max, double& to) {
-    keys.add(path, FieldType::number, kind, min, max, std::span(&to, 1));
+    keys.add(path, files::FieldType::number, kind, min, max, std::span(&to, 1));
   };
   const auto list = [&](const char* path, Kind kind, double min, double max, std::span<double> to) {
-    keys.add(path, FieldType::list, kind, min, max, to);
+    keys.add(path, files::FieldType::list, kind, min, max, to);
   };
   number("wire.length", kind::length, 1e-3, 100, p.bias.length_m);
   number("wire.diameter", kind::length, 5e-6, 5e-3, p.bias.diameter_m);
@@ -88,7 +88,7 @@ Keys make_keys(Params& p) {
   number("resistivity.highest", kind::temperature, 200, 600, rho.highest_K);
   keys.law = keys.members.size();
   keys.fields.push_back(
-      {"strain.law", FieldType::choice, kind::count, 0, 0, keys.law, 1, strain_laws, ""});
+      {"strain.law", files::FieldType::choice, kind::count, 0, 0, keys.law, 1, strain_laws, ""});
   return keys;
 }
 
@@ -117,7 +117,7 @@ class Check {
 
  private:
   [[noreturn]] void refuse(const std::string& key, const std::string& reason) const {
-    throw ConfigError(fmt::format("{}: {}: {}", origin_, key, reason));
+    throw files::ConfigError(fmt::format("{}: {}: {}", origin_, key, reason));
   }
 
   void check_heat() const {
@@ -167,7 +167,7 @@ class Check {
 
 Params load_actuator(const std::string& name_or_path) {
   if (name_or_path.ends_with(".toml")) {
-    return parse_actuator(whole_file(name_or_path), name_or_path);
+    return parse_actuator(files::whole_file(name_or_path), name_or_path);
   }
   std::vector<std::string_view> names;
   for (const ActuatorPreset& preset : actuator_presets()) {
@@ -176,7 +176,7 @@ Params load_actuator(const std::string& name_or_path) {
     }
     names.push_back(preset.name);
   }
-  throw ConfigError(
+  throw files::ConfigError(
       fmt::format("{}: no such actuator; a file's name ends in .toml, the presets are: {}",
                   name_or_path, fmt::join(names, ", ")));
 }
@@ -184,10 +184,11 @@ Params load_actuator(const std::string& name_or_path) {
 Params parse_actuator(std::string_view text, const std::string& origin) {
   Params p{};
   const Keys keys = make_keys(p);
-  const Entries entries = read_fields(keys.fields, parse_toml(text, origin), origin);
-  for (const Field& field : keys.fields) {
+  const files::Entries entries =
+      files::read_fields(keys.fields, files::parse_toml(text, origin), origin);
+  for (const files::Field& field : keys.fields) {
     if (!entries.contains(field.slot)) {
-      throw ConfigError(fmt::format("{}: {}: is missing", origin, field.path));
+      throw files::ConfigError(fmt::format("{}: {}: is missing", origin, field.path));
     }
   }
   for (std::size_t slot = 0; slot < keys.members.size(); ++slot) {
@@ -198,4 +199,4 @@ Params parse_actuator(std::string_view text, const std::string& origin) {
   return p;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

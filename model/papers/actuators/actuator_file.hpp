@@ -8,7 +8,7 @@
 
 #include "model/papers/duhem_actuator.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 
 /// One .toml file of this folder.
 struct ActuatorPreset {
@@ -27,4 +27,4 @@ DuhemActuator<double>::Params parse_actuator(std::string_view text, const std::s
 /// Table I of paper 001.
 inline constexpr std::string_view paper_001_actuator = "spring-biased-381um";
 
-}  // namespace smaservo
+}  // namespace smaservo::papers

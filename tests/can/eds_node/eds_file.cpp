@@ -50,8 +50,8 @@ class Section {
   }
   [[noreturn]] void refuse(std::string_view key, std::string_view value,
                            std::string_view wanted) const {
-    throw UserError(fmt::format("{}: [{}] {}={}: must be {}", file_, shown_text(name_), key,
-                                shown_text(value), wanted));
+    throw files::UserError(fmt::format("{}: [{}] {}={}: must be {}", file_, shown_text(name_), key,
+                                       shown_text(value), wanted));
   }
   std::int64_t number(std::string_view key, std::uint8_t node_id) const;
   std::int64_t number(std::string_view key, std::uint8_t node_id, std::int64_t missing) const {
@@ -119,13 +119,13 @@ Sections read_sections(std::string_view text, const std::string& file) {
     }
     if (line[0] == '[') {
       if (line.back() != ']') {
-        throw UserError(
+        throw files::UserError(
             fmt::format("{}:{}: {}: a section ends with ]", file, number, shown_text(line)));
       }
       const std::string name(line.substr(1, line.size() - 2));
       const auto [at, fresh] = sections.try_emplace(lower(name), file, name);
       if (!fresh) {
-        throw UserError(
+        throw files::UserError(
             fmt::format("{}:{}: [{}]: stands there twice", file, number, shown_text(name)));
       }
       open = &at->second;
@@ -133,8 +133,8 @@ Sections read_sections(std::string_view text, const std::string& file) {
     }
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos || open == nullptr) {
-      throw UserError(fmt::format("{}:{}: {}: must be key=value within a section", file, number,
-                                  shown_text(line)));
+      throw files::UserError(fmt::format("{}:{}: {}: must be key=value within a section", file,
+                                         number, shown_text(line)));
     }
     open->add(std::string(trimmed(line.substr(0, equals))),
               std::string(trimmed(line.substr(equals + 1))));
@@ -287,11 +287,11 @@ Eds parse_eds(std::string_view text, const std::string& file, std::uint8_t node_
   std::ranges::sort(eds.objects, {}, &EdsObject::key);
   const auto twice = std::ranges::adjacent_find(eds.objects, {}, &EdsObject::key);
   if (twice != eds.objects.end()) {
-    throw UserError(fmt::format("{}: object {:04X}h:{} stands there twice", file, twice->key.index,
-                                twice->key.sub));
+    throw files::UserError(fmt::format("{}: object {:04X}h:{} stands there twice", file,
+                                       twice->key.index, twice->key.sub));
   }
   if (eds.objects.empty()) {
-    throw UserError(fmt::format("{}: has no objects", file));
+    throw files::UserError(fmt::format("{}: has no objects", file));
   }
   return eds;
 }

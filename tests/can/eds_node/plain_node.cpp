@@ -188,9 +188,9 @@ std::uint64_t now_us() {
                                         .count());
 }
 
-template <CanPort P>
+template <hal::CanPort P>
 void serve(PlainNode& node, P& port) {
-  CanFrame frame;
+  hal::CanFrame frame;
   while (port.receive(frame)) {
     node.receive(frame, now_us());
   }
@@ -204,9 +204,9 @@ void serve(PlainNode& node, P& port) {
 
 void run_plain_node(const std::string& eds_file, const std::string& can, std::uint8_t node_id,
                     double duration_s) {
-  const std::string text = whole_file(eds_file);
+  const std::string text = files::whole_file(eds_file);
   PlainNode node(parse_eds(text, eds_file, node_id), text, node_id);
-  LinuxCan port = open_can(can);
+  hal::LinuxCan port = hal::open_can(can);
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   fmt::print("node {} serves {} on {}\n", node_id, eds_file, can);

@@ -16,10 +16,10 @@ class PlainNode final : private canopen::Application {
   PlainNode& operator=(const PlainNode&) = delete;
   ~PlainNode() = default;
 
-  void receive(const CanFrame& frame, std::uint64_t now_us) { node_.receive(frame, now_us); }
+  void receive(const hal::CanFrame& frame, std::uint64_t now_us) { node_.receive(frame, now_us); }
   /// Answers requests of the node by itself: what it stores lasts as long as this object.
   void advance(std::uint64_t now_us);
-  bool take(CanFrame& frame) { return node_.take(frame); }
+  bool take(hal::CanFrame& frame) { return node_.take(frame); }
   canopen::Node& node() { return node_; }
 
  private:

@@ -81,20 +81,20 @@ class Client {
       : node(parse_eds(text, "sheet", id), std::string(text), id), id_(id) {
     step();
   }
-  std::vector<CanFrame> step() {
+  std::vector<hal::CanFrame> step() {
     now_us += 1000;
     node.advance(now_us);
     return all();
   }
-  std::vector<CanFrame> all() {
-    std::vector<CanFrame> frames;
-    for (CanFrame f; node.take(f);) {
+  std::vector<hal::CanFrame> all() {
+    std::vector<hal::CanFrame> frames;
+    for (hal::CanFrame f; node.take(f);) {
       frames.push_back(f);
     }
     return frames;
   }
   std::vector<std::uint8_t> ask(std::array<std::uint8_t, 8> request) {
-    CanFrame f;
+    hal::CanFrame f;
     f.id = 0x600U + id_;
     f.length = 8;
     f.data = request;
@@ -132,7 +132,7 @@ TEST(PlainNode, BehavesAsTheSheetSays) {
   Client client(sheet);
   int beats = 0;
   for (int i = 0; i < 1000; ++i) {
-    for (const CanFrame& f : client.step()) {
+    for (const hal::CanFrame& f : client.step()) {
       beats += f.id == 0x703 ? 1 : 0;
     }
   }
@@ -143,7 +143,7 @@ TEST(EdsFile, TellsWhatIsWrongAndWhere) {
   const auto message = [](std::string_view text) -> std::string {
     try {
       parse_eds(text, "x.eds", 1);
-    } catch (const UserError& error) {
+    } catch (const files::UserError& error) {
       return error.what();
     }
     return "";

@@ -16,32 +16,32 @@ using ::testing::HasSubstr;
 
 constexpr const char* head = "note = 'n'\n[device]\nsettings = 'd.toml'\n";
 
-ClosedLoopScenario loaded(const std::string& text) {
+bench::ClosedLoopScenario loaded(const std::string& text) {
   const TemporaryFolder folder;
   folder.write("d.toml", "wire = 'smartflex-76um'\n[timing]\nperiod_ms = 2\n");
-  return load_closed_loop(folder.write("loop.toml", text));
+  return bench::load_closed_loop(folder.write("loop.toml", text));
 }
 
 std::string refusal(const std::string& text) {
   try {
     loaded(text);
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "was accepted";
 }
 
-CommandProgram program(const std::string& commands) {
-  return CommandProgram(loaded(head + commands).program);
+bench::CommandProgram program(const std::string& commands) {
+  return bench::CommandProgram(loaded(head + commands).program);
 }
 
 TEST(ClosedLoopScenario, HasDefaultsForAllButCommands) {
-  const ClosedLoopScenario s =
+  const bench::ClosedLoopScenario s =
       loaded(std::string(head) + "[[command]]\npower_mW = 20\nfor_s = 3\n");
   EXPECT_EQ(s.duration_s, 3);
-  EXPECT_EQ(s.plant.family, PlantFamily::ihyp);
+  EXPECT_EQ(s.plant.family, bench::PlantFamily::ihyp);
   EXPECT_EQ(s.board.period_ns, 2'000'000);
-  EXPECT_EQ(std::get<ConstantLoad>(s.board.load).stress_Pa, 150e6);
+  EXPECT_EQ(std::get<hal::ConstantLoad>(s.board.load).stress_Pa, 150e6);
   EXPECT_EQ(s.program.at(0).command.mode, Mode::power);
   EXPECT_DOUBLE_EQ(s.program.at(0).command.setpoint, 0.02);
   EXPECT_TRUE(s.program.at(0).command.arm);
@@ -50,7 +50,7 @@ TEST(ClosedLoopScenario, HasDefaultsForAllButCommands) {
 
 TEST(ClosedLoopScenario, ChangesSettings) {
   const std::string command = "[[command]]\nmode = 'off'\nfor_s = 1\n";
-  const ClosedLoopScenario s =
+  const bench::ClosedLoopScenario s =
       loaded(head + std::string("set = ['limits.duty=0.5', 'drive.kind=voltage']\n") + command);
   EXPECT_EQ(s.settings.limits.duty, 0.5);
   EXPECT_TRUE(s.board.converter.voltage_drive);
@@ -60,8 +60,8 @@ TEST(ClosedLoopScenario, ChangesSettings) {
 
 TEST(ClosedLoopScenario, TellsItsKindByTheDevice) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(is_closed_loop(folder.write("a.toml", head)));
-  EXPECT_FALSE(is_closed_loop(folder.write("b.toml", "note = 'n'\n")));
+  EXPECT_TRUE(bench::is_closed_loop(folder.write("a.toml", head)));
+  EXPECT_FALSE(bench::is_closed_loop(folder.write("b.toml", "note = 'n'\n")));
 }
 
 TEST(ClosedLoopScenario, SetpointsComeInAnyUnit) {
@@ -80,7 +80,7 @@ TEST(ClosedLoopScenario, SetpointsComeInAnyUnit) {
 }
 
 TEST(CommandProgram, StaircasesGoThereAndBack) {
-  CommandProgram p =
+  bench::CommandProgram p =
       program("[[command]]\nshape = 'staircase'\nstrain = [0.03, 0.01]\nsteps = 2\neach_s = 1\n");
   EXPECT_EQ(p.duration_s(), 5);
   const double levels[] = {0.03, 0.02, 0.01, 0.02, 0.03, 0.03};
@@ -90,7 +90,7 @@ TEST(CommandProgram, StaircasesGoThereAndBack) {
 }
 
 TEST(CommandProgram, TrapezoidsAreLinesAndRests) {
-  CommandProgram p = program(
+  bench::CommandProgram p = program(
       "[[command]]\nshape = 'trapezoid'\nstrain = [0.04, 0.02]\nramp_s = 2\nhold_s = 1\ntimes = "
       "2\n");
   EXPECT_EQ(p.duration_s(), 12);
@@ -103,7 +103,7 @@ TEST(CommandProgram, TrapezoidsAreLinesAndRests) {
 }
 
 TEST(CommandProgram, SweepsPassEveryFrequencyOnce) {
-  CommandProgram p =
+  bench::CommandProgram p =
       program("[[command]]\nshape = 'sine'\nstrain = [0.01, 0.03]\nHz = [1, 8]\nfor_s = 10\n");
   // T (f1 - f0)/ln(f1/f0) cycles, so twice as many turns through the middle.
   const int cycles = static_cast<int>(2 * 10 * 7 / std::log(8.0));
@@ -127,9 +127,9 @@ TEST(CommandProgram, RandomStepsStayInTheirRangeAndFollowTheSeed) {
   const std::string commands =
       "[[command]]\nshape = 'random'\nstrain = [0.01, 0.03]\neach_s = [0.1, 0.3]\nfor_s = 20\n";
   const std::string seeded = "seed = 2\n" + std::string(head) + commands;
-  const ClosedLoopScenario a = loaded(head + commands);
-  const ClosedLoopScenario b = loaded(head + commands);
-  const ClosedLoopScenario c = loaded(seeded);
+  const bench::ClosedLoopScenario a = loaded(head + commands);
+  const bench::ClosedLoopScenario b = loaded(head + commands);
+  const bench::ClosedLoopScenario c = loaded(seeded);
   EXPECT_NEAR(a.duration_s, 20, 1e-9);
   ASSERT_EQ(a.program.size(), b.program.size());
   for (std::size_t i = 0; i < a.program.size(); ++i) {
@@ -140,7 +140,7 @@ TEST(CommandProgram, RandomStepsStayInTheirRangeAndFollowTheSeed) {
 }
 
 TEST(CommandProgram, FlagsAndScales) {
-  CommandProgram p = program(
+  bench::CommandProgram p = program(
       "[[command]]\nstrain = 0.02\nfor_s = 1\nscale = [2, 0.5, 0]\nclear_faults = true\nsilent = "
       "true\narm = false\n");
   const Command<double> c = p.at(0.5);

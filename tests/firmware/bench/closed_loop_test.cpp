@@ -35,8 +35,9 @@ std::vector<std::string> scenarios() {
   return names;
 }
 
-ClosedLoopScenario shipped_scenario(const std::string& name) {
-  ClosedLoopScenario scenario = load_closed_loop(scenario_folder() / (name + ".toml"));
+bench::ClosedLoopScenario shipped_scenario(const std::string& name) {
+  bench::ClosedLoopScenario scenario =
+      bench::load_closed_loop(scenario_folder() / (name + ".toml"));
 #ifdef SMASERVO_SANITIZED
   // Many times slower; all have begun to move by then.
   scenario.duration_s = std::min(scenario.duration_s, 3.0);
@@ -47,13 +48,13 @@ ClosedLoopScenario shipped_scenario(const std::string& name) {
 class ShippedLoop : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedLoop, StaysFiniteAndCool) {
-  const ClosedLoopScenario scenario = shipped_scenario(GetParam());
+  const bench::ClosedLoopScenario scenario = shipped_scenario(GetParam());
   const double limit_K = scenario.settings.limits.temperature_K;
-  ClosedLoop loop(scenario);
+  bench::ClosedLoop loop(scenario);
   double moved = 0;
   double first = 0;
   while (loop.step()) {
-    const Cycle& cycle = loop.cycle();
+    const text::Cycle& cycle = loop.cycle();
     first = cycle.time_s == 0 ? cycle.truth.strain : first;
     moved = std::max(moved, first - cycle.truth.strain);
     ASSERT_LT(cycle.truth.hottest_K, limit_K + 3) << "at " << cycle.time_s << " s";
@@ -73,11 +74,12 @@ TEST_P(ShippedLoop, StaysFiniteAndCool) {
 
 TEST_P(ShippedLoop, ReplayedFromItsTextGivesTheSameBits) {
   const TemporaryFolder folder;
-  ClosedLoopScenario scenario = shipped_scenario(GetParam());
+  bench::ClosedLoopScenario scenario = shipped_scenario(GetParam());
   scenario.duration_s = std::min(scenario.duration_s, 4.0);
-  run_closed_loop(scenario, {.out = folder / "t.csv", .record = false});
-  const DeviceReplayOptions options{folder / "t.csv", {}, scenario.settings, folder / "again.csv"};
-  const DeviceReplayResult result = replay_device(options);
+  simulate::run_closed_loop(scenario, {.out = folder / "t.csv", .record = false});
+  const bench::DeviceReplayOptions options{
+      folder / "t.csv", {}, scenario.settings, folder / "again.csv"};
+  const bench::DeviceReplayResult result = bench::replay_device(options);
   EXPECT_NEAR(static_cast<double>(result.rows), 1e3 * scenario.duration_s, 1);
   EXPECT_EQ(result.compared.size(), 21U);
   EXPECT_EQ(result.differing_rows, 0U) << summary(options, result);
@@ -97,7 +99,7 @@ class Recorded {
  public:
   Recorded() : scenario_(shipped_scenario("steps")) {
     scenario_.duration_s = 1;
-    run_closed_loop(scenario_, {.out = folder_ / "t.csv", .record = false});
+    simulate::run_closed_loop(scenario_, {.out = folder_ / "t.csv", .record = false});
     lines_ = lines_of(file_text(folder_ / "t.csv"));
   }
   std::vector<std::string>& lines() { return lines_; }
@@ -114,8 +116,8 @@ class Recorded {
     const auto [from, size] = place(row, column_name);
     lines_.at(row).replace(from, size, text);
   }
-  DeviceReplayResult replay(double tolerance = 0) {
-    return replay_device(
+  bench::DeviceReplayResult replay(double tolerance = 0) {
+    return bench::replay_device(
         {folder_.write("edited.csv", joined(lines_)), {}, scenario_.settings, "", tolerance});
   }
   std::string refusal() {
@@ -139,7 +141,7 @@ class Recorded {
   }
 
   TemporaryFolder folder_;
-  ClosedLoopScenario scenario_;
+  bench::ClosedLoopScenario scenario_;
   std::vector<std::string> lines_;
 };
 
@@ -147,7 +149,7 @@ TEST(DeviceReplay, FindsAnOutputThatWasChanged) {
   Recorded run;
   run.edit(501, "drive_current_A", "0.25");
   run.edit(700, "state", "asleep");
-  const DeviceReplayResult result = run.replay();
+  const bench::DeviceReplayResult result = run.replay();
   EXPECT_EQ(result.differing_rows, 2U);
   ASSERT_EQ(result.differences.size(), 2U);
   EXPECT_EQ(result.differences[0].column, "drive_current_A");
@@ -173,13 +175,13 @@ TEST(DeviceReplay, ToleratesAShareOfAnOutputsRange) {
   const double before = std::stod(run.field(nearest, "drive_current_A"));
   const double change = (before < middle ? 0.01 : -0.01) * (max - min);
   run.edit(nearest, "drive_current_A", fmt::format("{}", before + change));
-  EXPECT_TRUE(agrees(run.replay(0.010001)));
-  EXPECT_FALSE(agrees(run.replay(0.009999)));
-  EXPECT_FALSE(agrees(run.replay()));
+  EXPECT_TRUE(bench::agrees(run.replay(0.010001)));
+  EXPECT_FALSE(bench::agrees(run.replay(0.009999)));
+  EXPECT_FALSE(bench::agrees(run.replay()));
 }
 
 TEST(DeviceReplay, ToleratesNoOtherTextAndNoMissingNumber) {
-  EXPECT_TRUE(agrees(Recorded().replay(1)));
+  EXPECT_TRUE(bench::agrees(Recorded().replay(1)));
   for (const auto& [column, text] : {std::pair{"state", "asleep"},
                                      {"latched_faults", "wire_open"},
                                      {"strain", ""},
@@ -187,7 +189,7 @@ TEST(DeviceReplay, ToleratesNoOtherTextAndNoMissingNumber) {
                                      {"strain", "0.01x"}}) {
     Recorded run;
     run.edit(700, column, text);
-    EXPECT_FALSE(agrees(run.replay(1))) << column << ' ' << text;
+    EXPECT_FALSE(bench::agrees(run.replay(1))) << column << ' ' << text;
   }
 }
 
@@ -202,9 +204,9 @@ TEST(DeviceReplay, WhatTheCallerKnewIsInTheLog) {
   for (std::size_t row = 601; row < run.lines().size(); ++row) {
     run.edit(row, "external_faults", "bus_lost");
   }
-  const DeviceReplayResult result = run.replay();
+  const bench::DeviceReplayResult result = run.replay();
   ASSERT_FALSE(result.differences.empty());
-  for (const OutputDifference& difference : result.differences) {
+  for (const bench::OutputDifference& difference : result.differences) {
     EXPECT_GE(difference.first_s, 0.6) << difference.column;
   }
 }
@@ -238,25 +240,25 @@ TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
 
 TEST(ClosedLoop, SameScenarioSameTrace) {
   const TemporaryFolder folder;
-  ClosedLoopScenario scenario = shipped_scenario("pair");
+  bench::ClosedLoopScenario scenario = shipped_scenario("pair");
   scenario.duration_s = 0.8;
   for (const char* name : {"a.csv", "b.csv"}) {
-    run_closed_loop(scenario, {.out = folder / name, .record = false});
+    simulate::run_closed_loop(scenario, {.out = folder / name, .record = false});
   }
   EXPECT_TRUE(file_text(folder / "a.csv") == file_text(folder / "b.csv"));
 }
 
 TEST(ClosedLoop, WithoutPowerThereIsNoCurrentAndNoMemory) {
-  ClosedLoopScenario scenario = shipped_scenario("steps");
+  bench::ClosedLoopScenario scenario = shipped_scenario("steps");
   scenario.duration_s = 2;
-  SimEvent& power_cut = scenario.events.emplace_back();
+  bench::SimEvent& power_cut = scenario.events.emplace_back();
   power_cut.at_s = 1;
   power_cut.for_s = 0.1;
   power_cut.reboots = true;
-  ClosedLoop loop(scenario);
+  bench::ClosedLoop loop(scenario);
   double before_A = 0;
   while (loop.step()) {
-    const Cycle& cycle = loop.cycle();
+    const text::Cycle& cycle = loop.cycle();
     const double between_s = cycle.time_s - 0.0005;  // events come between two steps
     if (between_s < 1) {
       before_A = std::max(before_A, cycle.output.current_A);
@@ -273,11 +275,12 @@ TEST(ClosedLoop, WithoutPowerThereIsNoCurrentAndNoMemory) {
 
 TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
   const TemporaryFolder folder;
-  ClosedLoopScenario scenario = shipped_scenario("steps");
+  bench::ClosedLoopScenario scenario = shipped_scenario("steps");
   scenario.duration_s = 3;
-  const LoopRunResult result = run_closed_loop(scenario, {.out = "", .record = true});
+  const simulate::LoopRunResult result =
+      simulate::run_closed_loop(scenario, {.out = "", .record = true});
   ASSERT_FALSE(result.strain_steps.empty());
-  write_report(folder / "r.html", scenario, result);
+  simulate::write_report(folder / "r.html", scenario, result);
   const std::string html = file_text(folder / "r.html");
   for (const char* part : {"Strain", "Temperature", "States, limits, faults", "overshoot",
                            "hottest point, true", "sublayers"}) {

@@ -70,16 +70,16 @@ std::string with(std::string_view line, std::string_view other) {
   return text.replace(at, line.size(), other);
 }
 
-Scenario load(std::string_view text) {
+bench::Scenario load(std::string_view text) {
   const TemporaryFolder folder;
-  return load_scenario(folder.write("s.toml", text));
+  return bench::load_scenario(folder.write("s.toml", text));
 }
 
 /// What is said about a scenario that is refused, without the folder.
 std::string refusal(std::string_view text) {
   const TemporaryFolder folder;
   try {
-    load_scenario(folder.write("s.toml", text));
+    bench::load_scenario(folder.write("s.toml", text));
   } catch (const std::runtime_error& error) {
     const std::string message = error.what();
     const std::string prefix = folder / "";
@@ -93,7 +93,7 @@ TEST(Scenario, EveryShippedOneLoadsAndHasItsTrace) {
   for (const auto& entry : fs::directory_iterator(traces())) {
     if (entry.path().extension() == ".toml") {
       ++found;
-      const Scenario scenario = load_scenario(entry.path());
+      const bench::Scenario scenario = bench::load_scenario(entry.path());
       EXPECT_FALSE(scenario.note.empty());
       EXPECT_TRUE(fs::exists(fs::path(entry.path()).replace_extension(".csv"))) << entry.path();
     } else if (entry.path().extension() == ".csv") {
@@ -104,25 +104,25 @@ TEST(Scenario, EveryShippedOneLoadsAndHasItsTrace) {
 }
 
 TEST(Scenario, NumbersBecomeSi) {
-  const Scenario scenario = load(good);
-  const auto& joule = std::get<JouleScenario>(scenario.run);
+  const bench::Scenario scenario = load(good);
+  const auto& joule = std::get<bench::JouleScenario>(scenario.run);
   EXPECT_EQ(scenario.seed, 1U);
   EXPECT_DOUBLE_EQ(joule.ambient_K, 298.15);
   EXPECT_DOUBLE_EQ(joule.min_current_A, 0.012);
-  EXPECT_DOUBLE_EQ(std::get<ConstantLoad>(joule.load).stress_Pa, 150e6);
+  EXPECT_DOUBLE_EQ(std::get<hal::ConstantLoad>(joule.load).stress_Pa, 150e6);
   EXPECT_DOUBLE_EQ(joule.sensors.current_full_scale_A, 0.5);
   EXPECT_DOUBLE_EQ(joule.sensors.current_noise_A, 1e-5);
   EXPECT_DOUBLE_EQ(joule.sensors.load_gain, 1.002);
 }
 
 TEST(Scenario, DriveIsWhatTheFileSays) {
-  const Scenario scenario = load(good);
-  const auto& drive = std::get<JouleScenario>(scenario.run).drive;
+  const bench::Scenario scenario = load(good);
+  const auto& drive = std::get<bench::JouleScenario>(scenario.run).drive;
   ASSERT_GE(drive.size(), 5U);
   EXPECT_EQ(drive.front().level, 1);
   const double seconds =
       std::accumulate(drive.begin(), drive.end(), 0.0,
-                      [](double sum, const DriveStep& s) { return sum + s.seconds; });
+                      [](double sum, const bench::DriveStep& s) { return sum + s.seconds; });
   EXPECT_NEAR(seconds, 2 + 20 + 4 * 1.5, 1e-9);
   const std::size_t loops = drive.size() - 4;
   for (std::size_t i = 1; i < loops; ++i) {
@@ -136,9 +136,9 @@ TEST(Scenario, DriveIsWhatTheFileSays) {
 }
 
 TEST(Scenario, SeedDecidesTheDrive) {
-  const auto levels = [](const Scenario& scenario) {
+  const auto levels = [](const bench::Scenario& scenario) {
     std::vector<double> all;
-    for (const DriveStep& step : std::get<JouleScenario>(scenario.run).drive) {
+    for (const bench::DriveStep& step : std::get<bench::JouleScenario>(scenario.run).drive) {
       all.push_back(step.level);
     }
     return all;
@@ -148,16 +148,17 @@ TEST(Scenario, SeedDecidesTheDrive) {
 }
 
 TEST(Scenario, FamilyIsIhypUnlessTheFileSaysOtherwise) {
-  EXPECT_EQ(load(good).family, Family::ihyp);
-  for (const Family family : families) {
-    const std::string key = "seed = 1\nfamily = \"" + std::string(family_name(family)) + "\"";
+  EXPECT_EQ(load(good).family, hal::Family::ihyp);
+  for (const hal::Family family : hal::families) {
+    const std::string key = "seed = 1\nfamily = \"" + std::string(hal::family_name(family)) + "\"";
     EXPECT_EQ(load(with("seed = 1", key)).family, family);
   }
 }
 
 TEST(Scenario, ALevelMayRipple) {
-  const Scenario scenario = load(with("for_s = 2", "for_s = 2\nripple = 0.5\nripple_Hz = 4"));
-  const auto& drive = std::get<JouleScenario>(scenario.run).drive;
+  const bench::Scenario scenario =
+      load(with("for_s = 2", "for_s = 2\nripple = 0.5\nripple_Hz = 4"));
+  const auto& drive = std::get<bench::JouleScenario>(scenario.run).drive;
   EXPECT_EQ(drive.front().ripple, 0.5);
   EXPECT_EQ(drive.front().ripple_Hz, 4);
   EXPECT_EQ(drive.back().ripple, 0);
@@ -211,14 +212,15 @@ TEST(Scenario, MistakesAreNamedWithLineKeyValueAndRange) {
 TEST(Scenario, AWireThatIsNotThereIsNamed) {
   EXPECT_THAT(refusal(with("smartflex-76um", "smartflex-77um")), HasSubstr("smartflex-77um"));
   EXPECT_THAT(refusal(with("smartflex-76um", "units/c.toml")), HasSubstr("c.toml"));
-  EXPECT_THROW(load_scenario(traces() / "missing.toml"), UserError);
+  EXPECT_THROW(bench::load_scenario(traces() / "missing.toml"), files::UserError);
 }
 
 TEST(Scenario, AWireIsLookedForBesideTheScenario) {
   const TemporaryFolder folder;
   folder.write("w.toml",
                "name = \"mine\"\nbased_on = \"smartflex-76um\"\n[wire]\nlength_mm = 55\n");
-  const Scenario scenario = load_scenario(folder.write("s.toml", with("smartflex-76um", "w.toml")));
+  const bench::Scenario scenario =
+      bench::load_scenario(folder.write("s.toml", with("smartflex-76um", "w.toml")));
   EXPECT_DOUBLE_EQ(scenario.wire.wire.geometry.length_m, 0.055);
 }
 

@@ -13,28 +13,28 @@ class Eventful {
  public:
   explicit Eventful(const std::string& events)
       : scenario_(loaded(events)),
-        board_(make_plant(scenario_.plant), scenario_.board),
+        board_(bench::make_plant(scenario_.plant), scenario_.board),
         events_(scenario_.events, scenario_.board.surroundings) {}
-  SimBoard& at(double time_s) {
+  hal::SimBoard& at(double time_s) {
     events_.apply(time_s, board_);
     return board_;
   }
   bool late() const { return events_.late(); }
 
  private:
-  static ClosedLoopScenario loaded(const std::string& events) {
+  static bench::ClosedLoopScenario loaded(const std::string& events) {
     const TemporaryFolder folder;
     folder.write("d.toml", "wire = 'smartflex-76um'\n");
-    return load_closed_loop(
+    return bench::load_closed_loop(
         folder.write("e.toml",
                      "note = 'n'\n[device]\nsettings = 'd.toml'\n[plant]\nfamily = "
                      "'lumped'\n[[command]]\nmode = "
                      "'off'\nfor_s = 9\n" +
                          events));
   }
-  ClosedLoopScenario scenario_;
-  SimBoard board_;
-  SimEvents events_;
+  bench::ClosedLoopScenario scenario_;
+  hal::SimBoard board_;
+  bench::SimEvents events_;
 };
 
 TEST(SimEvents, ComeAndGo) {
@@ -50,8 +50,8 @@ TEST(SimEvents, ComeAndGo) {
   EXPECT_EQ(e.at(3.5).surroundings.draught, 1);
   EXPECT_DOUBLE_EQ(e.at(3.5).surroundings.ambient_K, 313.15);
   EXPECT_DOUBLE_EQ(e.at(4).surroundings.ambient_K, 298.15);
-  EXPECT_EQ(e.at(4.9).faults().circuit, Circuit::closed);
-  EXPECT_EQ(e.at(8).faults().circuit, Circuit::broken) << "for good";
+  EXPECT_EQ(e.at(4.9).faults().circuit, hal::Circuit::closed);
+  EXPECT_EQ(e.at(8).faults().circuit, hal::Circuit::broken) << "for good";
 }
 
 TEST(SimEvents, SpoilSensorsAndFlags) {
@@ -60,16 +60,16 @@ TEST(SimEvents, SpoilSensorsAndFlags) {
       "[[event]]\nat_s = 1.5\nfor_s = 1\nemergency_stop = true\nlate = true\n"
       "lost_frames = 0.5\n");
   const auto load = [&](double time_s) {
-    return e.at(time_s).faults().sensors[static_cast<std::size_t>(Reading::load)];
+    return e.at(time_s).faults().sensors[static_cast<std::size_t>(hal::Reading::load)];
   };
-  EXPECT_EQ(load(0).fault, SensorFault::none);
-  EXPECT_EQ(load(1.2).fault, SensorFault::offset);
+  EXPECT_EQ(load(0).fault, hal::SensorFault::none);
+  EXPECT_EQ(load(1.2).fault, hal::SensorFault::offset);
   EXPECT_EQ(load(1.2).amount, 0.1);
   EXPECT_FALSE(e.late());
   EXPECT_TRUE(e.at(1.6).faults().emergency_stop);
   EXPECT_EQ(e.at(1.6).faults().lost_share, 0.5);
   EXPECT_TRUE(e.late());
-  EXPECT_EQ(load(2.2).fault, SensorFault::none);
+  EXPECT_EQ(load(2.2).fault, hal::SensorFault::none);
   EXPECT_FALSE(e.at(2.6).faults().emergency_stop);
 }
 

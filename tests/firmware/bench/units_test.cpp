@@ -10,7 +10,7 @@ namespace smaservo::test {
 namespace {
 
 const Wire<double>& preset() {
-  static const Wire<double> wire = load_wire(std::string(default_wire)).wire;
+  static const Wire<double> wire = files::load_wire(std::string(files::default_wire)).wire;
   return wire;
 }
 
@@ -23,13 +23,14 @@ double deviation(const std::vector<double>& values, double from) {
 }
 
 TEST(RandomUnit, SeedAndFamilyDecide) {
-  EXPECT_EQ(to_toml(random_unit(Family::ihyp, 7).wire), to_toml(random_unit(Family::ihyp, 7).wire));
-  EXPECT_NE(random_unit(Family::ihyp, 7).wire.wire.geometry.length_m,
-            random_unit(Family::ihyp, 8).wire.wire.geometry.length_m);
-  EXPECT_EQ(random_unit(Family::sublayers, 7).sublayers.seed,
-            random_unit(Family::sublayers, 7).sublayers.seed);
-  EXPECT_NE(random_unit(Family::sublayers, 7).sublayers.seed,
-            random_unit(Family::sublayers, 8).sublayers.seed);
+  EXPECT_EQ(files::to_toml(bench::random_unit(hal::Family::ihyp, 7).wire),
+            files::to_toml(bench::random_unit(hal::Family::ihyp, 7).wire));
+  EXPECT_NE(bench::random_unit(hal::Family::ihyp, 7).wire.wire.geometry.length_m,
+            bench::random_unit(hal::Family::ihyp, 8).wire.wire.geometry.length_m);
+  EXPECT_EQ(bench::random_unit(hal::Family::sublayers, 7).sublayers.seed,
+            bench::random_unit(hal::Family::sublayers, 7).sublayers.seed);
+  EXPECT_NE(bench::random_unit(hal::Family::sublayers, 7).sublayers.seed,
+            bench::random_unit(hal::Family::sublayers, 8).sublayers.seed);
 }
 
 TEST(RandomUnit, SpreadsAsOneWireFromAnother) {
@@ -37,7 +38,8 @@ TEST(RandomUnit, SpreadsAsOneWireFromAnother) {
   const Wire<double>& p = preset();
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     const Wire<double> w =
-        random_unit(seed % 2 == 0 ? Family::ihyp : Family::sublayers, seed).wire.wire;
+        bench::random_unit(seed % 2 == 0 ? hal::Family::ihyp : hal::Family::sublayers, seed)
+            .wire.wire;
     start_K.push_back(w.kinetics.m2a.start_K[0] - p.kinetics.m2a.start_K[0]);
     slope.push_back(w.kinetics.m2a.start_K[1] / p.kinetics.m2a.start_K[1]);
     curvature.push_back(w.kinetics.m2a.curvature[0] / p.kinetics.m2a.curvature[0]);
@@ -59,21 +61,21 @@ TEST(RandomUnit, SpreadsAsOneWireFromAnother) {
 
 TEST(RandomUnit, EveryWireIsOneThatAFileMayDescribe) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    for (const Family family : families) {
-      const WireDescription wire = random_unit(family, seed).wire;
-      EXPECT_NO_THROW(parse_wire(to_toml(wire), wire.name)) << wire.name;
+    for (const hal::Family family : hal::families) {
+      const files::WireDescription wire = bench::random_unit(family, seed).wire;
+      EXPECT_NO_THROW(files::parse_wire(files::to_toml(wire), wire.name)) << wire.name;
     }
   }
 }
 
 TEST(RandomUnit, TypeFileIsThePresetWithTheUnitsColdResistance) {
-  for (const Family family : families) {
+  for (const hal::Family family : hal::families) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
-      const WireUnit unit = random_unit(family, seed);
+      const bench::WireUnit unit = bench::random_unit(family, seed);
       const Wire<double> type = unit.type_file();
       std::mt19937_64 random;
       const auto cold =
-          make_simulated_wire(family, unit.wire.wire, unit.sublayers, unit.scatter_K, random);
+          hal::make_simulated_wire(family, unit.wire.wire, unit.sublayers, unit.scatter_K, random);
       cold->rest(298.15, 0);
       // The scatter along the wire leaves a little.
       EXPECT_NEAR(cold_resistance_ohm(type) / cold->resistance_ohm(), 1, 1e-3);

@@ -24,27 +24,27 @@ constexpr std::int64_t ms = 1'000'000;
 
 struct Bench {
   Bench()
-      : desk(standard_settings(), links),
-        simulation(standard_closed_loop(desk.settings())),
+      : desk(bench::standard_settings(), links),
+        simulation(bench::standard_closed_loop(desk.settings())),
         demonstration(desk.settings()),
         device(desk.first()) {
     links.record = &ring;
   }
-  LoopLinks links;
-  LoopFigures figures;
-  ParameterDesk desk;
-  Simulation simulation;
-  Demonstration demonstration;
-  PreparedDevice device;
-  Ring<CycleRecord> ring{256};
+  daemon::LoopLinks links;
+  daemon::LoopFigures figures;
+  daemon::ParameterDesk desk;
+  daemon::Simulation simulation;
+  daemon::Demonstration demonstration;
+  daemon::PreparedDevice device;
+  daemon::Ring<daemon::CycleRecord> ring{256};
 };
 
 TEST(LoopAllocation, None) {
   Bench bench;
-  Loop loop(bench.simulation, NoPace{}, bench.device, bench.demonstration, bench.links,
-            bench.figures, {ms, true});
+  daemon::Loop loop(bench.simulation, daemon::NoPace{}, bench.device, bench.demonstration,
+                    bench.links, bench.figures, {ms, true});
   Settings<double> settings = bench.desk.settings();
-  CycleRecord record{};
+  daemon::CycleRecord record{};
   bool heated = false;
   for (int i = 0; i < 5000; ++i) {
     if (i % 500 == 100) {
@@ -70,9 +70,9 @@ int end_of(void (*then)()) {
   if (child == 0) {
     auto bench = std::make_unique<Bench>();
     std::thread([&] {
-      Loop loop(bench->simulation, Pace<MonotonicClock>(ms), bench->device, bench->demonstration,
-                bench->links, bench->figures, {ms, true});
-      if (!allow_loop_calls_only().empty()) {
+      daemon::Loop loop(bench->simulation, daemon::Pace<hal::MonotonicClock>(ms), bench->device,
+                        bench->demonstration, bench->links, bench->figures, {ms, true});
+      if (!daemon::allow_loop_calls_only().empty()) {
         _exit(77);
       }
       for (int i = 0; i < 200; ++i) {

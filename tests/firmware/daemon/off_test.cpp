@@ -124,7 +124,7 @@ TEST(Off, ASecondOneLeavesTheCopyAlone) {
   const OffBoard board;
   board.run_and_kill();
   const std::string copy = file_text(board.state("/board.toml"));
-  const RunMark first(board.state(), "boot");
+  const daemon::RunMark first(board.state(), "boot");
   board.write("1", "24");
   EXPECT_TRUE(board.run("--no-real-time").exited_with(1));
   EXPECT_EQ(file_text(board.state("/board.toml")), copy);

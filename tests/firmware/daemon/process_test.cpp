@@ -80,7 +80,7 @@ TEST(Process, EndsCleanlyWhenItIsAskedTo) {
 TEST(Process, TellsTheServiceManagerHowItIs) {
   const TemporaryFolder folder;
   const std::string path = folder / "notify";
-  const Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM, 0));
+  const hal::Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path.copy(address.sun_path, sizeof(address.sun_path) - 1);
@@ -273,12 +273,12 @@ TEST(LastRun, KnowsAPowerCutByTheMachinesStart) {
   const TemporaryFolder folder;
   const std::string state = folder / "state";
   {
-    RunMark(state, "boot-1").set(RunMark::State::heated);
+    daemon::RunMark(state, "boot-1").set(daemon::RunMark::State::heated);
   }
-  const RunMark mark(state, "boot-2");
-  EXPECT_EQ(mark.last().ending, Ending::power);
+  const daemon::RunMark mark(state, "boot-2");
+  EXPECT_EQ(mark.last().ending, daemon::Ending::power);
   EXPECT_TRUE(mark.last().heated);
-  EXPECT_EQ(describe(mark.last()),
+  EXPECT_EQ(daemon::describe(mark.last()),
             "the machine lost its power or was reset while the wire was heated");
 }
 
@@ -286,16 +286,16 @@ TEST(LastRun, KeepsWhatTheServiceManagerSays) {
   const TemporaryFolder folder;
   const std::string state = folder / "state";
   {
-    EXPECT_EQ(RunMark(state, "boot").last().ending, Ending::none);
+    EXPECT_EQ(daemon::RunMark(state, "boot").last().ending, daemon::Ending::none);
   }
-  keep_service_result(state, "watchdog");
+  daemon::keep_service_result(state, "watchdog");
   {
-    const RunMark mark(state, "boot");
-    EXPECT_EQ(describe(mark.last()),
+    const daemon::RunMark mark(state, "boot");
+    EXPECT_EQ(daemon::describe(mark.last()),
               "the last run was killed while the wire was off; service result: watchdog");
   }
-  RunMark(state, "boot").set(RunMark::State::ended);
-  EXPECT_FALSE(RunMark(state, "boot").last().unclean());
+  daemon::RunMark(state, "boot").set(daemon::RunMark::State::ended);
+  EXPECT_FALSE(daemon::RunMark(state, "boot").last().unclean());
 }
 
 }  // namespace

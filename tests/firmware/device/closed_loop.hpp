@@ -24,7 +24,7 @@ class ClosedLoop {
   using Result = typename Controller<S>::Result;
 
   explicit ClosedLoop(const Settings<S>& settings, double start_Pa = 150e6)
-      : wire(load_wire("smartflex-76um").wire, start_Pa), prepared_(prepare(settings)) {
+      : wire(files::load_wire("smartflex-76um").wire, start_Pa), prepared_(prepare(settings)) {
     const Inputs<S> in = wire.inputs<S>();
     state_ = Observer::start(prepared_.observer, measure(prepared_.measuring, in.sample),
                              static_cast<S>(298.15));

@@ -94,7 +94,7 @@ class RandomUse {
   static constexpr S inf = std::numeric_limits<S>::infinity();
 
   static const Wire<double>& preset() {
-    static const Wire<double> wire = load_wire("smartflex-76um").wire;
+    static const Wire<double> wire = files::load_wire("smartflex-76um").wire;
     return wire;
   }
   S between(double a, double b) { return static_cast<S>(a + (b - a) * uniform()); }

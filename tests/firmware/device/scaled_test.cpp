@@ -78,7 +78,7 @@ class Loop {
     wire.advance(static_cast<double>(out.current_A), 1e-3);
     return out;
   }
-  TestBench wire{load_wire("smartflex-76um").wire, 150e6};
+  TestBench wire{files::load_wire("smartflex-76um").wire, 150e6};
 
  private:
   Prepared<S> prepared_ = prepare(test_settings<S>());

@@ -11,11 +11,11 @@ namespace smaservo {
 
 /// For a preset wire, on a bench that reads cleanly; generous limits.
 template <class S = double>
-Settings<S> test_settings(const Wire<double>& wire = load_wire("smartflex-76um").wire) {
+Settings<S> test_settings(const Wire<double>& wire = files::load_wire("smartflex-76um").wire) {
   Settings<S> s{};
   s.identity = {1, 1};
   s.timing = {S(1e-3), S(0.1), S(0.005)};
-  s.wire = bench::convert<S>(wire);
+  s.wire = benchmarks::convert<S>(wire);
   s.measuring = {.current_offset_A = S(0),
                  .voltage_offset_V = S(0),
                  .load_offset_N = S(0),

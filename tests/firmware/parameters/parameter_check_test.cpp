@@ -25,7 +25,7 @@ std::string name(std::size_t i) {
 
 TEST(ParameterCheck, DefaultsDoWithEveryPresetWire) {
   EXPECT_TRUE(check(default_settings<double>()).ok());
-  for (const std::string& wire : preset_names()) {
+  for (const std::string& wire : files::preset_names()) {
     const Finding f = check(reference_settings(wire.c_str()));
     EXPECT_TRUE(f.ok()) << wire << ": " << name(f.parameter) << " " << name(f.other);
     EXPECT_EQ(first_missing(reference_settings(wire.c_str())), no_parameter) << wire;

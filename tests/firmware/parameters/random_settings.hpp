@@ -13,7 +13,7 @@ namespace smaservo {
 template <class S = double>
 Settings<S> reference_settings(const char* wire = "smartflex-76um") {
   Settings<double> settings = default_settings<double>();
-  settings.wire = load_wire(wire).wire;
+  settings.wire = files::load_wire(wire).wire;
   return stored_settings<S>(settings);
 }
 

@@ -7,7 +7,7 @@
 #include "firmware/signals.hpp"
 #include "firmware/text/device_trace.hpp"
 
-namespace smaservo {
+namespace smaservo::text {
 namespace {
 
 TEST(DeviceNames, SetsOfFaultsComeBack) {
@@ -65,4 +65,4 @@ TEST(Signals, WithANameInTracesAreColumns) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::text

@@ -15,14 +15,15 @@ using ::testing::StartsWith;
 
 constexpr std::string_view with_wire = "[wire]\nbased_on = \"smartflex-76um\"\n";
 
-Settings<double> parse(const std::string& text, const std::vector<Override>& overrides = {}) {
-  return parse_settings_file(text, "device.toml", overrides);
+Settings<double> parse(const std::string& text,
+                       const std::vector<files::Override>& overrides = {}) {
+  return text::parse_settings_file(text, "device.toml", overrides);
 }
 
-std::string error_of(const std::string& text, const std::vector<Override>& overrides = {}) {
+std::string error_of(const std::string& text, const std::vector<files::Override>& overrides = {}) {
   try {
     parse(text, overrides);
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     return error.what();
   }
   ADD_FAILURE() << "it is accepted:\n" << text;
@@ -43,21 +44,21 @@ TEST(SettingsFile, ReadsBackWhatItWrites) {
   std::mt19937 random(21);
   for (int i = 0; i < 100; ++i) {
     const Settings<double> settings = random_settings(random);
-    EXPECT_TRUE(same_settings(parse(to_toml(settings)), settings));
+    EXPECT_TRUE(same_settings(parse(text::to_toml(settings)), settings));
   }
   Settings<double> own = reference_settings();
   own.wire.kinetics.separate_r2a = own.wire.kinetics.separate_r2m = true;
   own.wire.kinetics.r2a = own.wire.kinetics.m2a;
   own.wire.kinetics.r2m = first_surface(own.wire.kinetics.a2m_a2r);
-  EXPECT_TRUE(same_settings(parse(to_toml(own)), own));
+  EXPECT_TRUE(same_settings(parse(text::to_toml(own)), own));
 }
 
 TEST(SettingsFile, TheTemplateOfEveryPresetIsAFile) {
-  for (const std::string& wire : preset_names()) {
-    const Settings<double> settings = parse(settings_template(wire));
-    EXPECT_TRUE(same_settings(settings, settings_for(load_wire(wire).wire))) << wire;
+  for (const std::string& wire : files::preset_names()) {
+    const Settings<double> settings = parse(text::settings_template(wire));
+    EXPECT_TRUE(same_settings(settings, text::settings_for(files::load_wire(wire).wire))) << wire;
     EXPECT_EQ(static_cast<float>(settings.limits.current_A),
-              static_cast<float>(load_wire(wire).wire.limits.current_A));
+              static_cast<float>(files::load_wire(wire).wire.limits.current_A));
   }
 }
 
@@ -90,8 +91,8 @@ TEST(SettingsFile, AWireFileStandsBesideIt) {
   const TemporaryFolder folder;
   folder.write("gripper.toml", "based_on = \"smartflex-76um\"\nwire.length_mm = 182\n");
   const std::string file = folder.write("device.toml", "wire = \"gripper.toml\"\n");
-  EXPECT_EQ(load_settings_file(file).wire.geometry.length_m, static_cast<double>(0.182F));
-  EXPECT_THROW(load_settings_file(folder / "nothing.toml"), UserError);
+  EXPECT_EQ(text::load_settings_file(file).wire.geometry.length_m, static_cast<double>(0.182F));
+  EXPECT_THROW(text::load_settings_file(folder / "nothing.toml"), files::UserError);
 }
 
 TEST(SettingsFile, MistakesSayWhereAndWhatIsAllowed) {
@@ -137,7 +138,7 @@ TEST(SettingsFile, AWireIsNeeded) {
 
 /// All that a wire file may say; but nothing follows from what is replaced.
 TEST(SettingsFile, TheWireIsSaidAsInAWireFile) {
-  const Wire<double> preset = load_wire("smartflex-76um").wire;
+  const Wire<double> preset = files::load_wire("smartflex-76um").wire;
   const Wire<double> wire = parse(std::string(with_wire) +
                                   "diameter_um = 80\n[wire.m2a]\nstart_degC_by_MPa = [70, 0.12]\n"
                                   "[wire.austenite]\nresistivity_uohm_m = 0.9\n")

@@ -12,9 +12,9 @@ namespace {
 
 TEST(LinuxBoard, CodesBecomeReadingsByTheCalibration) {
   Hands hands;
-  LinuxBoard board(parts(hands));
-  Frame frame{};
-  ASSERT_EQ(board.read(frame), ReadStatus::frame);
+  hal::LinuxBoard board(parts(hands));
+  hal::Frame frame{};
+  ASSERT_EQ(board.read(frame), hal::ReadStatus::frame);
   EXPECT_DOUBLE_EQ(frame.current_A, 0.1);
   EXPECT_DOUBLE_EQ(frame.voltage_V, 1.5);
   EXPECT_DOUBLE_EQ(frame.load_N, 0);
@@ -23,7 +23,7 @@ TEST(LinuxBoard, CodesBecomeReadingsByTheCalibration) {
 
 TEST(LinuxBoard, TheSwitchClosesLastAndOpensFirst) {
   Hands hands;
-  LinuxBoard board(parts(hands));
+  hal::LinuxBoard board(parts(hands));
   hands.order.clear();
   board.drive({0.1, 0, 0});
   EXPECT_EQ(hands.order, (std::vector<std::string>{"put", "on"}));
@@ -37,8 +37,8 @@ TEST(LinuxBoard, TheSwitchClosesLastAndOpensFirst) {
 
 TEST(LinuxBoard, WhatFailsEndsTheHeatAndTheKicks) {
   Hands hands;
-  LinuxBoard board(parts(hands));
-  Frame frame{};
+  hal::LinuxBoard board(parts(hands));
+  hal::Frame frame{};
   board.read(frame);
   board.drive({0.1, 0, 0});
   board.kick();
@@ -48,14 +48,14 @@ TEST(LinuxBoard, WhatFailsEndsTheHeatAndTheKicks) {
   board.kick();
   EXPECT_FALSE(hands.enabled) << "the second switch, where the first one does not answer";
   EXPECT_EQ(hands.kicks, 1);
-  EXPECT_EQ(board.read(frame), ReadStatus::frame);
+  EXPECT_EQ(board.read(frame), hal::ReadStatus::frame);
   EXPECT_TRUE(frame.driver_fault);
   hands.takes = true;
   board.drive({0.1, 0, 0});
   EXPECT_TRUE(hands.enabled);
   hands.stop = true;
   hands.comes = false;
-  EXPECT_EQ(board.read(frame), ReadStatus::nothing);
+  EXPECT_EQ(board.read(frame), hal::ReadStatus::nothing);
   board.drive({0.1, 0, 0});
   board.kick();
   EXPECT_EQ(hands.current_A, 0) << "the stop does not wait for a frame";

@@ -41,9 +41,9 @@ void expect_same_bits(const std::vector<std::string>& texts) {
   const TraceContents t = read_trace(file);
   ASSERT_EQ(t.rows.size(), texts.size());
   for (std::size_t i = 0; i < texts.size(); ++i) {
-    ASSERT_EQ(std::bit_cast<std::uint64_t>(t.at(i, Column::stress)),
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(t.at(i, hal::Column::stress)),
               std::bit_cast<std::uint64_t>(expected(texts[i])))
-        << texts[i] << " is read as " << t.at(i, Column::stress);
+        << texts[i] << " is read as " << t.at(i, hal::Column::stress);
   }
 }
 
@@ -114,13 +114,13 @@ TEST(TraceNumbers, RangeIsJudgedAfterConversion) {
       inside.push_back(expected(text));
     }
   }
-  TraceOptions options;
+  hal::TraceOptions options;
   options.lenient = true;
   const TraceContents t = read_trace(file, options);
   ASSERT_EQ(t.rows.size(), inside.size());
   ASSERT_GT(t.skipped, 5000U);
   for (std::size_t i = 0; i < inside.size(); ++i) {
-    ASSERT_EQ(t.at(i, Column::stress), inside[i]);
+    ASSERT_EQ(t.at(i, hal::Column::stress), inside[i]);
   }
 }
 

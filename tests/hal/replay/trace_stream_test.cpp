@@ -85,7 +85,7 @@ void expect_same(const TraceContents& a, const TraceContents& b) {
 TEST(TraceStream, PiecesOfAnySizeGiveTheSameRows) {
   std::string text = good_trace(2000);
   text += "bad line\n\n99999,1,x,2\n";
-  TraceOptions options;
+  hal::TraceOptions options;
   options.lenient = true;
   const TraceContents expected = read_trace(text, options);
   ASSERT_EQ(expected.rows.size(), 2001U);
@@ -99,7 +99,7 @@ TEST(TraceStream, PiecesOfAnySizeGiveTheSameRows) {
         at += size;
       }
     });
-    TraceReader reader("-", options);
+    hal::TraceReader reader("-", options);
     expect_same(read_all(reader), expected);
     EXPECT_EQ(reader.bytes(), text.size());
     EXPECT_EQ(reader.file_size(), 0U) << "nobody knows how much a pipe will give";
@@ -108,11 +108,11 @@ TEST(TraceStream, PiecesOfAnySizeGiveTheSameRows) {
 
 TEST(TraceStream, StandardInputIsCalledSo) {
   const PiecewiseInput input([](const PiecewiseInput::Send& send) { send("time_s\n0\nx\n"); });
-  TraceReader reader("-", {});
+  hal::TraceReader reader("-", {});
   try {
     read_all(reader);
     FAIL() << "x is no number";
-  } catch (const TraceError& error) {
+  } catch (const hal::TraceError& error) {
     EXPECT_STREQ(error.what(),
                  "standard input: line 3, column 1 (time_s): 'x' is not a finite number");
   }
@@ -121,12 +121,12 @@ TEST(TraceStream, StandardInputIsCalledSo) {
 TEST(TraceStream, FileSizeIsKnownAndReadToItsEnd) {
   const TemporaryFolder folder;
   const std::string text = good_trace(10);
-  TraceReader reader(folder.write("t.csv", text), {});
+  hal::TraceReader reader(folder.write("t.csv", text), {});
   EXPECT_EQ(reader.file_size(), text.size());
   EXPECT_EQ(read_all(reader).rows.size(), 10U);
   EXPECT_EQ(reader.bytes(), text.size());
   EXPECT_EQ(reader.rows(), 10U);
-  TraceRow row{};
+  hal::TraceRow row{};
   EXPECT_FALSE(reader.next(row)) << "the end stays the end";
 }
 
@@ -144,8 +144,8 @@ TEST(TraceStream, MemoryDoesNotGrowWithTheTrace) {
       send(block);
     }
   });
-  TraceReader reader("-", {});
-  TraceRow row{};
+  hal::TraceReader reader("-", {});
+  hal::TraceRow row{};
   ASSERT_TRUE(reader.next(row));
   auto low = std::bit_cast<std::uintptr_t>(row.text.data());
   auto high = low + row.text.size();
@@ -165,9 +165,9 @@ TEST(TraceStream, ALineMayFillTheBufferButNotMore) {
   ASSERT_EQ(t.texts.size(), 3U);
   EXPECT_EQ(t.texts[1], "1," + long_note);
   const std::string endless = "time_s,note\n0,a\n1," + std::string(2'000'000, 'n') + "\n2,b\n";
-  TraceOptions lenient;
+  hal::TraceOptions lenient;
   lenient.lenient = true;
-  for (const TraceOptions& options : {TraceOptions{}, lenient}) {
+  for (const hal::TraceOptions& options : {hal::TraceOptions{}, lenient}) {
     EXPECT_EQ(refusal(endless, options), "line 3: longer than 1048576 bytes; is this a CSV file?");
   }
 }
@@ -177,7 +177,7 @@ TEST(TraceStream, BinaryJunkIsRefused) {
   std::string junk(100'000, '\0');
   std::ranges::generate(junk, [&] { return static_cast<char>(up_to(random, 255)); });
   EXPECT_NE(refusal("time_s\n" + junk + "\n"), "");
-  TraceOptions options;
+  hal::TraceOptions options;
   options.lenient = true;
   const TraceContents t = read_trace("time_s,current_A\n" + junk + "\n", options);
   EXPECT_EQ(t.rows.size(), 0U);
@@ -215,17 +215,17 @@ struct Outcome {
   std::string error;  ///< empty when it was read to the end
 };
 
-Outcome read_until_error(const std::string& path, const TraceOptions& options) {
+Outcome read_until_error(const std::string& path, const hal::TraceOptions& options) {
   Outcome outcome;
   try {
-    TraceReader reader(path, options);
-    TraceRow row{};
+    hal::TraceReader reader(path, options);
+    hal::TraceRow row{};
     while (reader.next(row)) {
       outcome.contents.rows.push_back(row.values);
       outcome.contents.texts.emplace_back(row.text);
     }
     outcome.contents.skipped = reader.skipped();
-  } catch (const TraceError& error) {
+  } catch (const hal::TraceError& error) {
     outcome.error = error.what();
   }
   return outcome;
@@ -235,11 +235,11 @@ Outcome read_until_error(const std::string& path, const TraceOptions& options) {
 void expect_sound(const TraceContents& t) {
   double last_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < t.rows.size(); ++i) {
-    const double time_s = t.at(i, Column::time);
+    const double time_s = t.at(i, hal::Column::time);
     ASSERT_TRUE(std::isnan(time_s) || time_s > last_s);
     last_s = std::isnan(time_s) ? last_s : time_s;
-    ASSERT_FALSE(std::abs(t.at(i, Column::current)) > 1e3);
-    ASSERT_FALSE(std::abs(t.at(i, Column::voltage)) > 1e4);
+    ASSERT_FALSE(std::abs(t.at(i, hal::Column::current)) > 1e3);
+    ASSERT_FALSE(std::abs(t.at(i, hal::Column::voltage)) > 1e4);
   }
 }
 
@@ -247,7 +247,7 @@ TEST(TraceStream, DamagedTracesNeverCrash) {
   const std::string good = good_trace(12);
   const TemporaryFolder folder;
   Random random(8);
-  TraceOptions lenient;
+  hal::TraceOptions lenient;
   lenient.lenient = true;
   int refused = 0;
   int skipped = 0;

@@ -17,13 +17,13 @@ using ::testing::StartsWith;
 
 constexpr const char* plain = "time_s,current_A,voltage_V\n0,0.1,2\n0.5,0.2,4\n1,0.3,6\n";
 
-TraceOptions lenient() {
-  TraceOptions options;
+hal::TraceOptions lenient() {
+  hal::TraceOptions options;
   options.lenient = true;
   return options;
 }
-TraceOptions renamed(std::vector<std::string> renames) {
-  TraceOptions options;
+hal::TraceOptions renamed(std::vector<std::string> renames) {
+  hal::TraceOptions options;
   options.renames = std::move(renames);
   return options;
 }
@@ -32,15 +32,15 @@ TEST(TraceHeader, UnitsAreConvertedToSi) {
   const TraceContents t = read_trace(
       "time_ms,current_mA,voltage_mV,load_gf,stress_MPa,temperature_degC,ambient_K,"
       "strain_ref_percent,displacement_um\n1500,250,1200,1000,150,-3.15,300,4,2500\n");
-  EXPECT_DOUBLE_EQ(t.at(0, Column::time), 1.5);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::current), 0.25);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::voltage), 1.2);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::load), 9.80665);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::stress), 150e6);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::temperature), 270);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::ambient), 300);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::strain_ref), 0.04);
-  EXPECT_DOUBLE_EQ(t.at(0, Column::displacement), 2.5e-3);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::time), 1.5);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::current), 0.25);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::voltage), 1.2);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::load), 9.80665);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::stress), 150e6);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::temperature), 270);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::ambient), 300);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::strain_ref), 0.04);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::displacement), 2.5e-3);
 }
 
 TEST(TraceHeader, OrderDoesNotMatter) {
@@ -48,7 +48,8 @@ TEST(TraceHeader, OrderDoesNotMatter) {
   const TraceContents expected = read_trace(plain);
   ASSERT_EQ(t.rows.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
-    for (const Column column : {Column::time, Column::current, Column::voltage}) {
+    for (const hal::Column column :
+         {hal::Column::time, hal::Column::current, hal::Column::voltage}) {
       EXPECT_EQ(t.at(i, column), expected.at(i, column));
     }
   }
@@ -56,31 +57,32 @@ TEST(TraceHeader, OrderDoesNotMatter) {
 
 TEST(TraceHeader, WhatIsNotThereIsNotANumber) {
   const TraceContents t = read_trace(plain);
-  for (const Column column : {Column::load, Column::stress, Column::temperature, Column::ambient,
-                              Column::strain_ref, Column::displacement}) {
+  for (const hal::Column column :
+       {hal::Column::load, hal::Column::stress, hal::Column::temperature, hal::Column::ambient,
+        hal::Column::strain_ref, hal::Column::displacement}) {
     EXPECT_TRUE(std::isnan(t.at(0, column)));
   }
 }
 
 TEST(TraceHeader, ByteOrderMarkSpacesAndCarriageReturnsAreNotPartOfNames) {
   const TemporaryFolder folder;
-  TraceReader reader(folder.write("t.csv",
-                                  "\xEF\xBB\xBF time_s ,\tcurrent_A, voltage_V\t,note \r\n"
-                                  "0,0.1,2,x\r\n0.5,0.2,4,y z\r\n"),
-                     {});
+  hal::TraceReader reader(folder.write("t.csv",
+                                       "\xEF\xBB\xBF time_s ,\tcurrent_A, voltage_V\t,note \r\n"
+                                       "0,0.1,2,x\r\n0.5,0.2,4,y z\r\n"),
+                          {});
   EXPECT_THAT(reader.names(), ElementsAre("time_s", "current_A", "voltage_V", "note"));
   const TraceContents t = read_all(reader);
-  EXPECT_EQ(t.at(1, Column::voltage), 4);
+  EXPECT_EQ(t.at(1, hal::Column::voltage), 4);
   EXPECT_THAT(t.texts, ElementsAre("0,0.1,2,x", "0.5,0.2,4,y z"));
 }
 
 TEST(TraceHeader, UnknownColumnsAreKeptAsText) {
   const TemporaryFolder folder;
-  TraceReader reader(
+  hal::TraceReader reader(
       folder.write("t.csv", "note,time_s,temperature_ref_degC,\n,1,nan,\nnan,2,<&,text\n"), {});
   EXPECT_THAT(reader.unknown(), ElementsAre(0U, 2U, 3U));
-  EXPECT_TRUE(reader.has(Column::time));
-  EXPECT_FALSE(reader.has(Column::temperature));
+  EXPECT_TRUE(reader.has(hal::Column::time));
+  EXPECT_FALSE(reader.has(hal::Column::temperature));
   EXPECT_THAT(read_all(reader).texts, ElementsAre(",1,nan,", "nan,2,<&,text"));
 }
 
@@ -88,16 +90,16 @@ TEST(TraceHeader, ResistanceAndPowerAreTextUnlessAskedFor) {
   const std::string text = "time_s,resistance_mohm,power_mW_per_mg,power_W\n0,20500,,\n";
   const TraceContents kept = read_trace(text);
   EXPECT_THAT(kept.texts, ElementsAre("0,20500,,"));
-  EXPECT_TRUE(std::isnan(kept.at(0, Column::resistance)));
+  EXPECT_TRUE(std::isnan(kept.at(0, hal::Column::resistance)));
   EXPECT_EQ(read_trace("resistance_kohm,power\nx,y\n").rows.size(), 1U);
 
-  TraceOptions options;
+  hal::TraceOptions options;
   options.resistance_and_power = true;
   EXPECT_THAT(refusal(text, options), StartsWith("line 2, column 3 (power_mW_per_mg): "));
   const TraceContents read =
       read_trace("resistance_mohm,power_mW_per_mg,power_W\n20500,-0.2,x\n", options);
-  EXPECT_DOUBLE_EQ(read.at(0, Column::resistance), 20.5);
-  EXPECT_DOUBLE_EQ(read.at(0, Column::power), -200);
+  EXPECT_DOUBLE_EQ(read.at(0, hal::Column::resistance), 20.5);
+  EXPECT_DOUBLE_EQ(read.at(0, hal::Column::power), -200);
   EXPECT_THAT(refusal("resistance_kohm\n", options), HasSubstr("power_W_per_g"));
   EXPECT_EQ(refusal("power_W\n1\n", options), "") << "not specific: another quantity";
 }
@@ -120,8 +122,8 @@ TEST(TraceHeader, ForeignUnitsAreRefused) {
 TEST(TraceHeader, EmptyFilesAndFoldersAreRefused) {
   EXPECT_THAT(refusal(""), HasSubstr("is empty"));
   const TemporaryFolder folder;
-  EXPECT_THROW(TraceReader(folder.path().string(), {}), TraceError);
-  EXPECT_THROW(TraceReader(folder / "missing.csv", {}), TraceError);
+  EXPECT_THROW(hal::TraceReader(folder.path().string(), {}), hal::TraceError);
+  EXPECT_THROW(hal::TraceReader(folder / "missing.csv", {}), hal::TraceError);
 }
 
 TEST(TraceHeader, AHeaderAloneHasNoRows) {
@@ -132,20 +134,20 @@ TEST(TraceHeader, AHeaderAloneHasNoRows) {
 TEST(TraceRename, GivesAColumnAnotherNameAndFactor) {
   const std::string text = "step,I,current_A,voltage_V\n0,1,3,5\n2,2,4,6\n";
   const TraceContents t = read_trace(text, renamed({"time_s=step*5", "load_mN=I*-2e1"}));
-  EXPECT_DOUBLE_EQ(t.at(1, Column::time), 10);
-  EXPECT_DOUBLE_EQ(t.at(1, Column::load), -0.04);
-  EXPECT_DOUBLE_EQ(t.at(1, Column::current), 4);
+  EXPECT_DOUBLE_EQ(t.at(1, hal::Column::time), 10);
+  EXPECT_DOUBLE_EQ(t.at(1, hal::Column::load), -0.04);
+  EXPECT_DOUBLE_EQ(t.at(1, hal::Column::current), 4);
 }
 
 TEST(TraceRename, FactorComesBeforeTheUnit) {
   const TraceContents t = read_trace("T\n20\n", renamed({"temperature_degC=T*2"}));
-  EXPECT_DOUBLE_EQ(t.at(0, Column::temperature), zero_degC_K + 40);
+  EXPECT_DOUBLE_EQ(t.at(0, hal::Column::temperature), zero_degC_K + 40);
 }
 
 TEST(TraceRename, TakesAwayAMeaning) {
   const TraceContents t = read_trace("current_A,set\n1,2\n", renamed({"voltage_V=current_A"}));
-  EXPECT_EQ(t.at(0, Column::voltage), 1);
-  EXPECT_TRUE(std::isnan(t.at(0, Column::current)));
+  EXPECT_EQ(t.at(0, hal::Column::voltage), 1);
+  EXPECT_TRUE(std::isnan(t.at(0, hal::Column::current)));
 }
 
 TEST(TraceRename, MistakesAreNamed) {
@@ -249,26 +251,26 @@ TEST(TraceRows, LenientCountsAllAndExplainsTheFirst) {
 TEST(TraceRows, ASkippedRowDoesNotMoveTime) {
   const TraceContents t = read_trace("time_s\n0\n5x\n0.5\n1e9\n", lenient());
   ASSERT_EQ(t.rows.size(), 3U);
-  EXPECT_EQ(t.at(1, Column::time), 0.5);
+  EXPECT_EQ(t.at(1, hal::Column::time), 0.5);
 }
 
 TEST(TraceRows, PeriodStandsInForTime) {
-  TraceOptions options = lenient();
-  EXPECT_TRUE(std::isnan(read_trace("current_A\n1\n", options).at(0, Column::time)));
+  hal::TraceOptions options = lenient();
+  EXPECT_TRUE(std::isnan(read_trace("current_A\n1\n", options).at(0, hal::Column::time)));
   options.period_s = 0.25;
   const TraceContents t = read_trace("current_A\n1\n2\n3\n", options);
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(t.at(i, Column::time), 0.25 * static_cast<double>(i));
+    EXPECT_EQ(t.at(i, hal::Column::time), 0.25 * static_cast<double>(i));
   }
-  EXPECT_EQ(read_trace("time_s\n7\n", options).at(0, Column::time), 7) << "a column is better";
+  EXPECT_EQ(read_trace("time_s\n7\n", options).at(0, hal::Column::time), 7) << "a column is better";
 }
 
 TEST(TraceRows, PeriodAlsoPassesInRowsThatAreSkipped) {
-  TraceOptions options = lenient();
+  hal::TraceOptions options = lenient();
   options.period_s = 0.25;
   const TraceContents t = read_trace("current_A\n1\nbad\n3\n", options);
   ASSERT_EQ(t.rows.size(), 2U);
-  EXPECT_EQ(t.at(1, Column::time), 0.5);
+  EXPECT_EQ(t.at(1, hal::Column::time), 0.5);
 }
 
 }  // namespace

@@ -13,19 +13,19 @@
 namespace smaservo::test {
 
 struct TraceContents {
-  std::vector<std::array<double, column_count>> rows;
+  std::vector<std::array<double, hal::column_count>> rows;
   std::vector<std::string> texts;
   std::vector<std::string> complaints;
   std::uint64_t skipped = 0;
 
-  double at(std::size_t row, Column column) const {
+  double at(std::size_t row, hal::Column column) const {
     return rows.at(row)[static_cast<std::size_t>(column)];
   }
 };
 
-inline TraceContents read_all(TraceReader& reader) {
+inline TraceContents read_all(hal::TraceReader& reader) {
   TraceContents all;
-  TraceRow row{};
+  hal::TraceRow row{};
   while (reader.next(row)) {
     all.rows.push_back(row.values);
     all.texts.emplace_back(row.text);
@@ -35,20 +35,20 @@ inline TraceContents read_all(TraceReader& reader) {
   return all;
 }
 
-inline TraceContents read_trace(std::string_view text, const TraceOptions& options = {}) {
+inline TraceContents read_trace(std::string_view text, const hal::TraceOptions& options = {}) {
   const TemporaryFolder folder;
-  TraceReader reader(folder.write("trace.csv", text), options);
+  hal::TraceReader reader(folder.write("trace.csv", text), options);
   return read_all(reader);
 }
 
 /// What is said about a trace that is refused, without the file's name; nothing when it is read.
-inline std::string refusal(std::string_view text, const TraceOptions& options = {}) {
+inline std::string refusal(std::string_view text, const hal::TraceOptions& options = {}) {
   const TemporaryFolder folder;
   const std::string path = folder.write("trace.csv", text);
   try {
-    TraceReader reader(path, options);
+    hal::TraceReader reader(path, options);
     read_all(reader);
-  } catch (const TraceError& error) {
+  } catch (const hal::TraceError& error) {
     const std::string message = error.what();
     return message.starts_with(path + ": ") ? message.substr(path.size() + 2)
                                             : "without the file's name: " + message;

@@ -18,11 +18,11 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr double no_slew = std::numeric_limits<double>::infinity();
 
 const Wire<double>& wire() {
-  static const Wire<double> preset = load_wire(std::string(default_wire)).wire;
+  static const Wire<double> preset = files::load_wire(std::string(files::default_wire)).wire;
   return preset;
 }
 
-SimSetup clean_setup() {
+hal::SimSetup clean_setup() {
   return {.period_ns = ms,
           .converter = {.voltage_drive = false, .max_A = 0.5, .slew_A_s = no_slew, .lead_ohm = 0.5},
           .sensors = {.bits = 24,
@@ -34,7 +34,7 @@ SimSetup clean_setup() {
                       .load_noise_N = 0,
                       .load_gain = 1,
                       .resistance_gain = 1},
-          .load = ConstantLoad{150e6},
+          .load = hal::ConstantLoad{150e6},
           .geometry = wire().geometry,
           .surroundings = {},
           .reads_supply = true,
@@ -43,19 +43,19 @@ SimSetup clean_setup() {
           .seed = 1};
 }
 
-SimBoard board_with(const SimSetup& setup) {
-  return {make_lumped_wire(wire()), setup};
+hal::SimBoard board_with(const hal::SimSetup& setup) {
+  return {hal::make_lumped_wire(wire()), setup};
 }
 
-Frame next(SimBoard& board) {
-  Frame frame{};
-  EXPECT_EQ(board.read(frame), ReadStatus::frame);
+hal::Frame next(hal::SimBoard& board) {
+  hal::Frame frame{};
+  EXPECT_EQ(board.read(frame), hal::ReadStatus::frame);
   return frame;
 }
 
 /// Drives this current for so many periods; the last frame.
-Frame driven(SimBoard& board, double current_A, int periods) {
-  Frame frame{};
+hal::Frame driven(hal::SimBoard& board, double current_A, int periods) {
+  hal::Frame frame{};
   for (int i = 0; i < periods; ++i) {
     board.drive(
         {.current_A = current_A, .voltage_V = 0, .valid_until_ns = board.now_ns() + 3 * ms});
@@ -64,8 +64,8 @@ Frame driven(SimBoard& board, double current_A, int periods) {
   return frame;
 }
 
-bool same_bits(const Frame& a, const Frame& b) {
-  const auto bits = [](const Frame& f) {
+bool same_bits(const hal::Frame& a, const hal::Frame& b) {
+  const auto bits = [](const hal::Frame& f) {
     return std::bit_cast<std::array<std::uint64_t, 6>>(
         std::array{f.current_A, f.voltage_V, f.load_N, f.supply_V, f.ambient_K, f.driver_K});
   };
@@ -73,8 +73,8 @@ bool same_bits(const Frame& a, const Frame& b) {
 }
 
 TEST(SimBoard, FramesFollowThePeriodAndOhmsLaw) {
-  SimBoard board = board_with(clean_setup());
-  const Frame first = next(board);
+  hal::SimBoard board = board_with(clean_setup());
+  const hal::Frame first = next(board);
   EXPECT_EQ(first.time_ns, 0);
   EXPECT_EQ(first.sequence, 0U);
   EXPECT_EQ(first.current_A, 0);
@@ -82,7 +82,7 @@ TEST(SimBoard, FramesFollowThePeriodAndOhmsLaw) {
   EXPECT_EQ(first.supply_V, 24);
   EXPECT_EQ(first.ambient_K, 298.15);
   EXPECT_EQ(first.driver_K, 308.15);
-  const Frame later = driven(board, 0.05, 5);
+  const hal::Frame later = driven(board, 0.05, 5);
   EXPECT_EQ(later.time_ns, 5 * ms);
   EXPECT_EQ(later.sequence, 5U);
   EXPECT_NEAR(later.current_A, 0.05, 1e-6);
@@ -90,7 +90,7 @@ TEST(SimBoard, FramesFollowThePeriodAndOhmsLaw) {
 }
 
 TEST(SimBoard, HeatIsALeaseOfTheLastCommand) {
-  SimBoard board = board_with(clean_setup());
+  hal::SimBoard board = board_with(clean_setup());
   next(board);
   board.drive({.current_A = 0.1, .voltage_V = 0, .valid_until_ns = 3 * ms});
   std::array<double, 5> currents{};
@@ -106,18 +106,18 @@ TEST(SimBoard, HeatIsALeaseOfTheLastCommand) {
 
 TEST(SimBoard, SameSeedSameBits) {
   for (const std::uint64_t seed : {1U, 2U}) {
-    SimSetup setup = clean_setup();
+    hal::SimSetup setup = clean_setup();
     setup.seed = seed;
     setup.sensors.current_noise_A = setup.sensors.voltage_noise_V = setup.sensors.load_noise_N =
         1e-4;
-    setup.load = VaryingLoad{150e6, 20e6, 0.5, 10e6, 50e6};
-    SimBoard a = board_with(setup);
-    SimBoard b = board_with(setup);
+    setup.load = hal::VaryingLoad{150e6, 20e6, 0.5, 10e6, 50e6};
+    hal::SimBoard a = board_with(setup);
+    hal::SimBoard b = board_with(setup);
     setup.seed += 10;
-    SimBoard other = board_with(setup);
+    hal::SimBoard other = board_with(setup);
     int different = 0;
     for (int i = 0; i < 300; ++i) {
-      const Frame frame = driven(a, 0.1, 1);
+      const hal::Frame frame = driven(a, 0.1, 1);
       ASSERT_TRUE(same_bits(frame, driven(b, 0.1, 1)));
       different += same_bits(frame, driven(other, 0.1, 1)) ? 0 : 1;
     }
@@ -126,7 +126,7 @@ TEST(SimBoard, SameSeedSameBits) {
 }
 
 TEST(SensorNoise, IsWhiteNormalAndBounded) {
-  SensorNoise noise(5);
+  hal::SensorNoise noise(5);
   constexpr int n = 200'000;
   double sum = 0;
   double squares = 0;
@@ -151,16 +151,16 @@ TEST(SensorNoise, IsWhiteNormalAndBounded) {
 
 TEST(SensorNoise, HasTheSameBitsEverywhere) {
   // splitmix64 from 0 begins with E220A8397B1DCDAF, as its authors publish it.
-  SensorNoise noise(0);
+  hal::SensorNoise noise(0);
   const double sum = 0xE220 + 0xA839 + 0x7B1D + 0xCDAF;
   EXPECT_EQ(noise(), (sum - 131070) * (1 / 37837.22700343));
 }
 
 TEST(SimBoard, TheConverterHasLimits) {
-  SimSetup setup = clean_setup();
+  hal::SimSetup setup = clean_setup();
   setup.converter.max_A = 0.2;
   setup.converter.slew_A_s = 50;
-  SimBoard board = board_with(setup);
+  hal::SimBoard board = board_with(setup);
   next(board);
   EXPECT_NEAR(driven(board, 1, 1).current_A, 0.05, 1e-6) << "slew";
   EXPECT_NEAR(driven(board, 1, 5).current_A, 0.2, 1e-6) << "saturation";
@@ -172,9 +172,9 @@ TEST(SimBoard, TheConverterHasLimits) {
 }
 
 TEST(SimBoard, AVoltageDrivesWhatTheResistanceLets) {
-  SimSetup setup = clean_setup();
+  hal::SimSetup setup = clean_setup();
   setup.converter.voltage_drive = true;
-  SimBoard board = board_with(setup);
+  hal::SimBoard board = board_with(setup);
   next(board);
   board.drive({.current_A = 9, .voltage_V = 1, .valid_until_ns = ms});
   const double ohm = board.wire().resistance_ohm();
@@ -182,56 +182,57 @@ TEST(SimBoard, AVoltageDrivesWhatTheResistanceLets) {
 }
 
 TEST(SimBoard, BrokenWiresCarryNothing) {
-  SimBoard board = board_with(clean_setup());
+  hal::SimBoard board = board_with(clean_setup());
   next(board);
   driven(board, 0.1, 3);
-  board.faults().circuit = Circuit::broken;
-  Frame frame = driven(board, 0.1, 1);
+  board.faults().circuit = hal::Circuit::broken;
+  hal::Frame frame = driven(board, 0.1, 1);
   EXPECT_EQ(frame.current_A, 0);
   EXPECT_NEAR(frame.voltage_V, 24, 1e-5) << "the sense leads see the converter against its end";
   EXPECT_EQ(frame.load_N, 0);
   EXPECT_EQ(board.truth().stress_Pa, 0);
-  board.faults().circuit = Circuit::open;
+  board.faults().circuit = hal::Circuit::open;
   frame = driven(board, 0.1, 1);
   EXPECT_EQ(frame.current_A, 0);
   EXPECT_EQ(frame.voltage_V, 0);
   EXPECT_GT(frame.load_N, 0.5) << "the wire still holds";
-  board.faults().circuit = Circuit::shorted;
+  board.faults().circuit = hal::Circuit::shorted;
   board.faults().bridged_share = 0.25;
   frame = driven(board, 0.1, 1);
   EXPECT_NEAR(frame.voltage_V / frame.current_A, 0.75 * board.wire().resistance_ohm(), 1e-3);
 }
 
 TEST(SimBoard, SensorsLieAsTheyAreTold) {
-  SimBoard board = board_with(clean_setup());
+  hal::SimBoard board = board_with(clean_setup());
   next(board);
-  const Frame good = driven(board, 0.1, 3);
-  const auto voltage = [&](SensorFault fault, double amount) {
-    board.faults().sensors[static_cast<std::size_t>(Reading::voltage)] = {fault, amount};
+  const hal::Frame good = driven(board, 0.1, 3);
+  const auto voltage = [&](hal::SensorFault fault, double amount) {
+    board.faults().sensors[static_cast<std::size_t>(hal::Reading::voltage)] = {fault, amount};
     return driven(board, 0.1, 1).voltage_V;
   };
-  EXPECT_EQ(voltage(SensorFault::stuck, 0), good.voltage_V);
-  EXPECT_TRUE(std::isnan(voltage(SensorFault::missing, 0)));
-  EXPECT_NEAR(voltage(SensorFault::offset, 0.5), 0.1 * board.wire().resistance_ohm() + 0.5, 1e-3);
-  EXPECT_NEAR(voltage(SensorFault::gain, 1.5), 0.15 * board.wire().resistance_ohm(), 1e-3);
-  EXPECT_EQ(voltage(SensorFault::value, 0), 0);
-  EXPECT_NE(voltage(SensorFault::noise, 1), voltage(SensorFault::noise, 1));
-  EXPECT_NEAR(voltage(SensorFault::none, 0), 0.1 * board.wire().resistance_ohm(), 1e-3);
+  EXPECT_EQ(voltage(hal::SensorFault::stuck, 0), good.voltage_V);
+  EXPECT_TRUE(std::isnan(voltage(hal::SensorFault::missing, 0)));
+  EXPECT_NEAR(voltage(hal::SensorFault::offset, 0.5), 0.1 * board.wire().resistance_ohm() + 0.5,
+              1e-3);
+  EXPECT_NEAR(voltage(hal::SensorFault::gain, 1.5), 0.15 * board.wire().resistance_ohm(), 1e-3);
+  EXPECT_EQ(voltage(hal::SensorFault::value, 0), 0);
+  EXPECT_NE(voltage(hal::SensorFault::noise, 1), voltage(hal::SensorFault::noise, 1));
+  EXPECT_NEAR(voltage(hal::SensorFault::none, 0), 0.1 * board.wire().resistance_ohm(), 1e-3);
 }
 
 TEST(SimBoard, LostFramesLeaveAGapInTheSequence) {
-  SimBoard board = board_with(clean_setup());
+  hal::SimBoard board = board_with(clean_setup());
   next(board);
   board.faults().lost_share = 1;
-  Frame frame{};
+  hal::Frame frame{};
   for (int i = 1; i <= 3; ++i) {
-    EXPECT_EQ(board.read(frame), ReadStatus::nothing);
+    EXPECT_EQ(board.read(frame), hal::ReadStatus::nothing);
     EXPECT_EQ(frame.time_ns, i * ms);
   }
   board.faults().lost_share = 0.5;
   int lost = 0;
   for (int i = 0; i < 1000; ++i) {
-    lost += board.read(frame) == ReadStatus::nothing ? 1 : 0;
+    lost += board.read(frame) == hal::ReadStatus::nothing ? 1 : 0;
   }
   EXPECT_NEAR(lost, 500, 80);
   board.faults().lost_share = 0;
@@ -239,7 +240,7 @@ TEST(SimBoard, LostFramesLeaveAGapInTheSequence) {
 }
 
 TEST(SimBoard, LoadSlipAndDraughtReachTheWire) {
-  SimBoard board = board_with(clean_setup());
+  hal::SimBoard board = board_with(clean_setup());
   next(board);
   const double before = board.truth().strain;
   board.surroundings.slip = 0.01;
@@ -255,10 +256,10 @@ TEST(SimBoard, LoadSlipAndDraughtReachTheWire) {
 }
 
 TEST(SimBoard, LongPeriodsAreMadeOfSubsteps) {
-  SimSetup setup = clean_setup();
-  SimBoard fine = board_with(setup);
+  hal::SimSetup setup = clean_setup();
+  hal::SimBoard fine = board_with(setup);
   setup.period_ns = 4 * ms;
-  SimBoard coarse = board_with(setup);
+  hal::SimBoard coarse = board_with(setup);
   EXPECT_EQ(coarse.parts(), 0) << "none before the first frame";
   next(fine);
   next(coarse);

@@ -17,15 +17,15 @@ constexpr std::int64_t ms = 1'000'000;
 class Antagonists {
  public:
   explicit Antagonists(bool distributed)
-      : first_wire_(load_wire(std::string(default_wire)).wire),
+      : first_wire_(files::load_wire(std::string(files::default_wire)).wire),
         second_wire_(first_wire_),
         first_(make(first_wire_, distributed), setup(first_wire_, 1)),
         second_(make(lengthened(second_wire_), distributed), setup(second_wire_, 2)),
         pair_(first_, first_wire_.geometry, second_, second_wire_.geometry) {}
 
   void run(double first_A, double second_A, int periods) {
-    Frame a{};
-    Frame b{};
+    hal::Frame a{};
+    hal::Frame b{};
     for (int i = 0; i < periods; ++i) {
       first_.drive({first_A, 0, first_.now_ns() + 2 * ms});
       second_.drive({second_A, 0, second_.now_ns() + 2 * ms});
@@ -38,27 +38,27 @@ class Antagonists {
   }
   double first_N() const { return first_.truth().stress_Pa * first_wire_.geometry.area_m2(); }
   double second_N() const { return second_.truth().stress_Pa * second_wire_.geometry.area_m2(); }
-  SimBoard& first() { return first_; }
-  SimBoard& second() { return second_; }
+  hal::SimBoard& first() { return first_; }
+  hal::SimBoard& second() { return second_; }
 
  private:
   static Wire<double>& lengthened(Wire<double>& wire) {
     wire.geometry.length_m *= 1.5;
     return wire;
   }
-  static std::unique_ptr<SimulatedWire> make(const Wire<double>& wire, bool distributed) {
+  static std::unique_ptr<hal::SimulatedWire> make(const Wire<double>& wire, bool distributed) {
     std::mt19937_64 random(3);
-    return distributed ? make_simulated_wire(Family::sublayers, wire, {}, 0.5, random)
-                       : make_lumped_wire(wire);
+    return distributed ? hal::make_simulated_wire(hal::Family::sublayers, wire, {}, 0.5, random)
+                       : hal::make_lumped_wire(wire);
   }
-  static SimSetup setup(const Wire<double>& wire, std::uint64_t seed) {
+  static hal::SimSetup setup(const Wire<double>& wire, std::uint64_t seed) {
     return {.period_ns = ms,
             .converter = {.voltage_drive = false,
                           .max_A = 0.5,
                           .slew_A_s = std::numeric_limits<double>::infinity(),
                           .lead_ohm = 0},
             .sensors = {24, 1, 50, 10, 0, 0, 0, 1, 1},
-            .load = ConstantLoad{150e6},
+            .load = hal::ConstantLoad{150e6},
             .geometry = wire.geometry,
             .surroundings = {},
             .reads_supply = true,
@@ -68,8 +68,8 @@ class Antagonists {
   }
 
   Wire<double> first_wire_, second_wire_;
-  SimBoard first_, second_;
-  SimPair pair_;
+  hal::SimBoard first_, second_;
+  hal::SimPair pair_;
 };
 
 class SimPairs : public ::testing::TestWithParam<bool> {};
@@ -114,7 +114,7 @@ TEST_P(SimPairs, AForceFromOutsideSharesOut) {
 TEST_P(SimPairs, ABrokenWireLetsTheOtherGo) {
   Antagonists pair(GetParam());
   pair.run(0.1, 0, 100);
-  pair.second().faults().circuit = Circuit::broken;
+  pair.second().faults().circuit = hal::Circuit::broken;
   pair.run(0.1, 0, 10);
   EXPECT_EQ(pair.first_N(), 0);
   EXPECT_EQ(pair.second_N(), 0);

@@ -12,24 +12,26 @@
 namespace smaservo::test::simulated_wire_test {
 namespace {
 
-class SimulatedFamily : public ::testing::TestWithParam<Family> {
+class SimulatedFamily : public ::testing::TestWithParam<hal::Family> {
  protected:
-  static std::unique_ptr<SimulatedWire> make(std::uint64_t seed = 1) {
+  static std::unique_ptr<hal::SimulatedWire> make(std::uint64_t seed = 1) {
     std::mt19937_64 random(seed);
-    return make_simulated_wire(GetParam(), load_wire(std::string(default_wire)).wire, {}, 0.5,
-                               random);
+    return hal::make_simulated_wire(
+        GetParam(), files::load_wire(std::string(files::default_wire)).wire, {}, 0.5, random);
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Families, SimulatedFamily, ::testing::ValuesIn(families),
-                         [](const auto& tested) { return std::string(family_name(tested.param)); });
+INSTANTIATE_TEST_SUITE_P(Families, SimulatedFamily, ::testing::ValuesIn(hal::families),
+                         [](const auto& tested) {
+                           return std::string(hal::family_name(tested.param));
+                         });
 
 /// A full cycle of the temperature at constant stress.
 struct Cycle {
   double cooling_K, heating_K;  ///< half martensite, half austenite
   double peak_r_phase;          ///< on cooling
 };
-Cycle cycle(SimulatedWire& wire, double stress_MPa) {
+Cycle cycle(hal::SimulatedWire& wire, double stress_MPa) {
   Cycle c{};
   const double hot_K = 450;
   const double cold_K = 270;
@@ -64,7 +66,7 @@ TEST_P(SimulatedFamily, TransformsWhereTheRealWireDoes) {
 }
 
 /// Strain, resistance and temperatures over a heating and a cooling.
-std::vector<double> journey(SimulatedWire& wire) {
+std::vector<double> journey(hal::SimulatedWire& wire) {
   std::vector<double> all;
   wire.rest(298.15, 150e6);
   for (int i = 0; i < 4000; ++i) {
@@ -104,10 +106,10 @@ TEST_P(SimulatedFamily, EndsStayColdAndAirCools) {
 
 TEST(SimulatedWires, FamiliesDifferInMoreThanNoise) {
   // The same wire and the same currents; a calibrated observer has errors of 0.2 % of stroke.
-  const Wire<double> wire = load_wire(std::string(default_wire)).wire;
+  const Wire<double> wire = files::load_wire(std::string(files::default_wire)).wire;
   std::mt19937_64 random(1);
-  const auto a = journey(*make_simulated_wire(Family::ihyp, wire, {}, 0, random));
-  const auto b = journey(*make_simulated_wire(Family::sublayers, wire, {}, 0, random));
+  const auto a = journey(*hal::make_simulated_wire(hal::Family::ihyp, wire, {}, 0, random));
+  const auto b = journey(*hal::make_simulated_wire(hal::Family::sublayers, wire, {}, 0, random));
   double worst = 0;
   for (std::size_t i = 0; i < a.size(); i += 4) {
     worst = std::max(worst, std::abs(a[i] - b[i]) / 0.04);

@@ -26,7 +26,7 @@ struct CanClient : testing::Test {
   Remote remote{client};
 
   void run(double seconds) {
-    CanFrame passing;
+    hal::CanFrame passing;
     const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(seconds * 1e6);
     while (bus.receive(passing, until_us)) {
     }
@@ -35,7 +35,7 @@ struct CanClient : testing::Test {
   static std::string refusal(F f) {
     try {
       f();
-    } catch (const UserError& error) {
+    } catch (const files::UserError& error) {
       return error.what();
     }
     return "";
@@ -97,8 +97,8 @@ TEST_F(CanClient, BlocksRepeatWhatWasLost) {
 
 TEST_F(CanClient, SetsAreInForceTogetherOrNotAtAll) {
   const auto change = [](const char* name, const char* value) {
-    const KnownObject object = find_object(name);
-    return Change(object, value_bytes(object, value));
+    const text::KnownObject object = text::find_object(name);
+    return Change(object, text::value_bytes(object, value));
   };
   remote.change({change("limits.current_mA", "300"), change("strain.proportional_W", "6")});
   EXPECT_EQ(remote.text("limits.current_mA"), "300");
@@ -216,39 +216,39 @@ TEST_F(CanClient, WatchShowsRows) {
 }
 
 TEST(CanObjects, AreFoundByNameUnitAndKey) {
-  EXPECT_EQ(find_object("strain.proportional_W").key, gain);
-  EXPECT_EQ(find_object("2100:1").name, "strain.proportional_W");
-  EXPECT_EQ(find_object("0x2100:1").key, gain);
-  EXPECT_EQ(find_object("2100h:1").key, gain);
-  EXPECT_EQ(value_bytes(find_object("limits.current_mA"), "250"), real_bytes(0.25F));
-  EXPECT_EQ(value_text(find_object("limits.current_mA"), real_bytes(0.25F)), "250");
-  EXPECT_EQ(find_object("5FFF:2").type, canopen::Type::octets);
-  EXPECT_THROW(find_object("limits.currnt_A"), UserError);
-  EXPECT_THAT([] { find_object("measuring.load_gain"); },
-              testing::ThrowsMessage<UserError>(
+  EXPECT_EQ(text::find_object("strain.proportional_W").key, gain);
+  EXPECT_EQ(text::find_object("2100:1").name, "strain.proportional_W");
+  EXPECT_EQ(text::find_object("0x2100:1").key, gain);
+  EXPECT_EQ(text::find_object("2100h:1").key, gain);
+  EXPECT_EQ(text::value_bytes(text::find_object("limits.current_mA"), "250"), real_bytes(0.25F));
+  EXPECT_EQ(text::value_text(text::find_object("limits.current_mA"), real_bytes(0.25F)), "250");
+  EXPECT_EQ(text::find_object("5FFF:2").type, canopen::Type::octets);
+  EXPECT_THROW(text::find_object("limits.currnt_A"), files::UserError);
+  EXPECT_THAT([] { text::find_object("measuring.load_gain"); },
+              testing::ThrowsMessage<files::UserError>(
                   "measuring.load_gain: is now called measurement.load_gain"));
-  EXPECT_THROW(value_bytes(find_object("6040"), "65536"), UserError);
-  EXPECT_THROW(value_bytes(find_object("6060"), "-129"), UserError);
-  EXPECT_THROW(value_bytes(find_object("limits.current_A"), "0.1x"), UserError);
+  EXPECT_THROW(text::value_bytes(text::find_object("6040"), "65536"), files::UserError);
+  EXPECT_THROW(text::value_bytes(text::find_object("6060"), "-129"), files::UserError);
+  EXPECT_THROW(text::value_bytes(text::find_object("limits.current_A"), "0.1x"), files::UserError);
 }
 
 // Every object reads back what it writes as text.
 TEST(CanObjects, TextsComeBack) {
-  for (const KnownObject& object : known_objects()) {
+  for (const text::KnownObject& object : text::known_objects()) {
     const std::size_t size = canopen::size_of(object.type);
     if (size == 0) continue;
     const Bytes one = object.type == canopen::Type::real ? real_bytes(1.5F) : Bytes(size, 0);
-    const std::string text = value_text(object, one);
-    EXPECT_EQ(value_bytes(object, text), one) << object.name << ' ' << text;
+    const std::string text = text::value_text(object, one);
+    EXPECT_EQ(text::value_bytes(object, text), one) << object.name << ' ' << text;
   }
 }
 
 TEST(CanTextPlot, DrawsARise) {
   const std::vector<double> values{0, 1, 2, std::nan("")};
-  EXPECT_EQ(text_plot({values}, 10, 3), "         2 |  *\n           | *\n         0 |*\n");
-  EXPECT_EQ(text_plot({values, {2, 2, 2, 0}}, 10, 3),
+  EXPECT_EQ(report::text_plot({values}, 10, 3), "         2 |  *\n           | *\n         0 |*\n");
+  EXPECT_EQ(report::text_plot({values, {2, 2, 2, 0}}, 10, 3),
             "         2 |..*\n           | *\n         0 |*  .\n");
-  EXPECT_EQ(text_plot({}, 10, 3), "");
+  EXPECT_EQ(report::text_plot({}, 10, 3), "");
 }
 
 TEST(CanFrames, AreSaidInWords) {

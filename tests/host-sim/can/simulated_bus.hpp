@@ -14,11 +14,11 @@ class SimulatedBus final : public can::Bus {
 
   SimulatedBus() : servo_(SimulatedServo::usual_settings(node), {}) {}
 
-  void send(const CanFrame& frame) override {
+  void send(const hal::CanFrame& frame) override {
     servo_.receive(frame);
     collect();
   }
-  bool receive(CanFrame& frame, std::int64_t until_us) override {
+  bool receive(hal::CanFrame& frame, std::int64_t until_us) override {
     while (frames_.empty() && now_us() < until_us) {
       servo_.step();
       collect();
@@ -37,7 +37,7 @@ class SimulatedBus final : public can::Bus {
 
  private:
   void collect() {
-    CanFrame frame;
+    hal::CanFrame frame;
     while (servo_.take(frame)) {
       const bool answer = frame.id == 0x580 + node && to_lose_ > 0;
       to_lose_ -= answer ? 1 : 0;
@@ -47,7 +47,7 @@ class SimulatedBus final : public can::Bus {
   }
 
   SimulatedServo servo_;
-  std::deque<CanFrame> frames_;
+  std::deque<hal::CanFrame> frames_;
   int to_lose_ = 0;
 };
 

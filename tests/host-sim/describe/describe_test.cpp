@@ -15,13 +15,13 @@ using ::testing::HasSubstr;
 
 TEST(Describe, TheCommittedParameterReferenceIsUpToDate) {
   EXPECT_TRUE(file_text(SMASERVO_SOURCE_DIR "/firmware/reference/PARAMETERS.md") ==
-              parameter_reference())
+              text::parameter_reference())
       << "firmware/reference/PARAMETERS.md is stale; make it anew from the top folder:\n"
          "  build/release/host-sim/host-sim describe parameters > firmware/reference/PARAMETERS.md";
 }
 
 TEST(Describe, TheReferenceHasEveryParameter) {
-  const std::string page = parameter_reference();
+  const std::string page = text::parameter_reference();
   for (const Parameter<float>& row : parameters<float>) {
     EXPECT_THAT(page, HasSubstr("`" + std::string(row.path.text()) + "`"));
   }
@@ -31,7 +31,7 @@ TEST(Describe, PrintsTheReference) {
   Program program;
   const Finished f = program.run({"describe", "parameters"});
   EXPECT_EQ(f.status, 0);
-  EXPECT_EQ(f.out, parameter_reference());
+  EXPECT_EQ(f.out, text::parameter_reference());
 }
 
 TEST(Describe, PrintsSettingsThatCanBeRead) {
@@ -39,7 +39,7 @@ TEST(Describe, PrintsSettingsThatCanBeRead) {
   const Finished f = program.run({"describe", "settings", "--wire", "flexinol-ht-0.10mm"});
   EXPECT_EQ(f.status, 0);
   const std::string file = program.folder().write("device.toml", f.out);
-  EXPECT_EQ(load_settings_file(file).wire.geometry.diameter_m, static_cast<double>(1e-4F));
+  EXPECT_EQ(text::load_settings_file(file).wire.geometry.diameter_m, static_cast<double>(1e-4F));
 }
 
 TEST(Describe, UnknownTopicsAndWiresEndWith1) {

@@ -18,14 +18,14 @@ using ::testing::HasSubstr;
 
 /// Wires that stand for calibrated ones, which take a minute each: the units as they were drawn.
 void write_wires(const TemporaryFolder& folder) {
-  for (const Family family : families) {
-    folder.write(calibrated_name(family, first_test_seed),
-                 to_toml(random_unit(family, first_test_seed).wire));
+  for (const hal::Family family : hal::families) {
+    folder.write(evaluate::calibrated_name(family, evaluate::first_test_seed),
+                 files::to_toml(bench::random_unit(family, evaluate::first_test_seed).wire));
   }
 }
 
-EvaluateOptions small(const TemporaryFolder& wires) {
-  EvaluateOptions options;
+evaluate::EvaluateOptions small(const TemporaryFolder& wires) {
+  evaluate::EvaluateOptions options;
   options.units = 1;
   options.runs = 2;
   options.rows = {"standard", "hold", "coarse"};
@@ -33,10 +33,10 @@ EvaluateOptions small(const TemporaryFolder& wires) {
   return options;
 }
 
-std::string error_of(const EvaluateOptions& options) {
+std::string error_of(const evaluate::EvaluateOptions& options) {
   try {
-    evaluate(options);
-  } catch (const UserError& error) {
+    evaluate::evaluate(options);
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "";
@@ -45,7 +45,7 @@ std::string error_of(const EvaluateOptions& options) {
 TEST(Evaluate, IsTheSameForAnyNumberOfThreads) {
   const TemporaryFolder wires;
   write_wires(wires);
-  EvaluateOptions options = small(wires);
+  evaluate::EvaluateOptions options = small(wires);
   std::vector<std::size_t> done;
   options.progress = [&](std::string_view stage, std::size_t parts, std::size_t total) {
     if (stage == "runs") {
@@ -53,16 +53,16 @@ TEST(Evaluate, IsTheSameForAnyNumberOfThreads) {
       done.push_back(parts);
     }
   };
-  const Evaluation alone = evaluate(options);
+  const evaluate::Evaluation alone = evaluate::evaluate(options);
   EXPECT_THAT(done, ElementsAre(1, 2, 3, 4, 5, 6));
   options.threads = 2;
-  EXPECT_EQ(table_json(evaluate(options)), table_json(alone));
+  EXPECT_EQ(evaluate::table_json(evaluate::evaluate(options)), evaluate::table_json(alone));
 
   ASSERT_EQ(alone.observers.size(), 2U);
   EXPECT_EQ(alone.observers[0].rows.size(), 3U);
   EXPECT_EQ(alone.observers[1].observer, "open-loop");
   ASSERT_EQ(alone.observers[1].rows.size(), 1U) << "the hold";
-  for (const RowResult& row : alone.observers[0].rows) {
+  for (const evaluate::RowResult& row : alone.observers[0].rows) {
     EXPECT_EQ(row.all.runs, 2);
     EXPECT_EQ(row.by_family[0].runs, 1);
     EXPECT_EQ(row.all.error.count(),
@@ -75,11 +75,11 @@ TEST(Evaluate, IsTheSameForAnyNumberOfThreads) {
 TEST(Evaluate, ObserversAreJudgedOnTheSameRuns) {
   const TemporaryFolder wires;
   write_wires(wires);
-  EvaluateOptions options = small(wires);
+  evaluate::EvaluateOptions options = small(wires);
   options.rows = {"standard"};
-  const double alone = evaluate(options).observers[0].rows[0].all.error.mean();
+  const double alone = evaluate::evaluate(options).observers[0].rows[0].all.error.mean();
   options.observers = {"line", "kalman"};
-  const Evaluation both = evaluate(options);
+  const evaluate::Evaluation both = evaluate::evaluate(options);
   ASSERT_EQ(both.observers.size(), 2U);
   EXPECT_EQ(both.observers[1].rows[0].all.error.mean(), alone);
   EXPECT_GT(both.observers[0].rows[0].all.error.mean(), 2 * alone);
@@ -88,17 +88,17 @@ TEST(Evaluate, ObserversAreJudgedOnTheSameRuns) {
 TEST(Evaluate, SettingsReachTheObserver) {
   const TemporaryFolder wires;
   write_wires(wires);
-  EvaluateOptions options = small(wires);
+  evaluate::EvaluateOptions options = small(wires);
   options.rows = {"coarse"};
-  const double usual = evaluate(options).observers[0].rows[0].all.error.mean();
+  const double usual = evaluate::evaluate(options).observers[0].rows[0].all.error.mean();
   options.settings = {{"observer.resistance_model_sd", "0.2"}};
-  EXPECT_NE(evaluate(options).observers[0].rows[0].all.error.mean(), usual);
+  EXPECT_NE(evaluate::evaluate(options).observers[0].rows[0].all.error.mean(), usual);
 }
 
 TEST(Evaluate, MistakesAreNamed) {
   const TemporaryFolder folder;
-  const EvaluateOptions good = small(folder);
-  EvaluateOptions bad = good;
+  const evaluate::EvaluateOptions good = small(folder);
+  evaluate::EvaluateOptions bad = good;
   bad.units = 0;
   EXPECT_THAT(error_of(bad), HasSubstr("--units 0: must be between 1 and 1000"));
   bad = good;
@@ -148,16 +148,16 @@ TEST(Parallel, ThrowsWhatTheFirstFailureHasThrown) {
   for (int threads = 1; threads <= 4; ++threads) {
     std::size_t finished = 0;
     try {
-      parallel(
+      files::parallel(
           100, threads,
           [](std::size_t i) {
             if (i >= 10) {
-              throw UserError(std::to_string(i));
+              throw files::UserError(std::to_string(i));
             }
           },
           [&](std::size_t) { ++finished; });
       ADD_FAILURE() << "nothing thrown";
-    } catch (const UserError& error) {
+    } catch (const files::UserError& error) {
       EXPECT_STREQ(error.what(), "10");
     }
     EXPECT_GE(finished, 11U);

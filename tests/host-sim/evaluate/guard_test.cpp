@@ -23,7 +23,7 @@ constexpr Expected expected[] = {
 };
 
 TEST(EvaluationGuard, CalibratedWiresAreEstimatedAsWellAsTheyWere) {
-  EvaluateOptions options;
+  evaluate::EvaluateOptions options;
   options.units = 1;
   options.runs = 6;
   options.threads = 2;
@@ -31,11 +31,11 @@ TEST(EvaluationGuard, CalibratedWiresAreEstimatedAsWellAsTheyWere) {
   for (const Expected& one : expected) {
     options.rows.emplace_back(one.row);
   }
-  const Evaluation evaluation = evaluate(options);
-  const std::vector<RowResult>& rows = evaluation.observers.front().rows;
+  const evaluate::Evaluation evaluation = evaluate::evaluate(options);
+  const std::vector<evaluate::RowResult>& rows = evaluation.observers.front().rows;
   ASSERT_EQ(rows.size(), std::size(expected));
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const RowFigures& reached = rows[i].all;
+    const evaluate::RowFigures& reached = rows[i].all;
     SCOPED_TRACE(fmt::format("reached is {{\"{}\", {:.2f}, {:.2f}}}", expected[i].row,
                              reached.error.mean(), reached.error.quantile(0.95)));
     EXPECT_EQ(reached.lost, 0);

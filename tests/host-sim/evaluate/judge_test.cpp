@@ -12,8 +12,9 @@ namespace {
 constexpr double stroke = 0.04;
 
 /// 100 Hz; strain and error as functions of time, both in % of the stroke.
-std::vector<JudgedRow> run(double seconds, const auto& strain_percent, const auto& error_percent) {
-  std::vector<JudgedRow> rows;
+std::vector<evaluate::JudgedRow> run(double seconds, const auto& strain_percent,
+                                     const auto& error_percent) {
+  std::vector<evaluate::JudgedRow> rows;
   for (int i = 0; i <= std::lround(100 * seconds); ++i) {
     const double t = 0.01 * i;
     const double strain = stroke * strain_percent(t) / 100;
@@ -30,7 +31,7 @@ TEST(JudgeErrors, CountsAfterTheFirstSecond) {
   auto rows = run(3, rest, [](double t) {
     return t < 1.005 ? 90 : std::lround(100 * t) % 2 == 0 ? 1 : -3;
   });
-  const RunFigures figures = judge_errors(rows, stroke);
+  const evaluate::RunFigures figures = evaluate::judge_errors(rows, stroke);
   EXPECT_EQ(figures.error.count(), 200U);
   EXPECT_NEAR(figures.error.mean(), 2, 1e-9);
   EXPECT_NEAR(figures.error.maximum(), 3, 1e-9);
@@ -44,7 +45,7 @@ TEST(JudgeErrors, CountsWhatIsInsideOfTwoDeviations) {
     rows[i].estimate_sd = stroke / 100 * (i % 4 == 0 ? 0.9 : 1.1);
   }
   rows[299].estimate_sd = rows[298].estimate_sd = std::numeric_limits<double>::quiet_NaN();
-  const RunFigures figures = judge_errors(rows, stroke);
+  const evaluate::RunFigures figures = evaluate::judge_errors(rows, stroke);
   EXPECT_EQ(figures.with_sd, 198U);
   EXPECT_EQ(figures.within_2_sd, 148U);
 }
@@ -53,7 +54,7 @@ TEST(JudgeErrors, RunIsLostAboveTwentyPercentOrWithoutANumber) {
   const auto once = [](double error) {
     auto rows = run(3, rest, [](double) { return 0; });
     rows[200].estimate += stroke * error / 100;
-    return judge_errors(rows, stroke).lost;
+    return evaluate::judge_errors(rows, stroke).lost;
   };
   EXPECT_FALSE(once(-19.9));
   EXPECT_TRUE(once(-20.1));
@@ -64,7 +65,7 @@ TEST(HoldDrift, IsBetweenTheSecondAndTheLastSecondOfTheRipple) {
   // -1 % in the second second of a ripple from 3 s to 13 s, then 0.2 % more each second.
   const auto rows =
       run(20, rest, [](double t) { return t < 4 ? 40 : -1 + 0.2 * std::floor(t + 1e-9 - 4); });
-  EXPECT_NEAR(hold_drift_percent(rows, stroke, 3, 13), 0.2 * 8, 1e-9);
+  EXPECT_NEAR(evaluate::hold_drift_percent(rows, stroke, 3, 13), 0.2 * 8, 1e-9);
 }
 
 /// Contracts in one second from 3 s on, at rest otherwise.
@@ -74,7 +75,7 @@ double contraction(double t) {
 
 TEST(UnknownStart, TimeCountsWhileTheWireMoves) {
   const auto rows = run(10, contraction, [](double t) { return t < 3.495 ? 10 : 5; });
-  const StartFigures start = judge_start(rows, stroke);
+  const evaluate::StartFigures start = evaluate::judge_start(rows, stroke);
   EXPECT_NEAR(start.found_after_s, 0.5, 0.02);
   EXPECT_FALSE(start.locked);
   EXPECT_TRUE(start.sure);
@@ -82,40 +83,40 @@ TEST(UnknownStart, TimeCountsWhileTheWireMoves) {
 
 TEST(UnknownStart, PassingThroughIsNotFinding) {
   const auto passes = run(10, contraction, [](double t) { return t > 3.2 && t < 3.65 ? 0 : 10; });
-  EXPECT_TRUE(std::isinf(judge_start(passes, stroke).found_after_s));
-  EXPECT_TRUE(judge_start(passes, stroke).locked);
+  EXPECT_TRUE(std::isinf(evaluate::judge_start(passes, stroke).found_after_s));
+  EXPECT_TRUE(evaluate::judge_start(passes, stroke).locked);
   const auto stays = run(10, contraction, [](double t) { return t > 3.2 && t < 3.75 ? 0 : 10; });
-  EXPECT_NEAR(judge_start(stays, stroke).found_after_s, 0.2, 0.03);
-  EXPECT_TRUE(judge_start(stays, stroke).locked) << "it has gone astray to the end";
+  EXPECT_NEAR(evaluate::judge_start(stays, stroke).found_after_s, 0.2, 0.03);
+  EXPECT_TRUE(evaluate::judge_start(stays, stroke).locked) << "it has gone astray to the end";
 }
 
 TEST(UnknownStart, IsAskedOneSecondAfterTheFirstHeating) {
   // Within 10 % of its shortest at 3.9 s.
   const auto sure = [](double good_from_s) {
     auto rows = run(10, contraction, [](double) { return 0; });
-    for (JudgedRow& row : rows) {
+    for (evaluate::JudgedRow& row : rows) {
       row.health = row.time_s < good_from_s ? Health::searching : Health::good;
     }
-    return judge_start(rows, stroke).sure;
+    return evaluate::judge_start(rows, stroke).sure;
   };
   EXPECT_TRUE(sure(4.85));
   EXPECT_FALSE(sure(4.95));
 }
 
 TEST(Together, PoolsRunsByTheirInstants) {
-  const auto judged = [](double seconds, double error, Condition condition) {
-    JudgedRun one{};
+  const auto judged = [](double seconds, double error, evaluate::Condition condition) {
+    evaluate::JudgedRun one{};
     one.run.condition = condition;
-    one.figures = judge_errors(run(seconds, rest, [&](double) { return error; }), stroke);
+    one.figures = evaluate::judge_errors(run(seconds, rest, [&](double) { return error; }), stroke);
     return one;
   };
-  std::vector<JudgedRun> runs{judged(2, 1, Condition::hold_ripple),
-                              judged(4, 3, Condition::hold_ripple),
-                              judged(2, 25, Condition::hold_ripple)};
+  std::vector<evaluate::JudgedRun> runs{judged(2, 1, evaluate::Condition::hold_ripple),
+                                        judged(4, 3, evaluate::Condition::hold_ripple),
+                                        judged(2, 25, evaluate::Condition::hold_ripple)};
   runs[0].drift_percent = -0.4;
   runs[1].drift_percent = 0.1;
   runs[2].drift_percent = 0.7;
-  const RowFigures row = together(runs);
+  const evaluate::RowFigures row = evaluate::together(runs);
   EXPECT_EQ(row.runs, 3);
   EXPECT_EQ(row.lost, 1);
   EXPECT_EQ(row.error.count(), 500U);
@@ -128,14 +129,14 @@ TEST(Together, PoolsRunsByTheirInstants) {
 }
 
 TEST(Together, TakesMedianAndNinetyPerCentOfStarts) {
-  std::vector<JudgedRun> runs(10);
+  std::vector<evaluate::JudgedRun> runs(10);
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    runs[i].run.condition = Condition::unknown_start;
-    runs[i].start = StartFigures{
+    runs[i].run.condition = evaluate::Condition::unknown_start;
+    runs[i].start = evaluate::StartFigures{
         i == 3 ? std::numeric_limits<double>::infinity() : 0.1 * static_cast<double>(i), i == 3,
         i != 5};
   }
-  const RowFigures row = together(runs);
+  const evaluate::RowFigures row = evaluate::together(runs);
   EXPECT_NEAR(row.found_median_s, 0.5, 1e-12);
   EXPECT_NEAR(row.found_p90_s, 0.9, 1e-12);
   EXPECT_EQ(row.locked, 1);

@@ -14,13 +14,13 @@ namespace {
 using ::testing::HasSubstr;
 
 std::size_t row_named(std::string_view name) {
-  const auto& rows = evaluation_rows();
-  return static_cast<std::size_t>(std::ranges::find(rows, name, &EvaluationRow::name) -
+  const auto& rows = evaluate::evaluation_rows();
+  return static_cast<std::size_t>(std::ranges::find(rows, name, &evaluate::EvaluationRow::name) -
                                   rows.begin());
 }
 
-JudgedRun judged(Family family, Condition condition, double error) {
-  JudgedRun run{.run = {family, 1000, condition, false, 7}, .figures = {}, .start = {}};
+evaluate::JudgedRun judged(hal::Family family, evaluate::Condition condition, double error) {
+  evaluate::JudgedRun run{.run = {family, 1000, condition, false, 7}, .figures = {}, .start = {}};
   for (int i = 0; i < 100; ++i) {
     run.figures.error.add(error);
   }
@@ -30,33 +30,35 @@ JudgedRun judged(Family family, Condition condition, double error) {
   return run;
 }
 
-RowResult row(std::string_view name, const JudgedRun& ihyp, const JudgedRun& sublayers) {
+evaluate::RowResult row(std::string_view name, const evaluate::JudgedRun& ihyp,
+                        const evaluate::JudgedRun& sublayers) {
   return {row_named(name),
           {ihyp, sublayers},
-          together({ihyp, sublayers}),
-          {together({ihyp}), together({sublayers})}};
+          evaluate::together({ihyp, sublayers}),
+          {evaluate::together({ihyp}), evaluate::together({sublayers})}};
 }
 
 /// Two rows and a start, made by hand.
-Evaluation evaluation() {
-  JudgedRun found = judged(Family::ihyp, Condition::unknown_start, 2);
-  found.start = StartFigures{0.4, false, true};
-  JudgedRun never = judged(Family::sublayers, Condition::unknown_start, 30);
-  never.start = StartFigures{std::numeric_limits<double>::infinity(), true, false};
+evaluate::Evaluation evaluation() {
+  evaluate::JudgedRun found = judged(hal::Family::ihyp, evaluate::Condition::unknown_start, 2);
+  found.start = evaluate::StartFigures{0.4, false, true};
+  evaluate::JudgedRun never =
+      judged(hal::Family::sublayers, evaluate::Condition::unknown_start, 30);
+  never.start = evaluate::StartFigures{std::numeric_limits<double>::infinity(), true, false};
   return {0.04,
           1,
           1000,
           {{"kalman",
-            {row("standard", judged(Family::ihyp, Condition::constant, 0.25),
-                 judged(Family::sublayers, Condition::spring, 0.75)),
+            {row("standard", judged(hal::Family::ihyp, evaluate::Condition::constant, 0.25),
+                 judged(hal::Family::sublayers, evaluate::Condition::spring, 0.75)),
              row("unknown-start", found, never),
-             row("coarse", judged(Family::ihyp, Condition::coarse, 0.65),
-                 judged(Family::sublayers, Condition::coarse, 0.65))}}}};
+             row("coarse", judged(hal::Family::ihyp, evaluate::Condition::coarse, 0.65),
+                 judged(hal::Family::sublayers, evaluate::Condition::coarse, 0.65))}}}};
 }
 
 TEST(Table, AsText) {
   EXPECT_EQ(
-      table_text(evaluation()),
+      evaluate::table_text(evaluation()),
       R"(Error in % of the nominal stroke (4 % strain) after the first second, of units 1000 of each family
 * misses its target
 
@@ -80,7 +82,7 @@ coarse: mean 0.65, ihyp 1000, coarse, seed 7
 }
 
 TEST(Table, AsMarkdown) {
-  const std::string text = table_markdown(evaluation());
+  const std::string text = evaluate::table_markdown(evaluation());
   EXPECT_THAT(text, HasSubstr("\n| row | runs | mean | 95 % | max | lost | in 2 sd | target | ihyp "
                               "| sublayers |\n|---|--:|"));
   EXPECT_THAT(text, HasSubstr("\n| standard | 2 | **0.50** | 0.75 | 0.75 | 0 | 94.0 | 0.4 / 1.2 / "
@@ -88,7 +90,7 @@ TEST(Table, AsMarkdown) {
 }
 
 TEST(Table, AsJsonHasAllNumbersAndTargets) {
-  const auto json = nlohmann::json::parse(table_json(evaluation()));
+  const auto json = nlohmann::json::parse(evaluate::table_json(evaluation()));
   EXPECT_EQ(json["seed"], 1000);
   const auto& standard = json["observers"]["kalman"][0];
   EXPECT_EQ(standard["row"], "standard");
@@ -108,9 +110,9 @@ TEST(Table, AsJsonHasAllNumbersAndTargets) {
 }
 
 TEST(Table, CoarseIsComparedWithStandard) {
-  Evaluation made = evaluation();
-  ObserverEvaluation& kalman = made.observers.front();
-  const auto mean = [&] { return row_figures(kalman, kalman.rows.back()).front(); };
+  evaluate::Evaluation made = evaluation();
+  evaluate::ObserverEvaluation& kalman = made.observers.front();
+  const auto mean = [&] { return evaluate::row_figures(kalman, kalman.rows.back()).front(); };
   EXPECT_NEAR(mean().max, 0.7, 1e-12);
   EXPECT_FALSE(mean().missed());
   kalman.rows.erase(kalman.rows.begin());
@@ -119,7 +121,7 @@ TEST(Table, CoarseIsComparedWithStandard) {
 
 TEST(Table, ReportIsOneFileWithTheNumbers) {
   const TemporaryFolder folder;
-  write_table_report(folder / "r.html", evaluation());
+  evaluate::write_table_report(folder / "r.html", evaluation());
   EXPECT_EQ(folder.names().size(), 1U);
   const std::string html = file_text(folder / "r.html");
   EXPECT_THAT(html, HasSubstr("<td>standard</td><td>2</td><td class=\"lost\">0.50</td>"));
@@ -131,12 +133,12 @@ TEST(Table, IsRewrittenBetweenItsMarks) {
   const std::string file = folder.write(
       "a.md",
       "before\n<!-- evaluate: host-sim evaluate -->\nold\n<!-- end of evaluate -->\nafter\n");
-  TableFile(file).rewrite(table_markdown(evaluation()));
+  evaluate::TableFile(file).rewrite(evaluate::table_markdown(evaluation()));
   EXPECT_EQ(file_text(file), "before\n<!-- evaluate: host-sim evaluate -->\n\n" +
-                                 table_markdown(evaluation()) +
+                                 evaluate::table_markdown(evaluation()) +
                                  "\n<!-- end of evaluate -->\nafter\n");
   const std::string once = file_text(file);
-  TableFile(file).rewrite(table_markdown(evaluation()));
+  evaluate::TableFile(file).rewrite(evaluate::table_markdown(evaluation()));
   EXPECT_EQ(file_text(file), once);
 }
 
@@ -145,10 +147,10 @@ TEST(Table, IsNotWrittenWithoutMarks) {
   for (const char* text :
        {"", "<!-- evaluate: x -->\n", "<!-- end of evaluate -->\n<!-- evaluate: x -->\n"}) {
     const std::string file = folder.write("a.md", text);
-    EXPECT_THROW(TableFile{file}, UserError);
+    EXPECT_THROW(evaluate::TableFile{file}, files::UserError);
     EXPECT_EQ(file_text(file), text);
   }
-  EXPECT_THROW(TableFile{folder / "missing.md"}, UserError);
+  EXPECT_THROW(evaluate::TableFile{folder / "missing.md"}, files::UserError);
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ double arctan(double u) {
 }
 
 /// From 290 K to 420 K and back, 600 rows.
-Run bath(const Truth& truth, const Fraction& fraction) {
-  Run run{"bath", RunKind::bath, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+identify::Run bath(const Truth& truth, const Fraction& fraction) {
+  identify::Run run{"bath", identify::RunKind::bath, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   for (int i = 0; i < 600; ++i) {
     const bool cools = i > 300;
     const double T = cools ? 420 - 130.0 / 299 * (i - 300) : 290 + 130.0 / 300 * i;
@@ -46,7 +46,7 @@ Run bath(const Truth& truth, const Fraction& fraction) {
   return run;
 }
 
-void expect_recovered(const ClassicFit& fit, const Truth& truth, double tolerance) {
+void expect_recovered(const identify::ClassicFit& fit, const Truth& truth, double tolerance) {
   EXPECT_LT(fit.max, tolerance);
   EXPECT_NEAR(fit.martensite_strain, truth.martensite_strain, 0.05 * tolerance);
   EXPECT_NEAR(fit.austenite_strain, truth.austenite_strain, 0.05 * tolerance);
@@ -73,7 +73,7 @@ TEST(Classics, EachFindsItsOwnCurveAndFitsItBest) {
         scaled.heating_width_K *= 4;
         scaled.cooling_width_K *= 4;
       }
-      const auto fits = fit_classics(bath(scaled, shapes[shape]));
+      const auto fits = identify::fit_classics(bath(scaled, shapes[shape]));
       ASSERT_EQ(fits.size(), 3U);
       expect_recovered(fits[shape], scaled, 1e-4);
       for (std::size_t other = 0; other < 3; ++other) {
@@ -89,7 +89,7 @@ TEST(Classics, EachFindsItsOwnCurveAndFitsItBest) {
 }
 
 /// By bisection on the curve's parameter, from de Casteljau's construction.
-double bezier_by_bisection(const BezierShape<double>& shape, double t) {
+double bezier_by_bisection(const identify::BezierShape<double>& shape, double t) {
   const auto point = [](double s, double a, double b, double c, double d) {
     double p[] = {a, b, c, d};
     for (int left = 3; left > 0; --left) {
@@ -108,8 +108,8 @@ double bezier_by_bisection(const BezierShape<double>& shape, double t) {
   return point(low, 1, shape.z_1, shape.z_2, 0);
 }
 
-BezierShape<double> random_bezier(std::mt19937_64& random) {
-  BezierShape<double> shape{};
+identify::BezierShape<double> random_bezier(std::mt19937_64& random) {
+  identify::BezierShape<double> shape{};
   for (double* t : {&shape.t_1, &shape.t_2}) {
     *t = std::uniform_real_distribution<double>(0.02, 0.98)(random);
   }
@@ -122,30 +122,30 @@ BezierShape<double> random_bezier(std::mt19937_64& random) {
 TEST(Bezier, IsWhatBisectionFinds) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 20000; ++i) {
-    const BezierShape<double> shape = random_bezier(random);
+    const identify::BezierShape<double> shape = random_bezier(random);
     const double t = std::uniform_real_distribution<double>(0, 1)(random);
     // Where the curve is steep, its parameter is known as well as the square root of rounding.
-    EXPECT_NEAR(bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
+    EXPECT_NEAR(identify::bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
   }
 }
 
 TEST(Bezier, SteepestAndStraightCurvesAndTheEnds) {
-  const BezierShape<double> shapes[] = {{1.0 / 3, 2.0 / 3, 2.0 / 3, 1.0 / 3},
-                                        {0.98, 0.02, 1, 0},
-                                        {0.02, 0.98, 0, 1},
-                                        {0.02, 0.02, 1, 1},
-                                        {0.98, 0.98, 0, 0}};
-  for (const BezierShape<double>& shape : shapes) {
+  const identify::BezierShape<double> shapes[] = {{1.0 / 3, 2.0 / 3, 2.0 / 3, 1.0 / 3},
+                                                  {0.98, 0.02, 1, 0},
+                                                  {0.02, 0.98, 0, 1},
+                                                  {0.02, 0.02, 1, 1},
+                                                  {0.98, 0.98, 0, 0}};
+  for (const identify::BezierShape<double>& shape : shapes) {
     for (int i = 0; i <= 1000; ++i) {
       const double t = i / 1000.0;
-      EXPECT_NEAR(bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
+      EXPECT_NEAR(identify::bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
     }
-    EXPECT_EQ(bezier_fraction(shape, 0.0), 1);
-    EXPECT_EQ(bezier_fraction(shape, -3.0), 1);
-    EXPECT_EQ(bezier_fraction(shape, 1.0), 0);
-    EXPECT_EQ(bezier_fraction(shape, 3.0), 0);
+    EXPECT_EQ(identify::bezier_fraction(shape, 0.0), 1);
+    EXPECT_EQ(identify::bezier_fraction(shape, -3.0), 1);
+    EXPECT_EQ(identify::bezier_fraction(shape, 1.0), 0);
+    EXPECT_EQ(identify::bezier_fraction(shape, 3.0), 0);
   }
-  EXPECT_NEAR(bezier_fraction(shapes[0], 0.3), 0.7, 1e-15);  // a straight line
+  EXPECT_NEAR(identify::bezier_fraction(shapes[0], 0.3), 0.7, 1e-15);  // a straight line
 }
 
 TEST(Adaptable, EachFindsItsOwnCurveAndFitsItBest) {
@@ -162,19 +162,19 @@ TEST(Adaptable, EachFindsItsOwnCurveAndFitsItBest) {
     };
     const double heating_K = between(350, 365);
     const Truth narrow{0.04, 0.001, heating_K, between(5, 10), heating_K - 25, between(5, 10)};
-    const auto of_ihyp = fit_adaptable(bath(narrow, ihyp));
+    const auto of_ihyp = identify::fit_adaptable(bath(narrow, ihyp));
     ASSERT_EQ(of_ihyp.size(), 2U);
     EXPECT_EQ(of_ihyp[1].name, "ihyp");
     expect_recovered(of_ihyp[1], narrow, 1e-4);
     EXPECT_GT(of_ihyp[0].rms, 0.001);
 
-    const BezierShape<double> shape{between(0.3, 0.8), between(0.3, 0.8), between(0.6, 1),
-                                    between(0, 0.4)};
-    const Fraction bezier = [&](double u) { return bezier_fraction(shape, u + 0.5); };
+    const identify::BezierShape<double> shape{between(0.3, 0.8), between(0.3, 0.8), between(0.6, 1),
+                                              between(0, 0.4)};
+    const Fraction bezier = [&](double u) { return identify::bezier_fraction(shape, u + 0.5); };
     Truth wide = narrow;
     wide.heating_width_K *= 5;
     wide.cooling_width_K *= 5;
-    const auto of_bezier = fit_adaptable(bath(wide, bezier));
+    const auto of_bezier = identify::fit_adaptable(bath(wide, bezier));
     EXPECT_EQ(of_bezier[0].name, "Bezier");
     EXPECT_LT(of_bezier[0].rms, 5e-4);
     EXPECT_GT(of_bezier[1].rms, 2 * of_bezier[0].rms);
@@ -183,7 +183,7 @@ TEST(Adaptable, EachFindsItsOwnCurveAndFitsItBest) {
 
 TEST(Classics, SameRunSameBits) {
   const auto run = bath({0.04, 0, 360, 5, 335, 4}, arctan);
-  const auto first = fit_classics(run), second = fit_classics(run);
+  const auto first = identify::fit_classics(run), second = identify::fit_classics(run);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(first[i].strain, second[i].strain);
   }
@@ -191,21 +191,21 @@ TEST(Classics, SameRunSameBits) {
 
 TEST(Classics, OnlyOneFullCycleAtConstantStressCounts) {
   const auto good = bath({0.04, 0, 360, 5, 335, 4}, hyperbolic);
-  ASSERT_FALSE(fit_classics(good).empty());
-  const auto without = [&](const std::function<void(smaservo::Run&)>& spoil) {
-    smaservo::Run run = good;
+  ASSERT_FALSE(identify::fit_classics(good).empty());
+  const auto without = [&](const std::function<void(smaservo::identify::Run&)>& spoil) {
+    smaservo::identify::Run run = good;
     spoil(run);
-    return fit_classics(run).empty();
+    return identify::fit_classics(run).empty();
   };
-  EXPECT_TRUE(without([](smaservo::Run& run) { run.kind = RunKind::settled; }));
-  EXPECT_TRUE(without([](smaservo::Run& run) { run.strain.clear(); }));
-  EXPECT_TRUE(without([](smaservo::Run& run) {
+  EXPECT_TRUE(without([](smaservo::identify::Run& run) { run.kind = identify::RunKind::settled; }));
+  EXPECT_TRUE(without([](smaservo::identify::Run& run) { run.strain.clear(); }));
+  EXPECT_TRUE(without([](smaservo::identify::Run& run) {
     for (std::size_t i = 0; i < 300; ++i) run.stress_Pa[i] = 120e6;
   })) << "another stress on heating";
-  EXPECT_TRUE(without([](smaservo::Run& run) {
+  EXPECT_TRUE(without([](smaservo::identify::Run& run) {
     for (auto* column : {&run.temperature_K, &run.strain, &run.stress_Pa}) column->resize(350);
   })) << "does not cool down";
-  EXPECT_TRUE(without([](smaservo::Run& run) {
+  EXPECT_TRUE(without([](smaservo::identify::Run& run) {
     for (auto* column : {&run.temperature_K, &run.strain, &run.stress_Pa}) {
       const std::vector<double> once = *column;
       column->insert(column->end(), once.begin(), once.end());
@@ -225,8 +225,9 @@ TEST_F(MeasuredData, ClassicsOfFlexinol) {
                                 {"flexinol_200MPa.csv", 4.14, 3.39, 2.21, 0.58}};
   for (const Measured& wire : wires) {
     SCOPED_TRACE(wire.file);
-    const smaservo::Run run = read_run(file(wire.file), {{0.1, 150e-6}, {}, {}, {}});
-    const auto fits = fit_classics(run);
+    const smaservo::identify::Run run =
+        identify::read_run(file(wire.file), {{0.1, 150e-6}, {}, {}, {}});
+    const auto fits = identify::fit_classics(run);
     ASSERT_EQ(fits.size(), 3U);
     // A least-squares fit has one answer: 1 % is the rounding of these figures.
     EXPECT_NEAR(100 * fits[0].rms, wire.cosine, 0.01 * wire.cosine);
@@ -234,7 +235,7 @@ TEST_F(MeasuredData, ClassicsOfFlexinol) {
     EXPECT_NEAR(100 * fits[2].rms, wire.arctan, 0.01 * wire.arctan);
     // 000, figure 5: Bezier is much better than the classics, and ihyp better with half of its
     // parameters.
-    const auto adaptable = fit_adaptable(run);
+    const auto adaptable = identify::fit_adaptable(run);
     ASSERT_EQ(adaptable.size(), 2U);
     EXPECT_LT(adaptable[0].rms, 0.75 * fits[2].rms);
     EXPECT_GT(adaptable[0].rms, adaptable[1].rms);

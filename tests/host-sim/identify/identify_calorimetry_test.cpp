@@ -18,7 +18,7 @@ constexpr double rate_K_s = 10.0 / 60;
 
 /// The preset, but for what calorimetry sees best and baths do not see at all.
 Wire<double> truth() {
-  Wire<double> wire = load_wire("smartflex-76um").wire;
+  Wire<double> wire = files::load_wire("smartflex-76um").wire;
   wire.kinetics.m2a.start_K[0] += 4;
   wire.kinetics.m2a.finish_K[0] += 4;
   wire.heat.latent_m2a_J_kg *= 1.2;
@@ -38,11 +38,11 @@ std::vector<double> cycle_K() {
   return all;
 }
 
-Run calorimetry(const Wire<double>& wire, std::mt19937_64& random) {
+identify::Run calorimetry(const Wire<double>& wire, std::mt19937_64& random) {
   std::normal_distribution<double> noise_W_kg(0, 3);
-  Run run{};
+  identify::Run run{};
   run.name = "calorimetry";
-  run.kind = RunKind::calorimetry;
+  run.kind = identify::RunKind::calorimetry;
   run.temperature_K = cycle_K();
   auto state = Model::rest(wire.kinetics, {run.temperature_K.front(), 0});
   double before_K = run.temperature_K.front() - 0.5;
@@ -60,13 +60,13 @@ Run calorimetry(const Wire<double>& wire, std::mt19937_64& random) {
   return run;
 }
 
-Run bath(const Wire<double>& wire, double stress_Pa, std::mt19937_64& random) {
+identify::Run bath(const Wire<double>& wire, double stress_Pa, std::mt19937_64& random) {
   std::normal_distribution<double> noise(0, 2e-5);
   auto params = plant_params(wire);
   params.ends.share = 0;
-  Run run{};
+  identify::Run run{};
   run.name = "bath";
-  run.kind = RunKind::bath;
+  run.kind = identify::RunKind::bath;
   run.temperature_K = cycle_K();
   auto state = Plant<Model>::rest(params, {run.temperature_K.front(), stress_Pa});
   for (const double T : run.temperature_K) {
@@ -77,9 +77,9 @@ Run bath(const Wire<double>& wire, double stress_Pa, std::mt19937_64& random) {
   return run;
 }
 
-std::vector<Run> runs(const Wire<double>& wire) {
+std::vector<identify::Run> runs(const Wire<double>& wire) {
   std::mt19937_64 random(5);
-  std::vector<Run> all{calorimetry(wire, random)};
+  std::vector<identify::Run> all{calorimetry(wire, random)};
   for (const double stress_Pa : {20e6, 100e6, 250e6}) {
     all.push_back(bath(wire, stress_Pa, random));
   }
@@ -88,13 +88,14 @@ std::vector<Run> runs(const Wire<double>& wire) {
 
 TEST(Calorimetry, AndBathsAreExplainedTogether) {
   const Wire<double> wire = truth();
-  std::vector<smaservo::Run> all = runs(wire);
+  std::vector<smaservo::identify::Run> all = runs(wire);
   all.front().power_W_kg[100] = std::numeric_limits<double>::quiet_NaN();
-  FitOptions options;
+  identify::FitOptions options;
   options.variants = false;
-  const FitResult fit = fit_wire(load_wire("smartflex-76um").wire, all, options);
-  for (const FittedRun& run : fit.runs) {
-    if (run.kind == RunKind::bath) {
+  const identify::FitResult fit =
+      identify::fit_wire(files::load_wire("smartflex-76um").wire, all, options);
+  for (const identify::FittedRun& run : fit.runs) {
+    if (run.kind == identify::RunKind::bath) {
       EXPECT_LT(run.strain.rms, 0.002) << run.name;
       EXPECT_GT(run.strain.rms, 0.0004) << "the noise must be left";
     }

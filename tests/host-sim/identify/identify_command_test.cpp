@@ -45,15 +45,15 @@ std::string impossible_csv() {
 }
 
 /// The fit of bath_file() as the program does it.
-FitResult fitted(const std::function<bool(const FitProgress&)>& proceed = [](const auto&) {
-  return true;
-}) {
+identify::FitResult fitted(const std::function<bool(const identify::FitProgress&)>& proceed =
+                               [](const auto&) { return true; }) {
   const TemporaryFolder folder;
-  const WireDescription from = load_wire("smartflex-76um");
-  const Run run = read_run(folder.write("bath.csv", bath_file()), {from.wire.geometry, {}, {}, {}});
-  FitOptions options;
+  const files::WireDescription from = files::load_wire("smartflex-76um");
+  const identify::Run run =
+      identify::read_run(folder.write("bath.csv", bath_file()), {from.wire.geometry, {}, {}, {}});
+  identify::FitOptions options;
   options.proceed = proceed;
-  FitResult fit = fit_wire(from.wire, {run}, options);
+  identify::FitResult fit = identify::fit_wire(from.wire, {run}, options);
   fit.runs.front().name = "bath.csv";
   return fit;
 }
@@ -99,7 +99,7 @@ TEST(Identify, MistakesEndWith1AndNameWhatIsWrong) {
   Program program;
   program.folder().write("bath.csv", bath_file());
   program.folder().write("run.toml", bath_file());
-  program.folder().write("f.toml", to_toml(load_wire("smartflex-76um")));
+  program.folder().write("f.toml", files::to_toml(files::load_wire("smartflex-76um")));
   program.folder().write("still.csv", csv({{"temperature_degC", std::vector<double>(50, 25.0)},
                                            {"strain_ref", std::vector<double>(50, 0.04)},
                                            {"stress_MPa", std::vector<double>(50, 100.0)}}));
@@ -130,13 +130,14 @@ TEST(Identify, WritesTheWireThatWasFitted) {
   program.folder().write("bath.csv", bath_file());
   const Finished f = program.run(identify({"--threads", "1", "bath.csv"}));
   ASSERT_EQ(f.status, 0) << f.err;
-  const FitResult fit = fitted();
+  const identify::FitResult fit = fitted();
   const std::string text = file_text(program.folder() / "w.toml");
-  EXPECT_EQ(text, to_toml(fitted_wire(load_wire("smartflex-76um"), fit, "w")));
-  const WireDescription loaded = load_wire(program.folder() / "w.toml");
+  EXPECT_EQ(text,
+            files::to_toml(identify::fitted_wire(files::load_wire("smartflex-76um"), fit, "w")));
+  const files::WireDescription loaded = files::load_wire(program.folder() / "w.toml");
   EXPECT_EQ(loaded.name, "w");
-  const Entries read = describe_wire(loaded.wire);
-  const Entries expected = describe_wire(fit.wire);
+  const files::Entries read = files::describe_wire(loaded.wire);
+  const files::Entries expected = files::describe_wire(fit.wire);
   ASSERT_EQ(read.size(), expected.size());
   for (const auto& [slot, entry] : expected) {
     // But for rounding.
@@ -146,9 +147,10 @@ TEST(Identify, WritesTheWireThatWasFitted) {
 }
 
 TEST(Identify, SourcesSayWhatIsNewAndWhatIsNot) {
-  const WireDescription from = load_wire("smartflex-76um", {{"wire.length_mm", "120"}});
-  const FitResult fit = fitted();
-  const WireDescription wire = fitted_wire(from, fit, "mine");
+  const files::WireDescription from =
+      files::load_wire("smartflex-76um", {{"wire.length_mm", "120"}});
+  const identify::FitResult fit = fitted();
+  const files::WireDescription wire = identify::fitted_wire(from, fit, "mine");
   const std::map<std::string, std::string> sources(wire.sources.begin(), wire.sources.end());
   EXPECT_EQ(sources.at("wire.length"), "given with --set");
   EXPECT_THAT(sources.at("wire.limits.temperature"), HasSubstr("paper 000"));
@@ -163,19 +165,22 @@ TEST(Identify, SourcesSayWhatIsNewAndWhatIsNot) {
 }
 
 TEST(Identify, FiguresAreInTheUnitsOfMessages) {
-  const FittedParameter sum{{"a.temperature", "degC", 1, Form::sum, 353.15, 8}, 350.65, 0.25, 0.03};
-  EXPECT_NEAR(figure(sum).value, 77.5, 1e-9);
-  EXPECT_NEAR(figure(sum).prior, 80, 1e-9);
-  EXPECT_NEAR(figure(sum).sd, 0.25, 1e-12);
-  const FittedParameter factor{{"a.modulus", "GPa", 1e9, Form::factor, 30e9, 0.4}, 40e9, 0.1, 0.25};
-  EXPECT_NEAR(figure(factor).value, 40, 1e-9);
-  EXPECT_NEAR(figure(factor).sd, 4, 1e-9);
-  EXPECT_NEAR(figure(factor).prior_sd, 12, 1e-9);
-  const FittedParameter share{{"a.turning", "", 1, Form::share, 0.5, 0.4}, 0.2, 0.1, 0.25};
-  EXPECT_NEAR(figure(share).sd, 0.016, 1e-12) << "the logit's slope is 1/(x (1 - x))";
-  EXPECT_EQ(with_deviation(74.8123, 0.12), "74.81 ± 0.12");
-  EXPECT_EQ(with_deviation(-12345, 600), "-12345 ± 600");
-  EXPECT_EQ(with_deviation(-1e-15, 6), "0.0 ± 6.0");
+  const identify::FittedParameter sum{
+      {"a.temperature", "degC", 1, identify::Form::sum, 353.15, 8}, 350.65, 0.25, 0.03};
+  EXPECT_NEAR(identify::figure(sum).value, 77.5, 1e-9);
+  EXPECT_NEAR(identify::figure(sum).prior, 80, 1e-9);
+  EXPECT_NEAR(identify::figure(sum).sd, 0.25, 1e-12);
+  const identify::FittedParameter factor{
+      {"a.modulus", "GPa", 1e9, identify::Form::factor, 30e9, 0.4}, 40e9, 0.1, 0.25};
+  EXPECT_NEAR(identify::figure(factor).value, 40, 1e-9);
+  EXPECT_NEAR(identify::figure(factor).sd, 4, 1e-9);
+  EXPECT_NEAR(identify::figure(factor).prior_sd, 12, 1e-9);
+  const identify::FittedParameter share{
+      {"a.turning", "", 1, identify::Form::share, 0.5, 0.4}, 0.2, 0.1, 0.25};
+  EXPECT_NEAR(identify::figure(share).sd, 0.016, 1e-12) << "the logit's slope is 1/(x (1 - x))";
+  EXPECT_EQ(identify::with_deviation(74.8123, 0.12), "74.81 ± 0.12");
+  EXPECT_EQ(identify::with_deviation(-12345, 600), "-12345 ± 600");
+  EXPECT_EQ(identify::with_deviation(-1e-15, 6), "0.0 ± 6.0");
 }
 
 TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
@@ -229,14 +234,16 @@ TEST(Identify, ThreadsDoNotChangeTheFile) {
 
 TEST(Identify, AnInterruptedFitSaysSo) {
   int steps = 0;
-  const FitResult fit = fitted([&](const FitProgress&) { return ++steps < 20; });
+  const identify::FitResult fit =
+      fitted([&](const identify::FitProgress&) { return ++steps < 20; });
   ASSERT_TRUE(fit.interrupted);
-  const WireDescription wire = fitted_wire(load_wire("smartflex-76um"), fit, "w");
-  EXPECT_THAT(to_toml(wire), HasSubstr("bath.csv (interrupted before it was finished)"));
-  const Identification all{
-      "smartflex-76um", "w.toml", std::vector<smaservo::Run>(1), fit, wire, {{}}, 1};
-  EXPECT_THAT(fit_summary(all), HasSubstr("INTERRUPTED"));
-  EXPECT_TRUE(nlohmann::json::parse(fit_json(all))["interrupted"]);
+  const files::WireDescription wire =
+      identify::fitted_wire(files::load_wire("smartflex-76um"), fit, "w");
+  EXPECT_THAT(files::to_toml(wire), HasSubstr("bath.csv (interrupted before it was finished)"));
+  const identify::Identification all{
+      "smartflex-76um", "w.toml", std::vector<smaservo::identify::Run>(1), fit, wire, {{}}, 1};
+  EXPECT_THAT(identify::fit_summary(all), HasSubstr("INTERRUPTED"));
+  EXPECT_TRUE(nlohmann::json::parse(identify::fit_json(all))["interrupted"]);
 }
 
 /// Whether the process catches SIGINT by now.
@@ -266,7 +273,7 @@ TEST(Identify, CtrlCKeepsTheBestSoFar) {
   EXPECT_EQ(f.status, 128 + SIGINT) << f.err;
   EXPECT_THAT(f.out, HasSubstr("INTERRUPTED"));
   EXPECT_THAT(file_text(program.folder() / "w.toml"), HasSubstr("interrupted"));
-  EXPECT_NO_THROW(load_wire(program.folder() / "w.toml"));
+  EXPECT_NO_THROW(files::load_wire(program.folder() / "w.toml"));
 }
 
 TEST(Identify, TheReportHasTheNumbersAndPicturesOfEveryRun) {

@@ -22,38 +22,39 @@ class IdentifyFlexinol : public MeasuredData {
     return MeasuredData::file("flexinol_" + std::to_string(stress_MPa) + "MPa.csv");
   }
 
-  std::vector<smaservo::Run> runs(const std::vector<int>& stresses_MPa) const {
-    std::vector<smaservo::Run> all;
+  std::vector<smaservo::identify::Run> runs(const std::vector<int>& stresses_MPa) const {
+    std::vector<smaservo::identify::Run> all;
     all.reserve(stresses_MPa.size());
     for (const int stress : stresses_MPa) {
-      all.push_back(read_run(file(stress), {from_.wire.geometry, {}, {}, {}}));
+      all.push_back(identify::read_run(file(stress), {from_.wire.geometry, {}, {}, {}}));
     }
     return all;
   }
 
-  const WireDescription from_ = load_wire("flexinol-lt-0.15mm");
+  const files::WireDescription from_ = files::load_wire("flexinol-lt-0.15mm");
 };
 
 TEST_F(IdentifyFlexinol, BeatsTheClassicFunctionsAtAllStressesTogether) {
-  const std::vector<smaservo::Run> measured = runs({50, 100, 200});
-  const FitResult fit = fit_wire(from_.wire, measured, {});
-  const double rms = joint_strain_rms(fit).value_or(1);
+  const std::vector<smaservo::identify::Run> measured = runs({50, 100, 200});
+  const identify::FitResult fit = identify::fit_wire(from_.wire, measured, {});
+  const double rms = identify::joint_strain_rms(fit).value_or(1);
   EXPECT_LT(rms, 0.007);
   EXPECT_GT(rms, 0.004) << "below the sensor's own noise and drift";
   for (std::size_t i = 0; i < measured.size(); ++i) {
-    const auto classics = fit_classics(measured[i]);
+    const auto classics = identify::fit_classics(measured[i]);
     ASSERT_EQ(classics.size(), 3U);
-    for (const ClassicFit& classic : classics) {
-      EXPECT_LT(fit.runs[i].strain.rms, classic_rms(classic, measured[i], 0.04)) << classic.name;
+    for (const identify::ClassicFit& classic : classics) {
+      EXPECT_LT(fit.runs[i].strain.rms, identify::classic_rms(classic, measured[i], 0.04))
+          << classic.name;
     }
   }
 }
 
 TEST_F(IdentifyFlexinol, PredictsTheStressBetween) {
-  const FitResult fit = fit_wire(from_.wire, runs({50, 200}), {});
-  ReplayOptions options;
+  const identify::FitResult fit = identify::fit_wire(from_.wire, runs({50, 200}), {});
+  replay::ReplayOptions options;
   options.trace = file(100);
-  options.wire = fitted_wire(from_, fit, "flexinol");
+  options.wire = identify::fitted_wire(from_, fit, "flexinol");
   const Estimated e = estimated(options);
   ASSERT_TRUE(e.result.open_loop);
   std::vector<double> errors = e.column("strain");
@@ -91,7 +92,7 @@ double mean(const Errors& errors) {
   return sum / static_cast<double>(count);
 }
 
-double stroke(const smaservo::Run& run) {
+double stroke(const smaservo::identify::Run& run) {
   const auto [low, high] = std::ranges::minmax(run.strain);
   return high - low;
 }
@@ -99,7 +100,7 @@ double stroke(const smaservo::Run& run) {
 using Rows = std::vector<std::size_t>;
 
 /// 1, R, R², ... of these rows.
-Eigen::MatrixXd powers(const smaservo::Run& run, const Rows& rows, int degree) {
+Eigen::MatrixXd powers(const smaservo::identify::Run& run, const Rows& rows, int degree) {
   Eigen::MatrixXd m(static_cast<Eigen::Index>(rows.size()), degree + 1);
   for (Eigen::Index k = 0; k < m.rows(); ++k) {
     const double R = run.resistance_ohm[rows[static_cast<std::size_t>(k)]] - 2.9;
@@ -111,7 +112,8 @@ Eigen::MatrixXd powers(const smaservo::Run& run, const Rows& rows, int degree) {
 }
 
 /// Of a polynomial from resistance to strain, fitted to these rows without each fold in turn.
-void polynomial_errors(const smaservo::Run& run, const Rows& rows, int degree, Errors& errors) {
+void polynomial_errors(const smaservo::identify::Run& run, const Rows& rows, int degree,
+                       Errors& errors) {
   for (std::size_t fold = 0; fold < folds; ++fold) {
     Rows train, test;
     std::ranges::partition_copy(rows, std::back_inserter(test), std::back_inserter(train),
@@ -131,7 +133,7 @@ void polynomial_errors(const smaservo::Run& run, const Rows& rows, int degree, E
 struct ResistanceErrors {
   Errors line, two_phase;
 };
-ResistanceErrors resistance_errors(const smaservo::Run& run) {
+ResistanceErrors resistance_errors(const smaservo::identify::Run& run) {
   Rows heating, cooling;
   for (std::size_t i = 0; i < run.strain.size(); ++i) {
     if (!std::isnan(run.resistance_ohm[i])) {
@@ -155,15 +157,15 @@ struct ModelErrors {
 
 /// The strain where prediction and resistance contradict each other least: the air may be off from
 /// the fit's by 1 K, the resistance by what the fit leaves of it.
-void predict_left_out(const smaservo::Run& run, const FitResult& fit, std::size_t fold,
-                      ModelErrors& errors) {
-  const FittedRun& fitted = fit.runs.front();
-  const FitRun thin = thin_run(run);
+void predict_left_out(const smaservo::identify::Run& run, const identify::FitResult& fit,
+                      std::size_t fold, ModelErrors& errors) {
+  const identify::FittedRun& fitted = fit.runs.front();
+  const identify::FitRun thin = identify::thin_run(run);
   const auto predicted = [&](double warmer_K) {
-    Assumed<double> assumed{fit.wire, fit.circuit, fitted.circumstances};
+    identify::Assumed<double> assumed{fit.wire, fit.circuit, fitted.circumstances};
     assumed.here.ambient_K += warmer_K;
-    std::vector<Predicted<double>> all;
-    predict(thin, assumed, assumed, all);
+    std::vector<identify::Predicted<double>> all;
+    identify::predict(thin, assumed, assumed, all);
     return all;
   };
   double squares = 0;
@@ -180,7 +182,7 @@ void predict_left_out(const smaservo::Run& run, const FitResult& fit, std::size_
   std::vector<double> min(run.strain.size(), std::numeric_limits<double>::infinity());
   for (int step = -80; step <= 80; ++step) {
     const double warmer_K = 0.1 * step;
-    const std::vector<Predicted<double>> here = predicted(warmer_K);
+    const std::vector<identify::Predicted<double>> here = predicted(warmer_K);
     for (std::size_t i = fold; i < run.strain.size(); i += folds) {
       const double error = (here[i].strain - run.strain[i]) / stroke(run);
       const double ohm = std::isnan(run.resistance_ohm[i])
@@ -201,11 +203,12 @@ void predict_left_out(const smaservo::Run& run, const FitResult& fit, std::size_
 /// What a fit does not see of the rows that are left out.
 enum class Hidden : unsigned char { strain, strain_and_resistance };
 
-ModelErrors model_errors(const smaservo::Run& run, const Wire<double>& from, Hidden hidden) {
+ModelErrors model_errors(const smaservo::identify::Run& run, const Wire<double>& from,
+                         Hidden hidden) {
   ModelErrors errors{Errors(run.strain.size(), std::nan("")), {}};
   errors.with_resistance = errors.alone;
   for (std::size_t fold = 0; fold < folds; ++fold) {
-    smaservo::Run known = run;
+    smaservo::identify::Run known = run;
     // Nothing is known of the first state, which has no current.
     known.strain[0] = std::nan("");
     for (std::size_t i = fold; i < run.strain.size(); i += folds) {
@@ -214,7 +217,7 @@ ModelErrors model_errors(const smaservo::Run& run, const Wire<double>& from, Hid
         known.resistance_ohm[i] = std::nan("");
       }
     }
-    predict_left_out(run, fit_wire(from, {known}, {}), fold, errors);
+    predict_left_out(run, identify::fit_wire(from, {known}, {}), fold, errors);
   }
   return errors;
 }
@@ -223,9 +226,11 @@ class IdentifyStaircase : public MeasuredData {};
 
 TEST_F(IdentifyStaircase, PredictsStatesThatItHasNotSeen) {
   // 8.3 ohm/m and 4 % of the length are 3.46 ohm and 16.9 mm: 0.38 mm, 417 mm. The load is a guess.
-  const Wire<double> from = load_wire("flexinol-lt-0.38mm", {{"wire.length_mm", "417"}}).wire;
-  const smaservo::Run run = read_run(file("staircase_even.csv"), {from.geometry, 100e6, {}, {}});
-  ASSERT_EQ(run.kind, RunKind::settled);
+  const Wire<double> from =
+      files::load_wire("flexinol-lt-0.38mm", {{"wire.length_mm", "417"}}).wire;
+  const smaservo::identify::Run run =
+      identify::read_run(file("staircase_even.csv"), {from.geometry, 100e6, {}, {}});
+  ASSERT_EQ(run.kind, identify::RunKind::settled);
   ASSERT_EQ(run.strain.size(), 41U);
   EXPECT_NEAR(stroke(run), 16.9 / 417, 1e-4);
   // Polynomials have seen nothing of the rows left out; neither has this fit.

@@ -11,23 +11,24 @@
 namespace smaservo::test {
 namespace {
 
-constexpr FitVariant variants[] = {{}, {.separate_r2a = true, .separate_r2m = true}};
+constexpr identify::FitVariant variants[] = {{}, {.separate_r2a = true, .separate_r2m = true}};
 
 template <class F>
-Wire<double> varied(const Wire<double>& from, const FitVariant& variant, F deviation) {
-  return vary_wire<double>(
-      from, variant, [&](const FitParameter& parameter) { return parameter.value(deviation()); });
+Wire<double> varied(const Wire<double>& from, const identify::FitVariant& variant, F deviation) {
+  return identify::vary_wire<double>(from, variant, [&](const identify::FitParameter& parameter) {
+    return parameter.value(deviation());
+  });
 }
 
 TEST(FitParameters, WithoutDeviationTheWireIsWhatItWas) {
   for (const char* name : {"smartflex-76um", "flexinol-lt-0.15mm", "flexinol-ht-0.38mm"}) {
-    const Wire<double> from = load_wire(name).wire;
+    const Wire<double> from = files::load_wire(name).wire;
     const Wire<double> after = varied(from, {}, [] { return 0.0; });
-    ASSERT_EQ(written_fields(from), written_fields(after));
-    for (const Field* field : written_fields(from)) {
+    ASSERT_EQ(files::written_fields(from), files::written_fields(after));
+    for (const files::Field* field : files::written_fields(from)) {
       SCOPED_TRACE(fmt::format("{} {}", name, field->path));
-      const std::vector<double> numbers = wire_numbers(*field, from);
-      const std::vector<double> other = wire_numbers(*field, after);
+      const std::vector<double> numbers = files::wire_numbers(*field, from);
+      const std::vector<double> other = files::wire_numbers(*field, after);
       // A coefficient counts by what it does at 500 MPa.
       double scale = 1;
       for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -42,20 +43,21 @@ TEST(FitParameters, WithoutDeviationTheWireIsWhatItWas) {
 TEST(FitParameters, AWireThatIsOffIsStillOne) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
-  for (const FitVariant& variant : variants) {
+  for (const identify::FitVariant& variant : variants) {
     for (int i = 0; i < 300; ++i) {
-      WireDescription description = load_wire("smartflex-76um");
+      files::WireDescription description = files::load_wire("smartflex-76um");
       description.wire = varied(description.wire, variant, [&] { return 0.6 * normal(random); });
-      EXPECT_NO_THROW(parse_wire(to_toml(description), "varied.toml")) << to_toml(description);
+      EXPECT_NO_THROW(files::parse_wire(files::to_toml(description), "varied.toml"))
+          << files::to_toml(description);
     }
   }
 }
 
 TEST(FitParameters, EachChangesTheWireByItself) {
-  const Wire<double> from = load_wire("smartflex-76um").wire;
-  const auto text = [&](const Wire<double>& wire) { return to_toml({"", wire, {}}); };
-  for (const FitVariant& variant : variants) {
-    const std::vector<FitParameter> all = fit_parameters(from, variant);
+  const Wire<double> from = files::load_wire("smartflex-76um").wire;
+  const auto text = [&](const Wire<double>& wire) { return files::to_toml({"", wire, {}}); };
+  for (const identify::FitVariant& variant : variants) {
+    const std::vector<identify::FitParameter> all = identify::fit_parameters(from, variant);
     const std::string unchanged = text(varied(from, variant, [] { return 0.0; }));
     for (std::size_t i = 0; i < all.size(); ++i) {
       std::size_t at = 0;

@@ -16,7 +16,7 @@ constexpr double stress_Pa = 120e6;
 constexpr double room_K = 298.15;
 
 const Wire<double>& wire() {
-  static const Wire<double> one = load_wire("smartflex-76um").wire;
+  static const Wire<double> one = files::load_wire("smartflex-76um").wire;
   return one;
 }
 
@@ -26,9 +26,9 @@ double power_W(double time_s) {
   return 0.45 * (0.5 + 0.5 * wave) * (0.6 + 0.4 * std::sin(time_s));
 }
 
-FitRun run() {
-  FitRun run;
-  run.kind = RunKind::joule;
+identify::FitRun run() {
+  identify::FitRun run;
+  run.kind = identify::RunKind::joule;
   for (std::size_t i = 0; i < 2500; ++i) {
     run.dt_s.push_back(step_s);
     run.power_W.push_back(power_W(static_cast<double>(i) * step_s));
@@ -42,29 +42,30 @@ FitRun run() {
 }
 
 template <class T>
-Assumed<T> assumed(std::size_t by, const T& deviation) {
+identify::Assumed<T> assumed(std::size_t by, const T& deviation) {
   std::size_t at = 0;
-  return {vary_wire<T>(wire(), {},
-                       [&](const FitParameter& parameter) {
-                         return parameter.value(at++ == by ? deviation : T(0.0));
-                       }),
+  return {identify::vary_wire<T>(wire(), {},
+                                 [&](const identify::FitParameter& parameter) {
+                                   return parameter.value(at++ == by ? deviation : T(0.0));
+                                 }),
           {T(0), T(1)},
           {T(room_K), T(1), T(0), T(1), T(1), T(0)}};
 }
 
-std::vector<Predicted<double>> predicted(const FitRun& run, std::size_t by, double deviation) {
-  const Assumed<double> plain = assumed(by, deviation);
-  std::vector<Predicted<double>> all;
-  predict(run, plain, plain, all);
+std::vector<identify::Predicted<double>> predicted(const identify::FitRun& run, std::size_t by,
+                                                   double deviation) {
+  const identify::Assumed<double> plain = assumed(by, deviation);
+  std::vector<identify::Predicted<double>> all;
+  identify::predict(run, plain, plain, all);
   return all;
 }
 
 TEST(Prediction, IsThatOfThePlantInSmallSteps) {
   using Reference = Plant<ThreePhase<double>>;
-  const FitRun run_ = run();
+  const identify::FitRun run_ = run();
   const auto params = plant_params(wire());
   auto state = Reference::rest(params, {room_K, stress_Pa});
-  const std::vector<Predicted<double>> fit = predicted(run_, 0, 0);
+  const std::vector<identify::Predicted<double>> fit = predicted(run_, 0, 0);
   std::size_t at = 0;
   double worst = 0;
   constexpr int parts = 64;
@@ -82,10 +83,10 @@ TEST(Prediction, IsThatOfThePlantInSmallSteps) {
 }
 
 TEST(Prediction, HasTheSameValuesWithAndWithoutDerivatives) {
-  const FitRun run_ = run();
-  const std::vector<Predicted<double>> plain = predicted(run_, 0, 0);
-  std::vector<Predicted<Jet>> jets;
-  predict(run_, assumed(0, Jet(0.0, 0)), assumed(0, 0.0), jets);
+  const identify::FitRun run_ = run();
+  const std::vector<identify::Predicted<double>> plain = predicted(run_, 0, 0);
+  std::vector<identify::Predicted<identify::Jet>> jets;
+  identify::predict(run_, assumed(0, identify::Jet(0.0, 0)), assumed(0, 0.0), jets);
   ASSERT_EQ(jets.size(), plain.size());
   for (std::size_t i = 0; i < plain.size(); ++i) {
     ASSERT_EQ(jets[i].strain.a, plain[i].strain);
@@ -94,14 +95,14 @@ TEST(Prediction, HasTheSameValuesWithAndWithoutDerivatives) {
 }
 
 TEST(Prediction, DerivativesAreThoseOfFiniteDifferences) {
-  const FitRun run_ = run();
-  const std::vector<FitParameter> parameters = fit_parameters(wire(), {});
+  const identify::FitRun run_ = run();
+  const std::vector<identify::FitParameter> parameters = identify::fit_parameters(wire(), {});
   constexpr double h = 1e-4;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const auto above = predicted(run_, k, h);
     const auto below = predicted(run_, k, -h);
-    std::vector<Predicted<Jet>> jets;
-    predict(run_, assumed(k, Jet(0.0, 0)), assumed(k, 0.0), jets);
+    std::vector<identify::Predicted<identify::Jet>> jets;
+    identify::predict(run_, assumed(k, identify::Jet(0.0, 0)), assumed(k, 0.0), jets);
     double difference = 0;
     double size = 0;
     for (std::size_t i = 0; i < jets.size(); ++i) {

@@ -21,12 +21,13 @@ using Columns = std::vector<RecordedColumn>;
 using Values = std::vector<double>;
 
 /// What is said of a run that is refused, without the file's name; nothing when it is taken.
-std::string refusal(const Columns& columns, const RunOptions& options = of_recorded_wire()) {
+std::string refusal(const Columns& columns,
+                    const identify::RunOptions& options = of_recorded_wire()) {
   const TemporaryFolder folder;
   const std::string path = folder.write("run.csv", csv(columns));
   try {
-    read_run(path, options);
-  } catch (const UserError& error) {
+    identify::read_run(path, options);
+  } catch (const files::UserError& error) {
     const std::string said = error.what();
     return said.starts_with(path + ": ") ? said.substr(path.size() + 2) : "without name: " + said;
   }
@@ -37,7 +38,7 @@ TEST(RunKinds, ABathNeedsNoTime) {
   const Recording r;
   const auto run = run_of(
       {{"temperature_degC", r.temperature_degC}, {"strain_ref_percent", times(100, r.strain)}});
-  EXPECT_EQ(run.kind, RunKind::bath);
+  EXPECT_EQ(run.kind, identify::RunKind::bath);
   ASSERT_EQ(run.strain.size(), 200U);
   EXPECT_DOUBLE_EQ(run.temperature_K[0], 293.15);
   EXPECT_NEAR(run.strain[37], r.strain[37], 1e-15);
@@ -54,7 +55,7 @@ TEST(RunKinds, AMeasuringCurrentMakesNoHeating) {
                   {"current_mA", Values(200, 5.0)},
                   {"voltage_mV", times(5, r.ohm)}};
   const auto bath = run_of(columns);
-  EXPECT_EQ(bath.kind, RunKind::bath);
+  EXPECT_EQ(bath.kind, identify::RunKind::bath);
   for (std::size_t i = 0; i < 200; ++i) {
     ASSERT_NEAR(bath.resistance_ohm[i], r.ohm[i], 1e-12);
   }
@@ -72,7 +73,7 @@ TEST(RunKinds, CurrentVoltageAndTimeAreJouleHeatingWhateverAThermometerSays) {
                            {"temperature_degC", converted(r.temperature_degC, 0.1, 20, 80)},
                            {"ambient_degC", Values(200, 22.0)},
                            {"strain_ref", r.strain}});
-  EXPECT_EQ(run.kind, RunKind::joule);
+  EXPECT_EQ(run.kind, identify::RunKind::joule);
   EXPECT_EQ(run.temperature_K.size(), 200U);
   EXPECT_THAT(run.ambient_K, Each(295.15));
   EXPECT_NEAR(run.resistance_ohm[100], r.ohm[100], 1e-12);
@@ -89,22 +90,22 @@ TEST(RunKinds, WithoutTimeEachRowIsSettled) {
                         {"displacement_mm", displacement_mm},
                         {"temperature_degC", r.temperature_degC}};
   const auto run = run_of(columns);
-  EXPECT_EQ(run.kind, RunKind::settled);
+  EXPECT_EQ(run.kind, identify::RunKind::settled);
   EXPECT_DOUBLE_EQ(*std::ranges::max_element(run.strain), 0);
   EXPECT_NEAR(run.strain[90] - run.strain[10], r.strain[90] - r.strain[10], 1e-12);
   EXPECT_TRUE(std::isnan(run.resistance_ohm[0])) << "there is no current";
   EXPECT_TRUE(std::isnan(run.resistance_ohm[2])) << "2 % of the largest";
   EXPECT_NEAR(run.resistance_ohm[4], r.ohm[4], 1e-12);
-  RunOptions period = of_recorded_wire();
+  identify::RunOptions period = of_recorded_wire();
   period.trace.period_s = 0.1;
-  EXPECT_EQ(run_of(columns, period).kind, RunKind::joule) << "rows have a time";
+  EXPECT_EQ(run_of(columns, period).kind, identify::RunKind::joule) << "rows have a time";
 }
 
 TEST(RunKinds, PowerIsACalorimeters) {
   const Recording r;
   for (const char* name : {"power_W_per_g", "power_mW_per_mg"}) {
     const auto run = run_of({{"temperature_degC", r.temperature_degC}, {name, Values(200, 0.5)}});
-    EXPECT_EQ(run.kind, RunKind::calorimetry);
+    EXPECT_EQ(run.kind, identify::RunKind::calorimetry);
     EXPECT_THAT(run.power_W_kg, Each(500.0));
     EXPECT_THAT(run.stress_Pa, Each(0.0)) << "the wire's load is not the sample's";
   }
@@ -185,7 +186,7 @@ TEST(RunChecks, ContradictoryUnits) {
                        {"voltage_V", times(100, r.voltage_V)},
                        strain}),
               HasSubstr("K/s"));
-  RunOptions thick = of_recorded_wire();
+  identify::RunOptions thick = of_recorded_wire();
   thick.geometry.diameter_m = 300e-6;
   EXPECT_THAT(refusal({warm, strain, {"resistance_ohm", r.ohm}}, thick), HasSubstr("300 um"));
 }
@@ -259,7 +260,7 @@ TEST(UnclippedColumns, WiresAtRestThermostatsAndSources) {
     hold[0].values.insert(hold[0].values.end(), repeat, r.temperature_degC[i]);
     hold[1].values.insert(hold[1].values.end(), repeat, r.strain[i]);
   }
-  RunOptions sampled = of_recorded_wire();
+  identify::RunOptions sampled = of_recorded_wire();
   sampled.trace.period_s = 0.1;
   EXPECT_EQ(refusal(rest, sampled), "");
   EXPECT_EQ(refusal(hold), "");
@@ -278,8 +279,9 @@ TEST(Runs, AllCommittedTracesAreTaken) {
       std::filesystem::path(SMASERVO_SOURCE_DIR) / "host-sim" / "traces";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() == ".csv") {
-      const auto run = read_run(entry.path().string(), {recorded_wire, {}, {}, {}});
-      EXPECT_EQ(run.kind, entry.path().stem() == "bath" ? RunKind::bath : RunKind::joule);
+      const auto run = identify::read_run(entry.path().string(), {recorded_wire, {}, {}, {}});
+      EXPECT_EQ(run.kind,
+                entry.path().stem() == "bath" ? identify::RunKind::bath : identify::RunKind::joule);
       ++count;
     }
   }
@@ -288,8 +290,8 @@ TEST(Runs, AllCommittedTracesAreTaken) {
 
 TEST_F(MeasuredData, StaircaseIsSettledAndItsClippedThermometerDoesNotCount) {
   const std::string staircase = file("staircase_even.csv");
-  const auto run = read_run(staircase, {{0.225, 300e-6}, 100e6, {}, {}});
-  EXPECT_EQ(run.kind, RunKind::settled);
+  const auto run = identify::read_run(staircase, {{0.225, 300e-6}, 100e6, {}, {}});
+  EXPECT_EQ(run.kind, identify::RunKind::settled);
   EXPECT_EQ(run.strain.size(), 41U);
   EXPECT_NEAR(*std::ranges::min_element(run.strain), -(16.920 + 0.008) / 225, 1e-12);
   EXPECT_TRUE(std::isnan(run.resistance_ohm.front()));

@@ -30,8 +30,8 @@ struct Case {
 };
 constexpr Case cases[] = {{"smartflex-76um", 20}, {"flexinol-lt-0.15mm", 60}};
 
-PlanOptions options(std::vector<double> stresses_Pa, double duration_s, int threads = 2) {
-  PlanOptions o;
+plan::PlanOptions options(std::vector<double> stresses_Pa, double duration_s, int threads = 2) {
+  plan::PlanOptions o;
   o.stresses_Pa = std::move(stresses_Pa);
   o.duration_s = duration_s;
   o.threads = threads;
@@ -39,7 +39,7 @@ PlanOptions options(std::vector<double> stresses_Pa, double duration_s, int thre
 }
 
 /// The hottest that the wire gets, by four steps for each of the plan's.
-double hottest_K(const Wire<double>& wire, const PlannedRun& run, double step_s) {
+double hottest_K(const Wire<double>& wire, const plan::PlannedRun& run, double step_s) {
   const Model::Params params = plant_params(wire);
   constexpr double room_K = 298.15;
   Model::State state = Model::rest(params, {room_K, run.stress_Pa});
@@ -54,16 +54,16 @@ double hottest_K(const Wire<double>& wire, const PlannedRun& run, double step_s)
   return hottest;
 }
 
-void expect_within_limits(const Wire<double>& wire, const Plan& plan, double duration_s) {
-  for (const PlannedRun& run : plan.runs) {
+void expect_within_limits(const Wire<double>& wire, const plan::Plan& plan, double duration_s) {
+  for (const plan::PlannedRun& run : plan.runs) {
     const auto [min, max] = std::ranges::minmax(run.current_A);
     EXPECT_NEAR(static_cast<double>(run.current_A.size()) * plan.step_s, duration_s, plan.step_s);
-    EXPECT_LE(max, plan_current * wire.limits.current_A);
+    EXPECT_LE(max, plan::plan_current * wire.limits.current_A);
     EXPECT_GT(min, 0.05 * max) << "nothing tells the resistance";
     EXPECT_EQ(run.current_A.front(), min) << "the wire is at rest at first";
     EXPECT_EQ(run.current_A.back(), min);
     const double hottest = hottest_K(wire, run, plan.step_s);
-    EXPECT_LT(hottest, wire.limits.temperature_K - plan_margin_K + 0.5);
+    EXPECT_LT(hottest, wire.limits.temperature_K - plan::plan_margin_K + 0.5);
     EXPECT_NEAR(hottest, std::ranges::max(run.temperature_K), 0.5);
   }
 }
@@ -71,8 +71,8 @@ void expect_within_limits(const Wire<double>& wire, const Plan& plan, double dur
 TEST(Plan, IsWorthMoreThanATriangleWithinTheLimits) {
   for (const auto& [name, duration_s] : cases) {
     SCOPED_TRACE(name);
-    const Wire<double> wire = load_wire(name).wire;
-    const Plan plan = plan_runs(wire, options({50e6, 150e6}, duration_s));
+    const Wire<double> wire = files::load_wire(name).wire;
+    const plan::Plan plan = plan::plan_runs(wire, options({50e6, 150e6}, duration_s));
     ASSERT_EQ(plan.runs.size(), 2U);
     EXPECT_EQ(plan.runs[1].stress_Pa, 150e6);
     expect_within_limits(wire, plan, duration_s);
@@ -80,29 +80,29 @@ TEST(Plan, IsWorthMoreThanATriangleWithinTheLimits) {
       EXPECT_NEAR(std::ranges::max(plan.triangles[i].current_A),
                   std::ranges::max(plan.runs[i].current_A), 1e-3 * wire.limits.current_A);
     }
-    for (const ExpectedParameter& p : plan.parameters) {
+    for (const plan::ExpectedParameter& p : plan.parameters) {
       EXPECT_GT(p.plan, 0) << p.parameter.key;
       EXPECT_LE(p.plan, 1) << p.parameter.key;
     }
-    EXPECT_LT(mean_logarithm(plan, &ExpectedParameter::plan),
-              mean_logarithm(plan, &ExpectedParameter::triangle) - 0.2);
-    EXPECT_GT(determined(plan, &ExpectedParameter::plan),
-              determined(plan, &ExpectedParameter::triangle));
+    EXPECT_LT(plan::mean_logarithm(plan, &plan::ExpectedParameter::plan),
+              plan::mean_logarithm(plan, &plan::ExpectedParameter::triangle) - 0.2);
+    EXPECT_GT(plan::determined(plan, &plan::ExpectedParameter::plan),
+              plan::determined(plan, &plan::ExpectedParameter::triangle));
   }
 }
 
 TEST(Plan, KeepsAColderLimit) {
-  Wire<double> wire = load_wire("flexinol-lt-0.15mm").wire;
+  Wire<double> wire = files::load_wire("flexinol-lt-0.15mm").wire;
   wire.limits.temperature_K = 350;
-  const Plan plan = plan_runs(wire, options({50e6}, 10));
+  const plan::Plan plan = plan::plan_runs(wire, options({50e6}, 10));
   expect_within_limits(wire, plan, 10);
   EXPECT_GT(std::ranges::max(plan.runs[0].temperature_K), 330) << "the limit is made use of";
 }
 
 TEST(Plan, ThreadsMakeNoDifference) {
-  const Wire<double> wire = load_wire("smartflex-76um").wire;
-  const Plan one = plan_runs(wire, options({25e6, 200e6}, 10, 1));
-  const Plan two = plan_runs(wire, options({25e6, 200e6}, 10, 2));
+  const Wire<double> wire = files::load_wire("smartflex-76um").wire;
+  const plan::Plan one = plan::plan_runs(wire, options({25e6, 200e6}, 10, 1));
+  const plan::Plan two = plan::plan_runs(wire, options({25e6, 200e6}, 10, 2));
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(one.runs[i].current_A, two.runs[i].current_A);
   }
@@ -112,24 +112,24 @@ TEST(Plan, ThreadsMakeNoDifference) {
 }
 
 TEST(Plan, ChoosesThreeLoads) {
-  const Wire<double> wire = load_wire("flexinol-lt-0.15mm").wire;
-  const Plan plan = plan_runs(wire, options({}, 10));
+  const Wire<double> wire = files::load_wire("flexinol-lt-0.15mm").wire;
+  const plan::Plan plan = plan::plan_runs(wire, options({}, 10));
   ASSERT_EQ(plan.runs.size(), 3U);
   EXPECT_LT(plan.runs[0].stress_Pa, plan.runs[1].stress_Pa);
   EXPECT_LT(plan.runs[1].stress_Pa, plan.runs[2].stress_Pa);
   EXPECT_LE(plan.runs[2].stress_Pa, wire.limits.stress_Pa);
-  const Plan low = plan_runs(wire, options({10e6, 11e6, 12e6}, 10));
-  EXPECT_LT(mean_logarithm(plan, &ExpectedParameter::plan),
-            mean_logarithm(low, &ExpectedParameter::plan) - 0.1)
+  const plan::Plan low = plan::plan_runs(wire, options({10e6, 11e6, 12e6}, 10));
+  EXPECT_LT(plan::mean_logarithm(plan, &plan::ExpectedParameter::plan),
+            plan::mean_logarithm(low, &plan::ExpectedParameter::plan) - 0.1)
       << "loads that are nearly equal say less";
 }
 
 TEST(Plan, RefusesWhatTheWireDoesNotBear) {
-  const Wire<double> wire = load_wire("flexinol-lt-0.15mm").wire;
-  const auto message = [&](const PlanOptions& o) -> std::string {
+  const Wire<double> wire = files::load_wire("flexinol-lt-0.15mm").wire;
+  const auto message = [&](const plan::PlanOptions& o) -> std::string {
     try {
-      plan_runs(wire, o);
-    } catch (const UserError& error) {
+      plan::plan_runs(wire, o);
+    } catch (const files::UserError& error) {
       return error.what();
     }
     return "";
@@ -146,9 +146,9 @@ TEST(Plan, RefusesWhatTheWireDoesNotBear) {
 TEST(PlanProfile, LevelsBeginAndEndAtRestAndStayInRange) {
   std::mt19937_64 random(5);
   for (int i = 0; i < 300; ++i) {
-    const Recipe first = random_recipe(random);
-    for (const Recipe& recipe : {first, varied(first, random)}) {
-      const std::vector<double> profile = levels(recipe, 1000);
+    const plan::Recipe first = plan::random_recipe(random);
+    for (const plan::Recipe& recipe : {first, plan::varied(first, random)}) {
+      const std::vector<double> profile = plan::levels(recipe, 1000);
       ASSERT_EQ(profile.size(), 1000U);
       EXPECT_EQ(std::ranges::count(profile.begin(), profile.begin() + 20, 0.0), 20);
       EXPECT_EQ(std::ranges::count(profile.end() - 20, profile.end(), 0.0), 20);

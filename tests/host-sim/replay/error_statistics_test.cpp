@@ -22,7 +22,7 @@ double sorted_quantile(std::vector<double> sizes, double share) {
 }
 
 TEST(ErrorStatistics, NothingIsZero) {
-  const ErrorStatistics none;
+  const replay::ErrorStatistics none;
   EXPECT_EQ(none.count(), 0U);
   EXPECT_EQ(none.mean(), 0);
   EXPECT_EQ(none.quantile(0.95), 0);
@@ -35,7 +35,7 @@ TEST(ErrorStatistics, AgreesWithSorting) {
     const int count = std::uniform_int_distribution<int>(1, 3000)(random);
     std::lognormal_distribution<double> size(std::uniform_real_distribution<double>(-4, 3)(random),
                                              1.2);
-    ErrorStatistics statistics;
+    replay::ErrorStatistics statistics;
     std::vector<double> sizes;
     for (int i = 0; i < count; ++i) {
       sizes.push_back(size(random));
@@ -55,7 +55,7 @@ TEST(ErrorStatistics, AgreesWithSorting) {
 }
 
 TEST(ErrorStatistics, QuantileIsNeverAboveTheMaximum) {
-  ErrorStatistics statistics;
+  replay::ErrorStatistics statistics;
   for (int i = 0; i < 20; ++i) {
     statistics.add(0.003);
   }
@@ -63,7 +63,7 @@ TEST(ErrorStatistics, QuantileIsNeverAboveTheMaximum) {
 }
 
 TEST(ErrorStatistics, HugeErrorsNeitherGrowNorVanish) {
-  ErrorStatistics statistics;
+  replay::ErrorStatistics statistics;
   for (int i = 0; i < 10; ++i) {
     statistics.add(1e12 * (i + 1));
   }
@@ -73,7 +73,7 @@ TEST(ErrorStatistics, HugeErrorsNeitherGrowNorVanish) {
 }
 
 TEST(ErrorStatistics, AnEstimateThatIsNoNumberIsTheGreatestError) {
-  ErrorStatistics statistics;
+  replay::ErrorStatistics statistics;
   statistics.add(1);
   statistics.add(std::nan(""));
   EXPECT_EQ(statistics.count(), 2U);

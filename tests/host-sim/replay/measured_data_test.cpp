@@ -16,7 +16,7 @@ void expect_near(double value, double expected, const char* what) {
   EXPECT_LT(value, 1.3 * expected) << what;
 }
 
-void expect_about(const ErrorStatistics& error, double mean, double p95, double maximum) {
+void expect_about(const replay::ErrorStatistics& error, double mean, double p95, double maximum) {
   expect_near(error.mean(), mean, "mean");
   expect_near(error.quantile(0.95), p95, "95 %");
   expect_near(error.maximum(), maximum, "maximum");
@@ -49,16 +49,16 @@ TEST_F(MeasuredData, FlexinolCyclesRunThroughTheModelAlone) {
   };
   for (const Flexinol& cycle : cycles) {
     SCOPED_TRACE(cycle.file);
-    ReplayOptions options;
+    replay::ReplayOptions options;
     options.trace = file(cycle.file);
-    options.wire = load_wire("flexinol-lt-0.15mm");
+    options.wire = files::load_wire("flexinol-lt-0.15mm");
     const Estimated lt = estimated(options);
     EXPECT_TRUE(lt.result.open_loop);
     EXPECT_EQ(lt.result.rows, 499U);
     EXPECT_EQ(lt.result.skipped, 0U);
     expect_physical(lt);
     expect_about(lt.result.observers.front().error, cycle.lt_mean, cycle.lt_p95, cycle.lt_max);
-    options.wire = load_wire("flexinol-ht-0.15mm");
+    options.wire = files::load_wire("flexinol-ht-0.15mm");
     const Estimated ht = estimated(options);
     expect_about(ht.result.observers.front().error, cycle.ht_mean, cycle.ht_p95, cycle.ht_max);
     EXPECT_LT(lt.result.observers.front().error.mean(), ht.result.observers.front().error.mean());
@@ -66,12 +66,12 @@ TEST_F(MeasuredData, FlexinolCyclesRunThroughTheModelAlone) {
 }
 
 /// The staircase's settled states, 10 s each. Nobody noted the wire.
-ReplayOptions staircase(const std::string& file, const char* preset,
-                        const std::vector<Override>& settings) {
-  ReplayOptions options;
+replay::ReplayOptions staircase(const std::string& file, const char* preset,
+                                const std::vector<files::Override>& settings) {
+  replay::ReplayOptions options;
   options.trace = file;
   options.trace_options.renames = {"time_s=step*5"};
-  options.wire = load_wire(preset, settings);
+  options.wire = files::load_wire(preset, settings);
   options.observers = {"kalman", "open-loop", "line"};
   return options;
 }
@@ -79,7 +79,7 @@ ReplayOptions staircase(const std::string& file, const char* preset,
 TEST_F(MeasuredData, StaircaseOfAPlausibleWire) {
   // 3.46 ohm cold, and transformed by 0.55 A in still air: 300 um and 225 mm. 4 % of that are
   // 9.0 mm, not the 16.9 mm of the column, so a lever must have been between.
-  ReplayOptions options =
+  replay::ReplayOptions options =
       staircase(file("staircase_even.csv"), "smartflex-300um", {{"wire.length_mm", "225"}});
   options.trace_options.renames.emplace_back("displacement_mm=displacement_mm*0.533");
   options.stress_Pa = 100e6;
@@ -102,7 +102,7 @@ TEST_F(MeasuredData, StaircaseOfAPlausibleWire) {
 TEST_F(MeasuredData, AWrongGuessOfTheWireStaysPhysical) {
   // 400 um and 400 mm have the same resistance and the stroke of the column, but lose three times
   // the heat, so power and resistance contradict each other.
-  ReplayOptions options =
+  replay::ReplayOptions options =
       staircase(file("staircase_even.csv"), "smartflex-400um", {{"wire.length_mm", "400"}});
   options.stress_Pa = 170e6;
   expect_physical(estimated(options));

@@ -42,18 +42,18 @@ std::string rewritten(const std::string& header, const auto& row_text) {
 
 class ReplayOf : public ::testing::Test {
  protected:
-  ReplayOptions options(const std::string& text) const {
+  replay::ReplayOptions options(const std::string& text) const {
     return replay_options(folder_.write("trace.csv", text), "b");
   }
   Estimated of(const std::string& text) const { return estimated(options(text)); }
 
   /// What is said about a replay that is refused; nothing may be written then.
-  static std::string refusal(ReplayOptions options) {
+  static std::string refusal(replay::ReplayOptions options) {
     const TemporaryFolder out;
     options.out = out / "estimate.csv";
     std::string said;
     try {
-      replay(options);
+      replay::replay(options);
     } catch (const std::runtime_error& error) {
       said = error.what();
     }
@@ -67,7 +67,7 @@ class ReplayOf : public ::testing::Test {
 };
 
 TEST_F(ReplayOf, TheSameTraceIsTheSameWhateverRanBefore) {
-  ReplayOptions first = options(joined(short_trace()));
+  replay::ReplayOptions first = options(joined(short_trace()));
   first.observers = {"kalman", "open-loop", "line"};
   const Estimated before = estimated(first);
   estimated(replay_options(shipped("spring.csv"), "a"));
@@ -81,11 +81,11 @@ TEST_F(ReplayOf, TheSameTraceIsTheSameWhateverRanBefore) {
 }
 
 TEST_F(ReplayOf, FirstObserverWritesTheOthersAreCompared) {
-  ReplayOptions both = options(joined(short_trace()));
+  replay::ReplayOptions both = options(joined(short_trace()));
   both.observers = {"line", "kalman"};
   const Estimated e = estimated(both);
   ASSERT_THAT(e.result.observers, SizeIs(2));
-  ReplayOptions alone = both;
+  replay::ReplayOptions alone = both;
   for (std::size_t i = 0; i < 2; ++i) {
     alone.observers = {both.observers[i]};
     const Estimated single = estimated(alone);
@@ -96,9 +96,10 @@ TEST_F(ReplayOf, FirstObserverWritesTheOthersAreCompared) {
 }
 
 TEST_F(ReplayOf, WithoutReferenceOnlyTheFirstObserverRuns) {
-  ReplayOptions o = options(rewritten("time_s,current_A,voltage_V,load_N", [](const Columns& c) {
-    return c.time + "," + c.current + "," + c.voltage + "," + c.load;
-  }));
+  replay::ReplayOptions o =
+      options(rewritten("time_s,current_A,voltage_V,load_N", [](const Columns& c) {
+        return c.time + "," + c.current + "," + c.voltage + "," + c.load;
+      }));
   o.observers = {"kalman", "line"};
   const Estimated e = estimated(o);
   EXPECT_FALSE(e.result.has_reference);
@@ -111,7 +112,7 @@ TEST_F(ReplayOf, ABadRowIsRefusedOrSkipped) {
   std::vector<std::string> lines = short_trace();
   const std::string good = joined(lines);
   lines.insert(lines.begin() + 701, "7.0000001,0.1,broken,0.9,0.04");
-  ReplayOptions o = options(joined(lines));
+  replay::ReplayOptions o = options(joined(lines));
   EXPECT_THAT(refusal(o), HasSubstr("line 702, column 3 (voltage_V): 'broken'"));
   o.trace_options.lenient = true;
   const Estimated e = estimated(o);
@@ -141,7 +142,7 @@ TEST_F(ReplayOf, AGapOfMoreThanAMinuteStartsAgain) {
 }
 
 TEST_F(ReplayOf, PeriodStandsInForTime) {
-  ReplayOptions o =
+  replay::ReplayOptions o =
       options(rewritten("current_A,voltage_V,load_N,strain_ref", [](const Columns& c) {
         return c.current + "," + c.voltage + "," + c.load + "," + c.strain_ref;
       }));
@@ -157,7 +158,7 @@ TEST_F(ReplayOf, LoadMayBeGivenInsteadOfMeasured) {
       rewritten("time_s,current_A,voltage_V,strain_ref", [](const Columns& c) {
         return c.time + "," + c.current + "," + c.voltage + "," + c.strain_ref;
       });
-  ReplayOptions o = options(without);
+  replay::ReplayOptions o = options(without);
   EXPECT_THAT(refusal(o), AllOf(HasSubstr("--load-N"), HasSubstr("--stress-MPa")));
   o.stress_Pa = 200e6;
   const Estimated by_stress = estimated(o);
@@ -174,14 +175,14 @@ TEST_F(ReplayOf, LoadMayBeGivenInsteadOfMeasured) {
 }
 
 TEST_F(ReplayOf, AnExplicitLoadDoesNotReplaceAMeasuredOne) {
-  ReplayOptions o = options(joined(short_trace()));
+  replay::ReplayOptions o = options(joined(short_trace()));
   const std::string measured = estimated(o).text;
   o.load_N = 2;
   EXPECT_TRUE(estimated(o).text == measured);
 }
 
 TEST_F(ReplayOf, DisplacementIsAReferenceWithoutZero) {
-  const double length_m = load_wire(shipped("units/b.toml")).wire.geometry.length_m;
+  const double length_m = files::load_wire(shipped("units/b.toml")).wire.geometry.length_m;
   const Estimated e =
       of(rewritten("time_s,current_A,voltage_V,load_N,displacement_mm", [&](const Columns& c) {
         const double mm = 7 - 1e3 * length_m * std::strtod(c.strain_ref.c_str(), nullptr);
@@ -208,14 +209,14 @@ TEST_F(ReplayOf, MissingColumnsAreNamed) {
 
 TEST_F(ReplayOf, ATraceWithoutRowsIsRefused) {
   EXPECT_THAT(refusal(options("time_s,current_A,voltage_V,load_N\n")), HasSubstr("no usable row"));
-  ReplayOptions o = options("time_s,current_A,voltage_V,load_N\nx,y,z,w\n");
+  replay::ReplayOptions o = options("time_s,current_A,voltage_V,load_N\nx,y,z,w\n");
   o.trace_options.lenient = true;
   EXPECT_THAT(refusal(o), HasSubstr("no usable row"));
 }
 
 TEST_F(ReplayOf, MistakesInSettingsAreNamed) {
   const auto with = [&](const char* key, const char* value) {
-    ReplayOptions o = options(joined(short_trace()));
+    replay::ReplayOptions o = options(joined(short_trace()));
     o.settings = {{key, value}};
     return refusal(o);
   };
@@ -231,13 +232,13 @@ TEST_F(ReplayOf, MistakesInSettingsAreNamed) {
   EXPECT_THAT(with("observer.loss_range", "0.5"), HasSubstr("must be between 1 and 1e+09, is 0.5"));
   EXPECT_THAT(with("measurement.lead_resistance_ohm", "1x"),
               HasSubstr("= '1x': must be a finite number"));
-  ReplayOptions o = options(joined(short_trace()));
+  replay::ReplayOptions o = options(joined(short_trace()));
   o.observers = {"clairvoyant"};
   EXPECT_THAT(refusal(o), AllOf(HasSubstr("clairvoyant"), HasSubstr("kalman, open-loop, line")));
 }
 
 TEST_F(ReplayOf, ABathDoesNotSwallowMistakes) {
-  ReplayOptions o = replay_options(shipped("bath.csv"), "b");
+  replay::ReplayOptions o = replay_options(shipped("bath.csv"), "b");
   o.settings = {{"observer.nonsense", "1"}};
   EXPECT_THAT(refusal(o), HasSubstr("observer.nonsense"));
 }
@@ -250,7 +251,7 @@ TEST_F(ReplayOf, LeadResistanceIsTakenOff) {
         return c.time + "," + c.current + "," + std::to_string(volt + 1.5 * ampere) + "," + c.load +
                "," + c.strain_ref;
       });
-  ReplayOptions o = options(longer);
+  replay::ReplayOptions o = options(longer);
   const double spoilt = estimated(o).result.observers[0].error.mean();
   o.settings = {{"measurement.lead_resistance_ohm", "1.5"}};
   const double mended = estimated(o).result.observers[0].error.mean();

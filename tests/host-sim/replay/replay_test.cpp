@@ -50,7 +50,7 @@ const Estimated& estimate_of(const Accuracy& a) {
   return found->second;
 }
 
-const ObserverResult& first_observer(const Accuracy& a) {
+const replay::ObserverResult& first_observer(const Accuracy& a) {
   return estimate_of(a).result.observers.front();
 }
 
@@ -58,7 +58,7 @@ class ShippedTrace : public ::testing::TestWithParam<Accuracy> {};
 
 TEST_P(ShippedTrace, ErrorIsWhatItWas) {
   const Accuracy& expected = GetParam();
-  const ErrorStatistics& reached = first_observer(expected).error;
+  const replay::ErrorStatistics& reached = first_observer(expected).error;
   SCOPED_TRACE(fmt::format("reached is {{\"{}\", \"{}\", {:.2f}, {:.2f}}}", expected.trace,
                            expected.unit, reached.mean(), reached.quantile(0.95)));
   EXPECT_GT(reached.mean(), 0.6 * expected.mean);
@@ -93,7 +93,7 @@ TEST_P(ShippedTrace, StatisticsAreThoseOfTheFile) {
     sum += percent;
     maximum = std::max(maximum, percent);
   }
-  const ErrorStatistics& error = first_observer(GetParam()).error;
+  const replay::ErrorStatistics& error = first_observer(GetParam()).error;
   EXPECT_EQ(error.count(), e.table.rows());
   EXPECT_NEAR(error.mean(), sum / static_cast<double>(e.table.rows()), 3e-4);
   EXPECT_NEAR(error.maximum(), maximum, 3e-4);

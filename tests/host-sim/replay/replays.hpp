@@ -15,17 +15,17 @@ inline std::string shipped(const std::string& name) {
   return (std::filesystem::path(SMASERVO_SOURCE_DIR) / "host-sim/traces" / name).string();
 }
 
-inline ReplayOptions replay_options(const std::string& trace, const std::string& unit,
-                                    const std::string& out = "") {
-  ReplayOptions options;
+inline replay::ReplayOptions replay_options(const std::string& trace, const std::string& unit,
+                                            const std::string& out = "") {
+  replay::ReplayOptions options;
   options.trace = trace;
-  options.wire = load_wire(shipped("units/" + unit + ".toml"));
+  options.wire = files::load_wire(shipped("units/" + unit + ".toml"));
   options.out = out;
   return options;
 }
 
 struct Estimated {
-  ReplayResult result;
+  replay::ReplayResult result;
   std::string text;  ///< the estimate's file
   NumberTable table;
 
@@ -36,10 +36,10 @@ struct Estimated {
 };
 
 /// A replay with its estimate.
-inline Estimated estimated(ReplayOptions options) {
+inline Estimated estimated(replay::ReplayOptions options) {
   const TemporaryFolder folder;
   options.out = folder / "estimate.csv";
-  Estimated e{replay(options), file_text(options.out), {}};
+  Estimated e{replay::replay(options), file_text(options.out), {}};
   e.table = parse_numbers(e.text);
   return e;
 }

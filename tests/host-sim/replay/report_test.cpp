@@ -17,8 +17,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 struct Report {
-  ReplayOptions options;
-  ReplayResult result;
+  replay::ReplayOptions options;
+  replay::ReplayResult result;
   std::string html;
 };
 
@@ -34,8 +34,8 @@ const Report& report() {
     r.options.trace_options.lenient = true;
     r.options.observers = {"kalman", "open-loop", "line"};
     r.options.settings = {{"observer.loss_walk", "0.0123"}};
-    r.result = replay(r.options);
-    write_report(folder / "r.html", r.options, r.result);
+    r.result = replay::replay(r.options);
+    replay::write_report(folder / "r.html", r.options, r.result);
     EXPECT_EQ(folder.names().size(), 2U) << "one file and nothing beside it";
     r.html = file_text(folder / "r.html");
     return r;
@@ -133,7 +133,7 @@ TEST(Report, HasAllPicturesWithDataInThem) {
 
 TEST(Report, SaysTheNumbers) {
   const Report& r = report();
-  for (const ObserverResult& observer : r.result.observers) {
+  for (const replay::ObserverResult& observer : r.result.observers) {
     EXPECT_THAT(r.html, HasSubstr(observer.name));
     EXPECT_THAT(r.html, HasSubstr(fmt::format("<td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>",
                                               observer.error.mean(), observer.error.quantile(0.95),
@@ -158,28 +158,29 @@ TEST(Report, SaysWhenThereIsNoReferenceAndNoTime) {
   for (int i = 0; i < 200; ++i) {
     text += std::to_string(i < 100 ? 25 + i : 225 - i) + ",150\n";
   }
-  const ReplayOptions options = replay_options(folder.write("t.csv", text), "b");
-  const ReplayResult result = replay(options);
-  write_report(folder / "r.html", options, result);
+  const replay::ReplayOptions options = replay_options(folder.write("t.csv", text), "b");
+  const replay::ReplayResult result = replay::replay(options);
+  replay::write_report(folder / "r.html", options, result);
   const std::string html = file_text(folder / "r.html");
   EXPECT_THAT(html, HasSubstr("The trace has no reference"));
   EXPECT_EQ(pictures(html).size(), 7U);
-  EXPECT_THAT(summary(options, result), HasSubstr("no strain_ref or displacement"));
-  EXPECT_FALSE(nlohmann::json::parse(summary_json(options, result)).contains("error"));
+  EXPECT_THAT(replay::summary(options, result), HasSubstr("no strain_ref or displacement"));
+  EXPECT_FALSE(nlohmann::json::parse(replay::summary_json(options, result)).contains("error"));
 }
 
 TEST(Report, ASingleRowIsEnough) {
   const TemporaryFolder folder;
-  const ReplayOptions options = replay_options(
+  const replay::ReplayOptions options = replay_options(
       folder.write("t.csv", "time_s,current_A,voltage_V,load_N\n0,0.05,1.2,0.9\n"), "b");
-  write_report(folder / "r.html", options, replay(options));
+  replay::write_report(folder / "r.html", options, replay::replay(options));
   EXPECT_EQ(pictures(file_text(folder / "r.html")).size(), 7U);
 }
 
 TEST(Report, NothingIsWrittenWhereItCannotBe) {
   const TemporaryFolder folder;
   const Report& r = report();
-  EXPECT_THROW(write_report(folder / "missing/r.html", r.options, r.result), UserError);
+  EXPECT_THROW(replay::write_report(folder / "missing/r.html", r.options, r.result),
+               files::UserError);
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -7,8 +7,8 @@
 namespace smaservo::test {
 namespace {
 
-PlotPoint point(double time_s, double strain_percent) {
-  PlotPoint p{};
+report::PlotPoint point(double time_s, double strain_percent) {
+  report::PlotPoint p{};
   p.time_s = time_s;
   p.strain_percent = strain_percent;
   p.resistance_ohm = 2 * time_s;  // belongs to this point only
@@ -25,8 +25,8 @@ std::vector<double> random_walk(std::size_t rows, unsigned seed) {
   return strain;
 }
 
-Series filled(const std::vector<double>& strain, std::size_t max) {
-  Series series(max);
+report::Series filled(const std::vector<double>& strain, std::size_t max) {
+  report::Series series(max);
   for (std::size_t i = 0; i < strain.size(); ++i) {
     series.add(point(static_cast<double>(i), strain[i]));
   }
@@ -35,18 +35,18 @@ Series filled(const std::vector<double>& strain, std::size_t max) {
 
 TEST(Series, KeepsAllOfAShortRun) {
   const std::vector<double> strain = random_walk(2000, 1);
-  const std::vector<PlotPoint> points = filled(strain, 4096).points();
+  const std::vector<report::PlotPoint> points = filled(strain, 4096).points();
   ASSERT_EQ(points.size(), strain.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(points[i].strain_percent, strain[i]);
   }
-  EXPECT_TRUE(Series().points().empty());
+  EXPECT_TRUE(report::Series().points().empty());
 }
 
 TEST(Series, PointsAreRowsInOrder) {
   const std::vector<double> strain = random_walk(100'000, 2);
   double last = -1;
-  for (const PlotPoint& p : filled(strain, 4096).points()) {
+  for (const report::PlotPoint& p : filled(strain, 4096).points()) {
     ASSERT_GT(p.time_s, last);
     last = p.time_s;
     ASSERT_EQ(p.strain_percent, strain[static_cast<std::size_t>(p.time_s)]);
@@ -56,7 +56,7 @@ TEST(Series, PointsAreRowsInOrder) {
 
 TEST(Series, SizeStaysConstantAndUseful) {
   const std::vector<double> strain = random_walk(300'000, 3);
-  Series series(1000);
+  report::Series series(1000);
   for (std::size_t i = 0; i < strain.size(); ++i) {
     series.add(point(static_cast<double>(i), strain[i]));
     if (i % 1009 == 0 && i > 2000) {
@@ -72,10 +72,10 @@ class SeriesSize : public ::testing::TestWithParam<std::size_t> {};
 TEST_P(SeriesSize, KeepsTheExtremesAtAnyLength) {
   for (std::size_t rows = 1; rows < 3 * GetParam() + 50; ++rows) {
     const std::vector<double> strain = random_walk(rows, static_cast<unsigned>(rows));
-    const std::vector<PlotPoint> points = filled(strain, GetParam()).points();
+    const std::vector<report::PlotPoint> points = filled(strain, GetParam()).points();
     const auto [low, high] = std::ranges::minmax_element(strain);
     const auto has = [&](double value) {
-      return std::ranges::find(points, value, &PlotPoint::strain_percent) != points.end();
+      return std::ranges::find(points, value, &report::PlotPoint::strain_percent) != points.end();
     };
     ASSERT_TRUE(has(*low) && has(*high)) << rows << " rows";
   }
@@ -86,9 +86,9 @@ TEST(Series, ASpikeOfOneRowIsSeen) {
   std::vector<double> strain(250'000, 1.0);
   strain[123'457] = 5;
   strain[200'001] = -5;
-  const std::vector<PlotPoint> points = filled(strain, 4096).points();
-  EXPECT_EQ(std::ranges::count(points, 5, &PlotPoint::strain_percent), 1);
-  EXPECT_EQ(std::ranges::count(points, -5, &PlotPoint::strain_percent), 1);
+  const std::vector<report::PlotPoint> points = filled(strain, 4096).points();
+  EXPECT_EQ(std::ranges::count(points, 5, &report::PlotPoint::strain_percent), 1);
+  EXPECT_EQ(std::ranges::count(points, -5, &report::PlotPoint::strain_percent), 1);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace smaservo {
+namespace smaservo::report {
 namespace {
 
 constexpr double stroke = 0.04;
@@ -67,4 +67,4 @@ TEST(StepJudge, LeavesOutWhatMovesAndWhatIsNotControlled) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::report

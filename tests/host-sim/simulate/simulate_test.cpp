@@ -12,10 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string simulated(const Scenario& scenario) {
+std::string simulated(const bench::Scenario& scenario) {
   const TemporaryFolder folder;
-  OutputFile file(folder / "t.csv");
-  simulate(scenario, file);
+  files::OutputFile file(folder / "t.csv");
+  simulate::simulate(scenario, file);
   file.commit();
   return file_text(folder / "t.csv");
 }
@@ -33,16 +33,16 @@ std::vector<std::string> scenarios() {
 
 class Simulated : public ::testing::TestWithParam<std::string> {
  protected:
-  static Scenario scenario() { return load_scenario(shipped(GetParam() + ".toml")); }
+  static bench::Scenario scenario() { return bench::load_scenario(shipped(GetParam() + ".toml")); }
   static std::string trace() { return file_text(shipped(GetParam() + ".csv")); }
 };
 
 /// The drive cut off after this time; a bath has no time and stays whole.
-Scenario shortened(Scenario scenario, double seconds) {
-  if (auto* joule = std::get_if<JouleScenario>(&scenario.run)) {
-    std::vector<DriveStep> drive;
+bench::Scenario shortened(bench::Scenario scenario, double seconds) {
+  if (auto* joule = std::get_if<bench::JouleScenario>(&scenario.run)) {
+    std::vector<bench::DriveStep> drive;
     double left_s = joule->record_from_s + seconds;
-    for (DriveStep step : joule->drive) {
+    for (bench::DriveStep step : joule->drive) {
       step.seconds = std::min(step.seconds, left_s);
       left_s -= step.seconds;
       drive.push_back(step);
@@ -100,7 +100,7 @@ const auto scenario_name = [](const ::testing::TestParamInfo<std::string>& teste
 INSTANTIATE_TEST_SUITE_P(Shipped, Simulated, ::testing::ValuesIn(scenarios()), scenario_name);
 
 TEST(Simulate, SeedChangesTheNoiseOnly) {
-  Scenario scenario = shortened(load_scenario(shipped("200MPa.toml")), 2);
+  bench::Scenario scenario = shortened(bench::load_scenario(shipped("200MPa.toml")), 2);
   scenario.scatter_K = 0;
   const NumberTable one = parse_numbers(simulated(scenario));
   scenario.seed += 1;
@@ -111,8 +111,8 @@ TEST(Simulate, SeedChangesTheNoiseOnly) {
 }
 
 TEST(Simulate, HeatShortensAndWeightStretches) {
-  Scenario scenario = load_scenario(shipped("200MPa.toml"));
-  auto& joule = std::get<JouleScenario>(scenario.run);
+  bench::Scenario scenario = bench::load_scenario(shipped("200MPa.toml"));
+  auto& joule = std::get<bench::JouleScenario>(scenario.run);
   joule.drive = {{0, 1}, {1, 4}, {0, 4}};
   const NumberTable t = parse_numbers(simulated(scenario));
   const std::vector<double>& strain = t.columns.at(4);

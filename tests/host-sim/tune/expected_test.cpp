@@ -11,13 +11,13 @@
 #include "host-sim/tune/tune.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 TuneTask task_for(const char* wire, double stress_Pa) {
-  return {{load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, 298.15, 1}, no_limit, 6, 1};
+  return {{files::load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, 298.15, 1}, no_limit, 6, 1};
 }
 
 TEST(JudgeStep, OfALag) {
@@ -102,7 +102,7 @@ class SegmentedLoop {
         stress_Pa_(task.plant.load.low_Pa),
         area_m2_(task.plant.wire.geometry.area_m2()) {
     std::mt19937_64 random(3);
-    wire_ = make_simulated_wire(Family::ihyp, task.plant.wire, {}, 0.5, random);
+    wire_ = hal::make_simulated_wire(hal::Family::ihyp, task.plant.wire, {}, 0.5, random);
     wire_->rest(298.15, stress_Pa_);
   }
 
@@ -133,7 +133,7 @@ class SegmentedLoop {
  private:
   Prepared<double> prepared_;
   double stress_Pa_, area_m2_;
-  std::unique_ptr<SimulatedWire> wire_;
+  std::unique_ptr<hal::SimulatedWire> wire_;
   Device<double>::State device_ = Device<double>::start();
   Command<double> command_{};
   double current_A_ = 0;
@@ -159,4 +159,4 @@ TEST(ExpectedSteps, ComeTrueOnAWireOfManySegments) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::tune

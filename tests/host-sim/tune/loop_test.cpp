@@ -10,7 +10,7 @@
 
 #include "firmware/control/pid.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 /// How the closed loop's deviation grows by tick in the long run: above 1 it is unstable.
@@ -101,4 +101,4 @@ TEST(Loop, IsAnIntegratorWithOneAndAHalfTicksOfDelayFarBelowNyquist) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::tune

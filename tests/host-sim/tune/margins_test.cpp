@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 using Complex = std::complex<double>;
@@ -93,4 +93,4 @@ TEST(Margins, TheWorseOfTwoTakesEachNumber) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -6,11 +6,11 @@
 
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 TunedPlant plant(const char* wire, const TunedLoad& load, double draught = 1) {
-  return {load_wire(wire).wire, load, 298.15, draught};
+  return {files::load_wire(wire).wire, load, 298.15, draught};
 }
 
 constexpr double max_K = 400;
@@ -106,4 +106,4 @@ TEST(OperatingPoints, CapacitiesAddUpToTheHeatOfTheStroke) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -10,14 +10,14 @@
 #include "model/files/wire_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 TuneTask proposal_task(const char* wire, double stress_MPa, double ambient_degC = 25) {
   const double stress_Pa = 1e6 * stress_MPa;
-  return {{load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, ambient_degC + zero_degC_K, 1},
+  return {{files::load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, ambient_degC + zero_degC_K, 1},
           unlimited,
           8,
           1};
@@ -136,11 +136,11 @@ TEST(Proposal, StaysBelowAGivenCurrent) {
   const Proposal p = propose(t);
   EXPECT_EQ(p.settings.limits.current_A, 0.2);
   t.max_current_A = 0.9 * p.holding_A;
-  EXPECT_THROW(propose(t), UserError);
+  EXPECT_THROW(propose(t), files::UserError);
 }
 
 TEST(Proposal, RefusesAirInWhichTheWireDoesNotStretch) {
-  EXPECT_THROW(propose(proposal_task("smartflex-76um", 10, 70)), UserError);
+  EXPECT_THROW(propose(proposal_task("smartflex-76um", 10, 70)), files::UserError);
 }
 
 TEST(Uncertainty, IsDrawnAroundTheFile) {
@@ -166,4 +166,4 @@ TEST(Uncertainty, IsDrawnAroundTheFile) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::tune

@@ -6,7 +6,7 @@
 
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::tune {
 namespace {
 
 /// y' = k P, exactly.
@@ -50,8 +50,10 @@ TEST(Relay, DoesNotCallSteadyWhatRunsAway) {
 /// The linearisation is right: a relay on the whole wire finds its frequency and gain.
 TEST(Relay, AgreesWithTheLinearisation) {
   const auto checks = [](const char* wire, const TunedLoad& load) {
-    const TuneTask task{
-        {load_wire(wire).wire, load, 298.15, 1}, std::numeric_limits<double>::infinity(), 1, 1};
+    const TuneTask task{{files::load_wire(wire).wire, load, 298.15, 1},
+                        std::numeric_limits<double>::infinity(),
+                        1,
+                        1};
     return relay_checks(task, propose(task));
   };
   for (const char* wire : {"smartflex-76um", "flexinol-lt-0.10mm", "smartflex-300um"}) {
@@ -70,4 +72,4 @@ TEST(Relay, AgreesWithTheLinearisation) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::tune

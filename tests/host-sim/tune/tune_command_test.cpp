@@ -40,7 +40,7 @@ TEST_F(TuneCommand, WritesSettingsAndReport) {
   EXPECT_THAT(program.folder().names(), UnorderedElementsAre("s.toml", "t.html"));
   const auto json = nlohmann::json::parse(f.out);
   // A device takes the file as it is.
-  const Settings<double> settings = load_settings_file(program.folder() / "s.toml");
+  const Settings<double> settings = text::load_settings_file(program.folder() / "s.toml");
   EXPECT_EQ(json["settings"].size(), 40U);
   for (const auto& [path, value] : json["settings"].items()) {
     const std::size_t row = find_parameter(path);
@@ -100,7 +100,7 @@ TEST_F(TuneCommand, NamesAWireFileAsTheSettingsFindIt) {
   program.folder().write("w.toml", "name = \"w\"\nbased_on = \"smartflex-76um\"\n");
   const Finished f = run({"--wire", "w.toml", "--stress-MPa", "150", "--out", "s.toml"});
   ASSERT_EQ(f.status, 0) << f.err;
-  EXPECT_NO_THROW(load_settings_file(program.folder() / "s.toml"));
+  EXPECT_NO_THROW(text::load_settings_file(program.folder() / "s.toml"));
 }
 
 TEST_F(TuneCommand, LeavesAWireFileAlone) {

@@ -21,10 +21,10 @@ using ::testing::UnorderedElementsAre;
 
 std::string refused(const std::string& path) {
   try {
-    OutputFile file(path);
+    files::OutputFile file(path);
     file.write("text");
     file.commit();
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "";
@@ -53,7 +53,7 @@ class WithoutPrivileges {
 TEST(OutputFile, AppearsWhenItIsComplete) {
   const TemporaryFolder folder;
   const std::string path = folder / "out.csv";
-  OutputFile file(path);
+  files::OutputFile file(path);
   file.write("one,");
   file.write(std::string(100'000, 'x'));
   EXPECT_FALSE(fs::exists(path));
@@ -65,7 +65,7 @@ TEST(OutputFile, AppearsWhenItIsComplete) {
 TEST(OutputFile, LeavesNothingBehindWhenItIsAbandoned) {
   const TemporaryFolder folder;
   const auto abandon = [&] {
-    OutputFile file(folder / "out.csv");
+    files::OutputFile file(folder / "out.csv");
     file.write("half");
     throw std::runtime_error("something else");
   };
@@ -77,12 +77,12 @@ TEST(OutputFile, TheOldFileStaysUntilTheNewOneIsComplete) {
   const TemporaryFolder folder;
   const std::string path = folder.write("out.csv", "old");
   {
-    OutputFile file(path);
+    files::OutputFile file(path);
     file.write("new, but not complete");
     EXPECT_EQ(file_text(path), "old");
   }
   EXPECT_EQ(file_text(path), "old");
-  OutputFile file(path);
+  files::OutputFile file(path);
   file.write("new");
   file.commit();
   EXPECT_EQ(file_text(path), "new");
@@ -121,7 +121,7 @@ TEST(OutputFile, APipeIsWrittenToAndNotReplaced) {
   const int reader = open(path.c_str(), O_RDWR | O_NONBLOCK);
   ASSERT_GE(reader, 0);
   {
-    OutputFile file(path);
+    files::OutputFile file(path);
     file.write("text");
     file.commit();
   }
@@ -137,7 +137,7 @@ TEST(OutputFile, ALinkStaysALink) {
   const TemporaryFolder folder;
   const std::string target = folder.write("target.csv", "old");
   fs::create_symlink("target.csv", folder / "link.csv");
-  OutputFile file(folder / "link.csv");
+  files::OutputFile file(folder / "link.csv");
   file.write("new");
   file.commit();
   EXPECT_TRUE(fs::is_symlink(folder / "link.csv"));
@@ -149,7 +149,7 @@ TEST(OutputFile, AMinusIsStandardOutput) {
   const fs::path before = fs::current_path();
   fs::current_path(folder.path());
   ::testing::internal::CaptureStdout();
-  OutputFile file("-");
+  files::OutputFile file("-");
   file.write("to the terminal");
   file.commit();
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "to the terminal");

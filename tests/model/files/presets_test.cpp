@@ -12,7 +12,7 @@
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 using testing::AllOf;
@@ -227,4 +227,4 @@ TEST(Presets, ThermalTimeConstantsAreThePublishedOnes) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::files

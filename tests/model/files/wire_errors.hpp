@@ -7,7 +7,7 @@
 #include "model/files/error.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 
 /// What a description is refused with; empty where it is accepted.
 inline std::string refusal(const std::string& text, const std::vector<Override>& overrides = {}) {
@@ -34,4 +34,4 @@ inline auto names(const std::vector<std::string>& parts) {
   return testing::AllOfArray(all);
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::files

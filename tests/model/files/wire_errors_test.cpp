@@ -9,7 +9,7 @@
 
 #include "model/files/wire_fields.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 /// The key of a field in one of its units.
@@ -308,4 +308,4 @@ TEST(WireErrors, BasesAreLookedForBesideTheirFile) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -10,7 +10,7 @@
 #include "model/files/text_table.hpp"
 #include "model/files/wire_file.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 constexpr std::string_view table_begin =
@@ -168,4 +168,4 @@ TEST(WireFields, OldKeysAreKnown) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::files

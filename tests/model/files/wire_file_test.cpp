@@ -9,7 +9,7 @@
 #include "model/files/wire_fields.hpp"
 #include "tests/model/files/wire_errors.hpp"
 
-namespace smaservo {
+namespace smaservo::files {
 namespace {
 
 /// All numbers of a wire, to compare bit by bit.
@@ -312,4 +312,4 @@ TEST(WireFile, AMutatedFileLoadsInRangeOrIsRefused) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::files

@@ -11,13 +11,13 @@
 namespace smaservo::duhem_actuator_test {
 namespace {
 
-using Model = DuhemActuator<double>;
+using Model = papers::DuhemActuator<double>;
 
 constexpr double pi = std::numbers::pi;
 
 class DuhemActuatorTest : public testing::Test {
  protected:
-  Model::Params p = load_actuator(std::string(paper_001_actuator));
+  Model::Params p = papers::load_actuator(std::string(papers::paper_001_actuator));
   double surface_m2 = pi * p.bias.diameter_m * p.bias.length_m;
   double mass_kg =
       p.density_kg_m3 * pi / 4 * p.bias.diameter_m * p.bias.diameter_m * p.bias.length_m;
@@ -30,10 +30,10 @@ class DuhemActuatorTest : public testing::Test {
   Model::State at(double celsius, Heading heading) const {
     Model::State s = Model::rest(p);
     if (heading == Heading::cooling) {
-      Duhem<double>::advance(p.kinetics, s.kinetics, {500, s.kinetics.drive.stress_Pa});
+      papers::Duhem<double>::advance(p.kinetics, s.kinetics, {500, s.kinetics.drive.stress_Pa});
     }
-    Duhem<double>::advance(p.kinetics, s.kinetics,
-                           {celsius + zero_degC_K, s.kinetics.drive.stress_Pa});
+    papers::Duhem<double>::advance(p.kinetics, s.kinetics,
+                                   {celsius + zero_degC_K, s.kinetics.drive.stress_Pa});
     s.heading = heading;
     return s;
   }
@@ -41,14 +41,14 @@ class DuhemActuatorTest : public testing::Test {
   /// How fast the wire goes at a constant power, K/s.
   double rate(double celsius, Heading heading, double power_W) const {
     Model::State s = at(celsius, heading);
-    Model::advance(p, s, PowerSource<double>{power_W}, 1e-5);
+    Model::advance(p, s, papers::PowerSource<double>{power_W}, 1e-5);
     return (s.kinetics.drive.temperature_K - celsius - zero_degC_K) / 1e-5;
   }
 
   void run(Model::State& s, double power_W, double seconds, double dt_s) const {
     const auto steps = std::lround(seconds / dt_s);
     for (long i = 0; i < steps; ++i) {
-      Model::advance(p, s, PowerSource<double>{power_W}, dt_s);
+      Model::advance(p, s, papers::PowerSource<double>{power_W}, dt_s);
     }
   }
 };
@@ -79,7 +79,7 @@ TEST_F(DuhemActuatorTest, NoVoltageChangesNothingToTheBit) {
   const Model::Output before = Model::output(p, s);
   EXPECT_EQ(before.martensite, 1);
   for (int i = 0; i < 100; ++i) {
-    Model::advance(p, s, VoltageSource<double>{0}, 0.02);
+    Model::advance(p, s, papers::VoltageSource<double>{0}, 0.02);
   }
   const Model::Output after = Model::output(p, s);
   EXPECT_EQ(before.temperature_K, after.temperature_K);
@@ -111,7 +111,7 @@ TEST_F(DuhemActuatorTest, VoltagesPowerIsOfSecondOrderToo) {
     Model::State s = Model::rest(p);
     const auto steps = std::lround(1.28 / dt_s);
     for (long i = 0; i < steps; ++i) {
-      Model::advance(p, s, VoltageSource<double>{1.2}, dt_s);
+      Model::advance(p, s, papers::VoltageSource<double>{1.2}, dt_s);
     }
     return celsius(s);
   };
@@ -130,7 +130,7 @@ TEST_F(DuhemActuatorTest, EveryTurnCostsAnErrorOfFirstOrder) {
     const auto steps = std::lround(60 / dt_s);
     for (long i = 0; i < steps; ++i) {
       const double volt = 1.5 - 1.1 * std::cos(2 * pi / 20 * (static_cast<double>(i) + 0.5) * dt_s);
-      Model::advance(p, s, VoltageSource<double>{volt}, dt_s);
+      Model::advance(p, s, papers::VoltageSource<double>{volt}, dt_s);
     }
     return celsius(s);
   };
@@ -196,20 +196,21 @@ TEST_F(DuhemActuatorTest, VoltageHeatsByItsPower) {
   Model::State by_voltage = at(50, Heading::heating);
   Model::State by_power = by_voltage;
   const double ohm = Model::output(p, by_voltage).resistance_ohm;
-  Model::advance(p, by_voltage, VoltageSource<double>{2}, 1e-4);
-  Model::advance(p, by_power, PowerSource<double>{4 / ohm}, 1e-4);
+  Model::advance(p, by_voltage, papers::VoltageSource<double>{2}, 1e-4);
+  Model::advance(p, by_power, papers::PowerSource<double>{4 / ohm}, 1e-4);
   EXPECT_NEAR(celsius(by_voltage), celsius(by_power), 1e-8);
   EXPECT_GT(celsius(by_voltage), 50.0005);
 }
 
 TEST_F(DuhemActuatorTest, OutputsBelongToEachOther) {
-  for (const StrainLaw law : {StrainLaw::balance, StrainLaw::polynomial}) {
+  for (const papers::StrainLaw law : {papers::StrainLaw::balance, papers::StrainLaw::polynomial}) {
     p.strain_law = law;
     for (const Heading heading : {Heading::heating, Heading::cooling}) {
       for (double T = 26; T < 102; T += 4) {
         const Model::Output out = Model::output(p, at(T, heading));
-        const double strain = law == StrainLaw::balance ? p.bias.balanced_strain(out.martensite)
-                                                        : p.bias.smooth_strain(out.martensite);
+        const double strain = law == papers::StrainLaw::balance
+                                  ? p.bias.balanced_strain(out.martensite)
+                                  : p.bias.smooth_strain(out.martensite);
         EXPECT_DOUBLE_EQ(out.strain, strain);
         EXPECT_DOUBLE_EQ(out.transformation_strain, strain - p.bias.prestrain());
         EXPECT_DOUBLE_EQ(out.stress_Pa, p.bias.spring_stress_Pa(strain));
@@ -225,15 +226,16 @@ TEST_F(DuhemActuatorTest, OutputsBelongToEachOther) {
   }
 }
 
-DuhemActuator<float>::Params single_precision(const Model::Params& p) {
+papers::DuhemActuator<float>::Params single_precision(const Model::Params& p) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  const auto process = [&](const Duhem<double>::Process& from) {
-    return Duhem<float>::Process{f(from.centre_K), f(from.deviation_K), f(from.stress_K_Pa)};
+  const auto process = [&](const papers::Duhem<double>::Process& from) {
+    return papers::Duhem<float>::Process{f(from.centre_K), f(from.deviation_K),
+                                         f(from.stress_K_Pa)};
   };
   const auto& b = p.bias;
   const auto& h = p.heat;
   const auto& r = p.resistivity;
-  DuhemActuator<float>::Params to{
+  papers::DuhemActuator<float>::Params to{
       {process(p.kinetics.m2a), process(p.kinetics.a2m)},
       {f(b.length_m),
        f(b.diameter_m),
@@ -269,16 +271,18 @@ DuhemActuator<float>::Params single_precision(const Model::Params& p) {
 TEST_F(DuhemActuatorTest, FloatsAreGoodEnough) {
   const auto small = single_precision(p);
   Model::State s = Model::rest(p);
-  DuhemActuator<float>::State t = DuhemActuator<float>::rest(small);
+  papers::DuhemActuator<float>::State t = papers::DuhemActuator<float>::rest(small);
   double worst_K = 0;
   double worst_strain = 0;
   double worst_R = 0;
   for (int i = 0; i < 6000; ++i) {
     const double volt = 1.5 - 1.1 * std::cos(2 * pi / 2000 * i);
-    Model::advance(p, s, VoltageSource<double>{volt}, 0.01);
-    DuhemActuator<float>::advance(small, t, VoltageSource<float>{static_cast<float>(volt)}, 0.01F);
+    Model::advance(p, s, papers::VoltageSource<double>{volt}, 0.01);
+    papers::DuhemActuator<float>::advance(
+        small, t, papers::VoltageSource<float>{static_cast<float>(volt)}, 0.01F);
     const Model::Output exact = Model::output(p, s);
-    const DuhemActuator<float>::Output rounded = DuhemActuator<float>::output(small, t);
+    const papers::DuhemActuator<float>::Output rounded =
+        papers::DuhemActuator<float>::output(small, t);
     worst_K = std::max(worst_K,
                        std::abs(static_cast<double>(rounded.temperature_K) - exact.temperature_K));
     worst_strain =

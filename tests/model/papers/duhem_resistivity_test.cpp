@@ -11,8 +11,9 @@ namespace {
 
 class DuhemResistivityTest : public testing::Test {
  protected:
-  DuhemActuator<double>::Params p = load_actuator(std::string(paper_001_actuator));
-  const DuhemResistivity<double>& rho = p.resistivity;
+  papers::DuhemActuator<double>::Params p =
+      papers::load_actuator(std::string(papers::paper_001_actuator));
+  const papers::DuhemResistivity<double>& rho = p.resistivity;
 
   double austenite(double celsius) const {
     return rho.austenite(celsius + zero_degC_K, p.ambient_K);

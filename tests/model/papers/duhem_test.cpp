@@ -13,7 +13,7 @@
 namespace smaservo::duhem_test {
 namespace {
 
-using Model = Duhem<double>;
+using Model = papers::Duhem<double>;
 
 /// Table I of 001.
 constexpr Model::Params table_1{{zero_degC_K + 78.9, 11.2, 0}, {zero_degC_K + 34, 5.8, 0}};
@@ -188,7 +188,7 @@ TEST(Duhem, DifferentiatesAutomatically) {
   using Jet = ceres::Jet<double, 1>;
   const auto martensite = [](auto centre_K) {
     using S = decltype(centre_K);
-    using K = Duhem<S>;
+    using K = papers::Duhem<S>;
     const typename K::Params p{{centre_K, S(7), S(0)}, {S(zero_degC_K + 48), S(6), S(0)}};
     typename K::State s = K::rest(p, {S(zero_degC_K + 80), S(0)});
     for (const double T : {45.0, 58.0, 52.0, 61.0}) {

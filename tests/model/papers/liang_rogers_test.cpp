@@ -14,7 +14,7 @@
 namespace smaservo::test::liang_rogers_test {
 namespace {
 
-using K = LiangRogers<double>;
+using K = papers::LiangRogers<double>;
 constexpr double pi = std::numbers::pi;
 
 K::Params wire() {
@@ -88,7 +88,7 @@ TEST(LiangRogers, ScalesInnerLoopsAsInEquation33) {
 }
 
 TEST(LiangRogers, WithoutRPhaseIsTheTwoPhaseModel) {
-  using Two = Cosine<double>;
+  using Two = papers::Cosine<double>;
   const K::Params p = without_r_phase();
   const Two::Params q = flexinol_cosine<double>();
   K::State s = K::rest(p, {330, 50e6});
@@ -130,8 +130,8 @@ TEST(LiangRogers, HeatingFromRPhaseMakesNoMartensite) {
 
 /// A path with inner loops, far from where branches begin or end.
 template <class S>
-Phases<S> after_a_walk(const typename LiangRogers<S>::Params& p) {
-  using Model = LiangRogers<S>;
+Phases<S> after_a_walk(const typename papers::LiangRogers<S>::Params& p) {
+  using Model = papers::LiangRogers<S>;
   typename Model::State s = Model::rest(p, {S(300), S(90e6)});
   for (const double T : {357.3, 342.1, 329.7, 361.2, 340.9}) {
     Model::advance(p, s, {S(T), S(90e6)});
@@ -143,11 +143,11 @@ Phases<S> after_a_walk(const typename LiangRogers<S>::Params& p) {
 TEST(LiangRogers, DerivativesByItsParametersAreThoseOfDifferences) {
   using Jet = ceres::Jet<double, 9>;
   const K::Params p = wire();
-  typename LiangRogers<Jet>::Params q{};
+  typename papers::LiangRogers<Jet>::Params q{};
   const auto members = [](auto& params) {
     using S = std::remove_reference_t<decltype(params.m2a.start_K)>;
     std::vector<S*> all;
-    for (CosineProcess<S>* process : {&params.m2a, &params.a2m, &params.a2r}) {
+    for (papers::CosineProcess<S>* process : {&params.m2a, &params.a2m, &params.a2r}) {
       all.insert(all.end(), {&process->start_K, &process->finish_K, &process->stress_Pa_K});
     }
     return all;
@@ -182,14 +182,15 @@ TEST(MixedModulusStrain, IsThatOfTheMaterialInPurePhasesAndStifferBetween) {
   const Material<double>& m = paper_wire().material;
   for (const double stress_Pa : {0.0, 50e6, 200e6}) {
     for (const Phases<double> z : {Phases<double>{0, 0}, {1, 0}, {0, 1}}) {
-      EXPECT_NEAR(mixed_modulus_strain(m, z, stress_Pa), strain(m, z, stress_Pa), 1e-15);
+      EXPECT_NEAR(papers::mixed_modulus_strain(m, z, stress_Pa), strain(m, z, stress_Pa), 1e-15);
     }
     const Phases<double> half{0.5, 0.2};
     const double E =
         0.5 * m.martensite.modulus_Pa + 0.2 * m.r_phase.modulus_Pa + 0.3 * m.austenite.modulus_Pa;
-    EXPECT_NEAR(mixed_modulus_strain(m, half, stress_Pa) - mixed_modulus_strain(m, half, 0.0),
+    EXPECT_NEAR(papers::mixed_modulus_strain(m, half, stress_Pa) -
+                    papers::mixed_modulus_strain(m, half, 0.0),
                 stress_Pa / E, 1e-15);
-    EXPECT_LE(mixed_modulus_strain(m, half, stress_Pa), strain(m, half, stress_Pa) + 1e-15);
+    EXPECT_LE(papers::mixed_modulus_strain(m, half, stress_Pa), strain(m, half, stress_Pa) + 1e-15);
   }
 }
 

@@ -14,8 +14,8 @@ inline double logistic(double x) {
 
 /// Relays about as wide as those of the 76 um wire, wider the greater the stress.
 template <class S>
-PreisachParams<S> relays(double shift_K_MPa) {
-  PreisachParams<S> p{};
+papers::PreisachParams<S> relays(double shift_K_MPa) {
+  papers::PreisachParams<S> p{};
   constexpr std::size_t nodes = 24;
   const auto node_K = [](std::size_t i) { return 288 + 4.25 * static_cast<double>(i); };
   for (std::size_t i = 0; i < nodes; ++i) {

@@ -7,14 +7,14 @@ namespace smaservo::test::preisach_test {
 namespace {
 
 struct PreisachDouble {
-  using Model = Preisach<double>;
+  using Model = papers::Preisach<double>;
   static Model::Params params() { return relays<double>(0.14); }
   static constexpr InnerLoops loops = InnerLoops::close;
   static constexpr double rounding = 1e-12;
 };
 
 struct PreisachFloat : PreisachDouble {
-  using Model = Preisach<float>;
+  using Model = papers::Preisach<float>;
   static Model::Params params() { return relays<float>(0.14); }
   static constexpr double rounding = 1e-5;
 };
@@ -34,7 +34,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, BranchRates, InDouble);
 INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, ReturnPoints, All);
 INSTANTIATE_TYPED_TEST_SUITE_P(Preisach, CongruentLoops, InDouble);
 
-using K = Preisach<double>;
+using K = papers::Preisach<double>;
 
 template <class Subject>
 class PreisachProperties : public KineticsSuite<Subject> {};
@@ -195,7 +195,7 @@ TEST_F(PreisachTest, StressOf003WeighsTheRelaysButSwitchesNone) {
 
 TEST_F(PreisachTest, ForgettingTurnsOverLittle) {
   // Loops within loops, more than are remembered, against a memory that has room for all.
-  using Deep = Preisach<double, 24, 8, 200>;
+  using Deep = papers::Preisach<double, 24, 8, 200>;
   double worst = 0;
   std::size_t deepest = 0;
   for (int walk = 0; walk < 300; ++walk) {

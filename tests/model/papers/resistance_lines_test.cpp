@@ -7,8 +7,8 @@
 namespace smaservo::test::resistance_lines_test {
 namespace {
 
-using K = LiangRogers<double>;
-using Lines = ResistanceLines<double>;
+using K = papers::LiangRogers<double>;
+using Lines = papers::ResistanceLines<double>;
 
 Material<double> material() {
   Material<double> m = paper_wire().material;
@@ -17,17 +17,18 @@ Material<double> material() {
 }
 
 /// The state's own point.
-ResistancePoint<double> point(const K::State& s) {
+papers::ResistancePoint<double> point(const K::State& s) {
   const Material<double> m = material();
   const Drive<double> u = K::drive(s);
-  const double strain = mixed_modulus_strain(m, K::phases(s), u.stress_Pa);
+  const double strain = papers::mixed_modulus_strain(m, K::phases(s), u.stress_Pa);
   const double rho = resistivity(m, K::phases(s), u).value;
   return {strain, resistance_ohm(rho, 1.0, strain) / m.martensite.resistivity_ohm_m};
 }
 
 /// Strain by the line that two points make.
-void expect_through(const ResistanceBranch<double>& branch, const ResistancePoint<double>& start,
-                    const ResistancePoint<double>& finish) {
+void expect_through(const papers::ResistanceBranch<double>& branch,
+                    const papers::ResistancePoint<double>& start,
+                    const papers::ResistancePoint<double>& finish) {
   EXPECT_NEAR(branch.start.strain, start.strain, 1e-12);
   EXPECT_NEAR(branch.start.resistance, start.resistance, 1e-12);
   EXPECT_NEAR(branch.finish.strain, finish.strain, 1e-12);
@@ -42,7 +43,7 @@ TEST(ResistanceLines, PassThroughTheSimulatedLoopsOwnPoints) {
   for (double stress_Pa = 15e6; stress_Pa < 400e6; stress_Pa += 20e6) {
     SCOPED_TRACE(stress_Pa);
     K::State s = K::rest(p, {290, stress_Pa});
-    const auto at = [&](const CosineProcess<double>& process, double zero_stress_K) {
+    const auto at = [&](const papers::CosineProcess<double>& process, double zero_stress_K) {
       const double goal_K = zero_stress_K + stress_Pa / process.stress_Pa_K;
       const double from_K = K::drive(s).temperature_K;
       for (int i = 1; i <= 200; ++i) {

@@ -10,16 +10,16 @@
 namespace smaservo::spring_bias_test {
 namespace {
 
-SpringBias<double> table_1() {
-  return load_actuator(std::string(paper_001_actuator)).bias;
+papers::SpringBias<double> table_1() {
+  return papers::load_actuator(std::string(papers::paper_001_actuator)).bias;
 }
 
 /// Wires and springs of which many detwin, some wholly.
-SpringBias<double> any_bias(std::mt19937_64& random) {
+papers::SpringBias<double> any_bias(std::mt19937_64& random) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  SpringBias<double> b = table_1();
+  papers::SpringBias<double> b = table_1();
   b.length_m = uniform(0.05, 0.25);
   b.spring_N_m = uniform(20, 60);
   b.austenite_Pa = uniform(4e8, 4e9);
@@ -32,7 +32,7 @@ SpringBias<double> any_bias(std::mt19937_64& random) {
 }
 
 /// The balance of eq. 15 and eq. 16 by bisection: the oracle.
-double bisected(const SpringBias<double>& b, double martensite) {
+double bisected(const papers::SpringBias<double>& b, double martensite) {
   double low = 0;
   double high = 0.9;
   for (int i = 0; i < 100; ++i) {
@@ -43,7 +43,7 @@ double bisected(const SpringBias<double>& b, double martensite) {
 }
 
 TEST(SpringBias, PrestrainBalancesAustenite) {
-  const SpringBias<double> b = table_1();
+  const papers::SpringBias<double> b = table_1();
   // 001 eq. 13, both of its sides
   const double stress_Pa = 4 * b.spring_N_m * b.deformation_m /
                            (std::numbers::pi * b.diameter_m * b.diameter_m * (1 - b.prestrain()));
@@ -55,7 +55,7 @@ TEST(SpringBias, StrainBalancesSpringAndPhasesOnAllPieces) {
   std::mt19937_64 random{1};
   int pieces[3] = {};
   for (int i = 0; i < 2000; ++i) {
-    const SpringBias<double> b = any_bias(random);
+    const papers::SpringBias<double> b = any_bias(random);
     for (double martensite = 0; martensite <= 1; martensite += 0.05) {
       const double strain = b.balanced_strain(martensite);
       const double spring_Pa = b.spring_stress_Pa(strain);
@@ -73,7 +73,7 @@ TEST(SpringBias, StrainIsContinuousAtBothLimits) {
   std::mt19937_64 random{2};
   int crossed[2] = {};
   for (int i = 0; i < 500; ++i) {
-    const SpringBias<double> b = any_bias(random);
+    const papers::SpringBias<double> b = any_bias(random);
     const double limits[2] = {b.yield_strain, b.detwinned_strain};
     for (const double& limit : limits) {
       if (!(b.balanced_strain(0) < limit && limit < b.balanced_strain(1))) {
@@ -97,7 +97,7 @@ TEST(SpringBias, StrainIsContinuousAtBothLimits) {
 }
 
 TEST(SpringBias, MartensiteStretchesAndRelaxesTheSpring) {
-  const SpringBias<double> b = table_1();
+  const papers::SpringBias<double> b = table_1();
   double strain = b.balanced_strain(0);
   for (double martensite = 0.01; martensite <= 1; martensite += 0.01) {
     const double next = b.balanced_strain(martensite);
@@ -109,7 +109,7 @@ TEST(SpringBias, MartensiteStretchesAndRelaxesTheSpring) {
 
 TEST(SpringBias, PolynomialFollowsTheBalance) {
   // 001 figure 11: both curves lie on each other.
-  const SpringBias<double> b = table_1();
+  const papers::SpringBias<double> b = table_1();
   double worst = 0;
   for (double martensite = 0; martensite <= 1; martensite += 0.001) {
     const double by_power = b.prestrain() + 0.0204 * martensite +

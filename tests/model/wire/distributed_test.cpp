@@ -133,7 +133,7 @@ TEST(DistributedPlant, HeatInMinusLossesIsWhatIsStoredWhenTheHeatCapacityRises) 
 /// What is left of one step's heat, as a share of what came in, when nothing is curved in it.
 template <std::size_t count>
 double left_of_a_linear_step() {
-  using Plant = DistributedPlant<Cosine<double>, count>;
+  using Plant = DistributedPlant<papers::Cosine<double>, count>;
   const Wire<double>& wire = paper_wire();
   typename Plant::Params p{};
   p.kinetics.fill({{600, 610, 1e7}, {590, 580, 1e7}});
@@ -180,7 +180,7 @@ TEST(DistributedPlant, SteadyTemperatureBetweenClampsIsTheFinProfile) {
   // Martensite throughout and a resistivity that knows no temperature: uniform heat. The segments
   // are finer than the reach. What is left is that h falls towards the cool ends: about 1 %.
   constexpr std::size_t count = 80;
-  using Fin = DistributedPlant<Cosine<double>, count>;
+  using Fin = DistributedPlant<papers::Cosine<double>, count>;
   const Wire<double>& wire = paper_wire();
   Fin::Params p{};
   p.kinetics.fill({{600, 610, 1e7}, {590, 580, 1e7}});

@@ -181,7 +181,7 @@ TEST(Inverse, SurfacesOfTheirOwnAreBoundedErrors) {
 
 TEST(Inverse, FloatAgreesWithDouble) {
   const Model::Params p = exact_wire();
-  const auto pf = bench::convert<float>(p);
+  const auto pf = benchmarks::convert<float>(p);
   double worst_K = 0;
   along_histories(p, 150e6, 20, [&](const K::State& s, std::mt19937_64& random) {
     const Phases<double> z = K::phases(s);

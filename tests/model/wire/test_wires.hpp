@@ -14,7 +14,7 @@ inline constexpr double MPa = 1e6;
 
 /// The 76 um wire of paper 000.
 inline const Wire<double>& paper_wire() {
-  static const Wire<double> wire = load_wire("smartflex-76um").wire;
+  static const Wire<double> wire = files::load_wire("smartflex-76um").wire;
   return wire;
 }
 
@@ -56,22 +56,22 @@ typename ThreePhase<S>::Params kinetics_for(const ThreePhase<double>::Params& fr
 
 /// The makers' transition temperatures of the Flexinol LT alloy, slopes as usual for it.
 template <class S>
-typename Cosine<S>::Params flexinol_cosine() {
+typename papers::Cosine<S>::Params flexinol_cosine() {
   const auto K = [](double celsius) { return S(celsius + zero_degC_K); };
   return {{K(68), K(78), S(8e6)}, {K(52), K(42), S(7e6)}};
 }
 
 /// The same alloy as Gaussians: start and finish two deviations from the centre, roughly.
 template <class S>
-typename Duhem<S>::Params flexinol_duhem() {
+typename papers::Duhem<S>::Params flexinol_duhem() {
   const auto K = [](double celsius) { return S(celsius + zero_degC_K); };
   return {{K(73), S(3), S(1 / 8e6)}, {K(47), S(2.5), S(1 / 7e6)}};
 }
 
 /// The same with an R-phase; its slope is that of the B2-R transformation in many NiTi alloys.
 template <class S>
-typename LiangRogers<S>::Params flexinol_liang_rogers() {
-  const typename Cosine<S>::Params two = flexinol_cosine<S>();
+typename papers::LiangRogers<S>::Params flexinol_liang_rogers() {
+  const typename papers::Cosine<S>::Params two = flexinol_cosine<S>();
   return {two.m2a, two.a2m, {S(64 + zero_degC_K), S(59 + zero_degC_K), S(15e6)}};
 }
 

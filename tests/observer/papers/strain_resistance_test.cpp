@@ -7,9 +7,9 @@
 namespace smaservo::strain_resistance_test {
 namespace {
 
-using Observer = StrainResistance<double>;
-static_assert(StrainObserver<StrainResistance<double>>);
-static_assert(StrainObserver<StrainResistance<float>>);
+using Observer = papers::StrainResistance<double>;
+static_assert(StrainObserver<papers::StrainResistance<double>>);
+static_assert(StrainObserver<papers::StrainResistance<float>>);
 
 constexpr double never = 1e9;  // seconds: the low-pass has settled
 
@@ -184,13 +184,13 @@ TEST(StrainResistance, KeepsItsLastWordWithoutAReading) {
 }
 
 TEST(StrainResistance, FloatIsAsGoodAsDouble) {
-  using Small = StrainResistance<float>;
+  using Small = papers::StrainResistance<float>;
   const Observer::Params p = params();
   Small::Params q{};
   q.martensite_ohm = static_cast<float>(p.martensite_ohm);
   q.min_stress_Pa = static_cast<float>(p.min_stress_Pa);
   q.max_stress_Pa = static_cast<float>(p.max_stress_Pa);
-  for (int i = 0; i <= StressPolynomial<float>::order; ++i) {
+  for (int i = 0; i <= papers::StressPolynomial<float>::order; ++i) {
     q.heating.slope.coefficient[i] = static_cast<float>(p.heating.slope.coefficient[i]);
     q.heating.offset.coefficient[i] = static_cast<float>(p.heating.offset.coefficient[i]);
     q.cooling.slope.coefficient[i] = static_cast<float>(p.cooling.slope.coefficient[i]);

@@ -5,7 +5,7 @@
 #include "model/three_phase/ihyp.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 namespace paper_000 {
 namespace {
 
@@ -72,7 +72,7 @@ PaperFigure figure_2() {
 
 PaperFigure figure_5() {
   const BathRun bath = simulated_bath_run(function_stress_MPa);
-  const std::vector<ClassicFit> fits = transformation_functions(bath);
+  const std::vector<identify::ClassicFit> fits = transformation_functions(bath);
   std::vector<Column> columns{degC(bath.temperature_K), times(100, bath.strain)};
   std::string errors;
   std::vector<std::string> curves{
@@ -239,7 +239,7 @@ std::string block(std::string_view name, const std::vector<Column>& columns) {
     for (const Column& column : columns) {
       values.push_back(column[row]);
     }
-    text += plotted_row(values);
+    text += report::plotted_row(values);
   }
   return text + "EOD\n";
 }
@@ -279,18 +279,18 @@ std::string marker(double temperature_K) {
                      temperature_K - zero_degC_K);
 }
 
-Plot half_panel(std::string title, std::string caption, const char* x_label, const char* y_label,
-                const std::string& data, const std::string& more,
-                const std::vector<std::string>& curves, int height) {
+report::Plot half_panel(std::string title, std::string caption, const char* x_label,
+                        const char* y_label, const std::string& data, const std::string& more,
+                        const std::vector<std::string>& curves, int height) {
   return {std::move(title), std::move(caption), true,
-          draw({500, height, x_label, y_label}, data, more, curves)};
+          report::draw({500, height, x_label, y_label}, data, more, curves)};
 }
 
-Plot full_panel(std::string title, std::string caption, const char* x_label, const char* y_label,
-                const std::string& data, const std::string& more,
-                const std::vector<std::string>& curves, int height) {
+report::Plot full_panel(std::string title, std::string caption, const char* x_label,
+                        const char* y_label, const std::string& data, const std::string& more,
+                        const std::vector<std::string>& curves, int height) {
   return {std::move(title), std::move(caption), false,
-          draw({1000, height, x_label, y_label}, data, more, curves)};
+          report::draw({1000, height, x_label, y_label}, data, more, curves)};
 }
 
 }  // namespace paper_000
@@ -305,4 +305,4 @@ std::vector<PaperFigure> figures_000() {
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

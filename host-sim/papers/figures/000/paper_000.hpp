@@ -9,7 +9,7 @@
 #include "host-sim/identify/fit/fit.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo::paper_000 {
+namespace smaservo::figures::paper_000 {
 
 /// The wire of the paper, smartflex-76um.
 const Wire<double>& paper_wire();
@@ -50,13 +50,13 @@ inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0
                                          100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
 
 /// As `identify` reads it, every second row, with a row before them where the wire comes from.
-Run as_run(const BathRun& run);
-Run as_run(const CalorimetryRun& run);
+identify::Run as_run(const BathRun& run);
+identify::Run as_run(const CalorimetryRun& run);
 
 // The paper's three stages ('Parameterization method'); each takes a few seconds, once.
 
 /// What `identify` finds from the calorimetry, beginning with the preset.
-const FitResult& fitted_without_stress();
+const identify::FitResult& fitted_without_stress();
 
 /// From one level of stress alone; the first is the one without stress.
 struct Level {
@@ -86,7 +86,7 @@ SelfSensing self_sensing(const BathRun& run);
 std::vector<double> resistances_ohm(const BathRun& run);
 
 /// Figure 5: fit_classics() and fit_adaptable() of the same cycle.
-std::vector<ClassicFit> transformation_functions(const BathRun& run);
+std::vector<identify::ClassicFit> transformation_functions(const BathRun& run);
 inline constexpr double function_stress_MPa = 200;
 
 /// Figure 6: the parts of the normalised temperature at a converted fraction; they add up to
@@ -122,4 +122,4 @@ inline constexpr double bar_step_K = 3;
 inline constexpr double heating_bars_MPa = 50;
 inline constexpr double cooling_bars_MPa = 110;  ///< where A2M and A2R meet
 
-}  // namespace smaservo::paper_000
+}  // namespace smaservo::figures::paper_000

@@ -8,7 +8,7 @@
 #include "host-sim/papers/figures/000/paper_000.hpp"
 #include "host-sim/papers/figures/figure.hpp"
 
-namespace smaservo::paper_000 {
+namespace smaservo::figures::paper_000 {
 
 // The paper's colours.
 inline constexpr const char* heating_colour = "'#c8102e'";
@@ -47,14 +47,14 @@ std::string line(std::string_view data, std::string_view columns, std::string_vi
 std::string marker(double temperature_K);
 
 /// Two of these stand side by side.
-Plot half_panel(std::string title, std::string caption, const char* x_label, const char* y_label,
-                const std::string& data, const std::string& more,
-                const std::vector<std::string>& curves, int height = 360);
-Plot full_panel(std::string title, std::string caption, const char* x_label, const char* y_label,
-                const std::string& data, const std::string& more,
-                const std::vector<std::string>& curves, int height = 420);
+report::Plot half_panel(std::string title, std::string caption, const char* x_label,
+                        const char* y_label, const std::string& data, const std::string& more,
+                        const std::vector<std::string>& curves, int height = 360);
+report::Plot full_panel(std::string title, std::string caption, const char* x_label,
+                        const char* y_label, const std::string& data, const std::string& more,
+                        const std::vector<std::string>& curves, int height = 420);
 
 /// Figures 13 to 20.
 std::vector<PaperFigure> identified_figures();
 
-}  // namespace smaservo::paper_000
+}  // namespace smaservo::figures::paper_000

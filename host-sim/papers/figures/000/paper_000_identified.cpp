@@ -7,7 +7,7 @@
 #include "host-sim/papers/figures/000/paper_000_drawing.hpp"
 #include "model/units.hpp"
 
-namespace smaservo::paper_000 {
+namespace smaservo::figures::paper_000 {
 namespace {
 
 PaperFigure figure_13() {
@@ -50,7 +50,7 @@ PaperFigure figure_13() {
 }
 
 PaperFigure figure_14() {
-  const FittedRun& run = fitted_without_stress().runs.front();
+  const identify::FittedRun& run = fitted_without_stress().runs.front();
   // Specific heat is in both; the row from where the wire comes is not drawn.
   const std::string data =
       block("run", {degC(run.temperature_K), run.strain_measured, run.strain_model});
@@ -123,8 +123,8 @@ struct OverStress {
   std::function<double(const Wire<double>&, double stress_Pa)> of;
 };
 
-Plot over_stress(const char* title, const char* label, const std::vector<OverStress>& values,
-                 std::size_t first_level) {
+report::Plot over_stress(const char* title, const char* label,
+                         const std::vector<OverStress>& values, std::size_t first_level) {
   const std::vector<Level>& levels = fitted_levels();
   std::string data;
   std::vector<std::string> curves;
@@ -184,14 +184,14 @@ PaperFigure figure_16() {
   const auto finish = [](const Isobar<double>& at) {
     return at.start_K + 1 / at.per_K - zero_degC_K;
   };
-  Plot plot = over_stress("transition temperatures", temperature_axis,
-                          {of_process(Process::m2a, "M2A/R2A start", solid, start),
-                           of_process(Process::m2a, "M2A/R2A finish", dashed, finish),
-                           of_process(Process::a2m, "A2M/R2M start", solid, start),
-                           of_process(Process::a2m, "A2M/R2M finish", dashed, finish),
-                           of_process(Process::a2r, "A2R start", solid, start),
-                           of_process(Process::a2r, "A2R finish", dashed, finish)},
-                          0);
+  report::Plot plot = over_stress("transition temperatures", temperature_axis,
+                                  {of_process(Process::m2a, "M2A/R2A start", solid, start),
+                                   of_process(Process::m2a, "M2A/R2A finish", dashed, finish),
+                                   of_process(Process::a2m, "A2M/R2M start", solid, start),
+                                   of_process(Process::a2m, "A2M/R2M finish", dashed, finish),
+                                   of_process(Process::a2r, "A2R start", solid, start),
+                                   of_process(Process::a2r, "A2R finish", dashed, finish)},
+                                  0);
   return {16,
           "Transition temperatures over stress",
           "Points: each level of stress by itself, that without stress from calorimetry. Lines: "
@@ -326,4 +326,4 @@ std::vector<PaperFigure> identified_figures() {
           figure_17(), figure_18(), figure_19(), figure_20()};
 }
 
-}  // namespace smaservo::paper_000
+}  // namespace smaservo::figures::paper_000

@@ -9,7 +9,7 @@
 #include "model/files/wire_file.hpp"
 #include "model/wire/plant.hpp"
 
-namespace smaservo::paper_000 {
+namespace smaservo::figures::paper_000 {
 namespace {
 
 using Model = Plant<ThreePhase<double>>;
@@ -20,9 +20,9 @@ constexpr double hottest_K = 423.15;          // 'Experimental results': not abo
 constexpr double calorimetry_hot_K = 373.15;  // figure 1
 constexpr double rate_K_s = 10.0 / 60;        // common in calorimetry; the paper does not say
 
-std::unique_ptr<SimulatedWire> simulated_wire() {
+std::unique_ptr<hal::SimulatedWire> simulated_wire() {
   std::mt19937_64 random(1);
-  return make_simulated_wire(Family::sublayers, paper_wire(), {}, 0.5, random);
+  return hal::make_simulated_wire(hal::Family::sublayers, paper_wire(), {}, 0.5, random);
 }
 
 /// From cold to hot and back; an odd number, the hottest is in the middle.
@@ -73,8 +73,8 @@ BathRun bath_run(AnyWire& wire, double stress_MPa) {
   return run;
 }
 
-FitOptions quick() {
-  FitOptions options;
+identify::FitOptions quick() {
+  identify::FitOptions options;
   options.variants = false;
   return options;
 }
@@ -82,7 +82,7 @@ FitOptions quick() {
 }  // namespace
 
 const Wire<double>& paper_wire() {
-  static const Wire<double> wire = load_wire("smartflex-76um").wire;
+  static const Wire<double> wire = files::load_wire("smartflex-76um").wire;
   return wire;
 }
 
@@ -121,11 +121,11 @@ CalorimetryRun simulated_calorimetry() {
   return run;
 }
 
-Run as_run(const BathRun& run) {
+identify::Run as_run(const BathRun& run) {
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-  Run bath{};
+  identify::Run bath{};
   bath.name = "bath";
-  bath.kind = RunKind::bath;
+  bath.kind = identify::RunKind::bath;
   bath.temperature_K = {martensite_K};
   bath.strain = {nothing};
   bath.resistance_ohm = {nothing};
@@ -139,10 +139,10 @@ Run as_run(const BathRun& run) {
   return bath;
 }
 
-Run as_run(const CalorimetryRun& run) {
-  Run calorimetry{};
+identify::Run as_run(const CalorimetryRun& run) {
+  identify::Run calorimetry{};
   calorimetry.name = "calorimetry";
-  calorimetry.kind = RunKind::calorimetry;
+  calorimetry.kind = identify::RunKind::calorimetry;
   calorimetry.temperature_K = {martensite_K};
   calorimetry.power_W_kg = {0};  // stands still
   calorimetry.temperature_K.insert(calorimetry.temperature_K.end(), run.temperature_K.begin(),
@@ -152,19 +152,19 @@ Run as_run(const CalorimetryRun& run) {
   return calorimetry;
 }
 
-const FitResult& fitted_without_stress() {
-  static const FitResult result =
-      fit_wire(paper_wire(), {as_run(simulated_calorimetry())}, quick());
+const identify::FitResult& fitted_without_stress() {
+  static const identify::FitResult result =
+      identify::fit_wire(paper_wire(), {as_run(simulated_calorimetry())}, quick());
   return result;
 }
 
 const Wire<double>& fitted_model() {
   static const Wire<double> wire = [] {
-    std::vector<Run> runs;
+    std::vector<identify::Run> runs;
     for (const double stress_MPa : {10.0, 50.0, 100.0, 200.0, 300.0, 400.0}) {
       runs.push_back(as_run(simulated_bath_run(stress_MPa)));
     }
-    return fit_wire(fitted_without_stress().wire, runs, quick()).wire;
+    return identify::fit_wire(fitted_without_stress().wire, runs, quick()).wire;
   }();
   return wire;
 }
@@ -174,8 +174,8 @@ const std::vector<Level>& fitted_levels() {
     std::vector<Level> all{{0, fitted_without_stress().wire}};
     Wire<double> from = all.front().wire;
     for (const double stress_MPa : stresses_MPa) {
-      const Run run = as_run(simulated_bath_run(stress_MPa));
-      all.push_back({stress_MPa, fit_wire(from, {run}, quick()).wire});
+      const identify::Run run = as_run(simulated_bath_run(stress_MPa));
+      all.push_back({stress_MPa, identify::fit_wire(from, {run}, quick()).wire});
       if (stress_MPa == max_a2r_MPa) {
         from = all.back().wire;
       }
@@ -185,4 +185,4 @@ const std::vector<Level>& fitted_levels() {
   return levels;
 }
 
-}  // namespace smaservo::paper_000
+}  // namespace smaservo::figures::paper_000

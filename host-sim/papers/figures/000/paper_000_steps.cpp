@@ -6,7 +6,7 @@
 #include "host-sim/papers/figures/000/paper_000.hpp"
 #include "model/units.hpp"
 
-namespace smaservo::paper_000 {
+namespace smaservo::figures::paper_000 {
 namespace {
 
 using Kinetics = ThreePhase<double>;
@@ -126,15 +126,15 @@ SelfSensing self_sensing(const BathRun& run) {
   return {gap_ohm / span(ohm), deviation_from_line(ohm, run.strain) / span(run.strain)};
 }
 
-std::vector<ClassicFit> transformation_functions(const BathRun& run) {
+std::vector<identify::ClassicFit> transformation_functions(const BathRun& run) {
   // Without the row from where the wire comes: the fits know nothing of the past.
-  Run cycle{};
-  cycle.kind = RunKind::bath;
+  identify::Run cycle{};
+  cycle.kind = identify::RunKind::bath;
   cycle.temperature_K = run.temperature_K;
   cycle.strain = run.strain;
   cycle.stress_Pa.assign(run.rows(), 1e6 * run.stress_MPa);
-  std::vector<ClassicFit> all = fit_classics(cycle);
-  for (ClassicFit& fit : fit_adaptable(cycle)) {
+  std::vector<identify::ClassicFit> all = identify::fit_classics(cycle);
+  for (identify::ClassicFit& fit : identify::fit_adaptable(cycle)) {
     all.push_back(std::move(fit));
   }
   return all;
@@ -221,4 +221,4 @@ std::vector<CoolingBar> cooling_bars() {
   return bars;
 }
 
-}  // namespace smaservo::paper_000
+}  // namespace smaservo::figures::paper_000

@@ -6,16 +6,16 @@
 #include <string>
 #include <utility>
 
-namespace smaservo {
+namespace smaservo::figures {
 
 double DecayingVoltage::voltage_V(double time_s) const {
   return mean_V - amplitude_V * std::exp(-time_s / decay_s) *
                       std::cos(2 * std::numbers::pi * time_s / period_s);
 }
 
-std::vector<ActuatorSample> run_actuator(const DuhemActuator<double>::Params& params,
+std::vector<ActuatorSample> run_actuator(const papers::DuhemActuator<double>::Params& params,
                                          const DecayingVoltage& voltage) {
-  using Model = DuhemActuator<double>;
+  using Model = papers::DuhemActuator<double>;
   constexpr double dt_s = 0.01;
   Model::State state = Model::rest(params);
   std::vector<ActuatorSample> samples;
@@ -25,13 +25,13 @@ std::vector<ActuatorSample> run_actuator(const DuhemActuator<double>::Params& pa
       samples.push_back({i * dt_s, voltage.voltage_V(i * dt_s), Model::output(params, state)});
     }
     const double middle_V = voltage.voltage_V((i + 0.5) * dt_s);
-    Model::advance(params, state, VoltageSource<double>{middle_V}, dt_s);
+    Model::advance(params, state, papers::VoltageSource<double>{middle_V}, dt_s);
   }
   return samples;
 }
 
-std::vector<MinorLoop> minor_loops(const Duhem<double>::Params& params) {
-  using Model = Duhem<double>;
+std::vector<MinorLoop> minor_loops(const papers::Duhem<double>::Params& params) {
+  using Model = papers::Duhem<double>;
   const double cold_K = params.a2m.centre_K - 4 * params.a2m.deviation_K;
   const double hot_K = params.m2a.centre_K + 3.5 * params.m2a.deviation_K;
   std::vector<MinorLoop> loops;
@@ -61,11 +61,12 @@ std::vector<MinorLoop> minor_loops(const Duhem<double>::Params& params) {
   return loops;
 }
 
-DuhemActuator<double>::Params printed_resistivity(DuhemActuator<double>::Params params) {
+papers::DuhemActuator<double>::Params printed_resistivity(
+    papers::DuhemActuator<double>::Params params) {
   for (double& coefficient : params.resistivity.martensite_ohm_m_K) {
     coefficient = std::stod(fmt::format("{:.1e}", coefficient));
   }
   return params;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -5,7 +5,7 @@
 
 #include "model/papers/duhem_actuator.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 
 /// A sinusoidal voltage of decreasing amplitude about a mean, as in 001 fig. 4: the paper prints no
 /// numbers of it. These are chosen so that the first swing goes once around the major loop, as far
@@ -24,11 +24,11 @@ inline constexpr DecayingVoltage paper_001_voltage{1.52, 1.5, 150, 50, 350};
 struct ActuatorSample {
   double time_s;
   double voltage_V;
-  DuhemActuator<double>::Output output;
+  papers::DuhemActuator<double>::Output output;
 };
 
 /// From rest, in steps of 10 ms, a sample every 100 ms.
-std::vector<ActuatorSample> run_actuator(const DuhemActuator<double>::Params& params,
+std::vector<ActuatorSample> run_actuator(const papers::DuhemActuator<double>::Params& params,
                                          const DecayingVoltage& voltage);
 
 /// Austenite of one loop: heated from cold to the turn, cooled from there.
@@ -39,9 +39,10 @@ struct MinorLoop {
 
 /// The major loop, then those that turn at three quarters, half and a quarter of austenite: 001
 /// fig. 7. The heating of the minor ones goes up from where the cooling has come to.
-std::vector<MinorLoop> minor_loops(const Duhem<double>::Params& params);
+std::vector<MinorLoop> minor_loops(const papers::Duhem<double>::Params& params);
 
 /// With the coefficients of martensite's resistivity to the two digits that Table I prints.
-DuhemActuator<double>::Params printed_resistivity(DuhemActuator<double>::Params params);
+papers::DuhemActuator<double>::Params printed_resistivity(
+    papers::DuhemActuator<double>::Params params);
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -9,10 +9,10 @@
 #include "model/papers/actuators/actuator_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 namespace {
 
-using Params = DuhemActuator<double>::Params;
+using Params = papers::DuhemActuator<double>::Params;
 
 constexpr const char* colours_001 = "heating = 0xb2182b\ncooling = 0x2166ac\n";
 
@@ -32,20 +32,23 @@ std::string data_block(const std::vector<ActuatorSample>& run) {
     const auto& out = run[i].output;
     const std::size_t next = std::min(i + 1, run.size() - 1);
     const bool heating = run[next].output.temperature_K > run[next - 1].output.temperature_K;
-    text += fmt::format("{} {} {} {} {} {} {} {}\n", plotted(run[i].time_s),
-                        plotted(run[i].voltage_V), plotted(out.temperature_K - zero_degC_K),
-                        plotted(out.martensite), plotted(100 * out.transformation_strain),
-                        plotted(out.stress_Pa / 1e6), plotted(out.resistance_ohm), heating ? 1 : 0);
+    text += fmt::format(
+        "{} {} {} {} {} {} {} {}\n", report::plotted(run[i].time_s),
+        report::plotted(run[i].voltage_V), report::plotted(out.temperature_K - zero_degC_K),
+        report::plotted(out.martensite), report::plotted(100 * out.transformation_strain),
+        report::plotted(out.stress_Pa / 1e6), report::plotted(out.resistance_ohm), heating ? 1 : 0);
   }
   return text + "EOD\n";
 }
 
-PaperFigure single(int number, const char* title, const char* caption, const Axes& axes,
+PaperFigure single(int number, const char* title, const char* caption, const report::Axes& axes,
                    const std::string& data, const std::string& more,
                    const std::vector<std::string>& curves) {
   const bool half = axes.width <= 500;
-  return {
-      number, title, caption, {{title, "", half, draw(axes, data, colours_001 + more, curves)}}};
+  return {number,
+          title,
+          caption,
+          {{title, "", half, report::draw(axes, data, colours_001 + more, curves)}}};
 }
 
 /// Temperature over time with something else on an axis of its own.
@@ -69,8 +72,8 @@ PaperFigure slopes_integrated(const Params& p) {
   std::string data = "$data << EOD\n";
   for (const MinorLoop& loop : minor_loops(p.kinetics)) {
     for (std::size_t i = 0; i < loop.cooling.size(); ++i) {
-      data += fmt::format("{} {} {}\n", plotted(loop.temperature_K[i] - zero_degC_K),
-                          plotted(loop.cooling[i]), plotted(loop.heating[i]));
+      data += fmt::format("{} {} {}\n", report::plotted(loop.temperature_K[i] - zero_degC_K),
+                          report::plotted(loop.cooling[i]), report::plotted(loop.heating[i]));
     }
     data += "\n";
   }
@@ -87,9 +90,9 @@ PaperFigure strain_over_martensite(const Params& p) {
   std::string data = "$data << EOD\n";
   for (int i = 0; i <= 200; ++i) {
     const double martensite = i / 200.0;
-    data += fmt::format("{} {} {}\n", plotted(martensite),
-                        plotted(100 * p.bias.balanced_strain(martensite)),
-                        plotted(100 * p.bias.smooth_strain(martensite)));
+    data += fmt::format("{} {} {}\n", report::plotted(martensite),
+                        report::plotted(100 * p.bias.balanced_strain(martensite)),
+                        report::plotted(100 * p.bias.smooth_strain(martensite)));
   }
   return single(11, "Strain over martensite fraction",
                 "The branches of eq. 17 and the polynomial of eq. 18 lie on each other within "
@@ -105,10 +108,10 @@ PaperFigure resistivities(const Params& p) {
   const Params printed = printed_resistivity(p);
   std::string data = "$data << EOD\n";
   for (double T = p.resistivity.lowest_K; T <= p.resistivity.highest_K; T += 0.5) {
-    data += fmt::format("{} {} {} {}\n", plotted(T - zero_degC_K),
-                        plotted(1e6 * p.resistivity.austenite(T, p.ambient_K)),
-                        plotted(1e6 * p.resistivity.martensite(T, p.ambient_K)),
-                        plotted(1e6 * printed.resistivity.martensite(T, p.ambient_K)));
+    data += fmt::format("{} {} {} {}\n", report::plotted(T - zero_degC_K),
+                        report::plotted(1e6 * p.resistivity.austenite(T, p.ambient_K)),
+                        report::plotted(1e6 * p.resistivity.martensite(T, p.ambient_K)),
+                        report::plotted(1e6 * printed.resistivity.martensite(T, p.ambient_K)));
   }
   return single(12, "Electrical resistivity of both phases over temperature",
                 "Both are near 1 µΩm. With the polynomial's coefficients as printed, two digits "
@@ -123,7 +126,7 @@ PaperFigure resistivities(const Params& p) {
 }  // namespace
 
 std::vector<PaperFigure> figures_001() {
-  const Params p = load_actuator(std::string(paper_001_actuator));
+  const Params p = papers::load_actuator(std::string(papers::paper_001_actuator));
   const std::string data = data_block(run_actuator(p, paper_001_voltage));
   const auto loops = [&](int number, const char* title, const char* caption, const char* x_label,
                          const char* y_label, int x, int y) {
@@ -160,4 +163,4 @@ std::vector<PaperFigure> figures_001() {
             "resistance in Ω", "transformation strain in %", 7, 5)};
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -8,12 +8,12 @@
 
 #include "host-sim/simulate/simulate.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 namespace {
 
 constexpr double MPa = 1e6;
 
-using Steps = std::vector<DriveStep>;
+using Steps = std::vector<bench::DriveStep>;
 
 void full_cycles(Steps& drive, int count) {
   for (int i = 0; i < count; ++i) {
@@ -23,8 +23,8 @@ void full_cycles(Steps& drive, int count) {
 }
 
 /// Level 1 shall end 15 K above the finish at the highest stress; it is made for the first one.
-double overheat_K(const Load& load) {
-  const auto* spring = std::get_if<SpringLoad>(&load);
+double overheat_K(const hal::Load& load) {
+  const auto* spring = std::get_if<hal::SpringLoad>(&load);
   if (spring == nullptr) {
     return 15;
   }
@@ -36,24 +36,24 @@ double overheat_K(const Load& load) {
   return 15 + finish_K(spring->high_Pa) - finish_K(spring->low_Pa);
 }
 
-Scenario scenario(Family family, const Load& load, Steps drive) {
-  JouleScenario joule{.ambient_K = 298.15,
-                      .draught = 1,
-                      .overheat_K = overheat_K(load),
-                      .min_current_A = min_current_A,
-                      .rate_Hz = 200,
-                      .record_from_s = 0,
-                      .drive = std::move(drive),
-                      .load = load,
-                      .sensors = sensors()};
+bench::Scenario scenario(hal::Family family, const hal::Load& load, Steps drive) {
+  bench::JouleScenario joule{.ambient_K = 298.15,
+                             .draught = 1,
+                             .overheat_K = overheat_K(load),
+                             .min_current_A = min_current_A,
+                             .rate_Hz = 200,
+                             .record_from_s = 0,
+                             .drive = std::move(drive),
+                             .load = load,
+                             .sensors = sensors()};
   return {"bench of paper 002", wire(), 2, 0.5, family, {}, std::move(joule)};
 }
 
-Run measured(std::string name, const Scenario& scenario) {
-  Run run{};
+identify::Run measured(std::string name, const bench::Scenario& scenario) {
+  identify::Run run{};
   run.name = std::move(name);
-  run.kind = RunKind::joule;
-  simulate_rows(scenario, [&](const SimulatedRow& row) {
+  run.kind = identify::RunKind::joule;
+  simulate::simulate_rows(scenario, [&](const simulate::SimulatedRow& row) {
     run.time_s.push_back(row.time_s);
     run.current_A.push_back(row.current_A);
     run.voltage_V.push_back(row.voltage_V);
@@ -66,8 +66,8 @@ Run measured(std::string name, const Scenario& scenario) {
 
 }  // namespace
 
-WireDescription wire() {
-  return load_wire("flexinol-lt-0.15mm");
+files::WireDescription wire() {
+  return files::load_wire("flexinol-lt-0.15mm");
 }
 
 double stress_Pa(double load_N) {
@@ -83,7 +83,7 @@ std::vector<double> calibration_stresses_Pa() {
   return all;
 }
 
-Run calibration_run(Family family, double stress_Pa) {
+identify::Run calibration_run(hal::Family family, double stress_Pa) {
   Steps drive{{0, 1}};
   full_cycles(drive, 2);
   for (const double level : {0.62, 0.68, 0.74, 0.8}) {
@@ -97,22 +97,22 @@ Run calibration_run(Family family, double stress_Pa) {
   drive.push_back({1, 5});
   drive.push_back({0, 7});
   return measured(fmt::format("{:.0f} MPa", stress_Pa / MPa),
-                  scenario(family, ConstantLoad{stress_Pa}, std::move(drive)));
+                  scenario(family, hal::ConstantLoad{stress_Pa}, std::move(drive)));
 }
 
-StrainResistanceFit calibrate(Family family) {
-  std::vector<Run> runs;
+fits::StrainResistanceFit calibrate(hal::Family family) {
+  std::vector<identify::Run> runs;
   for (const double stress_Pa : calibration_stresses_Pa()) {
     runs.push_back(calibration_run(family, stress_Pa));
   }
-  return identify_strain_resistance(runs);
+  return fits::identify_strain_resistance(runs);
 }
 
-SpringLoad spring() {
+hal::SpringLoad spring() {
   return {20 * MPa, 170 * MPa, 0.03, 0.05};
 }
 
-Sensors sensors() {
+hal::Sensors sensors() {
   return {.bits = 16,
           .current_full_scale_A = 1,
           .voltage_full_scale_V = 5,
@@ -124,7 +124,7 @@ Sensors sensors() {
           .resistance_gain = 1};
 }
 
-Run validation_run(Family family, const Load& load) {
+identify::Run validation_run(hal::Family family, const hal::Load& load) {
   Steps drive{{0, 1}};
   full_cycles(drive, 2);
   for (const double level : {0.6, 0.65, 0.7, 0.75}) {
@@ -139,7 +139,7 @@ Run validation_run(Family family, const Load& load) {
   return measured("validation", scenario(family, load, std::move(drive)));
 }
 
-double mean_error_percent(const std::vector<double>& strain, const Run& run) {
+double mean_error_percent(const std::vector<double>& strain, const identify::Run& run) {
   double sum = 0;
   for (std::size_t i = 0; i < strain.size(); ++i) {
     sum += std::abs(strain[i] - run.strain[i]);
@@ -147,9 +147,9 @@ double mean_error_percent(const std::vector<double>& strain, const Run& run) {
   return 100 * sum / (0.04 * static_cast<double>(strain.size()));
 }
 
-Run with_constant_stress(Run run) {
+identify::Run with_constant_stress(identify::Run run) {
   std::ranges::fill(run.stress_Pa, *std::ranges::max_element(run.stress_Pa));
   return run;
 }
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

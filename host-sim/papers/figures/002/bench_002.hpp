@@ -10,9 +10,9 @@
 #include "firmware/bench/scenario.hpp"
 #include "host-sim/papers/fits/strain_resistance_fit.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 
-WireDescription wire();
+files::WireDescription wire();
 double stress_Pa(double load_N);
 
 /// Loads of the calibration: 15 to 175 MPa as in section 3.2, without those that are too light for
@@ -20,24 +20,24 @@ double stress_Pa(double load_N);
 std::vector<double> calibration_stresses_Pa();
 
 /// Two full cycles, then loops that heat and loops that cool incompletely (section 3.3), at 200 Hz.
-Run calibration_run(Family family, double stress_Pa);
+identify::Run calibration_run(hal::Family family, double stress_Pa);
 /// From runs at these loads.
-StrainResistanceFit calibrate(Family family);
+fits::StrainResistanceFit calibrate(hal::Family family);
 
 /// A spring: from 20 MPa on the long wire to 170 MPa on one that is 3 % shorter.
-SpringLoad spring();
-Sensors sensors();
+hal::SpringLoad spring();
+hal::Sensors sensors();
 /// Keeps the resistance measurable.
 inline constexpr double min_current_A = 0.06;
 /// The experiments of section 4.5, on a wire that was just calibrated: other levels of the power
 /// than those of the calibration.
-Run validation_run(Family family, const Load& load);
+identify::Run validation_run(hal::Family family, const hal::Load& load);
 
 /// Mean error as the paper has it: in per cent of a stroke of 4 %.
-double mean_error_percent(const std::vector<double>& strain, const Run& run);
+double mean_error_percent(const std::vector<double>& strain, const identify::Run& run);
 
 /// The run with the stress that somebody believes in who has no load cell. The paper does not say
 /// which; this is the heaviest of the run, which costs most.
-Run with_constant_stress(Run run);
+identify::Run with_constant_stress(identify::Run run);
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

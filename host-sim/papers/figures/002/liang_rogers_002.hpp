@@ -6,14 +6,14 @@
 #include "model/papers/resistance_lines.hpp"
 #include "model/wire/wire.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 
 /// A_s to R_f from where the tangents of the wire's curves meet their ends, at zero stress; the
 /// slopes of start and finish averaged. A process that stress does not move has an infinite C.
-LiangRogers<double>::Params liang_rogers(const Wire<double>& wire);
+papers::LiangRogers<double>::Params liang_rogers(const Wire<double>& wire);
 
 /// Resistance (in ohm) and strain on one branch of the full loop between 10 and 150 °C.
-std::vector<ResistancePoint<double>> liang_rogers_loop(const Wire<double>& wire, double stress_Pa,
-                                                       bool heats);
+std::vector<papers::ResistancePoint<double>> liang_rogers_loop(const Wire<double>& wire,
+                                                               double stress_Pa, bool heats);
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

@@ -7,7 +7,7 @@
 #include "host-sim/papers/figures/002/paper_002_parts.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 namespace bench_002 {
 namespace {
 
@@ -113,7 +113,7 @@ PaperFigure figure_6(const MinorLoops& cooling, const MinorLoops& heating) {
 }
 
 /// Two ends of a line in the plane of ohm and millimetres.
-Rows line_ends(const ResistanceLine<double>& line, double martensite_ohm) {
+Rows line_ends(const papers::ResistanceLine<double>& line, double martensite_ohm) {
   Rows rows;
   for (const double strain : {0.005, 0.038}) {
     rows.push_back({martensite_ohm * (strain - line.offset) / line.slope, displacement_mm(strain)});
@@ -121,11 +121,11 @@ Rows line_ends(const ResistanceLine<double>& line, double martensite_ohm) {
   return rows;
 }
 
-PaperFigure figure_7(const StrainResistanceFit& fit) {
+PaperFigure figure_7(const fits::StrainResistanceFit& fit) {
   const double stress = stress_Pa(0.5);
   const double ohm = fit.params.martensite_ohm;
-  const auto ends = [&](const StressLine<double>& lines) {
-    return line_ends(StrainResistance<double>::line(lines, fit.params, stress), ohm);
+  const auto ends = [&](const papers::StressLine<double>& lines) {
+    return line_ends(papers::StrainResistance<double>::line(lines, fit.params, stress), ohm);
   };
   std::vector<std::string> curves = loop_curves("loop");
   curves.emplace_back(
@@ -142,11 +142,11 @@ PaperFigure figure_7(const StrainResistanceFit& fit) {
                 curves)}};
 }
 
-PaperFigure figure_9(const StrainResistanceFit& fit, const MinorLoops& cooling,
+PaperFigure figure_9(const fits::StrainResistanceFit& fit, const MinorLoops& cooling,
                      const MinorLoops& heating) {
-  std::vector<Plot> panels;
+  std::vector<report::Plot> panels;
   for (const MinorLoops* loops : {&cooling, &heating}) {
-    const std::vector<double> strain = estimate_strain(fit.params, loops->run);
+    const std::vector<double> strain = fits::estimate_strain(fit.params, loops->run);
     Rows measured, model;
     for (std::size_t i = 0; i < strain.size(); ++i) {
       measured.push_back({loops->run.resistance_ohm[i], displacement_mm(loops->run.strain[i])});
@@ -175,24 +175,26 @@ std::string data_block(const std::string& name, const std::vector<std::vector<do
   std::string text = fmt::format("${} << EOD\n", name);
   for (const std::vector<double>& row : rows) {
     for (const double value : row) {
-      text += plotted(value) + ' ';
+      text += report::plotted(value) + ' ';
     }
     text += '\n';
   }
   return text + "EOD\n";
 }
 
-Plot wide(std::string title, const std::string& x, const std::string& y, const std::string& data,
-          const std::vector<std::string>& curves, const std::string& more) {
-  return {std::move(title), "", false, draw({1000, 420, x, y}, data, more, curves)};
+report::Plot wide(std::string title, const std::string& x, const std::string& y,
+                  const std::string& data, const std::vector<std::string>& curves,
+                  const std::string& more) {
+  return {std::move(title), "", false, report::draw({1000, 420, x, y}, data, more, curves)};
 }
 
-Plot half(std::string title, const std::string& x, const std::string& y, const std::string& data,
-          const std::vector<std::string>& curves, const std::string& more) {
-  return {std::move(title), "", true, draw({500, 400, x, y}, data, more, curves)};
+report::Plot half(std::string title, const std::string& x, const std::string& y,
+                  const std::string& data, const std::vector<std::string>& curves,
+                  const std::string& more) {
+  return {std::move(title), "", true, report::draw({500, 400, x, y}, data, more, curves)};
 }
 
-std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit) {
+std::vector<PaperFigure> characterisation_figures(const fits::StrainResistanceFit& fit) {
   const MinorLoops cooling = minor_loops(shown_family, 1.3, true);
   const MinorLoops heating = minor_loops(shown_family, 1.3, false);
   return {figure_2(),    figure_4(),
@@ -203,11 +205,11 @@ std::vector<PaperFigure> characterisation_figures(const StrainResistanceFit& fit
 }  // namespace bench_002
 
 std::vector<PaperFigure> figures_002() {
-  const StrainResistanceFit fit = bench_002::calibrate(bench_002::shown_family);
+  const fits::StrainResistanceFit fit = bench_002::calibrate(bench_002::shown_family);
   std::vector<PaperFigure> all = bench_002::characterisation_figures(fit);
   std::ranges::move(bench_002::model_figures(fit), std::back_inserter(all));
   std::ranges::sort(all, {}, &PaperFigure::number);
   return all;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

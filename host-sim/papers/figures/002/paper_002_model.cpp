@@ -9,11 +9,11 @@
 #include "host-sim/papers/figures/002/paper_002_parts.hpp"
 #include "host-sim/papers/figures/002/position_loop_002.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 namespace {
 
 using Rows = std::vector<std::vector<double>>;
-using Observer = StrainResistance<double>;
+using Observer = papers::StrainResistance<double>;
 
 /// The four coefficients of the lines as figures 8 and 23 show them.
 struct Coefficients {
@@ -21,8 +21,8 @@ struct Coefficients {
 };
 
 /// In mm per ohm and mm.
-Coefficients coefficients(const ResistanceLine<double>& heating,
-                          const ResistanceLine<double>& cooling, double martensite_ohm) {
+Coefficients coefficients(const papers::ResistanceLine<double>& heating,
+                          const papers::ResistanceLine<double>& cooling, double martensite_ohm) {
   return {displacement_mm(heating.slope) / martensite_ohm, displacement_mm(heating.offset),
           displacement_mm(cooling.slope) / martensite_ohm, displacement_mm(cooling.offset)};
 }
@@ -31,9 +31,9 @@ std::vector<double> row(double stress_Pa, const Coefficients& c) {
   return {1e-6 * stress_Pa, c.heating_slope, c.heating_offset, c.cooling_slope, c.cooling_offset};
 }
 
-std::string fitted_block(const StrainResistanceFit& fit) {
+std::string fitted_block(const fits::StrainResistanceFit& fit) {
   Rows rows;
-  for (const LoadLevel& level : fit.levels) {
+  for (const fits::LoadLevel& level : fit.levels) {
     rows.push_back(row(level.stress_Pa,
                        coefficients(level.heating, level.cooling, fit.params.martensite_ohm)));
   }
@@ -41,7 +41,7 @@ std::string fitted_block(const StrainResistanceFit& fit) {
 }
 
 template <class Lines>
-std::string over_stress_block(const std::string& name, const StrainResistanceFit& fit,
+std::string over_stress_block(const std::string& name, const fits::StrainResistanceFit& fit,
                               Lines lines) {
   Rows rows;
   constexpr int steps = 100;
@@ -53,7 +53,7 @@ std::string over_stress_block(const std::string& name, const StrainResistanceFit
   return data_block(name, rows);
 }
 
-std::string polynomial_block(const StrainResistanceFit& fit) {
+std::string polynomial_block(const fits::StrainResistanceFit& fit) {
   const Observer::Params& p = fit.params;
   return over_stress_block("polynomial", fit, [&](double stress_Pa) {
     return coefficients(Observer::line(p.heating, p, stress_Pa),
@@ -61,24 +61,24 @@ std::string polynomial_block(const StrainResistanceFit& fit) {
   });
 }
 
-std::string analytic_block(const StrainResistanceFit& fit) {
+std::string analytic_block(const fits::StrainResistanceFit& fit) {
   const Wire<double> w = wire().wire;
-  const LiangRogers<double>::Params kinetics = liang_rogers(w);
+  const papers::LiangRogers<double>::Params kinetics = liang_rogers(w);
   const double ohm = w.material.martensite.resistivity_ohm_m * w.length_per_area_1_m();
   return over_stress_block("analytic", fit, [&](double stress_Pa) {
-    const auto lines = ResistanceLines<double>::at(kinetics, w.material, stress_Pa);
+    const auto lines = papers::ResistanceLines<double>::at(kinetics, w.material, stress_Pa);
     return coefficients(lines.heating.line, lines.cooling.line, ohm);
   });
 }
 
 /// Slopes beside offsets.
-std::vector<Plot> coefficient_panels(const std::string& data, bool analytic) {
+std::vector<report::Plot> coefficient_panels(const std::string& data, bool analytic) {
   struct Panel {
     const char* title;
     const char* y;
     int heating, cooling;
   };
-  std::vector<Plot> panels;
+  std::vector<report::Plot> panels;
   for (const Panel& panel :
        {Panel{"Slope", "slope in mm/Ω", 2, 4}, {"Offset", "offset in mm", 3, 5}}) {
     std::vector<std::string> curves;
@@ -101,13 +101,13 @@ std::vector<Plot> coefficient_panels(const std::string& data, bool analytic) {
 }
 
 struct Simulation {
-  Run run;
+  identify::Run run;
   std::vector<double> strain;
   double error_percent;
 };
 
-Simulation simulation(const StrainResistanceFit& fit, Run run) {
-  std::vector<double> strain = estimate_strain(fit.params, run);
+Simulation simulation(const fits::StrainResistanceFit& fit, identify::Run run) {
+  std::vector<double> strain = fits::estimate_strain(fit.params, run);
   const double error = mean_error_percent(strain, run);
   return {std::move(run), std::move(strain), error};
 }
@@ -137,7 +137,7 @@ std::vector<PaperFigure> simulation_figures(const Simulation& s, int over_time, 
            {wide("Displacement over resistance", ohm_label, mm_label, data, curves(2))}}};
 }
 
-PaperFigure figure_21(const StrainResistanceFit& fit) {
+PaperFigure figure_21(const fits::StrainResistanceFit& fit) {
   const std::vector<LoopRow> loop = position_loop(shown_family, fit.params, 10, 1);
   Rows rows;
   double error = 0;
@@ -166,7 +166,8 @@ PaperFigure figure_22() {
   for (const double stress_MPa : {15.0, 55.0, 95.0, 135.0, 175.0}) {
     for (const bool heats : {true, false}) {
       Rows rows;
-      for (const ResistancePoint<double>& point : liang_rogers_loop(w, 1e6 * stress_MPa, heats)) {
+      for (const papers::ResistancePoint<double>& point :
+           liang_rogers_loop(w, 1e6 * stress_MPa, heats)) {
         rows.push_back({point.resistance, displacement_mm(point.strain)});
       }
       const std::string name = fmt::format("{}{:.0f}", heats ? "h" : "c", stress_MPa);
@@ -188,7 +189,7 @@ PaperFigure figure_22() {
 
 }  // namespace
 
-std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit) {
+std::vector<PaperFigure> model_figures(const fits::StrainResistanceFit& fit) {
   std::vector<PaperFigure> all{
       {8, "Slope and offset of the lines over stress",
        "Cooling changes with the stress, heating hardly; polynomials of fourth order.",
@@ -199,17 +200,17 @@ std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit) {
        "The analytic lines have the same trends from the wire's own temperatures and "
        "resistivities.",
        coefficient_panels(fitted_block(fit) + polynomial_block(fit) + analytic_block(fit), true)}};
-  const auto add = [&](Run run, int over_time, int over_ohm, const char* what,
+  const auto add = [&](identify::Run run, int over_time, int over_ohm, const char* what,
                        const char* caption) {
     const Simulation s = simulation(fit, std::move(run));
     std::ranges::move(simulation_figures(s, over_time, over_ohm, what, caption),
                       std::back_inserter(all));
   };
-  add(validation_run(shown_family, ConstantLoad{stress_Pa(0.49)}), 12, 16, "0.49 N",
+  add(validation_run(shown_family, hal::ConstantLoad{stress_Pa(0.49)}), 12, 16, "0.49 N",
       "Good but for the coldest martensite.");
-  add(validation_run(shown_family, ConstantLoad{stress_Pa(0.98)}), 13, 17, "0.98 N",
+  add(validation_run(shown_family, hal::ConstantLoad{stress_Pa(0.98)}), 13, 17, "0.98 N",
       "Good but for the coldest martensite.");
-  const Run sprung = validation_run(shown_family, spring());
+  const identify::Run sprung = validation_run(shown_family, spring());
   add(sprung, 14, 18, "a spring", "The lines change while the wire moves.");
   add(with_constant_stress(sprung), 15, 19, "a spring, with a constant load assumed",
       "The model takes the spring's greatest load for granted and sees no hysteresis where it is "
@@ -217,4 +218,4 @@ std::vector<PaperFigure> model_figures(const StrainResistanceFit& fit) {
   return all;
 }
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

@@ -6,7 +6,7 @@
 
 #include "host-sim/papers/figures/002/rig_002.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 PidGains gains() {
   return {16, 16, 1.5, min_current_A, wire().wire.limits.current_A};
 }
@@ -27,9 +27,10 @@ double PidController::current_A(double goal, double strain, double dt_s) {
   return std::clamp(wanted_A, gains_.min_current_A, gains_.max_current_A);
 }
 
-std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>::Params& estimator,
+std::vector<LoopRow> position_loop(hal::Family family,
+                                   const papers::StrainResistance<double>::Params& estimator,
                                    int goals, std::uint64_t seed) {
-  using Estimator = StrainResistance<double>;
+  using Estimator = papers::StrainResistance<double>;
   constexpr int every = 20;
   constexpr double each_s = 22;
   const PidGains limits = gains();
@@ -61,4 +62,4 @@ std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>
   return rows;
 }
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

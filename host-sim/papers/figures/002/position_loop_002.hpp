@@ -6,7 +6,7 @@
 
 #include "host-sim/papers/figures/002/bench_002.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 
 /// Gains from strain to current, per unit of strain.
 struct PidGains {
@@ -41,7 +41,8 @@ struct LoopRow {
 /// Under the spring: some random goals between 1.2 and 3.2 %, each for 22 s, 2 s to get there and
 /// 20 s held, after one full cycle that finds the estimate's place. Rows at 50 Hz, from the first
 /// goal on; steps at 1 kHz.
-std::vector<LoopRow> position_loop(Family family, const StrainResistance<double>::Params& estimator,
+std::vector<LoopRow> position_loop(hal::Family family,
+                                   const papers::StrainResistance<double>::Params& estimator,
                                    int goals, std::uint64_t seed);
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 namespace {
 
 constexpr double on_share = 0.8;  // of the maker's current: the whole wire transforms in 2 s
@@ -46,24 +46,24 @@ class Recorder {
 
 }  // namespace
 
-Rig::Rig(Family family, const Load& load)
+Rig::Rig(hal::Family family, const hal::Load& load)
     : area_m2_(wire().wire.geometry.area_m2()),
       load_(load),
-      wire_(make_simulated_wire(family, wire().wire, {}, 0.5, random_)) {
+      wire_(hal::make_simulated_wire(family, wire().wire, {}, 0.5, random_)) {
   wire_->rest(ambient_K, load_.stress_Pa());
 }
 
 Measurement<double> Rig::step(double current_A) {
   load_.advance(time_s_, step_s, wire_->strain(), random_);
-  const Readings r = read_sensors(sensors(), current_A, wire_->resistance_ohm(),
-                                  load_.stress_Pa() * area_m2_, normal_, random_);
+  const hal::Readings r = hal::read_sensors(sensors(), current_A, wire_->resistance_ohm(),
+                                            load_.stress_Pa() * area_m2_, normal_, random_);
   wire_->advance(current_A, {load_.stress_Pa(), ambient_K, 1}, step_s);
   time_s_ += step_s;
   return {r.voltage_V / r.current_A, 0, 0, r.load_N / area_m2_, true, false, true};
 }
 
-std::vector<RigRow> major_loop(Family family, double load_N) {
-  Rig rig(family, ConstantLoad{stress_Pa(load_N)});
+std::vector<RigRow> major_loop(hal::Family family, double load_N) {
+  Rig rig(family, hal::ConstantLoad{stress_Pa(load_N)});
   Recorder recorder(rig);
   recorder.fully(true);
   recorder.fully(false);
@@ -73,8 +73,8 @@ std::vector<RigRow> major_loop(Family family, double load_N) {
   return recorder.loops.rows;
 }
 
-MinorLoops minor_loops(Family family, double load_N, bool incomplete_cooling) {
-  Rig rig(family, ConstantLoad{stress_Pa(load_N)});
+MinorLoops minor_loops(hal::Family family, double load_N, bool incomplete_cooling) {
+  Rig rig(family, hal::ConstantLoad{stress_Pa(load_N)});
   Recorder recorder(rig);
   recorder.fully(true);
   const double shortest = rig.strain();
@@ -93,8 +93,8 @@ MinorLoops minor_loops(Family family, double load_N, bool incomplete_cooling) {
     recorder.fully(!heats);
   }
   recorder.loops.run.name = incomplete_cooling ? "incomplete cooling" : "incomplete heating";
-  recorder.loops.run.kind = RunKind::joule;
+  recorder.loops.run.kind = identify::RunKind::joule;
   return recorder.loops;
 }
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

@@ -8,14 +8,14 @@
 #include "hal/sim/simulated_bench.hpp"
 #include "host-sim/papers/figures/002/bench_002.hpp"
 
-namespace smaservo::bench_002 {
+namespace smaservo::figures::bench_002 {
 
 class Rig {
  public:
   static constexpr double step_s = 1e-3;
   static constexpr double ambient_K = 298.15;
 
-  Rig(Family family, const Load& load);
+  Rig(hal::Family family, const hal::Load& load);
 
   /// One step of 1 ms; says what the sensors read before it.
   Measurement<double> step(double current_A);
@@ -28,10 +28,10 @@ class Rig {
 
  private:
   double area_m2_;
-  LoadModel load_;
+  hal::LoadModel load_;
   std::mt19937_64 random_{5};
   std::normal_distribution<double> normal_;
-  std::unique_ptr<SimulatedWire> wire_;
+  std::unique_ptr<hal::SimulatedWire> wire_;
   double time_s_ = 0;
 };
 
@@ -42,15 +42,15 @@ struct RigRow {
 
 /// Section 3.1: a square pulse of current, then cooling to the end. The second one, which begins on
 /// the major loop.
-std::vector<RigRow> major_loop(Family family, double load_N);
+std::vector<RigRow> major_loop(hal::Family family, double load_N);
 
 /// Section 3.3: on-off feedback to a series of positions between hot and cold. With incomplete
 /// cooling the wire is fully heated in between, with incomplete heating fully cooled. As a run,
 /// too, which has a row for each of the others.
 struct MinorLoops {
   std::vector<RigRow> rows;
-  Run run;
+  identify::Run run;
 };
-MinorLoops minor_loops(Family family, double load_N, bool incomplete_cooling);
+MinorLoops minor_loops(hal::Family family, double load_N, bool incomplete_cooling);
 
-}  // namespace smaservo::bench_002
+}  // namespace smaservo::figures::bench_002

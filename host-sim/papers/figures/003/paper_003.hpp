@@ -5,7 +5,7 @@
 #include "host-sim/papers/figures/003/temperature_loop.hpp"
 #include "host-sim/papers/fits/preisach_fit.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 
 /// The wire, the 76 um SmartFlex, in its loop. 003's transforms between 25 and 75 °C, this one
 /// between 25 and 120 °C.
@@ -17,7 +17,7 @@ AdaptiveController adaptive_003(const LoopSetup& setup);
 std::vector<LoopReference> references_003(bool dynamic);
 
 /// Identified from reversal curves at 100, 125, 150, 175 and 200 MPa in a bath (003 figure 4).
-PreisachFit fit_003(Family family, StressShift shift);
+fits::PreisachFit fit_003(hal::Family family, fits::StressShift shift);
 
 /// 003 figure 5: the loop's true temperature and stress, what such a wire's strain is, and what the
 /// model says.
@@ -26,6 +26,6 @@ struct Validation {
   std::vector<double> strain, model;
   double rms;  ///< by a stroke of 4 %
 };
-Validation validation_003(Family family, const PreisachWire& model, bool dynamic);
+Validation validation_003(hal::Family family, const fits::PreisachWire& model, bool dynamic);
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -7,14 +7,14 @@
 #include "model/files/wire_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 namespace {
 
 constexpr double scatter_K = 0.5;
 constexpr std::uint64_t wire_seed = 7;
 
-const WireDescription& wire_003() {
-  static const WireDescription wire = load_wire("smartflex-76um");
+const files::WireDescription& wire_003() {
+  static const files::WireDescription wire = files::load_wire("smartflex-76um");
   return wire;
 }
 
@@ -51,27 +51,27 @@ std::vector<LoopReference> references_003(bool dynamic) {
   return all;
 }
 
-PreisachFit fit_003(Family family, StressShift shift) {
-  std::vector<Run> runs;
+fits::PreisachFit fit_003(hal::Family family, fits::StressShift shift) {
+  std::vector<identify::Run> runs;
   for (double stress_Pa = 100e6; stress_Pa < 201e6; stress_Pa += 25e6) {
-    runs.push_back(bath_run({"reversal curves",
-                             wire_003(),
-                             wire_seed,
-                             scatter_K,
-                             family,
-                             {},
-                             reversal_curves(wire_003().wire, stress_Pa, 20)}));
+    runs.push_back(fits::bath_run({"reversal curves",
+                                   wire_003(),
+                                   wire_seed,
+                                   scatter_K,
+                                   family,
+                                   {},
+                                   fits::reversal_curves(wire_003().wire, stress_Pa, 20)}));
   }
-  return fit_preisach(runs, shift);
+  return fits::fit_preisach(runs, shift);
 }
 
-Validation validation_003(Family family, const PreisachWire& model, bool dynamic) {
-  using K = Preisach<double>;
+Validation validation_003(hal::Family family, const fits::PreisachWire& model, bool dynamic) {
+  using K = papers::Preisach<double>;
   const LoopSetup setup = loop_003();
   AdaptiveController controller = adaptive_003(setup);
   Validation v{run_loop(setup, controller, references_003(dynamic)), {}, {}, 0};
   std::mt19937_64 random(wire_seed + 1);
-  const auto wire = make_simulated_wire(family, wire_003().wire, {}, scatter_K, random);
+  const auto wire = hal::make_simulated_wire(family, wire_003().wire, {}, scatter_K, random);
   const double stress_Pa = v.rows.front().truth.stress_Pa;
   wire->rest(setup.ambient_K, stress_Pa);
   K::State s = K::rest(model.kinetics, {setup.ambient_K, stress_Pa});
@@ -86,4 +86,4 @@ Validation validation_003(Family family, const PreisachWire& model, bool dynamic
   return v;
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -6,7 +6,7 @@
 
 #include "model/wire/plant.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 
 FixedController::FixedController(const LoopDesign& design, double response_s)
     : design_(design),
@@ -136,4 +136,4 @@ double tracking_error_K(const std::vector<LoopRow>& rows, double skipped_s) {
   return std::sqrt(squares / static_cast<double>(count));
 }
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -11,7 +11,7 @@
 
 #include "model/wire/wire.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 
 /// What a controller of the wire's temperature is told and decides: heating only, up to a limit.
 class TemperatureController {
@@ -121,4 +121,4 @@ std::vector<LoopRow> run_loop(const LoopSetup& setup, TemperatureController& con
 /// Root mean square of true less reference temperature, after the first `skipped_s`.
 double tracking_error_K(const std::vector<LoopRow>& rows, double skipped_s);
 
-}  // namespace smaservo
+}  // namespace smaservo::figures

@@ -64,7 +64,7 @@ TEST(Nmt, StoppedKnowsHeartbeatAndNmtOnly) {
 
 TEST(Nmt, ExtendedFramesAreNobodys) {
   ServoRig rig;
-  CanFrame f = frame(0, {1, 1});
+  hal::CanFrame f = frame(0, {1, 1});
   f.extended = true;
   rig.servo.receive(f, rig.now_us);
   EXPECT_EQ(rig.servo.node().state(), Nmt::pre_operational);

@@ -201,7 +201,7 @@ TEST(Pdo, WithoutObjectsItIsNeitherSentNorTaken) {
     rig.run(10);
     rig.sent.clear();
     rig.sync();
-    CanFrame request = frame(0x381, {});
+    hal::CanFrame request = frame(0x381, {});
     request.remote = true;
     rig.servo.receive(request, rig.now_us);
     rig.send(0x401, {1, 2, 3, 4});
@@ -264,7 +264,7 @@ TEST(Pdo, RemoteRequestsAreAnsweredWhereTheyAreAllowed) {
   rig.set({0x1801, 2}, 254, 1);
   rig.nmt(1);
   rig.run(20);
-  CanFrame request = frame(tpdo2, {});
+  hal::CanFrame request = frame(tpdo2, {});
   request.remote = true;
   rig.sent.clear();
   rig.servo.receive(request, rig.now_us);

@@ -250,7 +250,7 @@ Bytes block_upload(ServoRig& rig, Key object, std::uint8_t block, std::mt19937& 
   std::bernoulli_distribution lost(loss);
   for (int round = 0; round < 10000; ++round) {
     std::uint8_t good = 0;
-    for (const CanFrame& f : rig.take(0x581)) {
+    for (const hal::CanFrame& f : rig.take(0x581)) {
       if ((f.data[0] & 0x7FU) == good + 1U && !lost(random)) {
         ++good;
         data.insert(data.end(), f.data.begin() + 1, f.data.end());
@@ -260,7 +260,7 @@ Bytes block_upload(ServoRig& rig, Key object, std::uint8_t block, std::mt19937& 
     rig.send(0x601, ack);
     const auto peek = rig.sent;
     if (!peek.empty() && (peek.front().data[0] & 0xE3U) == 0xC1 && size <= data.size()) {
-      const CanFrame end = rig.take(0x581).at(0);
+      const hal::CanFrame end = rig.take(0x581).at(0);
       data.resize(size);
       EXPECT_EQ(take_number(std::span(end.data).subspan(1, 2)), crc16(data));
       EXPECT_EQ(end.data[0] >> 2U & 7U, (7 - size % 7) % 7);

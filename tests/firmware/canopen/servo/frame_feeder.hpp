@@ -59,8 +59,8 @@ class FrameFeeder {
     bytes_ = bytes_.subspan(1);
     return byte;
   }
-  CanFrame with_data(std::uint32_t id, std::uint8_t length) {
-    CanFrame f;
+  hal::CanFrame with_data(std::uint32_t id, std::uint8_t length) {
+    hal::CanFrame f;
     f.id = id;
     f.length = length;
     for (std::uint8_t i = 0; i < length; ++i) {
@@ -69,7 +69,7 @@ class FrameFeeder {
     return f;
   }
   void frame_of(std::uint8_t first, Service service) {
-    CanFrame f;
+    hal::CanFrame f;
     switch (service) {
       case Service::sdo:
       case Service::all:
@@ -93,7 +93,7 @@ class FrameFeeder {
       }
     }
     rig_.servo.receive(f, rig_.now_us);
-    CanFrame out;
+    hal::CanFrame out;
     for (int i = 0; rig_.servo.take(out); ++i) {
       hangs_ = hangs_ || 200 < i;
     }

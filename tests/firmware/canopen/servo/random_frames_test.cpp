@@ -103,7 +103,7 @@ TEST(RandomFrames, AConversationWithFlippedBitsLossAndRepetition) {
     std::size_t at = 0;
     for (int k = 0; k < 300; ++k) {
       at = random() % 10 == 0 ? random() % said.size() : (at + 1) % said.size();
-      CanFrame f = frame(said[at].id, said[at].data);
+      hal::CanFrame f = frame(said[at].id, said[at].data);
       if (random() % 4 == 0) {
         f.data[random() % 8] ^= static_cast<std::uint8_t>(1U << random() % 8);
       }

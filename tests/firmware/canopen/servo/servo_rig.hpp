@@ -14,8 +14,8 @@ namespace smaservo::canopen {
 
 using Bytes = std::vector<std::uint8_t>;
 
-inline CanFrame frame(std::uint32_t id, const Bytes& data) {
-  CanFrame f;
+inline hal::CanFrame frame(std::uint32_t id, const Bytes& data) {
+  hal::CanFrame f;
   f.id = id;
   f.length = static_cast<std::uint8_t>(data.size());
   std::ranges::copy(data, f.data.begin());
@@ -28,7 +28,7 @@ inline Bytes little(std::uint64_t value, std::size_t size) {
   return bytes;
 }
 
-inline std::uint16_t emergency_code(const CanFrame& f) {
+inline std::uint16_t emergency_code(const hal::CanFrame& f) {
   return static_cast<std::uint16_t>(take_number(f.payload().first(2)));
 }
 
@@ -138,10 +138,10 @@ class ServoRig {
   void sync() { send(0x80, {}); }
 
   /// All frames with this identifier that have been sent and not been taken.
-  std::vector<CanFrame> take(std::uint32_t of) {
-    std::vector<CanFrame> found;
-    std::deque<CanFrame> rest;
-    for (const CanFrame& f : sent) {
+  std::vector<hal::CanFrame> take(std::uint32_t of) {
+    std::vector<hal::CanFrame> found;
+    std::deque<hal::CanFrame> rest;
+    for (const hal::CanFrame& f : sent) {
       f.id == of ? found.push_back(f) : rest.push_back(f);
     }
     sent = rest;
@@ -250,7 +250,7 @@ class ServoRig {
   std::uint64_t now_us = 1'000'000;
   Command<double> command;
   Output<double> output{};
-  std::deque<CanFrame> sent;
+  std::deque<hal::CanFrame> sent;
   Bytes image;                               ///< that is stored
   std::optional<Settings<double>> settings;  ///< likewise
   std::vector<Request> requests;
@@ -274,7 +274,7 @@ class ServoRig {
                                    : Abort::none;
   }
   void collect() {
-    CanFrame f;
+    hal::CanFrame f;
     for (int i = 0; i < 1000 && servo.take(f); ++i) {
       sent.push_back(f);
     }

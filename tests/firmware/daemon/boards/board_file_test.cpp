@@ -22,25 +22,25 @@ TEST(BoardFile, TheExamplesAreWhole) {
     if (!entry.is_regular_file()) {
       continue;
     }
-    const BoardFile file = load_board_file(entry.path());
+    const daemon::BoardFile file = daemon::load_board_file(entry.path());
     EXPECT_FALSE(file.name.empty());
-    const Settings<double> settings = load_settings_file(file.device);
-    EXPECT_EQ(board_problem(file, settings), "") << entry.path();
+    const Settings<double> settings = text::load_settings_file(file.device);
+    EXPECT_EQ(daemon::board_problem(file, settings), "") << entry.path();
     ++count;
   }
   EXPECT_GE(count, 2);
 }
 
 TEST(BoardFile, CodesMeanWhatTheConvertersDataSheetSays) {
-  const BoardFile file = load_board_file(boards() + "/reference.toml");
+  const daemon::BoardFile file = daemon::load_board_file(boards() + "/reference.toml");
   // A full-scale code of 2^23 is 1.2 V at the pins, by gain.
-  const Channel& current = file.calibration.current;
+  const hal::Channel& current = file.calibration.current;
   EXPECT_NEAR(current.scale * 0x1p23, 1.2 / 1.0, 1e-12);
   EXPECT_EQ(file.thread.priority, 80);
   EXPECT_EQ(file.lines.kick.name, "smaservo-kick");
-  EXPECT_NEAR(
-      (20'000 + file.slow[SlowSensors::ambient].offset) * file.slow[SlowSensors::ambient].scale,
-      293.15, 1e-9);
+  EXPECT_NEAR((20'000 + file.slow[hal::SlowSensors::ambient].offset) *
+                  file.slow[hal::SlowSensors::ambient].scale,
+              293.15, 1e-9);
 }
 
 /// What is said of the reference board with one line changed.
@@ -53,8 +53,8 @@ std::string refusal(const std::string& from, const std::string& to) {
   const std::string path = folder / "board.toml";
   std::ofstream(path) << text;
   try {
-    load_board_file(path);
-  } catch (const UserError& error) {
+    daemon::load_board_file(path);
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "";
@@ -86,24 +86,25 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
 }
 
 TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
-  const BoardFile file = load_board_file(boards() + "/reference.toml");
-  const Settings<double> good = load_settings_file(file.device);
-  ASSERT_EQ(board_problem(file, good), "");
+  const daemon::BoardFile file = daemon::load_board_file(boards() + "/reference.toml");
+  const Settings<double> good = text::load_settings_file(file.device);
+  ASSERT_EQ(daemon::board_problem(file, good), "");
   Settings<double> settings = good;
   settings.limits.current_A = 1;
-  EXPECT_EQ(board_problem(file, settings), "limits.current_A = 1: the board's ceiling is 0.5");
+  EXPECT_EQ(daemon::board_problem(file, settings),
+            "limits.current_A = 1: the board's ceiling is 0.5");
   settings = good;
   settings.drive.kind = DriveKind::voltage;
-  EXPECT_EQ(board_problem(file, settings),
+  EXPECT_EQ(daemon::board_problem(file, settings),
             "drive.kind = voltage: the board's drive takes a current");
 }
 
 /// The reference board with more lines at its end.
-BoardFile reference_with(const std::string& lines) {
+daemon::BoardFile reference_with(const std::string& lines) {
   const TemporaryFolder folder;
   const std::string path = folder / "board.toml";
   std::ofstream(path) << file_text(boards() + "/reference.toml") << lines;
-  return load_board_file(path);
+  return daemon::load_board_file(path);
 }
 
 TEST(BoardFile, CeilingsAreThoseOfTheFile) {
@@ -115,7 +116,7 @@ TEST(BoardFile, CeilingsAreThoseOfTheFile) {
         hardware.trip_temperature_K, hardware.trip_stress_Pa}) {
     EXPECT_EQ(other, none);
   }
-  const BoardFile file = reference_with(
+  const daemon::BoardFile file = reference_with(
       "[ceilings]\ncurrent_mA = 300\npower_W = 1.5\ntemperature_degC = 100\nstress_MPa = 200\n"
       "trip_current_mA = 350\ntrip_temperature_degC = 115\ntrip_stress_MPa = 250\n");
   EXPECT_EQ(file.ceilings.current_A, 0.3F);
@@ -133,16 +134,18 @@ TEST(BoardFile, EachCeilingHoldsForSettingsFromAnywhere) {
   const char* const names[] = {"current_mA",     "power_W",         "temperature_degC",
                                "stress_MPa",     "trip_current_mA", "trip_temperature_degC",
                                "trip_stress_MPa"};
-  const Settings<double> settings = load_settings_file(boards() + "/devices/current-sink.toml");
+  const Settings<double> settings =
+      text::load_settings_file(boards() + "/devices/current-sink.toml");
   for (const char* const name : names) {
-    const BoardFile file = reference_with(std::string("[ceilings]\n") + name + " = 1\n");
-    EXPECT_NE(board_problem(file, settings).find("the board's ceiling is"), std::string::npos)
+    const daemon::BoardFile file = reference_with(std::string("[ceilings]\n") + name + " = 1\n");
+    EXPECT_NE(daemon::board_problem(file, settings).find("the board's ceiling is"),
+              std::string::npos)
         << name;
   }
 }
 
 TEST(BoardFile, KeysOfTheAccessLevels) {
-  const BoardFile file =
+  const daemon::BoardFile file =
       reference_with("[bus]\ninterface = \"udp\"\ntune_key = 4294967295\nset_up_key = 77\n");
   ASSERT_TRUE(file.bus);
   EXPECT_EQ(file.bus->keys.tune, 4294967295U);
@@ -150,14 +153,14 @@ TEST(BoardFile, KeysOfTheAccessLevels) {
 }
 
 TEST(BoardFile, ThePeriodIs100HzTo2kHz) {
-  Settings<double> settings = load_settings_file(boards() + "/devices/current-sink.toml");
+  Settings<double> settings = text::load_settings_file(boards() + "/devices/current-sink.toml");
   for (const double period_s : {0.0005, 0.001, 0.01}) {
     settings.timing.period_s = period_s;
-    EXPECT_EQ(period_problem(stored_settings<double>(settings)), "") << period_s;
+    EXPECT_EQ(daemon::period_problem(stored_settings<double>(settings)), "") << period_s;
   }
   for (const double period_s : {0.000499, 0.0101}) {
     settings.timing.period_s = period_s;
-    EXPECT_NE(period_problem(stored_settings<double>(settings)), "") << period_s;
+    EXPECT_NE(daemon::period_problem(stored_settings<double>(settings)), "") << period_s;
   }
 }
 

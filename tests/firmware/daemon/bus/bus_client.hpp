@@ -29,11 +29,11 @@ class BusClient {
   void nmt(std::uint8_t command) { send(0, 2, {command, 1}); }
 
   /// The next frame with this identifier, within so long.
-  std::optional<CanFrame> wait(std::uint32_t id, int milliseconds = 5000) {
+  std::optional<hal::CanFrame> wait(std::uint32_t id, int milliseconds = 5000) {
     using Clock = std::chrono::steady_clock;
     const auto until = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
-      CanFrame frame;
+      hal::CanFrame frame;
       while (port_.receive(frame)) {
         if (frame.id == id) {
           return frame;
@@ -72,7 +72,7 @@ class BusClient {
     return static_cast<std::uint32_t>(canopen::take_number(std::span(answer).subspan(4)));
   }
 
-  LinuxCan port_ = open_can(name());
+  hal::LinuxCan port_ = hal::open_can(name());
 };
 
 }  // namespace smaservo::test

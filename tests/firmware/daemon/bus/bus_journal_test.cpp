@@ -21,7 +21,7 @@ constexpr Key gain{0x2100, 1};
 std::vector<std::string> said(const std::vector<LoggedChange>& changes, std::size_t count) {
   std::vector<std::string> texts;
   {
-    BusJournal journal([&](const std::string& text) { texts.push_back(text); });
+    daemon::BusJournal journal([&](const std::string& text) { texts.push_back(text); });
     for (const LoggedChange& change : changes) {
       journal.add(change);
     }
@@ -58,7 +58,7 @@ TEST(BusJournal, SaysOldNewAndSource) {
 TEST(BusJournal, CountsWhatItDoesNotSay) {
   const LoggedChange change{0, gain, Source::sdo, 0, 1, Abort::none};
   std::vector<std::string> texts = said(std::vector<LoggedChange>(100, change), 100);
-  ASSERT_EQ(texts.size(), BusJournal::max_at_once + 1);
+  ASSERT_EQ(texts.size(), daemon::BusJournal::max_at_once + 1);
   EXPECT_EQ(texts.back(), "80 more changes and refusals at the same time");
   texts = said({change}, 8);
   ASSERT_EQ(texts.size(), 2U);

@@ -11,11 +11,11 @@ namespace {
 
 class FakePort {
  public:
-  std::deque<CanFrame> in, out;
+  std::deque<hal::CanFrame> in, out;
   bool full = false;
-  CanState now = CanState::active;
-  CanState state() const { return now; }
-  bool receive(CanFrame& frame) {
+  hal::CanState now = hal::CanState::active;
+  hal::CanState state() const { return now; }
+  bool receive(hal::CanFrame& frame) {
     if (in.empty()) {
       return false;
     }
@@ -23,7 +23,7 @@ class FakePort {
     in.pop_front();
     return true;
   }
-  bool send(const CanFrame& frame) {
+  bool send(const hal::CanFrame& frame) {
     if (!full) {
       out.push_back(frame);
     }
@@ -33,7 +33,7 @@ class FakePort {
 
 /// Answers each frame with one of the next identifier; its set-point is the last identifier.
 struct FakeNode {
-  std::deque<CanFrame> answers;
+  std::deque<hal::CanFrame> answers;
   double setpoint = 0;
   std::uint32_t setpoints_ = 0;
   std::uint64_t now_us = 0;
@@ -42,15 +42,15 @@ struct FakeNode {
   bool held = false;
   double published_A = 0;
 
-  void receive(const CanFrame& frame, std::uint64_t /*now_us*/) {
+  void receive(const hal::CanFrame& frame, std::uint64_t /*now_us*/) {
     setpoint = frame.id;
     ++setpoints_;
-    CanFrame answer = frame;
+    hal::CanFrame answer = frame;
     ++answer.id;
     answers.push_back(answer);
   }
   void advance(std::uint64_t time_us) { now_us = time_us; }
-  bool take(CanFrame& frame) {
+  bool take(hal::CanFrame& frame) {
     if (answers.empty()) {
       return false;
     }
@@ -74,8 +74,8 @@ struct FakeNode {
 struct Rig {
   FakePort port;
   FakeNode node;
-  BusCommandSource source{0.1};
-  BusPump<FakePort, FakeNode> pump{port, node, source};
+  daemon::BusCommandSource source{0.1};
+  daemon::BusPump<FakePort, FakeNode> pump{port, node, source};
   int changed = 0;
   bool room = true;
   void round(std::uint64_t now_us, FaultSet faults = {}) {
@@ -89,7 +89,7 @@ struct Rig {
 TEST(BusPump, CarriesBothWays) {
   Rig rig;
   rig.port.in = {{.id = 5}, {.id = 7}};
-  Cycle cycle{};
+  text::Cycle cycle{};
   cycle.output.current_A = 0.25;
   rig.source.tell(cycle, 1e-3);
   rig.source.tell(cycle, 1e-3);
@@ -194,7 +194,7 @@ TEST(BusPump, ADeadBusDropsOldFramesAndOneThatIsDownAll) {
     rig.round(t);
   }
   EXPECT_EQ(rig.pump.dropped(), 1U);
-  rig.port.now = CanState::down;
+  rig.port.now = hal::CanState::down;
   rig.round(21'000);
   EXPECT_EQ(rig.pump.dropped(), 3U);
   EXPECT_TRUE(rig.node.answers.empty());

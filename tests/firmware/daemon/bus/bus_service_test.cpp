@@ -25,7 +25,8 @@ struct Rig {
     service.start();
     EXPECT_TRUE(client.wait(0x701)) << "boot-up";
   }
-  static BusSetup setup(const canopen::Ceilings& ceilings, const canopen::AccessKeys& keys) {
+  static daemon::BusSetup setup(const canopen::Ceilings& ceilings,
+                                const canopen::AccessKeys& keys) {
     return {.interface = BusClient::name(),
             .command_source_timeout_s = 0,
             .folder = {},
@@ -36,7 +37,7 @@ struct Rig {
   /// As the loop takes them, without stepping.
   int take_sets() {
     int taken = 0;
-    ParameterSet* set = nullptr;
+    daemon::ParameterSet* set = nullptr;
     while (links.new_sets.pop(set)) {
       links.old_sets.push(set);
       ++taken;
@@ -45,10 +46,10 @@ struct Rig {
   }
 
   BusClient client;
-  LoopLinks links;
-  LoopFigures figures;
-  ParameterDesk desk;
-  BusService service;
+  daemon::LoopLinks links;
+  daemon::LoopFigures figures;
+  daemon::ParameterDesk desk;
+  daemon::BusService service;
 };
 
 TEST(BusService, TellsTheNodeOfLoopAndBoard) {
@@ -65,7 +66,8 @@ TEST(BusService, TellsTheNodeOfLoopAndBoard) {
   EXPECT_NEAR(as_real(rig.client.get({0x2210, 4})), 40e-6F, 1e-9F);
   EXPECT_NEAR(as_real(rig.client.get({0x2210, 5})), 70e-6F, 1e-9F);
   EXPECT_EQ(rig.client.get({0x2211, 1}), 0U);
-  EXPECT_EQ(rig.client.get({0x1021, 0}), eds_text().size()) << "announced by the first segment";
+  EXPECT_EQ(rig.client.get({0x1021, 0}), text::eds_text().size())
+      << "announced by the first segment";
 }
 
 // More changes than the loop takes are refused; what was promised comes when there is room.

@@ -21,11 +21,11 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 
 Settings<double> test_settings() {
-  return standard_settings();
+  return bench::standard_settings();
 }
 
 TEST(Ring, GivesEverythingInItsOrder) {
-  Ring<std::uint64_t> ring(5);
+  daemon::Ring<std::uint64_t> ring(5);
   EXPECT_EQ(ring.room(), 8U);
   constexpr std::uint64_t count = 20'000;
   const std::jthread writer([&] {
@@ -48,7 +48,7 @@ TEST(Ring, GivesEverythingInItsOrder) {
 }
 
 TEST(Ring, RefusesWhatItHasNoRoomFor) {
-  Ring<int> ring(4);
+  daemon::Ring<int> ring(4);
   for (int i = 0; i < 4; ++i) {
     EXPECT_TRUE(ring.push(i));
   }
@@ -62,7 +62,7 @@ TEST(Latest, NeverTearsAndNeverGoesBack) {
   struct Value {
     std::uint64_t a, b[30];
   };
-  Latest<Value> latest;
+  daemon::Latest<Value> latest;
   Value seen{};
   EXPECT_FALSE(latest.take(seen));
   constexpr std::uint64_t count = 200'000;
@@ -90,7 +90,7 @@ TEST(Latest, NeverTearsAndNeverGoesBack) {
 }
 
 TEST(Histogram, QuantilesAreThoseOfTheSortedTimes) {
-  Histogram histogram;
+  daemon::Histogram histogram;
   std::mt19937_64 random(7);
   std::lognormal_distribution<double> times(10, 2);
   std::vector<std::int64_t> all;
@@ -127,7 +127,7 @@ struct FakeClock {
 
 TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
   FakeClock::Time time;
-  Pace<FakeClock> pace(ms, FakeClock{&time});
+  daemon::Pace<FakeClock> pace(ms, FakeClock{&time});
   pace.wait();
   const std::int64_t first_ns = time.now_ns;
   std::mt19937_64 random(3);
@@ -139,7 +139,7 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
     const std::int64_t work_ns = static_cast<std::int64_t>(random() % (i % 7 == 0 ? 4 * ms : ms));
     time.now_ns += work_ns;
     time.late_ns = static_cast<std::int64_t>(random() % (ms / 10));
-    const Woke woke = pace.wait();
+    const daemon::Woke woke = pace.wait();
     ++cycles;
     missed += woke.missed;
     EXPECT_EQ(woke.late_ns, time.late_ns);
@@ -155,17 +155,18 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
 
 /// All that a loop needs.
 struct Bench {
-  explicit Bench(const ClosedLoopScenario& scenario)
+  explicit Bench(const bench::ClosedLoopScenario& scenario)
       : simulation(scenario),
         board(simulation),
         desk(scenario.settings, links),
         device(desk.first()),
         demonstration(scenario.settings) {}
 
-  Loop<FaultyBoard<Simulation>, NoPace> loop(CommandSource& source) {
+  daemon::Loop<hal::FaultyBoard<daemon::Simulation>, daemon::NoPace> loop(
+      daemon::CommandSource& source) {
     const auto period_ns =
         static_cast<std::int64_t>(std::llround(desk.settings().timing.period_s * 1e9));
-    return {board, NoPace{}, device, source, links, figures, {period_ns, true}};
+    return {board, daemon::NoPace{}, device, source, links, figures, {period_ns, true}};
   }
   Output<double> output() {
     Output<double> now{};
@@ -173,19 +174,19 @@ struct Bench {
     return now;
   }
 
-  LoopLinks links;
-  LoopFigures figures;
-  Simulation simulation;
-  FaultyBoard<Simulation> board;
-  ParameterDesk desk;
-  PreparedDevice device;
-  Demonstration demonstration;
+  daemon::LoopLinks links;
+  daemon::LoopFigures figures;
+  daemon::Simulation simulation;
+  hal::FaultyBoard<daemon::Simulation> board;
+  daemon::ParameterDesk desk;
+  daemon::PreparedDevice device;
+  daemon::Demonstration demonstration;
 };
 
 TEST(Loop, IsTheVeryLoopOfHostSim) {
-  const ClosedLoopScenario scenario =
-      load_closed_loop(SMASERVO_SOURCE_DIR "/host-sim/scenarios/sensor-faults.toml");
-  ClosedLoop expected(scenario);
+  const bench::ClosedLoopScenario scenario =
+      bench::load_closed_loop(SMASERVO_SOURCE_DIR "/host-sim/scenarios/sensor-faults.toml");
+  bench::ClosedLoop expected(scenario);
   Bench bench(scenario);
   auto loop = bench.loop(bench.simulation);
   std::uint64_t cycles = 0;
@@ -207,8 +208,8 @@ TEST(Loop, IsTheVeryLoopOfHostSim) {
 }
 
 /// The current through the wire some cycles after a fault was injected into a wire that is heated.
-double current_after(void (*inject)(BoardFaults&), FaultSet& latched, bool& stops_counted) {
-  Bench bench(standard_closed_loop(test_settings()));
+double current_after(void (*inject)(hal::BoardFaults&), FaultSet& latched, bool& stops_counted) {
+  Bench bench(bench::standard_closed_loop(test_settings()));
   auto loop = bench.loop(bench.demonstration);
   for (int i = 0; i < 1200; ++i) {
     loop.cycle();
@@ -221,7 +222,8 @@ double current_after(void (*inject)(BoardFaults&), FaultSet& latched, bool& stop
   }
   latched = bench.output().latched;
   stops_counted = std::ranges::any_of(
-      bench.figures.stops, [](const LoopFigures::Stop& stop) { return stop.count.load() > 0; });
+      bench.figures.stops,
+      [](const daemon::LoopFigures::Stop& stop) { return stop.count.load() > 0; });
   return bench.simulation.truth().current_A;
 }
 
@@ -229,15 +231,15 @@ TEST(Loop, WhateverFailsTheHeatGoesOff) {
   struct Case {
     const char* name;
     Fault fault;
-    void (*inject)(BoardFaults&);
+    void (*inject)(hal::BoardFaults&);
   };
   const Case cases[] = {
-      {"no frames", Fault::sample_stale, [](BoardFaults& f) { f.lose_every = 1; }},
-      {"no current", Fault::sensor_invalid, [](BoardFaults& f) { f.current_missing = true; }},
-      {"no voltage", Fault::sensor_invalid, [](BoardFaults& f) { f.voltage_missing = true; }},
-      {"stuck", Fault::sample_frozen, [](BoardFaults& f) { f.stuck = true; }},
-      {"stop", Fault::emergency_stop, [](BoardFaults& f) { f.emergency_stop = true; }},
-      {"driver", Fault::driver_fault, [](BoardFaults& f) { f.driver_fault = true; }},
+      {"no frames", Fault::sample_stale, [](hal::BoardFaults& f) { f.lose_every = 1; }},
+      {"no current", Fault::sensor_invalid, [](hal::BoardFaults& f) { f.current_missing = true; }},
+      {"no voltage", Fault::sensor_invalid, [](hal::BoardFaults& f) { f.voltage_missing = true; }},
+      {"stuck", Fault::sample_frozen, [](hal::BoardFaults& f) { f.stuck = true; }},
+      {"stop", Fault::emergency_stop, [](hal::BoardFaults& f) { f.emergency_stop = true; }},
+      {"driver", Fault::driver_fault, [](hal::BoardFaults& f) { f.driver_fault = true; }},
   };
   for (const Case& c : cases) {
     FaultSet latched;
@@ -252,16 +254,16 @@ TEST(Loop, ADeadDriveLosesItsLease) {
   // The board itself ends the heat: no command arrives any more.
   FaultSet latched;
   bool counted = false;
-  EXPECT_EQ(current_after([](BoardFaults& f) { f.drive_dead = true; }, latched, counted), 0);
+  EXPECT_EQ(current_after([](hal::BoardFaults& f) { f.drive_dead = true; }, latched, counted), 0);
 }
 
 TEST(Loop, ParametersComeIntoForceAsAWholeAndAtOnce) {
-  Bench bench(standard_closed_loop(test_settings()));
-  Ring<CycleRecord> ring(64);
+  Bench bench(bench::standard_closed_loop(test_settings()));
+  daemon::Ring<daemon::CycleRecord> ring(64);
   bench.links.record = &ring;
   auto loop = bench.loop(bench.demonstration);
   Settings<double> settings = bench.desk.settings();
-  CycleRecord record{};
+  daemon::CycleRecord record{};
   for (int i = 0; i < 40; ++i) {
     if (i % 10 == 5) {
       settings.limits.current_A *= 0.9;
@@ -282,7 +284,7 @@ TEST(Loop, ParametersComeIntoForceAsAWholeAndAtOnce) {
 }
 
 TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
-  Bench bench(standard_closed_loop(test_settings()));
+  Bench bench(bench::standard_closed_loop(test_settings()));
   Settings<double> settings = bench.desk.settings();
   int taken = 0;
   for (int i = 0; i < 20; ++i) {
@@ -294,7 +296,7 @@ TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
 }
 
 /// A master that sends so many set-points before each cycle.
-class BusyPartner : public CommandSource {
+class BusyPartner : public daemon::CommandSource {
  public:
   std::deque<std::uint32_t> setpoints;
   Heard<double> listen(double /*time_s*/) override {
@@ -305,7 +307,7 @@ class BusyPartner : public CommandSource {
 };
 
 TEST(Loop, CountsSetpointsThatNewerOnesSupersede) {
-  Bench bench(standard_closed_loop(test_settings()));
+  Bench bench(bench::standard_closed_loop(test_settings()));
   BusyPartner source;
   source.setpoints = {1, 0, 2, 1, 3};
   auto loop = bench.loop(source);
@@ -320,16 +322,16 @@ TEST(Loop, CountsSetpointsThatNewerOnesSupersede) {
 class TimesBoard {
  public:
   std::deque<std::int64_t> times_ns;
-  ReadStatus read(Frame& frame) {
+  hal::ReadStatus read(hal::Frame& frame) {
     if (times_ns.empty()) {
-      return ReadStatus::end;
+      return hal::ReadStatus::end;
     }
     frame = {};
     frame.time_ns = times_ns.front();
     times_ns.pop_front();
-    return ReadStatus::frame;
+    return hal::ReadStatus::frame;
   }
-  void drive(const DriveCommand& /*command*/) {}
+  void drive(const hal::DriveCommand& /*command*/) {}
   void safe_off() { ++offs; }
   void kick() { ++kicks; }
   static std::int64_t now_ns() { return 0; }
@@ -337,20 +339,20 @@ class TimesBoard {
 };
 
 TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
-  LoopLinks links;
-  LoopFigures figures;
-  const ParameterDesk desk(test_settings(), links);
-  PreparedDevice device(desk.first());
-  NoCommandSource nobody;
+  daemon::LoopLinks links;
+  daemon::LoopFigures figures;
+  const daemon::ParameterDesk desk(test_settings(), links);
+  daemon::PreparedDevice device(desk.first());
+  daemon::NoCommandSource nobody;
   TimesBoard board;
   board.times_ns = {5 * ms, 6 * ms, 7 * ms, 507 * ms, 508 * ms, 508 * ms};
-  Ring<CycleRecord> ring(16);
+  daemon::Ring<daemon::CycleRecord> ring(16);
   links.record = &ring;
-  Loop loop(board, NoPace{}, device, nobody, links, figures, {ms, true});
+  daemon::Loop loop(board, daemon::NoPace{}, device, nobody, links, figures, {ms, true});
   const double expected_s[] = {0, 0.001, 0.002, 0.022, 0.023, 0.0231};
   for (const double time_s : expected_s) {
     ASSERT_TRUE(loop.cycle());
-    CycleRecord record{};
+    daemon::CycleRecord record{};
     ASSERT_TRUE(ring.pop(record));
     EXPECT_DOUBLE_EQ(record.cycle.time_s, time_s);
   }

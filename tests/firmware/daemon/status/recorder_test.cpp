@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 
 Settings<double> test_settings() {
-  return standard_settings();
+  return bench::standard_settings();
 }
 
 /// A run of a device that is recorded.
@@ -37,41 +37,42 @@ class Recorded {
         ring(room),
         recorder(path, settings, ring, desk),
         device_(desk.first()),
-        loop_(*board, NoPace{}, device_, command_source(), links, figures_, {ms, from_zero}) {
+        loop_(*board, daemon::NoPace{}, device_, command_source(), links, figures_,
+              {ms, from_zero}) {
     links.record = &ring;
   }
   bool cycle() { return loop_.cycle(); }
 
-  LoopLinks links;
-  ParameterDesk desk;
+  daemon::LoopLinks links;
+  daemon::ParameterDesk desk;
   std::unique_ptr<B> board;
-  Demonstration demonstration;
-  Ring<CycleRecord> ring;
-  Recorder recorder;
+  daemon::Demonstration demonstration;
+  daemon::Ring<daemon::CycleRecord> ring;
+  daemon::Recorder recorder;
 
  private:
-  CommandSource& command_source() {
-    if constexpr (std::is_same_v<B, Replaying>) {
+  daemon::CommandSource& command_source() {
+    if constexpr (std::is_same_v<B, daemon::Replaying>) {
       return *board;
     } else {
       return demonstration;
     }
   }
 
-  LoopFigures figures_;
-  PreparedDevice device_;
-  Loop<B, NoPace> loop_;
+  daemon::LoopFigures figures_;
+  daemon::PreparedDevice device_;
+  daemon::Loop<B, daemon::NoPace> loop_;
 };
 
 auto simulated() {
-  return [](ParameterDesk& desk) {
-    return std::make_unique<Simulation>(standard_closed_loop(desk.settings()));
+  return [](daemon::ParameterDesk& desk) {
+    return std::make_unique<daemon::Simulation>(bench::standard_closed_loop(desk.settings()));
   };
 }
 
 /// 4 s with changes of parameters in between.
 void record(const std::string& path) {
-  Recorded<Simulation> run(path, test_settings(), simulated(), true);
+  Recorded<daemon::Simulation> run(path, test_settings(), simulated(), true);
   for (int i = 0; i < 4000; ++i) {
     if (i == 600 || i == 2200) {
       Settings<double> settings = run.desk.settings();
@@ -90,29 +91,29 @@ void record(const std::string& path) {
   EXPECT_EQ(run.recorder.problem(), "");
 }
 
-DeviceReplayResult replayed(const std::string& path) {
-  DeviceReplayOptions options;
+bench::DeviceReplayResult replayed(const std::string& path) {
+  bench::DeviceReplayOptions options;
   options.trace = path;
-  options.settings = load_settings_file(path + ".toml");
-  return replay_device(options);
+  options.settings = text::load_settings_file(path + ".toml");
+  return bench::replay_device(options);
 }
 
 TEST(Recorder, ReplaysToTheSameBitsWithItsParameterChanges) {
   const TemporaryFolder folder;
   const std::string path = folder / "run.csv";
   record(path);
-  const DeviceReplayResult result = replayed(path);
+  const bench::DeviceReplayResult result = replayed(path);
   EXPECT_EQ(result.rows, 4000U);
   EXPECT_EQ(result.differing_rows, 0U);
-  EXPECT_TRUE(agrees(result));
+  EXPECT_TRUE(bench::agrees(result));
 
   // The daemon itself on its own recording writes the same file.
   const std::string again = folder / "again.csv";
   {
-    Recorded<Replaying> run(
-        again, load_settings_file(path + ".toml"),
-        [&](ParameterDesk& desk) {
-          return std::make_unique<Replaying>(path, desk.settings(), desk);
+    Recorded<daemon::Replaying> run(
+        again, text::load_settings_file(path + ".toml"),
+        [&](daemon::ParameterDesk& desk) {
+          return std::make_unique<daemon::Replaying>(path, desk.settings(), desk);
         },
         false);
     while (run.cycle()) {
@@ -136,10 +137,12 @@ TEST(Recorder, NeverOverwrites) {
   const TemporaryFolder folder;
   const std::string path = folder / "run.csv";
   std::ofstream(path) << "precious\n";
-  EXPECT_THROW(Recorded<Simulation>(path, test_settings(), simulated(), true), UserError);
+  EXPECT_THROW(Recorded<daemon::Simulation>(path, test_settings(), simulated(), true),
+               files::UserError);
   EXPECT_EQ(file_text(path), "precious\n");
-  EXPECT_THROW(Recorded<Simulation>(folder / "no/run.csv", test_settings(), simulated(), true),
-               UserError);
+  EXPECT_THROW(
+      Recorded<daemon::Simulation>(folder / "no/run.csv", test_settings(), simulated(), true),
+      files::UserError);
 }
 
 /// Files of this process can not grow beyond this as long as it lives.
@@ -164,7 +167,7 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
   const std::string path = folder / "run.csv";
   std::uint64_t rows = 0;
   {
-    Recorded<Simulation> run(path, test_settings(), simulated(), true);
+    Recorded<daemon::Simulation> run(path, test_settings(), simulated(), true);
     const FullDisk full(200'000);
     for (int i = 0; i < 3000; ++i) {
       ASSERT_TRUE(run.cycle());
@@ -179,7 +182,7 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
   EXPECT_GT(rows, 100U);
   EXPECT_LT(rows, 3000U);
   EXPECT_TRUE(file_text(path).ends_with('\n'));
-  const DeviceReplayResult result = replayed(path);
+  const bench::DeviceReplayResult result = replayed(path);
   EXPECT_EQ(result.rows, rows);
   EXPECT_EQ(result.differing_rows, 0U);
 }
@@ -187,11 +190,11 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
 TEST(Recorder, ASlowDiskEndsTheRecordingAtTheGap) {
   const TemporaryFolder folder;
   const std::string path = folder / "run.csv";
-  Ring<CycleRecord> ring(64);
-  LoopLinks links;
-  ParameterDesk desk(test_settings(), links);
-  Recorder recorder(path, test_settings(), ring, desk);
-  CycleRecord cycle{};
+  daemon::Ring<daemon::CycleRecord> ring(64);
+  daemon::LoopLinks links;
+  daemon::ParameterDesk desk(test_settings(), links);
+  daemon::Recorder recorder(path, test_settings(), ring, desk);
+  daemon::CycleRecord cycle{};
   const auto cycles = [&](std::uint64_t from, std::uint64_t to) {
     for (cycle.number = from; cycle.number <= to; ++cycle.number) {
       cycle.cycle.time_s = 1e-3 * static_cast<double>(cycle.number);
@@ -212,7 +215,7 @@ TEST(Recorder, APowerCutCostsTheRowsThatAreNotWritten) {
   // What is in the file at any time is a trace, even if nobody finishes it.
   const TemporaryFolder folder;
   const std::string path = folder / "run.csv";
-  Recorded<Simulation> run(path, test_settings(), simulated(), true);
+  Recorded<daemon::Simulation> run(path, test_settings(), simulated(), true);
   for (int i = 0; i < 700; ++i) {
     ASSERT_TRUE(run.cycle());
   }
@@ -220,7 +223,7 @@ TEST(Recorder, APowerCutCostsTheRowsThatAreNotWritten) {
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(run.cycle());
   }
-  const DeviceReplayResult result = replayed(path);
+  const bench::DeviceReplayResult result = replayed(path);
   EXPECT_EQ(result.rows, 700U);
   EXPECT_EQ(result.differing_rows, 0U);
 }

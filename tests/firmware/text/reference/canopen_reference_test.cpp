@@ -21,16 +21,16 @@ using testing::Not;
 /// dbc and objects (OBJECTS.md).
 TEST(CanopenReference, TheFilesAreUpToDate) {
   const std::string folder = SMASERVO_SOURCE_DIR "/firmware/reference/";
-  EXPECT_EQ(file_text(folder + "smaservo.eds"), eds_text());
-  EXPECT_EQ(file_text(folder + "smaservo.dbc"), dbc_text());
-  EXPECT_EQ(file_text(folder + "OBJECTS.md"), object_reference());
+  EXPECT_EQ(file_text(folder + "smaservo.eds"), text::eds_text());
+  EXPECT_EQ(file_text(folder + "smaservo.dbc"), text::dbc_text());
+  EXPECT_EQ(file_text(folder + "OBJECTS.md"), text::object_reference());
 }
 
 TEST(CanopenReference, EveryObjectIsInOneOfTheTwoPages) {
-  const std::string objects = object_reference();
-  const std::string parameters = parameter_reference();
-  for (const ListedIndex& listed : list_objects()) {
-    for (const ListedObject& object : listed.objects) {
+  const std::string objects = text::object_reference();
+  const std::string parameters = text::parameter_reference();
+  for (const text::ListedIndex& listed : text::list_objects()) {
+    for (const text::ListedObject& object : listed.objects) {
       const Key key = object.object.key;
       const std::string row = fmt::format("\n| {:04X}h:{} | ", key.index, key.sub);
       EXPECT_NE(objects.find(row) == std::string::npos, parameters.find(row) == std::string::npos)
@@ -40,7 +40,7 @@ TEST(CanopenReference, EveryObjectIsInOneOfTheTwoPages) {
 }
 
 TEST(CanopenReference, TheDataSheetAvoidsWhatReadersStumbleOver) {
-  const std::string text = eds_text();
+  const std::string text = text::eds_text();
   EXPECT_THAT(text, Not(HasSubstr("=\n"))) << "an empty key";
   EXPECT_THAT(text, Not(HasSubstr("rwr")));
   for (const char* section : {"[FileInfo]", "[DeviceInfo]", "[DummyUsage]", "[MandatoryObjects]",
@@ -54,7 +54,7 @@ TEST(CanopenReference, TheDataSheetAvoidsWhatReadersStumbleOver) {
 TEST(CanopenReference, TheNodeIsAsTheDataSheetSays) {
   canopen::ServoRig rig;
   rig.staging = Staging<double>(default_settings<double>());
-  const Eds eds = parse_eds(eds_text(), "smaservo.eds", canopen::ServoRig::id);
+  const Eds eds = parse_eds(text::eds_text(), "smaservo.eds", canopen::ServoRig::id);
   EXPECT_LT(400U, eds.objects.size());
   for (const EdsObject& object : eds.objects) {
     canopen::Entry entry{};
@@ -78,7 +78,7 @@ TEST(CanopenReference, TheNodeIsAsTheDataSheetSays) {
 
 TEST(CanopenReference, NothingIsServedThatTheDataSheetDoesNotTell) {
   canopen::ServoRig rig;
-  const Eds eds = parse_eds(eds_text(), "smaservo.eds", canopen::ServoRig::id);
+  const Eds eds = parse_eds(text::eds_text(), "smaservo.eds", canopen::ServoRig::id);
   auto known = eds.objects.begin();
   for (unsigned index = 0x1000; index <= 0x6FFF; ++index) {
     for (unsigned sub = 0; sub < 32; ++sub) {

@@ -37,15 +37,16 @@ constexpr const char* extended =
     "5f73746174655f696e64696361746f72c2";
 
 TEST(CanDatagram, ReadsWhatPythonCanSends) {
-  EXPECT_EQ(from_datagram(bytes(request)),
-            (CanFrame{.id = 0x601, .length = 8, .data = {0x40, 0x00, 0x10}}));
-  EXPECT_EQ(from_datagram(bytes(remote)), (CanFrame{.id = 0x701, .remote = true, .length = 1}));
-  EXPECT_EQ(from_datagram(bytes(extended)),
-            (CanFrame{.id = 0x1ABCDEF0, .extended = true, .length = 1, .data = {1}}));
+  EXPECT_EQ(hal::from_datagram(bytes(request)),
+            (hal::CanFrame{.id = 0x601, .length = 8, .data = {0x40, 0x00, 0x10}}));
+  EXPECT_EQ(hal::from_datagram(bytes(remote)),
+            (hal::CanFrame{.id = 0x701, .remote = true, .length = 1}));
+  EXPECT_EQ(hal::from_datagram(bytes(extended)),
+            (hal::CanFrame{.id = 0x1ABCDEF0, .extended = true, .length = 1, .data = {1}}));
 }
 
-CanFrame random_frame(std::mt19937& random) {
-  CanFrame frame;
+hal::CanFrame random_frame(std::mt19937& random) {
+  hal::CanFrame frame;
   frame.extended = random() % 2 == 0;
   frame.remote = random() % 4 == 0;
   frame.id = static_cast<std::uint32_t>(random() & (frame.extended ? 0x1FFFFFFF : 0x7FF));
@@ -59,14 +60,14 @@ CanFrame random_frame(std::mt19937& random) {
 TEST(CanDatagram, GivesBackWhatItWrites) {
   std::mt19937 random(7);
   for (int i = 0; i < 1000; ++i) {
-    const CanFrame frame = random_frame(random);
-    EXPECT_EQ(from_datagram(to_datagram(frame, 1.5)), frame);
+    const hal::CanFrame frame = random_frame(random);
+    EXPECT_EQ(hal::from_datagram(hal::to_datagram(frame, 1.5)), frame);
   }
 }
 
 // The attributes of python-can's Message, of the types that its constructor takes.
 TEST(CanDatagram, HasTheKeysOfPythonCan) {
-  const auto ours = json::from_msgpack(to_datagram({.id = 0x601, .length = 8}, 2.25));
+  const auto ours = json::from_msgpack(hal::to_datagram({.id = 0x601, .length = 8}, 2.25));
   const auto theirs = json::from_msgpack(bytes(request));
   ASSERT_EQ(ours.size(), theirs.size());
   for (const auto& [key, value] : theirs.items()) {
@@ -101,12 +102,12 @@ TEST(CanDatagram, RefusesWhatIsNoFrameOfClassicCan) {
   for (const Change& change : changes) {
     auto map = json::from_msgpack(bytes(request));
     map[change.key] = change.value;
-    EXPECT_FALSE(from_datagram(json::to_msgpack(map))) << change.key << ' ' << change.value;
+    EXPECT_FALSE(hal::from_datagram(json::to_msgpack(map))) << change.key << ' ' << change.value;
   }
   for (const char* key : {"arbitration_id", "dlc", "data"}) {
     auto map = json::from_msgpack(bytes(request));
     map.erase(key);
-    EXPECT_FALSE(from_datagram(json::to_msgpack(map))) << key;
+    EXPECT_FALSE(hal::from_datagram(json::to_msgpack(map))) << key;
   }
 }
 
@@ -115,18 +116,18 @@ TEST(CanDatagram, SurvivesBrokenDatagrams) {
   std::mt19937 random(11);
   const auto whole = bytes(request);
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    EXPECT_FALSE(from_datagram(std::span(whole).first(size))) << size;
+    EXPECT_FALSE(hal::from_datagram(std::span(whole).first(size))) << size;
   }
   auto longer = whole;
   longer.push_back(0);
-  EXPECT_FALSE(from_datagram(longer));
-  EXPECT_FALSE(from_datagram(std::vector<std::uint8_t>(4096, 0x91)));
+  EXPECT_FALSE(hal::from_datagram(longer));
+  EXPECT_FALSE(hal::from_datagram(std::vector<std::uint8_t>(4096, 0x91)));
   for (int i = 0; i < 50000; ++i) {
     auto broken = whole;
     for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
       broken[random() % broken.size()] = static_cast<std::uint8_t>(random());
     }
-    if (const auto frame = from_datagram(broken)) {
+    if (const auto frame = hal::from_datagram(broken)) {
       EXPECT_LE(frame->length, 8);
       EXPECT_LE(frame->id, frame->extended ? 0x1FFFFFFFU : 0x7FFU);
     }

@@ -17,21 +17,21 @@ std::uint16_t own_port() {
 }
 
 /// Waits for a frame, at most a second.
-bool next(CanMulticast& port, CanFrame& frame) {
+bool next(hal::CanMulticast& port, hal::CanFrame& frame) {
   pollfd waiting{port.descriptor(), POLLIN, 0};
   return port.receive(frame) || (poll(&waiting, 1, 1000) > 0 && port.receive(frame));
 }
 
-constexpr CanFrame hello{.id = 0x123, .length = 3, .data = {1, 2, 3}};
-constexpr CanFrame answer{.id = 0x124, .length = 1, .data = {9}};
+constexpr hal::CanFrame hello{.id = 0x123, .length = 3, .data = {1, 2, 3}};
+constexpr hal::CanFrame answer{.id = 0x124, .length = 1, .data = {9}};
 
 TEST(CanMulticast, OthersHearAndTheSenderDoesNot) {
-  CanMulticast one(group, own_port());
-  CanMulticast other(group, own_port());
-  CanMulticast third(group, own_port());
+  hal::CanMulticast one(group, own_port());
+  hal::CanMulticast other(group, own_port());
+  hal::CanMulticast third(group, own_port());
   ASSERT_TRUE(one.send(hello));
   ASSERT_TRUE(other.send(answer));
-  CanFrame frame;
+  hal::CanFrame frame;
   ASSERT_TRUE(next(third, frame));
   EXPECT_EQ(frame, hello);
   ASSERT_TRUE(next(third, frame));
@@ -47,10 +47,10 @@ TEST(CanMulticast, OthersHearAndTheSenderDoesNot) {
 }
 
 TEST(CanMulticast, CountsWhatIsNoFrame) {
-  CanMulticast port(group, own_port());
-  CanMulticast sender(group, own_port());
-  const MulticastAddress address = multicast_address(group, own_port());
-  const Descriptor raw(socket(AF_INET, SOCK_DGRAM, 0));
+  hal::CanMulticast port(group, own_port());
+  hal::CanMulticast sender(group, own_port());
+  const hal::MulticastAddress address = hal::multicast_address(group, own_port());
+  const hal::Descriptor raw(socket(AF_INET, SOCK_DGRAM, 0));
   const std::string texts[] = {"", "nonsense", std::string(5000, '\x81')};
   for (const std::string& text : texts) {
     const auto* to = reinterpret_cast<const sockaddr*>(&address.address);
@@ -63,7 +63,7 @@ TEST(CanMulticast, CountsWhatIsNoFrame) {
               static_cast<ssize_t>(text.size()));
   }
   ASSERT_TRUE(sender.send(hello));
-  CanFrame frame;
+  hal::CanFrame frame;
   ASSERT_TRUE(next(port, frame));
   EXPECT_EQ(frame, hello);
   EXPECT_EQ(port.statistics().malformed, 3U);
@@ -71,8 +71,8 @@ TEST(CanMulticast, CountsWhatIsNoFrame) {
 
 std::string refusal(const std::string& text) {
   try {
-    multicast_address(text, default_multicast_port);
-  } catch (const CanError& error) {
+    hal::multicast_address(text, hal::default_multicast_port);
+  } catch (const hal::CanError& error) {
     return error.what();
   }
   return "";
@@ -85,7 +85,7 @@ TEST(CanMulticast, SaysWhatIsWrongWithAGroup) {
             "fe80::1: is no multicast group: 224.0.0.0 to 239.255.255.255 or ff00::/8");
   EXPECT_EQ(refusal("somewhere"), "somewhere: is no multicast group of IPv4 or IPv6");
   EXPECT_EQ(refusal("239.1.2.3%nowhere"), "239.1.2.3%nowhere: no interface nowhere");
-  EXPECT_EQ(refusal(default_multicast_group), "");
+  EXPECT_EQ(refusal(hal::default_multicast_group), "");
 }
 
 }  // namespace

@@ -9,16 +9,16 @@ using testing::HasSubstr;
 
 std::string refusal(const std::string& text) {
   try {
-    open_can(text);
-  } catch (const CanError& error) {
+    hal::open_can(text);
+  } catch (const hal::CanError& error) {
     return error.what();
   }
   return "";
 }
 
 TEST(OpenCan, TakesGroupsWithAndWithoutAPort) {
-  EXPECT_EQ(open_can("udp:239.74.163.2%lo").name(), "udp:239.74.163.2%lo:43113");
-  EXPECT_EQ(open_can("udp:239.74.163.2%lo:5000").name(), "udp:239.74.163.2%lo:5000");
+  EXPECT_EQ(hal::open_can("udp:239.74.163.2%lo").name(), "udp:239.74.163.2%lo:43113");
+  EXPECT_EQ(hal::open_can("udp:239.74.163.2%lo:5000").name(), "udp:239.74.163.2%lo:5000");
 }
 
 TEST(OpenCan, SaysWhatIsWrong) {

@@ -19,7 +19,7 @@ namespace smaservo::test::devices_test {
 namespace {
 
 namespace fs = std::filesystem;
-namespace ads = ads131m04;
+namespace ads = hal::ads131m04;
 
 TEST(Ads131m04, CommandsAndRegistersAreThoseOfTheDataSheet) {
   // Table 8-11: 101a aaaa annn nnnn reads, 011a aaaa annn nnnn writes; reset values of the
@@ -71,7 +71,7 @@ TEST(Ads131m04, EveryFlippedBitIsFound) {
 }
 
 /// The converter's side of the wires.
-class FakeAds : public SpiPort {
+class FakeAds : public hal::SpiPort {
  public:
   struct State {
     std::uint16_t id = 0x2403;
@@ -115,12 +115,12 @@ class FakeAds : public SpiPort {
 
 TEST(Ads131m04Digitizer, SetsUpReadsAndRecovers) {
   FakeAds::State state;
-  Ads131m04Digitizer digitizer(std::make_unique<FakeAds>(state), "spi", {2, {0, 3, 0, 0}});
+  hal::Ads131m04Digitizer digitizer(std::make_unique<FakeAds>(state), "spi", {2, {0, 3, 0, 0}});
   EXPECT_EQ(state.registers[3], 0x0F0A);
   EXPECT_EQ(state.registers[4], 0x0030);
   EXPECT_EQ(state.registers[2], 0x0110);
   state.codes = {100, -200, 0x7FFFFF, -0x800000};
-  RawFrame raw{};
+  hal::RawFrame raw{};
   ASSERT_TRUE(digitizer.read(raw));
   EXPECT_EQ(raw.codes[1], -200);
   EXPECT_EQ(raw.codes[3], -0x800000);
@@ -151,25 +151,28 @@ TEST(Ads131m04Digitizer, SetsUpReadsAndRecovers) {
 TEST(Ads131m04Digitizer, RefusesWhatIsNone) {
   FakeAds::State other;
   other.id = 0x2203;
-  EXPECT_THROW(Ads131m04Digitizer(std::make_unique<FakeAds>(other), "spi", {}), DeviceError);
+  EXPECT_THROW(hal::Ads131m04Digitizer(std::make_unique<FakeAds>(other), "spi", {}),
+               hal::DeviceError);
   FakeAds::State dead;
   dead.dead = true;
-  EXPECT_THROW(Ads131m04Digitizer(std::make_unique<FakeAds>(dead), "spi", {}), DeviceError);
+  EXPECT_THROW(hal::Ads131m04Digitizer(std::make_unique<FakeAds>(dead), "spi", {}),
+               hal::DeviceError);
 }
 
 TEST(IioScan, ReadsTheTypesThatTheKernelWrites) {
-  EXPECT_EQ(parse_scan_type("le:s24/32>>8"), (ScanType{false, true, 24, 32, 8}));
-  EXPECT_EQ(parse_scan_type("be:u12/16>>4"), (ScanType{true, false, 12, 16, 4}));
-  EXPECT_EQ(parse_scan_type("le:s64/64>>0"), (ScanType{false, true, 64, 64, 0}));
+  EXPECT_EQ(hal::parse_scan_type("le:s24/32>>8"), (hal::ScanType{false, true, 24, 32, 8}));
+  EXPECT_EQ(hal::parse_scan_type("be:u12/16>>4"), (hal::ScanType{true, false, 12, 16, 4}));
+  EXPECT_EQ(hal::parse_scan_type("le:s64/64>>0"), (hal::ScanType{false, true, 64, 64, 0}));
   for (const char* bad : {"", "le:s24/32", "le:x24/32>>8", "s24/32>>8", "le:s24/24>>0",
                           "le:s33/32>>0", "le:s24/32>>9", "le:s16/16X2>>0", "le:s24/32>>8 "}) {
-    EXPECT_FALSE(parse_scan_type(bad)) << bad;
+    EXPECT_FALSE(hal::parse_scan_type(bad)) << bad;
   }
 }
 
 /// As a converter does it.
-void write_sample(const PlacedElement& element, std::int64_t value, std::span<std::byte> scan) {
-  const ScanType& t = element.type;
+void write_sample(const hal::PlacedElement& element, std::int64_t value,
+                  std::span<std::byte> scan) {
+  const hal::ScanType& t = element.type;
   std::uint64_t word = t.bits == 64
                            ? static_cast<std::uint64_t>(value)
                            : static_cast<std::uint64_t>(value) & ((std::uint64_t{1} << t.bits) - 1);
@@ -185,7 +188,7 @@ TEST(IioScan, FindsEverySampleAgain) {
   std::mt19937_64 random(11);
   constexpr std::array storages{8U, 16U, 32U, 64U};
   for (int round = 0; round < 500; ++round) {
-    std::vector<ScanElement> elements;
+    std::vector<hal::ScanElement> elements;
     std::vector<std::int64_t> values;
     const std::size_t count = 1 + random() % 6;
     std::vector<unsigned> indices(count);
@@ -205,7 +208,7 @@ TEST(IioScan, FindsEverySampleAgain) {
                            ? static_cast<std::int64_t>(raw - (std::uint64_t{1} << bits))
                            : static_cast<std::int64_t>(raw));
     }
-    const ScanLayout layout = lay_out(elements);
+    const hal::ScanLayout layout = hal::lay_out(elements);
     std::vector<std::byte> scan(layout.size);
     for (std::byte& byte : scan) {
       byte = static_cast<std::byte>(random());
@@ -215,7 +218,7 @@ TEST(IioScan, FindsEverySampleAgain) {
       write_sample(layout.elements[i], values[i], scan);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      ASSERT_EQ(sample_of(layout.elements[i], scan), values[i]) << round;
+      ASSERT_EQ(hal::sample_of(layout.elements[i], scan), values[i]) << round;
     }
   }
 }
@@ -223,11 +226,11 @@ TEST(IioScan, FindsEverySampleAgain) {
 TEST(Iio, SetsTheBufferUpAndTakesTheNewestScan) {
   const KernelTree tree;
   tree.adc();
-  IioSettings settings;
+  hal::IioSettings settings;
   settings.device = "ad7606";
   settings.channels = {"in_voltage2", "in_voltage0"};
   settings.trigger = "smaservo";
-  IioDigitizer digitizer(tree.roots(), settings);
+  hal::IioDigitizer digitizer(tree.roots(), settings);
   const std::string base = "sys/bus/iio/devices/iio:device3/";
   EXPECT_EQ(tree.text(base + "scan_elements/in_voltage1_en"), "0");
   EXPECT_EQ(tree.text(base + "scan_elements/in_voltage2_en"), "1");
@@ -235,7 +238,7 @@ TEST(Iio, SetsTheBufferUpAndTakesTheNewestScan) {
   EXPECT_EQ(tree.text(base + "buffer/length"), "16");
   EXPECT_EQ(tree.text(base + "buffer/enable"), "1");
   EXPECT_NEAR(digitizer.meanings().at(0).scale, 0.15258789, 1e-12);
-  RawFrame raw{};
+  hal::RawFrame raw{};
   ASSERT_TRUE(digitizer.read(raw));
   EXPECT_EQ(raw.codes[1], 3);   // in_voltage0, the second scan
   EXPECT_EQ(raw.codes[0], -4);  // in_voltage2
@@ -247,7 +250,7 @@ template <class Open>
 std::string refusal(Open open) {
   try {
     open();
-  } catch (const DeviceError& error) {
+  } catch (const hal::DeviceError& error) {
     return error.what();
   }
   return "";
@@ -256,10 +259,10 @@ std::string refusal(Open open) {
 TEST(Iio, SaysWhatIsNotThere) {
   const KernelTree tree;
   tree.adc();
-  const auto says = [&](IioSettings settings) {
-    return refusal([&] { IioDigitizer(tree.roots(), settings); });
+  const auto says = [&](hal::IioSettings settings) {
+    return refusal([&] { hal::IioDigitizer(tree.roots(), settings); });
   };
-  IioSettings settings;
+  hal::IioSettings settings;
   settings.device = "mcp3911";
   settings.channels = {"in_voltage0"};
   EXPECT_NE(says(settings).find("none is called 'mcp3911'; there is: ad7606"), std::string::npos);
@@ -272,11 +275,11 @@ TEST(Iio, SaysWhatIsNotThere) {
 }
 
 TEST(OutputStage, NothingButAPositiveNumberGivesACurrent) {
-  const DacScale scale{10'000, 100, 4095};
-  EXPECT_EQ(dac_code(scale, {0.2, 0, 0}), 2100);
-  EXPECT_EQ(dac_code(scale, {9, 0, 0}), 4095);
+  const hal::DacScale scale{10'000, 100, 4095};
+  EXPECT_EQ(hal::dac_code(scale, {0.2, 0, 0}), 2100);
+  EXPECT_EQ(hal::dac_code(scale, {9, 0, 0}), 4095);
   for (const double off : {0.0, -1.0, std::nan(""), -std::numeric_limits<double>::infinity()}) {
-    EXPECT_EQ(dac_code(scale, {off, 5, 0}), 100);
+    EXPECT_EQ(hal::dac_code(scale, {off, 5, 0}), 100);
   }
 }
 
@@ -290,43 +293,43 @@ TEST(OutputStage, OneProcessAtATimeDrivesIt) {
   }
   tree.put("sys/bus/iio/devices/iio:device0/name", "ad5686\n");
   tree.put(raw, "");
-  LinuxRoots roots = tree.roots();
-  const PwmSettings chopper{"pwmchip0", 0, 50'000, 24, 0.9};
-  const IioDacSettings dac{"ad5686", "out_voltage0", {10'000, 0, 65535}};
+  hal::LinuxRoots roots = tree.roots();
+  const hal::PwmSettings chopper{"pwmchip0", 0, 50'000, 24, 0.9};
+  const hal::IioDacSettings dac{"ad5686", "out_voltage0", {10'000, 0, 65535}};
   {
-    PwmDrive drive(roots, chopper);
-    IioDac source(roots, dac);
+    hal::PwmDrive drive(roots, chopper);
+    hal::IioDac source(roots, dac);
     ASSERT_TRUE(drive.put({0, 12, 0}));
     ASSERT_TRUE(source.put({0.4321, 0, 0}));
-    EXPECT_THROW(PwmDrive(roots, chopper), DeviceBusy);
-    EXPECT_THROW(IioDac(roots, dac), DeviceBusy);
+    EXPECT_THROW(hal::PwmDrive(roots, chopper), hal::DeviceBusy);
+    EXPECT_THROW(hal::IioDac(roots, dac), hal::DeviceBusy);
     EXPECT_EQ(tree.text(pwm + "duty_cycle"), "25000");
     EXPECT_EQ(tree.text(raw), "4321");
     roots.takes_over = true;
-    const PwmDrive off(roots, chopper);
+    const hal::PwmDrive off(roots, chopper);
     EXPECT_EQ(tree.text(pwm + "duty_cycle").front(), '0');
     roots.takes_over = false;
   }
-  EXPECT_NO_THROW(PwmDrive(roots, chopper)) << "it has ended";
+  EXPECT_NO_THROW(hal::PwmDrive(roots, chopper)) << "it has ended";
 }
 
 TEST(OutputStage, ThreeKindsAreToldAndSwitchedOff) {
   const KernelTree tree;
   tree.put("sys/bus/iio/devices/iio:device0/name", "ad5686\n");
   tree.put("sys/bus/iio/devices/iio:device0/out_voltage0_raw", "4444");
-  IioDac dac(tree.roots(), {"ad5686", "out_voltage0", {10'000, 0, 65535}});
+  hal::IioDac dac(tree.roots(), {"ad5686", "out_voltage0", {10'000, 0, 65535}});
   const std::string raw = "sys/bus/iio/devices/iio:device0/out_voltage0_raw";
   EXPECT_EQ(tree.text(raw).front(), '0') << "off before anything else";
   EXPECT_TRUE(dac.put({0.4321, 0, 0}));
   EXPECT_EQ(tree.text(raw), "4321");
-  const OffAction off = dac.off_action();
-  switch_off({&off, 1});
+  const hal::OffAction off = dac.off_action();
+  hal::switch_off({&off, 1});
   EXPECT_EQ(tree.text(raw).front(), '0');
 
   tree.put("sys/class/pwm/pwmchip0/pwm1/duty_cycle", "99999");
   tree.put("sys/class/pwm/pwmchip0/pwm1/period", "");
   tree.put("sys/class/pwm/pwmchip0/pwm1/enable", "");
-  PwmDrive pwm(tree.roots(), {"pwmchip0", 1, 50'000, 24, 0.9});
+  hal::PwmDrive pwm(tree.roots(), {"pwmchip0", 1, 50'000, 24, 0.9});
   EXPECT_EQ(tree.text("sys/class/pwm/pwmchip0/pwm1/period"), "50000");
   const std::string duty = "sys/class/pwm/pwmchip0/pwm1/duty_cycle";
   EXPECT_TRUE(pwm.put({0, 12, 0}));
@@ -336,34 +339,34 @@ TEST(OutputStage, ThreeKindsAreToldAndSwitchedOff) {
   EXPECT_TRUE(pwm.off());
   EXPECT_EQ(tree.text(duty).front(), '0');
 
-  SpiDacSettings spi{};
+  hal::SpiDacSettings spi{};
   spi.command = 0x300000;
   spi.shift = 4;
-  EXPECT_EQ(dac_frame(spi, 0xABC), (std::array<std::uint8_t, 3>{0x30, 0xAB, 0xC0}));
+  EXPECT_EQ(hal::dac_frame(spi, 0xABC), (std::array<std::uint8_t, 3>{0x30, 0xAB, 0xC0}));
   spi.frame_bytes = 2;
-  EXPECT_EQ(dac_frame(spi, 0xABC), (std::array<std::uint8_t, 3>{0xAB, 0xC0, 0}));
+  EXPECT_EQ(hal::dac_frame(spi, 0xABC), (std::array<std::uint8_t, 3>{0xAB, 0xC0, 0}));
 }
 
 TEST(SlowSensors, AFileThatGoesIsNoNumber) {
   const KernelTree tree;
   tree.put("sys/class/hwmon/hwmon0/temp1_input", "25000\n");
-  const SlowSensor air{"class/hwmon/hwmon0/temp1_input", 1e-3, 273150};
-  const SlowSensors sensors(tree.roots(), {SlowSensor{}, air, SlowSensor{}});
-  EXPECT_DOUBLE_EQ(sensors.value(SlowSensors::ambient), 298.15);
-  EXPECT_TRUE(std::isnan(sensors.value(SlowSensors::supply)));
-  const SlowSensor missing{"class/hwmon/hwmon9/temp1_input", 1, 0};
-  EXPECT_NE(refusal([&] { SlowSensors(tree.roots(), {missing, air, air}); }).find("hwmon9"),
+  const hal::SlowSensor air{"class/hwmon/hwmon0/temp1_input", 1e-3, 273150};
+  const hal::SlowSensors sensors(tree.roots(), {hal::SlowSensor{}, air, hal::SlowSensor{}});
+  EXPECT_DOUBLE_EQ(sensors.value(hal::SlowSensors::ambient), 298.15);
+  EXPECT_TRUE(std::isnan(sensors.value(hal::SlowSensors::supply)));
+  const hal::SlowSensor missing{"class/hwmon/hwmon9/temp1_input", 1, 0};
+  EXPECT_NE(refusal([&] { hal::SlowSensors(tree.roots(), {missing, air, air}); }).find("hwmon9"),
             std::string::npos);
 }
 
 TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
-  static_assert(Storage<FileStore>);
+  static_assert(Storage<hal::FileStore>);
   const TemporaryFolder folder;
   Settings<double> settings = default_settings<double>();
-  settings.wire = load_wire(std::string(default_wire)).wire;
+  settings.wire = files::load_wire(std::string(files::default_wire)).wire;
   settings = stored_settings<double>(settings);
   {
-    FileStore store(folder / "");
+    hal::FileStore store(folder / "");
     EXPECT_EQ(load_settings<double>(store).reason, LoadReason::none);
     EXPECT_EQ(load_settings<double>(store).slots[0].state, SlotState::empty);
     ASSERT_TRUE(save_settings(store, settings).ok());
@@ -371,7 +374,7 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
     settings = stored_settings<double>(settings);
     ASSERT_TRUE(save_settings(store, settings).ok());
   }
-  FileStore store(folder / "");
+  hal::FileStore store(folder / "");
   const Loaded<double> loaded = load_settings<double>(store);
   EXPECT_EQ(loaded.reason, LoadReason::newer);
   EXPECT_EQ(loaded.slot, 1U);
@@ -379,16 +382,16 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
   EXPECT_FALSE(fs::exists(folder / "settings.1.part"));
   // Erased and written without sync(), as where power goes: the slot is what it was.
   ASSERT_TRUE(store.erase(0));
-  FileStore after(folder / "");
+  hal::FileStore after(folder / "");
   EXPECT_EQ(load_settings<double>(after).slots[0].state, SlotState::valid);
   for (const std::uintmax_t size : {100U, 10U, 0U}) {
     fs::resize_file(folder / "settings.1", size);
-    FileStore damaged(folder / "");
+    hal::FileStore damaged(folder / "");
     const Loaded<double> other = load_settings<double>(damaged);
     EXPECT_EQ(other.slot, 0U);
     EXPECT_EQ(other.reason, LoadReason::other_bad) << size;
   }
-  FileStore nowhere(folder / "no");
+  hal::FileStore nowhere(folder / "no");
   EXPECT_EQ(save_settings(nowhere, settings).problem, SaveProblem::sync);
 }
 
@@ -397,17 +400,17 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
 TEST(FileStore, APowerCutAtAnyByteLeavesOneOfTheTwo) {
   const TemporaryFolder folder;
   Settings<double> old = default_settings<double>();
-  old.wire = load_wire(std::string(default_wire)).wire;
+  old.wire = files::load_wire(std::string(files::default_wire)).wire;
   old = stored_settings<double>(old);
   Settings<double> next = old;
   next.limits.duty *= 0.5;
   next = stored_settings<double>(next);
-  FileStore store(folder / "");
+  hal::FileStore store(folder / "");
   ASSERT_TRUE(save_settings(store, old).ok());
   ASSERT_TRUE(save_settings(store, next).ok());
   const std::string bytes = file_text(folder / "settings.1");
   const auto loaded = [&] {
-    FileStore after(folder / "");
+    hal::FileStore after(folder / "");
     return load_settings<double>(after);
   };
   for (std::size_t n = 0; n <= bytes.size(); n += 61) {
@@ -420,7 +423,7 @@ TEST(FileStore, APowerCutAtAnyByteLeavesOneOfTheTwo) {
     ASSERT_EQ(then.slot, 0U) << n;
     ASSERT_TRUE(same_settings(then.settings, old)) << n;
   }
-  FileStore after(folder / "");
+  hal::FileStore after(folder / "");
   ASSERT_TRUE(save_settings(after, next).ok()) << "what was left beside is in nobody's way";
   EXPECT_TRUE(same_settings(loaded().settings, next));
 }

@@ -15,11 +15,11 @@ struct Hands {
   double current_A = 0;
   std::vector<std::string> order;
 };
-class HandDigitizer : public Digitizer {
+class HandDigitizer : public hal::Digitizer {
  public:
   explicit HandDigitizer(Hands& hands) : hands_(hands) {}
-  bool read(RawFrame& raw) override {
-    raw = {.time_ns = monotonic_ns(), .sequence = frames_++, .codes = {1000, 2000, 3000}};
+  bool read(hal::RawFrame& raw) override {
+    raw = {.time_ns = hal::monotonic_ns(), .sequence = frames_++, .codes = {1000, 2000, 3000}};
     return hands_.comes;
   }
 
@@ -27,21 +27,21 @@ class HandDigitizer : public Digitizer {
   Hands& hands_;
   std::uint32_t frames_ = 0;
 };
-class HandDrive : public OutputStage {
+class HandDrive : public hal::OutputStage {
  public:
   explicit HandDrive(Hands& hands) : hands_(hands) {}
-  bool put(const DriveCommand& command) override {
+  bool put(const hal::DriveCommand& command) override {
     hands_.order.emplace_back("put");
     hands_.current_A = hands_.takes ? command.current_A : hands_.current_A;
     return hands_.takes;
   }
   bool off() override { return put({}); }
-  OffAction off_action() override { return {-1, 0, nullptr, 0}; }
+  hal::OffAction off_action() override { return {-1, 0, nullptr, 0}; }
 
  private:
   Hands& hands_;
 };
-class HandLines : public Lines {
+class HandLines : public hal::Lines {
  public:
   explicit HandLines(Hands& hands) : hands_(hands) {}
   bool emergency_stop() override { return hands_.stop; }
@@ -55,18 +55,19 @@ class HandLines : public Lines {
     ++hands_.kicks;
     return true;
   }
-  std::vector<OffAction> off_actions() override { return {}; }
+  std::vector<hal::OffAction> off_actions() override { return {}; }
 
  private:
   Hands& hands_;
 };
 
-inline LinuxBoardParts parts(Hands& hands) {
-  LinuxBoardParts all;
+inline hal::LinuxBoardParts parts(Hands& hands) {
+  hal::LinuxBoardParts all;
   all.digitizer = std::make_unique<HandDigitizer>(hands);
   all.drive = std::make_unique<HandDrive>(hands);
   all.lines = std::make_unique<HandLines>(hands);
-  all.slow = std::make_unique<SlowSensors>(LinuxRoots{}, std::array<SlowSensor, 3>{});
+  all.slow =
+      std::make_unique<hal::SlowSensors>(hal::LinuxRoots{}, std::array<hal::SlowSensor, 3>{});
   all.calibration = {{0, 1e-4, 0}, {1, 1e-3, 500}, true, {2, 0.01, 3000}};
   return all;
 }

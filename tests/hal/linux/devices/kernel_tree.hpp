@@ -19,7 +19,7 @@ class KernelTree {
   std::string text(const std::string& path) const { return file_text(folder_ / path); }
   void remove(const std::string& path) const { std::filesystem::remove_all(folder_ / path); }
   std::string root() const { return folder_.path().string(); }
-  LinuxRoots roots() const { return {folder_ / "sys", folder_ / "dev", folder_ / "config"}; }
+  hal::LinuxRoots roots() const { return {folder_ / "sys", folder_ / "dev", folder_ / "config"}; }
 
   void adc() const {
     const std::string base = "sys/bus/iio/devices/iio:device3/";

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 using testing::HasSubstr;
@@ -52,4 +52,4 @@ TEST(ClosedLoopEvaluation, TheDeviceHoldsWhatTheOthersDoNot) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

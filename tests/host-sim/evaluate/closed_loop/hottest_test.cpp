@@ -5,7 +5,7 @@
 
 #include "firmware/parameters/parameter_check.hpp"
 
-namespace smaservo {
+namespace smaservo::evaluate {
 namespace {
 
 std::vector<CalibratedUnit> hottest_units() {
@@ -52,4 +52,4 @@ TEST(RandomScenario, DrawsEverythingWithSettingsThatADeviceTakes) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::evaluate

@@ -16,10 +16,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-smaservo::Run joule_run(const std::string& name) {
-  smaservo::Run run{};
+smaservo::identify::Run joule_run(const std::string& name) {
+  smaservo::identify::Run run{};
   run.name = name;
-  run.kind = RunKind::joule;
+  run.kind = identify::RunKind::joule;
   for (int i = 0; i < 200; ++i) {
     run.strain.push_back(0.001 + 0.0002 * (i < 100 ? i : 200 - i));
     run.resistance_ohm.push_back(18 + 100 * run.strain.back());
@@ -27,9 +27,9 @@ smaservo::Run joule_run(const std::string& name) {
   return run;
 }
 
-smaservo::Run named_bath_run(const std::string& name) {
-  smaservo::Run run = joule_run(name);
-  run.kind = RunKind::bath;
+smaservo::identify::Run named_bath_run(const std::string& name) {
+  smaservo::identify::Run run = joule_run(name);
+  run.kind = identify::RunKind::bath;
   run.resistance_ohm.clear();
   for (const double strain : run.strain) {
     run.temperature_K.push_back(370 - 3000 * strain);
@@ -38,13 +38,15 @@ smaservo::Run named_bath_run(const std::string& name) {
 }
 
 /// Wrong by so many per cent of a 4 % stroke everywhere. Says nothing in a bath unless `bath`.
-Compared wrong_by(const Comparison& comparison, const char* name, double percent, bool bath) {
-  Compared one;
-  one.system = {name, "a meaning", 7, "", [](const smaservo::Run& run) { return run.strain; }};
-  for (const smaservo::Run& test : comparison.tests) {
-    SystemRun run;
+compare::Compared wrong_by(const compare::Comparison& comparison, const char* name, double percent,
+                           bool bath) {
+  compare::Compared one;
+  one.system = {name, "a meaning", 7, "",
+                [](const smaservo::identify::Run& run) { return run.strain; }};
+  for (const smaservo::identify::Run& test : comparison.tests) {
+    compare::SystemRun run;
     for (const double strain : test.strain) {
-      const bool silent = test.kind == RunKind::bath && !bath;
+      const bool silent = test.kind == identify::RunKind::bath && !bath;
       run.strain.push_back(silent ? std::nan("") : strain + 0.0004 * percent);
       if (!silent) {
         run.error.add(percent);
@@ -57,21 +59,21 @@ Compared wrong_by(const Comparison& comparison, const char* name, double percent
   return one;
 }
 
-Comparison made_up() {
-  Comparison comparison{"a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}, {}};
+compare::Comparison made_up() {
+  compare::Comparison comparison{"a wire", 0.04, {joule_run("folder/train.csv")}, {}, {}, {}, {}};
   comparison.tests = {joule_run("folder/<b>&.csv"), named_bath_run("bath.csv")};
   comparison.free_zero = {false, true};
   comparison.beyond = {{0.125, 0}, {}};
   comparison.systems.push_back(wrong_by(comparison, "good", 0.5, true));
   comparison.systems.push_back(wrong_by(comparison, "by resistance", 2.25, false));
-  Compared refused;
+  compare::Compared refused;
   refused.system = {"refused", "", 0, "not identified: too <few> runs", {}};
   comparison.systems.push_back(refused);
   return comparison;
 }
 
 TEST(CompareOutput, TextHasARowForEachSystemAndSaysWhatIsMissing) {
-  const std::string text = comparison_text(made_up());
+  const std::string text = compare::comparison_text(made_up());
   EXPECT_THAT(text, HasSubstr("Identified on train.csv; asked about <b>&.csv, bath.csv."));
   EXPECT_THAT(text, HasSubstr("in % of a 4 % stroke"));
   EXPECT_THAT(text, HasSubstr("<b>&.csv goes beyond the training, so that what is said there is "
@@ -87,30 +89,30 @@ TEST(CompareOutput, TextHasARowForEachSystemAndSaysWhatIsMissing) {
 }
 
 TEST(CompareOutput, ASystemThatIsSilentInAllTestsSaysSo) {
-  Comparison comparison = made_up();
+  compare::Comparison comparison = made_up();
   comparison.tests.erase(comparison.tests.begin());
   comparison.free_zero = {false};
   comparison.systems = {wrong_by(comparison, "by resistance", 1, false)};
-  const std::string text = comparison_text(comparison);
+  const std::string text = compare::comparison_text(comparison);
   EXPECT_THAT(text, HasSubstr("\nby resistance     -     -    -      -           -\n"));
   EXPECT_THAT(text, HasSubstr("by resistance: says nothing about these tests"));
-  const auto json = nlohmann::json::parse(comparison_json(comparison));
+  const auto json = nlohmann::json::parse(compare::comparison_json(comparison));
   EXPECT_TRUE(json["systems"][0]["identified"]);
   EXPECT_EQ(json["systems"][0]["error"], nlohmann::json({{"rows", 0}}));
 }
 
 TEST(CompareOutput, AMovedTrainingRunIsNamed) {
-  Comparison comparison = made_up();
+  compare::Comparison comparison = made_up();
   for (double& strain : comparison.training[0].strain) {
     strain -= 0.021;
   }
-  EXPECT_THAT(comparison_text(comparison),
+  EXPECT_THAT(compare::comparison_text(comparison),
               HasSubstr("train.csv: the strain has a zero of its own"));
 }
 
 TEST(CompareOutput, JsonHasTheNumbers) {
-  const Comparison comparison = made_up();
-  const auto json = nlohmann::json::parse(comparison_json(comparison));
+  const compare::Comparison comparison = made_up();
+  const auto json = nlohmann::json::parse(compare::comparison_json(comparison));
   EXPECT_EQ(json["from"], "a wire");
   EXPECT_EQ(json["nominal_stroke"], 0.04);
   EXPECT_THAT(json["training"], ElementsAre("folder/train.csv"));
@@ -138,9 +140,9 @@ TEST(CompareOutput, JsonHasTheNumbers) {
 }
 
 TEST(CompareOutput, JsonSurvivesOddNames) {
-  Comparison comparison = made_up();
+  compare::Comparison comparison = made_up();
   comparison.tests[0].name = "a \"b\"\\\n\xFF.csv";
-  EXPECT_TRUE(nlohmann::json::accept(comparison_json(comparison)));
+  EXPECT_TRUE(nlohmann::json::accept(compare::comparison_json(comparison)));
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -153,7 +155,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 TEST(CompareOutput, ReportHasTheTableAndALoopForEachTestThatASystemTellsOf) {
   const TemporaryFolder folder;
-  write_comparison_report(folder / "r.html", made_up());
+  compare::write_comparison_report(folder / "r.html", made_up());
   const std::string html = file_text(folder / "r.html");
   EXPECT_THAT(html, HasSubstr("<tr><td>good</td><td>0.50</td><td>0.50</td><td>0.50</td>"
                               "<td>123 ns</td><td>7</td><td>0.50</td><td>0.50</td></tr>"));
@@ -170,7 +172,8 @@ TEST(CompareOutput, ReportHasTheTableAndALoopForEachTestThatASystemTellsOf) {
 
 TEST(CompareOutput, ReportIsNotWrittenWhereItCannotBe) {
   const TemporaryFolder folder;
-  EXPECT_THROW(write_comparison_report(folder / "missing/r.html", made_up()), UserError);
+  EXPECT_THROW(compare::write_comparison_report(folder / "missing/r.html", made_up()),
+               files::UserError);
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -17,17 +17,17 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
-using Runs = std::vector<smaservo::Run>;
+using Runs = std::vector<smaservo::identify::Run>;
 
 /// The type's preset, with the length that is measured on every wire.
-WireDescription type_of_unit_a() {
-  return load_wire("smartflex-76um", {{"wire.length_mm", "100.6"}});
+files::WireDescription type_of_unit_a() {
+  return files::load_wire("smartflex-76um", {{"wire.length_mm", "100.6"}});
 }
 
 /// A shipped trace of wire a up to some time, and of its rows every so many.
-smaservo::Run trace(const std::string& name, std::size_t every, double until_s = 1e9) {
-  smaservo::Run run =
-      read_run(shipped(name + ".csv"), {type_of_unit_a().wire.geometry, {}, {}, {}});
+smaservo::identify::Run trace(const std::string& name, std::size_t every, double until_s = 1e9) {
+  smaservo::identify::Run run =
+      identify::read_run(shipped(name + ".csv"), {type_of_unit_a().wire.geometry, {}, {}, {}});
   std::size_t kept = 0;
   const std::vector<double> time_s = run.time_s;
   for (std::size_t i = 0; i < time_s.size() && time_s[i] < until_s; i += every) {
@@ -45,7 +45,7 @@ smaservo::Run trace(const std::string& name, std::size_t every, double until_s =
 }
 
 /// As a laser measures it, with a zero of its own.
-smaservo::Run displaced(smaservo::Run run) {
+smaservo::identify::Run displaced(smaservo::identify::Run run) {
   const double longest = *std::ranges::max_element(run.strain);
   for (double& strain : run.strain) {
     strain -= longest;
@@ -55,19 +55,19 @@ smaservo::Run displaced(smaservo::Run run) {
 
 const auto no_progress = [](std::string_view) {};
 
-const Compared& named(const Comparison& comparison, std::string_view name) {
+const compare::Compared& named(const compare::Comparison& comparison, std::string_view name) {
   const auto found = std::ranges::find_if(
-      comparison.systems, [&](const Compared& one) { return one.system.name == name; });
+      comparison.systems, [&](const compare::Compared& one) { return one.system.name == name; });
   if (found == comparison.systems.end()) {
-    throw UserError("no such system");
+    throw files::UserError("no such system");
   }
   return *found;
 }
 
 std::string refusal(const Runs& training, const Runs& tests) {
   try {
-    compare(load_wire("smartflex-76um"), training, tests, 1, no_progress);
-  } catch (const UserError& error) {
+    compare::compare(files::load_wire("smartflex-76um"), training, tests, 1, no_progress);
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "";
@@ -97,11 +97,11 @@ Offset offset(const std::vector<double>& a, const std::vector<double>& b) {
 TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
   const Runs training{trace("10MPa", 2, 22), trace("50MPa", 2, 22), trace("150MPa", 20),
                       trace("400MPa", 2, 22)};
-  const smaservo::Run spring = trace("spring", 3);
+  const smaservo::identify::Run spring = trace("spring", 3);
   std::vector<std::string> steps;
-  const Comparison all =
-      compare(type_of_unit_a(), training, {spring, trace("disturbed", 3), displaced(spring)}, 2,
-              [&](std::string_view step) { steps.emplace_back(step); });
+  const compare::Comparison all = compare::compare(
+      type_of_unit_a(), training, {spring, trace("disturbed", 3), displaced(spring)}, 2,
+      [&](std::string_view step) { steps.emplace_back(step); });
 
   // Means in % of the stroke, of a system against the spring and disturbed
   struct Expected {
@@ -113,9 +113,9 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
       {"Duhem", {7.11, 7.59}},          {"Liang-Rogers", {10.1, 10.4}},
       {"Preisach", {1.52, 6.55}},       {"ihyp", {3.58, 8.51}},
       {"ihyp observer", {0.432, 0.338}}};
-  const Compared& observer = named(all, "ihyp observer");
+  const compare::Compared& observer = named(all, "ihyp observer");
   for (const auto& [name, error] : expected) {
-    const Compared& one = named(all, name);
+    const compare::Compared& one = named(all, name);
     ASSERT_EQ(one.runs.size(), 3U) << one.system.remark;
     // Where the fit of ihyp alone ends depends on the last bits of the C library's functions, which
     // differ by processor: 3.58 on an AMD EPYC, 2.84 on an Intel Xeon.
@@ -139,7 +139,7 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
   // The same run with a zero of its own: the same strain but for an offset, its errors around 0.
   EXPECT_THAT(all.free_zero, ElementsAre(false, false, true));
   for (const auto& [name, error] : expected) {
-    const Compared& one = named(all, name);
+    const compare::Compared& one = named(all, name);
     EXPECT_NEAR(offset(one.runs[2].strain, one.runs[0].strain).max, 0, 1e-9) << name;
     std::vector<double> errors;
     for (std::size_t i = 0; i < spring.strain.size(); ++i) {
@@ -157,14 +157,14 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
 
 /// With the wire's own heat balance, so that nothing but the relays is identified.
 TEST(Compare, PreisachFollowsWhatItKnowsAndIsLostWhereTheHeatBalanceIsWrong) {
-  const Wire<double> unit_a = load_wire(shipped("units/a.toml")).wire;
+  const Wire<double> unit_a = files::load_wire(shipped("units/a.toml")).wire;
   const Runs training{trace("50MPa", 6), trace("150MPa", 60), trace("400MPa", 6),
                       trace("spring", 6)};
-  const System system =
-      preisach({unit_a, 0, std::vector<double>(training.size(), 298.15), 298.15}, training);
+  const compare::System system = compare::preisach(
+      {unit_a, 0, std::vector<double>(training.size(), 298.15), 298.15}, training);
   // Slices at 50, 100, 150, 250 (the spring's) and 400 MPa.
   EXPECT_EQ(system.parameters, 5 * (23 * 24 / 2 + 2) + 1);
-  const auto mean_percent = [&](const smaservo::Run& run) {
+  const auto mean_percent = [&](const smaservo::identify::Run& run) {
     const std::vector<double> strain = system.strain(run);
     double sum = 0;
     for (std::size_t i = 0; i < strain.size(); ++i) {
@@ -178,14 +178,14 @@ TEST(Compare, PreisachFollowsWhatItKnowsAndIsLostWhereTheHeatBalanceIsWrong) {
 }
 
 /// Runs of a wire that is simple enough to be identified in no time.
-smaservo::Run recorded_bath(double stress_MPa = 150) {
+smaservo::identify::Run recorded_bath(double stress_MPa = 150) {
   const Recording r;
   return run_of({{"temperature_degC", r.temperature_degC},
                  {"strain_ref", r.strain},
                  {"stress_MPa", std::vector<double>(r.strain.size(), stress_MPa)}});
 }
 
-smaservo::Run recorded_bath_with_resistance() {
+smaservo::identify::Run recorded_bath_with_resistance() {
   const Recording r;
   return run_of({{"temperature_degC", r.temperature_degC},
                  {"strain_ref", r.strain},
@@ -194,12 +194,13 @@ smaservo::Run recorded_bath_with_resistance() {
 }
 
 TEST(Compare, WhatARunLacksMakesASystemSilentInIt) {
-  const auto from = load_wire("smartflex-76um");
+  const auto from = files::load_wire("smartflex-76um");
   const auto with = recorded_bath_with_resistance();
   const auto without = recorded_bath(140);
-  const Comparison all = compare(from, {with, recorded_bath(160)}, {without, with}, 1, no_progress);
+  const compare::Comparison all =
+      compare::compare(from, {with, recorded_bath(160)}, {without, with}, 1, no_progress);
   for (const char* name : {"one line", "polynomial", "two lines", "stress-strain-resistance"}) {
-    const Compared& one = named(all, name);
+    const compare::Compared& one = named(all, name);
     ASSERT_EQ(one.runs.size(), 2U) << one.system.remark;
     EXPECT_EQ(one.runs[0].error.count(), 0U) << name;
     EXPECT_EQ(one.runs[0].strain.size(), without.strain.size());
@@ -219,11 +220,12 @@ TEST(Compare, WhatARunLacksMakesASystemSilentInIt) {
 
 /// A zero of its own is no reason to take a wire for one that is 4 % shorter.
 TEST(Compare, ADisplacementIsPutWhereTheTypeIsLongest) {
-  const auto from = load_wire("smartflex-76um");
+  const auto from = files::load_wire("smartflex-76um");
   const auto run = recorded_bath();
   const auto other = recorded_bath(140);
-  const Comparison absolute = compare(from, {run}, {other}, 1, no_progress);
-  const Comparison free = compare(from, {displaced(run)}, {other}, 1, no_progress);
+  const compare::Comparison absolute = compare::compare(from, {run}, {other}, 1, no_progress);
+  const compare::Comparison free =
+      compare::compare(from, {displaced(run)}, {other}, 1, no_progress);
   for (const char* name : {"Duhem", "Liang-Rogers", "ihyp"}) {
     const auto& strain = named(free, name).runs[0].strain;
     const Offset apart = offset(strain, named(absolute, name).runs[0].strain);
@@ -236,7 +238,7 @@ TEST(Compare, WhatItCannotUseIsRefusedByName) {
   const auto good = recorded_bath();
   auto settled = good;
   settled.name = "settled.csv";
-  settled.kind = RunKind::settled;
+  settled.kind = identify::RunKind::settled;
   EXPECT_EQ(refusal({settled}, {good}),
             "settled.csv: is a settled run; compare takes runs of Joule heating or in a bath");
   EXPECT_EQ(refusal({good}, {settled}), refusal({settled}, {good}));

@@ -27,10 +27,10 @@ std::vector<double> there_and_back() {
 }
 
 template <class Strain>
-smaservo::Run run_of(const std::vector<double>& ohm, Strain strain) {
-  smaservo::Run run{};
+smaservo::identify::Run run_of(const std::vector<double>& ohm, Strain strain) {
+  smaservo::identify::Run run{};
   run.name = "run.csv";
-  run.kind = RunKind::joule;
+  run.kind = identify::RunKind::joule;
   run.resistance_ohm = ohm;
   for (std::size_t i = 0; i < ohm.size(); ++i) {
     run.strain.push_back(strain(i));
@@ -46,7 +46,7 @@ double rising(double ohm) {
 }
 
 /// Up and down lines; the other one counts when the resistance has turned by 1 % of its first.
-smaservo::Run two_lined() {
+smaservo::identify::Run two_lined() {
   const std::vector<double> ohm = there_and_back();
   double turned = ohm.front();
   bool up = false;
@@ -67,11 +67,11 @@ void expect_same(const std::vector<double>& strain, const std::vector<double>& t
   }
 }
 
-std::string refusal(System (*identify)(const std::vector<smaservo::Run>&),
-                    const std::vector<smaservo::Run>& runs) {
+std::string refusal(compare::System (*identify)(const std::vector<smaservo::identify::Run>&),
+                    const std::vector<smaservo::identify::Run>& runs) {
   try {
     identify(runs);
-  } catch (const UserError& error) {
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "";
@@ -80,11 +80,11 @@ std::string refusal(System (*identify)(const std::vector<smaservo::Run>&),
 TEST(ResistanceSystems, ALineIsFoundExactly) {
   const std::vector<double> ohm = there_and_back();
   const auto run = run_of(ohm, [&](std::size_t i) { return falling(ohm[i]); });
-  const System line = one_line({run});
+  const compare::System line = compare::one_line({run});
   EXPECT_EQ(line.parameters, 2);
   expect_same(line.strain(run), run.strain);
-  expect_same(polynomial({run}).strain(run), run.strain);
-  expect_same(two_lines({run}).strain(run), run.strain);
+  expect_same(compare::polynomial({run}).strain(run), run.strain);
+  expect_same(compare::two_lines({run}).strain(run), run.strain);
 }
 
 TEST(ResistanceSystems, APolynomialOfFourthOrderIsFoundExactly) {
@@ -93,22 +93,22 @@ TEST(ResistanceSystems, APolynomialOfFourthOrderIsFoundExactly) {
     const double x = ohm[i] / 18 - 1;
     return 0.02 + 0.15 * x - 0.9 * x * x + 3 * x * x * x - 20 * x * x * x * x;
   });
-  const System fitted = polynomial({run});
+  const compare::System fitted = compare::polynomial({run});
   EXPECT_EQ(fitted.parameters, 5);
   expect_same(fitted.strain(run), run.strain);
-  EXPECT_GT(std::abs(one_line({run}).strain(run)[0] - run.strain[0]), 1e-3);
+  EXPECT_GT(std::abs(compare::one_line({run}).strain(run)[0] - run.strain[0]), 1e-3);
 }
 
 TEST(ResistanceSystems, TwoLinesAreFoundExactlyOneForEachDirection) {
   const auto run = two_lined();
-  const System fitted = two_lines({run});
+  const compare::System fitted = compare::two_lines({run});
   EXPECT_EQ(fitted.parameters, 4);
   expect_same(fitted.strain(run), run.strain);
 }
 
 TEST(ResistanceSystems, NoiseBelowOnePerCentDoesNotTurnTheDirection) {
   auto run = two_lined();
-  const System fitted = two_lines({run});
+  const compare::System fitted = compare::two_lines({run});
   const std::vector<double> clean = fitted.strain(run);
   for (std::size_t i = 0; i < run.strain.size(); ++i) {
     run.resistance_ohm[i] += i % 2 == 0 ? 0.04 : -0.04;
@@ -124,11 +124,12 @@ TEST(ResistanceSystems, NoiseBelowOnePerCentDoesNotTurnTheDirection) {
 
 TEST(ResistanceSystems, TheLastValueIsHeldWhereThereIsNoResistance) {
   auto run = two_lined();
-  const System systems[] = {one_line({run}), polynomial({run}), two_lines({run})};
+  const compare::System systems[] = {compare::one_line({run}), compare::polynomial({run}),
+                                     compare::two_lines({run})};
   for (const std::size_t i : {0U, 1U, 50U, 51U, 52U, 387U}) {
     run.resistance_ohm[i] = nothing;
   }
-  for (const System& system : systems) {
+  for (const compare::System& system : systems) {
     const std::vector<double> strain = system.strain(run);
     EXPECT_TRUE(std::isnan(strain[0]) && std::isnan(strain[1])) << "nothing to hold yet";
     EXPECT_TRUE(std::isfinite(strain[2]));
@@ -140,7 +141,8 @@ TEST(ResistanceSystems, TheLastValueIsHeldWhereThereIsNoResistance) {
 
 TEST(ResistanceSystems, RowsWithoutResistanceDoNotCountInTheFit) {
   auto run = two_lined();
-  const System systems[] = {one_line({run}), polynomial({run}), two_lines({run})};
+  const compare::System systems[] = {compare::one_line({run}), compare::polynomial({run}),
+                                     compare::two_lines({run})};
   auto gaps = run;
   for (std::size_t i = 0; i < run.strain.size(); i += 3) {
     // Behind each row one without resistance, of a wild strain
@@ -148,7 +150,8 @@ TEST(ResistanceSystems, RowsWithoutResistanceDoNotCountInTheFit) {
     gaps.strain.insert(gaps.strain.begin() + at, 0.9);
     gaps.resistance_ohm.insert(gaps.resistance_ohm.begin() + at, nothing);
   }
-  const System others[] = {one_line({gaps}), polynomial({gaps}), two_lines({gaps})};
+  const compare::System others[] = {compare::one_line({gaps}), compare::polynomial({gaps}),
+                                    compare::two_lines({gaps})};
   for (int i = 0; i < 3; ++i) {
     expect_same(others[i].strain(run), systems[i].strain(run));
   }
@@ -157,14 +160,15 @@ TEST(ResistanceSystems, RowsWithoutResistanceDoNotCountInTheFit) {
 TEST(ResistanceSystems, ARunWithoutResistanceIsSkippedAndGetsNoStrain) {
   const auto run = two_lined();
   auto bath = run;
-  bath.kind = RunKind::bath;
+  bath.kind = identify::RunKind::bath;
   bath.resistance_ohm.clear();
-  for (const System& system : {one_line({bath, run}), two_lines({bath, run})}) {
+  for (const compare::System& system :
+       {compare::one_line({bath, run}), compare::two_lines({bath, run})}) {
     const std::vector<double> strain = system.strain(bath);
     ASSERT_EQ(strain.size(), bath.strain.size());
     EXPECT_TRUE(std::ranges::all_of(strain, [](double x) { return std::isnan(x); }));
   }
-  expect_same(one_line({bath, run}).strain(run), one_line({run}).strain(run));
+  expect_same(compare::one_line({bath, run}).strain(run), compare::one_line({run}).strain(run));
 }
 
 TEST(ResistanceSystems, RunsCountAlikeHoweverManyRowsTheyHave) {
@@ -176,13 +180,13 @@ TEST(ResistanceSystems, RunsCountAlikeHoweverManyRowsTheyHave) {
   const auto high = run_of(ohm, [&](std::size_t i) { return falling(ohm[i]) + 0.004; });
   const auto low = run_of(often, [&](std::size_t i) { return falling(often[i]) - 0.004; });
   const auto middle = run_of(ohm, [&](std::size_t i) { return falling(ohm[i]); });
-  expect_same(one_line({high, low}).strain(middle), middle.strain);
-  expect_same(polynomial({low, high}).strain(middle), middle.strain);
+  expect_same(compare::one_line({high, low}).strain(middle), middle.strain);
+  expect_same(compare::polynomial({low, high}).strain(middle), middle.strain);
 }
 
 TEST(ResistanceSystems, WhatCannotBeIdentifiedIsRefused) {
   auto run = two_lined();
-  for (const auto identify : {&one_line, &polynomial, &two_lines}) {
+  for (const auto identify : {&compare::one_line, &compare::polynomial, &compare::two_lines}) {
     EXPECT_EQ(refusal(identify, {}), "no run has a resistance");
     auto none = run;
     none.resistance_ohm.clear();
@@ -194,9 +198,9 @@ TEST(ResistanceSystems, WhatCannotBeIdentifiedIsRefused) {
   // Only falling: a line and a polynomial, but not two lines
   run.strain.resize(90);
   run.resistance_ohm.resize(90);
-  EXPECT_EQ(refusal(&one_line, {run}), "");
-  EXPECT_EQ(refusal(&polynomial, {run}), "");
-  EXPECT_THAT(refusal(&two_lines, {run}), HasSubstr("over a whole motion"));
+  EXPECT_EQ(refusal(&compare::one_line, {run}), "");
+  EXPECT_EQ(refusal(&compare::polynomial, {run}), "");
+  EXPECT_THAT(refusal(&compare::two_lines, {run}), HasSubstr("over a whole motion"));
 }
 
 }  // namespace

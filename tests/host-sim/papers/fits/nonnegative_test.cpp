@@ -36,7 +36,7 @@ TEST(NonnegativeLeastSquares, IsTheBestOfAllSetsOfUnknownsThatMayBeHeldAtZero) {
   for (int round = 0; round < 200; ++round) {
     const Problem p = random_problem(unknowns, random);
     const Index free = round % 3;
-    const Eigen::VectorXd x = nonnegative_least_squares(p.normal, p.right, free);
+    const Eigen::VectorXd x = fits::nonnegative_least_squares(p.normal, p.right, free);
     double best = std::numeric_limits<double>::infinity();
     for (unsigned set = 0; set < 1U << unknowns; ++set) {
       std::vector<Index> moving;
@@ -62,7 +62,7 @@ TEST(NonnegativeLeastSquares, MeetsTheConditionsOfTheOptimumWithManyUnknowns) {
   std::mt19937_64 random(2);
   for (int round = 0; round < 5; ++round) {
     const Problem p = random_problem(200, random);
-    const Eigen::VectorXd x = nonnegative_least_squares(p.normal, p.right, 1);
+    const Eigen::VectorXd x = fits::nonnegative_least_squares(p.normal, p.right, 1);
     const Eigen::VectorXd slope = p.normal * x - p.right;
     const double scale = p.right.cwiseAbs().maxCoeff();
     EXPECT_NEAR(slope[0], 0, 1e-8 * scale);

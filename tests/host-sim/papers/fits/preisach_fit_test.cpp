@@ -14,19 +14,19 @@
 namespace smaservo::test {
 namespace {
 
-using K = Preisach<double>;
-using Runs = std::vector<Run>;
+using K = papers::Preisach<double>;
+using Runs = std::vector<identify::Run>;
 constexpr double MPa = 1e6;
 constexpr double stroke = 0.04;
 
 /// Reversal curves of a wire that is a Preisach model, with noise on its strain.
-Run relay_run(double stress_MPa, double noise, int curves = 20) {
+identify::Run relay_run(double stress_MPa, double noise, int curves = 20) {
   const K::Params p = relays<double>(0.14);
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
-  Run run{};
+  identify::Run run{};
   run.name = "relays";
-  run.kind = RunKind::bath;
+  run.kind = identify::RunKind::bath;
   const double shift_K = 0.14 * stress_MPa;
   K::State s = K::rest(p, {386 + shift_K, stress_MPa * MPa});
   const auto go = [&](double to_K) {
@@ -47,7 +47,7 @@ Run relay_run(double stress_MPa, double noise, int curves = 20) {
 }
 
 /// Root mean square of the strain's error over a random walk of the temperature, by stroke.
-double walk_error(const PreisachWire& wire, double stress_MPa) {
+double walk_error(const fits::PreisachWire& wire, double stress_MPa) {
   const K::Params p = relays<double>(0.14);
   std::mt19937_64 random(6);
   const double shift_K = 0.14 * stress_MPa;
@@ -76,7 +76,7 @@ double cell_weight(const K::Params& p, std::size_t stress, std::size_t hot, std:
 TEST(PreisachFits, FindAPreisachWireAndItsStressesInBetween) {
   Runs runs;
   for (const double stress_MPa : {100.0, 200.0, 300.0}) runs.push_back(relay_run(stress_MPa, 0));
-  const PreisachFit fit = fit_preisach(runs, StressShift::fitted);
+  const fits::PreisachFit fit = fits::fit_preisach(runs, fits::StressShift::fitted);
   // The wire has a grid of its own.
   EXPECT_LT(fit.rms, 0.004);
   EXPECT_NEAR(fit.wire.kinetics.shift_K_Pa * MPa, 0.14, 0.002);
@@ -90,7 +90,8 @@ TEST(PreisachFits, FindAPreisachWireAndItsStressesInBetween) {
 
 TEST(PreisachFits, StayMonotoneWhereNoiseIsNot) {
   // 2 % of stroke on each of 6000 rows
-  const PreisachFit fit = fit_preisach({relay_run(150, 0.02 * stroke)}, StressShift::none);
+  const fits::PreisachFit fit =
+      fits::fit_preisach({relay_run(150, 0.02 * stroke)}, fits::StressShift::none);
   const K::Params& p = fit.wire.kinetics;
   for (std::size_t hot = 0; hot < 23; ++hot) {
     for (std::size_t cold = 0; cold <= hot; ++cold) {
@@ -104,7 +105,8 @@ TEST(PreisachFits, StayMonotoneWhereNoiseIsNot) {
 }
 
 TEST(PreisachFits, IncrementIsTheStrainOfAReversalCurve) {
-  const PreisachFit fit = fit_preisach({relay_run(100, 0), relay_run(200, 0)}, StressShift::fitted);
+  const fits::PreisachFit fit =
+      fits::fit_preisach({relay_run(100, 0), relay_run(200, 0)}, fits::StressShift::fitted);
   const double stress_Pa = 150 * MPa;
   for (const double hot_K : {360.0, 368.0, 375.0}) {
     for (const double cold_K : {330.0, 340.0}) {
@@ -119,13 +121,13 @@ TEST(PreisachFits, IncrementIsTheStrainOfAReversalCurve) {
 }
 
 /// A random walk of temperature and stress, with the temperature wrong by `off_K`, slowly.
-Run random_run(std::uint64_t seed, double off_K) {
+identify::Run random_run(std::uint64_t seed, double off_K) {
   const K::Params p = relays<double>(0.14);
   std::mt19937_64 random(seed);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  Run run{};
+  identify::Run run{};
   run.name = "histories";
   K::State s = K::rest(p, {300, 150 * MPa});
   for (int goal = 0; goal < 60; ++goal) {
@@ -148,17 +150,17 @@ Run random_run(std::uint64_t seed, double off_K) {
 TEST(PreisachFits, FindAPreisachWireInAnyHistories) {
   const std::vector<double> stresses_Pa{100 * MPa, 200 * MPa, 300 * MPa};
   const auto fitted = [&](double off_K) {
-    return fit_preisach_histories(
+    return fits::fit_preisach_histories(
         {random_run(1, off_K), random_run(2, off_K), random_run(3, off_K)}, stresses_Pa,
         0.14 / MPa);
   };
-  const PreisachFit fit = fitted(0);
+  const fits::PreisachFit fit = fitted(0);
   EXPECT_LT(fit.rms, 0.005);
   for (const double stress_MPa : {120.0, 200.0, 260.0}) {
     EXPECT_LT(walk_error(fit.wire, stress_MPa), 0.012) << stress_MPa;
   }
   // A kelvin is worth 8 % of the stroke where the wire is steepest.
-  const PreisachFit off = fitted(1);
+  const fits::PreisachFit off = fitted(1);
   EXPECT_TRUE(off.rms > 0.01 && off.rms < 0.05) << off.rms;
   EXPECT_LT(walk_error(off.wire, 200), 0.025);
 }
@@ -167,19 +169,20 @@ TEST(PreisachFits, HistoriesSayWhatIsMissing) {
   const auto run = random_run(1, 0);
   auto without = run;
   without.strain.clear();
-  EXPECT_THROW(fit_preisach_histories({}, {1e8}, 0), UserError);
-  EXPECT_THROW(fit_preisach_histories({run, without}, {1e8}, 0), UserError);
-  EXPECT_THROW(fit_preisach_histories({run}, {}, 0), UserError);
-  EXPECT_THROW(fit_preisach_histories({run}, {2e8, 1e8}, 0), UserError);
-  EXPECT_THROW(fit_preisach_histories({run}, {1, 2, 3, 4, 5, 6, 7, 8, 9}, 0), UserError);
+  EXPECT_THROW(fits::fit_preisach_histories({}, {1e8}, 0), files::UserError);
+  EXPECT_THROW(fits::fit_preisach_histories({run, without}, {1e8}, 0), files::UserError);
+  EXPECT_THROW(fits::fit_preisach_histories({run}, {}, 0), files::UserError);
+  EXPECT_THROW(fits::fit_preisach_histories({run}, {2e8, 1e8}, 0), files::UserError);
+  EXPECT_THROW(fits::fit_preisach_histories({run}, {1, 2, 3, 4, 5, 6, 7, 8, 9}, 0),
+               files::UserError);
 }
 
 std::string refusal(const std::function<void(Runs&)>& spoil) {
   Runs runs{relay_run(100, 0), relay_run(200, 0)};
   spoil(runs);
   try {
-    fit_preisach(runs, StressShift::fitted);
-  } catch (const UserError& error) {
+    fits::fit_preisach(runs, fits::StressShift::fitted);
+  } catch (const files::UserError& error) {
     return error.what();
   }
   return "";
@@ -191,7 +194,7 @@ TEST(PreisachFits, SayWhatIsMissing) {
     EXPECT_NE(refusal(spoil).find(part), std::string::npos) << refusal(spoil);
   };
   expect("no run", [](auto& runs) { runs.clear(); });
-  expect("is a settled run", [](auto& runs) { runs[1].kind = RunKind::settled; });
+  expect("is a settled run", [](auto& runs) { runs[1].kind = identify::RunKind::settled; });
   expect("without strain", [](auto& runs) { runs[1].strain.clear(); });
   expect("need a constant one", [](auto& runs) {
     for (std::size_t i = 0; i < 1000; ++i) runs[0].stress_Pa[i] = 120 * MPa;
@@ -210,34 +213,36 @@ TEST(PreisachFits, SayWhatIsMissing) {
   });
 }
 
-class PreisachOfFamily : public ::testing::TestWithParam<Family> {
+class PreisachOfFamily : public ::testing::TestWithParam<hal::Family> {
  protected:
   struct Errors {
     double constant, varying;  ///< root mean square by stroke
   };
 
-  static PreisachFit identified(StressShift shift) {
+  static fits::PreisachFit identified(fits::StressShift shift) {
     Runs runs;
     for (double stress_MPa = 100; stress_MPa < 201; stress_MPa += 25) {
-      runs.push_back(bath_run({"run",
-                               description(),
-                               7,
-                               0.5,
-                               GetParam(),
-                               {},
-                               reversal_curves(description().wire, stress_MPa * MPa, 20)}));
+      runs.push_back(
+          fits::bath_run({"run",
+                          description(),
+                          7,
+                          0.5,
+                          GetParam(),
+                          {},
+                          fits::reversal_curves(description().wire, stress_MPa * MPa, 20)}));
     }
-    return fit_preisach(runs, shift);
+    return fits::fit_preisach(runs, shift);
   }
-  static const WireDescription& description() {
-    static const WireDescription wire = load_wire("smartflex-76um");
+  static const files::WireDescription& description() {
+    static const files::WireDescription wire = files::load_wire("smartflex-76um");
     return wire;
   }
 
   /// Another history than that of the runs: swings of the temperature that die away.
-  static double error(const PreisachWire& model, const std::function<double(double)>& stress_MPa) {
+  static double error(const fits::PreisachWire& model,
+                      const std::function<double(double)>& stress_MPa) {
     std::mt19937_64 random(8);
-    const auto wire = make_simulated_wire(GetParam(), description().wire, {}, 0.5, random);
+    const auto wire = hal::make_simulated_wire(GetParam(), description().wire, {}, 0.5, random);
     const double hot_K = 371;
     wire->rest(hot_K, stress_MPa(0) * MPa);
     K::State s = K::rest(model.kinetics, {hot_K, stress_MPa(0) * MPa});
@@ -253,18 +258,20 @@ class PreisachOfFamily : public ::testing::TestWithParam<Family> {
     }
     return std::sqrt(squares / steps);
   }
-  static Errors errors(const PreisachWire& model) {
+  static Errors errors(const fits::PreisachWire& model) {
     return {error(model, [](double) { return 138.0; }), error(model, [](double turns) {
               return 150 + 50 * std::sin(2 * std::numbers::pi * turns / 1.3);
             })};
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Families, PreisachOfFamily, ::testing::ValuesIn(families),
-                         [](const auto& tested) { return std::string(family_name(tested.param)); });
+INSTANTIATE_TEST_SUITE_P(Families, PreisachOfFamily, ::testing::ValuesIn(hal::families),
+                         [](const auto& tested) {
+                           return std::string(hal::family_name(tested.param));
+                         });
 
 TEST_P(PreisachOfFamily, FollowsTheWireOnOtherPathsAndBetweenTheStresses) {
-  const PreisachFit fit = identified(StressShift::fitted);
+  const fits::PreisachFit fit = identified(fits::StressShift::fitted);
   EXPECT_TRUE(fit.rms > 0.001 && fit.rms < 0.01) << fit.rms;
   EXPECT_TRUE(fit.wire.kinetics.shift_K_Pa * MPa > 0.12 &&
               fit.wire.kinetics.shift_K_Pa * MPa < 0.15);
@@ -275,7 +282,7 @@ TEST_P(PreisachOfFamily, FollowsTheWireOnOtherPathsAndBetweenTheStresses) {
 
 TEST_P(PreisachOfFamily, WithoutAShiftAVaryingStressLeadsItAstray) {
   // 003's form; where a turning point was made at another stress its staircase is the wrong one.
-  const Errors now = errors(identified(StressShift::none).wire);
+  const Errors now = errors(identified(fits::StressShift::none).wire);
   EXPECT_LT(now.constant, 0.03);
   EXPECT_GT(now.varying, 0.05);
 }

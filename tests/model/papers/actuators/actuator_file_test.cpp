@@ -10,7 +10,7 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 namespace {
 
 using testing::AllOf;
@@ -30,7 +30,7 @@ std::string refusal(const std::string& text) {
   try {
     parse_actuator(text, "my.toml");
     return {};
-  } catch (const ConfigError& error) {
+  } catch (const files::ConfigError& error) {
     return error.what();
   }
 }
@@ -163,7 +163,7 @@ TEST(ActuatorFile, BrokenOrMissingFilesAreNamed) {
   const auto refused = [](const std::string& name) {
     try {
       load_actuator(name);
-    } catch (const ConfigError& error) {
+    } catch (const files::ConfigError& error) {
       return std::string(error.what());
     }
     return std::string();
@@ -179,4 +179,4 @@ TEST(ActuatorFile, BrokenOrMissingFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::papers

@@ -9,7 +9,7 @@
 #include "model/papers/actuators/actuator_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::papers {
 namespace {
 
 using Model = DuhemActuator<double>;
@@ -97,4 +97,4 @@ TEST(Table1, AmbientTemperatureIsTooWarmForTheWholeLoop) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::papers

@@ -12,7 +12,7 @@
 #include "model/units.hpp"
 #include "tests/host-sim/replay/measured_data.hpp"
 
-namespace smaservo::paper_000 {
+namespace smaservo::figures::paper_000 {
 namespace {
 
 void expect_between(double value, double low, double high) {
@@ -139,7 +139,8 @@ TEST(Paper000, StrainOverResistanceIsStraightBetween150And250MPa) {
 // 'Transformation function', figure 5
 TEST(Paper000, AdaptableFunctionsFitTwiceAsWellAsTheClassics) {
   for (const double stress_MPa : {10.0, 100.0, function_stress_MPa, 400.0}) {
-    const std::vector<ClassicFit> fits = transformation_functions(simulated_bath_run(stress_MPa));
+    const std::vector<identify::ClassicFit> fits =
+        transformation_functions(simulated_bath_run(stress_MPa));
     ASSERT_EQ(fits.size(), 5U);
     double best_classic = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -253,7 +254,7 @@ TEST(Paper000, FifteenRunsFrom20To150Degrees) {
 
 // 'Stress-free phase transformation', figure 14
 TEST(Paper000, CalorimetryFindsTheTransitions) {
-  const FitResult& fit = fitted_without_stress();
+  const identify::FitResult& fit = fitted_without_stress();
   expect_between(fit.runs.front().power.rms, 0.01, 0.045);
   const ThreePhaseParams<double>& k = fit.wire.kinetics;
   const auto turning_degC = [](const Surface<double>& surface) {
@@ -328,4 +329,4 @@ TEST(Paper000, ModelAgreesWhereItWasNotFitted) {
 }
 
 }  // namespace
-}  // namespace smaservo::paper_000
+}  // namespace smaservo::figures::paper_000

@@ -13,13 +13,13 @@
 #include "model/papers/actuators/actuator_file.hpp"
 #include "model/units.hpp"
 
-namespace smaservo {
+namespace smaservo::figures {
 namespace {
 
 class ActuatorRunTest : public testing::Test {
  protected:
-  static const DuhemActuator<double>::Params& params() {
-    static const auto p = load_actuator(std::string(paper_001_actuator));
+  static const papers::DuhemActuator<double>::Params& params() {
+    static const auto p = papers::load_actuator(std::string(papers::paper_001_actuator));
     return p;
   }
   static const std::vector<ActuatorSample>& run() {
@@ -80,7 +80,7 @@ TEST_F(ActuatorRunTest, FirstSwingIsALoopAndLaterOnesAreMinor) {
 
 TEST_F(ActuatorRunTest, MinorLoopsStayInsideTheMajorOne) {
   const auto& kinetics = params().kinetics;
-  const auto right = [](const Duhem<double>::Process& process, double T) {
+  const auto right = [](const papers::Duhem<double>::Process& process, double T) {
     return 0.5 * std::erfc((T - process.centre_K) / (process.deviation_K * std::numbers::sqrt2));
   };
   for (std::size_t i = 0; i < run().size(); ++i) {
@@ -177,7 +177,7 @@ TEST_F(ActuatorRunTest, AllFiguresAreDrawn) {
   std::vector<int> numbers;
   for (const PaperFigure& figure : figures) {
     numbers.push_back(figure.number);
-    for (const Plot& panel : figure.panels) {
+    for (const report::Plot& panel : figure.panels) {
       EXPECT_NE(panel.svg.find("</svg>"), std::string::npos);
     }
   }
@@ -185,4 +185,4 @@ TEST_F(ActuatorRunTest, AllFiguresAreDrawn) {
 }
 
 }  // namespace
-}  // namespace smaservo
+}  // namespace smaservo::figures

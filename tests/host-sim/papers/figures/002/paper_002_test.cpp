@@ -13,19 +13,21 @@
 namespace smaservo::test {
 namespace {
 
-using namespace bench_002;
+using namespace figures::bench_002;
 
-class Paper002 : public ::testing::TestWithParam<Family> {
+class Paper002 : public ::testing::TestWithParam<hal::Family> {
  protected:
-  double error_percent(const smaservo::Run& run) const {
-    return mean_error_percent(estimate_strain(fit.params, run), run);
+  double error_percent(const smaservo::identify::Run& run) const {
+    return mean_error_percent(fits::estimate_strain(fit.params, run), run);
   }
 
-  const StrainResistanceFit fit = calibrate(GetParam());
+  const fits::StrainResistanceFit fit = calibrate(GetParam());
 };
 
-INSTANTIATE_TEST_SUITE_P(Families, Paper002, ::testing::ValuesIn(families),
-                         [](const auto& tested) { return std::string(family_name(tested.param)); });
+INSTANTIATE_TEST_SUITE_P(Families, Paper002, ::testing::ValuesIn(hal::families),
+                         [](const auto& tested) {
+                           return std::string(hal::family_name(tested.param));
+                         });
 
 void expect_a_working_loop(const std::vector<LoopRow>& rows) {
   const PidGains limits = gains();
@@ -48,21 +50,22 @@ void expect_a_working_loop(const std::vector<LoopRow>& rows) {
 
 /// Section 4.2: the cooling coefficients change far more with the stress than those of heating.
 /// Section 6: the analytic ones go with them.
-void expect_figures_8_and_23(const StrainResistanceFit& fit, Family family) {
+void expect_figures_8_and_23(const fits::StrainResistanceFit& fit, hal::Family family) {
   const auto span = [&](auto number) {
     const auto [low, high] = std::ranges::minmax(fit.levels, {}, number);
     return number(high) - number(low);
   };
-  EXPECT_GT(span([](const LoadLevel& l) { return l.cooling.slope; }),
-            1.5 * span([](const LoadLevel& l) { return l.heating.slope; }));
-  if (family != Family::ihyp) {
+  EXPECT_GT(span([](const fits::LoadLevel& l) { return l.cooling.slope; }),
+            1.5 * span([](const fits::LoadLevel& l) { return l.heating.slope; }));
+  if (family != hal::Family::ihyp) {
     return;  // the others add what the wire's parameters do not say
   }
   const Wire<double> w = wire().wire;
   const double scale = fit.params.martensite_ohm /
                        (w.material.martensite.resistivity_ohm_m * w.length_per_area_1_m());
-  for (const LoadLevel& level : fit.levels) {
-    const auto lines = ResistanceLines<double>::at(liang_rogers(w), w.material, level.stress_Pa);
+  for (const fits::LoadLevel& level : fit.levels) {
+    const auto lines =
+        papers::ResistanceLines<double>::at(liang_rogers(w), w.material, level.stress_Pa);
     EXPECT_NEAR(lines.heating.line.slope * scale / level.heating.slope, 1, 0.1);
     EXPECT_NEAR(lines.cooling.line.slope * scale / level.cooling.slope, 1, 0.5);
   }
@@ -70,9 +73,11 @@ void expect_figures_8_and_23(const StrainResistanceFit& fit, Family family) {
 
 // One test, since the calibration takes most of its time.
 TEST_P(Paper002, TheEstimateIsAsGoodAsThePaperSays) {
-  const double light = error_percent(validation_run(GetParam(), ConstantLoad{stress_Pa(0.49)}));
-  const double heavy = error_percent(validation_run(GetParam(), ConstantLoad{stress_Pa(0.98)}));
-  const smaservo::Run sprung = validation_run(GetParam(), spring());
+  const double light =
+      error_percent(validation_run(GetParam(), hal::ConstantLoad{stress_Pa(0.49)}));
+  const double heavy =
+      error_percent(validation_run(GetParam(), hal::ConstantLoad{stress_Pa(0.98)}));
+  const smaservo::identify::Run sprung = validation_run(GetParam(), spring());
   const double spring_right = error_percent(sprung);
   const double spring_wrong = error_percent(with_constant_stress(sprung));
   std::printf(
@@ -92,7 +97,7 @@ TEST_P(Paper002, TheEstimateIsAsGoodAsThePaperSays) {
 /// Greatest difference of strain between cooling and heating at one resistance.
 double loop_width(double load_N) {
   double worst = 0;
-  const std::vector<RigRow> rows = major_loop(Family::ihyp, load_N);
+  const std::vector<RigRow> rows = major_loop(hal::Family::ihyp, load_N);
   const auto turn = std::ranges::find_if(rows, [](const RigRow& row) { return !row.heats; });
   // The resistance falls along the heating branch, but for its beginning.
   const auto peak = std::max_element(rows.begin(), turn, [](const RigRow& a, const RigRow& b) {
@@ -122,7 +127,7 @@ TEST(Paper002Loops, NarrowUnderHeavierLoads) {
 
 // Section 3.3: incomplete motions leave the major loop and come back to it.
 TEST(Paper002Loops, MinorLoopsStayWithinTheMajorOne) {
-  const MinorLoops loops = minor_loops(Family::ihyp, 1.3, false);
+  const MinorLoops loops = minor_loops(hal::Family::ihyp, 1.3, false);
   const auto [shortest, longest] = std::ranges::minmax(loops.run.strain);
   int turns = 0;
   double last = 0;

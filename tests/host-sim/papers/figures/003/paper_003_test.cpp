@@ -9,7 +9,7 @@
 namespace smaservo::test {
 namespace {
 
-void expect_slices_to_grow_with_the_span_of_the_reversal(const PreisachWire& wire) {
+void expect_slices_to_grow_with_the_span_of_the_reversal(const fits::PreisachWire& wire) {
   for (const double stress_Pa : {100e6, 137e6, 200e6}) {
     for (double hot_K = 310; hot_K < 390; hot_K += 2) {
       EXPECT_NEAR(wire.increment(hot_K, hot_K, stress_Pa), 0, 1e-12);
@@ -27,7 +27,7 @@ void expect_slices_to_grow_with_the_span_of_the_reversal(const PreisachWire& wir
 /// 003's conclusion: "predicts transitions between maxima and minima; however, minor discrepancies
 /// are observed at the extrema". The strain's way from each extremum of the temperature to the
 /// next.
-void expect_transitions_to_be_predicted(const Validation& v) {
+void expect_transitions_to_be_predicted(const figures::Validation& v) {
   double worst = 0;
   double last = v.strain.front();
   double last_model = v.model.front();
@@ -42,26 +42,28 @@ void expect_transitions_to_be_predicted(const Validation& v) {
   EXPECT_TRUE(worst > 0.001 && worst < 0.05) << worst;
 }
 
-class Paper003 : public ::testing::TestWithParam<Family> {};
+class Paper003 : public ::testing::TestWithParam<hal::Family> {};
 
-INSTANTIATE_TEST_SUITE_P(Families, Paper003, ::testing::ValuesIn(families),
-                         [](const auto& tested) { return std::string(family_name(tested.param)); });
+INSTANTIATE_TEST_SUITE_P(Families, Paper003, ::testing::ValuesIn(hal::families),
+                         [](const auto& tested) {
+                           return std::string(hal::family_name(tested.param));
+                         });
 
 // One test, since the identification takes most of its time.
 TEST_P(Paper003, ModelFollowsTheWireWhenStressSwitchesRelays) {
-  const PreisachWire literal = fit_003(GetParam(), StressShift::none).wire;
-  const PreisachWire shifted = fit_003(GetParam(), StressShift::fitted).wire;
+  const fits::PreisachWire literal = figures::fit_003(GetParam(), fits::StressShift::none).wire;
+  const fits::PreisachWire shifted = figures::fit_003(GetParam(), fits::StressShift::fitted).wire;
   expect_slices_to_grow_with_the_span_of_the_reversal(shifted);
 
-  const Validation still = validation_003(GetParam(), shifted, false);
+  const figures::Validation still = figures::validation_003(GetParam(), shifted, false);
   expect_transitions_to_be_predicted(still);
-  for (const double rms : {still.rms, validation_003(GetParam(), literal, false).rms}) {
+  for (const double rms : {still.rms, figures::validation_003(GetParam(), literal, false).rms}) {
     std::printf("static load: %.2f %% of stroke\n", 100 * rms);
     EXPECT_TRUE(rms > 0.002 && rms < 0.02) << rms;
   }
 
-  const double with = validation_003(GetParam(), shifted, true).rms;
-  const double without = validation_003(GetParam(), literal, true).rms;
+  const double with = figures::validation_003(GetParam(), shifted, true).rms;
+  const double without = figures::validation_003(GetParam(), literal, true).rms;
   std::printf("dynamic load: %.2f %% of stroke, as in 003 %.2f %%\n", 100 * with, 100 * without);
   EXPECT_TRUE(with > 0.002 && with < 0.03) << with;
   EXPECT_TRUE(without > 2 * with && without < 0.25) << without;

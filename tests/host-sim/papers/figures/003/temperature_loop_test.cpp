@@ -14,26 +14,29 @@
 namespace smaservo::test {
 namespace {
 
-LoopSetup setup(std::uint64_t seed = 1) {
-  LoopSetup s = loop_003();
+figures::LoopSetup setup(std::uint64_t seed = 1) {
+  figures::LoopSetup s = figures::loop_003();
   s.seed = seed;
   return s;
 }
 
 TEST(TemperatureLoop, AdaptiveTracksBetterThanAnyFixedGain) {
   for (const bool dynamic : {false, true}) {
-    const auto references = references_003(dynamic);
+    const auto references = figures::references_003(dynamic);
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      AdaptiveController adaptive = adaptive_003(setup());
-      const double adaptive_K = tracking_error_K(run_loop(setup(seed), adaptive, references), 2);
+      figures::AdaptiveController adaptive = figures::adaptive_003(setup());
+      const double adaptive_K =
+          figures::tracking_error_K(figures::run_loop(setup(seed), adaptive, references), 2);
       EXPECT_TRUE(adaptive_K > 0.05 && adaptive_K < 0.15) << adaptive_K;
       double best_K = std::numeric_limits<double>::infinity();
       for (const double response_s : {0.02, 0.025, 0.03, 0.035, 0.04, 0.05, 0.1, 0.2}) {
-        FixedController fixed(loop_design(setup()), response_s);
-        best_K = std::min(best_K, tracking_error_K(run_loop(setup(seed), fixed, references), 2));
+        figures::FixedController fixed(figures::loop_design(setup()), response_s);
+        best_K = std::min(best_K, figures::tracking_error_K(
+                                      figures::run_loop(setup(seed), fixed, references), 2));
       }
-      FixedController fixed = fixed_003(setup());
-      const double fixed_K = tracking_error_K(run_loop(setup(seed), fixed, references), 2);
+      figures::FixedController fixed = figures::fixed_003(setup());
+      const double fixed_K =
+          figures::tracking_error_K(figures::run_loop(setup(seed), fixed, references), 2);
       EXPECT_LT(adaptive_K, 0.95 * best_K);
       EXPECT_LT(adaptive_K, 0.5 * fixed_K);
     }
@@ -41,8 +44,8 @@ TEST(TemperatureLoop, AdaptiveTracksBetterThanAnyFixedGain) {
 }
 
 /// Steps that the wire cannot follow either way, then a level that it can.
-std::vector<LoopReference> impossible() {
-  std::vector<LoopReference> all;
+std::vector<figures::LoopReference> impossible() {
+  std::vector<figures::LoopReference> all;
   for (int i = 0; i < 1500; ++i) {
     const double T = i < 600 ? (i / 50 % 2 == 0 ? 390 : 250) : 340;
     all.push_back({T, 150e6});
@@ -51,13 +54,14 @@ std::vector<LoopReference> impossible() {
 }
 
 TEST(TemperatureLoop, CurrentStaysBetweenNoneAndTheLimitAndTheLoopRecovers) {
-  LoopSetup weak = setup();
+  figures::LoopSetup weak = setup();
   weak.limit_A = 0.15;
-  FixedController fixed = fixed_003(weak);
-  AdaptiveController adaptive = adaptive_003(weak);
-  for (TemperatureController* controller : {static_cast<TemperatureController*>(&fixed),
-                                            static_cast<TemperatureController*>(&adaptive)}) {
-    const auto rows = run_loop(weak, *controller, impossible());
+  figures::FixedController fixed = figures::fixed_003(weak);
+  figures::AdaptiveController adaptive = figures::adaptive_003(weak);
+  for (figures::TemperatureController* controller :
+       {static_cast<figures::TemperatureController*>(&fixed),
+        static_cast<figures::TemperatureController*>(&adaptive)}) {
+    const auto rows = figures::run_loop(weak, *controller, impossible());
     bool none = false;
     bool full = false;
     for (const auto& row : rows) {
@@ -67,14 +71,15 @@ TEST(TemperatureLoop, CurrentStaysBetweenNoneAndTheLimitAndTheLoopRecovers) {
       full = full || row.current_A > 0.99 * weak.limit_A;
     }
     EXPECT_TRUE(none && full);
-    EXPECT_LT(tracking_error_K(rows, 22), 0.3);
+    EXPECT_LT(figures::tracking_error_K(rows, 22), 0.3);
   }
 }
 
 TEST(TemperatureLoop, SameSeedSameRun) {
   const auto run = [](std::uint64_t seed) {
-    AdaptiveController controller = adaptive_003(setup());
-    return tracking_error_K(run_loop(setup(seed), controller, references_003(true)), 2);
+    figures::AdaptiveController controller = figures::adaptive_003(setup());
+    return figures::tracking_error_K(
+        figures::run_loop(setup(seed), controller, figures::references_003(true)), 2);
   };
   EXPECT_EQ(run(3), run(3));
   EXPECT_NE(run(3), run(4));
@@ -86,7 +91,7 @@ TEST(RecursiveLeastSquares, IsTheWeightedSolutionOfAllRowsAtOnce) {
   const Eigen::Vector4d start(0.5, 0, 1, 0);
   const double forgetting = 0.97;
   const double variance = 10;
-  RecursiveLeastSquares recursive(start, variance, forgetting, 1e9);
+  figures::RecursiveLeastSquares recursive(start, variance, forgetting, 1e9);
   // The start counts like one more row for each parameter, and fades like all others.
   Eigen::Matrix4d left = Eigen::Matrix4d::Identity() / variance;
   Eigen::Vector4d right = start / variance;
@@ -104,8 +109,8 @@ TEST(RecursiveLeastSquares, IsTheWeightedSolutionOfAllRowsAtOnce) {
 
 TEST(AdaptiveController, PutsALinearWireOnItsReferenceInOneSample) {
   // Without noise and weight, once the parameters are found. A wire twice as heavy as designed.
-  const LoopDesign design{0.02, 2, 1e-3, 4e-3, 300};
-  AdaptiveController controller(design, {{}, 0.98, 0});
+  const figures::LoopDesign design{0.02, 2, 1e-3, 4e-3, 300};
+  figures::AdaptiveController controller(design, {{}, 0.98, 0});
   double T = 300;
   double worst_K = 0;
   for (int i = 0; i < 4000; ++i) {
