@@ -44,7 +44,7 @@ class OffBoard {
         << "name = \"a\"\n[front_end]\ntype = \"iio\"\ndevice = \"ad7606\"\n"
         << "current = { channel = \"in_voltage0\", per_code = 1e-6 }\n"
         << "voltage = { channel = \"in_voltage1\", per_code = 1e-6 }\n"
-        << "[drive]\ntype = \"pwm\"\ngreatest_mA = 500\nchip = \"pwmchip" << chip
+        << "[drive]\ntype = \"pwm\"\nmax_mA = 500\nchip = \"pwmchip" << chip
         << "\"\nsupply_V = " << supply_V << "\n";
   }
   /// As the daemon has left them when it could do nothing any more.
