@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# readme.sh BUILD: the lines of README.md's "Your own trace" and "A servo", as they stand, with the
-# programs of this build, in a folder of their own. The recordings that they name are shipped traces.
+# readme.sh BUILD: every line of README.md's code blocks, as it stands, with the programs of this build,
+# in a folder of their own. Not those blocks that the README marks: <!-- not run: WHY -->. The recordings
+# that it names are shipped traces. Of toolchain/dev only that there is such a command; `toolchain/dev
+# test` runs the parts themselves.
 set -euo pipefail
 
 build=$(realpath "$1")
@@ -8,7 +10,15 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-section() { sed -n "/^## $1\$/,/^## /p" "$root/README.md" | sed -n 's/^    //p'; }
+# Lines that are indented by four, or in a list by eight.
+lines=$(awk '
+  /^ *<!-- .*not run/ { skipped = 1; next }
+  /^ *[0-9]+[.] / { block = 8 }
+  /^#/ { block = 4 }
+  block == 0 { block = 4 }
+  match($0, /^ */) && RLENGTH >= block && NF { if (!skipped) print substr($0, block + 1); inside = 1; next }
+  NF && inside { skipped = 0; inside = 0 }
+' "$root/README.md")
 
 cd "$work"
 mkdir -p build
@@ -19,12 +29,18 @@ for run in 50:50 150:200 300:400; do
   head -n 4001 "host-sim/traces/${run#*:}MPa.csv" >"run-${run%:*}MPa.csv"
 done
 
-lines=$(section 'Your own trace' && section 'A servo')
 [[ $(grep -c '^build/release/host-sim/host-sim ' <<<"$lines") -ge 6 ]]
+[[ $(grep -c '^toolchain/dev ' <<<"$lines") -ge 2 ]]
+help=$("$root/toolchain/dev" --help)
 # A line that ends in a backslash goes on in the next one, which is what read does without -r.
 # shellcheck disable=SC2162
 while read line; do
   echo "+ $line"
+  if [[ $line == toolchain/dev\ * ]]; then
+    read -r _ command _ <<<"$line"
+    grep -qE "^  $command( |$)" <<<"$help"
+    continue
+  fi
   eval "$line" >output 2>&1 || {
     cat output
     echo "failed: $line" >&2

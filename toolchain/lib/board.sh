@@ -164,7 +164,7 @@ board_obstacle() {
 # run_board_check NAME: its output goes into a log, its result into a file of NAME RESULT SECONDS.
 run_board_check() {
   local name=$1 start=$SECONDS result=passed log=$logs/board-$1.log
-  if ! "board_check_$name" >"$log" 2>&1; then
+  if ! took "board-$name" "board_check_$name" >"$log" 2>&1; then
     result=FAILED
     sed "s/^/board-test $name: /" "$log" >&2
   fi

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
-# Building, replaying and testing. Sourced by toolchain/dev.
+# Building and replaying. Sourced by toolchain/dev.
 
 # The part of a log that tells why: from the first error on, and the last lines.
 show_end() {
@@ -18,13 +18,33 @@ show_end() {
   } >&2
 }
 
+# Seconds of processors that this shell and all that it has waited for have taken; into $used.
+processor_time() {
+  local -a stat
+  read -r -a stat <"/proc/$BASHPID/stat"
+  used=$(((stat[13] + stat[14] + stat[15] + stat[16]) / 100))
+}
+
+# took NAME COMMAND...: writes its seconds down, of processors and of the clock, and its name.
+took() {
+  local name=$1 clock=$SECONDS used before code=0
+  shift
+  processor_time
+  before=$used
+  "$@" || code=$?
+  processor_time
+  mkdir -p "$logs"
+  printf '%d %d %s\n' $((used - before)) $((SECONDS - clock)) "$name" >>"$logs/steps"
+  return "$code"
+}
+
 # step NAME COMMAND...: runs quietly, with its output in build/logs/NAME.log; shows the end of it
 # when the command fails.
 step() {
   local name=$1
   shift
   mkdir -p "$logs"
-  if ! "$@" >"$logs/$name.log" 2>&1; then
+  if ! took "$name" "$@" >"$logs/$name.log" 2>&1; then
     say "failed: $name"
     show_end "$logs/$name.log"
     return 1
@@ -117,79 +137,4 @@ run_replay() {
   printf '\nReport:   %s\nEstimate: %s\n' "$report" "$(near "$out/estimate.csv")"
   printf 'Open the report in any browser, for instance: xdg-open %q\n' "$report"
   list_traces "$trace"
-}
-
-# timed NAME COMMAND...: its line of the summary: name, result, seconds, what was counted.
-timed() {
-  local name=$1 start=$SECONDS result=passed
-  shift
-  counted=''
-  "$@" || result=FAILED
-  printf '%-10s %-7s %5d s  %s\n' "$name" "$result" $((SECONDS - start)) "$counted" >>"$logs/summary"
-}
-
-counted=''
-
-test_preset() {
-  local preset=$1
-  build "$preset" || return
-  # Some tests run in a guest.
-  [[ $preset != release && $preset != dev ]] || setup_guest || return
-  say "testing $preset"
-  # Sanitizers find leaks and undefined behaviour only where they are told to stop there.
-  (cd "$root" &&
-    ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1 \
-      UBSAN_OPTIONS=print_stacktrace=1 \
-      step "$preset-test" ctest --preset "$preset" --parallel "$(nproc)") || return
-  counted=$(sed -nE 's/^100% tests passed, .* out of ([0-9]+)$/\1 tests/p' "$logs/$preset-test.log")
-  local skipped
-  skipped=$(grep -cE '\(Skipped\)$' "$logs/$preset-test.log" || true)
-  [[ $skipped == 0 ]] || counted+=", $skipped of them skipped: see build/logs/$preset-test.log"
-}
-
-# Cross compiled and in an emulator, with traces of the release's host-sim.
-test_arm64() {
-  sysroot arm64 aarch64-linux-gnu && build release host-sim && test_preset arm64
-}
-
-test_part() {
-  case $1 in
-    arm64 | mcu) timed "$1" "test_$1" ;;
-    can) timed can-test can_test ;;
-    board) timed board-test board_all ;;
-    package) timed package test_package ;;
-    fuzz) timed fuzz fuzz_all 60 ;;
-    check) timed check run_check ;;
-    *) timed "$1" test_preset "$1" ;;
-  esac
-}
-
-test_all() {
-  local part
-  test_part release
-  # What takes one core, side by side.
-  test_part mcu &
-  test_part can
-  test_part board
-  wait
-  for part in arm64 package sanitize tsan fuzz check; do
-    test_part "$part"
-  done
-}
-
-run_test() {
-  mkdir -p "$logs"
-  rm -f "$logs/summary"
-  timed setup run_setup
-  case ${1:-all} in
-    all) test_all ;;
-    dev | release | sanitize | tsan | arm64 | mcu | package) test_part "$1" ;;
-    *) die "test: unknown part: $1 (dev, release, sanitize, tsan, arm64, mcu, package)" ;;
-  esac
-  printf '\n'
-  cat "$logs/summary"
-  if grep -q ' FAILED ' "$logs/summary"; then
-    printf 'Logs are in %s\n' "$(near "$logs")"
-    return 1
-  fi
 }

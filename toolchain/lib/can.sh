@@ -34,7 +34,7 @@ can_test() {
   step can-clients install_clients "$clients" || return
   setup_guest || return
   local start=$SECONDS
-  can_session "$clients" || return
+  took can-session can_session "$clients" || return
   counted="sessions of $((SECONDS - start)) s"
 }
 

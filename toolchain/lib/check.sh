@@ -42,6 +42,7 @@ check_rules() {
   rule '(^|[^[:alnum:]_./:])/(home|root|work|Users|mnt)/[[:alnum:]]' 'a path of one machine' \
     '*.cpp' '*.hpp' '*.cmake' '*CMakeLists.txt' '*.toml' '*.md' '*.sh' '*.json' '*.in' toolchain .ci
   rule '\b(TODO|FIXME|XXX)\b' 'an open end' '*.cpp' '*.hpp'
+  rule '^ *# *define +[[:alnum:]_]+ +\(?[-+]?[0-9]' 'a number as a macro' '*.cpp' '*.hpp'
   return "$broken"
 }
 
@@ -117,19 +118,69 @@ check_tidy() {
   fi
 }
 
+# Programs in which the linker sees each class of each source: one name, one definition.
+check_odr() { build odr host-sim smaservod; }
+
+# Sources beside what has changed since the last commit, or in it where nothing has; 0-terminated.
+sources_beside_changes() {
+  (
+    cd "$root" || return
+    local changed folder
+    changed=$(git diff --name-only HEAD && git ls-files --others --exclude-standard)
+    [[ -n $changed ]] || changed=$(git diff --name-only HEAD~1)
+    grep -E '[.][ch]pp$' <<<"$changed" | sed -E 's|/[^/]*$||; s|^tests/||' | sort -u |
+      while IFS= read -r folder; do
+        find "$root/$folder" "$root/tests/$folder" -maxdepth 1 -name '*.cpp' -print0 2>/dev/null
+      done
+  )
+}
+
+# The command of a source, without what it would write.
+syntax_command() {
+  grep -F -B 1 "\"file\": \"$1\"" "$root/build/sanitize/compile_commands.json" | sed -nE '/"command": /{
+    s/^ *"command": "(.*)",$/\1/; s/\\(.)/\1/g; s/ccache //; s/ -o [^ ]+ -c / -fsyntax-only /p }'
+}
+
+# What only clang++ sees, as names that hide others, in the rooms that have changed.
+check_syntax() {
+  local -a sources
+  configure sanitize || return
+  mapfile -d '' sources < <(sources_beside_changes)
+  ((${#sources[@]})) || return 0
+  say 'checking with clang++ what has changed'
+  sources_to_tidy "${sources[@]}" | sort -zu | while IFS= read -r -d '' source; do
+    syntax_command "$source" | tr '\n' '\0'
+  done | xargs -0 -r -n 1 -P "$(nproc)" bash -c
+}
+
+# Seconds, all of it; prints which have failed.
+check_texts() {
+  local check
+  for check in format shell rules rooms; do
+    "check_$check" >&2 || printf ' %s' "$check"
+  done
+}
+
+# check_ended FAILED
+check_ended() {
+  [[ -n $1 ]] || return 0
+  say "check failed:$1"
+  return 1
+}
+
+check_quickly() {
+  say 'checking formatting, scripts, house rules'
+  check_ended "$(check_texts)"
+}
+
 run_check() {
   run_setup
   mkdir -p "$logs"
-  local failed=''
+  local failed
   say 'checking formatting, scripts, house rules'
-  check_format || failed+=' formatting'
-  check_shell || failed+=' shellcheck'
-  check_rules || failed+=' rules'
-  check_rooms || failed+=' rooms'
+  failed=$(took texts check_texts)
   say 'checking with clang-tidy'
-  check_tidy "$@" || failed+=' clang-tidy'
-  if [[ -n $failed ]]; then
-    say "check failed:$failed"
-    return 1
-  fi
+  took clang-tidy check_tidy "$@" || failed+=' clang-tidy'
+  (($#)) || check_odr || failed+=' one-definition'
+  check_ended "$failed"
 }

@@ -22,7 +22,7 @@ fuzz_all() {
   say "fuzzing ${fuzz_targets[*]}: $seconds s each"
   # shellcheck disable=SC2016 # expanded by the inner shell
   printf '%s\n' "${fuzz_targets[@]}" |
-    SECONDS_EACH=$seconds xargs -P 2 -I{} bash -c \
+    SECONDS_EACH=$seconds took fuzz xargs -P 2 -I{} bash -c \
       'fuzz_one "$1" "$SECONDS_EACH" >"$logs/fuzz-$1.log" 2>&1 || touch "$logs/fuzz-$1.failed"' - {}
   for name in "${fuzz_targets[@]}"; do
     count=$(sed -nE 's/^stat::number_of_executed_units: *//p' "$logs/fuzz-$name.log")

@@ -88,13 +88,17 @@ scratch_remove() {
   }
 }
 
-# The man page of a program has each of its options.
-man_page_has_options() {
-  local page=$1 option
+# man_page_has PAGE COMMAND...: each option and each sub-command of its help.
+man_page_has() {
+  local page=$1 help text word
   shift
-  "$@" --help | grep -oE -- '--[a-z][a-z-]+' | sort -u | while read -r option; do
-    zcat "$page" | sed 's/\\-/-/g' | grep -qF -- "$option" || {
-      printf '%s: %s is missing\n' "$page" "$option"
+  help=$("$@" --help) && text=$(zcat "$page" | sed 's/\\-/-/g') || return
+  {
+    grep -oE -- '--[a-z][a-z-]+' <<<"$help"
+    sed -nE '/^Subcommands:/,$ s/^  ([a-z-]+) .*/.B \1/p' <<<"$help"
+  } | sort -u | while read -r word; do
+    grep -qF -- "$word" <<<"$text" || {
+      printf '%s: %s is missing\n' "$page" "$word"
       return 1
     }
   done
@@ -120,9 +124,9 @@ check_programs() {
   systemd-analyze verify --root="$folder" --man=no smaservod.service || return
   # In tenths on a scale to 10; 2.2 today, and a service that nobody hardened has 9.6.
   systemd-analyze security --offline=true --threshold=25 --no-pager "$unit" || return
-  man_page_has_options "$folder/usr/share/man/man8/smaservod.8.gz" "$folder/usr/sbin/smaservod" &&
-    man_page_has_options "$folder/usr/share/man/man1/host-sim.1.gz" "$folder/usr/bin/host-sim" &&
-    man_page_has_options "$folder/usr/share/man/man8/smaservo-setup.8.gz" \
+  man_page_has "$folder/usr/share/man/man8/smaservod.8.gz" "$folder/usr/sbin/smaservod" &&
+    man_page_has "$folder/usr/share/man/man1/host-sim.1.gz" "$folder/usr/bin/host-sim" &&
+    man_page_has "$folder/usr/share/man/man8/smaservo-setup.8.gz" \
       bash "$folder/usr/sbin/smaservo-setup" &&
     completes "$folder" smaservod --che --check &&
     completes "$folder" host-sim simu simulate &&

@@ -1,9 +1,10 @@
-// `host-sim describe` as its user meets it, and the pages that are made by it.
+// `host-sim describe` and `explain` as their user meets them, and the pages that are made by it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "firmware/parameters/parameters.hpp"
+#include "firmware/safety/faults/table.hpp"
 #include "firmware/text/reference/parameter_reference.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "tests/host-sim/program.hpp"
@@ -12,6 +13,7 @@ namespace smaservo::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 TEST(Describe, TheCommittedParameterReferenceIsUpToDate) {
   EXPECT_TRUE(file_text(SMASERVO_SOURCE_DIR "/firmware/reference/PARAMETERS.md") ==
@@ -50,6 +52,27 @@ TEST(Describe, UnknownTopicsAndWiresEndWith1) {
   f = program.run({"describe", "settings", "--wire", "copper"});
   EXPECT_EQ(f.status, 1);
   EXPECT_THAT(f.err, HasSubstr("copper: no such wire"));
+}
+
+TEST(Explain, SaysWhatAFaultMeans) {
+  Program program;
+  const Finished f = program.run({"explain", "over_current"});
+  EXPECT_EQ(f.status, 0);
+  EXPECT_THAT(f.out, StartsWith("over_current (2310h)\n"));
+  EXPECT_THAT(f.out, HasSubstr("trips.current_A"));
+  EXPECT_EQ(program.run({"explain", "0x2310"}).out, f.out);
+  const Finished all = program.run({"explain"});
+  for (const FaultRow& row : fault_rows) {
+    EXPECT_THAT(all.out, HasSubstr(std::string(row.name)));
+  }
+}
+
+TEST(Explain, RefusesWhatIsNoFault) {
+  Program program;
+  const Finished f = program.run({"explain", "overcurrent"});
+  EXPECT_EQ(f.status, 1);
+  EXPECT_EQ(f.out, "");
+  EXPECT_THAT(f.err, StartsWith("host-sim: overcurrent: no such fault; did you mean over_current"));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "firmware/text/reference/parameter_reference.hpp"
 #include "tests/can/eds_node/eds_file.hpp"
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
-#include "tests/host-sim/program.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -4,15 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "firmware/safety/faults/table.hpp"
-#include "tests/host-sim/program.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 namespace {
 
 using ::testing::Contains;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::StartsWith;
 
 /// Anew: build/release/host-sim/host-sim describe faults > firmware/reference/FAULTS.md
 TEST(FaultReference, ThePageIsUpToDate) {
@@ -37,27 +35,6 @@ TEST(FaultReference, KnowsWhatWasMeant) {
   EXPECT_EQ(text::similar_faults("wire_opn").front(), "wire_open");
   EXPECT_THAT(text::similar_faults("slip"), Contains("clamp_slip"));
   EXPECT_THAT(text::similar_faults("xyzzyxyzzyxyzzyxyzzy"), IsEmpty());
-}
-
-TEST(Explain, SaysWhatAFaultMeans) {
-  Program program;
-  const Finished f = program.run({"explain", "over_current"});
-  EXPECT_EQ(f.status, 0);
-  EXPECT_THAT(f.out, StartsWith("over_current (2310h)\n"));
-  EXPECT_THAT(f.out, HasSubstr("trips.current_A"));
-  EXPECT_EQ(program.run({"explain", "0x2310"}).out, f.out);
-  const Finished all = program.run({"explain"});
-  for (const FaultRow& row : fault_rows) {
-    EXPECT_THAT(all.out, HasSubstr(std::string(row.name)));
-  }
-}
-
-TEST(Explain, RefusesWhatIsNoFault) {
-  Program program;
-  const Finished f = program.run({"explain", "overcurrent"});
-  EXPECT_EQ(f.status, 1);
-  EXPECT_EQ(f.out, "");
-  EXPECT_THAT(f.err, StartsWith("host-sim: overcurrent: no such fault; did you mean over_current"));
 }
 
 }  // namespace

@@ -1,0 +1,134 @@
+# shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
+# Testing: parts, their summary, what took longest. Sourced by toolchain/dev.
+
+# What a part has counted, for its line of the summary.
+counted=''
+
+# timed NAME COMMAND...: its line of the summary: name, result, seconds of the clock and of processors,
+# what was counted.
+timed() {
+  local name=$1 clock=$SECONDS result=passed used before
+  shift
+  counted=''
+  processor_time
+  before=$used
+  "$@" || result=FAILED
+  processor_time
+  printf '%-10s %-7s %5d s %6d s  %.46s\n' "$name" "$result" $((SECONDS - clock)) \
+    $((used - before)) "$counted" >>"$logs/summary"
+}
+
+# ctest_preset PRESET: sanitizers find leaks and undefined behaviour only where they are told to stop there.
+ctest_preset() {
+  local skipped
+  say "testing $1"
+  (cd "$root" &&
+    ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1 \
+      UBSAN_OPTIONS=print_stacktrace=1 \
+      step "$1-test" ctest --preset "$1" --parallel "$(nproc)") || return
+  counted=$(sed -nE 's/^100% tests passed, .* out of ([0-9]+)$/\1 tests/p' "$logs/$1-test.log")
+  skipped=$(grep -cE '\(Skipped\)$' "$logs/$1-test.log" || true)
+  [[ $skipped == 0 ]] || counted+=", $skipped skipped"
+}
+
+test_preset() {
+  build "$1" || return
+  # Some tests run in a guest.
+  [[ $1 != release && $1 != dev ]] || setup_guest || return
+  ctest_preset "$1"
+}
+
+# With the first line of README.md, which a test of the tree can not run while others use the tree.
+test_release() {
+  test_preset release && step replay "$root/toolchain/dev" replay
+}
+
+# Cross compiled and in an emulator, with traces of the release's host-sim.
+test_arm64() {
+  sysroot arm64 aarch64-linux-gnu && build release host-sim && test_preset arm64
+}
+
+# What a change has most often broken, in a few minutes.
+test_quick() {
+  build release && ctest_preset quick && took syntax check_syntax && took check check_quickly
+}
+
+test_part() {
+  case $1 in
+    release | arm64 | mcu | quick) timed "$1" "test_$1" ;;
+    can) timed can-test can_test ;;
+    board) timed board-test board_all ;;
+    package) timed package test_package ;;
+    fuzz) timed fuzz fuzz_all 60 ;;
+    check) timed check run_check ;;
+    *) timed "$1" test_preset "$1" ;;
+  esac
+}
+
+test_parts() {
+  local part
+  for part; do
+    test_part "$part"
+  done
+}
+
+# behind PART...: in what the other processes leave of the processors.
+behind() (
+  renice -n 5 "$BASHPID" >/dev/null
+  test_parts "$@"
+)
+
+# Guests keep one processor each, whatever the machine has, and fuzzers have a minute each: what compiles
+# runs behind them. The packages come when no guest takes one.
+test_all() {
+  test_part release
+  test_parts board can mcu &
+  behind sanitize tsan check arm64
+  wait
+  behind package &
+  test_part fuzz
+  wait
+}
+
+# dearest_in STEP: what was compiled or tested in it, with seconds of the clock.
+dearest_in() {
+  case $1 in
+    *-build)
+      awk -v began="$(stat -c %Y "$logs/began")" 'NR > 1 && $3 / 1e9 >= began && $4 ~ /[.]o$/ {
+        sub(/CMakeFiles\//, "", $4); sub(/Unity\/unity_/, "", $4); sub(/(_cxx[.]cxx|[.]cpp)[.]o$/, "", $4)
+        printf "%.0f s  %s\n", ($2 - $1) / 1000, $4
+      }' "$root/build/${1%-build}/.ninja_log"
+      ;;
+    *-test) sed -nE 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: ([^ ]+) .* ([0-9]+)\.[0-9]+ sec.*$/\2 s  \1/p' "$logs/$1.log" ;;
+  esac | sort -rn | sed -n 1,3p
+}
+
+print_dearest() {
+  local processors clock name
+  printf '\nThe ten dearest steps, in seconds of processors and of the clock:\n'
+  grep -v "^0 " "$logs/steps" | sort -rn | sed -n 1,10p | while read -r processors clock name; do
+    printf '%6d %6d  %s\n' "$processors" "$clock" "$name"
+    dearest_in "$name" | sed 's/^/                 /' | cut -c -80
+  done
+}
+
+test_names='dev, release, quick, sanitize, tsan, arm64, mcu, package'
+
+run_test() {
+  mkdir -p "$logs"
+  rm -f "$logs/summary" "$logs/steps"
+  touch "$logs/began"
+  timed setup run_setup
+  case ${1:-all} in
+    all) test_all ;;
+    dev | release | quick | sanitize | tsan | arm64 | mcu | package) test_part "$1" ;;
+    *) die "test: unknown part: $1 ($test_names)" ;;
+  esac
+  print_dearest
+  printf '\npart       result   clock processors\n'
+  cat "$logs/summary"
+  if grep -q ' FAILED ' "$logs/summary"; then
+    printf 'Logs are in %s\n' "$(near "$logs")"
+    return 1
+  fi
+}
