@@ -92,6 +92,9 @@ consteval std::size_t signal_index(std::string_view name,
   return row;
 }
 
+/// The index of the live values.
+inline constexpr std::uint16_t live_values = 0x2200;
+
 /// The sub-index of 2200h.
 constexpr std::uint8_t sub_of(std::size_t signal) {
   return static_cast<std::uint8_t>(signal + 1);

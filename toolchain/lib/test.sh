@@ -106,7 +106,7 @@ dearest_in() {
 print_dearest() {
   local processors clock name
   printf '\nThe ten dearest steps, in seconds of processors and of the clock:\n'
-  grep -v "^0 " "$logs/steps" | sort -rn | sed -n 1,10p | while read -r processors clock name; do
+  awk '$1 > 0' "$logs/steps" | sort -rn | sed -n 1,10p | while read -r processors clock name; do
     printf '%6d %6d  %s\n' "$processors" "$clock" "$name"
     dearest_in "$name" | sed 's/^/                 /' | cut -c -80
   done

@@ -8,7 +8,6 @@ namespace {
 
 constexpr const ObjectRows& drive_rows = without_texts<drive_object_rows>;
 
-constexpr std::uint16_t live_values = 0x2200;
 // Handles tell whose an entry is.
 constexpr std::uint16_t parameter_handle = 0x4000;
 constexpr std::uint16_t signal_handle = 0x8000;

@@ -20,7 +20,6 @@ namespace {
 
 using canopen::Type;
 
-constexpr std::uint16_t live_values = 0x2200;
 constexpr std::uint16_t faults_object = 0x2202;
 
 void add(std::vector<KnownObject>& all, std::span<const canopen::DescribedObject> rows,

@@ -12,8 +12,6 @@ namespace {
 
 using canopen::Type;
 
-constexpr std::uint16_t live_values = 0x2200;
-
 std::string index_name(std::uint16_t index) {
   for (const canopen::IndexName& row : canopen::communication_names) {
     if (row.index == index) {
