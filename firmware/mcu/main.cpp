@@ -108,11 +108,12 @@ int application() {
     semihosting::print("no settings in slot-0 and slot-1\n");
     return 2;
   }
-  loop.emplace(loaded.settings, static_cast<std::uint32_t>(loaded.settings.timing.period_s * 1e6F));
-  if (!loop->is_open()) {
+  mcu::loop.emplace(loaded.settings,
+                    static_cast<std::uint32_t>(loaded.settings.timing.period_s * 1e6F));
+  if (!mcu::loop->is_open()) {
     semihosting::print("no pipes drive, readings, can-out, can-in\n");
     return 2;
   }
-  loop->run();
+  mcu::loop->run();
   return 0;
 }

@@ -37,6 +37,7 @@ constexpr std::size_t slot_of(std::size_t row) {
 const std::vector<files::Field>& settings_fields() {
   static const std::vector<files::Field> fields = [] {
     std::vector<files::Field> all;
+    all.reserve(device_rows + files::wire_fields().size());
     for (std::size_t i = 0; i < device_rows; ++i) {
       all.push_back(field_of(parameters<double>[i], slot_of(i)));
     }

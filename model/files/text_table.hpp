@@ -18,9 +18,12 @@ class TextTable {
   /// A column with a format has numbers and stands right, one without has texts and stands left.
   /// A column without a key is not in the JSON; one with a key and no heading is there only.
   struct Column {
+    // g++ warns of what designated initializers leave out, unless it has one of its own.
+    // NOLINTBEGIN(readability-redundant-member-init)
     std::string heading = {};
     std::string format = {};  ///< of its real numbers, with a unit: "{:.1f} mA"
     std::string key = {};     ///< its name in JSON
+    // NOLINTEND(readability-redundant-member-init)
     double scale = 1;         ///< of real numbers for people; in JSON they stand as given
   };
 

@@ -275,6 +275,7 @@ std::vector<const Field*> written_fields(const Wire<double>& wire) {
 
 std::vector<double> wire_numbers(const Field& field, const Wire<double>& wire) {
   std::vector<double> numbers;
+  numbers.reserve(field.count);
   for (std::size_t i = 0; i < field.count; ++i) {
     numbers.push_back(rows[field.slot + i].get(wire));
   }

@@ -116,8 +116,8 @@ class Fixed {
   }
   /// Relative error 2e-9 + 4e-10 |x|, and half a step.
   friend constexpr Fixed exp(const Fixed& x) {
-    constexpr std::int64_t max = 64 * one;
-    const std::int64_t raw = x.raw_ < -max ? -max : max < x.raw_ ? max : x.raw_;
+    constexpr std::int64_t bound = 64 * one;
+    const std::int64_t raw = x.raw_ < -bound ? -bound : bound < x.raw_ ? bound : x.raw_;
     return powered(moved(raw * integer_math::per_ln_2, fraction_bits + 30, 32), x.overflowed_);
   }
   /// Error 1e-9 and half a step. Of what is not positive: the least number, overflowed.
@@ -135,8 +135,10 @@ class Fixed {
     // With 26 bits behind the point the products have 63 bits.
     const std::int64_t log_x = integer_math::rounded_shift(logarithm(x), 6);
     const std::int64_t log_power = moved(log_x * y.raw_, fraction_bits + 26, 26);
-    constexpr std::int64_t max = std::int64_t{64} << 26;
-    const std::int64_t bounded = log_power < -max ? -max : max < log_power ? max : log_power;
+    constexpr std::int64_t bound = std::int64_t{64} << 26;
+    const std::int64_t bounded = log_power < -bound  ? -bound
+                                 : bound < log_power ? bound
+                                                     : log_power;
     return powered(moved(bounded * integer_math::per_ln_2, 56, 32), either(x, y));
   }
 

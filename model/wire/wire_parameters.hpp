@@ -119,6 +119,7 @@ struct WireParameter {
   std::uint8_t coefficients = 1;
   /// What it is where a wire file leaves it out; NaN: the file needs it, or it follows from others.
   double standard = std::numeric_limits<double>::quiet_NaN();
+  // NOLINTNEXTLINE(readability-redundant-member-init): for designated initializers
   std::string_view follows = {};  ///< how, in words
 
   constexpr WireParameter with_default(double value) const {

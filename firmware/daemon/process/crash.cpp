@@ -8,7 +8,7 @@ namespace {
 
 // A handler knows nothing but its signal.
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
-std::atomic<const CrashGuard*> guard{nullptr};
+std::atomic<const CrashGuard*> installed{nullptr};
 
 void set_handlers(void (*handler)(int)) {
   struct sigaction action{};
@@ -28,17 +28,17 @@ CrashGuard::CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark,
     blocks_.at(i) = {mark->crash_block(crash_signals.at(i), false),
                      mark->crash_block(crash_signals.at(i), true)};
   }
-  guard.store(this);
+  installed.store(this);
   set_handlers(handle);
 }
 
 CrashGuard::~CrashGuard() {
   set_handlers(SIG_DFL);
-  guard.store(nullptr);
+  installed.store(nullptr);
 }
 
 void CrashGuard::handle(int signal) {
-  const CrashGuard* const self = guard.load();
+  const CrashGuard* const self = installed.load();
   if (self != nullptr) {
     hal::switch_off(self->off_);
     for (std::size_t i = 0; i < crash_signals.size(); ++i) {

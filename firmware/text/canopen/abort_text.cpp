@@ -11,7 +11,7 @@ struct AbortText {
   std::string_view text;
 };
 
-constexpr auto texts = std::to_array<AbortText>({
+constexpr auto abort_texts = std::to_array<AbortText>({
     {0x05030000, "toggle bit not alternated"},
     {0x05040000, "the node waited too long for the next part"},
     {0x05040001, "unknown SDO command"},
@@ -48,8 +48,8 @@ constexpr auto texts = std::to_array<AbortText>({
 }  // namespace
 
 std::string_view abort_text(std::uint32_t code) {
-  const auto* const found = std::ranges::find(texts, code, &AbortText::code);
-  return found == texts.end() ? "" : found->text;
+  const auto* const found = std::ranges::find(abort_texts, code, &AbortText::code);
+  return found == abort_texts.end() ? "" : found->text;
 }
 
 }  // namespace smaservo::text
