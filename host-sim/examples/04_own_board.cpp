@@ -20,7 +20,8 @@ class OwnBoard {
     const double A = time_ns_ < command_.valid_until_ns ? command_.current_A : 0;
     Model::advance(wire_, state_, {A * A * ohm, 150e6, 298.15}, 1e-3);
     time_ns_ += 1'000'000;
-    frame = {time_ns_, ++sequence_, A, A * ohm, 0.68, 24, NAN, NAN, false, false};  // NAN: not read
+    const double none = std::nan("");  // not read
+    frame = {time_ns_, ++sequence_, A, A * ohm, 0.68, 24, none, none, false, false};
     return time_ns_ < 600'000'000 ? hal::ReadStatus::frame : hal::ReadStatus::end;
   }
   void drive(const hal::DriveCommand& command) { command_ = command; }
