@@ -10,7 +10,6 @@
 
 using namespace smaservo;
 using Model = Plant<ThreePhase<double>>;
-namespace {
 /// Here with a simulated wire under 0.68 N; yours waits for its timer and reads its converters.
 class OwnBoard {
  public:
@@ -37,7 +36,6 @@ class OwnBoard {
   std::uint32_t sequence_ = 0;
 };
 static_assert(hal::Board<OwnBoard>);
-}  // namespace
 
 int main() {
   const Prepared<double> prepared =
