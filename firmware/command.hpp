@@ -22,7 +22,7 @@ enum class Mode : std::uint8_t {
 };
 inline constexpr std::uint8_t mode_count = 9;
 
-/// One law, scaled per command: the gains of the mode's loop times these.
+/// Factors by which a command scales the gains of its mode's loop.
 template <class S>
 struct GainScale {
   S proportional = S(1), integral = S(1), derivative = S(1);
@@ -30,8 +30,8 @@ struct GainScale {
 
 template <class S>
 struct Command {
-  bool fresh = false;  ///< it came since the last step: the command source is alive
-  bool arm = false;    ///< wants to run; a falling edge disarms
+  bool fresh = false;  ///< received since the last step: the command source is alive
+  bool arm = false;    ///< request to run; a falling edge disarms
   bool clear_faults = false;
   Mode mode = Mode::off;
   S setpoint = S(0);
@@ -50,7 +50,7 @@ struct Inputs {
   bool emergency_stop = false;
   bool driver_fault = false;
   bool deadline_missed = false;  ///< the caller was late for this step
-  FaultSet external;             ///< of what only the caller knows: bus, boot, store, settings
+  FaultSet external;  ///< faults that only the caller can know: bus, boot, store, settings
 };
 
 enum class DeviceState : std::uint8_t {
@@ -89,7 +89,7 @@ struct Output {
   // To the drive. Zero unless heat is allowed.
   S current_A;
   S voltage_V;  ///< for a drive of DriveKind::voltage
-  // What it was made from.
+  // What the current was computed from.
   DeviceState state;
   Mode mode;    ///< in force; off where no current is allowed
   S setpoint;   ///< in force, after limits
@@ -98,15 +98,15 @@ struct Output {
   Measurement<S> measurement;
   Estimate<S> estimate;
   S ambient_K;                  ///< as the observer believes
-  S hot_spot_K;                 ///< hottest temperature that the wire may have anywhere
+  S hot_spot_K;                 ///< highest temperature to be expected anywhere along the wire
   std::uint32_t limit_reasons;  ///< bit 1 << LimitReason
   FaultSet active;              ///< conditions present now, after their deglitch time
   FaultSet latched;             ///< faults that have not been cleared
-  Fault first_cause;            ///< of the latched ones; Fault::none
+  Fault first_cause;            ///< the fault that was latched first; Fault::none without one
   FaultSet warnings;
-  FaultSet blocks;               ///< all reasons why it can not be armed; empty while it is
-  std::uint64_t time_us;         ///< of the loop: the sum of all dt_s since start()
-  std::uint64_t first_cause_us;  ///< when that was
+  FaultSet blocks;        ///< all reasons why the device can not be armed; empty while it is armed
+  std::uint64_t time_us;  ///< of the loop: the sum of all dt_s since start()
+  std::uint64_t first_cause_us;  ///< time of the first cause
 
   constexpr bool limited_by(LimitReason reason) const {
     return (limit_reasons >> static_cast<unsigned>(reason) & 1U) != 0;

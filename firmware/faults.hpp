@@ -1,10 +1,10 @@
 #pragma once
-// Every condition that a device detects. faults/table.hpp describes each once: class, times, texts;
-// the reference page and `host-sim explain` are made from it. monitor.hpp detects them,
-// failsafe.hpp says what follows.
+// Every condition that a device detects. safety/faults/table.hpp describes each once: class, times,
+// texts; the reference page and `host-sim explain` are made from it. safety/monitor.hpp detects the
+// conditions, safety/failsafe.hpp says what follows.
 //
-// An enumerator's number is its bit in 2202h and stands in its EMCY: a new fault is appended,
-// whatever its kind; none is ever inserted, moved or removed.
+// An enumerator's value is its bit in object 2202h and is sent in its EMCY. New faults are
+// therefore appended, whatever their group; none is ever inserted, moved or removed.
 
 #include <bit>
 #include <cstddef>
@@ -76,19 +76,19 @@ enum class Fault : std::uint8_t {
 inline constexpr std::size_t fault_count = static_cast<std::size_t>(Fault::count);
 static_assert(fault_count <= 64);
 
-/// What follows from a fault. While no current is allowed anyway, every class but L and W blocks
-/// arming as long as the condition is there; of them only F0 is latched then.
+/// What follows from a fault. In states without current a condition of any class but L and W blocks
+/// arming as long as it is present; only F0 is latched in these states.
 enum class FaultClass : std::uint8_t {
   F0,  ///< heat off at once, by the hardware as well
   F1,  ///< heat off
   F2,  ///< the configured safe state: off, hold for a time, controlled release
-  L,   ///< limiter: no more than the least current while it lasts
+  L,   ///< limiter: no more than limits.min_current_A while it lasts
   B,   ///< blocks arming; a warning while running
   W,   ///< warning
 };
 inline constexpr std::size_t fault_class_count = 6;
 
-/// A set of them. An empty one is all zero.
+/// A set of faults. The empty set is all zero.
 class FaultSet {
  public:
   constexpr FaultSet() = default;
@@ -105,13 +105,13 @@ class FaultSet {
   constexpr void set(Fault fault, bool on = true) {
     bits_ = on ? bits_ | bit(fault) : bits_ & ~bit(fault);
   }
-  /// Adds it where this is so, which is rare: one instruction where it is not.
+  /// Adds the fault if `so`. Cost: one instruction in the usual case that it is not so.
   constexpr void add(Fault fault, bool so) {
     if (so) [[unlikely]] {
       bits_ |= bit(fault);
     }
   }
-  /// The first one in the order of Fault; none of an empty set.
+  /// The first fault of the set in the order of Fault; Fault::none if it is empty.
   constexpr Fault first() const {
     return empty() ? Fault::none : static_cast<Fault>(std::countr_zero(bits_));
   }
@@ -134,7 +134,7 @@ class FaultSet {
   std::uint64_t bits_ = 0;
 };
 
-/// Calls f(Fault) for each of the set, in the order of Fault.
+/// Calls f(Fault) for each fault of the set, in the order of Fault.
 template <class F>
 constexpr void for_each_fault(FaultSet set, F f) {
   for (std::uint64_t bits = set.bits(); bits != 0; bits &= bits - 1) {

@@ -1,5 +1,5 @@
 #pragma once
-// Settings with all that follows from them, computed once when they change and not in the loop.
+// Settings and the values derived from them, which are computed once per change, outside the loop.
 
 #include <cmath>
 
@@ -18,7 +18,7 @@ struct Prepared {
   Settings<S> settings;
   MeasurementParams<S> measuring;
   typename Observer::Params observer;
-  S cold_ohm;  ///< of the wire at rest at 25 °C without load, as its file says
+  S cold_ohm;  ///< resistance of the wire at rest, at 25 °C and without load, by its file
 };
 
 template <class S>

@@ -1,7 +1,7 @@
 #pragma once
 // Everything that a user can set on a device. parameters.hpp describes each number once: path,
-// unit, range, default, when it may change. Values are those of a float, so that the store, CAN and
-// a file give the same device.
+// unit, range, default, when it may change. Values are such as a float can hold, so that the store,
+// CAN and a file configure the same device.
 
 #include <cstdint>
 
@@ -17,8 +17,8 @@ struct Identity {
 template <class S>
 struct Timing {
   S period_s;           ///< nominal, of the loop
-  S command_timeout_s;  ///< without a fresh command for so long: command time-out
-  S sample_timeout_s;   ///< without a fresh sample for so long: stale
+  S command_timeout_s;  ///< time without a fresh command that makes the fault command_timeout
+  S sample_timeout_s;   ///< time without a fresh sample that makes the fault sample_stale
 };
 
 /// From raw readings to the wire's voltage, current and load.
@@ -31,7 +31,7 @@ struct Measuring {
   S current_noise_A;  ///< standard deviations
   S voltage_noise_V;
   S lead_resistance_ohm;  ///< 0 with four wires
-  S constant_load_N;      ///< taken where there is no load cell
+  S constant_load_N;      ///< used where there is no load cell
   bool has_load_cell;
   S current_full_scale_A;  ///< a reading at or beyond it is saturated
   S voltage_full_scale_V;
@@ -40,8 +40,8 @@ struct Measuring {
 /// What the observer starts from.
 template <class S>
 struct ObserverSettings {
-  S ambient_sd_K;  ///< how well the air's temperature is known: standard deviation
-  S loss_sd;       ///< and the cooling, relative to the wire's file
+  S ambient_sd_K;  ///< standard deviation of the air's temperature as first assumed
+  S loss_sd;       ///< standard deviation of the cooling, relative to the wire file's
 };
 
 /// What the output stage takes.
@@ -53,7 +53,8 @@ enum class DriveKind : std::uint8_t {
 template <class S>
 struct DriveSettings {
   DriveKind kind;
-  S proportional;  ///< of the current loop: volts by volts of the missing I R; current by current
+  S proportional;  ///< gain of the current loop: A per A that are missing; with a voltage drive V
+                   ///< per V of missing I R
   S integral_1_s;
   S min_supply_V, max_supply_V;
 };
@@ -62,21 +63,21 @@ struct DriveSettings {
 template <class S>
 struct LoopGains {
   S proportional;
-  S integral_1_s;         ///< of the proportional gain: 1/T_i
-  S derivative_s;         ///< of the proportional gain: T_d
-  S derivative_filter_s;  ///< on the measured variable
-  S setpoint_weight;      ///< of the proportional part, 0..1
-  S derivative_weight;    ///< of the set-point in the derivative part, 0..1
-  S tracking_s;           ///< anti-windup by back-calculation
-  S cooling_factor;       ///< on the gains, where less heat is asked for
-  S dead_band;            ///< of the controlled variable; inside, the temperature is held
+  S integral_1_s;         ///< integral gain by proportional gain: 1/T_i
+  S derivative_s;         ///< derivative gain by proportional gain: T_d
+  S derivative_filter_s;  ///< time constant of the filter on the measured variable
+  S setpoint_weight;      ///< weight of the set-point in the proportional part, 0..1
+  S derivative_weight;    ///< weight of the set-point in the derivative part, 0..1
+  S tracking_s;           ///< time constant of the anti-windup by back-calculation
+  S cooling_factor;       ///< factor on P and I gain where less heat is asked for
+  S dead_band;            ///< to either side of the reference; inside, the temperature is held
 };
 
 template <class S>
 struct TrajectorySettings {
-  S heating_rate_1_s;  ///< greatest strain rate that the planner asks for, contracting
-  S cooling_rate_1_s;  ///< and stretching; what the wire can do is less and always holds as well
-  S lead_s;  ///< by which a set-point that streams is led: heat turns before the wire does
+  S heating_rate_1_s;  ///< greatest strain rate that the planner asks for while contracting
+  S cooling_rate_1_s;  ///< the same while stretching; a wire that cools more slowly is waited for
+  S lead_s;  ///< time by which a streaming set-point is led: the wire responds to heat with a delay
 };
 
 /// Limits that shape the output; none of them is a fault.
@@ -86,13 +87,13 @@ struct SoftLimits {
   S current_A;
   S power_W;
   S temperature_K;  ///< of the hottest spot
-  S hot_spot_K;     ///< how far that may lie above the estimate
-  S min_strain;     ///< shortest wire that is asked for
+  S hot_spot_K;     ///< how far the hottest spot may lie above the estimated temperature
+  S min_strain;     ///< strain of the shortest wire that is asked for
   S max_strain;
   S stress_Pa;
-  S loss_margin;  ///< how much stronger than its file says a wire's cooling may be believed, where
-                  ///< that would let it be heated at its temperature limit
-  S duty;         ///< share of the current limit squared, averaged over duty_window_s
+  S loss_margin;  ///< greatest cooling that is believed at the temperature limit, relative to the
+                  ///< wire file's; it bounds the power that the wire gets for long
+  S duty;         ///< greatest mean over duty_window_s of the square of current by current_A
   S duty_window_s;
 };
 
@@ -102,16 +103,16 @@ struct TripLimits {
   S current_A;
   S temperature_K;  ///< of the hottest spot
   S stress_Pa;
-  S slack_Pa;  ///< below it the load is lost
+  S slack_Pa;  ///< smallest stress; below it the load is lost
   S min_strain, max_strain;
-  S following_error;  ///< strain, for following_s
+  S following_error;  ///< greatest deviation of the strain from its reference, for following_s
   S following_s;
   S heating_rate_K_s;
   S resistance_low, resistance_high;  ///< of the cold wire, as a share of what its file says
   S current_offset_A;                 ///< greatest zero-current reading at arming
   S min_ambient_K, max_ambient_K;
   S driver_K;            ///< temperature of the output stage
-  S drift;               ///< of the resistance, relative: fatigue
+  S drift;               ///< relative change of the resistance, a sign of fatigue
   std::uint32_t cycles;  ///< full cycles before a warning
 };
 
@@ -128,17 +129,17 @@ struct SafeSettings {
   S release_1_s;  ///< strain rate
 };
 
-/// The profile that `host-sim identify` likes: full cycles, shrinking loops.
+/// The heating profile for `host-sim identify`: full cycles, then inner loops that shrink.
 template <class S>
 struct ProfileSettings {
-  S overheat_K;  ///< level 1 ends so far above the finish of the transformation
-  S cycle_s;     ///< of a full cycle
-  S loop_s;      ///< of an inner loop
+  S overheat_K;  ///< level 1 heats to so far above the finish of the transformation
+  S cycle_s;     ///< duration of a full cycle
+  S loop_s;      ///< duration of an inner loop
 };
 
 template <class S>
 struct PositionSettings {
-  S zero_strain;  ///< position 0; positions count contraction
+  S zero_strain;  ///< strain at position 0; positions count contraction
 };
 
 template <class S>
@@ -150,7 +151,8 @@ struct Settings {
   ObserverSettings<S> observer;
   DriveSettings<S> drive;
   LoopGains<S> strain, temperature, resistance, force;
-  S feed_forward_s;  ///< in which the model's part brings the wire to its reference; 0: none
+  S feed_forward_s;  ///< time in which the feed-forward brings the wire to its reference; 0: it
+                     ///< only replaces the heat lost
   S transfer_s;      ///< time constant in which a new mode or gain takes over
   TrajectorySettings<S> trajectory;
   SoftLimits<S> limits;

@@ -1,7 +1,7 @@
 #pragma once
-// What a device tells of each step, described once: live values on CAN (2200h, sub-index by row),
-// channels of the recorder, signals of the DBC, columns of a trace. All are floats on the bus;
-// positions count contraction from axis.zero_strain.
+// The numbers that a device reports in each step, described once: live values on CAN (2200h,
+// sub-index by row), channels of the recorder, signals of the DBC, columns of a trace. On the bus
+// all are floats; positions count contraction from axis.zero_strain.
 //
 // Sub-indices are a protocol: new rows are appended, none is ever inserted, moved or removed.
 
@@ -14,7 +14,7 @@
 
 namespace smaservo {
 
-/// What follows from a step only with the settings, or with the steps before it.
+/// Quantities that need the settings, or the steps before, besides the present step.
 struct Motion {
   float position_m, velocity_m_s, force_N;
 };
@@ -81,8 +81,7 @@ inline constexpr auto signal_rows = [] {
 inline constexpr std::size_t signal_count = signal_rows<float>.size();
 using Signals = std::array<float, signal_count>;
 
-/// The row of a signal, by its name on the bus or in a trace; one that is in no row does not
-/// compile.
+/// The row of a signal, by its name on the bus or in a trace; an unknown name does not compile.
 consteval std::size_t signal_index(std::string_view name,
                                    std::string_view Signal<float>::* where = &Signal<float>::name) {
   std::size_t row = 0;
@@ -95,12 +94,13 @@ consteval std::size_t signal_index(std::string_view name,
 /// The index of the live values.
 inline constexpr std::uint16_t live_values = 0x2200;
 
-/// The sub-index of 2200h.
+/// Sub-index of a signal in 2200h.
 constexpr std::uint8_t sub_of(std::size_t signal) {
   return static_cast<std::uint8_t>(signal + 1);
 }
 
-/// All of them. The rows are looked up when this is compiled: neither texts nor calls are left.
+/// All signals of a step. The rows are resolved at compile time: the program has neither their
+/// texts nor calls through their pointers.
 template <class S>
 constexpr Signals read_signals(const SignalSource<S>& from) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {

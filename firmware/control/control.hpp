@@ -29,13 +29,13 @@ struct Controller {
   struct State {
     Mode mode;
     bool entered;  ///< the mode is new
-    bool rebase;   ///< mode or settings are new: the output is not to jump
+    bool rebase;   ///< mode or settings are new: the output must not jump
     bool moving;   ///< towards the reference, until it is reached
     typename Pid<S>::State pid;
     typename CurrentLoop<S>::State current_loop;
     S reference;    ///< of the trajectory
     S power_W;      ///< given in the last step
-    S transfer_W;   ///< what the last change would have made jump; fades
+    S transfer_W;   ///< jump of the power that the last change would have made; fades
     S duty;         ///< average of the squared share of the current limit
     S sustained_W;  ///< average of the power over the wire's own time constant
     bool streams;   ///< the set-point moves slowly enough to be followed
@@ -49,18 +49,18 @@ struct Controller {
     S reference;  ///< of the trajectory, in the set-point's unit
     S power_W;
     std::uint32_t limit_reasons;
-    bool invalid;  ///< what was wanted was no number; the least power is given
+    bool invalid;  ///< the wanted power was not a number; the least power is given
   };
 
-  /// No current: the loop starts afresh afterwards.
+  /// A step without current. The loop starts afresh afterwards.
   static void rest(const Prepared<S>& p, State& s, const S& dt_s);
 
   /// New settings are in force from the next step on.
   static void adopt(State& s) { s.rebase = true; }
 
-  /// No current where the estimate is not a number. A set-point that is none gives the least power,
-  /// and the mode starts afresh after it. Cost: 550 instructions on average through steps of
-  /// strain.
+  /// Gives no current where the estimate is not a number. A set-point that is not a number gives
+  /// the least power, and the mode starts afresh after it. Cost: 550 instructions on average over
+  /// steps of the strain.
   static Result step(const Prepared<S>& p, State& s, const Demand<S>& demand,
                      const ControlInputs<S>& known, const S& dt_s);
 
@@ -93,7 +93,7 @@ struct Controller {
   static S averaged(const S& average, const S& now, const S& dt_s, const S& over_s) {
     return average + (now - average) * (dt_s / (dt_s + over_s));
   }
-  /// Of a wire that loses heat to the air.
+  /// Thermal time constant of the wire in air.
   static S time_constant_s(const Prepared<S>& p) {
     const auto& body = p.observer.model.body;
     return body.capacity_J_K / body.loss_W_K;
@@ -132,7 +132,8 @@ S Controller<S>::clamp(const S& x, const S& low, const S& high, LimitReason why,
   return x;
 }
 
-/// What the output would be limited by anyway is not limited here.
+/// Clamps the set-point to the soft limits of its mode. Current, power and resistance have no upper
+/// bound here: the limits of the power bound them.
 template <class S>
 S Controller<S>::limited_setpoint(const Prepared<S>& p, const Demand<S>& demand,
                                   LimitReasons& reasons) {
@@ -214,8 +215,8 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
   const S error = s.reference - strain + q.trajectory.lead_s * s.moves_1_s;
   const S size = error < S(0) ? -error : error;
   const S band = q.strain.dead_band;
-  // Between the branches of the hysteresis a wire keeps its strain: inside of the band its
-  // temperature is held. A motion that has begun goes on to the middle of the band.
+  // Between the branches of the hysteresis the strain hardly depends on the temperature: inside the
+  // dead band the temperature is held. A motion that has begun goes on to the middle of the band.
   s.moving = band < size || S(0) < moves * error || (s.moving && S(0.25) * band < size);
   S forward_W = loss_W;
   if (planned.waits) {
@@ -227,7 +228,7 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
   return {forward_W, Pid<S>::step(q.strain, demand.scale, S(-1), s.pid, s.reference, strain, dt_s)};
 }
 
-/// The power that ends `overheat_K` above the transformation, by the profile's level.
+/// The profile's level times the power that holds the wire `overheat_K` above the transformation.
 template <class S>
 S Controller<S>::profile_W(const Prepared<S>& p, const State& s, const ControlInputs<S>& known) {
   const auto& model = p.observer.model;
@@ -273,8 +274,8 @@ auto Controller<S>::wanted(const Prepared<S>& p, State& s, const Demand<S>& dema
   return strain_loop(p, s, strain, known, loss_W, reasons, dt_s);
 }
 
-/// The limits come before the transfer, so that it never holds more than the range is wide, and
-/// after it.
+/// Applies the limits twice: before the transfer, so that transfer_W is never larger than the
+/// range, and to the sum with it.
 template <class S>
 S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mode,
                                  const PowerRange<S>& range, const PowerParts& wanted,
@@ -294,8 +295,8 @@ S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mod
   }
   const S given_W = range.within(allowed_W + s.transfer_W);
   s.transfer_W -= s.transfer_W * (dt_s / (dt_s + q.transfer_s));
-  // What the model asks for beyond the limits is no error that the integral has to answer for: it
-  // asks for more cooling than there is in every motion.
+  // Only the feedback beyond the limits winds the integral back, not the feed-forward: in every
+  // motion the model asks for more cooling than there is.
   const S from_model_W = range.within(wanted.forward_W) + wanted.feedback_W;
   Pid<S>::limited(gains(q, mode), s.pid, from_model_W, range.within(from_model_W), dt_s);
   return given_W;

@@ -1,6 +1,6 @@
 #pragma once
 // From a wanted current to what the output stage is told: feed-forward, and a PI loop on the
-// measured current that takes out the stage's own gain and offset.
+// measured current that corrects the stage's errors of gain and offset.
 
 #include "firmware/settings.hpp"
 #include "model/scalar/scalar.hpp"
@@ -18,7 +18,7 @@ struct CurrentLoop {
     S voltage_V;  ///< V = I R, for one that takes a voltage
   };
 
-  /// How much the loop may add or take, as a share of what is asked.
+  /// Greatest correction by the loop, as a share of the wanted current.
   static constexpr S max = S(0.1);
 
   /// `measured_A` is the answer to the last step's current; it may be NaN. Cost: 12 flops.

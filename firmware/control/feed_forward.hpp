@@ -18,16 +18,16 @@ struct FeedForward {
     return f.loss * p.observer.model.body.loss_W(above_K);
   }
 
-  /// Power that moves this heat within a time; in a slow loop within three of its periods, which
-  /// leaves room for a sample's delay.
+  /// Power that brings in this heat within `time_s`, but not within less than three periods of the
+  /// loop: that leaves room for a sample's delay.
   static S power_W(const S& heat_J, const S& time_s, const S& dt_s) {
     const S shortest_s = S(3) * dt_s;
     return heat_J / (time_s < shortest_s ? shortest_s : time_s);
   }
 
   /// Heat that brings the wire to a strain, by the inverse of its model: strain -> phases ->
-  /// temperature -> heat. `longer` is how much strain it is to gain. Negative where it has to cool.
-  /// Cost: some 200 instructions to heat, 450 to cool.
+  /// temperature -> heat. `longer` is the strain that the wire is to gain. The heat is negative
+  /// where the wire has to cool. Cost: some 200 instructions to heat, 450 to cool.
   static S heat_J(const Prepared<S>& p, const typename Filter::State& f, const S& longer) {
     const auto& model = p.observer.model;
     const S goal = Filter::whole_strain(p.observer, f) + longer;

@@ -1,6 +1,6 @@
 #pragma once
 // A PID loop with heating power as its output: derivative on the filtered measurement, weights on
-// the set-point, anti-windup by back-calculation, gains of its own where less heat is asked for.
+// the set-point, anti-windup by back-calculation, separate gains where less heat is asked for.
 // Source: Astrom and Hagglund, 'Advanced PID Control', 2006, chapters 3.4 and 3.5.
 
 #include "firmware/command.hpp"
@@ -16,25 +16,25 @@ struct Pid {
     S base;      ///< reference at the start; the set-point's weight counts from there
   };
 
-  /// From here on, with nothing from before.
+  /// State of a loop that starts here, without a history.
   static State start(const LoopGains<S>& q, const S& reference, const S& measured) {
     return {S(0), measured - q.derivative_weight * reference, reference};
   }
-  /// With other gains, the integral goes on: it knows what the model does not.
+  /// Goes on with other gains. The integral is kept: it holds what the model does not know.
   static void resume(const LoopGains<S>& q, State& s, const S& reference, const S& measured) {
     s.filtered = measured - q.derivative_weight * reference;
   }
 
   /// Power beyond the feed-forward. `direction` is +1 where heat raises the controlled variable, -1
-  /// where it lowers it. The cooling factor is on the proportional and integral part: on the others
-  /// it would be a step wherever the error changes its sign. Numbers have to be finite; the state
-  /// keeps what they are not. Cost: 30 flops, 2 divisions.
+  /// where it lowers it. cooling_factor scales the proportional and integral part: on the other
+  /// parts it would make a step whenever the error changes its sign. The arguments must be finite:
+  /// NaN would stay in the state. Cost: 30 flops, 2 divisions.
   static S step(const LoopGains<S>& q, const GainScale<S>& scale, const S& direction, State& s,
                 const S& reference, const S& measured, const S& dt_s);
 
-  /// Tells the integral what became of the output that step() was part of: wanted before the
-  /// limits, given after them. A tracking time far below 1/integral_1_s lets the integral eat up
-  /// the proportional part in a limit, and give it back slowly.
+  /// Anti-windup: tells the integral the whole output before the limits (`wanted_W`) and after them
+  /// (`given_W`). With a tracking time far below 1/integral_1_s the integral cancels the
+  /// proportional part while a limit acts, and recovers from that slowly.
   static void limited(const LoopGains<S>& q, State& s, const S& wanted_W, const S& given_W,
                       const S& dt_s) {
     const S share = dt_s < q.tracking_s ? dt_s / q.tracking_s : S(1);
@@ -59,7 +59,7 @@ S Pid<S>::step(const LoopGains<S>& q, const GainScale<S>& scale, const S& direct
   s.integral_W = q.integral_1_s > S(0)
                      ? s.integral_W + scale.integral * q.integral_1_s * K_error * dt_s
                      : S(0);
-  // u = K (b r - y) + I + K T_d d(c r - y)/dt, r in the first part from where it started
+  // u = K (b r - y) + I + K T_d d(c r - y)/dt; the weight b acts on r - base only
   const S weighed = (S(1) - q.setpoint_weight) * (reference - s.base);
   return scale.proportional * (K_error - K * weighed) + s.integral_W -
          scale.derivative * K * q.derivative_s * rises_1_s;

@@ -16,7 +16,7 @@ struct Profile {
     const S loops_from_s = S(cycles) * q.cycle_s;
     if (elapsed_s < loops_from_s) {
       const S cycle = elapsed_s / q.cycle_s;
-      // First cold, so that the run begins at rest.
+      // Each cycle begins cold, so that the run begins at rest.
       return cycle - S(static_cast<int>(cycle)) < S(0.45) ? S(0) : S(1);
     }
     const S loop = (elapsed_s - loops_from_s) / q.loop_s;

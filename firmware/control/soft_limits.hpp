@@ -1,5 +1,5 @@
 #pragma once
-// Limits that shape the power. None of them is a fault; each has its own reason.
+// Limits that shape the power. None of them is a fault; each reports its own LimitReason.
 
 #include <limits>
 
@@ -15,14 +15,14 @@ template <class S>
 struct ControlInputs {
   const Measurement<S>& measurement;
   const Estimate<S>& estimate;
-  const typename KalmanObserver<S>::State& filter;  ///< the most likely one: model state, air, loss
+  const typename KalmanObserver<S>::State& filter;  ///< the most likely filter's: model, air, loss
   S measured_A;
   S supply_V;                                     ///< NaN where it is not measured
-  S air_K = std::numeric_limits<S>::quiet_NaN();  ///< likewise
+  S air_K = std::numeric_limits<S>::quiet_NaN();  ///< of the air; NaN where it is not measured
   S hot_K = S(0);  ///< the wire's temperature by HotResistance; 0: not known
 };
 
-/// The reasons of one step.
+/// The limit reasons of one step.
 class LimitReasons {
  public:
   void add(LimitReason why) { bits_ |= 1U << static_cast<unsigned>(why); }
@@ -32,17 +32,17 @@ class LimitReasons {
   std::uint32_t bits_ = 0;
 };
 
-/// The range that the power may have now.
+/// The range that the power must stay within in this step.
 template <class S>
 class PowerRange {
  public:
-  /// Averages so far: `duty`, and the power over the wire's own time constant. Cost: 70 flops, 8
-  /// divisions.
+  /// `duty` and `sustained_W` are averages so far: of the squared share of the current limit, and
+  /// of the power over the wire's own time constant. Cost: 70 flops, 8 divisions.
   PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, const S& ohm, const S& loss_W,
              const S& duty, const S& sustained_W, const S& dt_s);
 
-  /// The wanted power as far as it is allowed, with the reason: the smallest of the limits. What is
-  /// not a number becomes the least power.
+  /// The wanted power, brought into the range. If that changes it, the reason is added: above the
+  /// range, that of the smallest limit. NaN becomes the least power.
   S apply(const S& wanted_W, LimitReasons& reasons) const {
     if (max_W_ < wanted_W) {
       reasons.add(because_);
@@ -51,14 +51,15 @@ class PowerRange {
     }
     return within(wanted_W);
   }
-  /// The same in silence.
+  /// The same without adding a reason.
   S within(const S& wanted_W) const {
     const S bounded = max_W_ < wanted_W ? max_W_ : wanted_W;
     return min_W_ <= bounded ? bounded : min_W_;
   }
 
  private:
-  /// A wire comes to its limit of temperature or strain in this time, and is held there.
+  /// Time constant with which a wire may approach its limit of temperature or strain, where it is
+  /// held.
   static constexpr S approach_s = S(0.01);
 
   void max(LimitReason why, const S& power_W) {
@@ -73,9 +74,9 @@ class PowerRange {
   void limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W);
   void limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W);
 
-  /// Up to here the least current goes on beside every limit: without it the resistance, and with
-  /// it the estimate that the limits need, is lost; it heats by less than a kelvin. Only limits of
-  /// current and power below it count.
+  /// Power of the least current, which other limits do not reduce: without it the resistance is
+  /// lost, and so is the estimate that the limits need. It heats the wire by less than a kelvin.
+  /// Only limits.current_A and limits.power_W may lie below it.
   S min_W_;
   S max_W_;
   LimitReason because_ = LimitReason::current;
@@ -102,15 +103,15 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, c
   }
   limit_duty(q, duty, max_W);
   limit_strain(p, known, loss_W, dt_s);
-  // As measured: the filter's lag is longer than a wire needs.
+  // The measured stress, not the filtered one: that lags by more than a wire needs to contract.
   limit_stress(
       q, known.measurement.stress_valid ? known.measurement.stress_Pa : known.filter.stress_Pa,
       loss_W);
 }
 
-/// A wire held at its temperature limit tells the observer little: a resistance that is off by 0.3
-/// % passes for stronger cooling, which lets in more power, for ever. What any wire can take for
-/// long follows from its file alone.
+/// Bounds the average power by the wire file alone. A wire held at its temperature limit tells the
+/// observer little: a resistance that is off by 0.3 % is taken for stronger cooling, which lets in
+/// more power, without end.
 template <class S>
 void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>& known,
                                     const S& sustained_W) {
@@ -124,9 +125,10 @@ void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>
   max(LimitReason::temperature, max_for_long_W + S(10) * (max_for_long_W - sustained_W));
 }
 
-/// What the transformation takes by itself is less heat than the wire needs to contract by so much.
-/// Beyond the limit the power falls from what holds the wire to nothing within 0.1 % of strain. At
-/// once it would let a wire on the limit cool through its whole hysteresis, and heat it up again.
+/// Before the limit the wire gets at most the latent heat of the strain that is left, which is less
+/// than it needs to contract by so much. Beyond the limit the power falls within 0.1 % of strain
+/// from what holds the temperature to nothing. If it fell at once, a wire on the limit would cool
+/// through its whole hysteresis and be heated up again.
 template <class S>
 void PowerRange<S>::limit_strain(const Prepared<S>& p, const ControlInputs<S>& known,
                                  const S& loss_W, const S& dt_s) {
@@ -141,8 +143,8 @@ void PowerRange<S>::limit_strain(const Prepared<S>& p, const ControlInputs<S>& k
   }
 }
 
-/// Contracting against a spring raises the stress: heat beyond the loss fades over the last 10 %,
-/// and the loss over the first 1 % above.
+/// Contracting against a spring raises the stress. Over the last 10 % below the limit the power is
+/// reduced to what holds the temperature, over the first 1 % above it to nothing.
 template <class S>
 void PowerRange<S>::limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W) {
   const S room = S(10) * (q.stress_Pa - stress_Pa);
@@ -153,8 +155,8 @@ void PowerRange<S>::limit_stress(const SoftLimits<S>& q, const S& stress_Pa, con
   }
 }
 
-/// Over the last 5 % of the duty the power falls to nothing. The whole current all the time is no
-/// limit.
+/// Over the last 5 % of limits.duty the power falls to nothing. A limits.duty of 1 limits nothing:
+/// it allows the whole current all the time.
 template <class S>
 void PowerRange<S>::limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W) {
   const S room = S(20) * (q.duty - duty);

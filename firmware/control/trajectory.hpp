@@ -12,13 +12,13 @@ struct Trajectory {
     bool waits;  ///< for the wire: it can not cool any faster
   };
 
-  /// How far ahead of the wire a reference may run while it cools: 2 % of 4 % stroke. Where it
-  /// would be further, it waits and the heat is off: cooling is passive, and no wire can do more.
+  /// How far, in strain, the reference may run ahead of a wire that cools: 2 % of a stroke of 4 %.
+  /// There it waits and the heat is off: cooling is passive and can not be made faster.
   static constexpr S lead = S(8e-4);
 
-  /// Moves on from `before` by no more than either rate allows. Only where the wire turns out to be
-  /// more than the lead behind, because its estimate has jumped, does the reference come back to it
-  /// at once.
+  /// Moves the reference on from `before`, no faster than the rates allow. Only if the wire is more
+  /// than `lead` behind, because its estimate has jumped, the reference comes back at once, to
+  /// `lead` ahead of the wire.
   static Result step(const TrajectorySettings<S>& q, const S& before, const S& setpoint,
                      const S& strain, const S& dt_s) {
     const S max = strain + lead;

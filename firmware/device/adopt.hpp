@@ -1,5 +1,5 @@
 #pragma once
-// New settings between two steps.
+// Puts new settings in force between two steps.
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ namespace smaservo {
 
 namespace detail {
 
-/// Of measurement.* or wire.*
+/// Whether the parameter is one of measurement.* or wire.*
 constexpr bool is_observed(Key key) {
   return key.index == 0x2010 || (0x2110 <= key.index && key.index <= 0x211C);
 }
@@ -29,17 +29,17 @@ bool same_plant(const Settings<S>& a, const Settings<S>& b) {
 
 }  // namespace detail
 
-/// The next step is with `to` instead of `from`; both are prepared beforehand. Gains, limits and
-/// paths change without a step in the output: the controller takes over from the power that it gave
-/// last. With another wire or other sensors, which may change without current only, the observer
-/// starts afresh. Cost: some microseconds, once for each change.
+/// Readies the state for a next step with `to` instead of `from`; both are prepared beforehand.
+/// Gains, limits and trajectory settings change without a jump of the output: the controller goes
+/// on from the power that it gave last. With another wire or other sensors, which may change
+/// without current only, the observer starts afresh. Cost: some microseconds, once for each change.
 template <class S>
 void adopt(const Prepared<S>& from, const Prepared<S>& to, typename Device<S>::State& s) {
   s.observing = s.observing && detail::same_plant(from.settings, to.settings);
   Controller<S>::adopt(s.controller);
 }
 
-/// The same where the loop itself has the time to prepare them.
+/// The same, where the loop itself has the time to prepare the settings.
 template <class S>
 void adopt(Prepared<S>& prepared, const Settings<S>& settings, typename Device<S>::State& s) {
   const Prepared<S> next = prepare(settings);

@@ -30,8 +30,8 @@ struct BlackBoxRecord {
 };
 static_assert(sizeof(BlackBoxRecord) == 40);
 
-/// The last `records` lines, spread over span_s: one each span_s/records, 10 ms by default, and
-/// that of the fault itself. An empty one is all zero.
+/// The last `records` lines, spread over span_s: one every span_s/records, 10 ms by default, and
+/// one of the fault itself. All zero: empty.
 template <class S, std::size_t records = 500>
 struct BlackBox {
   static constexpr S span_s = S(5);
@@ -41,16 +41,17 @@ struct BlackBox {
   std::array<BlackBoxRecord, records> ring;
   std::size_t next;   ///< where the next line goes
   std::size_t count;  ///< lines that are filled
-  S since_s;          ///< the last line
+  S since_s;          ///< time since the last line
 
-  /// Nothing is written any more from the cycle of a first cause until all faults are cleared.
+  /// Records a cycle. After the cycle of a first cause nothing is written until all faults are
+  /// cleared.
   void record(const Inputs<S>& in, const Command<S>& command, const Output<S>& out, const S& dt_s) {
     const bool fault = out.first_cause != Fault::none;
     if (frame.taken && fault) {
       return;
     }
     since_s += dt_s;
-    // Half a step early rather than half a step late: a sum of steps misses the interval.
+    // Within half a step: a sum of steps does not meet the interval exactly.
     if (fault || count == 0 || interval_s <= since_s + S(0.5) * dt_s) {
       since_s = S(0);
       append(line(in, out));

@@ -1,6 +1,6 @@
 #pragma once
 // One cycle of a device on a board, the same for every main: frame to inputs, step, drive. A main
-// reads the frame before it, and tells what came of it after it.
+// reads the frame before the cycle, and reports the result after it.
 
 #include <cstdint>
 #include <limits>
@@ -11,24 +11,24 @@
 
 namespace smaservo {
 
-/// What a device can step over.
+/// Bounds of the time that one step of a device may cover.
 inline constexpr std::int64_t shortest_step_ns = 100'000;
 inline constexpr std::int64_t longest_step_ns = 20'000'000;
 
-/// Heat is a lease: it ends with the loop, but not with one lost cycle of it.
+/// Heat is a lease of so many periods: it ends when the loop stops, but not when one cycle is lost.
 inline constexpr std::int64_t leased_periods = 3;
 
-/// What a cycle is told.
+/// What a main hands to a cycle.
 template <class S>
 struct Heard {
   Command<S> command;
   FaultSet external;  ///< for Inputs::external
   bool late = false;  ///< for Inputs::deadline_missed
-  /// That a master has sent since the cycle before; the last one counts.
+  /// Number of set-points that a master has sent since the cycle before; the last one is used.
   std::uint32_t setpoints = 0;
 };
 
-/// What a cycle was made from, and what it came to.
+/// The inputs and the result of a cycle.
 template <class S>
 struct DeviceStep {
   Inputs<S> inputs;
@@ -36,7 +36,7 @@ struct DeviceStep {
   Output<S> output;
 };
 
-/// Where no frame came nothing was read.
+/// Inputs from a frame; without a frame every reading is NaN.
 template <class S, class Number>
 Inputs<S> inputs_of(const hal::FrameOf<Number>& frame, hal::ReadStatus status) {
   const S none = std::numeric_limits<S>::quiet_NaN();
@@ -57,8 +57,8 @@ Inputs<S> inputs_of(const hal::FrameOf<Number>& frame, hal::ReadStatus status) {
   return in;
 }
 
-/// `step(inputs, command)` gives the device's Output. The lease is renewed by every cycle, the
-/// hardware's by one that heats and has read a frame.
+/// `step(inputs, command)` gives the device's Output. Every cycle renews the lease; only one that
+/// heats and has read a frame kicks the hardware's one-shot.
 template <class B, class S, class Number, class Step>
   requires hal::Board<B, Number>
 void run_cycle(B& board, const hal::FrameOf<Number>& frame, hal::ReadStatus status,
@@ -67,7 +67,7 @@ void run_cycle(B& board, const hal::FrameOf<Number>& frame, hal::ReadStatus stat
   now.inputs = inputs_of<S>(frame, status);
   now.inputs.deadline_missed = heard.late;
   now.inputs.external = heard.external;
-  // Made in its place: to copy what has just been written takes 8 % of the whole step.
+  // Constructed in place: copying the output takes 8 % of the whole step.
   ::new (&now.output) Output<S>(step(now.inputs, now.command));
   const Output<S>& out = now.output;
   board.drive({static_cast<Number>(out.current_A), static_cast<Number>(out.voltage_V),

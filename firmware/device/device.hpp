@@ -3,8 +3,8 @@
 //
 //   inputs -> measure -> observe -> protect -> control -> output
 //
-// No I/O, clock, heap or exception; the state is a trivially copyable value, and the inputs of the
-// steps are the log: given again, they give the same outputs.
+// No I/O, clock, heap or exception; the state is a trivially copyable value, and the inputs of all
+// steps are the log: replayed, they give the same outputs.
 
 #include <limits>
 #include <type_traits>
@@ -30,7 +30,7 @@ struct Device {
     S since_sample_s;  ///< age of the last fresh sample
     S since_command_s;
     S off_s;           ///< no current has been given for so long
-    S given_before_A;  ///< in the step before the last
+    S given_before_A;  ///< current given in the step before the last
     std::uint64_t time_us;
     Output<S> last;
   };
@@ -52,7 +52,7 @@ struct Device {
     return Observer::estimate(p.observer, s.observer);
   }
 
-  /// The second half, open to experiments with another estimate.
+  /// The second half. Experiments may call it with another estimate.
   static Output<S> decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                           const Measurement<S>& m, const Estimate<S>& e, const Command<S>& command,
                           const S& dt_s);
@@ -76,8 +76,9 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
   sample.load_N =
       q.has_load_cell ? (sample.load_N - q.load_offset_N) * q.load_gain : q.constant_load_N;
   if (!in.fresh) {
-    // Nothing is known of this interval. That the wire was not heated is the worse guess, but the
-    // only one that a stale sample must not keep alive; heating stops after sample_timeout_s.
+    // Nothing was measured in this interval, so the observer takes the wire as unheated. To go on
+    // with the last sample would be the better guess, but would keep a stale sample alive; heating
+    // stops after sample_timeout_s.
     Measurement<S> nothing{};
     if (s.observing) {
       Observer::advance(p.observer, s.observer, nothing, dt_s);
@@ -162,7 +163,7 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
 template <class S>
 void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& command,
                            const S& dt_s) {
-  // Seconds in a float would stand still after some hours.
+  // A float that counts seconds would stand still after some hours.
   s.time_us += static_cast<std::uint32_t>(static_cast<int>(dt_s * S(1e6) + S(0.5)));
   s.since_sample_s = in.fresh ? S(0) : s.since_sample_s + dt_s;
   s.since_command_s = command.fresh ? S(0) : s.since_command_s + dt_s;
@@ -173,7 +174,7 @@ template <class S>
 auto Device<S>::protect(const MonitorInputs<S>& seen, State& s) -> Verdict {
   const FaultSet active = Monitor<S>::step(seen, s.monitor);
   if (s.observing && !isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
-    s.observing = false;  // it would never come back by itself: the next sample starts it anew
+    s.observing = false;  // NaN would never leave the observer: the next sample starts it anew
   }
   return Supervisor<S>::step(seen, s.supervisor, active, s.time_us);
 }
@@ -184,7 +185,7 @@ void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
   out.voltage_V = out.current_A * p.cold_ohm;
 }
 
-/// A result that is no current is not put out; the next step calls it a fault.
+/// A result that is not usable as a current is not put out; the next step reports control_invalid.
 template <class S>
 void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>& demand,
                         Output<S>& out) {
@@ -212,7 +213,8 @@ void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>&
   out.limit_reasons = c.limit_reasons;
 }
 
-/// No more than keeps the resistance measurable. The controller learns what was given of it.
+/// Limits the current to limits.min_current_A, which keeps the resistance measurable, and tells the
+/// controller what was given.
 template <class S>
 void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
   const S min_A = p.settings.limits.min_current_A;

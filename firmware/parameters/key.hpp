@@ -1,5 +1,5 @@
 #pragma once
-// Where a number is found: by CANopen, and in a stored image.
+// The address of a value in CANopen and in a stored image.
 
 #include <compare>
 #include <cstdint>

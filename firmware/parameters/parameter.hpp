@@ -36,14 +36,15 @@ struct Value {
   friend constexpr bool operator==(const Value&, const Value&) = default;
 };
 
-/// As std::isfinite, which no constant may call yet.
+/// As std::isfinite, which is not constexpr before C++23.
 constexpr bool is_finite(float x) {
   constexpr float max = std::numeric_limits<float>::max();
   return -max <= x && x <= max;
 }
 
-/// What a device needs of a row. Ranges are inclusive and, as the default, values of `type`. A real
-/// whose default is NaN has none: the device is not configured before it is set.
+/// The part of a row that a device needs. `min`, `standard` (the default) and `max` are values of
+/// `type`; the range is inclusive. A real whose `standard` is NaN has no default: the device is not
+/// configured before it is set.
 template <class S>
 struct ParameterRow {
   Key key;
@@ -52,14 +53,14 @@ struct ParameterRow {
   Needs needs;
   Lane lane;
   Value min, standard, max;
-  const void* (*at)(const Settings<S>&);  ///< as load_real() and load_whole() want it
+  const void* (*at)(const Settings<S>&);  ///< the member, for load_real() and load_whole()
 
   Value get(const Settings<S>& settings) const {
     const void* from = at(settings);
     return type == ValueType::real ? Value::real(static_cast<float>(load_real<S>(from, lane)))
                                    : Value::number(load_whole(from, type));
   }
-  /// A real may be anything; a choice must be one.
+  /// Without a check: a real may be any value, but a choice must be one of its values.
   void set(Settings<S>& settings, Value value) const {
     void* to = const_cast<void*>(at(settings));  // NOLINT(*-const-cast)
     if (type == ValueType::real) {
@@ -76,7 +77,7 @@ struct ParameterRow {
   }
 };
 
-/// A row with its words.
+/// A row with its texts.
 template <class S>
 struct Parameter : ParameterRow<S> {
   Path path;                                  ///< table and name, with the SI unit as suffix

@@ -1,6 +1,6 @@
 #pragma once
 // What settings must fulfil: each value by itself, and all of them together. A rule names both
-// parameters that contradict each other; the words for a user are made elsewhere.
+// parameters that contradict each other; the messages for a user are made elsewhere.
 
 #include <cmath>
 
@@ -16,7 +16,7 @@ enum class Problem : std::uint8_t {
   contradiction,  ///< of two parameters: a rule does not hold
 };
 
-/// What is wrong with settings. Rows are those of `parameters`.
+/// What is wrong with settings. `parameter` and `other` are rows of `parameters`.
 struct Finding {
   Problem problem = Problem::none;
   std::size_t parameter = no_parameter;
@@ -29,13 +29,15 @@ struct Finding {
 enum class Relation : std::uint8_t {
   below,      ///< factor a + plus < b
   not_above,  ///< factor a + plus <= b
-  heats,      ///< start a and finish b of a process: 150..600 K, finish at least 1 K above start,
-  cools,      ///< or below it, at every stress that the wire may carry
-  curvature,  ///< a + b stress of a process: 0.001..30, likewise
-  turning,    ///< 0.05..0.95
+  heats,      ///< start a, finish b of a process: 150..600 K, finish at least 1 K above start
+  cools,      ///< likewise, but finish at least 1 K below start
+  curvature,  ///< a + b stress of a process: 0.001..30
+  turning,    ///< a + b stress of a process: 0.05..0.95
 };
 
-/// Rows of parameters in a relation. It holds while one of them is not set, or has no meaning.
+/// Parameters in a relation, as rows of `parameters`. The rule holds as long as one of its
+/// parameters is not set or not used. Relations of a process are checked at every stress up to
+/// wire.limits.stress_Pa.
 struct RuleRow {
   std::uint16_t a, b;
   std::uint16_t plus;  ///< no_parameter: none
@@ -49,7 +51,7 @@ struct Rule : RuleRow {
 
 namespace detail {
 
-std::size_t no_such_parameter();  // has no body
+std::size_t no_such_parameter();  // never defined, so that a call does not compile
 
 /// A path that is not in the table does not compile.
 consteval std::uint16_t row_of(std::string_view path) {
@@ -150,7 +152,7 @@ Surface<S> surface_of(const ThreePhaseParams<S>& p, std::uint16_t index) {
 template <class S>
 bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
   const Isobar<S> at = isobar(surface, stress_Pa);
-  // What a wire file just allows may be rounded to the other side.
+  // A value at the edge of what a wire file allows may be rounded beyond it.
   const auto within = [](const S& min, const S& x, const S& max) {
     const S slack = S(1e-3) * min;
     return min - slack <= x && x <= max + slack;
@@ -182,14 +184,14 @@ bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
 
 inline constexpr auto parameter_rules = detail::all_rules();
 
-/// The same without their words.
+/// The rules without their texts.
 inline constexpr auto rule_rows = [] {
   std::array<RuleRow, parameter_rules.size()> rows{};
   std::ranges::copy(parameter_rules, rows.begin());
   return rows;
 }();
 
-/// Whether this parameter has been set: its value is one.
+/// Whether this parameter has a value: a default, or one that is not NaN.
 template <class S>
 bool is_set(const ParameterRow<S>& row, const Settings<S>& settings) {
   return row.has_default() || !std::isnan(row.get(settings).real());
@@ -233,8 +235,8 @@ constexpr Problem problem_of(Fit fit) {
                                   : Problem::above;
 }
 
-/// The first thing that is wrong. What is not set yet is no mistake: see first_missing(). Cost:
-/// some ten microseconds on a PC; not for the loop.
+/// The first problem of the settings. A parameter that is not set yet is not one: see
+/// first_missing(). Cost: some ten microseconds on a PC; not for the loop.
 template <class S>
 Finding check(const Settings<S>& settings) {
   for (std::size_t i = 0; i < parameter_count; ++i) {

@@ -3,8 +3,9 @@
 // default, when it may change, meaning. Defaults, checks, files, the store, CAN and PARAMETERS.md
 // come from this table. Rows stand in the order of their keys; a new parameter is one more row.
 //
-// The tables are of float and of double settings, their values always those of a float. Keys are
-// for ever: what is gone, or measured differently, leaves its key unused (schemas.hpp).
+// There is a table for float and one for double settings; the values are always such as a float can
+// hold. A key never changes its meaning: if a parameter is removed or gets another unit, its key
+// stays unused (schemas.hpp).
 
 #include <algorithm>
 
@@ -30,7 +31,7 @@ inline constexpr auto parameters = joined(
 
 inline constexpr std::size_t parameter_count = parameters<float>.size();
 
-/// The same without their words, which a device has no memory for.
+/// The rows without their texts, for which a device has no memory.
 template <class S>
 inline constexpr auto parameter_rows = [] {
   std::array<ParameterRow<S>, parameter_count> rows{};
@@ -67,7 +68,7 @@ constexpr std::size_t find_parameter(std::string_view path) {
   return no_parameter;
 }
 
-/// Every default; the wire is NaN: not configured.
+/// Settings with every default; the numbers of the wire are NaN: not configured.
 template <class S>
 Settings<S> default_settings() {
   Settings<S> settings{};
@@ -77,8 +78,8 @@ Settings<S> default_settings() {
   return settings;
 }
 
-/// The same settings in another scalar, or rounded to what the store and CAN keep of them. What has
-/// no meaning with the others has its default.
+/// The same settings in another scalar, or rounded to float as the store and CAN keep them. A
+/// parameter that is not used with these settings gets its default.
 template <class To, class From>
 Settings<To> stored_settings(const Settings<From>& settings) {
   Settings<To> to{};
@@ -89,7 +90,7 @@ Settings<To> stored_settings(const Settings<From>& settings) {
   return to;
 }
 
-/// Whether every parameter that has a meaning with the others has the same bits.
+/// Whether both use the same parameters, with the same bits.
 template <class S>
 bool same_settings(const Settings<S>& a, const Settings<S>& b) {
   return std::ranges::all_of(parameter_rows<S>, [&](const ParameterRow<S>& row) {
@@ -97,7 +98,7 @@ bool same_settings(const Settings<S>& a, const Settings<S>& b) {
   });
 }
 
-/// How a value stands to the range of its row.
+/// Where a value lies relative to the range of its row.
 enum class Fit : std::uint8_t { inside, not_finite, below, above };
 
 template <class S>
@@ -148,7 +149,7 @@ constexpr bool ends_in_unit(std::string_view path, const Parameter<float>& row) 
   return path.ends_with(unit) && path[path.size() - unit.size() - 1] == '_';
 }
 
-/// A path ends in the unit of its kind, and one without a unit in nobody's.
+/// A path ends in the unit of its kind; a path of a kind without unit ends in no unit at all.
 constexpr bool units_stand_in_paths() {
   for (const Parameter<float>& row : parameters<float>) {
     const bool has_unit = !row.kind.front().suffix.empty();

@@ -200,7 +200,7 @@ constexpr auto axis_rows() {
   });
 }
 
-/// What differs between the loops.
+/// Defaults that differ between the loops.
 struct LoopDefaults {
   float proportional, integral_1_s, dead_band;
 };

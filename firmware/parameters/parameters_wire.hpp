@@ -6,7 +6,7 @@
 
 namespace smaservo {
 
-/// An object with its sub-indices from 1 on.
+/// An object with the sub-indices 1 to `count`.
 struct WireObject {
   std::uint16_t index;
   std::uint8_t count;

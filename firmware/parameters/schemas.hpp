@@ -1,8 +1,8 @@
 #pragma once
 // Which parameters the stored images of each release have, and what has moved since. An image is
-// read by its keys, so any release reads any other's: what it does not know it leaves, what it does
-// not find takes the default. Therefore a key never changes its meaning, type or unit; a parameter
-// that must change gets a new key, and a row of `moved_parameters`.
+// read by its keys, so any release reads any other's: it ignores entries that it does not know, and
+// a parameter without an entry takes its default. Therefore a key never changes its meaning, type
+// or unit; a parameter that must change gets a new key, and a row of `moved_parameters`.
 
 #include "firmware/parameters/parameters.hpp"
 
@@ -33,11 +33,12 @@ struct Schema {
   std::span<const SchemaObject> objects;
 };
 
-/// The last one is that of `parameters`.
+/// The last schema is that of `parameters`.
 inline constexpr auto released_schemas = std::to_array<Schema>({{"0.1.0", schema_0_1_0}});
 
-/// A parameter that was kept under another key: its value is factor times the old one. Images are
-/// written with both, so that an older release finds its own. Only reals have factors other than 1.
+/// A parameter that older releases stored under the key `from`: its value under `to` is factor
+/// times the old one. Images are written with both entries, so that an older release finds its own.
+/// Only reals have factors other than 1.
 struct Moved {
   Key from, to;
   float factor;

@@ -6,11 +6,11 @@
 //   stage, stage, try_for(30 s), commit  in force at once, stored when committed
 //   stage, try_for(30 s), nothing        after 30 s as before
 //
-// Where one thread does all, this is what owns the settings in force: whoever else uses them keeps
-// the number of changes() that it has followed. Where several threads use them their owner is
-// another (ParameterDesk of the daemon), which gives them by replace() and is given active().
+// With a single thread, Staging owns the settings in force; whoever else uses them compares
+// changes() with the number that it has followed. With several threads another object owns them
+// (ParameterDesk of the daemon): it hands settings in by replace() and takes active() out.
 //
-// Not for the loop: apply() and try_for() cost some ten microseconds on a PC. tick() is.
+// apply() and try_for() are not for the loop: they cost some ten microseconds on a PC. tick() is.
 
 #include "firmware/parameters/parameter_check.hpp"
 
@@ -29,7 +29,7 @@ enum class ApplyProblem : std::uint8_t {
   none,
   refused,        ///< the set is out of range or contradictory: see the finding
   while_enabled,  ///< the device has been enabled since: a staged parameter may not change now
-  only_live,      ///< a trial takes parameters that may change at any time
+  only_live,      ///< a trial takes only parameters that may change at any time
   on_trial,       ///< commit() or revert() comes first
   no_trial,       ///< there is nothing to commit
   duration,       ///< of a trial: 0.1 s to an hour
@@ -46,28 +46,28 @@ struct Applied {
 template <class S>
 class Staging {
  public:
-  /// `settings` have passed check(); after a start they are also those in force.
+  /// `settings` must have passed check(); they are in force from the start.
   explicit Staging(const Settings<S>& settings)
       : active_(settings), configured_(settings), staged_(settings) {}
 
-  /// In force. Changes in apply(), try_for(), revert(), tick() and replace() only, and then as a
-  /// whole.
+  /// The settings in force. They change in apply(), try_for(), revert(), tick() and replace() only,
+  /// and then as a whole.
   const Settings<S>& active() const { return active_; }
   /// Counts up with each set that comes into force.
   std::uint32_t changes() const { return changes_; }
-  /// What is to be stored: without a trial, with what waits for the next start.
+  /// The settings to store: without those on trial, with those that wait for the next start.
   const Settings<S>& configured() const { return configured_; }
-  /// What is in force with the staged changes: what a reader of parameters expects to see.
+  /// The settings in force with the staged changes: what a reader of parameters expects to see.
   const Settings<S>& staged() const { return staged_; }
 
   bool on_trial() const { return S(0) < trial_s_; }
-  /// What is left of a trial; nothing without one.
+  /// The time left of a trial; 0 without one.
   S trial_left_s() const { return trial_s_; }
   bool waits_for_reset() const {
     return !same_settings(configured_, with_boot_values(configured_));
   }
 
-  /// Remembers a value. A refused one leaves everything as it was.
+  /// Stages a value. A refused value changes nothing.
   StageResult stage(Key key, Value value, bool enabled) {
     const std::size_t i = find_parameter(key);
     if (i == no_parameter) {
@@ -91,7 +91,7 @@ class Staging {
     return StageResult::ok;
   }
 
-  /// Forgets what is staged.
+  /// Drops the staged changes.
   void discard() { staged_ = on_trial() ? with_reset_values(active_) : configured_; }
 
   /// Puts the staged set in force: all of it or nothing.
@@ -107,8 +107,8 @@ class Staging {
     return allowed;
   }
 
-  /// The same for so long. While a trial runs, another one takes its place; both go back to what
-  /// was there before the first.
+  /// Puts the staged set in force for `duration_s`. While a trial runs, another one takes its
+  /// place; at its end the settings from before the first trial are in force again.
   Applied try_for(S duration_s) {
     if (!(S(0.1) <= duration_s && duration_s <= S(3600))) {
       return {ApplyProblem::duration};
@@ -137,21 +137,22 @@ class Staging {
     return {};
   }
 
-  /// Ends a trial and forgets what is staged.
+  /// Ends a trial and drops the staged changes.
   void revert() {
     trial_s_ = S(0);
     staged_ = configured_;
     put_in_force(configured_);
   }
 
-  /// Others have put these in force, which have passed check(): trial and staged changes are gone.
+  /// Takes over settings that others have put in force and that have passed check(). A trial and
+  /// staged changes are dropped.
   void replace(const Settings<S>& settings) {
     active_ = settings;
     configured_ = settings;
     revert();
   }
 
-  /// Once per step. Whether a trial has just run out: active() has changed.
+  /// To be called once per step. True if a trial has just run out, so that active() has changed.
   bool tick(S dt_s) {
     if (!on_trial()) {
       return false;
@@ -176,7 +177,8 @@ class Staging {
         return {ApplyProblem::while_enabled, i};
       }
     }
-    // Until the next start new values meet old ones of what waits for it: both sets must do.
+    // Parameters that wait for the next start keep their old values until then, beside the new
+    // values of the others: the settings must pass in both cases.
     for (const Settings<S>& set : {staged_, with_boot_values(staged_)}) {
       const Finding finding = check(set);
       if (!finding.ok()) {

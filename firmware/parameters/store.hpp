@@ -1,6 +1,6 @@
 #pragma once
-// Settings over a power cut: two slots, of which the older one is written. load_settings() says
-// which slot it took and why; there are no silent defaults.
+// Keeps the settings over a power cut: two slots, of which the older one is overwritten.
+// load_settings() says which slot it took and why; there are no silent defaults.
 
 #include <concepts>
 
@@ -31,7 +31,7 @@ enum class SlotState : std::uint8_t {
 
 struct SlotReport {
   SlotState state = SlotState::unreadable;
-  std::uint32_t sequence = 0;  ///< of an intact one, as all that follows
+  std::uint32_t sequence = 0;  ///< valid if the slot is intact, as are all members that follow
   std::uint32_t schema_hash = 0;
   std::uint16_t entries = 0;
   std::uint16_t unknown = 0;  ///< entries that this release does not know
@@ -58,11 +58,11 @@ struct Loaded {
 enum class SaveProblem : std::uint8_t {
   none,
   refused,    ///< settings out of range or contradictory: see the finding; nothing was written
-  erase,      ///< the storage failed
+  erase,      ///< the storage failed to erase
   write,      ///< likewise
   sync,       ///< likewise
-  read_back,  ///< likewise, when it was read again
-  differs,    ///< it keeps something else than what was written
+  read_back,  ///< the storage failed when it was read back
+  differs,    ///< what was read back is not what was written
 };
 
 struct Saved {

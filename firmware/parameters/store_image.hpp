@@ -18,8 +18,8 @@
 
 namespace smaservo {
 
-/// What is written, and what it is read into: the parameter table with its history. Other tables
-/// than the real one are for tests.
+/// The parameters that an image is written from and read into, and their history. Tests use tables
+/// of their own.
 template <class S>
 struct StoreSchema {
   std::span<const ParameterRow<S>> rows;
@@ -109,7 +109,7 @@ class Writer {
       }
     }
   }
-  /// Whether the sink has taken everything.
+  /// Appends the CRC. Whether the sink has taken everything.
   bool finish() {
     flush();
     add(crc_.value());
@@ -161,7 +161,7 @@ bool write(const StoreSchema<S>& schema, const Settings<S>& settings, std::uint3
   return out.finish();
 }
 
-/// What the entries of an image make of the defaults.
+/// Makes settings of the entries of an image, with defaults where there is no entry.
 template <class S>
 class Reader {
  public:
@@ -201,7 +201,7 @@ class Reader {
     return static_cast<std::size_t>(&row - schema_.rows.data());
   }
   void set(const ParameterRow<S>& row, Value value) {
-    // Reals are checked as a set: whether one has a meaning depends on others.
+    // Reals are checked in finding(), all together: whether one is used depends on others.
     const Fit inside = row.type == ValueType::real ? Fit::inside : fit(row, value);
     if (inside == Fit::inside) {
       row.set(settings_, value);
@@ -209,7 +209,7 @@ class Reader {
       finding_ = {problem_of(inside), position(row)};
     }
   }
-  /// Under its own key a parameter may have come already, or may come yet.
+  /// An entry under the parameter's own key counts instead, whether it came before or comes later.
   void take_moved(const Moved& old, ValueType type, Value value) {
     const ParameterRow<S>* row = find_row(schema_.rows, old.to);
     if (row == nullptr || row->type != type) {

@@ -1,13 +1,13 @@
 #pragma once
-// The look at the wire before it is heated: a sense current, the resistance. The observer may still
-// be unsure where the wire is: one heating tells, and that can not be had before.
+// The check of the wire before it is heated: its resistance is measured with a sense current. The
+// observer may still be unsure of the wire's state: only heating can tell that.
 
 #include "firmware/safety/monitor/estimate.hpp"
 #include "firmware/safety/monitor/wire.hpp"
 
 namespace smaservo {
 
-/// An empty one has not begun.
+/// All zero: not begun.
 template <class S>
 struct ArmingCheck {
   S expected_ohm;  ///< by the model, of a wire that has not aged
@@ -16,9 +16,9 @@ struct ArmingCheck {
 
   static constexpr S settling_s = S(0.01);
   static constexpr S min_s = S(0.05);
-  static constexpr S max_s = S(0.1);  ///< what has not been found by then is missing
+  static constexpr S max_s = S(0.1);  ///< a check that has not passed by then has failed
 
-  /// With the last sample before the sense current flows.
+  /// To be called with the last sample before the sense current flows.
   static ArmingCheck begin(const MonitorInputs<S>& seen) {
     return {seen.filter.model_ohm / seen.filter.resistance, S(0), S(0), seen.cold()};
   }
@@ -30,8 +30,9 @@ struct ArmingCheck {
     }
   }
 
-  /// What speaks against heating this wire; none: it may be. A wire that may still be warm is only
-  /// known to be within the band of the measurement, between a short and an open one.
+  /// Reasons not to heat this wire; none: it may be heated. If the wire may still be warm its
+  /// resistance is not compared with that of a cold one: it only has to be measurable, between a
+  /// short and an open wire.
   FaultSet findings(const MonitorInputs<S>& seen) const {
     const Settings<S>& q = seen.prepared.settings;
     const S cold_ohm = seen.prepared.cold_ohm * samples;

@@ -31,15 +31,16 @@ constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
   }
 }
 
-/// Counts up while the condition is there and down while it is not: a loose contact that is open
-/// for most of the time trips as well. An empty one is all zero.
+/// A timer for each condition. It counts up while the condition is present and down while it is
+/// not: a loose contact that is open for most of the time trips as well. All zero: no condition has
+/// been seen.
 template <class S>
 struct Deglitch {
-  std::array<S, fault_count> held_s;  ///< meaningful for those that are pending
-  FaultSet pending;                   ///< their time is not zero
+  std::array<S, fault_count> held_s;  ///< the timers, of pending conditions
+  FaultSet pending;  ///< conditions that were seen and whose timer has not run down
   FaultSet active;
 
-  /// Cost: some operations for each condition that is there or was lately; else next to nothing.
+  /// Cost: some operations for each condition that is present or pending; else next to nothing.
   FaultSet step(FaultSet now, const S& dt_s) {
     for_each_fault(now | pending, [&](Fault fault) {
       const auto i = static_cast<std::size_t>(fault);

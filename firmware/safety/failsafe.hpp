@@ -11,9 +11,9 @@ namespace smaservo {
 /// What the device does with its current.
 enum class Heat : std::uint8_t {
   none,     ///< exactly zero
-  sense,    ///< the least current: the resistance is looked at
+  sense,    ///< the least current, to measure the resistance
   run,      ///< as commanded
-  hold,     ///< safe state: the strain at the fault
+  hold,     ///< safe state: holds the strain at the fault
   release,  ///< safe state: cools at a known rate
 };
 
@@ -22,16 +22,16 @@ struct FailsafeInput {
   FaultSet active, latched;  ///< after latch()
   // The command.
   bool arm;
-  bool arm_edge;  ///< arm has come since it was last used or away
+  bool arm_edge;  ///< arm has risen and this edge has not been used yet
   // Of the state.
-  bool started;  ///< starting has found out what it must
+  bool started;  ///< the state starting has found out what it must
   bool blocked;  ///< something active blocks arming
   bool checked;  ///< the checks of arming are done
   bool passed;   ///< with success
   // Of the safe state.
   SafeState safe;
-  bool may_hold;   ///< there is an estimate to hold or to release by
-  bool safe_over;  ///< its time is over, or the wire is cold
+  bool may_hold;   ///< the estimate is good enough to hold or release by
+  bool safe_over;  ///< the time of the safe state is over, or the wire is cold
 };
 
 struct FailsafeOutput {
@@ -49,15 +49,16 @@ inline constexpr FaultSet acknowledged_faults =
 inline constexpr FaultSet lasting_faults =
     faults_where([](const FaultRow& row) { return row.clears == Clears::reset; });
 
-/// The latched faults after this step. While the wire is heated everything that trips is latched;
-/// otherwise only F0: a supply that is not yet switched on needs no clearing. `clear` forgets what
-/// is not active any more, and only in a state without heat.
+/// The latched faults after this step. While the wire is heated all faults of the classes F0, F1
+/// and F2 are latched; otherwise only F0, so that a supply that is not yet switched on needs no
+/// clearing. `clear` removes faults that are no longer active, and works only in a state without
+/// heat.
 constexpr FaultSet latch(FaultSet latched, FaultSet active, DeviceState state, bool clear) {
   const FaultSet kept = clear && !is_heated(state) ? latched & active : latched;
   return kept | (active & (is_heated(state) ? tripping_faults : faults_of(FaultClass::F0)));
 }
 
-/// What a fault leaves of the heat, while there was some.
+/// What follows from a fault of the classes F0 to F2 in running or stopping.
 constexpr FailsafeOutput safe_state(const FailsafeInput& in) {
   const bool must_be_off = !((in.active | in.latched) & heat_off_faults).empty();
   const bool possible = in.arm && in.may_hold && !in.safe_over && in.safe != SafeState::off;
@@ -67,7 +68,7 @@ constexpr FailsafeOutput safe_state(const FailsafeInput& in) {
   return {DeviceState::stopping, in.safe == SafeState::hold ? Heat::hold : Heat::release};
 }
 
-/// While the sense current flows and nothing has tripped.
+/// What follows in arming without a fault of the classes F0 to F2.
 constexpr FailsafeOutput look_at_wire(const FailsafeInput& in) {
   if (!in.arm || in.blocked || (in.checked && !in.passed)) {
     return {DeviceState::ready, Heat::none};
@@ -76,9 +77,9 @@ constexpr FailsafeOutput look_at_wire(const FailsafeInput& in) {
                     : FailsafeOutput{DeviceState::arming, Heat::sense};
 }
 
-/// Where the device goes and what it may do there, from this step on. There is no heat with an F0
-/// or F1; from a fault the way leads through ready, without anything latched, and a new edge of
-/// `arm`.
+/// The next state of the device and the heat that it may have, from this step on. There is no heat
+/// with a fault of class F0 or F1. After a fault the wire is heated again only from ready, with
+/// nothing latched, and after a new rising edge of `arm`.
 constexpr FailsafeOutput failsafe(const FailsafeInput& in) {
   using enum DeviceState;
   const bool tripped = !((in.active | in.latched) & tripping_faults).empty();

@@ -1,9 +1,10 @@
 #pragma once
-// From what one step knows to the faults that are active. Pure detection: failsafe.hpp and
-// supervisor.hpp decide what follows.
+// Detects which faults are active, from what is known in one step. It only detects: failsafe.hpp
+// and supervisor.hpp decide what follows.
 //
-// Thresholds come from the settings, but for a few that are physics or arithmetic and stand where
-// they are used. A healthy wire never triggers one (tests/firmware/safety/monitor_test.cpp).
+// Thresholds come from the settings, except a few that follow from physics or arithmetic and stand
+// where they are used. A healthy wire never triggers a fault
+// (tests/firmware/safety/monitor_test.cpp).
 
 #include "firmware/safety/deglitch.hpp"
 #include "firmware/safety/monitor/drive.hpp"
@@ -15,7 +16,7 @@ namespace smaservo {
 
 template <class S>
 struct Monitor {
-  /// An empty one is all zero: nothing has been seen.
+  /// All zero: nothing has been seen.
   struct State {
     ZeroCurrent<S> zero;
     typename WireMonitor<S>::State wire;

@@ -1,11 +1,12 @@
 #pragma once
-// The device's states: what is latched, what blocks, and when each state ends. Decisions are made
-// by failsafe(); here is what it is asked.
+// The device's states: what is latched, what blocks, and when each state ends. failsafe() makes the
+// decisions; its inputs are made here.
 //
 //   starting -> ready -> arming -> running -> stopping -> fault -> ready
 //
-// starting, at least 0.1 s without current: offsets of the sensors, the observer's start. arming,
-// 0.05 to 0.1 s: arming.hpp. stopping: SafeSettings. A falling edge of arm ends every current.
+// starting, at least 0.1 s without current: reads the sensors' offsets, starts the observer.
+// arming, 0.05 to 0.1 s: checks the wire (arming.hpp). stopping: the safe state (SafeSettings).
+// In any state a falling edge of arm ends the current.
 
 #include "firmware/safety/arming.hpp"
 #include "firmware/safety/failsafe.hpp"
@@ -15,16 +16,16 @@ namespace smaservo {
 
 template <class S>
 struct Supervisor {
-  /// An empty one has just been switched on.
+  /// All zero: just switched on.
   struct State {
     DeviceState state;
     S in_state_s;
     bool armed, cleared;  ///< as the last command said
-    bool arm_edge;        ///< arm has come and not been used
+    bool arm_edge;        ///< arm has risen and this edge has not been used yet
     FaultSet latched;
     FaultSet acknowledged;
-    FaultSet lasting;   ///< nothing but a restart ends them
-    FaultSet findings;  ///< of the last arming
+    FaultSet lasting;   ///< active until a restart
+    FaultSet findings;  ///< what the check of the last arming found
     Fault first_cause;
     std::uint64_t first_cause_us;
     ArmingCheck<S> check;
@@ -94,7 +95,8 @@ auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active
     in.safe_over = safe_over(seen, s);
   }
   const FailsafeOutput next = failsafe(in);
-  // An attempt to arm is used up, by being refused as well; only while starting it waits.
+  // An edge of arm is good for one attempt, even a refused one; only in the state starting it
+  // waits.
   s.arm_edge = s.arm_edge && s.state == DeviceState::starting;
   s.in_state_s += seen.dt_s;
   if (next.state != s.state) {
@@ -116,7 +118,8 @@ auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active
           heated ? FaultSet{} : (active & blocking_faults) | s.latched | s.findings};
 }
 
-/// What has been acknowledged does not count as long as it stays; what lasts stays for ever.
+/// The active faults, without those that have been acknowledged and are still there, and with those
+/// that only a restart clears.
 template <class S>
 FaultSet Supervisor<S>::remember(State& s, FaultSet active, bool clear) {
   s.acknowledged = s.acknowledged & active;
@@ -135,7 +138,7 @@ void Supervisor<S>::latch_faults(State& s, FaultSet active, bool clear, std::uin
     s.first_cause = Fault::none;
     s.first_cause_us = 0;
   } else if (before.empty()) {
-    // Of several at once the gravest.
+    // The gravest of several faults that were latched at once.
     const FaultSet at_once = s.latched & faults_of(FaultClass::F0);
     const FaultSet off = s.latched & heat_off_faults;
     s.first_cause = (!at_once.empty() ? at_once : !off.empty() ? off : s.latched).first();

@@ -46,7 +46,7 @@ inline constexpr std::uint32_t cob_no_remote = 0x4000'0000;
 inline constexpr std::uint32_t store_signature = 0x65766173;    ///< "save"
 inline constexpr std::uint32_t restore_signature = 0x64616F6C;  ///< "load"
 
-/// As a mapping names an object.
+/// An object as a mapping encodes it.
 constexpr std::uint32_t mapped(std::uint16_t index, std::uint8_t sub, unsigned bits) {
   return static_cast<std::uint32_t>(index) << 16U | static_cast<std::uint32_t>(sub) << 8U | bits;
 }
@@ -65,7 +65,7 @@ struct PdoDefaults {
   std::array<std::uint32_t, 3> map;
 };
 
-// As ros2_canopen configures a drive; 2200h are live values in REAL32.
+// The first two PDOs are as ros2_canopen configures a drive; 2200h are live values in REAL32.
 inline constexpr std::array<PdoDefaults, pdo_count> rpdo_defaults{{
     {0x200, 255, 0, {mapped(0x6040, 0, 16), mapped(0x6060, 0, 8)}},
     {0x300, 255, 0, {mapped(0x607A, 0, 32), mapped(0x60FF, 0, 32)}},

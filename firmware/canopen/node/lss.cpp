@@ -78,7 +78,7 @@ LssAction Lss::configure(Request request) {
   }
 }
 
-/// Ends a configuration; a node that had no node-id may start with the new one.
+/// Begins or ends a configuration. At its end a node without a node-id may start with the new one.
 LssAction Lss::switch_global(Request request) {
   const bool begins = request[1] == 1;
   const bool ended = configures_ && request[1] == 0;
@@ -104,7 +104,7 @@ void Lss::select(Request request) {
   }
 }
 
-/// Vendor, product, lowest and highest revision, lowest and highest serial number.
+/// The parts come in order: vendor, product, min and max revision, min and max serial number.
 void Lss::identify(Request request) {
   const auto step = static_cast<unsigned>(request[0] - identify_first);
   constexpr std::array<std::uint8_t, 6> part{0, 1, 2, 2, 3, 3};
@@ -121,7 +121,8 @@ void Lss::identify(Request request) {
   }
 }
 
-/// Nodes without a node-id are found bit by bit: those whose part agrees down to this bit answer.
+/// Nodes without a node-id are found bit by bit: a node answers if this part of its identity agrees
+/// with the request from the highest bit down to `bit`.
 void Lss::fastscan(Request request) {
   if (node_id_ != unconfigured || configures_) {
     return;

@@ -1,5 +1,6 @@
 #pragma once
-// LSS slave of CiA 305: node-id and bit timing without knowing either, with fastscan.
+// LSS slave of CiA 305, with fastscan: a master sets node-id and bit rate without knowing the
+// node-id.
 
 #include <array>
 #include <cstdint>
@@ -17,13 +18,13 @@ enum class LssAction : std::uint8_t {
   node_id,   ///< the pending node-id is in force from the next reset of the communication on, or,
              ///< where the node has had none, at once when the configuration ends
   store,     ///< pending node-id and bit rate; finish_store() answers
-  activate,  ///< the pending bit rate, after delay_ms, in silence for as long again
+  activate,  ///< change to the pending bit rate after delay_ms, then silence for as long again
 };
 
 class Lss {
  public:
-  /// bit_rates: bit i allows CiA 305's table entry i (0: 1 Mbit/s .. 8: 10 kbit/s). Of others it
-  /// says that they are not supported; with none there is nothing to activate.
+  /// bit_rates: bit i allows CiA 305's table entry i (0: 1 Mbit/s .. 8: 10 kbit/s). Others are
+  /// answered as not supported; if none is allowed there is nothing to activate.
   Lss(std::array<std::uint32_t, 4> identity, std::uint16_t bit_rates)
       : identity_(identity), bit_rates_(bit_rates) {}
 

@@ -86,7 +86,8 @@ void Node::command(const hal::CanFrame& frame) {
   }
 }
 
-/// A reset goes before everything, and makes the node silent until it is started.
+/// One request at a time. Only a reset (command()) takes the place of one that waits; it makes the
+/// node silent until it is started.
 Abort Node::ask(Request request) {
   if (request_ != Request::none) {
     return Abort::state;

@@ -25,14 +25,14 @@ enum class Nmt : std::uint8_t {
 /// reset.
 enum class Request : std::uint8_t {
   none,
-  store_all,            ///< settings and image, durable before the answer
+  store_all,            ///< settings and image(), durable before the answer
   store_communication,  ///< the image
   store_application,    ///< the settings
-  restore_all,          ///< forgets what is stored; in force after a reset
+  restore_all,          ///< deletes what is stored; the defaults are in force after a reset
   restore_communication,
   restore_application,
   store_lss,  ///< the image: node-id and bit rate have changed
-  bit_rate,   ///< of Node::bit_rate(), after Node::bit_rate_delay_ms()
+  bit_rate,   ///< changes to Node::bit_rate() after Node::bit_rate_delay_ms()
   reset_node,
   reset_communication,
 };
@@ -46,16 +46,16 @@ struct ObjectTable {
 /// What stands behind the node: the objects beyond 1FFFh, and what follows from the bus.
 class Application : public Dictionary {
  public:
-  /// Whether a communication object exists here.
+  /// Whether this node has the communication object.
   virtual bool offers(Key /*key*/) const { return true; }
   /// Objects with fixed defaults, some of them `stored` in the image.
   virtual ObjectTable table() { return {}; }
   /// After every start: objects have their defaults, or what the image says.
   virtual void started(std::uint8_t node_id) = 0;
   virtual void nmt_changed(Nmt /*state*/) {}
-  /// The command source has gone: EMCY code.
+  /// The command source has gone; `code` is that of the EMCY.
   virtual void connection_lost(std::uint16_t /*code*/) {}
-  /// Whether that may be asked of the owner now: Abort::none, or why not.
+  /// Whether the request may go to the owner now: Abort::none, or why not.
   virtual Abort may_request(Request /*request*/) const { return Abort::none; }
   /// An object of the node that is stored has changed, or a write of any object has been refused
   /// before it came to the application.
@@ -70,9 +70,9 @@ struct NodeConfig {
   std::uint32_t device_type = 0;
   std::array<std::uint32_t, 4> identity{};  ///< vendor, product, revision, serial number
   std::string_view device_name, hardware_version, software_version;
-  std::uint8_t node_id = unconfigured;  ///< where the image has none
-  std::uint8_t bit_rate = 0;            ///< in force, as CiA 305's table numbers it
-  std::uint16_t bit_rates = 0;          ///< that LSS may choose; bit i: entry i
+  std::uint8_t node_id = unconfigured;  ///< used where the image has none
+  std::uint8_t bit_rate = 0;            ///< in force; an index of CiA 305's table
+  std::uint16_t bit_rates = 0;          ///< those that LSS may choose; bit i: entry i of the table
   std::string_view eds;                 ///< for 1021h; empty: there is none
 };
 
@@ -95,23 +95,24 @@ class Node final : public Dictionary {
   bool take(hal::CanFrame& frame);
 
   Request request() const { return request_; }
-  /// Of a reset: start() is the answer.
+  /// Answers request(). A reset is answered by start() instead.
   void finish(bool done);
-  /// Something that the application asks of the owner. Abort::pending: it will be answered.
+  /// Passes a request of the application on to the owner. Abort::pending: finish() will answer it.
   Abort ask(Request request);
 
   /// Largest image.
   static constexpr std::size_t image_size = 1280;
-  /// What 1010h keeps of the bus, as bytes: changed values, node-id and bit rate. Their number.
+  /// Writes what 1010h stores beside the settings, as bytes: changed objects, node-id and bit rate.
+  /// Returns their number.
   std::size_t image(std::span<std::uint8_t> to) const;
-  /// The node-id has been set otherwise: the one of LSS counts no longer.
+  /// To be called when the node-id has been set by other means: that of LSS is no longer used.
   void forget_lss_node_id() { lss_node_id_ = 0; }
 
   /// Sends an EMCY and remembers it. `info` are the five bytes of the manufacturer.
   void emergency(std::uint16_t code, std::uint64_t info = 0);
   /// Bits of 1001h that the application answers for. Sends "no error" when the last has gone.
   void set_errors(std::uint8_t bits);
-  /// What can be stored has changed: 1020h no longer tells.
+  /// To be called when something that can be stored has changed: 1020h is cleared.
   void touch() { objects_.verify = {}; }
 
   Nmt state() const { return state_; }
@@ -121,7 +122,8 @@ class Node final : public Dictionary {
   /// Somebody else answers to the same node-id.
   bool is_duplicated() const { return duplicated_; }
   /// Whether the configured supervision (heartbeats, else RPDO timers, else SYNC) sees the command
-  /// source; without any, whether it has spoken to this node within timeout_us (0: for ever).
+  /// source; without any supervision, whether the source has spoken to this node within timeout_us
+  /// (0: at any time).
   bool command_source_alive(std::uint64_t timeout_us) const;
   /// When the last SDO request came.
   std::uint64_t last_sdo_us() const { return sdo_.last_request_us(); }

@@ -1,4 +1,4 @@
-// The node's own objects: reading, writing, and what is kept of them.
+// The node's own objects: reading, writing, and the image that is stored of them.
 
 #include "firmware/canopen/node/node.hpp"
 
@@ -11,7 +11,7 @@ bool is_pdo(std::uint16_t index) {
   return 0x1400 <= index && index <= 0x1BFF;
 }
 
-/// An identifier of 11 bits that may be given, and nothing else but the bit that it does not count.
+/// An identifier of 11 bits that is not restricted; of the other bits only cob_invalid may be set.
 bool is_plain_cob(std::uint32_t value) {
   return (value & ~cob_id_mask & ~cob_invalid) == 0 && !is_restricted(value & cob_id_mask);
 }
@@ -165,7 +165,7 @@ Abort Node::check(Key key, std::uint32_t value) const {
   }
 }
 
-/// Node-id and time; two times for one node contradict each other.
+/// `value` is node-id and time. One node must not be watched with two times.
 Abort Node::check_consumer(Key key, std::uint32_t value) const {
   const std::uint32_t id = value >> 16U;
   const bool counts = id != 0 && (value & 0xFFFFU) != 0;
@@ -245,7 +245,7 @@ std::size_t Node::image(std::span<std::uint8_t> to) const {
   return at + image_crc;
 }
 
-/// A reset of the communication alone brings the node-id that LSS has set, stored or not.
+/// After a reset of the communication alone the node-id set by LSS is in force, stored or not.
 bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
   const std::size_t min = image_head + image_crc;
   const bool good =

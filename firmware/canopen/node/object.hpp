@@ -64,11 +64,11 @@ inline constexpr std::uint16_t readable = 1;
 inline constexpr std::uint16_t writable = 2;
 inline constexpr std::uint16_t in_rpdo = 4;   ///< may be written by a PDO
 inline constexpr std::uint16_t in_tpdo = 8;   ///< may be sent in a PDO
-inline constexpr std::uint16_t stored = 16;   ///< kept by 1010h, in the image of the bus
-inline constexpr std::uint16_t by_node = 32;  ///< its default is that plus the node-id
+inline constexpr std::uint16_t stored = 16;   ///< stored by 1010h, in the node's image
+inline constexpr std::uint16_t by_node = 32;  ///< the node-id is added to its default
 inline constexpr std::uint16_t constant = 64;
 
-/// How a transfer ends that does not succeed: CiA 301's SDO abort codes.
+/// Why a transfer has failed: CiA 301's SDO abort codes.
 enum class Abort : std::uint32_t {
   none = 0,
   pending = 1,  ///< no code: the answer comes later
@@ -101,7 +101,7 @@ enum class Abort : std::uint32_t {
 /// Who writes.
 enum class Source : std::uint8_t { sdo, rpdo, lss, device, image };
 
-/// An object that has been found. `handle` is the finder's own business.
+/// An object that has been found. `handle` has a meaning only for the dictionary that found it.
 struct Entry {
   Key key;
   Type type;
@@ -120,8 +120,8 @@ class Dictionary {
   /// A whole value; its length fits the type. Checks range and state; a refused value changes
   /// nothing.
   virtual Abort write(const Entry& entry, std::span<const std::uint8_t> from, Source source) = 0;
-  /// What a client wanted to write has been refused before it came to write(): its length, the
-  /// right or the checksum is wrong. `from` is what is known of it.
+  /// A client's write has been refused before it came to write(): for its length, a wrong checksum,
+  /// or because the object is read-only. `from` is as much of the value as is known.
   virtual void refused(const Entry& /*entry*/, std::span<const std::uint8_t> /*from*/,
                        Abort /*why*/) {}
 
@@ -154,7 +154,7 @@ constexpr std::uint32_t as_bits(std::int32_t value) {
   return static_cast<std::uint32_t>(value);
 }
 
-/// CRC-16/XMODEM, as block transfers have it; goes on from `crc`.
+/// CRC-16/XMODEM, which block transfers use; continues from `crc`.
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>(crc ^ static_cast<unsigned>(byte) << 8U);
@@ -166,7 +166,8 @@ constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t
   return crc;
 }
 
-/// How a value stands to a range; all are 32 bits as they are sent, sign-extended.
+/// Compares a value with a range; Abort::none: it is inside. All are 32 bits as they are sent,
+/// sign-extended.
 constexpr Abort check_range(Type type, std::uint32_t value, std::uint32_t min, std::uint32_t max) {
   if (type == Type::real) {
     constexpr std::uint32_t exponent = 0x7F80'0000;  // all ones: no number

@@ -11,7 +11,8 @@
 namespace smaservo::canopen {
 
 /// One object of up to 4 bytes that lives at an offset of a plain struct; or, at `nowhere`, one
-/// that its owner serves by code. Numbers are 32 bits, sign-extended, or a float's.
+/// that its owner serves by code. Numbers are 32 bits: sign-extended integers, or the bits of a
+/// float.
 struct Object {
   Key key;
   Type type;
@@ -69,7 +70,7 @@ constexpr DescribedObject row(Key key, Type type, unsigned access, std::size_t a
           meaning};
 }
 
-/// A row as a node keeps it: of few bytes, its range by number.
+/// A row as a node keeps it, in few bytes: `range` is an index into a table of ranges.
 struct ObjectRow {
   std::uint16_t index;
   std::uint8_t sub;
@@ -84,7 +85,7 @@ struct ObjectRange {
   friend constexpr bool operator==(const ObjectRange&, const ObjectRange&) = default;
 };
 
-/// Rows in the order of their keys; each as an Object when it is looked at.
+/// Rows in the order of their keys; operator[] makes an Object of one.
 class ObjectRows {
  public:
   constexpr ObjectRows() = default;
@@ -94,7 +95,7 @@ class ObjectRows {
   std::size_t size() const { return rows_.size(); }
   Object operator[](std::size_t i) const;
   Key key(std::size_t i) const { return {rows_[i].index, rows_[i].sub}; }
-  /// size() where there is none.
+  /// The row of a key; size() where there is none.
   std::size_t find(Key key) const;
 
  private:
@@ -109,7 +110,7 @@ struct DistinctRanges {
   std::array<ObjectRange, n> ranges{};
   std::size_t size = 0;
 
-  /// Its number.
+  /// The index of a range, which is added if it is new.
   constexpr std::size_t add(const ObjectRange& range) {
     const auto end = ranges.begin() + static_cast<std::ptrdiff_t>(size);
     const auto known = std::find(ranges.begin(), end, range);
@@ -169,7 +170,7 @@ constexpr bool in_order(std::span<const DescribedObject> rows) {
   return true;
 }
 
-/// The entry of "highest sub-index", whoever has it: the number is in the handle.
+/// The entry of sub-index 0, "highest sub-index", in any dictionary; the number is in the handle.
 constexpr Entry highest_sub_entry(Key key, std::uint8_t highest) {
   return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(0xFF00U | highest), 1};
 }
@@ -177,17 +178,17 @@ constexpr bool is_highest_sub(const Entry& entry) {
   return entry.handle >> 8U == 0xFF;
 }
 
-/// Finds a key in `count` rows that stand in the order of their keys; key_of() says them. A
-/// sub-index 0 that has no row of its own says what the highest one is: `row` is `count` then and
-/// the entry complete, in other cases it is the caller's to fill.
+/// Finds a key in `count` rows that stand in the order of their keys, which key_of() gives. A
+/// sub-index 0 without a row of its own is the highest sub-index: then `row` is `count` and `entry`
+/// is complete. In all other cases the caller fills `entry`.
 Abort find_row(std::size_t count, Key (*key_of)(const void* rows, std::size_t row),
                const void* rows, Key key, Entry& entry, std::size_t& row);
 Abort find_object(const ObjectRows& rows, Key key, Entry& entry);
 
-/// Of a row whose value lives in `memory`.
+/// Reads and writes the value of an object that lives in `memory`.
 std::uint32_t load(const Object& object, std::span<const std::byte> memory);
 void keep(const Object& object, std::span<std::byte> memory, std::uint32_t value);
-/// Every default; node-id where it counts.
+/// Gives every object its default, plus the node-id where by_node says so.
 void reset_objects(const ObjectRows& rows, std::span<std::byte> memory, std::uint8_t node_id);
 constexpr std::uint32_t default_of(const Object& object, std::uint8_t node_id) {
   return object.standard + ((object.access & by_node) != 0 ? node_id : 0U);

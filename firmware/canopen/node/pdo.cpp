@@ -9,7 +9,7 @@ constexpr std::uint8_t first_event_type = 254;
 bool is_valid(const PdoParams& params) {
   return (params.cob & cob_invalid) == 0;
 }
-/// A PDO into which nothing is mapped is not sent, and what comes with its identifier is nobody's.
+/// A PDO into which nothing is mapped is not sent, and a frame with its identifier is ignored.
 bool is_used(const PdoParams& params, const Mapping& map) {
   return is_valid(params) && map.count != 0;
 }
@@ -30,7 +30,7 @@ std::uint32_t bits_of(std::uint32_t object) {
   return object & 0xFFU;
 }
 
-/// 0001h to 0007h take place in an RPDO and mean nothing.
+/// The dummy objects 0001h to 0007h fill space in an RPDO; their values are ignored.
 bool is_dummy(std::uint32_t object) {
   const Key key = key_of(object);
   return 1 <= key.index && key.index <= 7 && key.sub == 0;
@@ -110,7 +110,7 @@ Abort Pdos::check_params(const PdoParams& params, Key key, std::uint32_t value) 
   }
 }
 
-/// Objects may be exchanged only while none is mapped, and nothing while the PDO is valid.
+/// A mapping may change only while the PDO is invalid; its objects, only while their number is 0.
 Abort Pdos::check_mapping(const PdoParams& params, const Mapping& map, Key key,
                           std::uint32_t value) const {
   if (is_valid(params)) {
@@ -267,7 +267,7 @@ void Pdos::sync(std::uint8_t counter) {
   }
 }
 
-/// What is sent is what the SYNC has found, even if frames after it come first.
+/// Takes the values at the SYNC. They are sent even if frames after it change the objects before.
 void Pdos::sample(std::size_t i) {
   Transmit& tx = tx_[i];
   tx.length = pack(objects_.tpdo_map[i], tx.data);
@@ -289,7 +289,7 @@ PdoEvent Pdos::advance(std::uint64_t now_us) {
   return event;
 }
 
-/// Whether an event-driven PDO has something to say.
+/// Makes an event-driven PDO due if its data have changed or its event timer has run out.
 void Pdos::look(std::size_t i, std::uint64_t now_us) {
   const PdoParams& params = objects_.tpdo[i];
   Transmit& tx = tx_[i];

@@ -23,14 +23,15 @@ class Pdos {
   Pdos(Dictionary& dictionary, Communication& objects)
       : dictionary_(dictionary), objects_(objects) {}
 
-  /// After the objects have been given other values: what can not be mapped is not.
+  /// To be called after the objects have been given other values. A mapping that is not possible is
+  /// cleared.
   void reset();
-  /// Into pre-operational, or out of it: nothing that waits is sent or applied any more.
+  /// To be called at each change of the NMT state: what waits is neither sent nor applied any more.
   void stop();
 
   /// Whether an object of 1400h..1BFFh may get this value now.
   Abort check(Key key, std::uint32_t value) const;
-  /// It has got it.
+  /// The object has got a new value.
   void changed(Key key);
 
   PdoEvent receive(const hal::CanFrame& frame, std::uint64_t now_us);
@@ -41,14 +42,14 @@ class Pdos {
   bool take(hal::CanFrame& frame, std::uint64_t now_us);
 
   bool has_deadline() const;  ///< some RPDO has an event timer
-  bool on_time() const;       ///< all of them have come within it
+  bool on_time() const;       ///< all RPDOs with an event timer have come in time
 
  private:
   struct Transmit {
     std::uint64_t sent_us;
     std::array<std::uint8_t, 8> data;
     std::uint8_t length;
-    std::uint8_t syncs;  ///< since the last one
+    std::uint8_t syncs;  ///< SYNCs since the PDO was last due
     bool started;        ///< the SYNC with the start value has come
     bool due;
     bool sampled;  ///< its data are those of the SYNC

@@ -25,7 +25,7 @@ unsigned specifier(std::uint8_t command) {
 void SdoServer::receive(Request request, std::uint64_t now_us) {
   last_us_ = waits_since_us_ = now_us;
   const unsigned cs = specifier(request[0]);
-  // Within a block every byte is a sequence number, but an abort has none.
+  // Within a block the first byte is a sequence number, except for an abort.
   if (state_ == State::block_download && request[0] != 0x80) {
     receive_block(request);
     return;
@@ -102,7 +102,7 @@ void SdoServer::reset() {
 
 // Finding, reading, writing.
 
-/// A new request ends whatever was going on.
+/// Finds the object of a new request, which drops a transfer that was going on.
 bool SdoServer::find(Request request) {
   reset();
   key_ = {static_cast<std::uint16_t>(take_number(request.subspan(1, 2))), request[3]};
@@ -135,13 +135,13 @@ bool SdoServer::find_writable(Request request, Data known) {
   return may;
 }
 
-/// Of a download whose object is known: the dictionary hears of it.
+/// Aborts a download whose object is known, and tells the dictionary.
 void SdoServer::refuse(Abort code, Data known) {
   dictionary_.refused(entry_, known, code);
   abort(code);
 }
 
-/// Whether so many bytes can be an object of this type.
+/// Whether a value of `size` bytes fits the object's type; if not, it is refused.
 bool SdoServer::fits(std::uint32_t size, Data known) {
   const std::uint32_t wanted = size_of(entry_.type);
   Abort wrong = Abort::none;
@@ -156,7 +156,7 @@ bool SdoServer::fits(std::uint32_t size, Data known) {
   return wrong == Abort::none;
 }
 
-/// What is small is read at once: it may change while it is sent.
+/// A value that fits into the buffer is read at once, since it may change while it is sent.
 bool SdoServer::open_upload() {
   size_ = entry_.size;
   offset_ = 0;
@@ -182,7 +182,7 @@ bool SdoServer::fetch(std::uint32_t offset, std::span<std::uint8_t> to) {
   return result == Abort::none;
 }
 
-/// Whether the confirmation may be sent now.
+/// Writes a value. Whether the confirmation may be sent now.
 bool SdoServer::store(Data data) {
   const Abort result = dictionary_.write(entry_, data, Source::sdo);
   state_ = result == Abort::pending ? State::pending : State::idle;
@@ -342,7 +342,8 @@ void SdoServer::receive_block_download(Request request) {
   answer_[4] = block_size_ = max_block;
 }
 
-/// A segment that does not follow the last one is dropped; the acknowledgement of the block tells.
+/// A segment that does not follow the last one is dropped; the acknowledgement of the block tells
+/// the client.
 void SdoServer::receive_block(Request request) {
   const auto number = static_cast<std::uint8_t>(request[0] & 0x7FU);
   const bool last = (request[0] & 0x80U) != 0;
@@ -413,7 +414,7 @@ void SdoServer::start_block_upload(Request request) {
   if (!open_upload()) {
     return;
   }
-  // 0: the client does not want another protocol.
+  // 0: the client does not allow a change to another protocol.
   const std::uint32_t threshold = request[5];
   if (threshold != 0 && size_ <= threshold) {
     answer_upload();

@@ -2,9 +2,9 @@
 // SDO server of CiA 301: expedited, segmented and block transfers, one at a time.
 //
 // Frames go in by receive(), answers are made when take() asks for them: a block upload needs no
-// queue. What is longer than the buffer is read piece by piece at its offset and can not be
-// written. Cost: one object access and at most 8 bytes of CRC per call; the end of a block download
-// adds the CRC over the whole buffer.
+// queue. A value that is longer than the buffer is read piece by piece and can not be written.
+// Cost: one object access and at most 8 bytes of CRC per call; the end of a block download adds the
+// CRC over the whole buffer.
 
 #include "firmware/canopen/node/object.hpp"
 #include "hal/can_frame.hpp"
@@ -23,9 +23,9 @@ class SdoServer {
   void advance(std::uint64_t now_us);
   /// The 8 bytes of the next answer, if there is one.
   bool take(std::span<std::uint8_t, 8> answer);
-  /// The answer to a write that was Abort::pending. Without such a one, nothing.
+  /// Answers a write that was Abort::pending. Does nothing if none is.
   void finish(Abort result);
-  /// Forgets whatever was going on.
+  /// Drops a transfer that is going on.
   void reset();
 
   bool is_idle() const { return state_ == State::idle && !answer_waits_; }
@@ -77,9 +77,9 @@ class SdoServer {
   std::span<std::uint8_t> buffer_;
   std::uint64_t last_us_ = 0, waits_since_us_ = 0;
   Entry entry_{};
-  std::uint32_t size_ = 0;     ///< of the upload; announced one of a download, 0: none
-  std::uint32_t offset_ = 0;   ///< what is transferred, and acknowledged
-  std::uint32_t crc_end_ = 0;  ///< up to where crc_ counts
+  std::uint32_t size_ = 0;     ///< of an upload; of a download as announced, 0: not announced
+  std::uint32_t offset_ = 0;   ///< bytes transferred and acknowledged
+  std::uint32_t crc_end_ = 0;  ///< offset up to which crc_ is computed
   Key key_{};
   std::uint16_t crc_ = 0;
   State state_ = State::idle;

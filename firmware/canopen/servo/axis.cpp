@@ -49,8 +49,8 @@ void Axis::reset(bool has_force) {
   in_ = last;
   in_.device = DeviceState::starting;
   has_force_ = has_force;
-  // Profile position, homing, cyclic position; with a sensor the two of force. The upper half is
-  // the manufacturer's: -1 to -4.
+  // Profile position, homing, cyclic position; with a force sensor the two force modes. The upper
+  // 16 bits are the manufacturer's modes, -1 to -4.
   constexpr std::uint32_t positions = 1U | 1U << 5U | 1U << 7U;
   constexpr std::uint32_t forces = 1U << 3U | 1U << 9U;
   o_.supported_modes = positions | (has_force ? forces : 0U) | 0x000F'0000U;
@@ -75,7 +75,7 @@ Abort Axis::check_mode(std::int32_t mode) const {
   return Abort::value;
 }
 
-/// Within the range of a row, not every number is a code.
+/// Whether the value is a known option code: not every number in a row's range is one.
 Abort Axis::check_option(std::uint16_t index, std::int32_t value) {
   const bool known = index == 0x605A   ? value == option_off || value == option_hold
                      : index == 0x605E ? value == option_off || value == option_safe_state
@@ -110,14 +110,15 @@ void Axis::feedback(const AxisFeedback& feedback) {
   o_.velocity = rounded(feedback.velocity_m_s * um);
   o_.force = rounded_16(feedback.force_N * um / static_cast<float>(o_.rated_force_mN));
   if (!moves_position() || !may_heat()) {
-    // Whoever begins to hold a position holds the present one.
+    // A position that is held from the next step on is the present one.
     stand_still();
     active_um_ = o_.actual;
     waits_ = moving_ = false;
   }
 }
 
-/// A device that does not arm, or stops by itself without a fault, has its reasons.
+/// Makes a fault of a device that does not arm, or that stops by itself without a fault. The code
+/// says why.
 void Axis::watch_arming() {
   if (state_ != DriveState::enabled) {
     heated_ = false;
@@ -168,14 +169,14 @@ void Axis::transition() {
     return;
   }
   if (!react_to_faults()) {
-    // What blocks arming without being a fault, an unclean end, is acknowledged so as well.
+    // A fault reset also acknowledges what blocks arming without a fault, such as unclean_boot.
     clear_steps_ = reset_edge_ && in_.blocked ? 3 : clear_steps_;
     reset_edge_ = false;
     command();
   }
 }
 
-/// Whether a fault decides.
+/// Transitions by faults. False: there is no fault, and the controlword decides.
 bool Axis::react_to_faults() {
   const bool device_fault = in_.device == DeviceState::fault;
   const bool stopping = in_.device == DeviceState::stopping;
@@ -261,7 +262,7 @@ void Axis::enter(DriveState next) {
   state_ = next;
 }
 
-/// What is held from now on is where the wire is.
+/// Makes the present position the set-point.
 void Axis::stand_still() {
   ramp_um_ = static_cast<float>(o_.actual);
 }
@@ -338,7 +339,8 @@ std::int32_t Axis::clipped(std::int32_t target_um) const {
   return target_um < low ? low : high < target_um ? high : target_um;
 }
 
-/// Taken at once, or after the one on its way; a third one is not acknowledged.
+/// A new set-point is followed at once, or waits for the present one to be reached; a third one is
+/// not acknowledged.
 void Axis::new_setpoint(std::uint16_t word) {
   if (waits_ && (word & at_once) == 0) {
     return;
@@ -364,7 +366,7 @@ void Axis::start_move(std::int32_t target_um) {
   within_s_ = 0;
 }
 
-/// 35 and 37: the present position is the home.
+/// Homing methods 35 and 37: the present position becomes the home.
 void Axis::home() {
   shift_um_ = o_.home_offset - (o_.actual - shift_um_);
   o_.actual = o_.home_offset;

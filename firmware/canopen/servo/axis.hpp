@@ -23,7 +23,7 @@ enum class DriveState : std::uint8_t {
   fault,
 };
 
-/// What a step of the device says.
+/// What the axis learns from a step of the device.
 struct AxisFeedback {
   DeviceState device = DeviceState::starting;
   bool blocked = false;   ///< something active blocks arming
@@ -47,7 +47,7 @@ class Axis {
 
   /// After a reset of the node: nothing is enabled, home is where axis.zero_strain says.
   void reset(bool has_force);
-  /// The mode of 6060h is possible.
+  /// Whether 6060h may be given this mode.
   Abort check_mode(std::int32_t mode) const;
   static Abort check_option(std::uint16_t index, std::int32_t value);
   /// 6040h has been written; a rising edge counts even when it falls before the next advance().
@@ -56,23 +56,23 @@ class Axis {
   /// One transition at most, then the set-point moves on.
   void advance(std::uint64_t now_us);
   void connection_lost(std::uint16_t code);
-  /// Heat ends; the node is silent or starts anew.
+  /// Ends the heat, since the node falls silent or starts anew.
   void stop();
   void remote(bool operational) { remote_ = operational; }
 
   DriveState state() const { return state_; }
   AxisDemand demand() const;
   bool is_enabled() const { return state_ == DriveState::enabled; }
-  /// In this mode the object is the set-point that the axis follows at once.
+  /// Whether, in the present mode, the object is a set-point that the axis follows at once.
   bool follows(Key key) const;
-  /// The device may be armed, and some settings must not change.
+  /// Whether the device may be armed; as long as it may, some settings must not change.
   bool may_heat() const;
-  /// The master has gone and 6007h makes a fault of it, until that is reset.
+  /// The master has gone and 6007h makes a fault of it; true until the fault is reset.
   bool bus_lost() const { return bus_lost_; }
   /// In Profile position: goes there, as by a new set-point. For the step test.
   void go_to(std::int32_t position_um) { start_move(position_um); }
   std::int32_t moves_to() const { return active_um_; }
-  /// An error that the device does not know of has become a fault: its code, once.
+  /// The code of a new fault that the axis has found itself, once; 0: there is none.
   std::uint16_t take_own_fault();
 
  private:
@@ -101,9 +101,9 @@ class Axis {
   DriveObjects& o_;
   AxisFeedback in_{};
   std::uint64_t now_us_ = 0;
-  float ramp_um_ = 0;    ///< of the set-point on its way
-  float held_ = 0;       ///< set-point of the other modes, before a halt
-  float force_ = 0;      ///< of mode 4, on its way, 1/1000
+  float ramp_um_ = 0;    ///< position set-point on its way to the target
+  float held_ = 0;       ///< set-point of the modes -1 to -3; a halt does not change it
+  float force_ = 0;      ///< set-point of modes 4 and 10, on its way, in 1/1000 of the rated force
   float missing_s_ = 0;  ///< following error beyond its window for so long
   float within_s_ = 0;   ///< in the position window for so long
   std::int32_t active_um_ = 0, waiting_um_ = 0;

@@ -21,7 +21,7 @@ class ChangeLog {
   static constexpr std::size_t capacity = 16;
   static constexpr std::size_t bytes = 20;  ///< of an entry, as it is read
 
-  /// What a PDO repeats in vain stands there once.
+  /// A refused write that a PDO repeats is logged once.
   void add(const LoggedChange& change) {
     if (change.source == Source::rpdo && change.result != Abort::none && stands(change)) {
       return;
@@ -35,7 +35,8 @@ class ChangeLog {
   }
   /// The i-th last one, from 0.
   const LoggedChange& last(std::uint32_t i) const { return ring_[(count_ - 1 - i) % capacity]; }
-  /// The next that the owner has not had: for its own log. False: none. Some may have been lost.
+  /// The next change that the owner has not taken yet, for its own log. False: there is none.
+  /// Changes that have been overwritten are skipped.
   bool take(LoggedChange& change) {
     if (taken_ == count_) {
       return false;

@@ -6,7 +6,7 @@
 
 namespace smaservo::canopen {
 
-/// Modes of 6060h. Manufacturer's ones set heating directly.
+/// Modes of 6060h. The negative ones are the manufacturer's and set the heating directly.
 enum class DriveMode : std::int8_t {
   identification = -4,
   temperature = -3,
@@ -23,7 +23,7 @@ enum class DriveMode : std::int8_t {
 // Option codes: what becomes of the heat.
 inline constexpr std::int16_t option_off = 0;         ///< no current: the wire relaxes
 inline constexpr std::int16_t option_hold = 6;        ///< 605Ah: holds, stays in Quick stop active
-inline constexpr std::int16_t option_halt_hold = 1;   ///< 605Dh
+inline constexpr std::int16_t option_halt_hold = 1;   ///< 605Dh: holds the set-point
 inline constexpr std::int16_t option_safe_state = 2;  ///< 605Eh: as safe.state says
 
 inline constexpr std::size_t channel_count = 8;

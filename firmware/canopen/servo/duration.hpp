@@ -1,19 +1,20 @@
 #pragma once
-// Between the node's clock, which counts microseconds, and seconds, without 64-bit conversions: a
-// microcontroller would do them in software, in double.
+// Converts between the node's clock, which counts microseconds, and seconds, without 64-bit
+// conversions: a microcontroller would do them in software, in double.
 
 #include <algorithm>
 #include <cstdint>
 
 namespace smaservo::canopen {
 
-/// Up to 71 minutes; more counts as that.
+/// Longer times than 71 minutes give 71 minutes.
 constexpr float seconds_of(std::uint64_t us) {
   constexpr std::uint64_t max = 0xFFFF'FFFF;
   return 1e-6F * static_cast<float>(static_cast<std::uint32_t>(std::min(us, max)));
 }
 
-/// Starts again after 49 days. By hand: a library's 64-bit division takes as much as 700 bytes.
+/// Starts again after 49 days. The division is written out, since a library's 64-bit division takes
+/// as much as 700 bytes.
 constexpr std::uint32_t milliseconds_of(std::uint64_t us) {
   constexpr std::uint32_t by = 1000;
   std::uint32_t rest = static_cast<std::uint32_t>(us >> 32U) % by;
@@ -26,7 +27,7 @@ constexpr std::uint32_t milliseconds_of(std::uint64_t us) {
   return ms;
 }
 
-/// Of 0 to 4e9 s.
+/// `s` must be within 0 and 4e9.
 constexpr std::uint64_t microseconds_of(float s) {
   const auto whole = static_cast<std::uint32_t>(s);
   const float rest = s - static_cast<float>(whole);

@@ -7,8 +7,8 @@
 
 namespace smaservo::canopen {
 
-/// What no write over the bus can raise: from a file that only the administrator can change, or
-/// from the board's own design. Infinity: no ceiling.
+/// Upper bounds of parameters that no write over the bus can raise: they come from a file that only
+/// the administrator can change, or from the board's own design. Infinity: no ceiling.
 struct Ceilings {
   static constexpr float none = std::numeric_limits<float>::infinity();
   float current_A = none;      ///< limits.current_A
@@ -50,7 +50,7 @@ class ParameterAccess {
   virtual std::uint32_t read(std::uint16_t row) const = 0;
   /// Whether it may change while the device is enabled.
   virtual bool is_live(std::uint16_t row) const = 0;
-  /// In force at once; within a transaction, with it.
+  /// The value is in force at once; within a transaction, together with that.
   virtual Abort write(std::uint16_t row, std::uint32_t value, bool enabled) = 0;
   virtual Abort tune(TuningCommand command, float trial_s, bool enabled) = 0;
   /// Whether a trial has just run out.
@@ -58,7 +58,7 @@ class ParameterAccess {
 
   virtual TuningState state() const = 0;
   virtual float remaining_s() const = 0;
-  /// Why the last set was refused: keys of the parameters that contradict each other; 0: not.
+  /// The parameter for which the last set was refused, and the one that it contradicts; 0: none.
   virtual Key refused() const = 0;
   virtual Key refused_other() const = 0;
   virtual bool has_load_cell() const = 0;

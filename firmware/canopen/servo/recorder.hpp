@@ -1,6 +1,6 @@
 #pragma once
-// Chosen signals at the rate of the loop, around a trigger, into a buffer that the main gives; read
-// by block upload of 2300h:11. Cost: 8 copies and a comparison per step.
+// Records chosen signals at the rate of the loop, around a trigger, into a buffer that the main
+// gives; read by block upload of 2300h:11. Cost: 8 copies and a comparison per step.
 
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// A device as a node on the bus. Everything from one thread; nothing waits.
+// A device as a node on the bus. All calls come from one thread; none of them blocks.
 //
 //   Servo<float> servo(config, staging);
 //   servo.start(image, now);
@@ -7,10 +7,10 @@
 //            step the device with command() and external(); publish() what came of it;
 //            when staging.changes() has counted, adopt() staging.active() between two steps
 //
-// Requests (Node::request()): store and restore are answered by finish(), when it is durable; a
-// reset by start() with the stored image, after the heat is off. Before a start() for reset_node
-// the main may put other settings into the Staging. The wire is heated only while command().arm is
-// set.
+// Requests (Node::request()): store and restore are answered by finish(), when the result is
+// durable; a reset by start() with the stored image, after the heat is off. Before a start() for
+// reset_node the main may put other settings into the Staging. The wire is heated only while
+// command().arm is set.
 
 #include <cmath>
 
@@ -43,7 +43,7 @@ ServoConfig with_identity(ServoConfig config, const Settings<S>& settings) {
 template <class S>
 class Servo final : private detail::OwnTuning<S>, private ServoCore {
  public:
-  /// Both outlive the servo.
+  /// `staging`, and the memory that `config` refers to, must outlive the servo.
   Servo(const ServoConfig& config, Staging<S>& staging)
       : detail::OwnTuning<S>(staging),
         ServoCore(detail::with_identity(config, staging.active()), this->tuning),
@@ -58,21 +58,22 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::advance;
   bool take(hal::CanFrame& frame) { return node().take(frame); }
 
-  /// For the next step.
+  /// The command for the next step.
   Command<S> command() const;
   using ServoCore::external;
   using ServoCore::setpoints;
-  /// What the step came to, and what it was made from. Once per step.
+  /// The result of a step and its inputs. To be called once per step.
   void publish(const Output<S>& output, const Inputs<S>& inputs, const S& dt_s);
   using ServoCore::set_bus;
-  /// The bus is off, by the port: EMCY code 8140h. What 6007h says follows.
+  /// To be called with EMCY code 8140h when the port reports bus off; 6007h says what follows.
   using ServoCore::connection_lost;
   using ServoCore::hold_settings;
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }
   std::uint32_t settings_changes() const { return staging_.changes(); }
-  /// The main has put other settings in force by itself; a tuning transaction is over.
+  /// To be called when the main has put other settings in force by itself; ends a tuning
+  /// transaction.
   void replace_settings(const Settings<S>& settings) { this->tuning.replace(settings); }
 
   Request request() const { return node().request(); }

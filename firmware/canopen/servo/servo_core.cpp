@@ -8,7 +8,8 @@ namespace {
 
 constexpr const ObjectRows& drive_rows = without_texts<drive_object_rows>;
 
-// Handles tell whose an entry is.
+// The handle tells what an entry is: below these numbers an object of the drive, from the first on
+// a parameter, from the second on a signal.
 constexpr std::uint16_t parameter_handle = 0x4000;
 constexpr std::uint16_t signal_handle = 0x8000;
 
@@ -131,7 +132,7 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   if (entry.key.index == 0x6040) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }
-  // A PDO says the same in each cycle.
+  // A PDO repeats its values in each cycle: only a change counts.
   if ((object.access & stored) != 0 && (source != Source::rpdo || value != before)) {
     node_.touch();
     log(entry.key, before, value, source, result);
@@ -150,7 +151,7 @@ Abort ServoCore::check(Key key, std::uint32_t value) const {
   return Axis::check_option(key.index, number);
 }
 
-/// Objects that are commands.
+/// Runs an object that is a command.
 Abort ServoCore::run(Key key, std::uint32_t value) {
   const auto command = static_cast<std::uint8_t>(value);
   if (key == access_key) {
@@ -227,7 +228,7 @@ void ServoCore::revert_tuning(Source source) {
   show_tuning();
 }
 
-/// A client that has gone leaves nothing half done.
+/// Reverts the transaction of a client that has gone.
 void ServoCore::watch_client() {
   const std::uint64_t last_us = std::max(tuned_us_, node_.last_sdo_us());
   const std::uint64_t timeout_us = microseconds_of(objects_.client_timeout_s);

@@ -1,6 +1,6 @@
 #pragma once
-// The servo node without its scalar: objects beyond 1FFFh, the drive, faults, recorder, change log.
-// servo.hpp puts it between a device and the bus.
+// The part of the servo node that does not depend on the scalar type: objects beyond 1FFFh, the
+// drive, faults, recorder, change log. servo.hpp puts it between a device and the bus.
 
 #include "firmware/canopen/node/node.hpp"
 #include "firmware/canopen/servo/axis.hpp"
@@ -15,8 +15,8 @@ inline constexpr std::uint32_t servo_device_type = 0x0002'0192;  ///< servo driv
 inline constexpr std::uint32_t servo_product = 0x534D'4101;
 inline constexpr std::uint32_t servo_revision = 0x0001'0000;
 
-/// Keys of 2003h. They stop mistakes, not attackers: whoever reads the bus reads them. 0: none is
-/// needed. Without `tune` no gain can be written, without `set_up` nothing else of the parameters.
+/// Keys of 2003h. They prevent mistakes, not attacks: whoever reads the bus reads them. 0: no key
+/// is needed. Gains can be written after `tune` only, all other parameters after `set_up` only.
 struct AccessKeys {
   std::uint32_t tune = 0, set_up = 0;
 };
@@ -29,13 +29,13 @@ struct ServoConfig {
   float step_s = 1e-3F;       ///< of the loop
 };
 
-/// Of the loop, since the start.
+/// Timing of the loop since the start.
 struct LoopTiming {
   std::uint32_t steps, missed;
   float mean_late_s, max_late_s, mean_busy_s, max_busy_s;
 };
 
-/// What a step of the device came to.
+/// The result of a step of the device.
 struct StepReport {
   Signals signals;
   DeviceState state;
@@ -63,16 +63,17 @@ class ServoCore : public Application {
   void set_bus(std::uint32_t dropped, std::uint32_t off, std::uint32_t queue_full) {
     objects_.bus = {dropped, off, queue_full};
   }
-  /// The loop has no room for further settings now: writes of parameters, and what would put some
-  /// in force, are refused.
+  /// While held, the loop can not take further settings: writes of parameters, and commands that
+  /// would put settings in force, are refused.
   void hold_settings(bool held) { held_ = held; }
 
   AxisDemand demand() const { return axis_.demand(); }
   /// The command source is there, or nobody asked for one (6007h = 0).
   bool is_fresh() const;
-  /// Of what only the bus knows, for Inputs::external.
+  /// The faults that only the bus can know, for Inputs::external.
   FaultSet external() const;
-  /// Of a cyclic mode, since the start: each one counts, also one that is as the one before.
+  /// Number of set-points written since the start in modes that follow them at once; repeated ones
+  /// count as well.
   std::uint32_t setpoints() const { return setpoints_; }
 
   Node& node() { return node_; }
@@ -123,7 +124,7 @@ class ServoCore : public Application {
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
   std::uint32_t setpoints_ = 0;
-  std::uint8_t errors_ = 0;  ///< 1001h, of the device's faults
+  std::uint8_t errors_ = 0;  ///< bits of 1001h by the device's faults
   bool held_ = false;
 };
 

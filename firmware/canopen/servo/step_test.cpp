@@ -70,7 +70,7 @@ void StepTest::step(const Signals& signals, float dt_s, Axis& axis) {
   }
 }
 
-/// How far of the way it is.
+/// Updates the figures. `share` is the part of the amplitude that the wire has moved.
 void StepTest::look(float share) {
   constexpr float band = 0.05F;
   if (!rose_from_ && 0.1F <= share) {

@@ -1,5 +1,6 @@
 #pragma once
-// A step there and back, started over CAN (2400h), with its figures; it triggers the recorder.
+// A step of the position there and back, started over CAN (2400h), with the figures of the
+// response; it triggers the recorder.
 
 #include "firmware/canopen/servo/axis.hpp"
 #include "firmware/canopen/servo/recorder.hpp"

@@ -33,7 +33,7 @@ class Tuning final : public ParameterAccess {
   Key refused_other() const override { return refused_other_; }
   bool has_load_cell() const override { return staging_.active().measuring.has_load_cell; }
 
-  /// Others than the bus have put these in force.
+  /// Takes over settings that others than the bus have put in force; a transaction is over.
   void replace(const Settings<S>& settings) {
     staging_.replace(settings);
     open_ = false;
@@ -81,7 +81,8 @@ Abort Tuning<S>::abort_of(StageResult result) {
   return Abort::state;
 }
 
-/// A set that contradicts itself names both parameters.
+/// The abort code of a result. If the set contradicts itself, both parameters are kept for
+/// refused().
 template <class S>
 Abort Tuning<S>::done(const Applied& applied) {
   const auto key = [](std::size_t row) {

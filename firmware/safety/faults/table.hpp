@@ -27,17 +27,17 @@ inline constexpr auto fault_rows = [] {
   return rows;
 }();
 
-/// Not for Fault::none.
+/// The row of a fault; not for Fault::none.
 constexpr const FaultRow& fault_row(Fault fault) {
   return fault_rows[static_cast<std::size_t>(fault) - 1];
 }
 
-/// "wire_open"; "none".
+/// Such as "wire_open"; "none" for Fault::none.
 constexpr std::string_view fault_name(Fault fault) {
   return fault == Fault::none ? "none" : fault_row(fault).name;
 }
 
-/// All faults whose row is like that.
+/// All faults for whose row `like` is true.
 template <class Like>
 constexpr FaultSet faults_where(Like like) {
   FaultSet set;
@@ -55,7 +55,8 @@ constexpr std::string_view class_name(FaultClass severity) {
   return names[static_cast<std::size_t>(severity)];
 }
 
-/// The setting that says how long a condition has to last; mostly none.
+/// The setting that says how long a condition has to last; empty for most faults, whose time is in
+/// their row.
 constexpr std::string_view time_setting(Fault fault) {
   switch (fault) {
     case Fault::following_error:

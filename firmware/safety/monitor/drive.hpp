@@ -18,7 +18,8 @@ struct DriveMonitor {
   static FaultSet detect(const MonitorInputs<S>& seen, const ZeroCurrent<S>& zero);
 
  private:
-  static constexpr S full = S(0.998);  ///< of a scale: a converter's last code is not all of it
+  static constexpr S full = S(0.998);  ///< share of a scale that counts as its end: a converter's
+                                       ///< last code is below the full scale
   static constexpr S warm_K = S(10);
 
   static void supply(const MonitorInputs<S>& seen, FaultSet& now);
@@ -58,12 +59,12 @@ void DriveMonitor<S>::current(const MonitorInputs<S>& seen, FaultSet& now) {
   now.add(Fault::over_current, q.trips.current_A < I);
   now.add(Fault::current_saturated,
           full * q.measuring.current_full_scale_A <= magnitude(seen.in.sample.current_A));
-  // A dead current sensor reads zero; then the voltage tells.
+  // A dead current sensor reads zero; then the voltage shows that a current flows.
   const S floating_V = S(2) * q.limits.min_current_A * seen.prepared.cold_ohm;
   now.add(Fault::current_while_off,
           seen.off() && (doubt_A + doubt_A < I || floating_V < magnitude(seen.voltage_V)));
-  // A converter at the end of its supply is no fault of the current loop; wire_open and the
-  // measured resistance look after that.
+  // Too little current from a converter that has no more voltage is no fault of the current loop;
+  // wire_open and the measured resistance cover that case.
   const bool all_it_has =
       S(0.9) * seen.in.supply_V < seen.voltage_V || seen.last.limited_by(LimitReason::supply);
   const S low_A = seen.min_given_A();
@@ -75,12 +76,12 @@ void DriveMonitor<S>::current(const MonitorInputs<S>& seen, FaultSet& now) {
 template <class S>
 void DriveMonitor<S>::voltage(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
-  // Without current it is the wire that is open.
+  // Without current a saturated voltage is an open wire: wire_open.
   const bool flows = seen.prepared.measuring.min_current_A <= magnitude(seen.current_A);
   now.add(Fault::voltage_saturated, flows && voltage_at_end(seen));
   const S slack_V = S(0.5);
   const bool above_supply = S(1.05) * seen.in.supply_V + slack_V < seen.voltage_V;
-  // A chopper's mean voltage, less what leads and crimps keep.
+  // The wire gets far less than the chopper's mean voltage; 30 % are allowed for leads and crimps.
   const bool lost = q.drive.kind == DriveKind::voltage && seen.measurement.resistance_ohm > S(0) &&
                     seen.voltage_V < S(0.7) * seen.last.voltage_V - slack_V &&
                     !(S(1.1) * seen.given_before_A < seen.last.current_A);

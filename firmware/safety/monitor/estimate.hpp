@@ -13,10 +13,10 @@ constexpr bool needs_estimate(Mode mode) {
 
 template <class S>
 struct EstimateMonitor {
-  /// An empty one is all zero.
+  /// All zero: nothing has been seen.
   struct State {
     S innovation_ohm;  ///< low-pass filtered
-    S away_s;          ///< from the reference
+    S away_s;          ///< time for which the strain has been away from its reference
   };
 
   /// Cost: about 50 operations, no division.
@@ -24,7 +24,7 @@ struct EstimateMonitor {
 
  private:
   static constexpr S filter_1_s = S(10);
-  /// Squared: so many standard deviations of the filtered innovation are too many.
+  /// Square of the number of standard deviations that the filtered innovation must stay below.
   static constexpr S far = S(36);
 
   static bool diverged(const MonitorInputs<S>& seen, State& s);
@@ -41,7 +41,8 @@ FaultSet EstimateMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   const Estimate<S>& e = seen.estimate;
   now.add(Fault::estimate_invalid,
           !isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
-  // Without heat nothing is learnt: a cold wire may wait for its first command.
+  // Without heat the observer can not become sure, and that is no fault: a cold wire may wait for
+  // its first command.
   const bool heated = S(2) * seen.prepared.settings.limits.min_current_A < seen.last.current_A;
   now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running && heated &&
                                       needs_estimate(seen.command.mode) &&
@@ -52,8 +53,8 @@ FaultSet EstimateMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   return now;
 }
 
-/// The innovation ν has the expected square s² at each step. Were it white, its mean over a time
-/// τ would have the variance s² dt/2τ.
+/// The filter expects the variance s² of the innovation ν in each step. If ν is white noise, its
+/// low-pass filtered value has the variance s² dt/2τ, with the time constant τ.
 template <class S>
 bool EstimateMonitor<S>::diverged(const MonitorInputs<S>& seen, State& s) {
   const auto& f = seen.filter;

@@ -1,27 +1,26 @@
 #pragma once
-// How hot austenite is by the rise of its resistance: the second opinion on the temperature for the
-// case that air and cooling are not what the observer believes. Power tells nothing of that.
+// Temperature of austenite by the rise of its resistance: a second opinion for the case that air
+// and cooling are not what the observer believes, which the power can not show.
 //
-// While there is nothing but austenite, and what the clamps keep cold, only heat raises the
-// resistance: last martensite goes and lowers it. So since the lowest resistance the wire has
-// become warmer by at least ΔT = ΔR/R ρ/k; load and elastic strain are taken out by the wire's
-// file.
+// While the wire is austenite, except for the ends that the clamps keep cold, only heat raises its
+// resistance; the last martensite lowers it by disappearing. So since the lowest resistance R the
+// wire has become warmer by at least ΔT = ΔR/R ρ/k, where k is the slope of the resistivity ρ over
+// temperature; the effect of load and elastic strain is removed by the wire's file.
 
 #include "firmware/safety/monitor/inputs.hpp"
 
 namespace smaservo {
 
-/// An empty one has seen nothing.
+/// All zero: nothing has been seen.
 template <class S>
 struct HotResistance {
   S share;          ///< resistance as a share of austenite's under this load, filtered; 0: none yet
   S min;            ///< lowest share
-  S min_at_K;       ///< what the observer thought of the temperature there
+  S min_at_K;       ///< temperature there by the observer's estimate
   S temperature_K;  ///< 0: not known
   bool heated;      ///< by enough power to keep it hot
 
-  /// More than so much is no heat: the wire cools, and martensite comes, before the observer
-  /// knows.
+  /// A greater rise is not due to heat: martensite has formed and the observer has not noticed.
   static constexpr S max_rise_K = S(80);
 
   /// Cost: about 40 operations, three divisions.
@@ -68,8 +67,8 @@ struct HotResistance {
            ((a.resistivity_ohm_m + a.resistivity_ohm_m_Pa * sigma) * (S(1) + strain + strain));
   }
 
-  /// Heat that it keeps, with half the cooling of its file. A wire that gets less cools, whatever
-  /// its resistance does.
+  /// Net heat flow into the wire with half the cooling of its file. If it is negative the wire
+  /// cools, whatever its resistance does.
   S net_W(const MonitorInputs<S>& seen) const {
     const S above_K = temperature_K - seen.filter.ambient_K;
     return seen.measurement.power_W - min_loss * seen.prepared.observer.model.body.loss_W(above_K);

@@ -15,9 +15,9 @@ struct MonitorInputs {
   const Command<S>& command;
   const Measurement<S>& measurement;
   const Estimate<S>& estimate;
-  const typename KalmanObserver<S>::State& filter;  ///< the most likely one
-  const Output<S>& last;   ///< of the step before: what the sample is the answer to
-  S given_before_A;        ///< and what was given one step earlier; a drive may be late by one
+  const typename KalmanObserver<S>::State& filter;  ///< state of the most likely filter
+  const Output<S>& last;  ///< of the step before, to which the sample is the response
+  S given_before_A;  ///< given one step earlier than last.current_A; a drive may be one step late
   S current_A, voltage_V;  ///< less their offsets
   S duty;                  ///< as the controller counts it
   S off_s;                 ///< no current has been given for so long
@@ -36,7 +36,7 @@ struct MonitorInputs {
   }
   bool sure() const { return observing && estimate.health == Health::good; }
 
-  /// The resistance of this sample is known within 0.1 %: not so at the least current.
+  /// Whether the resistance of this sample is known within 0.1 %; at the least current it is not.
   bool precise() const {
     const Measuring<S>& q = prepared.settings.measuring;
     const S by_V = q.voltage_noise_V * current_A;
@@ -45,8 +45,9 @@ struct MonitorInputs {
     return measurement.resistance_valid && by_V * by_V + by_I * by_I < max * max;
   }
 
-  /// Off for so long that a wire has the air's temperature, whatever it was: ten time constants,
-  /// and its latent heat at 5 K above the air.
+  /// Whether the current has been off for so long that the wire has the air's temperature, whatever
+  /// it had before: ten time constants, and the time to give off the latent heat at 5 K above the
+  /// air.
   bool cold() const {
     const ThermalBody<S>& body = prepared.observer.model.body;
     return S(10) * body.capacity_J_K + S(0.2) * body.latent_m2a_J < off_s * body.loss_W_K;

@@ -8,14 +8,14 @@ namespace smaservo {
 
 template <class S>
 struct MachineMonitor {
-  /// An empty one is all zero.
+  /// All zero: nothing has been seen.
   struct State {
-    S misses;  ///< deadlines, forgotten within a second
+    S misses;  ///< number of missed deadlines; decays within a second
     bool sampled;
     std::uint32_t sequence;  ///< of the last fresh sample
     Sample<S> sample;
     S frozen_at_A;         ///< current that was given when the readings last changed
-    bool control_invalid;  ///< the last step's control gave no number
+    bool control_invalid;  ///< the controller gave no usable current in the last step
   };
 
   /// Cost: about 40 operations, no division.
@@ -41,7 +41,7 @@ FaultSet MachineMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   s.control_invalid = false;
   if (in.deadline_missed || S(0) < s.misses) {
     s.misses = s.misses - s.misses * seen.dt_s + (in.deadline_missed ? S(1) : S(0));
-    // A missed one has lost next to nothing to forgetting.
+    // The margin of 0.5 covers the decay of misses that follow each other closely.
     now.add(Fault::deadline_missed, max_misses - S(0.5) < s.misses);
   }
   now.add(Fault::command_timeout,
@@ -54,7 +54,8 @@ FaultSet MachineMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   return now;
 }
 
-/// Steady readings alone say nothing: a quiet front end repeats them. They must follow the current.
+/// Equal readings alone are no fault: a quiet front end repeats them. They must change when the
+/// current does.
 template <class S>
 bool MachineMonitor<S>::frozen(const MonitorInputs<S>& seen, State& s) {
   const Inputs<S>& in = seen.in;

@@ -1,26 +1,28 @@
 #pragma once
-// How hot the wire is by the heat that it was given, whatever its resistance says: the second
-// opinion on the temperature, for the case that the first one is deceived by its sensor.
+// Temperature of the wire by the heat that it was given, whatever its resistance says: a second
+// opinion for the case that the observer is deceived by its sensor.
 
 #include "firmware/safety/monitor/inputs.hpp"
 
 namespace smaservo {
 
-/// An empty one is a cold wire.
+/// All zero: a cold wire.
 template <class S>
 struct OpenHeat {
-  S heat_J;         ///< above martensite at the air's temperature
-  S temperature_K;  ///< that goes with it, on the way of heating
+  S heat_J;         ///< heat content; 0 is martensite at the air's temperature
+  S temperature_K;  ///< at this heat content, on the heating branch
   S finish_K;       ///< of the transformation into austenite, under the present stress
-  S net_W;          ///< taken in during the last step
-  S observed_J;     ///< above the same, as the observer sees it
+  S net_W;          ///< net heat flow into the wire in the last step
+  S observed_J;     ///< heat content by the observer's estimate, from the same zero
 
-  /// The observer's opinion of the heat is taken over within these times: what is not known here,
-  /// the loops inside of the transformation above all, must not add up. A deceived observer thinks
-  /// the wire colder than it is, so that is believed more slowly.
+  /// Rates at which heat_J is drawn to observed_J, since errors of the open-loop heat, above all in
+  /// inner loops, must not add up. A deceived observer takes the wire for colder than it is, so
+  /// heat_J is drawn down more slowly than up.
   static constexpr S warms_1_s = S(0.5);
   static constexpr S cools_1_s = S(0.1);
-  /// It may also think that a draught or cold air keeps the wire cold. That is believed so far.
+  /// A deceived observer may also find a draught or cold air that keeps the wire cold. It is
+  /// believed up to this cooling, relative to the wire file's, and this much colder air than at the
+  /// start.
   static constexpr S max_loss = S(1);
   static constexpr S colder_K = S(2);
 
@@ -41,12 +43,12 @@ struct OpenHeat {
     const S L = body.latent_m2a_J;
     const S start_J = C * (start_K - air_K);
     const S finish_J = C * (finish_K - air_K) + L;
-    // Between start and finish the latent heat is shared out evenly.
+    // Between start and finish the latent heat is spread evenly.
     temperature_K = heat_J < start_J    ? air_K + heat_J / C
                     : finish_J < heat_J ? finish_K + (heat_J - finish_J) / C
                                         : start_K + (heat_J - start_J) * (finish_K - start_K) /
                                                         (finish_J - start_J);
-    // Where nothing is measured, what was given is the worst that can have flowed.
+    // Without a measurement the given current counts: the most that can have flowed.
     const S given_A = seen.last.current_A;
     const S power_W = seen.in.fresh && seen.measurement.power_valid
                           ? seen.measurement.power_W

@@ -9,27 +9,27 @@ namespace smaservo {
 
 template <class S>
 struct WireMonitor {
-  /// An empty one is all zero.
+  /// All zero: nothing has been seen.
   struct State {
     OpenHeat<S> heat;
     HotResistance<S> hot;
     S steady_ohm;          ///< low-pass filtered; 0: not known
-    S unanswered_J;        ///< given to a wire that did not answer
-    S observed_before_J;   ///< OpenHeat's in the last step
-    S before_K;            ///< the estimate in the last step
-    bool was_sure;         ///< and whether it was one
+    S unanswered_J;        ///< heat that the wire has been given without a response
+    S observed_before_J;   ///< OpenHeat::observed_J in the last step
+    S before_K;            ///< estimated temperature in the last step
+    bool was_sure;         ///< the observer was sure in the last step
     S innovation_ohm;      ///< low-pass filtered
-    S slips;               ///< seen, forgotten within 10 s
-    bool slipping;         ///< the last step already was in one
-    bool contracted;       ///< the half of a cycle that it is in
-    std::uint32_t cycles;  ///< full ones; a machine that keeps count puts the stored number here
+    S slips;               ///< number of slips seen; decays within 10 s
+    bool slipping;         ///< the last step was part of a slip already
+    bool contracted;       ///< the wire is in the contracted half of a cycle
+    std::uint32_t cycles;  ///< full cycles; a main that stores the count puts it back here
   };
 
   /// Cost: about 150 operations, a division among them.
   static FaultSet detect(const MonitorInputs<S>& seen, State& s);
 
-  /// What the wire's resistance differs by from what its model expects of a new wire, relative and
-  /// times the model's: off by more than the setting allows.
+  /// Whether the resistance differs by more than trips.drift from what the model expects of a new
+  /// wire. Both may be scaled by the same factor.
   static bool drifted(const Settings<S>& q, const S& measured_ohm, const S& expected_ohm) {
     return q.trips.drift * expected_ohm < magnitude(measured_ohm - expected_ohm);
   }
@@ -38,8 +38,8 @@ struct WireMonitor {
   static constexpr S beyond_K = S(2);
   static constexpr S jump = S(0.08);
   static constexpr S jump_s = S(0.003);
-  /// For so long ahead the trip must not be passed: deglitch time, and a step of a drive that is
-  /// late.
+  /// How far the temperature is predicted: the trip must not be passed within the deglitch time and
+  /// one step of a drive that is late.
   static constexpr S ahead_s = S(0.003);
   static constexpr S slip_forgotten_1_s = S(0.1);
 
@@ -88,8 +88,7 @@ void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSe
   const Settings<S>& q = seen.prepared.settings;
   const Estimate<S>& e = seen.estimate;
   s.heat.advance(seen);
-  // Heat beyond what a draught could take away, that the wire has neither become warmer nor
-  // transformed by.
+  // Heat beyond what a draught could take away that has neither warmed nor transformed the wire.
   const bool sure = seen.sure();
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
   const S warm_K = s.heat.finish_K < e.temperature_K ? e.temperature_K : s.heat.finish_K;
@@ -108,7 +107,7 @@ void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSe
       s.heat.temperature_K < e.temperature_K ? e.temperature_K : s.heat.temperature_K;
   now.add(Fault::over_temperature, passes(q.trips.temperature_K, hottest_K));
   now.add(Fault::heat_limit, seen.heated() && passes(q.limits.temperature_K, s.heat.temperature_K));
-  // An observer that searches jumps from one idea to another; that is not the wire.
+  // An observer that searches jumps from one hypothesis to another; that is no heating.
   const S warmer_K = sure && s.was_sure ? e.temperature_K - s.before_K : S(0);
   const S max_K = q.trips.heating_rate_K_s * seen.dt_s;
   now.add(Fault::heating_fast, S(0.7) * max_K < warmer_K);
@@ -117,8 +116,8 @@ void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSe
   s.was_sure = sure;
 }
 
-/// No transformation changes the resistance faster than its latent heat comes, and under a steady
-/// load none comes without heat.
+/// Whether the resistance has changed faster than a transformation can change it: under a steady
+/// load that needs the latent heat first.
 template <class S>
 bool WireMonitor<S>::jumped(const MonitorInputs<S>& seen, State& s) {
   const S R = seen.measurement.resistance_ohm;
@@ -134,7 +133,7 @@ bool WireMonitor<S>::jumped(const MonitorInputs<S>& seen, State& s) {
     return false;
   }
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
-  // A quarter of the resistance by the whole transformation.
+  // The whole transformation changes the resistance by a quarter.
   const S by_heat = S(0.25) * seen.measurement.power_W * jump_s;
   const S max_J = jump * body.latent_m2a_J + by_heat;
   if (max_J * s.steady_ohm < magnitude(R - s.steady_ohm) * body.latent_m2a_J) {
@@ -144,7 +143,8 @@ bool WireMonitor<S>::jumped(const MonitorInputs<S>& seen, State& s) {
   return false;
 }
 
-/// The limit is kept by shaping the power; beyond it that was not enough.
+/// The soft limit keeps the wire below limits.temperature_K by reducing the power; a wire above it
+/// shows that this was not enough.
 template <class S>
 void WireMonitor<S>::signature(const MonitorInputs<S>& seen, State& s, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
@@ -164,8 +164,9 @@ void WireMonitor<S>::mechanics(const MonitorInputs<S>& seen, State& s, FaultSet&
   now.add(Fault::over_stress, m.stress_valid && q.trips.stress_Pa < m.stress_Pa);
   now.add(Fault::over_strain,
           seen.sure() && (strain < q.trips.min_strain || q.trips.max_strain < strain));
-  // A load that is taken away shortens the wire and lowers its resistance; a wire that slips
-  // relaxes while more of it comes to lie between the leads. One that has lost its load is neither.
+  // When a wire slips its stress falls and its resistance rises, since more of it comes to lie
+  // between the leads. When the load is taken away the wire shortens and its resistance falls. A
+  // slack wire counts as load_lost only.
   const S jump_ohm = seen.filter.innovation_ohm - s.innovation_ohm;
   s.innovation_ohm += S(20) * seen.dt_s * jump_ohm;
   const bool slipping = m.stress_valid && m.resistance_valid && seen.sure() && !slack &&

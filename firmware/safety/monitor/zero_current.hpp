@@ -1,21 +1,21 @@
 #pragma once
 // What the sensors read while no current is given: measured at start and kept up to date whenever
-// the device is off, since such offsets wander with temperature. A sense current of a few percent
-// of the greatest one could not do without.
+// the device is off, since such offsets wander with temperature. Without this a sense current of a
+// few percent of the greatest current could not be measured.
 
 #include "firmware/safety/monitor/inputs.hpp"
 #include "model/scalar/scalar.hpp"
 
 namespace smaservo {
 
-/// An empty one is all zero.
+/// All zero: nothing has been seen.
 template <class S>
 struct ZeroCurrent {
   S current_A, voltage_V;  ///< mean readings, beyond the offsets of the settings
   S samples;
 
   static constexpr S min_samples = S(20);
-  /// A running mean at first, later one that forgets.
+  /// Up to this number the plain mean of all samples, then one that forgets exponentially.
   static constexpr S max_samples = S(1000);
   /// So long after switching off the readings have settled.
   static constexpr S settling_s = S(0.02);
@@ -25,8 +25,8 @@ struct ZeroCurrent {
     return magnitude(current_A) <= p.settings.trips.current_offset_A;
   }
 
-  /// One sample without current. Readings that are none, and such that no offset explains, do not
-  /// count: those are left to the monitors.
+  /// Takes a sample without current. Readings that are not numbers, or too large for an offset, do
+  /// not count: the monitors report them.
   void take(const Prepared<S>& p, const Sample<S>& sample) {
     const Measuring<S>& q = p.settings.measuring;
     const S I = sample.current_A - q.current_offset_A;
