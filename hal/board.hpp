@@ -1,6 +1,7 @@
 #pragma once
-// The contract between the firmware and the machine that it runs on. A main owns a board and moves
-// frames, commands and time between it and the firmware's pure steps; nothing else knows it.
+// The interface between the firmware and the machine that it runs on. A main program owns a board
+// and moves frames, commands and time between it and the firmware's pure steps; no other code knows
+// the board.
 
 #include <concepts>
 #include <cstdint>
@@ -10,7 +11,7 @@
 namespace smaservo::hal {
 
 /// All readings of one instant. A reading that failed, or that the board can not take, is NaN,
-/// never an old or invented number. In the board's own precision.
+/// never an old or invented number. S is the board's own precision.
 template <class S>
 struct FrameOf {
   std::int64_t time_ns;    ///< monotonic
@@ -28,37 +29,38 @@ using Frame = FrameOf<double>;
 
 enum class ReadStatus : unsigned char {
   frame,    ///< a new frame was written
-  nothing,  ///< none came in its period: time_ns is now, the rest means nothing
-  end,      ///< there will be none any more: a replayed trace is over, a device is gone
+  nothing,  ///< none came in this period: time_ns is now, the rest is meaningless
+  end,      ///< no more will come: a replayed trace is over, a device is gone
 };
 
-/// Heat is a lease: past its time the board switches off by itself.
+/// A command to the drive. Heat is a lease: after valid_until_ns the board switches off by itself.
 template <class S>
 struct DriveCommandOf {
   S current_A;  ///< for a drive that takes a current
-  S voltage_V;  ///< for one that takes a voltage; a board has one or the other
+  S voltage_V;  ///< for a drive that takes a voltage; a board has one or the other
   std::int64_t valid_until_ns;
 };
 using DriveCommand = DriveCommandOf<double>;
 
 template <class B, class S = double>
 concept Board = requires(B board, FrameOf<S>& frame, const DriveCommandOf<S>& command) {
-  /// Waits for the next frame, at most for the board's period and a bit.
+  /// Waits for the next frame, at most for a little more than the board's period.
   { board.read(frame) } -> std::same_as<ReadStatus>;
   { board.drive(command) } -> std::same_as<void>;
-  /// Current off; allowed in any state, any number of times.
+  /// Switches the current off; allowed in any state, any number of times.
   { board.safe_off() } -> std::same_as<void>;
-  /// Renews the lease of the hardware that cuts the drive off when it is not kicked for some
-  /// milliseconds (a retriggerable one-shot). Once per step that went well, and never else.
+  /// Triggers the one-shot, a retriggerable circuit that cuts the drive off some milliseconds after
+  /// the last kick. Called once after each step that went well, and never else.
   { board.kick() } -> std::same_as<void>;
-  /// The clock of Frame::time_ns.
+  /// The present time, on the clock of Frame::time_ns.
   { board.now_ns() } -> std::same_as<std::int64_t>;
 };
 
 /// A CAN controller with its queues. Neither call waits.
 template <class P>
 concept CanPort = requires(P port, CanFrame& in, const CanFrame& out) {
-  /// The oldest frame that has come and was not sent by this port; false: there is none.
+  /// Takes the oldest frame that has come; false: there is none. Frames sent by this port do not
+  /// come back.
   { port.receive(in) } -> std::same_as<bool>;
   /// False: the queue is full or the bus is down. The frame is dropped; the port counts it.
   { port.send(out) } -> std::same_as<bool>;

@@ -1,5 +1,5 @@
 #pragma once
-// A frame of classic CAN, as every port gives and takes it.
+// A frame of classic CAN, as all ports receive and send it.
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// Any board with faults injected: the twin that every backend is tested with.
+// A board with faults injected into any other board, to test with.
 
 #include <cstdint>
 #include <limits>
@@ -9,17 +9,17 @@
 
 namespace smaservo::hal {
 
-/// What is wrong, from the next read() on. All combine.
+/// The faults in force from the next read() on; all may be combined.
 struct BoardFaults {
-  std::uint32_t lose_every = 0;  ///< each n-th frame does not come; 1: none comes
-  bool current_missing = false;  ///< NaN, as what follows
+  std::uint32_t lose_every = 0;  ///< n: each n-th frame is lost; 1: all are; 0: none is
+  bool current_missing = false;  ///< NaN, as the next two
   bool voltage_missing = false;
   bool load_missing = false;
-  bool stuck = false;        ///< the last good frame again, sequence and all
+  bool stuck = false;        ///< the last good frame again, with its sequence number
   std::int64_t late_ns = 0;  ///< frames come so much after their time
   bool emergency_stop = false;
   bool driver_fault = false;
-  bool drive_dead = false;  ///< commands, and switching off by command, do nothing
+  bool drive_dead = false;  ///< drive() and safe_off() do nothing
   bool kick_dead = false;
   bool ends = false;
 };

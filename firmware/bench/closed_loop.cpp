@@ -31,7 +31,8 @@ void ClosedLoop::ControlledWire::step(hal::ReadStatus status, const hal::Frame& 
             });
 }
 
-/// What one wire gains the other one loses. Other quantities than length have no opposite: off.
+/// The command for the second wire: it gets shorter by what the first one gets longer. Modes other
+/// than strain have no opposite and switch it off.
 Command<double> ClosedLoop::opposite(const Command<double>& command) const {
   Command<double> other = command;
   if (command.mode == Mode::strain) {
@@ -68,7 +69,7 @@ bool ClosedLoop::step() {
   } else {
     status = first_.board.read(frame);
   }
-  // As a replay computes it from the times in its trace.
+  // dt_s is computed as a replay computes it from the times in the trace.
   const double dt_s = began_ ? static_cast<double>(frame.time_ns - time_ns_) * 1e-9 : nominal_s_;
   began_ = true;
   time_ns_ = frame.time_ns;

@@ -1,5 +1,5 @@
 #pragma once
-// The very step of the firmware on simulated wires.
+// The firmware's own step on simulated wires.
 
 #include <memory>
 #include <optional>
@@ -22,11 +22,11 @@ class ClosedLoop {
  public:
   explicit ClosedLoop(const ClosedLoopScenario& scenario);
   ~ClosedLoop() = default;
-  // Its parts refer to each other.
+  // Not copied, since its members refer to each other.
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
-  /// One period; false when the time is over.
+  /// Runs one period; false when the scenario's time is over.
   bool step();
   const text::Cycle& cycle() const { return cycle_; }
   std::optional<OtherWire> other() const;

@@ -27,7 +27,7 @@ Settings<double> read_device(const files::TomlFile& file, files::TomlTable table
   return text::load_settings_file(path, changed);
 }
 
-/// A good front end for this device, changed by the file.
+/// Reads the sensors; keys that are left out have the values of a good front end for this device.
 hal::Sensors read_sensors(files::TomlTable table, const Settings<double>& settings) {
   const Measuring<double>& m = settings.measuring;
   const double area_m2 = settings.wire.geometry.area_m2();
@@ -79,7 +79,7 @@ hal::SimSetup read_board(files::TomlTable& root, files::TomlTable& plant,
 
 PairSetup read_pair(files::TomlTable table, const ClosedLoopScenario& scenario) {
   PairSetup pair{scenario.plant, scenario.board, table.choice("type", pair_names) == 0};
-  // The same kind of wire, another piece of it; both at rest under the first one's load.
+  // The second wire is another piece of the same kind. Both are at rest under the first one's load.
   pair.plant.seed = scenario.plant.seed + 7919;
   pair.board.seed = scenario.board.seed + 7919;
   if (!std::holds_alternative<hal::ConstantLoad>(scenario.board.load)) {

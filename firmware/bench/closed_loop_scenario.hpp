@@ -1,6 +1,6 @@
 #pragma once
-// A device on a simulated wire, and what is asked of both: a TOML file with a [device] table,
-// host-sim/simulate/README.md has the keys.
+// Scenario of a device on a simulated wire: a TOML file with a [device] table, whose keys are in
+// host-sim/simulate/README.md.
 
 #include <filesystem>
 #include <optional>
@@ -16,15 +16,16 @@
 
 namespace smaservo::bench {
 
-/// A second wire against the first one.
+/// A second wire that pulls against the first one.
 struct PairSetup {
   PlantSetup plant;
   hal::SimSetup board;
-  bool driven;  ///< by a device of its own that goes the other way; else it is only pulled
+  /// Whether a device of its own drives it the other way; else it is only stretched by the first.
+  bool driven;
 };
 
 struct ClosedLoopScenario {
-  std::string name;  ///< the file's
+  std::string name;  ///< the file's name
   std::string note;
   std::uint64_t seed;
   double duration_s;
@@ -36,18 +37,18 @@ struct ClosedLoopScenario {
   std::vector<SimEvent> events;
 };
 
-/// Whether a scenario file is one of these: it has a [device] table. Throws UserError.
+/// Whether a scenario file has a [device] table, and so is a closed loop's. Throws UserError.
 bool is_closed_loop(const std::filesystem::path& path);
 
-/// The default wire's settings for short heating: four times its maker's continuous current, with
-/// which it would not contract in a room.
+/// Settings of the default wire for short heating: the current limit is four times the maker's
+/// continuous current, with which the wire would not contract at room temperature.
 Settings<double> standard_settings();
 
-/// This device on a wire of the default kind, with a good front end, under 150 MPa, without a
-/// program.
+/// A closed loop with these settings: the default wire under 150 MPa, a good front end, no
+/// commands.
 ClosedLoopScenario standard_closed_loop(const Settings<double>& settings);
 
-/// Throws ConfigError: names file, line, key, value and what is allowed.
+/// Throws ConfigError, which names file, line, key, value and what is allowed.
 ClosedLoopScenario load_closed_loop(const std::filesystem::path& path);
 
 }  // namespace smaservo::bench

@@ -19,7 +19,7 @@ constexpr double min_lasting_s = 1e-3;
 
 constexpr auto power_units = std::to_array<Unit>({{"W", 1}, {"mW", 1e-3}});
 
-/// Modes with a set-point: the key's name and what it may be, in SI.
+/// A mode with a set-point: the name of its key and the range of the set-point in SI.
 struct Quantity {
   std::string_view name;
   Kind kind;
@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 2> bare_modes{"off", "identification"};
 
 struct Setpoint {
   Mode mode;
-  double first, second;  ///< SI; the same where the file has one number
+  double first, second;  ///< in SI; equal where the file has one number
 };
 
 std::vector<std::string> all_keys() {
@@ -111,7 +111,7 @@ CommandStretch read_common(files::TomlTable& table, Mode mode) {
   return stretch;
 }
 
-/// Makes the stretches of one table.
+/// Makes the stretches of one [[command]] table.
 class Maker {
  public:
   Maker(files::TomlTable& table, std::mt19937_64& random, std::vector<CommandStretch>& to)
@@ -155,7 +155,7 @@ class Maker {
     return setpoint_.first + share * (setpoint_.second - setpoint_.first);
   }
 
-  /// There and back.
+  /// Goes up in steps and down again.
   void staircase() {
     const int steps = static_cast<int>(table_.number("steps", 1, 1000));
     const double each_s = table_.number("each_s", min_lasting_s, longest_s);

@@ -1,6 +1,5 @@
 #pragma once
-// What is asked of a simulated device: set-points over time, as a scenario's [[command]] tables
-// say.
+// The commands to a simulated device: set-points over time, from a scenario's [[command]] tables.
 
 #include <cstdint>
 #include <random>
@@ -14,26 +13,27 @@ class TomlTable;
 
 namespace smaservo::bench {
 
-/// One mode for some time. The set-point goes on a straight line, with a sine on it where asked.
+/// One mode for some time. The set-point follows a straight line, with a sine of `amplitude` added
+/// to it.
 struct CommandStretch {
-  Command<double> command;  ///< the set-point is the line's beginning
+  Command<double> command;  ///< its set-point begins the line
   double seconds;
-  double end;  ///< of the line
+  double end;  ///< the line's last set-point
   double amplitude = 0;
   double from_Hz = 0, to_Hz = 0;  ///< the frequency grows exponentially
-  bool silent = false;            ///< the command source says nothing: no command is fresh
+  bool silent = false;            ///< no command is fresh, as without a source
 };
 
-/// Reads all of them; random ones are drawn. Throws UserError.
+/// Makes the stretches of all tables; random ones are drawn from `random`. Throws UserError.
 std::vector<CommandStretch> read_commands(std::vector<files::TomlTable> tables,
                                           std::mt19937_64& random);
 
-/// The stretches one after the other; the last one's end holds on.
+/// The stretches one after the other; after them the last one's final set-point is held.
 class CommandProgram {
  public:
   explicit CommandProgram(std::vector<CommandStretch> stretches);
 
-  /// Times must not go back.
+  /// The command at this time, which must not be before that of the last call.
   Command<double> at(double time_s);
   double duration_s() const { return duration_s_; }
 

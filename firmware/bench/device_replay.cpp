@@ -23,7 +23,7 @@
 namespace smaservo::bench {
 namespace {
 
-/// The finite number that a text is, all of it; none for other texts.
+/// The number, if the whole text is a finite one, else nullopt.
 std::optional<double> number_in(std::string_view text) {
   double value = 0;
   const char* const begin = text.data();
@@ -33,7 +33,7 @@ std::optional<double> number_in(std::string_view text) {
   return whole ? std::optional(value) : std::nullopt;
 }
 
-/// The outputs beside those that the trace has.
+/// Compares the outputs with those in the trace.
 class Comparison {
  public:
   Comparison(const std::vector<std::string>& names, double tolerance) : tolerance_(tolerance) {
@@ -81,7 +81,7 @@ class Comparison {
     text::DeviceColumn column;
     std::size_t position;
     OutputDifference difference{};
-    bool numbers = true;  // wherever they differ
+    bool numbers = true;  // whether all that differ are numbers
     double min = std::numeric_limits<double>::infinity();
     double max = -min;
 
@@ -115,7 +115,7 @@ class Comparison {
   std::uint64_t differing_rows_ = 0;
 };
 
-/// The file to write: the log and the outputs, then what the trace has besides.
+/// The file that the replay writes: the log and the outputs, then the trace's other columns.
 class ReplayFile {
  public:
   ReplayFile(const std::string& path, const hal::TraceReader& trace) {

@@ -14,7 +14,7 @@ class Dice {
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
-  /// Normal, cut at 2.5 standard deviations.
+  /// Normally distributed, cut at 2.5 standard deviations.
   double deviation(double sd) { return sd * std::clamp(normal_(random_), -2.5, 2.5); }
   double factor(double sd) { return 1 + deviation(sd); }
   bool coin() { return uniform(0, 1) < 0.5; }

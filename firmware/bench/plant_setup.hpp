@@ -18,17 +18,18 @@ namespace smaservo::bench {
 enum class PlantFamily : unsigned char { lumped, ihyp, sublayers };
 std::string_view plant_name(PlantFamily family);
 
-/// A wire as it really is.
+/// The simulated wire as it really is, which the device does not know.
 struct PlantSetup {
   PlantFamily family;
   files::WireDescription wire;
-  double scatter_K;  ///< of the transition temperatures along it; none in a lumped one
-  hal::SublayerStructure sublayers;  ///< of that family only
-  std::uint64_t seed;                ///< of the scatter
+  /// Standard deviation of the transition temperatures along the wire; a lumped wire has none.
+  double scatter_K;
+  hal::SublayerStructure sublayers;  ///< of the family sublayers only
+  std::uint64_t seed;                ///< draws the scatter
 };
 std::unique_ptr<hal::SimulatedWire> make_plant(const PlantSetup& plant);
 
-/// Takes the keys family, unit or wire and scatter_K. Throws UserError.
+/// Reads the keys family, unit or wire, and scatter_K. Throws UserError.
 PlantSetup read_plant(const files::TomlFile& file, files::TomlTable& table, std::uint64_t seed);
 
 }  // namespace smaservo::bench

@@ -1,5 +1,6 @@
 #pragma once
-// What `simulate` does to a wire: a TOML file, host-sim/simulate/README.md has the keys.
+// Scenario of a wire without a device, for `simulate`: a TOML file, whose keys are in
+// host-sim/simulate/README.md.
 
 #include <cstdint>
 #include <filesystem>
@@ -13,12 +14,12 @@
 
 namespace smaservo::bench {
 
-/// Heating power by level: 0 keeps the wire at ambient temperature, 1 would end where it is fully
-/// transformed and `overheat` warmer.
+/// Heating power as a level: 0 keeps the wire at ambient temperature; at 1 it ends up fully
+/// transformed and `overheat_K` warmer than that needs.
 struct DriveStep {
   double level;
   double seconds;
-  double ripple = 0;  ///< sinus on the power, as a share of it, 0..1
+  double ripple = 0;  ///< amplitude of a sine on the power, as a share of it, 0..1
   double ripple_Hz = 0;
 };
 
@@ -49,11 +50,11 @@ struct Scenario {
   std::uint64_t seed;
   double scatter_K;  ///< standard deviation of the transition temperatures along the wire
   hal::Family family = hal::Family::ihyp;
-  hal::SublayerStructure sublayers;  ///< of that family only
+  hal::SublayerStructure sublayers;  ///< of the family sublayers only
   std::variant<JouleScenario, BathScenario> run;
 };
 
-/// Throws UserError: names file, key, value and what is allowed.
+/// Throws UserError, which names file, key, value and what is allowed.
 Scenario load_scenario(const std::filesystem::path& file);
 
 }  // namespace smaservo::bench

@@ -6,7 +6,7 @@
 
 namespace smaservo::bench {
 
-/// No time of a scenario is beyond.
+/// The greatest time in a scenario, in s.
 inline constexpr double longest_s = 1e5;
 
 /// Throws UserError.

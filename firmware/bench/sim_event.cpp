@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, hal::reading_count> readings{"current", "
                                                                     "supply",  "ambient", "driver"};
 constexpr std::array<std::string_view, 6> sensor_faults{"missing", "stuck", "offset",
                                                         "noise",   "value", "gain"};
-/// The greatest amount of a sensor's fault: A, V, N, V, K, K.
+/// The greatest amount of a sensor's fault, by hal::Reading: A, V, N, V, K, K.
 constexpr std::array<double, hal::reading_count> max_amounts{1e3, 1e4, 1e4, 1e4, 1e3, 1e3};
 
 void read_surroundings(files::TomlTable& table, SimEvent& event) {

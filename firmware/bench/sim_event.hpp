@@ -14,7 +14,7 @@ class TomlTable;
 
 namespace smaservo::bench {
 
-/// From at_s on, for for_s; what is not set stays.
+/// An event lasts from at_s on for the time for_s and changes only what is set.
 struct SimEvent {
   double at_s, for_s;
   std::optional<double> ambient_K, draught, supply_V, added_stress_Pa, slip, driver_above_K;
@@ -25,19 +25,19 @@ struct SimEvent {
   bool emergency_stop = false;
   bool driver_fault = false;
   bool late = false;     ///< the loop misses its deadline
-  bool reboots = false;  ///< the device has no power, and starts anew at the end
+  bool reboots = false;  ///< the device has no power; it starts anew at the event's end
 };
 
 /// Throws UserError.
 std::vector<SimEvent> read_events(std::vector<files::TomlTable> tables);
 
-/// Keeps a board in the state that the events so far have made. Events that overlap add up; of
-/// those that change the same thing the last one in the file counts.
+/// Puts a board into the state that the events make of it. Events may overlap; where several set
+/// the same value, the last one in the file counts. Stresses and slips add up.
 class SimEvents {
  public:
   SimEvents(std::vector<SimEvent> events, const hal::SimSurroundings& without);
 
-  /// Times must not go back. Cheap while nothing changes.
+  /// `time_s` must not be before that of the last call. Costs little while nothing changes.
   void apply(double time_s, hal::SimBoard& board) {
     if (time_s >= next_s_) {
       change(time_s, board);

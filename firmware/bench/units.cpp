@@ -63,7 +63,7 @@ WireUnit random_unit(hal::Family family, std::uint64_t seed) {
   const Surface<double> a2m = first_surface(k.a2m_a2r);
   const Surface<double> a2r = second_surface(k.a2m_a2r);
   k.m2a = vary(k.m2a, 1.5, dice);
-  // One after the other: the order in which arguments are evaluated differs between compilers.
+  // One draw per statement: the order in which arguments are evaluated differs between compilers.
   const Surface<double> varied_a2r = vary(a2r, 1.5, dice);
   k.a2m_a2r = pair_surfaces(vary(a2m, 1.5, dice), varied_a2r);
   vary(w.material.martensite, dice);
@@ -82,7 +82,7 @@ WireUnit random_unit(hal::Family family, std::uint64_t seed) {
 
   unit.scatter_K = dice.uniform(0.3, 0.7);
   if (family == hal::Family::ihyp) {
-    // R-phase does not follow martensite's surfaces exactly, as the observers' model has it.
+    // In the observers' model R-phase follows martensite's surfaces exactly; here it does not.
     k.separate_r2a = true;
     k.r2a = vary(k.m2a, 1.0, dice);
     k.separate_r2m = true;

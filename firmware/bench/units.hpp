@@ -11,21 +11,21 @@ namespace smaservo::bench {
 /// One piece of wire, as it really is.
 struct WireUnit {
   hal::Family family;
-  std::uint64_t seed;  ///< what it was drawn with
+  std::uint64_t seed;  ///< the seed that it was drawn with
   files::WireDescription wire;
-  double scatter_K;                  ///< along the wire
-  hal::SublayerStructure sublayers;  ///< of that family only
+  double scatter_K;                  ///< of the transition temperatures along the wire
+  hal::SublayerStructure sublayers;  ///< of the family sublayers only
 
-  /// What is known of it without a calibration: the preset, with the resistivities scaled to the
-  /// resistance that the cold wire has at 25 °C without load (the key wire.resistance).
+  /// The wire as it is known without a calibration: the preset, with its resistivities scaled to
+  /// the resistance of this wire, cold at 25 °C without load (the key wire.resistance).
   Wire<double> type_file() const;
 };
 
-/// The preset smartflex-76um with every parameter off at random, and the family's own structure;
-/// the same seed gives the same unit. Standard deviations, cut at 2.5 of them: transition
-/// temperatures of each process 1.5 K, their slopes with stress 4 %, curvature 10 %, strain 3 %,
-/// resistivities 1 %, their change per kelvin 10 %, moduli 8 %, latent heats 6 %, specific heat
-/// 4 %, length 0.5 %, diameter 1 %, conductivity to the clamps 10 %.
+/// The preset smartflex-76um with a random deviation of every parameter, and with the structure of
+/// the family. The same seed gives the same unit. The standard deviations, beyond 2.5 of which none
+/// goes, are: transition temperatures of each process 1.5 K, their slopes with stress 4 %,
+/// curvature 10 %, strain 3 %, resistivities 1 %, their change per kelvin 10 %, moduli 8 %, latent
+/// heats 6 %, specific heat 4 %, length 0.5 %, diameter 1 %, conductivity to the clamps 10 %.
 WireUnit random_unit(hal::Family family, std::uint64_t seed);
 
 }  // namespace smaservo::bench

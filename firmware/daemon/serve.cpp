@@ -79,7 +79,7 @@ int serve_replay(const DaemonOptions& options) {
       text::load_settings_file(options.device.empty() ? trace + ".toml" : options.device);
   ServiceSetup setup = service_setup(options, settings);
   setup.settings_file.clear();
-  setup.folder.clear();  // a recorded run leaves no mark, and takes no settings but its own
+  setup.folder.clear();  // a replay leaves no mark, and takes no settings but the recording's
   setup.real_time = setup.paced = false;
   Service service(std::move(setup));
   Replaying board(trace, settings, service.desk());

@@ -9,8 +9,8 @@
 
 namespace smaservo::daemon {
 
-/// Of the bus's thread: before all that has no priority, behind the loop and, by default, behind
-/// the kernel's interrupt threads (50).
+/// SCHED_FIFO priority of the bus's thread: above threads without one, below the loop's and, by
+/// default, below the kernel's interrupt threads (50).
 constexpr int bus_priority(const RealTimeSettings& loop) {
   return std::max(loop.priority / 2, 1);
 }
@@ -29,8 +29,8 @@ int serve(Service& service, B& board, CommandSource& source, const LoopTiming& t
 LoopTiming timing_of(const Settings<double>& settings, double for_s);
 ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings);
 
-/// All throw UserError, TraceError, DeviceError or CanError; the exit code: 0, 1, or EX_CONFIG
-/// where a file is refused, which is what ConfigError means, too.
+/// All return the exit code: 0, 1, or EX_CONFIG where a file is refused. They throw UserError,
+/// TraceError, DeviceError or CanError; a ConfigError means EX_CONFIG, too.
 int serve_simulation(const DaemonOptions& options);
 int serve_replay(const DaemonOptions& options);
 int serve_board(const DaemonOptions& options);

@@ -17,7 +17,7 @@
 namespace smaservo::daemon {
 namespace {
 
-/// Elsewhere for a test, which brings its own tree.
+/// Where the kernel's files are; a test names a tree of its own by SMASERVO_ROOT.
 hal::LinuxRoots roots() {
   hal::LinuxRoots roots;
   if (const char* const root = std::getenv("SMASERVO_ROOT")) {
@@ -33,7 +33,7 @@ Settings<double> unconfigured() {
 hal::LinuxBoardParts open_parts(const BoardFile& file) {
   const hal::LinuxRoots where = roots();
   hal::LinuxBoardParts parts;
-  // Outputs first: they are off before anything else can fail.
+  // Outputs are opened first, which switches them off before anything else can fail.
   parts.drive = open_drive(file, where);
   parts.lines = hal::open_lines(where, file.lines);
   parts.slow = std::make_unique<hal::SlowSensors>(where, file.slow);
@@ -42,13 +42,13 @@ hal::LinuxBoardParts open_parts(const BoardFile& file) {
   return parts;
 }
 
-/// Copy of the board file that the last run drove by: --off goes by it, whatever has become of the
-/// file meanwhile.
+/// Path of the copy of the last run's board file. --off reads it, so that a board file that was
+/// changed or removed since leaves no output on.
 std::string kept_board(const std::string& folder) {
   return folder + "/board.toml";
 }
 
-/// Its owner's alone, as the file that it is of may be: there are keys in it.
+/// Only its owner may read the copy: it contains the bus's access keys.
 void keep_board(const std::string& folder, const std::string& text) {
   const mode_t before = umask(0077);
   try {
@@ -61,7 +61,8 @@ void keep_board(const std::string& folder, const std::string& text) {
   umask(before);
 }
 
-/// Nothing where it is refused, and why, unless that has been said.
+/// The board file; nullopt where it is refused. Prints why, unless `said`: someone has done so
+/// already.
 std::optional<BoardFile> usable(const std::string& path, bool said) {
   try {
     return load_board_file(path);
@@ -73,7 +74,8 @@ std::optional<BoardFile> usable(const std::string& path, bool said) {
   }
 }
 
-/// Each by itself: what fails must not keep the other one on. To open them is to switch them off.
+/// Opens the drive and the lines, which switches them off; each by itself, so that the failure of
+/// one does not leave the other on.
 bool outputs_off(const BoardFile& file) {
   hal::LinuxRoots where = roots();
   where.takes_over = true;
@@ -94,7 +96,7 @@ bool outputs_off(const BoardFile& file) {
   return ok;
 }
 
-/// The settings' line of the report; false: the file is refused, or asks too much of the board.
+/// Prints the report's line on the settings; false: the file is refused, or is beyond the board.
 bool settings_tried(const BoardFile& file) {
   std::string problem;
   try {
@@ -109,7 +111,7 @@ bool settings_tried(const BoardFile& file) {
   return problem.empty();
 }
 
-/// One line of the report; false: it can not be opened.
+/// Prints one line of the report; false: the device can not be opened.
 bool tried(const char* what, const std::function<void()>& open) {
   try {
     open();
@@ -134,8 +136,9 @@ bool line_tried(const char* what, const hal::LineSettings& line,
   return tried(what, [&] { hal::open_lines(roots(), one); });
 }
 
-/// A file with an impossible period is refused. Stored settings, which came over the bus, must stay
-/// in reach of it: they are not obeyed, and the device can not be armed.
+/// A settings file with an impossible period is refused. Stored settings came over the bus and can
+/// only be mended there: with an impossible period, the daemon runs with another one, and the
+/// device can not be armed.
 KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options) {
   const bool configured = !options.device.empty();
   const Settings<double> given =
@@ -189,7 +192,7 @@ int check_board(const DaemonOptions& options) {
 }
 
 int switch_board_off(const DaemonOptions& options) {
-  // What systemd tells an ExecStopPost: how its service ended, and with which code.
+  // systemd tells an ExecStopPost how the service ended, and with which exit code.
   const char* const result = std::getenv("SERVICE_RESULT");
   const char* const status = std::getenv("EXIT_STATUS");
   const bool refused = status != nullptr && status == std::to_string(EX_CONFIG);
@@ -197,7 +200,7 @@ int switch_board_off(const DaemonOptions& options) {
   const std::string folder = !options.settings.empty() ? options.settings
                              : present                 ? present->folder
                                                        : default_folder;
-  // Of a run; what has been refused was none.
+  // A result is kept of runs only; a start that was refused was none.
   if (result != nullptr && std::string(result) != "success" && !refused) {
     try {
       keep_service_result(folder, result);
@@ -207,7 +210,7 @@ int switch_board_off(const DaemonOptions& options) {
   }
   bool files = present.has_value();
   bool outputs = true;
-  // Both, and what fails in one must not keep those of the other on.
+  // Switches off the outputs of both files; a failure in one must not leave those of the other on.
   if (const std::string copy = kept_board(folder); hal::exists(copy)) {
     const std::optional<BoardFile> kept = usable(copy, false);
     files = files && kept;
@@ -230,7 +233,7 @@ int serve_board(const DaemonOptions& options) {
   setup.problem = [&](const Settings<double>& settings) { return board_problem(file, settings); };
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
-  // The folder is this run's from here on, and nothing has been heated yet.
+  // The service has locked the folder, and nothing has been heated yet.
   keep_board(with.settings, file.text);
   if (!options.program.empty()) {
     Programmed programmed(bench::load_closed_loop(options.program).program);

@@ -1,5 +1,5 @@
-// The device on a microcontroller, without an operating system: a loop in the timer's period, a
-// CANopen node beside it, settings in two slots.
+// The device on a microcontroller without an operating system: a loop with the timer's period, a
+// CANopen node, settings in two slots.
 
 #include <optional>
 
@@ -14,7 +14,8 @@
 namespace smaservo::mcu {
 namespace {
 
-/// All that lives as long as the device, in memory that the linker has counted.
+/// Everything that lives as long as the program. It is a static object, so the linker counts its
+/// memory.
 class Loop {
  public:
   Loop(const Settings<float>& settings, std::uint32_t period_us)
@@ -67,7 +68,7 @@ class Loop {
         break;
       }
       default:
-        servo_.finish(false);  // what the bus remembers is not kept here
+        servo_.finish(false);  // this program does not store the communication's settings
     }
   }
   void step(const hal::FrameOf<float>& frame, hal::ReadStatus status) {
@@ -88,7 +89,7 @@ class Loop {
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());
   Device<float>::State device_ = Device<float>::start();
-  std::uint32_t adopted_ = 0;  ///< of staging_.changes()
+  std::uint32_t adopted_ = 0;  ///< the staging_.changes() in force
 };
 
 std::optional<Loop> loop;

@@ -5,7 +5,7 @@
 
 namespace smaservo::text {
 
-/// One step, when it was, and, of a simulation, what was true when the sample was taken.
+/// One step of the device and its time; in a simulation also the truth at the sample's time.
 struct Cycle : DeviceStep<double> {
   double time_s;
   hal::SimTruth truth;

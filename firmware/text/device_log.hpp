@@ -1,5 +1,5 @@
 #pragma once
-// The log of a device: what its trace has beside the readings, so that it can be replayed.
+// The log of a device: the columns of its trace that a replay needs beside the readings.
 
 #include <array>
 #include <cstddef>
@@ -12,20 +12,20 @@
 
 namespace smaservo::text {
 
-/// The texts of a row's fields.
+/// Splits a row into the texts of its fields.
 void split_fields(std::string_view row, std::vector<std::string_view>& fields);
 
-/// Commands, and what else went into the steps, from a trace's columns. All throw UserError with
-/// the trace, the time and the field.
+/// Reads the commands, and the other inputs of the steps, from a trace's columns. All functions
+/// throw UserError, which names trace, time and field.
 class DeviceLog {
  public:
-  /// The trace's name must outlive it. The names must have command_mode, command_setpoint and
-  /// command_arm.
+  /// `trace` is the trace's name and must outlive the log. `names` are the columns; command_mode,
+  /// command_setpoint and command_arm must be among them.
   DeviceLog(const std::string& trace, const std::vector<std::string>& names);
 
-  /// All but the set-points that were superseded: a log has none of them.
+  /// What the device heard in this row; superseded set-points are not in a log.
   Heard<double> heard(const std::vector<std::string_view>& fields, double time_s) const;
-  /// Changes the settings that are in force from this row on; false where nothing changes.
+  /// Applies the row's changes of parameters to the settings; false where it has none.
   bool change(const std::vector<std::string_view>& fields, double time_s,
               Settings<double>& settings) const;
 

@@ -16,9 +16,9 @@ std::string_view state_name(DeviceState state);
 std::string_view health_name(Health health);
 std::string_view limit_reason_name(LimitReason reason);
 
-/// All of them with a plus in between; empty where there is none.
+/// The names of all faults in the set, with a plus in between.
 std::string names_of(FaultSet set);
-/// The set back from its names; nothing where one is unknown.
+/// The set from such names; nullopt where one is unknown.
 std::optional<FaultSet> named_faults(std::string_view names);
 std::string limit_reason_names(std::uint32_t bits);
 

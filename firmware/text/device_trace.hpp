@@ -12,23 +12,25 @@
 
 namespace smaservo::text {
 
-/// A name and its text for a step. Numbers are the shortest text that reads back to the same bits;
-/// what is not a number is empty.
+/// A column: its name, and how it writes a cycle's value as text. A number is the shortest text
+/// that reads back to the same bits; NaN is an empty text.
 struct DeviceColumn {
   std::string_view name;
   void (*write)(std::string& to, const Cycle& cycle);
 };
 
-/// Readings and command: the log. Those that a board may not have only where it has them.
+/// The columns of the log: readings and command. The arguments say which of the optional readings
+/// the board has.
 std::vector<DeviceColumn> log_columns(bool supply, bool ambient, bool driver);
-/// What the step made of them.
+/// The columns of the step's outputs.
 std::span<const DeviceColumn> output_columns();
-/// What only a simulation knows.
+/// The columns of the truth, which only a simulation knows.
 std::span<const DeviceColumn> truth_columns();
 
 void append_number(std::string& to, double value);
 
-/// Rows of such columns as text. Further columns come as texts, each with a comma before it.
+/// Writes rows of such columns as text. Further columns are given as texts, each with a comma
+/// before it.
 class DeviceRows {
  public:
   DeviceRows(std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
@@ -41,7 +43,7 @@ class DeviceRows {
   std::string header_;
 };
 
-/// Writes them.
+/// Writes such rows to a file.
 class DeviceTraceFile {
  public:
   DeviceTraceFile(const std::string& path, std::vector<DeviceColumn> columns,

@@ -28,7 +28,8 @@ files::Field field_of(const Row& row, std::size_t slot) {
           ""};
 }
 
-/// The rows of the wire, which come last, have the slots of a wire file; the others follow them.
+/// The parameters of the wire, which are the last rows, get the slots of a wire file; the others
+/// follow after these.
 constexpr std::size_t device_rows = parameter_count - wire_parameter_count;
 constexpr std::size_t slot_of(std::size_t row) {
   return row < device_rows ? files::wire_slot_count + row : row - device_rows;
@@ -54,11 +55,12 @@ Value value_of(const Row& row, double number) {
 
 struct Wanted {
   files::Entries values;
-  std::string wire;        ///< preset, or path of a file; empty: none
+  std::string wire;        ///< preset or path of a file; empty: none is named
   std::string wire_where;  ///< "FILE:LINE: KEY = VALUE"
 };
 
-/// Puts what a file or an override says on top. A wire file is looked for in `folder`.
+/// Adds the keys of a file or an override to `wanted`, replacing earlier ones. A wire file is
+/// looked for in `folder`.
 void read_settings(const toml::table& table, const std::string& origin,
                    const std::filesystem::path& folder, Wanted& wanted) {
   const auto take_wire = [&](const std::string& key, const toml::node& node) {
@@ -76,7 +78,7 @@ void read_settings(const toml::table& table, const std::string& origin,
   files::overlay(wanted.values, files::read_fields(settings_fields(), table, origin, take_wire));
 }
 
-/// The wire that is named, with what is replaced: nothing else follows from that.
+/// The named wire with the replaced numbers; no other number follows from these.
 Wire<double> wire_of(const Wanted& wanted, const std::string& origin) {
   files::Entries entries;
   try {
@@ -94,7 +96,8 @@ Wire<double> wire_of(const Wanted& wanted, const std::string& origin) {
   });
 }
 
-/// "FILE:LINE: KEY = VALUE", and for what no key has given, where it comes from.
+/// Where the value of a parameter comes from: "FILE:LINE: KEY = VALUE", or for one that no key has
+/// given, the wire or "default".
 std::string origin_of(const Wanted& wanted, const std::string& origin, std::size_t i,
                       const Settings<double>& settings) {
   if (const auto given = wanted.values.find(slot_of(i)); given != wanted.values.end()) {

@@ -23,27 +23,28 @@
 
 namespace smaservo::text {
 
-/// The settings have passed check() and have a wire. `overrides` are as on the command line, such
-/// as "limits.current_mA", "120". Throws ConfigError with file, line, key, value and what is
+/// Reads settings with a wire that pass check(). `overrides` are those of the command line, such as
+/// "limits.current_mA", "120". Throws ConfigError, which names file, line, key, value and what is
 /// allowed.
 Settings<double> load_settings_file(const std::string& path,
                                     const std::vector<files::Override>& overrides = {});
 
-/// The same from text; `origin` is what messages call it, a wire file is looked for in `folder`.
+/// The same from a text, which messages call `origin`. A wire file is looked for in `folder`.
 Settings<double> parse_settings_file(std::string_view text, const std::string& origin,
                                      const std::vector<files::Override>& overrides = {},
                                      const std::filesystem::path& folder = ".");
 
-/// The meaning of --set: "key=value" split. Throws ConfigError.
+/// Splits the "key=value" texts of --set. Throws ConfigError.
 std::vector<files::Override> parse_settings(const std::vector<std::string>& texts);
 
-/// Every parameter, in SI; read back it gives the same floats. Settings must have a wire.
+/// A settings file with every parameter in SI; it reads back to the same floats. The settings must
+/// have a wire.
 std::string to_toml(const Settings<double>& settings);
 
-/// A file to start from: settings_for() this wire, each key explained.
+/// A settings file to start from: settings_for() this wire, each key explained.
 std::string settings_template(const std::string& wire);
 
-/// The defaults, with limits as the wire's maker states them.
+/// The default settings, with the limits that the wire's maker states.
 Settings<double> settings_for(const Wire<double>& wire);
 
 }  // namespace smaservo::text

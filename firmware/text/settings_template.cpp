@@ -37,7 +37,7 @@ std::string key_and_value(const Row& row, const Settings<double>& settings) {
                      row.type == ValueType::choice ? "\"" + value + "\"" : value);
 }
 
-/// degC and MPa, where that reads back to the same float; otherwise SI.
+/// The unit to write a parameter in: degC or MPa where that reads back to the same float, else SI.
 const Unit& common_unit(const Row& row, float si) {
   for (const Unit& unit : row.kind) {
     const std::string text = fmt::format("{:.6g}", unit.from_si(static_cast<double>(si)));

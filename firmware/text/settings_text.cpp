@@ -10,7 +10,7 @@
 namespace smaservo::text {
 namespace {
 
-/// The shortest text that is this float when it is read as a double and rounded.
+/// The shortest text that gives this float when it is read as a double and rounded.
 std::string shortest(float value) {
   const std::string text = fmt::format("{}", value);
   return static_cast<float>(std::stod(text)) == value

@@ -1,5 +1,5 @@
 #pragma once
-// Parameters in the words of a file.
+// Parameters as text, as files write them.
 
 #include <string>
 #include <string_view>
@@ -9,22 +9,24 @@
 
 namespace smaservo::text {
 
-/// A path in its parts: "limits" and "current" of "limits.current_A".
+/// The parts of a path: "limits" and "current" of "limits.current_A".
 struct KeyParts {
   std::string_view table, name;
 };
 KeyParts key_parts(const Parameter<double>& row);
 
-/// A value as it is written: in SI, the name of a choice, true or false.
+/// Text of a value: a number in SI, the name of a choice, true or false.
 std::string value_text(const Parameter<double>& row, Value value);
 
-/// "0.001 to 20", "off, hold, release", "true, false"
+/// What a parameter may be: "0.001 to 20", "off, hold, release", "true, false"
 std::string range_text(const Parameter<double>& row);
 
-/// "limits.current_A=0.12;safe.state=hold": what differs in `to`, in SI. Empty: nothing.
+/// The parameters that differ, with their values in `to` in SI:
+/// "limits.current_A=0.12;safe.state=hold". Empty: none differ.
 std::string changes_text(const Settings<double>& from, const Settings<double>& to);
 
-/// Makes such changes, all or none. Empty, or what is wrong with the text; ranges are not checked.
+/// Applies such changes, all or none; ranges are not checked. Returns what is wrong with the text;
+/// empty: nothing.
 std::string apply_changes(std::string_view text, Settings<double>& settings);
 
 }  // namespace smaservo::text

@@ -1,7 +1,7 @@
 #pragma once
-// A board of a microcontroller: SysTick makes the loop's period; converter, output stage and CAN
-// controller are at the other end of pipes, which semihosting opens. A real board has registers in
-// place of the pipes: README.md says what to change.
+// A microcontroller's board in an emulator: SysTick gives the loop's period; pipes, opened by
+// semihosting, stand for converter, output stage and CAN controller. A real board has registers in
+// place of the pipes; README.md says what to change.
 
 #include <array>
 #include <cstdint>
@@ -16,26 +16,26 @@
 
 namespace smaservo::cortex_m {
 
-/// Interrupts of the timer since its start.
+/// Number of the timer's interrupts since its start.
 inline volatile std::uint32_t ticks = 0;
 
 class PipeBoard {
  public:
-  /// The loop's period: up to 16.7 million clocks.
+  /// `period_us` is the loop's period, at most 16.7 million clocks.
   explicit PipeBoard(std::uint32_t period_us)
       : period_us_(period_us), clocks_(period_us * 1000 / clock_ns) {}
 
   bool is_open() const { return to_.is_open() && from_.is_open(); }
 
-  /// The first period begins.
+  /// Begins the first period.
   void start() const {
     sys_tick().reload = clocks_ - 1;
     sys_tick().value = 0;
     sys_tick().control = SysTick::enable | SysTick::interrupt | SysTick::processor_clock;
   }
 
-  /// Sleeps until the timer's next tick. As the pipe brings the readings at once, there is nothing
-  /// more to wait for; a converter is started by the tick, and its interrupt ends the sleep.
+  /// Sleeps until the timer's next tick, then reads from the pipe without a wait. On a real board
+  /// the tick would start the converter, and the converter's interrupt would end the sleep.
   hal::ReadStatus read(hal::FrameOf<float>& frame) {
     while (ticks == served_) {
       wait_for_interrupt();
@@ -59,10 +59,10 @@ class PipeBoard {
              .driver_fault = (now.flags & link::driver_fault) != 0};
     return (now.flags & link::fresh) != 0 ? hal::ReadStatus::frame : hal::ReadStatus::nothing;
   }
-  /// Periods that went by unseen before the last frame.
+  /// Number of periods that were missed before the last frame.
   std::uint32_t missed() const { return missed_; }
 
-  /// For a second at most.
+  /// The command's lease may be a second at most.
   void drive(const hal::DriveCommandOf<float>& command) {
     next_.current_A = command.current_A;
     next_.voltage_V = command.voltage_V;
@@ -82,7 +82,7 @@ class PipeBoard {
     next_ = {};
   }
 
-  /// Since the last tick.
+  /// Time since the last tick.
   std::uint32_t gone_ns() const { return (clocks_ - 1 - sys_tick().value) * clock_ns; }
 
   std::uint32_t period_us_, clocks_;
@@ -93,7 +93,7 @@ class PipeBoard {
 };
 static_assert(hal::Board<PipeBoard, float>);
 
-/// Asks the other end for what has come.
+/// A CanPort of two pipes; receive() asks the other end for a frame.
 class PipeCan {
  public:
   bool is_open() const { return to_.is_open() && from_.is_open(); }
@@ -120,7 +120,7 @@ class PipeCan {
 };
 static_assert(hal::CanPort<PipeCan>);
 
-/// Two slots of settings as files.
+/// The store's two slots as files.
 class SlotFiles {
  public:
   bool read(unsigned slot, std::size_t offset, std::span<std::byte> to) {
@@ -135,7 +135,7 @@ class SlotFiles {
     at_ = 0;
     return true;
   }
-  /// From the slot's beginning on, one piece after the other.
+  /// Pieces must be written one after the other, from the slot's beginning on.
   bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from) {
     if (offset != at_) {
       return false;

@@ -1,6 +1,6 @@
 #pragma once
-// The registers of the processor that are used here, as the Armv7-M and Armv8-M reference manuals
-// name them.
+// The registers of the processor that are used here, after the Armv7-M and Armv8-M reference
+// manuals.
 
 #include <cstdint>
 
@@ -11,10 +11,10 @@ inline T& at(std::uintptr_t address) {
   return *reinterpret_cast<T*>(address);
 }
 
-/// Of the processor, as the toolchain file has it.
+/// Period of the processor's clock, from the toolchain file.
 inline constexpr std::uint32_t clock_ns = SMASERVO_MCU_CLOCK_NS;
 
-/// Counts the processor's clock down.
+/// A timer that counts down with the processor's clock.
 struct SysTick {
   static constexpr std::uint32_t enable = 1U << 0U;
   static constexpr std::uint32_t interrupt = 1U << 1U;

@@ -84,7 +84,7 @@ std::string_view arguments(std::span<char> buffer) {
   if (call(Call::command_line, words.data()) != 0) {
     return {};
   }
-  // The program's path may have blanks of its own.
+  // The program's path may contain blanks, so the arguments begin after ".elf ".
   constexpr std::string_view behind = ".elf ";
   const std::string_view line(buffer.data(), words[1]);
   const std::size_t at = line.find(behind);

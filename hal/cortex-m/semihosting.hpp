@@ -1,6 +1,6 @@
 #pragma once
-// Files, texts and the exit of a program that runs in an emulator or under a debugger: Arm's
-// semihosting, version 2. A board of its own has no use for it.
+// Arm's semihosting, version 2: files, texts and the exit of a program that runs in an emulator or
+// under a debugger. A program on a board alone can not use it.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,18 +11,18 @@ namespace smaservo::semihosting {
 
 enum class Open : std::uint32_t { read = 1, write = 5, append = 9 };
 
-/// A file or named pipe of the host. Names end with a zero, behind the view.
+/// A file or named pipe of the host. A zero must follow the characters of `name`.
 class File {
  public:
   File() = default;
   File(std::string_view name, Open how);
   bool is_open() const { return handle_ >= 0; }
-  /// Bytes that came; fewer than asked for at the end.
+  /// Number of bytes read; fewer than asked for at the file's end.
   std::size_t read(std::span<std::byte> to) const;
   /// Whether all of it was written.
   bool write(std::span<const std::byte> from) const;
   bool seek(std::size_t position) const;
-  /// In bytes.
+  /// Size in bytes.
   std::size_t size() const;
   void close();
 
@@ -30,12 +30,12 @@ class File {
   std::int32_t handle_ = -1;
 };
 
-/// Up to a zero.
+/// Prints a text up to its zero.
 void print(const char* text);
 void print(std::string_view text);
 
-/// The arguments that the emulator was given behind the program, a *.elf, with one blank between
-/// them; empty where they do not fit.
+/// The arguments that follow the program, a *.elf, on the emulator's command line, with one blank
+/// between them; empty where they do not fit into `buffer`.
 std::string_view arguments(std::span<char> buffer);
 
 [[noreturn]] void leave(int status);

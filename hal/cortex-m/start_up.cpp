@@ -6,7 +6,7 @@
 #include "hal/cortex-m/registers.hpp"
 #include "hal/cortex-m/semihosting.hpp"
 
-// Of the linker script.
+// Symbols of the linker script.
 extern "C" {
 extern std::uint32_t data_image[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[];
 using Initialiser = void (*)();
@@ -35,7 +35,7 @@ void enable_floating_point() {
 
 }  // namespace
 
-/// Before any function that may use it, so in no header: painting must not meet itself.
+/// Paints the stack below its own frame. Not inline, so that no variable of the caller lies there.
 [[gnu::noinline]] void repaint_stack() {
   volatile std::uint32_t* const top = stack_pointer() - 16;
   for (volatile std::uint32_t* at = bss_end; at < top; ++at) {
@@ -63,20 +63,20 @@ void reset() {
   semihosting::leave(application());
 }
 
-// A board switches its drive off here; the lease that nobody renews does it as well.
+// A real board switches its drive off here; otherwise the lease, no longer renewed, does so.
 [[noreturn]] void fault() {
   smaservo::semihosting::print("processor fault\n");
   smaservo::semihosting::leave(125);
 }
 
-// What the C library calls when it gives up, and where a static object would be destroyed.
+// Functions that the C library calls when it gives up, or to destroy static objects.
 [[noreturn]] void abort() {
   fault();
 }
 [[noreturn]] void __cxa_pure_virtual() {
   fault();
 }
-// Its own would bring the state of a library with files and locales: 100 bytes.
+// The library's own function would add 100 bytes of state for files and locales.
 int* __errno() {
   static int number = 0;
   return &number;

@@ -1,20 +1,20 @@
 #pragma once
-// What happens between reset and the application, and how deep the stack has become since.
+// The start between reset and the application, and the use of the stack.
 
 #include <cstddef>
 
 namespace smaservo::cortex_m {
 
-/// Of the stack since reset, or since repaint_stack(), all of it included.
+/// The most bytes of the stack that were in use at once since reset or repaint_stack().
 std::size_t stack_bytes();
-/// Forgets what was used below the caller.
+/// Begins the measurement of stack_bytes() anew from the caller's depth.
 void repaint_stack();
 
 }  // namespace smaservo::cortex_m
 
-/// What runs after reset; its result is the program's. In place of main(), which C++ does not let
-/// another function call.
+/// The program that runs after reset; its result is the exit code. It stands in place of main(),
+/// which no C++ function may call.
 int application();
 
-/// Called in each SysTick interrupt; a program that uses it has its own.
+/// Called in each SysTick interrupt; a program that uses the timer defines it.
 extern "C" void sys_tick_interrupt();

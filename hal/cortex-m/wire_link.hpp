@@ -1,6 +1,6 @@
 #pragma once
-// What goes through the pipes between the emulated board and the program that has its wire.
-// Little-endian, one record of each kind per period; CAN frames as they come.
+// The records in the pipes between the emulated board and the program that simulates its wire.
+// Little-endian; one Drive and one Readings per period, CAN frames as they come.
 
 #include <array>
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace smaservo::cortex_m::link {
 
-/// Before each period; answered by the readings at its end.
+/// Sent before each period; the answer is the readings at its end.
 struct Drive {
   float current_A, voltage_V;
   std::int32_t lease_us;  ///< from now on
-  std::uint32_t kicked;   ///< the one-shot is triggered again
+  std::uint32_t kicked;   ///< 1: the one-shot is triggered
 };
 
 enum Flag : std::uint32_t {
@@ -26,7 +26,7 @@ struct Readings {
   float current_A, voltage_V, load_N, supply_V, ambient_K, driver_K;
 };
 
-/// From the board: a frame, or the question for one. To it: the answer, with a frame or without.
+/// From the board: a frame, or the question whether one has come. To the board: the answer to that.
 struct Can {
   std::uint32_t frames;  ///< 0 or 1
   std::uint32_t id;

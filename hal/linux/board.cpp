@@ -50,13 +50,14 @@ ReadStatus LinuxBoard::read(Frame& frame) {
 }
 
 void LinuxBoard::drive(const DriveCommand& command) {
-  // The stop does not wait for a converter's frame to tell the device.
+  // The emergency stop switches off at once, not only when a frame has told the device of it.
   if (stopped_) {
     safe_off();
     return;
   }
   const bool on = command.current_A > 0 || command.voltage_V > 0;
-  // On: the command is there before the switch closes; off: the switch is open first.
+  // To switch on, the command is given before the switch closes; to switch off, the switch opens
+  // first.
   bool taken = true;
   if (!on && enabled_) {
     taken = parts_.lines->enable(false);

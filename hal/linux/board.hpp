@@ -1,5 +1,5 @@
 #pragma once
-// A board of Linux devices: which ones, says its setup.
+// A board made of Linux devices, which its setup names.
 
 #include <array>
 #include <memory>
@@ -13,11 +13,11 @@
 
 namespace smaservo::hal {
 
-/// A reading from a code: SI is (code - zero_code) * scale. A code at or beyond its bounds is that
-/// of a converter at its rail and stays what it is: the device knows its full scale.
+/// Makes a reading of a code: in SI it is (code - zero_code) * scale. Codes of a converter at its
+/// rail are not treated differently: the device knows the converter's full scale.
 struct Channel {
-  std::size_t place;  ///< in the raw frame
-  double scale;       ///< SI by code
+  std::size_t place;  ///< index in the raw frame
+  double scale;       ///< SI per code
   double zero_code = 0;
 };
 
@@ -27,7 +27,7 @@ struct Calibration {
   Channel load{};
 };
 
-/// The readings that a raw frame means; the rest of the frame stays.
+/// Writes the readings of a raw frame into `frame`, whose other members stay.
 void apply(const Calibration& calibration, const RawFrame& raw, Frame& frame);
 
 struct LinuxBoardParts {
@@ -38,8 +38,8 @@ struct LinuxBoardParts {
   Calibration calibration;
 };
 
-/// What fails in operation becomes part of the frames: no frame, or a driver fault. The loop's
-/// calls allocate nothing.
+/// A failure in operation shows in the frames: there is none, or it has a driver fault. Functions
+/// that the loop calls allocate nothing.
 class LinuxBoard {
  public:
   static constexpr bool in_monotonic_time = true;
@@ -52,11 +52,11 @@ class LinuxBoard {
   ReadStatus read(Frame& frame);
   void drive(const DriveCommand& command);
   void safe_off();
-  /// None after a command that the drive did not take.
+  /// Does nothing after a command that the drive did not take.
   void kick();
   static std::int64_t now_ns();
 
-  /// Valid as long as the board.
+  /// The result is valid as long as the board lives.
   std::vector<OffAction> off_actions() const { return off_; }
 
  private:

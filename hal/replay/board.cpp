@@ -26,7 +26,7 @@ ReadStatus ReplayBoard::read(Frame& frame) {
   } else if (trace_.has(Column::stress)) {
     load_N = row_[Column::stress] * area_m2_;
   }
-  // A row that was skipped is a lost frame.
+  // A skipped row counts as a lost frame.
   const auto sequence = trace_.has(Column::sequence)
                             ? row_[Column::sequence]
                             : static_cast<double>(trace_.rows() + trace_.skipped() - 1);

@@ -21,7 +21,7 @@ namespace {
 struct Known {
   std::string_view base;
   Kind kind;
-  double low, high;  ///< SI; outside is a broken row, not a measurement
+  double low, high;  ///< bounds in SI; a value outside makes the row a bad one
 };
 
 constexpr std::array<Known, column_count> known_columns{{
@@ -44,13 +44,14 @@ constexpr std::array<Known, column_count> known_columns{{
     {"fresh", kind::count, 0, 1},
 }};
 
-/// Whether a reader with these options understands it.
+/// Whether a reader with these options understands the column.
 constexpr bool understood(Column column, const TraceOptions& options) {
   return column < Column::resistance ||
          (column < Column::supply ? options.resistance_and_power : options.device);
 }
 
-/// A reading may have failed; time, sequence and flags are always there.
+/// Whether the column's fields may be empty: a reading may have failed, while time, sequence and
+/// flags are always there.
 constexpr bool may_be_empty(Column column, const TraceOptions& options) {
   return options.device && column != Column::time &&
          (column <= Column::ambient || column == Column::supply || column == Column::driver);
@@ -70,9 +71,9 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// A number at `at`; moves behind it. Plain decimals of up to 15 digits are one exact division away
-/// from their value (Clinger 1990), the standard's own parsing does the others at four times the
-/// price. NaN where there is none.
+/// Reads a number at `at` and moves `at` behind it; NaN where there is none. A plain decimal of up
+/// to 15 digits takes one exact division (Clinger 1990); the standard library parses the others, in
+/// four times the time.
 double parse_number(const char*& at, const char* stop) {
   constexpr std::array<double, 16> powers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                           1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
@@ -111,7 +112,7 @@ double parse_number(const char*& at, const char* stop) {
 struct Target {
   std::size_t value = column_count;  ///< index into TraceRow::values; column_count: keep as text
   Unit unit{"", 1};
-  double scale = 1;  ///< of a rename
+  double scale = 1;  ///< factor given with a rename
 };
 
 struct BadRow {
@@ -192,7 +193,7 @@ struct TraceReader::Impl {
     bytes += static_cast<std::uint64_t>(got);
   }
 
-  /// The next line without its end; `complete` says whether it had one.
+  /// Reads the next line, without its end; `complete` says whether it had an end.
   bool next_line(std::string_view& text, bool& complete) {
     std::size_t searched = begin;
     for (;;) {
@@ -315,8 +316,8 @@ struct TraceReader::Impl {
         targets[i].unit = *unit;
         return;
       }
-      // A known quantity in a foreign unit must not pass as an unknown column. Power in watts is no
-      // foreign unit of specific power, but another quantity.
+      // A known quantity in an unknown unit is an error, not an unknown column. Power in watts is
+      // allowed: it is another quantity than specific power.
       if (k != static_cast<std::size_t>(Column::power) &&
           (name == column.base ||
            (name.starts_with(column.base) && name[column.base.size()] == '_' &&
@@ -327,7 +328,7 @@ struct TraceReader::Impl {
     }
   }
 
-  /// Whether what follows a known name would be a unit to a person's eye.
+  /// Whether the text after a known name looks like a unit.
   static bool looks_like_unit(std::string_view suffix) {
     return !suffix.empty() && suffix.find('_') == std::string_view::npos && suffix.size() <= 4;
   }

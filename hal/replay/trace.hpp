@@ -14,7 +14,7 @@
 
 namespace smaservo::hal {
 
-/// What a trace may hold and the program understands. Other columns are kept as text.
+/// The columns that are understood. Others are kept as text.
 enum class Column : unsigned char {
   time,
   current,
@@ -25,7 +25,7 @@ enum class Column : unsigned char {
   ambient,
   strain_ref,
   displacement,
-  resistance,  ///< this and power only where TraceOptions ask for them
+  resistance,  ///< this and power: only where TraceOptions ask for them
   power,
   supply,  ///< from here on: only where TraceOptions ask for a device's columns
   driver,
@@ -37,7 +37,7 @@ enum class Column : unsigned char {
 };
 inline constexpr std::size_t column_count = static_cast<std::size_t>(Column::count);
 
-/// What is wrong with a trace: names file, line and column.
+/// An error in a trace; the text names file, line and column.
 class TraceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -45,21 +45,21 @@ class TraceError : public std::runtime_error {
 
 struct TraceOptions {
   bool lenient = false;  ///< skip and count bad rows instead of refusing them
-  double period_s = 0;   ///< above 0: rows without a time column follow each other by this
+  double period_s = 0;   ///< above 0: the rows' distance in time where no column has the time
   /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5".
   std::vector<std::string> renames;
   /// Read `resistance` and `power` as well; otherwise they are columns like any other, kept as
   /// text.
   bool resistance_and_power = false;
-  /// Read what only a device needs as well. An empty field is then a reading that was not taken:
-  /// NaN.
+  /// Read the columns that only a device needs as well. An empty field then is a reading that was
+  /// not taken: NaN.
   bool device = false;
 };
 
 /// One row, in SI; NaN where the trace has no such column.
 struct TraceRow {
   std::array<double, column_count> values;
-  std::string_view text;  ///< the row as it stands, without the line end; valid until the next one
+  std::string_view text;  ///< the row as read, without the line's end; valid until the next row
 
   double operator[](Column column) const { return values[static_cast<std::size_t>(column)]; }
 };
@@ -75,21 +75,21 @@ class TraceReader {
   TraceReader& operator=(TraceReader&&) noexcept;
 
   bool has(Column column) const;
-  /// Whether rows have a time: a column, or the options' period.
+  /// Whether the rows have times, from a column or the options' period.
   bool timed() const;
-  /// All columns' names, as they stand.
+  /// The names of all columns, as read.
   const std::vector<std::string>& names() const;
-  /// Positions of columns that nothing else explains, to be passed on.
+  /// Positions of the columns that are not understood, to be copied.
   const std::vector<std::size_t>& unknown() const;
 
-  /// False at the end. Throws TraceError for a bad row, unless lenient.
+  /// Reads the next row; false at the end. Throws TraceError for a bad row, unless lenient.
   bool next(TraceRow& row);
 
-  std::uint64_t rows() const;       ///< good ones so far
-  std::uint64_t skipped() const;    ///< bad ones so far, when lenient
+  std::uint64_t rows() const;       ///< good rows so far
+  std::uint64_t skipped() const;    ///< bad rows so far, when lenient
   std::uint64_t bytes() const;      ///< read so far
   std::uint64_t file_size() const;  ///< 0 where it is not known
-  /// The first few reasons for skipping.
+  /// Why the first few skipped rows were bad.
   const std::vector<std::string>& complaints() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// A board with a simulated wire behind it, in virtual time: read() lets one period pass. The same
-// setup and seed give the same frames.
+// A board with a simulated wire, in virtual time: read() advances it by one period. The same setup
+// and seed give the same frames.
 
 #include <memory>
 #include <random>
@@ -11,13 +11,13 @@
 
 namespace smaservo::hal {
 
-/// What stands around the wire, as events change it.
+/// The surroundings of the wire, which events change.
 struct SimSurroundings {
   double ambient_K = 298.15;
   double draught = 1;  ///< factor on still-air convection
   double supply_V = 24;
   double added_stress_Pa = 0;  ///< on top of the load
-  double slip = 0;             ///< by which the wire has slipped out of its clamps, as a strain
+  double slip = 0;             ///< slip of the wire out of its clamps, as a strain
   double driver_above_K = 10;  ///< temperature of the output stage above ambient
 };
 
@@ -26,15 +26,15 @@ struct SimSetup {
   Converter converter;
   Sensors sensors;
   Load load;
-  Geometry<double> geometry;  ///< as it really is
+  Geometry<double> geometry;  ///< the wire's true one
   SimSurroundings surroundings;
   bool reads_supply, reads_ambient, reads_driver;
   std::uint64_t seed;
 };
 
-/// What no sensor says, to judge by.
+/// The true values, which no sensor shows, to judge control and estimates by.
 struct SimTruth {
-  double strain;  ///< of the wire, with what it has slipped
+  double strain;  ///< of the wire, with its slip
   double hottest_K;
   double current_A, stress_Pa;
 };
@@ -44,11 +44,11 @@ class SimBoard {
   /// The wire rests at ambient temperature under its load.
   SimBoard(std::unique_ptr<SimulatedWire> wire, const SimSetup& setup);
 
-  // A Board. The first frame is that of the wire at rest, at 0 s.
+  // The members of a Board. The first frame is at 0 s, of the wire at rest.
   ReadStatus read(Frame& frame);
   void drive(const DriveCommand& command) { command_ = command; }
   void safe_off() { command_ = {}; }
-  void kick() {}  // its lease is the drive command's
+  void kick() {}  // no one-shot: the drive command's lease is enforced
   std::int64_t now_ns() const { return time_ns_; }
 
   SimSurroundings surroundings;
@@ -57,16 +57,16 @@ class SimBoard {
   SimTruth truth() const;
   const SimulatedWire& wire() const { return *wire_; }
 
-  // The parts of read(), for a load that moves with another board. Parts are of equal length, up to
-  // 1 ms; a period has parts() of them, none before the first frame.
+  // read() in smaller steps, for a load that is coupled to another board. A period consists of
+  // parts() parts of equal length, up to 1 ms; before the first frame there are none.
   int parts() const { return started_ ? parts_ : 0; }
   double part_s() const { return part_s_; }
-  /// The converter's current of the next part.
+  /// Computes the converter's current in the next part.
   void begin_part();
-  /// The wire's strain after this part under this stress, with what it has slipped.
+  /// The wire's strain after this part under this stress, with its slip.
   double strain_after(double stress_Pa) const;
   void finish_part(double stress_Pa);
-  /// The readings of now.
+  /// Reads the sensors now.
   ReadStatus sample(Frame& frame);
 
  private:

@@ -15,7 +15,7 @@ Quantiser grid(double full_scale, int bits) {
 constexpr std::array readings{&Frame::current_A, &Frame::voltage_V, &Frame::load_N,
                               &Frame::supply_V,  &Frame::ambient_K, &Frame::driver_K};
 
-/// Never a negative zero: it would not survive a trace.
+/// The result is never a negative zero, which a trace would not preserve.
 double quantised(double value, const Quantiser& grid) {
   if (std::isnan(value)) {
     return value;
@@ -68,7 +68,7 @@ double FrontEnd::advance(const DriveCommand* command, double supply_V, double wi
     driven_V_ = std::clamp(command->voltage_V, 0.0, max_V);
     wanted_A = driven_V_ / path_ohm;
   } else if (command != nullptr) {
-    // A current source drives what it finds against its supply, an open end too.
+    // A current source puts out up to its supply voltage, also into an open circuit.
     wanted_A = std::min(std::max(command->current_A, 0.0), max_V / path_ohm);
     driven_V_ = wanted_A > 0 ? max_V : 0;
   }
@@ -76,7 +76,7 @@ double FrontEnd::advance(const DriveCommand* command, double supply_V, double wi
     return current_A_ = 0;
   }
   wanted_A = std::min(wanted_A, converter_.max_A);
-  // To switch off takes no slew.
+  // Switching off is not limited by the slew rate.
   const double step_A = converter_.slew_A_s * dt_s;
   current_A_ = wanted_A > 0 ? std::clamp(wanted_A, current_A_ - step_A, current_A_ + step_A) : 0;
   return current_A_;
@@ -128,8 +128,8 @@ void FrontEnd::spoil(Frame& frame) {
 bool FrontEnd::read(const Truth& truth, Frame& frame) {
   const double load_N = faults.circuit == Circuit::broken ? 0 : truth.load_N;
   const double wire_V = between_sense_leads_V(truth.wire_ohm) * sensors_.resistance_gain;
-  // The sensors' noise is drawn whatever is wrong, one statement each: a fault changes nothing
-  // else, and the order does not depend on the compiler.
+  // The sensors' noise is drawn also where a fault makes it unneeded, so that a fault changes
+  // nothing else; in one statement each, so that the order does not depend on the compiler.
   const double current_noise_A = sensors_.current_noise_A * noise_();
   const double voltage_noise_V = sensors_.voltage_noise_V * noise_();
   const double load_noise_N = sensors_.load_noise_N * noise_();

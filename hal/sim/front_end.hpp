@@ -1,6 +1,6 @@
 #pragma once
-// What stands between a simulated wire and the frames of a board: the converter that drives it and
-// the sensors that read it, with what can be wrong with both.
+// The electronics between a simulated wire and the frames of a board: the converter that drives the
+// wire and the sensors that read it, with faults of both.
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ namespace smaservo::hal {
 /// The output stage.
 struct Converter {
   bool voltage_drive = false;  ///< takes DriveCommand::voltage_V, else current_A
-  double max_A;                ///< saturates there
-  double slew_A_s;             ///< of the current; infinite: none
+  double max_A;                ///< saturates at this current
+  double slew_A_s;             ///< slew rate of the current; infinite: no limit
   double lead_ohm;             ///< in series with the wire, outside of the sense leads
 };
 
@@ -29,7 +29,7 @@ enum class SensorFault : unsigned char {
   stuck,    ///< the last reading, bit for bit
   offset,   ///< plus `amount`, in the reading's unit
   noise,    ///< plus white noise with the standard deviation `amount`
-  value,    ///< says `amount` whatever there is: an open sense lead reads 0, or its rail
+  value,    ///< always `amount`: an open sense lead reads 0, or its rail
   gain,     ///< times `amount`
 };
 
@@ -41,14 +41,14 @@ struct SpoiltSensor {
 /// The wire's electrical path.
 enum class Circuit : unsigned char {
   closed,
-  broken,  ///< the wire itself: no current, the sense leads see the converter's voltage, no load
-  open,    ///< a current lead: no current, and nothing between the sense leads
+  broken,  ///< torn wire: no current, no load, the converter's voltage between the sense leads
+  open,    ///< a current lead is open: no current, and no voltage between the sense leads
   shorted  ///< part of the wire is bridged
 };
 
-/// White noise whose bits do not depend on compiler or mathematics library: four uniform numbers
-/// together, so never beyond 3.5 standard deviations. A twentieth of the time of
-/// std::normal_distribution, which would be a fifth of a closed loop's.
+/// White noise whose bits do not depend on compiler or mathematics library: the sum of four uniform
+/// numbers, so never beyond 3.5 standard deviations. It takes a twentieth of the time of
+/// std::normal_distribution, which would be a fifth of a closed loop's time.
 class SensorNoise {
  public:
   explicit SensorNoise(std::uint64_t seed) : state_(seed) {}
@@ -61,12 +61,12 @@ class SensorNoise {
   std::uint64_t state_;
 };
 
-/// What is wrong, as events set it.
+/// The faults, as events set them.
 struct FrontEndFaults {
   Circuit circuit = Circuit::closed;
-  double bridged_share = 0;  ///< of the wire, where it is shorted
+  double bridged_share = 0;  ///< share of the wire that is bridged when shorted
   std::array<SpoiltSensor, reading_count> sensors{};
-  double lost_share = 0;  ///< of the frames that do not come, 0..1
+  double lost_share = 0;  ///< share of the frames that are lost, 0..1
   bool emergency_stop = false;
   bool driver_fault = false;
 
@@ -76,7 +76,7 @@ struct FrontEndFaults {
   }
 };
 
-/// A converter's steps, and its full scale.
+/// A converter's step, its inverse, and its full scale.
 struct Quantiser {
   double step, per_step, full_scale;
 };
@@ -87,10 +87,11 @@ class FrontEnd {
 
   FrontEndFaults faults;
 
-  /// The current that flows for the next dt_s with this command (null: off) into this wire.
+  /// The current into this wire during the next dt_s with this command (null: off).
   double advance(const DriveCommand* command, double supply_V, double wire_ohm, double dt_s);
 
-  /// Whether a frame comes, and then its readings of these truths; time and sequence stay.
+  /// Writes the readings of these true values into `frame`, whose time and sequence stay. False:
+  /// the frame is lost.
   struct Truth {
     double wire_ohm, load_N, supply_V, ambient_K, driver_K;
   };
@@ -107,7 +108,7 @@ class FrontEnd {
   Quantiser current_, voltage_, load_;
   SensorNoise noise_, fault_noise_;
   double current_A_ = 0;
-  double driven_V_ = 0;  ///< what the converter puts out
+  double driven_V_ = 0;  ///< voltage that the converter puts out
   Frame last_{};
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// A simulated wire of one temperature: the observer's own model, for speed and for what does not
-// ask how a wire differs from it.
+// A simulated wire of one temperature, with the observer's own model. It is fast, for tests that do
+// not need a wire that differs from the model.
 
 #include <memory>
 
@@ -8,8 +8,8 @@
 
 namespace smaservo::hal {
 
-/// At rest at 25 °C without load. Its loss is the wire file's, times the draught; the hottest point
-/// is the one temperature.
+/// The wire is at rest at 25 °C without load. Its heat loss is the wire file's times the draught;
+/// its hottest point has the wire's one temperature.
 std::unique_ptr<SimulatedWire> make_lumped_wire(const Wire<double>& wire);
 
 }  // namespace smaservo::hal

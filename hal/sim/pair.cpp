@@ -27,7 +27,8 @@ double SimPair::excess_m(double force_N) const {
          second_.strain_after(force_N / second_wire_.area_m2()) * second_wire_.length_m - space_m_;
 }
 
-/// More force makes both longer, so there is one root. Illinois' rule between two bounds.
+/// More force makes both wires longer, so there is one root. It is found by the Illinois method
+/// between two bounds.
 double SimPair::balanced_N() const {
   double step_N = 1e6 * second_wire_.area_m2();
   double low_N = force_N_;
@@ -41,7 +42,7 @@ double SimPair::balanced_N() const {
     low_m = excess_m(low_N);
   }
   if (low_m > 0) {
-    return 0;  // slack
+    return 0;  // both wires are slack
   }
   for (; high_m < 0; step_N *= 4) {
     low_N = high_N;

@@ -1,6 +1,6 @@
 #pragma once
-// Two wires that pull against each other: what one loses in length the other gains, and one force
-// goes through both.
+// Two wires that pull against each other: what one loses in length the other gains, and the same
+// force acts in both.
 
 #include "hal/sim/board.hpp"
 
@@ -8,21 +8,20 @@ namespace smaservo::hal {
 
 class SimPair {
  public:
-  /// Both boards at their first frame, at rest under loads that give the same force; their loads
-  /// mean nothing afterwards. They must outlive the pair and have the same period.
+  /// Both boards are at their first frame, at rest under loads of the same force; afterwards their
+  /// loads have no effect. They must have the same period and outlive the pair.
   SimPair(SimBoard& first, const Geometry<double>& first_wire, SimBoard& second,
           const Geometry<double>& second_wire);
 
-  /// As SimBoard::read() of both. The stress added to the first wire comes from outside, against
-  /// the second one.
-  /// Cost: some ten steps of each wire, as the force is found by bisection and secants: it is a
-  /// jump of the slope, not a line, where a wire turns from stretching to shortening.
+  /// Does SimBoard::read() of both boards. The stress added to the first wire is a force from
+  /// outside, against the second wire. Cost: some ten steps of each wire, since the force is found
+  /// by bisection and secants: its slope jumps where a wire turns from stretching to shortening.
   std::array<ReadStatus, 2> read(Frame& first, Frame& second);
 
   double force_N() const { return force_N_; }
 
  private:
-  /// By how much both together would be too long, under this force.
+  /// Length by which both wires together would be too long under this force.
   double excess_m(double force_N) const;
   double balanced_N() const;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What stands around a simulated wire: its load and the sensors.
+// Load and sensors of a simulated wire.
 
 #include <limits>
 #include <random>
@@ -13,23 +13,24 @@ struct ConstantLoad {
 };
 struct SpringLoad {
   double low_Pa, high_Pa;  ///< stress on the long and on the short wire
-  double stroke;           ///< strain between the two
-  double lag_s;            ///< of the mass that moves along
+  double stroke;           ///< difference in strain between the two
+  double lag_s;            ///< time constant of the mass that moves along
 };
 struct VaryingLoad {
   double stress_Pa, amplitude_Pa, period_s;
-  double walk_Pa;  ///< per square root of a second, pulled back within 3 s
+  double walk_Pa;  ///< random walk in 1 s; pulled back with a time constant of 3 s
   double min_Pa;
 };
 using Load = std::variant<ConstantLoad, SpringLoad, VaryingLoad>;
 
-/// The load's stress, step by step.
+/// Computes the load's stress step by step.
 class LoadModel {
  public:
   explicit LoadModel(const Load& load);
 
   double stress_Pa() const { return stress_Pa_; }
-  /// One step of dt_s, from the wire's strain before it. The longest wire of a spring is the first.
+  /// Does one step of dt_s from the wire's strain before it. The first strain is taken as that of a
+  /// spring's long wire.
   void advance(double time_s, double dt_s, double strain, std::mt19937_64& random);
 
  private:
@@ -39,16 +40,16 @@ class LoadModel {
   double longest_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What the sensors do to what they measure.
+/// Errors and resolution of the sensors.
 struct Sensors {
   int bits;
   double current_full_scale_A, voltage_full_scale_V, load_full_scale_N;
   double current_noise_A, voltage_noise_V, load_noise_N;
   double load_gain;
-  double resistance_gain;  ///< what the wire's resistance has drifted by
+  double resistance_gain;  ///< factor by which the wire's resistance has drifted
 };
 
-/// What noisy and quantised sensors say.
+/// Readings with noise and quantisation.
 struct Readings {
   double current_A, voltage_V, load_N;
 };

@@ -28,7 +28,8 @@ ThresholdSpread spread(const Surface<double>& surface) {
           (0.5 * two_K - one_K) / (step_Pa * step_Pa)};
 }
 
-/// Short segments at the clamps, where the temperature changes, long ones in the middle.
+/// Makes short segments at the clamps, where the temperature changes along the wire, and long ones
+/// in the middle.
 template <class Plant, std::size_t segments>
 typename Plant::Params distribute(const Wire<double>& wire) {
   typename Plant::Params p{};
@@ -105,7 +106,8 @@ class DistributedWire : public SimulatedWire {
 
 std::unique_ptr<SimulatedWire> make_ihyp(const Wire<double>& wire, double scatter_K,
                                          std::mt19937_64& random) {
-  // Deep enough for the tiny loops that noise of the load makes inside the great ones.
+  // A memory of 24 loops is enough for the tiny loops that the load's noise makes inside the large
+  // ones.
   using K = ThreePhase<double, 24>;
   constexpr std::size_t segments = 24;
   auto p = distribute<DistributedPlant<K, segments>, segments>(wire);
@@ -170,7 +172,7 @@ SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure
   if (!k.separate_r2a) {
     s.r2a.median_K -= structure.r2a_lead_K;
   }
-  // R-phase must have gone before martensite goes, at any stress.
+  // At any stress R-phase must have transformed before martensite does.
   s.r2a.per_Pa = std::min(s.r2a.per_Pa, s.m2a.per_Pa);
   s.r2a.per_Pa2 = std::min(s.r2a.per_Pa2, s.m2a.per_Pa2);
   // bend = 4 t (1 - t) with t = σ/400 MPa

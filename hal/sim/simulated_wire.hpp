@@ -1,7 +1,8 @@
 #pragma once
-// The wires behind simulated traces, in two families that no observer knows. Both: temperature
-// distributed along the wire, clamps at ambient temperature, transition temperatures that scatter
-// along the wire, convection after Churchill and Chu. host-sim/simulate/README.md compares them.
+// The wires behind simulated traces, in two families that differ from the observers' model. Both
+// have temperature distributed along the wire, clamps at ambient temperature, transition
+// temperatures that scatter along the wire, and convection after Churchill and Chu.
+// host-sim/simulate/README.md compares them.
 
 #include <array>
 #include <cstdint>
@@ -21,24 +22,24 @@ enum class Family : unsigned char {
 inline constexpr std::array families{Family::ihyp, Family::sublayers};
 std::string_view family_name(Family family);
 
-/// What the sublayers have beyond the parameters of a wire.
+/// Parameters of the family sublayers beyond those of a wire.
 struct SublayerStructure {
   double m_correlation = 0.6;   ///< SublayerSpread's
   double r_correlation = -0.6;  ///< SublayerSpread's; who becomes martensite late, R-phase early
   double a2m_tail = 1.3;        ///< factor on the spread of A2M below its median
   double a2r_width = 2;         ///< factor on the spread of A2R, so that R-phase peaks at 70 %
   double ramp_K = 1.5;          ///< SublayerSpread's
-  double r2a_lead_K = 3;    ///< R2A comes so far below M2A, where the wire has no R2A of its own
-  double bend_K = 1;        ///< A2M lies so far above its straight line at 200 MPa, 0 at 400 MPa
-  double a2r_K_MPa = 0.01;  ///< what stress adds to A2R
-  double parallel_share = 0.5;      ///< DistributedPlant's
+  double r2a_lead_K = 3;        ///< R2A is so far below M2A where the wire has no R2A of its own
+  double bend_K = 1;            ///< A2M is so far above a straight line at 200 MPa; 0 at 400 MPa
+  double a2r_K_MPa = 0.01;      ///< added to the slope of A2R with stress
+  double parallel_share = 0.5;  ///< DistributedPlant's
   double specific_heat_1_K = 1e-3;  ///< DistributedPlant's
-  std::uint64_t seed = 1;           ///< of the layers
+  std::uint64_t seed = 1;           ///< draws the layers
 };
 
-/// Thresholds with the quantiles at 20, 50 and 80 % of the wire's surfaces without stress, and with
-/// their medians at 0, 200 and 400 MPa, but for what the structure adds. The tails are logistic,
-/// much shorter than those of the surfaces.
+/// The layers' thresholds. Without stress they have the 20, 50 and 80 % quantiles of the wire's
+/// surfaces, and at 0, 200 and 400 MPa their medians, plus what the structure adds. Their tails are
+/// logistic, much shorter than those of the surfaces.
 SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure& structure);
 
 class SimulatedWire {
@@ -50,23 +51,23 @@ class SimulatedWire {
   };
 
   virtual ~SimulatedWire() = default;
-  /// Cooled to this temperature from far above.
+  /// Puts the wire at rest: cooled to this temperature from far above.
   virtual void rest(double temperature_K, double stress_Pa) = 0;
-  /// Without heat balance: the whole wire has this temperature.
+  /// Gives the whole wire this temperature, without heat balance.
   virtual void soak(double temperature_K, double stress_Pa) = 0;
-  /// dt_s up to 1 ms.
+  /// Does one step; dt_s is up to 1 ms.
   virtual void advance(double current_A, const Surroundings& around, double dt_s) = 0;
-  /// The strain that advance() would lead to; nothing moves.
+  /// The strain after advance() with these arguments; the wire itself does not change.
   virtual double strain_after(double current_A, const Surroundings& around, double dt_s) const = 0;
 
   virtual double strain() const = 0;
   virtual double resistance_ohm() const = 0;
   virtual double hottest_K() const = 0;
   virtual double average_K() const = 0;
-  virtual Phases<double> phases() const = 0;  ///< of the whole wire
+  virtual Phases<double> phases() const = 0;  ///< mean of the whole wire
 };
 
-/// At rest at 25 °C without load. The scatter is drawn from `random`.
+/// The wire is at rest at 25 °C without load. Its scatter is drawn from `random`.
 std::unique_ptr<SimulatedWire> make_simulated_wire(Family family, const Wire<double>& wire,
                                                    const SublayerStructure& structure,
                                                    double scatter_K, std::mt19937_64& random);

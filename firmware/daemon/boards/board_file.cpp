@@ -30,7 +30,7 @@ T whole(files::TomlTable& table, std::string_view key, double low, double high, 
   return static_cast<T>(value);
 }
 
-/// The n of base << n.
+/// The n, 0 to `max`, for which base << n is `value`; any other value is refused.
 unsigned exponent(const files::TomlTable& table, std::string_view key, double value, unsigned base,
                   unsigned max) {
   for (unsigned n = 0; n <= max; ++n) {
@@ -74,7 +74,7 @@ hal::IioSettings read_iio(files::TomlTable& table) {
   return iio;
 }
 
-/// Volts at the pins by code.
+/// Volts at the pins per code.
 double volt_per_code(const Ads131m04FrontEnd& front, std::size_t place) {
   const unsigned gain = 1U << front.settings.gain_exponents.at(place);
   return hal::ads131m04::reference_V / gain / 0x1p23;
@@ -125,7 +125,7 @@ hal::DacScale read_scale(files::TomlTable& table) {
   return scale;
 }
 
-/// No key: no ceiling.
+/// A key that is left out sets no ceiling.
 canopen::Ceilings read_ceilings(files::TomlTable table) {
   const auto ceiling = [&](std::string_view key, double low, double high, double factor,
                            double offset) {
@@ -275,7 +275,7 @@ std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::L
 
 std::string period_problem(const Settings<double>& settings) {
   const double period_s = settings.timing.period_s;
-  // Stored settings are of single precision.
+  // Stored settings are floats: their rounding must not make an allowed period a forbidden one.
   constexpr double slack = 1e-6;
   const bool possible =
       shortest_period_s * (1 - slack) <= period_s && period_s <= longest_period_s * (1 + slack);

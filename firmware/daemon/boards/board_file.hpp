@@ -24,33 +24,33 @@ struct Ads131m04FrontEnd {
 
 struct BusSettings {
   std::string interface;            ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  unsigned node_id;                 ///< 0: that of the settings
-  double command_source_timeout_s;  ///< without any frame for so long: bus_lost; 0: never
+  unsigned node_id;                 ///< 0: the settings' node-id
+  double command_source_timeout_s;  ///< time without a frame that raises bus_lost; 0: never
   canopen::AccessKeys keys;
 };
 
 struct BoardFile {
   std::string name;
   std::string device;  ///< settings file
-  std::string folder;  ///< of the store
+  std::string folder;  ///< folder of the store
   RealTimeSettings thread;
-  canopen::Ceilings ceilings;  ///< of the current: at most what the hardware limits it to
+  canopen::Ceilings ceilings;  ///< the current's is at most drive.max_mA
   std::variant<Ads131m04FrontEnd, hal::IioSettings> front_end;
   hal::Calibration calibration;
   std::array<hal::SlowSensor, hal::SlowSensors::count> slow;
   std::variant<hal::IioDacSettings, hal::SpiDacSettings, hal::PwmSettings> drive;
   hal::LinesSettings lines;
   std::optional<BusSettings> bus;
-  std::string text;  ///< all of it
+  std::string text;  ///< the whole file
 };
 
-/// Of the store, where no board file names another one.
+/// Folder of the store, unless the board file names another one.
 inline constexpr const char* default_folder = "/var/lib/smaservo";
 
-/// Throws ConfigError: file, line, key, value and what is allowed.
+/// Throws ConfigError, which names file, line, key, value and what is allowed.
 BoardFile load_board_file(const std::string& path);
 
-/// Each of these opens what the file names; all throw DeviceError.
+/// Both open the device that the file names, and throw DeviceError.
 std::unique_ptr<hal::Digitizer> open_front_end(const BoardFile& file, const hal::LinuxRoots& roots);
 std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::LinuxRoots& roots);
 
@@ -59,7 +59,7 @@ inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
 /// What is wrong with the period of these settings; empty: nothing.
 std::string period_problem(const Settings<double>& settings);
 
-/// What of these settings is beyond the board; empty: nothing.
+/// Why these settings are beyond the board; empty: they are not.
 std::string board_problem(const BoardFile& file, const Settings<double>& settings);
 
 }  // namespace smaservo::daemon

@@ -12,7 +12,8 @@
 
 namespace smaservo::daemon {
 
-/// Time, commands and changes of parameters are the trace's. Allocates: not for a real machine.
+/// Time, commands and changes of parameters come from the trace. It allocates memory in the loop,
+/// so it is no board for real-time use.
 class Replaying : public CommandSource {
  public:
   static constexpr bool in_monotonic_time = false;
@@ -20,14 +21,14 @@ class Replaying : public CommandSource {
   /// Throws TraceError, UserError.
   Replaying(const std::string& trace, const Settings<double>& settings, ParameterDesk& desk);
 
-  // A Board.
+  // The members of a hal::Board.
   hal::ReadStatus read(hal::Frame& frame) { return board_.read(frame); }
   void drive(const hal::DriveCommand& command) { board_.drive(command); }
   void safe_off() { board_.safe_off(); }
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
 
-  // A Command source.
+  // The member of a CommandSource.
   Heard<double> listen(double time_s) override;
 
  private:

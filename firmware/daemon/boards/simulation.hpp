@@ -9,23 +9,24 @@
 
 namespace smaservo::daemon {
 
-/// Time is the simulation's: one period per frame, whatever the clock says. The board ends with the
-/// scenario's time.
+/// Time is the simulation's: each frame advances it by one period, whatever the clock says. There
+/// are no more frames after the scenario's end.
 class Simulation : public CommandSource {
  public:
   static constexpr bool in_monotonic_time = false;
 
-  /// Throws ConfigError: a pair, or events that start the device anew, are not for one daemon.
+  /// Throws ConfigError for a pair of wires and for events that restart the device: a daemon can do
+  /// neither.
   explicit Simulation(const bench::ClosedLoopScenario& scenario);
 
-  // A Board.
+  // The members of a hal::Board.
   hal::ReadStatus read(hal::Frame& frame);
   void drive(const hal::DriveCommand& command) { board_.drive(command); }
   void safe_off() { board_.safe_off(); }
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
 
-  // A Command source.
+  // The member of a CommandSource.
   Heard<double> listen(double time_s) override;
 
   hal::SimTruth truth() const { return board_.truth(); }
@@ -40,7 +41,7 @@ class Simulation : public CommandSource {
 
 static_assert(hal::Board<Simulation>);
 
-/// Up and down between two lengths, 2 s each, for ever; for a first try.
+/// Moves the wire up and down between two lengths, 2 s each, for ever; for a first try.
 class Demonstration : public CommandSource {
  public:
   explicit Demonstration(const Settings<double>& settings);

@@ -1,6 +1,6 @@
 #pragma once
-// What was written over the bus, and what was refused, in the daemon's log. By a thread of its own:
-// whoever reads the log may be slow.
+// Writes to the daemon's log what was written over the bus, and what was refused. It has a thread
+// of its own, because whoever reads the log may be slow.
 
 #include <atomic>
 #include <functional>
@@ -16,15 +16,15 @@ class BusJournal {
  public:
   using Say = std::function<void(const std::string&)>;
 
-  /// A flood on the bus must not fill a disk: so many sentences at once, ten times a second.
+  /// The most sentences in a tenth of a second: a flood on the bus must not fill a disk.
   static constexpr unsigned max_at_once = 20;
 
-  /// By default to the standard error output.
+  /// `say` gets each sentence; by default it prints to the standard error output.
   explicit BusJournal(Say say = to_errors);
 
-  // For the bus's thread; neither waits.
+  // The bus's thread calls both; neither waits.
   void add(const canopen::LoggedChange& change) { ring_.push(change); }
-  /// Of all that there have been, also of those that the node did not keep until they were added.
+  /// Number of all changes and refusals so far, including those that the node dropped before add().
   void set_count(std::uint32_t count) { count_.store(count, std::memory_order_release); }
 
  private:
@@ -36,7 +36,7 @@ class BusJournal {
   Ring<canopen::LoggedChange> ring_{256};
   std::atomic<std::uint32_t> count_{0};
   std::uint32_t seen_ = 0;
-  std::jthread thread_;  // last: it ends before what it uses
+  std::jthread thread_;  // declared last: ends before what it uses
 };
 
 }  // namespace smaservo::daemon

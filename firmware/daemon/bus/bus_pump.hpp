@@ -1,6 +1,7 @@
 #pragma once
-// The bus beside the loop: frames to a node and back, its commands to the loop, the loop's outputs
-// to it. A node is canopen::Servo, or whatever has its members.
+// Connects the bus, the CANopen node and the loop: frames go between bus and node, the node's
+// commands to the loop, the loop's outputs to the node. A node is canopen::Servo or a class with
+// the same members.
 
 #include <atomic>
 #include <cstdint>
@@ -25,12 +26,12 @@ struct CycleReport {
 struct NodeSays {
   Command<double> command;
   FaultSet external;
-  std::uint32_t setpoints = 0;  ///< of a cyclic mode, since the start
+  std::uint32_t setpoints = 0;  ///< received in cyclic modes since the start
 };
 
-/// The loop's side. A command that has come once is fresh once; after `lease_s` without a sign of
-/// life of the bus's thread the command source counts as lost: heat does not outlive who asks for
-/// it.
+/// The loop's side. A command is fresh in one cycle only. After `lease_s` without a sign of life
+/// from the bus's thread the command source counts as lost, so that heat does not outlive the
+/// thread that asks for it.
 class BusCommandSource : public CommandSource {
  public:
   explicit BusCommandSource(double lease_s) : lease_s_(lease_s) {}
@@ -40,14 +41,14 @@ class BusCommandSource : public CommandSource {
     reports_.push({cycle.output, cycle.inputs, dt_s});
   }
 
-  // The bus's side.
+  // Called by the bus's thread.
   void say(const NodeSays& says) { says_.put(says); }
   bool next(CycleReport& report) { return reports_.pop(report); }
 
  private:
   double lease_s_;
   Latest<NodeSays> says_;
-  Ring<CycleReport> reports_{256};  ///< full: the node misses some, which it does not mind
+  Ring<CycleReport> reports_{256};  ///< when full, the node misses reports, which does no harm
   NodeSays last_{};
   double said_s_ = 0;
   std::uint32_t setpoints_ = 0;
@@ -68,9 +69,10 @@ inline Heard<double> BusCommandSource::listen(double time_s) {
   return {last_.command, external, false, come};
 }
 
-/// One round of the bus's thread: all frames that have come, the node's time, all that it sends,
-/// the loop's cycles since. Calls `changed()` where the node has put other settings in force, in
-/// each round again until it says that the loop will have them; the node refuses others meanwhile.
+/// round() is one round of the bus's thread. It gives the node the frames that have come, the
+/// reports of the loop's cycles and the time, and sends the node's frames. Once the node has put
+/// other settings in force, each round calls `changed()` until that returns true, which means that
+/// the loop will get them; until then the node refuses further changes.
 template <hal::CanPort Port, class Node>
 class BusPump {
  public:
@@ -108,13 +110,15 @@ class BusPump {
   std::uint64_t queue_full() const { return queue_full_; }
 
  private:
-  // Nor must a block of SDO keep it from listening: a SYNC would meet the next one.
+  // Frames sent in one round. More of an SDO block would keep the thread from receiving for so long
+  // that a SYNC is handled only after the next one has come.
   static constexpr int max_sent = 4;
-  // A slow bus has carried ten frames away by then.
+  // In this time even a slow bus sends ten frames.
   static constexpr std::uint64_t patience_us = 20'000;
 
-  /// The kernel's queue holds ten frames, a block of SDO has 127. What it does not take is tried
-  /// again in the next rounds, the node's next frames are made when it has gone; nobody waits.
+  /// The kernel's queue holds ten frames, an SDO block has 127. A frame that the queue does not
+  /// take is tried again in the next rounds; the node makes its next frame when that one is sent or
+  /// dropped. No call waits.
   void send(std::uint64_t now_us) {
     has_more_ = false;
     int tries = 0;
@@ -135,14 +139,14 @@ class BusPump {
     has_more_ = tries == max_sent;
   }
 
-  // A flood on the bus must not keep the node from its time.
+  // Frames received in one round: a flood on the bus must not stop the node's time.
   static constexpr int max_frames = 256;
 
   Port& port_;
   Node& node_;
   BusCommandSource& source_;
   hal::CanFrame next_{};
-  bool waits_ = false;  ///< next_ for room in the queue
+  bool waits_ = false;  ///< next_ waits for room in the queue
   bool has_more_ = false;
   std::uint64_t since_us_ = 0;
   std::uint32_t changes_ = 0;

@@ -37,7 +37,7 @@ Image read_image(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// What it says went wrong; empty: durable.
+/// Returns what went wrong; empty: the file is durable.
 std::string write_image(const std::string& path, const Image& image) {
   try {
     files::OutputFile file(path);
@@ -117,8 +117,8 @@ struct BusService::Parts {
   BusJournal journal;
   std::future<std::string> storing;
   std::uint64_t heard_us = 0, frames = 0;
-  std::uint32_t followed = 0;  ///< of the desk's changes
-  std::jthread thread;         // last: it ends before what it uses
+  std::uint32_t followed = 0;  ///< number of the desk's last change that the node has
+  std::jthread thread;         // declared last: ends before what it uses
 };
 
 BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
@@ -136,7 +136,7 @@ void BusService::start() {
 
 void BusService::Parts::run(const std::stop_token& stop) {
   const auto now = [] { return static_cast<std::uint64_t>(hal::monotonic_ns() / 1000); };
-  // Of rights that are missing the loop tells.
+  // The warnings are not needed: the loop's thread warns of the same missing rights.
   if (setup.priority > 0) {
     make_real_time({.priority = setup.priority});
   }
@@ -179,7 +179,7 @@ void BusService::Parts::show_figures() {
                 static_cast<std::uint32_t>(pump.queue_full()));
 }
 
-/// What SIGHUP has put in force is what a client reads and goes on from.
+/// Gives the node the settings that SIGHUP has put in force, so that clients read and change those.
 void BusService::Parts::follow_desk() {
   const std::uint32_t changes = desk.changes();
   if (followed != changes) {
@@ -202,14 +202,15 @@ void BusService::Parts::tell_changes() {
   journal.set_count(servo.objects().changes);
 }
 
-/// A disk may take its time: the bus goes on meanwhile, and the answer follows.
+/// Does what the node requests. It stores in a thread of its own, since a disk may be slow: the bus
+/// goes on meanwhile, and the answer to the client follows.
 void BusService::Parts::answer(Request request, std::uint64_t now_us) {
   if (request == Request::reset_communication) {
     begin(now_us);
     return;
   }
   if (request == Request::reset_node) {
-    // The node is silent and takes its arm command back; the loop's next cycle is its last.
+    // The node sends no more and withdraws its arm command; the loop ends in its next cycle.
     links.restart.store(true);
     links.stop.store(true);
     return;

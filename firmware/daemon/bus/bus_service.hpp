@@ -13,16 +13,16 @@ namespace smaservo::daemon {
 struct BusSetup {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
   double command_source_timeout_s = 0;
-  std::string folder;  ///< of the store; empty: nothing can be stored
+  std::string folder;  ///< folder of the store; empty: nothing can be stored
   canopen::Ceilings ceilings;
   canopen::AccessKeys keys;
-  std::string board;  ///< as 1009h calls it
-  int priority = 0;   ///< of the thread's SCHED_FIFO; 0: none
+  std::string board;  ///< its name in 1009h
+  int priority = 0;   ///< the thread's, in SCHED_FIFO; 0: none
 };
 
 /// Takes the device's settings from the desk and gives changed ones back to it. A reset of the node
-/// ends the loop, with LoopLinks::restart; from then on the bus is silent. The bit rate is the
-/// interface's own: LSS may not choose another one.
+/// ends the loop, with LoopLinks::restart; from then on the bus is silent. LSS can not change the
+/// bit rate, which is the interface's.
 class BusService {
  public:
   /// Throws CanError.
@@ -33,7 +33,7 @@ class BusService {
   BusService& operator=(const BusService&) = delete;
 
   CommandSource& command_source();
-  /// From now on, until it is destroyed.
+  /// Starts the thread, which runs until the service is destroyed.
   void start();
 
  private:

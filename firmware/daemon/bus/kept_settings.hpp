@@ -14,16 +14,16 @@ struct KeptSettings {
   std::string said;  ///< one sentence for the log
 };
 
-/// Those of the store in this folder; where it has none, those of `otherwise`. A store that is
-/// there but can not be read back whole is a fault. `configured`: `otherwise` is meant for this
+/// Reads the settings from the store in this folder; where it has none, takes `otherwise`. A store
+/// that can not be read back whole is a fault. `configured` says that `otherwise` is meant for this
 /// wire.
 KeptSettings keep_settings(const std::string& folder, const Settings<double>& otherwise,
                            bool configured);
 
-/// Writes them to the store in this folder. Empty, or what went wrong.
+/// Writes the settings to the store in this folder. Returns what went wrong; empty: nothing.
 std::string store_settings(const std::string& folder, const Settings<double>& settings);
 
-/// Leaves the store empty. Empty, or what went wrong.
+/// Erases the store in this folder. Returns what went wrong; empty: nothing.
 std::string forget_settings(const std::string& folder);
 
 }  // namespace smaservo::daemon

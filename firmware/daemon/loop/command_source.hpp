@@ -5,7 +5,7 @@
 
 namespace smaservo::daemon {
 
-/// Both calls are the loop's: they neither wait nor allocate.
+/// The loop calls both functions, so they neither wait nor allocate.
 class CommandSource {
  public:
   CommandSource() = default;
@@ -13,13 +13,14 @@ class CommandSource {
   CommandSource(const CommandSource&) = delete;
   CommandSource& operator=(const CommandSource&) = delete;
 
-  /// Late is a cycle as recorded or simulated; the loop knows by itself when it really is.
+  /// Heard::late is set for a cycle that was late in a recording or a simulation; the loop itself
+  /// notices when it really is late.
   virtual Heard<double> listen(double time_s) = 0;
-  /// What came of it.
+  /// Gets the inputs and outputs of the cycle that has just run.
   virtual void tell(const text::Cycle& /*cycle*/, double /*dt_s*/) {}
 };
 
-/// Nobody: the device stays off.
+/// A source without commands: the device stays off.
 class NoCommandSource : public CommandSource {
  public:
   Heard<double> listen(double /*time_s*/) override { return {{.fresh = true}, {}}; }

@@ -12,9 +12,10 @@
 
 namespace smaservo::daemon {
 
-/// The owner of a daemon's settings in force, and where they change while the loop runs: prepared
-/// here, in force there as a whole at the beginning of a cycle. Whoever uses them keeps the number
-/// that it has followed. For any thread but the loop's.
+/// Owns the daemon's settings in force and changes them while the loop runs: a change is prepared
+/// here, and comes into force as a whole at the beginning of a cycle. Changes are numbered; each
+/// user of the settings remembers the number of the last change it has taken over. Any thread but
+/// the loop's may use it.
 class ParameterDesk {
  public:
   ParameterDesk(const Settings<double>& settings, LoopLinks& links)
@@ -23,20 +24,21 @@ class ParameterDesk {
   ParameterDesk(const ParameterDesk&) = delete;
   ParameterDesk& operator=(const ParameterDesk&) = delete;
 
-  /// For the loop to begin with.
+  /// The parameters that the loop begins with.
   ParameterSetPtr first() const { return make_parameter_set(settings_, 0); }
 
-  /// Settings that have passed check(); the number of what is then in force. Nothing: too many are
-  /// under way, try again later. Nothing happens where nothing changes.
+  /// Puts settings in force, which must have passed check(). Returns the change's number, or the
+  /// last one's where nothing changes. nullopt: too many changes still wait for the loop, try again
+  /// later.
   std::optional<std::uint32_t> change(const Settings<double>& settings);
 
-  /// Deletes what the loop has given back.
+  /// Deletes the parameters that the loop has replaced.
   void tidy();
 
-  /// Those given last, and how often some have been given.
+  /// The settings given last, and the number of changes so far.
   Settings<double> settings() const;
   std::uint32_t changes() const { return last_.load(); }
-  /// What a set changed, as a recording says it; forgets it.
+  /// Returns the text of a change for the recording, and forgets it.
   std::string take_text(std::uint32_t number);
 
  private:

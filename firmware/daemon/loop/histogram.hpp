@@ -10,8 +10,8 @@
 
 namespace smaservo::daemon {
 
-/// Times of up to centuries in steps of 3 %, exact below 64 ns. One thread adds, any reads. Cost of
-/// add(): about 10 operations.
+/// Histogram of times up to centuries, in bins 3 % wide, exact below 64 ns. One thread adds, any
+/// thread reads. Cost of add(): about 10 operations.
 class Histogram {
  public:
   void add(std::int64_t time_ns) {
@@ -25,7 +25,7 @@ class Histogram {
   }
 
   std::uint64_t count() const { return count_.load(std::memory_order_relaxed); }
-  /// 0 of an empty one, as all that follows.
+  /// This and the functions below give 0 where nothing has been added.
   std::int64_t max_ns() const {
     return static_cast<std::int64_t>(max_ns_.load(std::memory_order_relaxed));
   }
@@ -33,7 +33,8 @@ class Histogram {
     const auto n = static_cast<double>(std::max<std::uint64_t>(count(), 1));
     return static_cast<double>(sum_ns_.load(std::memory_order_relaxed)) / n;
   }
-  /// The time that this share of all was not above, 0..1, rounded up to its step.
+  /// The time that this share (0..1) of all times does not exceed, rounded up to the end of its
+  /// bin.
   std::int64_t quantile_ns(double share) const {
     const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count())));
     std::uint64_t seen = 0;
@@ -50,7 +51,7 @@ class Histogram {
   static constexpr unsigned step_bits = 5;
   static constexpr std::size_t steps = std::size_t{1} << step_bits;
 
-  // One thread writes: no need for an atomic addition.
+  // Only one thread writes, so the addition need not be atomic.
   static void grow(std::atomic<std::uint64_t>& value, std::uint64_t by) {
     value.store(value.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
   }

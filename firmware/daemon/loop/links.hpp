@@ -1,5 +1,5 @@
 #pragma once
-// What the loop and the other threads share. Nothing of it waits for the other side.
+// What the loop and the other threads share. No side ever waits for the other one.
 
 #include <array>
 #include <atomic>
@@ -15,16 +15,17 @@ namespace smaservo::daemon {
 /// What one cycle leaves to the recorder.
 struct CycleRecord {
   text::Cycle cycle;
-  std::uint64_t number;  ///< of the cycle; a jump: the ring was full
-  std::uint32_t set;     ///< number of the parameters that came into force with it; 0: as before
+  std::uint64_t number;  ///< counts cycles; a gap: the ring was full
+  /// Number of the parameters that came into force with this cycle; 0: none did.
+  std::uint32_t set;
 };
 
 struct LoopLinks {
-  Ring<ParameterSet*> new_sets{16};      ///< to the loop
-  Ring<ParameterSet*> old_sets{32};      ///< from it, to be deleted
-  std::atomic<std::uint64_t> faults{0};  ///< FaultSet::bits() of what other threads have found
+  Ring<ParameterSet*> new_sets{16};      ///< parameters for the loop
+  Ring<ParameterSet*> old_sets{32};      ///< replaced ones, for the desk to delete
+  std::atomic<std::uint64_t> faults{0};  ///< of other threads, as FaultSet::bits()
   std::atomic<bool> stop{false};
-  std::atomic<bool> restart{false};  ///< with stop: everything anew, as after switching on
+  std::atomic<bool> restart{false};  ///< set with `stop`: start anew, as after switching on
   Latest<Output<double>> output;
   Ring<CycleRecord>* record = nullptr;       ///< null: nothing is recorded
   std::atomic<std::uint64_t> unrecorded{0};  ///< cycles for which the ring had no room
@@ -37,20 +38,20 @@ struct LoopLinks {
 struct LoopFigures {
   struct Stop {
     std::atomic<std::uint32_t> count{0};
-    std::atomic<std::int64_t> longest_ns{0};  ///< from the sample that showed it to the drive off
+    std::atomic<std::int64_t> longest_ns{0};  ///< from the fault's sample to the drive off
   };
 
   std::atomic<std::uint64_t> cycles{0};
-  std::atomic<std::uint64_t> missed{0};       ///< cycles whose time passed, not caught up
-  std::atomic<std::uint64_t> no_frame{0};     ///< cycles in which none came
-  std::atomic<std::uint64_t> lost_frames{0};  ///< jumps of the sequence number
-  std::atomic<std::uint64_t> setpoints{0};    ///< that a master has sent in a cyclic mode
-  std::atomic<std::uint64_t> superseded{
-      0};                     ///< of them, those that a newer one came before their cycle
-  Histogram wake;             ///< after the cycle's time
+  std::atomic<std::uint64_t> missed{0};       ///< cycles left out, their time having passed
+  std::atomic<std::uint64_t> no_frame{0};     ///< cycles without a frame
+  std::atomic<std::uint64_t> lost_frames{0};  ///< by gaps in the sequence number
+  std::atomic<std::uint64_t> setpoints{0};    ///< from a master, in cyclic modes
+  /// Set-points that a newer one replaced before a cycle took them.
+  std::atomic<std::uint64_t> superseded{0};
+  Histogram wake;             ///< how late a cycle woke up
   Histogram execution;        ///< from waking up to the end of the cycle
   Histogram sample_to_drive;  ///< from the instant of the sample to the drive being told
-  std::array<Stop, fault_count> stops{};      ///< by the faults that ended a current
+  std::array<Stop, fault_count> stops{};      ///< by the fault that ended a current
   std::atomic<std::uint64_t> guard_stops{0};  ///< times that the guard had to switch off
 };
 

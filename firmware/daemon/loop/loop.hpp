@@ -15,12 +15,12 @@ namespace smaservo::daemon {
 
 struct LoopTiming {
   std::int64_t period_ns;
-  bool from_zero;                ///< the recording's time begins with the first frame
+  bool from_zero;                ///< the device's time begins with 0, else with the first frame's
   std::uint64_t max_cycles = 0;  ///< 0: no end
 };
 
-/// A board whose frames have times of CLOCK_MONOTONIC says so. The time of any other stands still
-/// while a cycle is late.
+/// Whether the times of a board's frames are those of CLOCK_MONOTONIC: such a board has a member of
+/// this name. On other boards time stands still while a cycle is late.
 template <class B>
 inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
 
@@ -37,8 +37,9 @@ class Loop {
         figures_(figures),
         timing_(timing) {}
 
-  /// One period. False, with the current off: there are no more frames, or it shall stop. Neither
-  /// allocates, locks nor logs; system calls are the board's and the sleep.
+  /// Runs one cycle. Returns false, and has switched the current off, when there are no more frames
+  /// or the loop is to stop. It neither allocates, locks nor logs; its system calls are the board's
+  /// and the sleep.
   bool cycle();
 
  private:
@@ -63,7 +64,7 @@ class Loop {
   bool sequenced_ = false;
   std::uint32_t sequence_ = 0;
   std::int64_t last_ns_ = 0;
-  std::int64_t time_ns_ = 0;  ///< of the device: the sum of its steps
+  std::int64_t time_ns_ = 0;  ///< the device's: the sum of its steps
 };
 
 template <hal::Board B, class Pacing>
@@ -98,7 +99,7 @@ bool Loop<B, Pacing>::cycle() {
   links_.output.put(cycle.output);
   note_stop(before, sampled_ns, driven_ns);
   leave_record();
-  // The first frame has waited for the loop to begin.
+  // The first frame does not count: it lay there until the loop began.
   if (status == hal::ReadStatus::frame && now_.number > 1) {
     figures_.sample_to_drive.add(driven_ns - sampled_ns);
   }
@@ -123,16 +124,16 @@ void Loop<B, Pacing>::count_frame(hal::ReadStatus status) {
   sequence_ = frame_.sequence;
 }
 
-/// A master's clock and the loop's are not locked to each other: now and then two come before one
-/// cycle, and then none before the next.
+/// The master's clock and the loop's are not locked to each other: now and then two set-points come
+/// before one cycle, and then none before the next.
 template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
   figures_.setpoints.fetch_add(come, std::memory_order_relaxed);
   figures_.superseded.fetch_add(come > 1 ? come - 1 : 0, std::memory_order_relaxed);
 }
 
-/// After a longer pause than a device can step over its time stands still: the wire has cooled
-/// further than it believes, which is the safe side.
+/// A pause longer than the longest step of a device counts as that step only: the wire has then
+/// cooled further than the device believes, which is the safe side.
 template <hal::Board B, class Pacing>
 double Loop<B, Pacing>::advance_time() {
   const std::int64_t step_ns =
@@ -155,12 +156,13 @@ void Loop<B, Pacing>::adopt_sets() {
   ParameterSet* set = nullptr;
   if (links_.new_sets.pop(set)) {
     now_.set = number_of(*set);
-    // Room is certain: no more sets are under way than it holds.
+    // There is room: the ring holds more sets than can be under way.
     links_.old_sets.push(device_.adopt(set));
   }
 }
 
-/// Before the drive is told, so that the guard ends the heat of a loop that hangs there.
+/// Called before the drive gets its command, so that the guard ends the heat if the loop hangs
+/// there.
 template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::renew_lease(bool heated) {
   const std::int64_t ends_ns = hal::monotonic_ns() + leased_periods * timing_.period_ns;

@@ -1,5 +1,5 @@
 #pragma once
-// When the next cycle of the loop is.
+// Waits for the time of the loop's next cycle.
 
 #include <cstdint>
 
@@ -10,8 +10,8 @@ struct Woke {
   std::uint64_t missed = 0;  ///< cycles whose time passed while the one before still ran
 };
 
-/// Cycles at multiples of the period from the first wait() on. Those that were missed are counted,
-/// never caught up. A clock has now_ns() and sleep_until(ns), both monotonic.
+/// Cycles begin at multiples of the period after the first wait(). Missed cycles are counted and
+/// left out. A clock has now_ns() and sleep_until(ns), both monotonic.
 template <class Clock>
 class Pace {
  public:
@@ -44,9 +44,9 @@ class Pace {
   bool began_ = false;
 };
 
-/// Of a recording, or of a simulation in its own time: at once.
+/// For a recording, or a simulation in its own time: the next cycle begins at once.
 struct NoPace {
-  static constexpr bool in_time = false;  ///< who listens may keep the loop waiting
+  static constexpr bool in_time = false;  ///< the loop may wait for the recorder
 
   static Woke wait() { return {}; }
 };

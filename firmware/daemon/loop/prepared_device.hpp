@@ -9,14 +9,14 @@
 
 namespace smaservo::daemon {
 
-/// Settings with all that follows from them, made outside of the loop.
+/// Settings and everything that is computed from them, made outside of the loop.
 struct ParameterSet;
 struct DeleteParameterSet {
   void operator()(ParameterSet* set) const;
 };
 using ParameterSetPtr = std::unique_ptr<ParameterSet, DeleteParameterSet>;
 
-/// The number is the recording's name of this change. Settings have passed check().
+/// `number` names the change in the recording. The settings must have passed check().
 ParameterSetPtr make_parameter_set(const Settings<double>& settings, std::uint32_t number);
 std::uint32_t number_of(const ParameterSet& set);
 
@@ -30,8 +30,8 @@ class PreparedDevice {
   /// Device<double>::step(). Nothing is allocated.
   Output<double> step(const Inputs<double>& in, const Command<double>& command, double dt_s);
 
-  /// In force from the next step on. Takes this set and gives the one before, for another thread to
-  /// delete.
+  /// Puts this set in force from the next step on. Returns the one before, which another thread
+  /// deletes.
   ParameterSet* adopt(ParameterSet* set);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// Values from one thread to one other, without locks: neither ever waits, and nothing is allocated
-// after the start.
+// Pass values from one thread to one other without locks: neither thread ever waits, and nothing is
+// allocated after the start.
 
 #include <array>
 #include <atomic>
@@ -11,16 +11,17 @@
 
 namespace smaservo::daemon {
 
-/// Where two threads write, so that they do not disturb each other's cache.
+/// Alignment of what different threads write, so that they do not share a cache line.
 inline constexpr std::size_t cache_line = 64;
 
-/// All values, in their order.
+/// Passes all values, in their order.
 template <class T>
 class Ring {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// Room for at least so many; all of it is touched at once.
+  /// Room for at least so many values. Its pages are touched here, so that the loop causes no page
+  /// fault.
   explicit Ring(std::size_t room) : cells_(std::bit_ceil(room)), mask_(cells_.size() - 1) {}
 
   /// For the one thread that writes. False: it is full, nothing is written.
@@ -54,7 +55,7 @@ class Ring {
   alignas(cache_line) std::atomic<std::size_t> end_{0};
 };
 
-/// The newest value only.
+/// Passes the newest value only.
 template <class T>
 class Latest {
   static_assert(std::is_trivially_copyable_v<T>);

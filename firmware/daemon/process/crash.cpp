@@ -6,7 +6,7 @@
 namespace smaservo::daemon {
 namespace {
 
-// A handler knows nothing but its signal.
+// Global, since a signal handler gets nothing but its signal.
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 std::atomic<const CrashGuard*> installed{nullptr};
 
@@ -52,7 +52,8 @@ void CrashGuard::handle(int signal) {
       }
     }
   }
-  // The handler is the system's again; it ends the program as soon as this one returns.
+  // The system's handler is in force again (SA_RESETHAND); it ends the program as soon as this one
+  // returns.
   raise(signal);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What happens when the program breaks down: the heat goes off before it dies.
+// Switches the heat off when the program crashes, before it ends.
 
 #include <array>
 #include <atomic>
@@ -11,14 +11,15 @@
 
 namespace smaservo::daemon {
 
-/// Signals that mean a program's own mistake.
+/// Signals that a mistake in the program raises.
 inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
 
-/// While it lives, such a signal switches the outputs off, leaves a mark and then ends the program
-/// as it would have. One at a time. The handler makes system calls only.
+/// While a CrashGuard lives, such a signal switches the outputs off, leaves a mark and then ends
+/// the program as it would without the guard. Only one may live at a time. The handler makes system
+/// calls only.
 class CrashGuard {
  public:
-  /// `mark` null: none is left. `heated` and the board outlive it.
+  /// `mark` null: no mark is left. `heated` and the board must outlive the guard.
   CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark, const std::atomic<bool>& heated);
   ~CrashGuard();
   CrashGuard(const CrashGuard&) = delete;

@@ -27,7 +27,8 @@ std::string text_of(const std::string& path) {
   return text.str();
 }
 
-/// "STATE BOOT", padded with spaces; a state is one word, of a crash "crashed:SIGNAL:heated".
+/// Reads a mark: "STATE BOOT", padded with spaces. The state is one word, after a crash for example
+/// "crashed:SIGNAL:heated".
 LastRun parse(const std::string& text, const std::string& boot) {
   std::istringstream words(text);
   std::string state;
@@ -46,7 +47,7 @@ LastRun parse(const std::string& text, const std::string& boot) {
     last.heated = state.ends_with(":heated");
   } else {
     last.ending = its_boot == boot ? Ending::killed : Ending::power;
-    last.heated = state != "idle";  // a damaged mark as well
+    last.heated = state != "idle";  // a damaged mark counts as heated
   }
   return last;
 }

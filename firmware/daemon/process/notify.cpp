@@ -43,11 +43,11 @@ void ServiceManager::send(const std::string& text) {
   }
   std::memcpy(address.sun_path, socket_.data(), socket_.size());
   if (socket_.front() == '@') {
-    address.sun_path[0] = '\0';  // an abstract socket's name begins with it and has no end
+    address.sun_path[0] = '\0';  // begins the name of an abstract socket
   }
   const std::size_t size = offsetof(sockaddr_un, sun_path) + socket_.size();
   sendto(datagrams_.number(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
-         reinterpret_cast<const sockaddr*>(&address),  // NOLINT(*-reinterpret-cast): as BSD has it
+         reinterpret_cast<const sockaddr*>(&address),  // NOLINT(*-reinterpret-cast): sockets API
          static_cast<socklen_t>(size));
 }
 

@@ -8,20 +8,21 @@
 
 namespace smaservo::daemon {
 
-/// Tells systemd how the service is (sd_notify(3)): datagrams to the socket that NOTIFY_SOCKET
-/// names. Does nothing where there is none. What can not be sent is lost, never waited for.
+/// Tells systemd the state of the service (sd_notify(3)) by datagrams to the socket that
+/// NOTIFY_SOCKET names. Does nothing where there is none. A message that can not be sent at once is
+/// lost.
 class ServiceManager {
  public:
-  /// As the environment says.
+  /// Takes the socket and the watchdog's time from the environment.
   ServiceManager();
-  /// To this socket: a path, or "@name" of an abstract one; empty: none.
+  /// Sends to this socket: a path, or "@name" of an abstract one; empty: sends nothing.
   explicit ServiceManager(std::string_view socket);
 
   void ready() { send("READY=1"); }
   void stopping() { send("STOPPING=1"); }
   void alive() { send("WATCHDOG=1"); }
   void status(std::string_view text) { send("STATUS=" + std::string(text)); }
-  /// Half of WATCHDOG_USEC, as alive() is due; 0: no watchdog waits for it.
+  /// How often alive() is due: half of WATCHDOG_USEC; 0: there is no watchdog.
   std::int64_t alive_every_ns() const { return alive_every_ns_; }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// What switches a board's outputs off by system calls alone, prepared beforehand: for a signal
-// handler, and for a guard while the loop hangs.
+// System calls, prepared beforehand, that switch a board's outputs off: for a signal handler, and
+// for the guard while the loop hangs.
 
 #include <cstddef>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace smaservo::daemon {
 
-/// A board with such outputs has off_actions().
+/// The board's off_actions(); none for a board without this function.
 template <class B>
 std::vector<hal::OffAction> off_actions_of(const B& board) {
   if constexpr (requires { board.off_actions(); }) {

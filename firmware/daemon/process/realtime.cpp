@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t stack_size = std::size_t{256} * 1024;
 
-/// Its pages are there before the loop needs them.
+/// Maps the stack's pages before the loop needs them.
 [[gnu::noinline]] void touch_stack() {
   std::byte stack[stack_size];
   std::memset(stack, 1, sizeof(stack));
@@ -67,7 +67,8 @@ std::string lock_memory() {
 }
 
 std::vector<std::string> make_real_time(const RealTimeSettings& settings) {
-  // Before it has a priority: half a millisecond, in which no other thread that has one shall wait.
+  // Done before the thread has its priority: it takes half a millisecond, and no other real-time
+  // thread shall wait for it.
   touch_stack();
   std::vector<std::string> warnings;
   if (settings.processor >= 0) {
@@ -101,7 +102,7 @@ std::optional<PageFaults> WatchedThread::page_faults() const {
   std::ifstream file(fmt::format("/proc/self/task/{}/stat", thread_));
   std::string line;
   std::getline(file, line);
-  // Fields are counted from the end of the name, which may hold anything: proc(5).
+  // The fields are counted from the end of the name, which may contain any character: proc(5).
   std::istringstream fields(line.substr(std::min(line.rfind(')') + 1, line.size())));
   std::string skipped;
   for (int i = 3; i < 10; ++i) {

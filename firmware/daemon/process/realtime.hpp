@@ -1,5 +1,5 @@
 #pragma once
-// Rights and measures of a real-time thread. What the machine refuses is a warning.
+// Memory, priority and counters of a real-time thread. What the machine refuses becomes a warning.
 
 #include <cstdint>
 #include <optional>
@@ -11,28 +11,29 @@
 namespace smaservo::daemon {
 
 struct RealTimeSettings {
-  int priority = 80;   ///< of SCHED_FIFO, 1 to 99
-  int processor = -1;  ///< to stay on; -1: any
+  int priority = 80;   ///< in SCHED_FIFO, 1 to 99
+  int processor = -1;  ///< the one to stay on; -1: any
 };
 
-/// No page of the process is swapped out, and the heap keeps what it has. Empty, or a warning.
+/// Keeps all pages of the process in memory, and freed memory in the heap. Returns a warning, or an
+/// empty text.
 std::string lock_memory();
 
-/// Touches the stack; then SCHED_FIFO for the calling thread, not for those that it starts, on its
-/// processor. Warnings.
+/// Touches the stack, then gives the calling thread its processor and SCHED_FIFO, which threads
+/// that it starts do not inherit. Returns warnings.
 std::vector<std::string> make_real_time(const RealTimeSettings& settings);
 
 struct PageFaults {
   std::uint64_t minor = 0, major = 0;
 };
 
-/// The calling thread, to be watched by another one.
+/// Page faults and instructions of one thread, read by another one.
 class WatchedThread {
  public:
-  /// The calling thread.
+  /// Watches the calling thread.
   WatchedThread();
 
-  /// Since it began.
+  /// Page faults since the thread began.
   std::optional<PageFaults> page_faults() const;
   /// Instructions of the program, not the kernel's; nothing where the machine does not count them.
   std::optional<std::uint64_t> instructions() const;

@@ -19,7 +19,7 @@ constexpr std::array allowed{
     SYS_write,           SYS_pwrite64,      SYS_ioctl,          SYS_ppoll,
     SYS_futex,           SYS_sched_yield,   SYS_exit,           SYS_exit_group,
     SYS_rt_sigreturn,    SYS_madvise,       SYS_rt_sigprocmask,
-    SYS_munmap,  // of the thread's stack at its end, as madvise and rt_sigprocmask
+    SYS_munmap,  // at its end a thread frees its stack: madvise and rt_sigprocmask, too
 };
 
 }  // namespace

@@ -4,10 +4,10 @@
 
 namespace smaservo::daemon {
 
-/// From now on the calling thread may make the system calls of a loop only: its sleep, its clocks,
-/// reads, writes and ioctls of descriptors that are open, its end. Any other one ends the program
-/// with SIGSYS. For proofs (`smaservod --sandbox`); there is no way back. Empty, or
-/// why the kernel refuses.
+/// From now on the calling thread may make only the system calls that a loop needs: sleep, clocks,
+/// reads, writes and ioctls of open descriptors, its end. Any other call ends the program with
+/// SIGSYS. Meant for tests (`smaservod --sandbox`); it can not be taken back. Returns why the
+/// kernel refuses; empty: it does not.
 std::string allow_loop_calls_only();
 
 }  // namespace smaservo::daemon

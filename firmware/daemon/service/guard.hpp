@@ -1,6 +1,6 @@
 #pragma once
-// The lease again, in software: where the loop hangs, in a device's driver as well, its outputs
-// still go off. What stops the whole program only the hardware's one-shot answers.
+// Enforces the lease in software: when the loop hangs, in a device's driver as well, its outputs
+// are still switched off. When the whole program stops, only the hardware's one-shot helps.
 
 #include <atomic>
 #include <optional>
@@ -15,9 +15,9 @@ namespace smaservo::daemon {
 /// While it lives, a thread of its own looks at the lease every 2 ms.
 class LeaseGuard {
  public:
-  /// `loop`: the loop's rights, where it has some; the guard's are those above. The outputs, the
-  /// lease (LoopLinks::lease_ends_ns) and the count of times that they had to be switched off
-  /// outlive it.
+  /// `loop`: the loop's real-time settings, if any; the guard's priority is one higher. The
+  /// outputs, the lease (LoopLinks::lease_ends_ns) and `stops`, which counts how often it had to
+  /// switch off, must outlive the guard.
   LeaseGuard(const std::vector<hal::OffAction>& off, const std::optional<RealTimeSettings>& loop,
              const std::atomic<std::int64_t>& lease_ends_ns, std::atomic<std::uint64_t>& stops);
 
@@ -28,7 +28,7 @@ class LeaseGuard {
   std::optional<RealTimeSettings> loop_;
   const std::atomic<std::int64_t>& lease_ends_ns_;
   std::atomic<std::uint64_t>& stops_;
-  std::jthread thread_;  // last: it ends before what it uses
+  std::jthread thread_;  // declared last: ends before what it uses
 };
 
 }  // namespace smaservo::daemon

@@ -1,5 +1,5 @@
 #pragma once
-// What SIGHUP asks for: the settings file anew.
+// Reads the settings file anew, which SIGHUP asks for.
 
 #include <atomic>
 #include <functional>
@@ -10,23 +10,25 @@
 
 namespace smaservo::daemon {
 
-/// As a whole or not at all; what may change after a start only waits for it.
+/// Changes the settings as a whole or not at all. Parameters that can not change now, but only with
+/// the next start or without heat, keep their values.
 class Reloader {
  public:
-  /// What keeps the board from settings; empty: nothing. None: no board does.
+  /// Says why settings are beyond the board; empty: they are not. A null function: there is no
+  /// board.
   using Problem = std::function<std::string(const Settings<double>&)>;
 
-  /// Without a file there is nothing to read. Desk and `heated` outlive it.
+  /// `file` empty: there is nothing to read. `desk` and `heated` must outlive the reloader.
   Reloader(std::string file, Problem problem, ParameterDesk& desk, const std::atomic<bool>& heated)
       : file_(std::move(file)), problem_(std::move(problem)), desk_(desk), heated_(heated) {}
 
-  /// Why something is not changed, a sentence each.
+  /// Returns a sentence for each thing that was not changed: why.
   std::vector<std::string> reload() const;
 
  private:
   Settings<double> changed(const Settings<double>& before, const Settings<double>& from,
                            std::vector<std::string>& said) const;
-  /// Empty: they are in force.
+  /// Why the settings are refused; empty: they are in force.
   std::string refused(const Settings<double>& to) const;
 
   std::string file_;

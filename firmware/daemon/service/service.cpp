@@ -21,7 +21,7 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t status_every_ns = 1000 * ms;
 constexpr std::int64_t look_every_ns = 20 * ms;
-constexpr double recorded_s = 16;  ///< room of the ring
+constexpr double recorded_s = 16;  ///< time for which the recorder's ring has room
 
 sigset_t own_signals() {
   sigset_t set;
@@ -32,7 +32,7 @@ sigset_t own_signals() {
   return set;
 }
 
-/// The next of these signals; 0 after the time.
+/// Waits for the next of the own signals; 0: none came in this time.
 int wait_for_signal(std::int64_t time_ns) {
   const sigset_t set = own_signals();
   const timespec time{0, static_cast<long>(time_ns)};
@@ -154,7 +154,7 @@ void Service::watch(ServiceManager& manager) {
       status_.write(true);
       manager.status(sentence(status_.output().state, status_.output().latched));
     }
-    // A loop that hangs is not alive, whatever this thread does.
+    // The watchdog is served only while the loop makes cycles, not because this thread runs.
     const std::uint64_t cycles_now = figures_->cycles.load();
     if (cycles_now != cycles && manager.alive_every_ns() > 0 &&
         now_ns - alive_ns >= manager.alive_every_ns() / 2) {

@@ -1,6 +1,6 @@
 #pragma once
-// Everything around the loop: the threads of loop, guard and recorder, and the main one, which has
-// signals, status and the mark of the run. The same for every board.
+// Everything around the loop, the same for every board: the threads of loop, guard and recorder,
+// and the main thread, which handles signals, status and the run's mark.
 
 #include <functional>
 #include <memory>
@@ -15,25 +15,26 @@
 namespace smaservo::daemon {
 
 struct ServiceSetup {
-  std::string board;  ///< as the status calls it
+  std::string board;  ///< its name in the status
   Settings<double> settings;
   std::string settings_file;  ///< read anew at SIGHUP; empty: none
   std::string folder;         ///< of the store and the mark; empty: nothing is kept
   std::string record;         ///< file or folder; empty: nothing is recorded
   std::string status;         ///< file; empty: none
-  bool json = false;          ///< at the end
-  bool real_time = true;      ///< locks memory, asks for a priority
-  bool paced = true;          ///< in time: the guard watches the lease
-  bool sandboxed = false;     ///< the loop dies of any system call but a loop's
+  bool json = false;          ///< the status at the end is JSON
+  bool real_time = true;      ///< locks memory, sets priorities
+  bool paced = true;          ///< runs in real time: the guard watches the lease
+  bool sandboxed = false;     ///< restricts the loop's system calls, see sandbox.hpp
   RealTimeSettings thread;
   Reloader::Problem problem = nullptr;
 };
 
-/// No exit code: the device is to be made anew from what is stored, as after switching on.
+/// Result of Service::run() in place of an exit code: start anew with the stored settings, as after
+/// switching on.
 inline constexpr int start_anew = -1;
 
-/// What a board and its loop give to the service. All of it is called by the loop's thread, but
-/// safe_off() once more after its end.
+/// What a board and its loop give to the service. The loop's thread calls both functions; after its
+/// end the main thread calls safe_off() once more.
 struct Served {
   std::function<bool()> cycle;
   std::function<void()> safe_off;
@@ -45,7 +46,7 @@ class ServiceManager;
 
 class Service {
  public:
-  /// SIGTERM, SIGINT and SIGHUP are its own from now on. Throws UserError.
+  /// Handles SIGTERM, SIGINT and SIGHUP from now on. Throws UserError.
   explicit Service(ServiceSetup setup);
   ~Service();
   Service(const Service&) = delete;
@@ -56,8 +57,8 @@ class Service {
   ParameterDesk& desk() { return desk_; }
   PreparedDevice& device() { return device_; }
 
-  /// Until cycle() says no, or a signal comes. The exit code: 1 where the board or the recording
-  /// failed; start_anew where the links asked for it.
+  /// Runs until cycle() returns false or a signal comes. Returns the exit code: 1 where the board
+  /// or the recording failed; start_anew where LoopLinks::restart asks for it.
   int run(const Served& served);
 
  private:
@@ -78,11 +79,11 @@ class Service {
   std::unique_ptr<Ring<CycleRecord>> ring_;
   std::unique_ptr<Recorder> recorder_;
   LoopUsage usage_;
-  // The loop's thread's.
-  std::vector<std::string> thread_warnings_;  ///< before usage_ has begun
-  std::string error_;                         ///< that ended the loop
+  // Written by the loop's thread.
+  std::vector<std::string> thread_warnings_;  ///< complete once usage_ has begun
+  std::string error_;                         ///< why the loop ended by itself
   std::atomic<bool> loop_over_{false};
-  // The main thread's.
+  // Used by the main thread only.
   StatusWriter status_;
   bool asked_to_end_ = false;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What the loop's thread takes of the machine.
+// The machine's resources that the loop's thread uses.
 
 #include <atomic>
 #include <cstdint>
@@ -19,14 +19,14 @@ class LoopUsage {
     std::optional<double> instructions;  ///< per cycle
   };
 
-  // For the loop's thread.
+  // Called by the loop's thread.
   void begin();
-  /// A thread that has ended can not be asked any more.
+  /// Reads the counters for the last time: those of a thread that has ended can not be read.
   void end() { ask(); }
 
-  // For one other thread.
+  // Called by one other thread.
   bool has_begun() const { return thread_.load(std::memory_order_acquire) != nullptr; }
-  /// Now and then; so many turns there have been.
+  /// To be called now and then, with the number of cycles so far.
   void look(std::uint64_t cycles);
   Taken taken(std::uint64_t cycles, bool runs);
 
@@ -35,11 +35,11 @@ class LoopUsage {
 
   std::unique_ptr<WatchedThread> watched_;
   std::atomic<const WatchedThread*> thread_{nullptr};
-  // The other thread's.
+  // Used by the other thread only.
   bool counts_ = false;
   PageFaults first_faults_;
   std::uint64_t first_instructions_ = 0, first_cycle_ = 0;
-  // Both threads'.
+  // Used by both threads.
   std::mutex mutex_;
   std::optional<PageFaults> last_faults_;
   std::optional<std::uint64_t> last_instructions_;

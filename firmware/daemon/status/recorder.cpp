@@ -123,12 +123,12 @@ void Recorder::write() {
 
 void Recorder::make_durable() {
   durable_at_ns_ = hal::monotonic_ns();
-  if (fdatasync(file_.number()) != 0 && errno != EINVAL) {  // EINVAL: a pipe or a device
+  if (fdatasync(file_.number()) != 0 && errno != EINVAL) {  // EINVAL: it is a pipe or a device
     end(std::strerror(errno));
   }
 }
 
-/// Half a row would not be a trace.
+/// Ends the recording and cuts off a row that was written in part.
 void Recorder::end(const std::string& why) {
   ended_ = true;
   const bool whole = ftruncate(file_.number(), written_) == 0 && fdatasync(file_.number()) == 0;

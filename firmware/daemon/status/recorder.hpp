@@ -1,5 +1,5 @@
 #pragma once
-// The trace of a run, as `host-sim replay --device` takes it, written beside the loop.
+// Writes the trace of a run beside the loop, for `host-sim replay --device`.
 
 #include <cstdint>
 #include <string>
@@ -10,19 +10,21 @@
 
 namespace smaservo::daemon {
 
-/// Appends whole rows, durable once a second: a loss of power costs the last second, a full disk
-/// what comes after. A cycle that is missing, because the disk was too slow for the ring, ends the
-/// recording as well: what follows a gap could not be replayed. The settings at its beginning lie
-/// beside it, FILE.csv.toml.
+/// Appends whole rows and makes them durable once a second: a power cut costs the last second. A
+/// full disk ends the recording; so does a missing cycle, when the disk is too slow for the ring,
+/// because what follows a gap could not be replayed. FILE.csv.toml beside it has the settings at
+/// its beginning.
 class Recorder {
  public:
-  /// A file that exists is not overwritten; in a folder it is named by the time. Throws UserError.
+  /// An existing file is not overwritten. Where `path` is a folder, the file in it is named by the
+  /// time. Throws UserError.
   Recorder(const std::string& path, const Settings<double>& settings, Ring<CycleRecord>& ring,
            ParameterDesk& desk);
 
-  /// Writes what has come since. For one thread, some times a second.
+  /// Writes the rows that have come since the last call. One thread calls it several times a
+  /// second.
   void pump();
-  /// The rest, durable.
+  /// Writes the rest and makes it durable.
   void finish();
 
   const std::string& path() const { return path_; }
@@ -42,9 +44,9 @@ class Recorder {
   text::DeviceRows format_;
   hal::Descriptor file_;
   std::string buffer_;
-  std::uint64_t last_ = 0;      ///< cycle
+  std::uint64_t last_ = 0;      ///< number of the last cycle
   std::int64_t written_ = 0;    ///< bytes of whole rows
-  std::uint64_t buffered_ = 0;  ///< rows
+  std::uint64_t buffered_ = 0;  ///< rows in buffer_
   std::int64_t durable_at_ns_ = 0;
   std::atomic<std::uint64_t> rows_{0};
   mutable std::mutex problem_mutex_;

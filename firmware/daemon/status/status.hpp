@@ -1,5 +1,5 @@
 #pragma once
-// What a daemon says of itself: to a file once a second, and at its end.
+// The daemon's status: written to a file once a second, and printed at its end.
 
 #include <optional>
 #include <string>
@@ -25,12 +25,12 @@ struct Status {
   LoopUsage::Taken usage;
   std::optional<RecordingStatus> recording;
   std::string last_run;               ///< empty: nothing is kept
-  std::vector<std::string> warnings;  ///< of the machine
+  std::vector<std::string> warnings;  ///< all so far
 };
 
-/// One line; names carry their units, null is what is not known.
+/// JSON in one line; names carry their units, null is an unknown value.
 std::string status_json(const Status& status);
-/// For people.
+/// Text for a terminal.
 std::string status_text(const Status& status);
 
 }  // namespace smaservo::daemon

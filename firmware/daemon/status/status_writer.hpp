@@ -1,5 +1,6 @@
 #pragma once
-// What a daemon says while it runs, by the main's thread: sentences in the log, and its status.
+// What the daemon says while it runs: sentences in the log, and its status. The main thread uses
+// it.
 
 #include <memory>
 #include <string>
@@ -12,30 +13,30 @@ namespace smaservo::daemon {
 
 class Recorder;
 
-/// Whose status it is; all of it outlives the writer.
+/// What the status is made of; all of it must outlive the writer.
 struct StatusSources {
   LoopLinks& links;
   const LoopFigures& figures;
   LoopUsage& usage;
   const std::unique_ptr<RunMark>& mark;       ///< null: there is none
-  const std::unique_ptr<Recorder>& recorder;  ///< likewise
+  const std::unique_ptr<Recorder>& recorder;  ///< null: nothing is recorded
 };
 
 class StatusWriter {
  public:
-  /// `file` empty: none is written.
+  /// `file` empty: no status file is written.
   StatusWriter(std::string file, std::string board, std::int64_t period_ns,
                const StatusSources& sources);
 
-  /// To the log, and kept for the status.
+  /// Writes a warning to the log and keeps it for the status.
   void warn(const std::string& text);
-  /// Takes the loop's newest output; the log gets faults that are new in it.
+  /// Takes the loop's newest output and writes new faults to the log.
   void look();
   const Output<double>& output() const { return output_; }
 
-  /// `runs`: the loop does.
+  /// `runs`: whether the loop runs.
   Status status(bool runs) const;
-  /// To the file. One that can not be written is a warning, once.
+  /// Writes the status file; the first failure is a warning.
   void write(bool runs);
 
  private:

@@ -5,7 +5,7 @@
 
 namespace smaservo::text {
 
-/// What an SDO abort code of CiA 301 means; "" for one that is unknown.
+/// The meaning of an SDO abort code of CiA 301; "" for an unknown code.
 std::string_view abort_text(std::uint32_t code);
 
 }  // namespace smaservo::text

@@ -29,7 +29,8 @@ std::string text_of(const KnownObject& object, std::uint32_t bits) {
   return value_text(object, std::span(bytes).first(size == 0 ? 4 : std::min<std::size_t>(size, 4)));
 }
 
-/// Bytes of a wrong number are no value of their object.
+/// The value that was refused; in hexadecimal digits where the number of bytes was wrong, as these
+/// are no value of the object.
 std::string wanted_text(const KnownObject& object, const canopen::LoggedChange& change) {
   const bool whole = change.result != Abort::too_long && change.result != Abort::too_short;
   return whole ? text_of(object, change.value) : fmt::format("{:X}h", change.value);

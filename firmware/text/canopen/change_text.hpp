@@ -1,5 +1,5 @@
 #pragma once
-// What was written over the bus (2220h), in words.
+// Entries of the change log (2220h), in words.
 
 #include <span>
 #include <string>
@@ -12,7 +12,7 @@ namespace smaservo::text {
 /// "limits.current_A (2020h:2): stays 0.4; 99 by SDO is refused: value too high (abort 06090031h)"
 std::string change_text(const canopen::LoggedChange& change);
 
-/// An entry of 2220h:2: ChangeLog::bytes of them.
+/// Reads an entry of 2220h:2, which has ChangeLog::bytes bytes.
 canopen::LoggedChange change_of(std::span<const std::uint8_t> bytes);
 
 }  // namespace smaservo::text

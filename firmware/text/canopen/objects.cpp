@@ -28,7 +28,7 @@ void add(std::vector<KnownObject>& all, std::span<const canopen::DescribedObject
     const Key key = row.object.key;
     std::string name(row.name);
     const auto group = std::ranges::find(names, key.index, &canopen::IndexName::index);
-    // Names of the manufacturer's area say their group already.
+    // The names in the manufacturer's area already contain their group.
     const bool standard = key.index < 0x2000 || 0x6000 <= key.index;
     if (standard && group != names.end()) name = fmt::format("{}, {}", group->name, row.name);
     all.push_back({key, row.object.type, name, std::string(row.meaning),
@@ -56,7 +56,7 @@ std::vector<KnownObject> all_objects() {
   return all;
 }
 
-/// A hexadecimal or decimal number that is the whole text.
+/// Reads a number to this base; false unless it is the whole text.
 template <class Number>
 bool whole(std::string_view text, Number& number, int base) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
@@ -74,7 +74,7 @@ bool read_key(std::string_view text, Key& key) {
          (colon == std::string_view::npos || whole(text.substr(colon + 1), key.sub, 10));
 }
 
-/// A parameter whose path in SI has this name in another unit.
+/// Whether `name` is the object's parameter in another unit than SI, and which unit that is.
 bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit) {
   if (object.parameter == nullptr) return false;
   const KeyParts parts = key_parts(*object.parameter);
@@ -99,7 +99,7 @@ std::optional<KnownObject> named(const std::string& name) {
   return std::nullopt;
 }
 
-/// Names that share the most groups of three letters with this one.
+/// The names that have the most groups of three letters in common with this one.
 std::vector<std::string> close_names(std::string_view name) {
   std::vector<std::pair<int, std::string>> scored;
   for (const KnownObject& object : known_objects()) {
@@ -127,7 +127,7 @@ std::int64_t sign_extended(std::span<const std::uint8_t> bytes) {
   return static_cast<std::int64_t>(canopen::take_number(bytes) << shift) >> shift;
 }
 
-/// The shortest text of a number in a unit; exact in SI.
+/// The shortest text of a number in a unit. In SI it is exact.
 std::string real_text(float value, const Unit& unit) {
   return unit.factor == 1 && unit.offset == 0
              ? fmt::format("{}", value)
@@ -245,7 +245,7 @@ std::string value_text(const KnownObject& object, std::span<const std::uint8_t> 
   }
   if (object.type == Type::boolean) return number != 0 ? "true" : "false";
   if (canopen::is_signed(object.type)) return fmt::format("{}", sign_extended(bytes));
-  // What is a code or a set of bits reads better so.
+  // Codes and sets of bits are easier to read in hexadecimal.
   const bool bits = object.key.index == 0x6040 || object.key.index == 0x6041 ||
                     object.key.index == 0x603F || object.key.index == faults_object ||
                     (object.key.index < 0x2000 && size == 4);

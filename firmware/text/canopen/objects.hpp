@@ -1,5 +1,6 @@
 #pragma once
-// The objects of a servo node by name: parameters, live values, the drive, the communication.
+// Finds objects of a servo node by name: parameters, live values, objects of drive and
+// communication.
 
 #include <cstdint>
 #include <span>
@@ -17,28 +18,30 @@ struct KnownObject {
   std::string name;     ///< a parameter's path, "live.temperature_K", "6041h:0 Statusword" ...
   std::string meaning;  ///< may be empty
   bool writable;
-  const Parameter<double>* parameter;  ///< nullptr: it is none
-  Unit unit{"", 1};                    ///< in which texts are
+  const Parameter<double>* parameter;  ///< nullptr: the object is no parameter
+  Unit unit{"", 1};                    ///< of the object's texts
 };
 
-/// All of them in the order of their keys.
+/// All objects in the order of their keys.
 const std::vector<KnownObject>& known_objects();
 
-/// By name, a parameter in any unit of its kind ("limits.current_mA"), or by key: "2100:1",
-/// "2100h:1", "0x2100:1"; sub-index 0 may be left out. A key that is not known has the type
-/// octets: its bytes. Throws UserError, with names that are close.
+/// Finds an object by its name, a parameter in any unit of its kind ("limits.current_mA"), or by
+/// its key: "2100:1", "2100h:1", "0x2100:1"; sub-index 0 may be left out. An unknown key gives an
+/// object of type octets. Throws UserError, which lists similar names.
 KnownObject find_object(const std::string& text);
 
-/// What it is called, with its key: "limits.current_A (2020h:2)"
+/// Name and key of an object: "limits.current_A (2020h:2)"
 std::string title(const KnownObject& object);
 
-/// In the object's unit; a choice's name, an octet string in hexadecimal digits.
+/// Text of a value: a number in the object's unit, the name of a choice, octets in hexadecimal
+/// digits.
 std::string value_text(const KnownObject& object, std::span<const std::uint8_t> bytes);
-/// A number as it is, in SI; of any type that is one, else NaN.
+/// The value as a number, in SI for a parameter; NaN where the object's type is no number.
 double value_number(const KnownObject& object, std::span<const std::uint8_t> bytes);
-/// Throws UserError with what is allowed. Ranges are the node's business.
+/// The bytes of a value given as text. Throws UserError, which says what is allowed; ranges are
+/// checked by the node.
 std::vector<std::uint8_t> value_bytes(const KnownObject& object, const std::string& text);
-/// What a parameter may be, with its unit; "" where nothing is known.
+/// The range or choices of a parameter, with its unit; "" where nothing is known.
 std::string allowed_text(const KnownObject& object);
 
 }  // namespace smaservo::text

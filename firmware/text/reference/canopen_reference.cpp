@@ -35,7 +35,8 @@ std::string number_text(Type type, std::uint32_t value) {
                                   : fmt::format("0x{:X}", value);
 }
 
-/// What the device has after a restore; reals are left out, because readers disagree on them.
+/// An object's value after a restore. Reals are left out, because readers of EDS disagree on their
+/// format.
 std::string default_text(const ListedObject& listed) {
   const Object& object = listed.object;
   switch (object.key.index) {
@@ -84,7 +85,7 @@ std::string variable_text(const std::string& section, const ListedObject& listed
     text += fmt::format("DefaultValue={}\n", standard);
   }
   text += limits_text(object);
-  // Readers refuse the key for a domain, even as 0.
+  // Readers of EDS refuse the key PDOMapping for a domain, even with the value 0.
   if (!is_domain) {
     text +=
         fmt::format("PDOMapping={}\n", may(object, canopen::in_rpdo | canopen::in_tpdo) ? 1 : 0);

@@ -145,7 +145,7 @@ std::vector<std::string> similar_faults(std::string_view name) {
   };
   std::vector<Candidate> candidates;
   for (const FaultRow& row : fault_rows) {
-    // A part of a name is as good as a typing mistake.
+    // A part of a name counts as one typing mistake.
     const bool part = name.size() >= 3 && row.name.find(name) != std::string_view::npos;
     candidates.push_back({part ? 1 : distance(name, row.name), row.name});
   }

@@ -1,5 +1,5 @@
 #pragma once
-// What is known of every fault, for people: the reference page and `host-sim explain`.
+// Descriptions of the faults for people: the reference page, and the texts of `host-sim explain`.
 
 #include <string>
 #include <string_view>
@@ -12,14 +12,14 @@ namespace smaservo::text {
 /// firmware/reference/FAULTS.md, made from the table of faults.
 std::string fault_reference();
 
-/// One fault as plain text, some lines.
+/// Explains one fault in some lines of plain text.
 std::string explain_fault(Fault fault);
 
-/// A fault by its name, or by its code: "2310h", "0x2310", or decimal "8976". Fault::none where
-/// there is none such.
+/// Finds a fault by its name or its code: "2310h", "0x2310", or decimal "8976". Fault::none where
+/// there is no such fault.
 Fault find_fault(std::string_view name_or_code);
 
-/// Names that are much like this one, the closest first; at most three.
+/// At most three names of faults that are similar to this one, the closest first.
 std::vector<std::string> similar_faults(std::string_view name);
 
 }  // namespace smaservo::text

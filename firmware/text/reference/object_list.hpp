@@ -1,5 +1,6 @@
 #pragma once
-// Every object of the node, with its texts: communication, drive, live values, parameters.
+// Lists all objects of the node with name and meaning: communication, drive, live values,
+// parameters.
 
 #include <string>
 #include <vector>
@@ -19,20 +20,21 @@ struct ListedObject {
 struct ListedIndex {
   std::uint16_t index;
   std::string name;
-  std::vector<ListedObject> objects;  ///< without sub-index 0, where it only counts
+  /// Without sub-index 0 where that is only the number of sub-indices.
+  std::vector<ListedObject> objects;
 
-  /// The object is the index: nothing but sub-index 0.
+  /// Whether the index has only one object, at sub-index 0.
   bool is_variable() const { return objects.size() == 1 && objects[0].object.key.sub == 0; }
   std::uint8_t highest_sub() const { return objects.back().object.key.sub; }
 };
 
-/// Of a parameter, as CANopen has it.
+/// The CANopen type of a parameter's value.
 canopen::Type type_of(ValueType type);
 
-/// "REAL32"
+/// The name of a type in CiA 301: "REAL32"
 std::string_view type_text(canopen::Type type);
 
-/// In the order of their indices.
+/// All indices in ascending order.
 std::vector<ListedIndex> list_objects();
 
 }  // namespace smaservo::text

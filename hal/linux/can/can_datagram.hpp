@@ -11,11 +11,11 @@
 
 namespace smaservo::hal {
 
-/// `time_s` since 1970; receivers put their own in its place.
+/// `time_s` counts from 1970; receivers replace it by their own time.
 std::vector<std::uint8_t> to_datagram(const CanFrame& frame, double time_s);
 
-/// Nothing where it is no frame of classic CAN: not such a map, an error frame, CAN FD, an
-/// identifier or a length beyond the standard's.
+/// nullopt where the datagram is no frame of classic CAN: it is no such map, an error frame, CAN
+/// FD, or has an identifier or length beyond the standard's.
 std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram);
 
 }  // namespace smaservo::hal

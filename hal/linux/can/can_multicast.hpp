@@ -19,20 +19,20 @@ inline constexpr std::uint16_t default_multicast_port = 43113;
 struct MulticastAddress {
   sockaddr_storage address{};
   socklen_t size = 0;
-  unsigned interface = 0;  ///< number of the interface; 0: the one of the route
+  unsigned interface = 0;  ///< number of the interface; 0: the route's
 };
 
-/// `group` as a number, with "%INTERFACE" where it must be a certain one. Throws CanError.
+/// `group` is a numeric address; "%INTERFACE" after it selects the interface. Throws CanError.
 MulticastAddress multicast_address(const std::string& group, std::uint16_t port);
 
-/// A CanPort. Frames of its own do not come back. Datagrams go no further than the local network.
+/// A CanPort. Its own frames do not come back. Datagrams do not leave the local network.
 class CanMulticast {
  public:
-  /// Throws CanError, also where the machine has no route to the group.
+  /// Throws CanError, for example where the machine has no route to the group.
   explicit CanMulticast(const std::string& group = default_multicast_group,
                         std::uint16_t port = default_multicast_port);
 
-  /// Two system calls. What is no frame is counted and passed over.
+  /// Two system calls. Datagrams that are no frame are counted and skipped.
   bool receive(CanFrame& frame);
   bool send(const CanFrame& frame);
 
@@ -48,7 +48,7 @@ class CanMulticast {
   std::string name_;
   MulticastAddress group_;
   Descriptor receiver_;
-  Descriptor sender_;               ///< its port tells the own datagrams from others
+  Descriptor sender_;               ///< by its port the own datagrams are recognised
   sockaddr_storage own_address_{};  ///< of the sender
   CanState state_ = CanState::active;
   CanStatistics statistics_;

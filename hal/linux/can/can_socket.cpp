@@ -22,7 +22,8 @@ static_assert(CanPort<CanSocket>);
 
 namespace {
 
-/// The interface's number, flags and so on, by one of the kernel's questions. False: there is none.
+/// Asks the kernel for the interface's number, flags or the like. False: there is no such
+/// interface.
 bool ask(int socket, const std::string& interface, unsigned long question, ifreq& answer) {
   answer = {};
   std::ranges::copy(interface, std::begin(answer.ifr_name));
@@ -34,10 +35,10 @@ bool is_up(int socket, const std::string& interface) {
   return ask(socket, interface, SIOCGIFFLAGS, answer) && (answer.ifr_flags & IFF_UP) != 0;
 }
 
-/// Error frames in a row that one call passes over.
+/// Number of error frames that one call skips at most.
 constexpr int max_reads = 64;
 
-/// Errors of the whole controller, not each one of a bit: these come by thousands.
+/// Errors of the controller as a whole. Errors of single bits are left out: they come by thousands.
 constexpr can_err_mask_t watched_errors =
     CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK;
 
@@ -71,8 +72,8 @@ CanFrame from_kernel(const RawFrame& raw) {
   return frame;
 }
 
-/// One frame, and the kernel's count of those that it had no room for. As read() does, -1 and
-/// errno.
+/// Reads one frame, and the kernel's count of frames that it had no room for. Returns -1 and errno
+/// as read() does.
 ssize_t read_frame(int socket, RawFrame& raw, std::uint32_t& overflow) {
   iovec place{&raw, sizeof raw};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof overflow)> control{};
@@ -145,19 +146,19 @@ int CanSocket::set_filters() {
                                                                                           : errno;
 }
 
-/// What the socket still has to say of the time before would fail the next call: the interface
-/// that has come back would count as gone again.
+/// Clears the socket's pending error. It would fail the next call, and the interface that has come
+/// back would count as gone again.
 void CanSocket::forget_error() const {
   int error = 0;
   socklen_t size = sizeof error;
   getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
 }
 
-/// After a failure: whether frames may pass again.
+/// Called after a failure: whether frames can pass again.
 bool CanSocket::bring_back() {
   if (state_ == CanState::gone) {
     if (bind_interface() != 0) return false;
-    // The kernel forgot them with the interface.
+    // The kernel has forgotten the filters together with the interface.
     if (set_filters() != 0) return false;
     ++statistics_.reopens;
     state_ = CanState::down;
@@ -172,7 +173,7 @@ bool CanSocket::bring_back() {
 void CanSocket::failed(int error) {
   const bool was_there = state_ != CanState::down && state_ != CanState::gone;
   ifreq answer;
-  // ENODEV and ENXIO with an interface: it has come back already, under another number.
+  // ENODEV or ENXIO although the interface is there: it has come back under another number.
   if (error == ENETDOWN) {
     state_ = CanState::down;
   } else if (error == ENODEV || error == ENXIO ||

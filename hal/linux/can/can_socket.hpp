@@ -13,26 +13,26 @@
 namespace smaservo::hal {
 
 /// A CanPort. The interface may go down, come up, disappear and come back: frames are dropped and
-/// counted meanwhile. Frames of its own do not come back; those of other programs on the same
-/// machine do come.
+/// counted meanwhile. Its own frames do not come back; it receives those of other programs on the
+/// same machine.
 class CanSocket {
  public:
-  /// `interface` as `ip link` shows it; it may be down. Throws CanError.
+  /// `interface`: the name that `ip link` shows; the interface may be down. Throws CanError.
   explicit CanSocket(std::string interface);
 
-  /// One or two system calls. Error frames are counted, not given.
+  /// One or two system calls. Error frames are counted, not returned.
   bool receive(CanFrame& frame);
   /// One system call; false where the queue is full or the interface down. Never tries again.
   bool send(const CanFrame& frame);
 
-  /// From now on only data frames with these 11-bit identifiers come, at most 512; the kernel
-  /// sorts out the others. Throws CanError.
+  /// From now on receive() returns only data frames with these 11-bit identifiers, at most 512 of
+  /// which may be given; the kernel drops all others. Throws CanError.
   void accept(std::span<const std::uint32_t> ids);
 
   CanState state() const { return state_; }
   const CanStatistics& statistics() const { return statistics_; }
   const std::string& name() const { return interface_; }
-  /// For poll(): readable when a frame has come. The same for the port's whole life.
+  /// For poll(): readable when a frame has come. It stays the same for the port's whole life.
   int descriptor() const { return socket_.number(); }
 
  private:

@@ -1,18 +1,18 @@
 #pragma once
-// What a CAN port knows of its bus.
+// State and statistics of a CAN port.
 
 #include <cstdint>
 #include <stdexcept>
 
 namespace smaservo::hal {
 
-/// A port that can not be opened: names it and says why.
+/// A port can not be opened; the text names it and says why.
 class CanError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A port that can not be, as its name is none.
+/// The name of a port is malformed.
 class CanNameError : public CanError {
  public:
   using CanError::CanError;
@@ -20,8 +20,8 @@ class CanNameError : public CanError {
 
 enum class CanState : unsigned char {
   active,
-  passive,  ///< so many errors that the controller has withdrawn to listening and careful sending
-  bus_off,  ///< the controller does not take part; with restart-ms 0 for ever
+  passive,  ///< after many errors the controller receives, but sends with restrictions
+  bus_off,  ///< the controller is off the bus; for ever where restart-ms is 0
   down,     ///< the interface has been set down
   gone,     ///< the interface has disappeared
 };

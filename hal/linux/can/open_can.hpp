@@ -1,5 +1,5 @@
 #pragma once
-// CAN ports by name.
+// Opens CAN ports by their names.
 
 #include <span>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace smaservo::hal {
 
-/// A CanPort of either kind.
+/// A CanPort that is a CanSocket or a CanMulticast.
 class LinuxCan {
  public:
   explicit LinuxCan(CanSocket port) : port_(std::move(port)) {}
@@ -22,7 +22,7 @@ class LinuxCan {
   bool send(const CanFrame& frame) {
     return std::visit([&](auto& port) { return port.send(frame); }, port_);
   }
-  /// What else comes is not worth waking up for; a port that can not sort gives it all the same.
+  /// Only frames with these identifiers are wanted. A CanMulticast can not filter and returns all.
   void accept(std::span<const std::uint32_t> ids) {
     if (auto* socket = std::get_if<CanSocket>(&port_)) socket->accept(ids);
   }
@@ -43,9 +43,10 @@ class LinuxCan {
   std::variant<CanSocket, CanMulticast> port_;
 };
 
-/// "can0", any CAN interface of the kernel; or "udp", "udp:GROUP", "udp:GROUP:PORT", a multicast
-/// group as python-can's udp_multicast has it. A group of IPv6 stands in brackets where a port
-/// follows; "%INTERFACE" after the group keeps it there. Throws CanError.
+/// `text` is the name of a CAN interface of the kernel, such as "can0"; or "udp", "udp:GROUP",
+/// "udp:GROUP:PORT" for a multicast group, as in python-can's udp_multicast. A group of IPv6 stands
+/// in brackets where a port follows; "%INTERFACE" after the group selects the interface. Throws
+/// CanError.
 LinuxCan open_can(const std::string& text);
 
 }  // namespace smaservo::hal

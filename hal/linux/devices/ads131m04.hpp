@@ -1,7 +1,8 @@
 #pragma once
-// Texas Instruments ADS131M04: what goes over its wires (data sheet SBAS890, sections 8.5 and 8.6).
-// No I/O. A frame is six words of 24 bits: response and four channels, each most significant bit
-// first, and a CRC of them; 16-bit commands, registers and CRC stand in a word's upper bits.
+// The SPI frames of Texas Instruments' ADS131M04 (data sheet SBAS890, sections 8.5 and 8.6),
+// without I/O. A frame is six words of 24 bits, most significant bit first: the response, four
+// channels and a CRC of these. 16-bit commands, registers and the CRC stand in the upper bits of a
+// word.
 
 #include <array>
 #include <cstdint>
@@ -22,9 +23,9 @@ inline constexpr std::uint16_t reset_command = 0x0011;
 inline constexpr std::uint16_t reset_response = 0xFF24;  ///< FF20h and the number of channels
 inline constexpr std::uint16_t id_mask = 0xFF00;
 inline constexpr std::uint16_t id = 0x2400;
-/// 24-bit words, SPI time-out on, CRC of the CCITT; the note of a reset is cleared.
+/// Mode register: 24-bit words, SPI time-out on, CRC of the CCITT; clears the reset flag.
 inline constexpr std::uint16_t mode = 0x0110;
-inline constexpr double reference_V = 1.2;  ///< full scale of gain 1
+inline constexpr double reference_V = 1.2;  ///< full scale at gain 1
 
 constexpr std::uint16_t read_command(Register r) {
   return static_cast<std::uint16_t>(0xA000U | static_cast<unsigned>(r) << 7U);
@@ -36,11 +37,12 @@ constexpr std::uint16_t write_response(Register r) {
   return static_cast<std::uint16_t>(0x4000U | static_cast<unsigned>(r) << 7U);
 }
 
-/// All four channels, high resolution. `osr` 128 << n, n of 0 to 7.
+/// Clock register: all four channels on, high resolution, oversampling 128 << `osr_exponent`, which
+/// is 0 to 7.
 constexpr std::uint16_t clock_register(unsigned osr_exponent) {
   return static_cast<std::uint16_t>(0x0F02U | osr_exponent << 2U);
 }
-/// Of each channel 1 << n, n of 0 to 7.
+/// Gain register: a channel's gain is 1 << its exponent, which is 0 to 7.
 constexpr std::uint16_t gain_register(const std::array<unsigned, channels>& exponents) {
   unsigned bits = 0;
   for (std::size_t i = 0; i < channels; ++i) {
@@ -49,7 +51,7 @@ constexpr std::uint16_t gain_register(const std::array<unsigned, channels>& expo
   return static_cast<std::uint16_t>(bits);
 }
 
-/// Polynomial 1021h, from FFFFh.
+/// CRC with polynomial 1021h and initial value FFFFh.
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
   unsigned crc = 0xFFFF;
   for (const std::uint8_t byte : bytes) {
@@ -62,7 +64,7 @@ constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-/// What is sent: a command, and for a write the value.
+/// The frame to send: a command, and the value for a write.
 constexpr FrameBytes command_frame(std::uint16_t command, std::uint16_t value = 0) {
   FrameBytes bytes{};
   bytes[0] = static_cast<std::uint8_t>(command >> 8U);
@@ -73,11 +75,12 @@ constexpr FrameBytes command_frame(std::uint16_t command, std::uint16_t value = 
 }
 
 struct Reply {
-  std::uint16_t response;  ///< to the command of the frame before; to none: the status
+  /// Response to the command in the frame before; to null_command it is the status.
+  std::uint16_t response;
   std::array<std::int32_t, channels> codes;
 };
 
-/// Nothing where the CRC does not fit: codes and response may be anything then.
+/// Reads a received frame; nullopt where the CRC is wrong.
 constexpr std::optional<Reply> parse(const FrameBytes& bytes) {
   const std::span<const std::uint8_t> all(bytes);
   const std::size_t end = frame_bytes - word_bytes;
@@ -100,7 +103,7 @@ constexpr std::optional<Reply> parse(const FrameBytes& bytes) {
 constexpr bool all_fresh(std::uint16_t status) {
   return (status & 0x000FU) == 0x000FU;
 }
-/// Whether it says that the converter has lost its settings.
+/// Whether a status says that the converter was reset and has lost its settings.
 constexpr bool was_reset(std::uint16_t status) {
   return (status & 0x0400U) != 0;
 }

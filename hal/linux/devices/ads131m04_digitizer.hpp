@@ -9,16 +9,16 @@
 namespace smaservo::hal {
 
 struct Ads131m04Settings {
-  unsigned osr_exponent = 3;  ///< 128 << 3 = 1024: 4000 samples a second of a clock of 8.192 MHz
+  unsigned osr_exponent = 3;  ///< 128 << 3 = 1024: 4000 samples a second with a clock of 8.192 MHz
   std::array<unsigned, ads131m04::channels> gain_exponents{};
 };
 
-/// An ADS131M04 at an SPI port. The converter keeps two samples: both are read, the newer one
-/// counts. Where it has been reset, by a dip of its supply, it is set up anew before its samples
-/// count again.
+/// An ADS131M04 at an SPI port. The converter keeps two samples: both are read and the newer one is
+/// used. After a reset, by a dip of its supply, it is set up anew before its samples are used
+/// again.
 class Ads131m04Digitizer : public Digitizer {
  public:
-  /// Resets it and sets it up; throws DeviceError where it does not answer as it should.
+  /// Resets the converter and sets it up; throws DeviceError where it does not answer as it should.
   Ads131m04Digitizer(std::unique_ptr<SpiPort> port, std::string name,
                      const Ads131m04Settings& settings);
   bool read(RawFrame& raw) override;

@@ -1,6 +1,6 @@
 #pragma once
-// Raw codes of one instant, and what they mean: the two are apart, so that a converter is read in
-// one place and calibrated in another.
+// Raw codes of one instant. Their meaning is not known here: a board calibrates what a converter
+// reads.
 
 #include <array>
 #include <cstddef>
@@ -14,11 +14,11 @@ inline constexpr std::size_t max_channels = 16;
 
 struct RawFrame {
   std::int64_t time_ns;
-  std::uint32_t sequence;  ///< of the samples, counted by whoever can
+  std::uint32_t sequence;  ///< counts samples
   std::array<std::int64_t, max_channels> codes;
 };
 
-/// A converter that samples its channels at once.
+/// A converter that samples all its channels at the same time.
 class Digitizer {
  public:
   Digitizer() = default;
@@ -26,8 +26,8 @@ class Digitizer {
   Digitizer(const Digitizer&) = delete;
   Digitizer& operator=(const Digitizer&) = delete;
 
-  /// The newest frame, waited for at most for a part of a period. False: none has come, or it was
-  /// damaged; `raw` means nothing then. No allocation.
+  /// Reads the newest frame; waits for it at most for a part of a period. False: none has come, or
+  /// it was damaged, and `raw` is meaningless. Allocates nothing.
   virtual bool read(RawFrame& raw) = 0;
 };
 

@@ -96,7 +96,7 @@ PwmDrive::PwmDrive(const LinuxRoots& roots, const PwmSettings& settings) : setti
   wait_until_writable(folder + "/duty_cycle");
   duty_ = open_file(folder + "/duty_cycle", O_WRONLY);
   take_output(duty_.number(), folder + "/duty_cycle", roots);
-  // A period may not be below the duty cycle, which another program may have left.
+  // The kernel refuses a period below the duty cycle, of which another program may have left one.
   if (!off()) {
     throw DeviceError(folder + "/duty_cycle: takes no zero");
   }

@@ -1,6 +1,6 @@
 #pragma once
-// What takes the drive command. Outputs keep their value when nobody writes: the lease is the
-// hardware's one-shot, see firmware/HARDWARE.md.
+// Output stages, which take the drive command. They keep their value when nobody writes, so the
+// hardware's one-shot must enforce the lease: see firmware/HARDWARE.md.
 
 #include <array>
 #include <memory>
@@ -20,26 +20,26 @@ class OutputStage {
   OutputStage(const OutputStage&) = delete;
   OutputStage& operator=(const OutputStage&) = delete;
 
-  /// False: it was not taken. One system call, no allocation.
+  /// Puts a command out; false: it was not taken. One system call, no allocation.
   virtual bool put(const DriveCommand& command) = 0;
-  /// Off; false: that failed.
+  /// Switches off; false: that failed.
   virtual bool off() = 0;
-  /// The same for a signal handler. Valid as long as the drive.
+  /// The same as off(), for a signal handler. The result is valid as long as the stage lives.
   virtual OffAction off_action() = 0;
 };
 
-/// From a command to a converter's code, bounded on both sides.
+/// How a command becomes a converter's code, which is bounded by 0 and max_code.
 struct DacScale {
-  double codes_per_unit;  ///< by ampere, or by volt where the drive takes a voltage
-  double zero_code = 0;   ///< puts out nothing
+  double codes_per_unit;  ///< per ampere, or per volt where the drive takes a voltage
+  double zero_code = 0;   ///< code for no output
   double max_code = 65535;
   bool voltage = false;  ///< takes DriveCommand::voltage_V
 };
-/// What is no number is off.
+/// The code of a command; a command that is NaN means off.
 std::int64_t dac_code(const DacScale& scale, const DriveCommand& command);
 
 struct IioDacSettings {
-  std::string device;  ///< as its attribute `name` says
+  std::string device;  ///< its attribute `name`
   std::string channel = "out_voltage0";
   DacScale scale;
 };
@@ -59,18 +59,19 @@ class IioDac final : public OutputStage {
 
 struct SpiDacSettings {
   SpiSettings spi;
-  unsigned frame_bytes = 3;   ///< 2 or 3; the code stands in the lowest bits, first byte first
-  std::uint32_t command = 0;  ///< what stands above the code, already in its place
-  unsigned shift = 0;         ///< of the code, to the left
+  /// 2 or 3 bytes, the most significant one first; the code stands in the lowest bits.
+  unsigned frame_bytes = 3;
+  std::uint32_t command = 0;  ///< bits above the code, already in their place
+  unsigned shift = 0;         ///< by so many bits the code is shifted to the left
   DacScale scale;
 };
 
-/// The bytes of a code.
+/// The bytes that are sent for a code.
 std::array<std::uint8_t, 3> dac_frame(const SpiDacSettings& settings, std::int64_t code);
 
 class SpiDac final : public OutputStage {
  public:
-  /// Without a port one is opened; a test brings its own.
+  /// `port` null: the device of the settings is opened. A test gives a port of its own.
   SpiDac(const LinuxRoots& roots, const SpiDacSettings& settings,
          std::unique_ptr<SpiPort> port = nullptr);
   ~SpiDac() override;
@@ -93,11 +94,11 @@ struct PwmSettings {
   std::string chip = "pwmchip0";
   unsigned channel = 0;
   std::int64_t period_ns = 50'000;
-  double supply_V = 24;  ///< voltage over supply is the duty cycle
+  double supply_V = 24;  ///< the duty cycle is the commanded voltage over supply_V
   double max_duty = 0.95;
 };
 
-/// sysfs, with the duty cycle's descriptor kept.
+/// A PWM output of the kernel, through sysfs; the file of the duty cycle stays open.
 class PwmDrive final : public OutputStage {
  public:
   PwmDrive(const LinuxRoots& roots, const PwmSettings& settings);

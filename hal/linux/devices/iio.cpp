@@ -28,7 +28,8 @@ ScanElement element_of(const std::string& folder, const std::string& channel) {
   return {channel, static_cast<unsigned>(read_number(base + "_index")), *type};
 }
 
-/// An attribute of the channel itself, or of all of its kind: in_voltage0_scale, in_voltage_scale.
+/// An attribute of the channel, or else of all channels of its kind: in_voltage0_scale,
+/// in_voltage_scale.
 double attribute(const std::string& folder, const std::string& channel, const char* what,
                  double otherwise) {
   const std::string own = folder + "/" + channel + "_" + what;
@@ -87,7 +88,8 @@ void IioDigitizer::enable(const IioSettings& settings) {
   if (has_time_) {
     write_text(folder_ + "/current_timestamp_clock", "monotonic");
   }
-  // What another program has left enabled would lie between our samples.
+  // Disables the elements that another program has left enabled, since they would stand between our
+  // samples.
   for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/scan_elements")) {
     const std::string name = entry.path().filename().string();
     if (name.ends_with("_en")) {
@@ -108,7 +110,7 @@ IioDigitizer::~IioDigitizer() {
   try {
     write_text(folder_ + "/buffer/enable", "0");
   } catch (const DeviceError&) {
-    return;  // it has gone
+    return;  // the device has gone
   }
 }
 
@@ -127,10 +129,10 @@ bool IioDigitizer::read(RawFrame& raw) {
       size = static_cast<std::size_t>(n);
       sequence_ += static_cast<std::uint32_t>(size / layout_.size);
       if (size == scans_.size()) {
-        continue;  // there may be newer ones
+        continue;  // the buffer may have newer scans
       }
     }
-    // A buffer that is empty says so as EAGAIN.
+    // EAGAIN means that the buffer is empty.
     if (size != 0 || waited || (n < 0 && errno != EAGAIN) || !wait()) {
       break;
     }

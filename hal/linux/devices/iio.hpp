@@ -1,5 +1,5 @@
 #pragma once
-// Industrial I/O of the kernel: a converter's buffer, a converter's outputs.
+// A converter read through a buffer of the kernel's Industrial I/O (IIO).
 
 #include <string>
 #include <vector>
@@ -11,16 +11,15 @@
 namespace smaservo::hal {
 
 struct IioSettings {
-  std::string device;                 ///< as its attribute `name` says
-  std::vector<std::string> channels;  ///< scan elements, "in_voltage0"
-  std::string trigger;                ///< name; empty: the device's own
-  double hrtimer_Hz = 0;              ///< above 0: makes the trigger, a timer, where it is missing
+  std::string device;                 ///< its attribute `name`
+  std::vector<std::string> channels;  ///< scan elements, such as "in_voltage0"
+  std::string trigger;                ///< its name; empty: the device's own
+  double hrtimer_Hz = 0;              ///< above 0: makes a missing trigger, a timer
   unsigned buffer_length = 16;
   std::int64_t longest_wait_ns = 500'000;
 };
 
-/// Scans of a triggered buffer; the newest counts. Codes are in the order of the settings'
-/// channels.
+/// Reads the newest scan of a triggered buffer. Codes are in the order of IioSettings::channels.
 class IioDigitizer : public Digitizer {
  public:
   /// Sets the buffer up and starts it. Throws DeviceError.
@@ -31,7 +30,8 @@ class IioDigitizer : public Digitizer {
 
   bool read(RawFrame& raw) override;
 
-  /// SI by code: code + offset, times scale, as the driver says; 1 and 0 where it says nothing.
+  /// The driver's calibration: SI is (code + offset) * scale. Where the driver has none, scale is 1
+  /// and offset 0.
   struct Meaning {
     double scale, offset;
   };

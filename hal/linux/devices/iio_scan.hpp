@@ -1,6 +1,6 @@
 #pragma once
-// Scan elements of the kernel's IIO buffers: how samples lie in what /dev/iio:deviceN gives
-// (Documentation/iio/iio_devbuf.rst).
+// The layout of samples in the scans that are read from /dev/iio:deviceN (the kernel's
+// Documentation/iio/iio_devbuf.rst).
 
 #include <cstddef>
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace smaservo::hal {
 
-/// "le:s24/32>>8"
+/// Format of a sample, in the kernel's text "le:s24/32>>8".
 struct ScanType {
   bool big_endian;
   bool is_signed;
-  unsigned bits;     ///< that count, 1 to 64
-  unsigned storage;  ///< bits that it takes: 8, 16, 32 or 64
-  unsigned shift;    ///< to the right, before the upper bits are cut off
+  unsigned bits;     ///< of the value, 1 to 64
+  unsigned storage;  ///< bits in the buffer: 8, 16, 32 or 64
+  unsigned shift;    ///< to the right, before the bits above `bits` are cut off
 
   bool operator==(const ScanType&) const = default;
 };
-/// Nothing where it is no such text. Repeated elements are none that we read.
+/// nullopt where it is no such text, or one of repeated elements, which are not supported.
 std::optional<ScanType> parse_scan_type(std::string_view text);
 
 struct ScanElement {
@@ -36,9 +36,9 @@ struct PlacedElement {
   std::size_t offset;  ///< bytes from the beginning of a scan
 };
 
-/// Elements in the order of their indices, each aligned to its own size.
+/// In a scan the elements are in the order of their indices, each aligned to its own size.
 struct ScanLayout {
-  std::vector<PlacedElement> elements;  ///< in the order that they were given in
+  std::vector<PlacedElement> elements;  ///< in the order of lay_out()'s argument
   std::size_t size;                     ///< of one scan
 };
 ScanLayout lay_out(std::span<const ScanElement> elements);

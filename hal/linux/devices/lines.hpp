@@ -11,16 +11,16 @@
 namespace smaservo::hal {
 
 struct LineSettings {
-  std::string name;  ///< as `gpioinfo` shows it; empty: the board has none
+  std::string name;  ///< as `gpioinfo` shows it; empty: the board has no such line
   bool active_low = false;
 };
 
 struct LinesSettings {
-  LineSettings enable;          ///< out: the second switch
-  LineSettings kick;            ///< out: a pulse for each kick, to the one-shot
-  LineSettings emergency_stop;  ///< in: active means pressed; normally closed is active_low = false
-                                ///< with a pull-up
-  LineSettings driver_fault;    ///< in: active means fault
+  LineSettings enable;  ///< output: the second switch
+  LineSettings kick;    ///< output: a pulse to the one-shot for each kick
+  /// Input: active means pressed. A normally closed switch has a pull-up and active_low = false.
+  LineSettings emergency_stop;
+  LineSettings driver_fault;  ///< input: active means fault
 };
 
 class Lines {
@@ -30,15 +30,16 @@ class Lines {
   Lines(const Lines&) = delete;
   Lines& operator=(const Lines&) = delete;
 
-  // One system call each, two for a kick. Without such a line: false, or nothing to do.
-  virtual bool emergency_stop() = 0;  ///< a line that can not be read is pressed
-  virtual bool driver_fault() = 0;    ///< likewise a fault
+  // Each takes one system call, kick() two. Where the board has no such line, an input is false and
+  // an output does nothing.
+  virtual bool emergency_stop() = 0;  ///< true also where the line can not be read
+  virtual bool driver_fault() = 0;    ///< true also where the line can not be read
   virtual bool enable(bool on) = 0;   ///< false: the line was not set
-  virtual bool kick() = 0;            ///< likewise
+  virtual bool kick() = 0;            ///< false: the line was not set
   virtual std::vector<OffAction> off_actions() = 0;
 };
 
-/// Throws DeviceError. Outputs begin inactive.
+/// Opens the lines; outputs are inactive then. Throws DeviceError.
 std::unique_ptr<Lines> open_lines(const LinuxRoots& roots, const LinesSettings& settings);
 
 }  // namespace smaservo::hal

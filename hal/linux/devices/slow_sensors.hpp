@@ -9,21 +9,21 @@
 
 namespace smaservo::hal {
 
-/// A file of the kernel with one number: SI is (number + offset) * scale.
+/// A sensor whose reading is one number in a file of the kernel: SI is (number + offset) * scale.
 struct SlowSensor {
-  std::string path;  ///< under the root of sysfs; empty: the board has none
+  std::string path;  ///< below the root of sysfs; empty: the board has no such sensor
   double scale = 1;
   double offset = 0;
 };
 
-/// Supply and temperatures, some times a second by a thread of its own: such a reading may sleep
-/// for milliseconds. One that fails is NaN until it comes back.
+/// Reads supply and temperatures several times a second in a thread of its own, because such a read
+/// may sleep for milliseconds. A sensor that fails is NaN until it works again.
 class SlowSensors {
  public:
   enum Which : unsigned char { supply, ambient, driver };
   static constexpr std::size_t count = 3;
 
-  /// Each is read once. Throws DeviceError.
+  /// Reads each sensor once. Throws DeviceError.
   SlowSensors(const LinuxRoots& roots, const std::array<SlowSensor, count>& sensors);
 
   /// The last reading; no system call.

@@ -15,7 +15,8 @@ class SpiPort {
   SpiPort(const SpiPort&) = delete;
   SpiPort& operator=(const SpiPort&) = delete;
 
-  /// Both ways at once, the chip selected meanwhile; equal sizes. False: the transfer failed.
+  /// Sends `out` and receives `in`, of equal sizes, at the same time, with the chip selected.
+  /// False: the transfer failed.
   virtual bool transfer(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) = 0;
 };
 
@@ -25,7 +26,8 @@ struct SpiSettings {
   std::uint32_t clock_Hz = 8'000'000;
 };
 
-/// Through spidev. Cost: one system call of the transfer's time and some 10 us.
+/// An SpiPort through spidev. Cost of a transfer: one system call, which takes its time on the bus
+/// and some 10 us.
 class SpiDevice : public SpiPort {
  public:
   /// Throws DeviceError.

@@ -12,8 +12,8 @@ inline std::int64_t monotonic_ns() {
   return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-/// CLOCK_MONOTONIC, slept on by absolute times: std::this_thread::sleep_until computes a difference
-/// first, and what interrupts it there makes it late.
+/// CLOCK_MONOTONIC with sleeps to absolute times. std::this_thread::sleep_until computes a
+/// difference first; an interruption at that point would make it late.
 struct MonotonicClock {
   static std::int64_t now_ns() { return monotonic_ns(); }
   static void sleep_until(std::int64_t time_ns) {

@@ -5,7 +5,7 @@
 
 namespace smaservo::hal {
 
-/// An open file of the kernel's that closes with its owner; -1: none.
+/// Owns an open file descriptor and closes it at its end; -1: none.
 class Descriptor {
  public:
   explicit Descriptor(int number = -1) : number_(number) {}

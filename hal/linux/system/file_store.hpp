@@ -9,15 +9,15 @@
 namespace smaservo::hal {
 
 /// The two slots of firmware/parameters/store.hpp as files FOLDER/settings.0 and FOLDER/settings.1.
-/// What was written is gathered, and in force with sync(): written beside, made durable, renamed,
-/// and the folder made durable. A slot without a file is an erased one.
+/// Writes are collected until sync(), which writes a new file, makes it durable, renames it and
+/// makes the folder durable. A slot without a file counts as erased.
 class FileStore {
  public:
   static constexpr std::size_t slot_size = 65536;
 
   explicit FileStore(std::string folder) : folder_(std::move(folder)) {}
 
-  // Storage.
+  // The members of a Storage.
   bool read(unsigned slot, std::size_t offset, std::span<std::byte> to);
   bool erase(unsigned slot);
   bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from);

@@ -7,15 +7,15 @@
 
 namespace smaservo::hal {
 
-/// One system call that switches an output off. Its data lives as long as the board.
+/// One system call that switches an output off. `data` lives as long as the board.
 struct OffAction {
   int descriptor;
-  unsigned long request;  ///< of ioctl(); 0: pwrite() at the beginning
+  unsigned long request;  ///< of ioctl(); 0: the call is pwrite() to the file's beginning
   void* data;
-  std::size_t size;  ///< of what is written
+  std::size_t size;  ///< of `data`, for pwrite()
 };
 
-/// All of them, whatever fails. Safe in a signal handler.
+/// Makes all calls, even if some fail. Safe in a signal handler.
 inline void switch_off(std::span<const OffAction> actions) {
   for (const OffAction& action : actions) {
     if (action.request != 0) {
