@@ -24,7 +24,7 @@ class TextTable {
     std::string format = {};  ///< of its real numbers, with a unit: "{:.1f} mA"
     std::string key = {};     ///< its name in JSON
     // NOLINTEND(readability-redundant-member-init)
-    double scale = 1;         ///< of real numbers for people; in JSON they stand as given
+    double scale = 1;  ///< of real numbers for people; in JSON they stand as given
   };
 
   /// A text, a number, a truth value or nothing; NaN is nothing. What is marked has a star where it
