@@ -160,7 +160,7 @@ check_running() {
     # A minute of the daemon itself.
     "$@" "$folder/usr/sbin/smaservod" --board sim --at-once --for 60 --no-real-time --json \
       --settings "$scratch" --status "$scratch/status" >"$scratch/figures" &&
-    grep -qE '"turns": *(5999|6000)[0-9]' "$scratch/figures"
+    grep -qE '"cycles": *(5999|6000)[0-9]' "$scratch/figures"
   local code=$?
   cat "$scratch/figures" 2>/dev/null
   rm -rf "$scratch"
