@@ -7,9 +7,9 @@
 #include "firmware/device/device.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/settings_file.hpp"
-
 using namespace smaservo;
 using Model = Plant<ThreePhase<double>>;
+namespace {
 /// Here with a simulated wire under 0.68 N; yours waits for its timer and reads its converters.
 class OwnBoard {
  public:
@@ -19,8 +19,7 @@ class OwnBoard {
     const double A = time_ns_ < command_.valid_until_ns ? command_.current_A : 0;
     Model::advance(wire_, state_, {A * A * ohm, 150e6, 298.15}, 1e-3);
     time_ns_ += 1'000'000;
-    const double none = std::nan("");  // not read
-    frame = {time_ns_, ++sequence_, A, A * ohm, 0.68, 24, none, none, false, false};
+    frame = {time_ns_, ++sequence_, A, A * ohm, 0.68, 24, std::nan(""), std::nan(""), false, false};
     return time_ns_ < 600'000'000 ? hal::ReadStatus::frame : hal::ReadStatus::end;
   }
   void drive(const hal::DriveCommand& command) { command_ = command; }
@@ -36,6 +35,7 @@ class OwnBoard {
   std::uint32_t sequence_ = 0;
 };
 static_assert(hal::Board<OwnBoard>);
+}  // namespace
 
 int main() {
   const Prepared<double> prepared =
