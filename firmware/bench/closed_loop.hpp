@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/device/device.hpp"
 #include "firmware/text/cycle.hpp"
 #include "hal/sim/pair.hpp"

@@ -3,9 +3,9 @@
 #include <array>
 #include <random>
 
-#include "firmware/bench/units.hpp"
+#include "firmware/bench/scenario/units.hpp"
 #include "hal/sim/lumped_wire.hpp"
-#include "model/files/toml_table.hpp"
+#include "model/files/toml/toml_table.hpp"
 
 namespace smaservo::bench {
 namespace {

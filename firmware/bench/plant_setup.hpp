@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "hal/sim/simulated_wire.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::files {
 class TomlFile;

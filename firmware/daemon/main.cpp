@@ -7,7 +7,7 @@
 #include "firmware/daemon/serve.hpp"
 #include "hal/linux/can/can_status.hpp"
 #include "model/files/error.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace {
 

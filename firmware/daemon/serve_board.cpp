@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <sysexits.h>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/daemon/boards/board_file.hpp"
 #include "firmware/daemon/boards/programmed.hpp"
 #include "firmware/daemon/bus/bus_service.hpp"

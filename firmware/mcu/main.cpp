@@ -7,7 +7,7 @@
 #include "firmware/device/adopt.hpp"
 #include "firmware/device/cycle.hpp"
 #include "firmware/mcu/device.hpp"
-#include "firmware/parameters/store.hpp"
+#include "firmware/parameters/store/store.hpp"
 #include "hal/cortex-m/board.hpp"
 #include "hal/cortex-m/start_up.hpp"
 

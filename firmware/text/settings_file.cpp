@@ -5,8 +5,8 @@
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
-#include "model/files/toml_fields.hpp"
-#include "model/files/wire_fields.hpp"
+#include "model/files/toml/toml_fields.hpp"
+#include "model/files/wire/wire_fields.hpp"
 
 namespace smaservo::text {
 namespace {

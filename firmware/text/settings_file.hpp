@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "firmware/parameters/parameter_check.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::text {
 

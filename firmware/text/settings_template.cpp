@@ -5,7 +5,7 @@
 
 #include "firmware/text/settings_file.hpp"
 #include "firmware/text/settings_text.hpp"
-#include "model/files/toml_fields.hpp"
+#include "model/files/toml/toml_fields.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::text {

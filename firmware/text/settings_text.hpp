@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "firmware/parameters/parameters.hpp"
-#include "model/files/fields.hpp"
+#include "model/files/toml/fields.hpp"
 
 namespace smaservo::text {
 

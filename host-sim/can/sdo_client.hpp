@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/parameters/key.hpp"
-#include "host-sim/can/bus.hpp"
+#include "host-sim/can/bus/bus.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::can {

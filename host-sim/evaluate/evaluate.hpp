@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host-sim/evaluate/rows.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::evaluate {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "hal/replay/board.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "observer/measurement.hpp"
 #include "observer/multiple_model.hpp"
 #include "observer/substepping.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/three_phase/three_phase.hpp"
 #include "model/wire/plant.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "observer/measurement.hpp"
 #include "observer/multiple_model.hpp"
 

@@ -39,7 +39,7 @@ class Hardware {
 }  // namespace
 
 int main() {
-  // A microcontroller has its settings in flash: firmware/parameters/store.hpp.
+  // A microcontroller has its settings in flash: firmware/parameters/store/store.hpp.
   const char* const file = "host-sim/scenarios/devices/smartflex-76um.toml";
   static const Prepared<float> prepared =
       prepare(stored_settings<float>(text::load_settings_file(file)));

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "host-sim/identify/fit/fit.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::identify {
 

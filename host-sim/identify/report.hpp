@@ -7,7 +7,7 @@
 
 #include "host-sim/identify/classic.hpp"
 #include "host-sim/identify/fit/fit.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::identify {
 

@@ -10,7 +10,7 @@
 #include "host-sim/replay/error_statistics.hpp"
 #include "host-sim/replay/measuring.hpp"
 #include "host-sim/report/series.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::replay {
 

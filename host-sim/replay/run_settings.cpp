@@ -1,6 +1,6 @@
 #include "host-sim/replay/run_settings.hpp"
 
-#include "model/files/toml_fields.hpp"
+#include "model/files/toml/toml_fields.hpp"
 #include "observer/kalman.hpp"
 
 namespace smaservo::replay {

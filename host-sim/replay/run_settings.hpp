@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "model/files/fields.hpp"
+#include "model/files/toml/fields.hpp"
 #include "observer/measurement.hpp"
 
 namespace smaservo {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/command.hpp"
 #include "host-sim/report/series.hpp"
 #include "host-sim/report/step_figures.hpp"

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "firmware/bench/scenario.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::simulate {

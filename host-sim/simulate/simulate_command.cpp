@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <memory>
 
-#include "firmware/bench/scenario.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
 #include "host-sim/commands.hpp"
 #include "host-sim/simulate/closed_loop_report.hpp"
 #include "host-sim/simulate/simulate.hpp"

@@ -8,7 +8,7 @@
 #include "host-sim/replay/measuring.hpp"
 #include "host-sim/tune/estimate_noise.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
-#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/output/rounding.hpp"
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 

@@ -10,7 +10,7 @@
 #include "host-sim/tune/limits.hpp"
 #include "host-sim/tune/linear/heat_law.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
-#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/output/rounding.hpp"
 #include "model/files/error.hpp"
 #include "observer/kalman.hpp"
 

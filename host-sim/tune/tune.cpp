@@ -5,7 +5,7 @@
 
 #include "firmware/text/device_names.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
-#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/output/rounding.hpp"
 
 namespace smaservo::tune {
 namespace {

@@ -7,7 +7,7 @@
 #include "host-sim/tune/chosen.hpp"
 #include "host-sim/tune/expected.hpp"
 #include "host-sim/tune/proposal.hpp"
-#include "host-sim/tune/relay.hpp"
+#include "host-sim/tune/relay/relay.hpp"
 
 namespace smaservo::tune {
 

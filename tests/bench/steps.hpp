@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/papers/cosine.hpp"
 #include "model/wire/plant.hpp"
 #include "observer/multiple_model.hpp"

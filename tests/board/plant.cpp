@@ -18,7 +18,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "hal/sim/board.hpp"
 #include "model/units.hpp"
 #include "testboard.hpp"

@@ -12,7 +12,7 @@
 #include "hal/replay/board.hpp"
 #include "hal/sim/board.hpp"
 #include "hal/sim/lumped_wire.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "tests/hal/linux/devices/hands.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "firmware/device/device.hpp"
-#include "firmware/parameters/store.hpp"
+#include "firmware/parameters/store/store.hpp"
 
 namespace smaservo::mcu {
 namespace {

@@ -20,8 +20,8 @@
 #include <unistd.h>
 #include <vector>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
-#include "firmware/parameters/store_image.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
+#include "firmware/parameters/store/store_image.hpp"
 #include "hal/cortex-m/wire_link.hpp"
 #include "model/files/error.hpp"
 

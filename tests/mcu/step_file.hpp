@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "firmware/device/device.hpp"
-#include "firmware/parameters/store.hpp"
+#include "firmware/parameters/store/store.hpp"
 
 namespace smaservo::mcu {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "firmware/bench/closed_loop.hpp"
-#include "firmware/bench/scenario.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
 #include "firmware/device/cycle.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/replay/board.hpp"

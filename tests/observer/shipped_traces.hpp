@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hal/replay/trace.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "observer/measurement.hpp"
 
 namespace smaservo {

@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/wire/distributed.hpp"
 #include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"

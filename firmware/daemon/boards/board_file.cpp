@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "firmware/parameters/parameters.hpp"
-#include "model/files/toml_table.hpp"
+#include "model/files/toml/toml_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::daemon {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/bench/command_program.hpp"
+#include "firmware/bench/scenario/command_program.hpp"
 #include "firmware/daemon/loop/command_source.hpp"
 
 namespace smaservo::daemon {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/daemon/loop/command_source.hpp"
 #include "hal/sim/board.hpp"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <string_view>
 
-#include "firmware/parameters/store.hpp"
+#include "firmware/parameters/store/store.hpp"
 #include "hal/linux/system/file_store.hpp"
 
 namespace smaservo::daemon {

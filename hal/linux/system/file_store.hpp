@@ -8,9 +8,9 @@
 
 namespace smaservo::hal {
 
-/// The two slots of firmware/parameters/store.hpp as files FOLDER/settings.0 and FOLDER/settings.1.
-/// Writes are collected until sync(), which writes a new file, makes it durable, renames it and
-/// makes the folder durable. A slot without a file counts as erased.
+/// The two slots of firmware/parameters/store/store.hpp as files FOLDER/settings.0 and
+/// FOLDER/settings.1. Writes are collected until sync(), which writes a new file, makes it durable,
+/// renames it and makes the folder durable. A slot without a file counts as erased.
 class FileStore {
  public:
   static constexpr std::size_t slot_size = 65536;

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "firmware/bench/units.hpp"
+#include "firmware/bench/scenario/units.hpp"
 #include "firmware/device/device.hpp"
 #include "hal/sim/board.hpp"
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/bench/closed_loop_scenario.hpp"
-#include "firmware/bench/units.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/units.hpp"
 
 namespace smaservo::evaluate {
 

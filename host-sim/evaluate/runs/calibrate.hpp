@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "firmware/bench/units.hpp"
+#include "firmware/bench/scenario/units.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
 namespace smaservo::evaluate {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/bench/scenario.hpp"
-#include "firmware/bench/units.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
+#include "firmware/bench/scenario/units.hpp"
 
 namespace smaservo::evaluate {
 

@@ -8,7 +8,7 @@
 
 #include "host-sim/papers/compare/system.hpp"
 #include "host-sim/replay/error_statistics.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::compare {
 

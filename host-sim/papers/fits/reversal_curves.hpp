@@ -1,7 +1,7 @@
 #pragma once
 // The runs of a simulated wire that a Preisach model is identified from.
 
-#include "firmware/bench/scenario.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
 namespace smaservo::fits {

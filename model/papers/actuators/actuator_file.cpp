@@ -7,7 +7,7 @@
 
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
-#include "model/files/toml_fields.hpp"
+#include "model/files/toml/toml_fields.hpp"
 
 namespace smaservo::papers {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/firmware/bench/shipped_scenarios.hpp"
+#include "tests/firmware/bench/scenario/shipped_scenarios.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "firmware/device/device.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "tests/bench/convert.hpp"
 
 namespace smaservo {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "firmware/parameters/parameter_check.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo {
 

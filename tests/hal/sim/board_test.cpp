@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "hal/sim/lumped_wire.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::test::sim_board_test {
 namespace {

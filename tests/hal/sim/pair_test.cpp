@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hal/sim/lumped_wire.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::test::pair_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::test::simulated_wire_test {

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <gmock/gmock.h>
 
-#include "host-sim/can/network.hpp"
-#include "host-sim/can/recording.hpp"
+#include "host-sim/can/bus/network.hpp"
+#include "host-sim/can/bus/recording.hpp"
 #include "host-sim/can/settings.hpp"
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"

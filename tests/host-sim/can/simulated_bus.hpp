@@ -3,7 +3,7 @@
 
 #include <deque>
 
-#include "host-sim/can/bus.hpp"
+#include "host-sim/can/bus/bus.hpp"
 #include "tests/can/simulated_servo.hpp"
 
 namespace smaservo::test {

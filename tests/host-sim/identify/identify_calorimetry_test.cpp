@@ -6,7 +6,7 @@
 #include <random>
 
 #include "host-sim/identify/fit/fit.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::test {

@@ -12,7 +12,7 @@
 
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
-#include "model/files/wire_fields.hpp"
+#include "model/files/wire/wire_fields.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/recordings.hpp"
 

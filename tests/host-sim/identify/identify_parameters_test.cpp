@@ -5,8 +5,8 @@
 #include <random>
 
 #include "host-sim/identify/fit/parameters.hpp"
-#include "model/files/wire_fields.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_fields.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "host-sim/identify/fit/parameters.hpp"
 #include "host-sim/identify/fit/prediction.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::test {
 namespace {

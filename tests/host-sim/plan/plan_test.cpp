@@ -11,7 +11,7 @@
 
 #include "host-sim/plan/plan_profile.hpp"
 #include "model/files/error.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/wire/plant.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/replay/trace_numbers.hpp"

@@ -9,7 +9,7 @@
 
 #include "firmware/bench/device_replay.hpp"
 #include "host-sim/simulate/closed_loop_report.hpp"
-#include "tests/firmware/bench/shipped_scenarios.hpp"
+#include "tests/firmware/bench/scenario/shipped_scenarios.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 
 namespace smaservo::test {

@@ -9,7 +9,7 @@
 #include "hal/sim/simulated_wire.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/tune.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::tune {
 namespace {

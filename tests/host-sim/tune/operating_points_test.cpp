@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::tune {
 namespace {

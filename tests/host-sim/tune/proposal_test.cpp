@@ -5,9 +5,9 @@
 
 #include "firmware/parameters/parameter_check.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
-#include "host-sim/tune/rounding.hpp"
+#include "host-sim/tune/output/rounding.hpp"
 #include "model/files/error.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::tune {

@@ -1,7 +1,7 @@
 #pragma once
 // Wires and models that several tests share.
 
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/papers/cosine.hpp"
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"

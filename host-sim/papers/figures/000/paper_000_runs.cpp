@@ -6,7 +6,7 @@
 
 #include "hal/sim/simulated_wire.hpp"
 #include "host-sim/papers/figures/000/paper_000.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::figures::paper_000 {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/bench/scenario.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
 #include "host-sim/papers/fits/strain_resistance_fit.hpp"
 
 namespace smaservo::figures::bench_002 {

@@ -4,7 +4,7 @@
 
 #include "host-sim/papers/figures/003/paper_003.hpp"
 #include "host-sim/papers/fits/reversal_curves.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::figures {

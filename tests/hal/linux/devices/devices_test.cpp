@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "firmware/parameters/store.hpp"
+#include "firmware/parameters/store/store.hpp"
 #include "hal/linux/board.hpp"
 #include "hal/linux/devices/ads131m04_digitizer.hpp"
 #include "hal/linux/devices/iio.hpp"
 #include "hal/linux/system/file_store.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "tests/hal/linux/devices/kernel_tree.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 

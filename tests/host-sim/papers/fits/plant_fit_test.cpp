@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "model/files/error.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"
 

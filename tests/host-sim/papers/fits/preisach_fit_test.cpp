@@ -8,7 +8,7 @@
 
 #include "host-sim/papers/fits/reversal_curves.hpp"
 #include "model/files/error.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "tests/model/papers/preisach_relays.hpp"
 
 namespace smaservo::test {

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "host-sim/papers/figures/003/paper_003.hpp"
-#include "model/files/wire_file.hpp"
+#include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::test {
 namespace {

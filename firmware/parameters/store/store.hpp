@@ -1,0 +1,197 @@
+#pragma once
+// Keeps the settings over a power cut: two slots, of which the older one is overwritten.
+// load_settings() says which slot it took and why; there are no silent defaults.
+
+#include <concepts>
+
+#include "firmware/parameters/store/store_image.hpp"
+
+namespace smaservo {
+
+/// Two slots of memory. Each call may fail, or be cut off by a loss of power at any byte; then what
+/// was to be erased or written may hold anything. read() fails beyond the end of a slot.
+template <class T>
+concept Storage = requires(T storage, unsigned slot, std::size_t offset, std::span<std::byte> to,
+                           std::span<const std::byte> from) {
+  { storage.read(slot, offset, to) } -> std::same_as<bool>;
+  { storage.erase(slot) } -> std::same_as<bool>;
+  { storage.write(slot, offset, from) } -> std::same_as<bool>;
+  { storage.sync() } -> std::same_as<bool>;  ///< returns when what was written is durable
+};
+inline constexpr unsigned slot_count = 2;
+
+enum class SlotState : std::uint8_t {
+  valid,
+  empty,           ///< never written, or erased
+  unreadable,      ///< the storage fails
+  damaged,         ///< not an image, or its checksum is wrong
+  unknown_format,  ///< of a newer release
+  refused,         ///< intact, but its settings are out of range or contradict each other
+};
+
+struct SlotReport {
+  SlotState state = SlotState::unreadable;
+  std::uint32_t sequence = 0;  ///< valid if the slot is intact, as are all members that follow
+  std::uint32_t schema_hash = 0;
+  std::uint16_t entries = 0;
+  std::uint16_t unknown = 0;  ///< entries that this release does not know
+  std::uint16_t moved = 0;    ///< parameters taken from an old key
+  std::uint16_t missing = 0;  ///< parameters that have their default
+  Finding finding;            ///< why it is refused
+};
+
+enum class LoadReason : std::uint8_t {
+  newer,      ///< of two valid slots
+  only_one,   ///< the other one is empty
+  other_bad,  ///< the other one is not valid: its report says why
+  none,       ///< no slot is valid
+};
+
+template <class S>
+struct Loaded {
+  LoadReason reason = LoadReason::none;
+  unsigned slot = 0;
+  std::array<SlotReport, slot_count> slots;
+  Settings<S> settings;  ///< all zero where the reason is none
+};
+
+enum class SaveProblem : std::uint8_t {
+  none,
+  refused,    ///< settings out of range or contradictory: see the finding; nothing was written
+  erase,      ///< the storage failed to erase
+  write,      ///< likewise
+  sync,       ///< likewise
+  read_back,  ///< the storage failed when it was read back
+  differs,    ///< what was read back is not what was written
+};
+
+struct Saved {
+  SaveProblem problem = SaveProblem::none;
+  unsigned slot = 0;
+  std::uint32_t sequence = 0;
+  Finding finding{};
+
+  constexpr bool ok() const { return problem == SaveProblem::none; }
+};
+
+namespace detail {
+
+constexpr bool is_erased(std::span<const std::byte> bytes) {
+  return std::ranges::all_of(bytes, [&](std::byte b) { return b == bytes[0]; }) &&
+         (bytes[0] == std::byte{0xFF} || bytes[0] == std::byte{0});
+}
+
+template <class S, Storage T>
+SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
+                     Settings<S>& settings) {
+  SlotReport report;
+  std::array<std::byte, image::header_size> bytes{};
+  if (!storage.read(slot, 0, bytes)) {
+    return report;
+  }
+  const image::Header header = image::take_header(bytes);
+  report.state = is_erased(bytes) ? SlotState::empty : SlotState::damaged;
+  if (header.magic != image::magic || header.entries > image::max_entries) {
+    return report;
+  }
+  Crc32 crc;
+  crc.add(bytes);
+  image::Reader<S> reader(schema);
+  std::size_t at = image::header_size;
+  std::array<std::byte, image::entry_size> entry{};
+  for (int i = 0; i < header.entries; ++i, at += entry.size()) {
+    if (!storage.read(slot, at, entry)) {
+      return report;
+    }
+    crc.add(entry);
+    reader.add(entry);
+  }
+  std::array<std::byte, image::crc_size> sum{};
+  if (!storage.read(slot, at, sum) || image::take<std::uint32_t>(sum) != crc.value()) {
+    return report;
+  }
+  report = {SlotState::valid, header.sequence, header.schema_hash, header.entries,
+            reader.unknown(), reader.moved(),  reader.missing(),   reader.finding()};
+  if (header.format != image::format) {
+    report.state = SlotState::unknown_format;
+  } else if (!report.finding.ok()) {
+    report.state = SlotState::refused;
+  } else {
+    settings = reader.settings();
+  }
+  return report;
+}
+
+}  // namespace detail
+
+/// Reads both slots. Never fails; what it found is in the reports.
+template <class S, Storage T>
+Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>) {
+  Loaded<S> loaded{};
+  std::array<Settings<S>, slot_count> settings{};
+  for (unsigned slot = 0; slot < slot_count; ++slot) {
+    loaded.slots[slot] = detail::read_slot(storage, slot, schema, settings[slot]);
+  }
+  const auto& [a, b] = loaded.slots;
+  const bool a_valid = a.state == SlotState::valid;
+  const bool b_valid = b.state == SlotState::valid;
+  if (!a_valid && !b_valid) {
+    return loaded;
+  }
+  loaded.slot = b_valid && !(a_valid && b.sequence < a.sequence) ? 1 : 0;
+  loaded.settings = settings[loaded.slot];
+  loaded.reason = a_valid && b_valid                                        ? LoadReason::newer
+                  : loaded.slots[1 - loaded.slot].state == SlotState::empty ? LoadReason::only_one
+                                                                            : LoadReason::other_bad;
+  return loaded;
+}
+
+/// Writes into the slot that load_settings() would not take, reads it back and compares. Whatever
+/// fails, and wherever power is cut, load_settings() gives either the former settings or these. Not
+/// for the loop.
+template <class S, Storage T>
+Saved save_settings(T& storage, const Settings<S>& settings,
+                    const StoreSchema<S>& schema = own_schema<S>) {
+  Saved saved{};
+  saved.finding = check(settings);
+  if (!saved.finding.ok()) {
+    saved.problem = SaveProblem::refused;
+    return saved;
+  }
+  const Loaded<S> before = load_settings(storage, schema);
+  saved.slot = before.reason == LoadReason::none ? 0 : 1 - before.slot;
+  saved.sequence = std::max(before.slots[0].sequence, before.slots[1].sequence) + 1;
+  const auto fail = [&](SaveProblem problem) {
+    saved.problem = problem;
+    return saved;
+  };
+  if (!storage.erase(saved.slot)) {
+    return fail(SaveProblem::erase);
+  }
+  std::size_t at = 0;
+  const bool written =
+      image::write(schema, settings, saved.sequence, [&](std::span<const std::byte> chunk) {
+        const bool ok = storage.write(saved.slot, at, chunk);
+        at += chunk.size();
+        return ok;
+      });
+  if (!written) {
+    return fail(SaveProblem::write);
+  }
+  if (!storage.sync()) {
+    return fail(SaveProblem::sync);
+  }
+  at = 0;
+  bool readable = true;
+  const bool same =
+      image::write(schema, settings, saved.sequence, [&](std::span<const std::byte> chunk) {
+        std::array<std::byte, image::chunk_size> back{};
+        const auto kept = std::span(back).first(chunk.size());
+        readable = storage.read(saved.slot, at, kept);
+        at += chunk.size();
+        return readable && std::ranges::equal(kept, chunk);
+      });
+  return same ? saved : fail(readable ? SaveProblem::differs : SaveProblem::read_back);
+}
+
+}  // namespace smaservo

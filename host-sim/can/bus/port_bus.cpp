@@ -1,0 +1,65 @@
+#include "host-sim/can/bus/port_bus.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <poll.h>
+
+#include "model/files/error.hpp"
+
+namespace smaservo::can {
+namespace {
+
+/// A queue that is full empties within some frames' time, unless nobody acknowledges them.
+constexpr int queue_tries = 200;
+
+hal::LinuxCan opened(const std::string& name) {
+  try {
+    return hal::open_can(name);
+  } catch (const hal::CanError& error) {
+    throw files::UserError(error.what());
+  }
+}
+
+}  // namespace
+
+PortBus::PortBus(const std::string& name) : port_(opened(name)) {}
+
+void PortBus::send(const hal::CanFrame& frame) {
+  for (int i = 0; i < queue_tries; ++i) {
+    if (port_.send(frame)) return;
+    if (port_.state() == hal::CanState::down || port_.state() == hal::CanState::gone) {
+      throw files::UserError(
+          fmt::format("{}: the interface is {}", name(), hal::name(port_.state())));
+    }
+    poll(nullptr, 0, 1);
+  }
+  throw files::UserError(
+      fmt::format("{}: the queue stays full: nobody acknowledges frames; is the cable connected, "
+                  "terminated, and the bit rate the same everywhere?",
+                  name()));
+}
+
+bool PortBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
+  for (;;) {
+    if (port_.receive(frame)) return true;
+    const std::int64_t left_us = until_us - now_us();
+    if (left_us <= 0) return false;
+    if (port_.state() == hal::CanState::bus_off) {
+      throw files::UserError(
+          fmt::format("{}: the controller is bus-off; `ip link set {} type can "
+                      "restart` starts it again",
+                      name(), name()));
+    }
+    pollfd waiting{port_.descriptor(), POLLIN, 0};
+    poll(&waiting, 1, static_cast<int>(std::min<std::int64_t>((left_us + 999) / 1000, 1000)));
+  }
+}
+
+std::int64_t PortBus::now_us() const {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace smaservo::can

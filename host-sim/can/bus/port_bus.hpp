@@ -1,0 +1,23 @@
+#pragma once
+
+#include "hal/linux/can/open_can.hpp"
+#include "host-sim/can/bus/bus.hpp"
+
+namespace smaservo::can {
+
+/// A bus of this machine, in real time.
+class PortBus final : public Bus {
+ public:
+  /// As open_can() takes it. Throws UserError.
+  explicit PortBus(const std::string& name);
+
+  void send(const hal::CanFrame& frame) override;
+  bool receive(hal::CanFrame& frame, std::int64_t until_us) override;
+  std::int64_t now_us() const override;
+  std::string name() const override { return port_.name(); }
+
+ private:
+  hal::LinuxCan port_;
+};
+
+}  // namespace smaservo::can

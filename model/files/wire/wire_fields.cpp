@@ -1,0 +1,334 @@
+#include "model/files/wire/wire_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "model/wire/plant.hpp"
+
+namespace smaservo::files {
+namespace {
+
+using Row = WireParameter<double>;
+constexpr auto& rows = wire_parameters<double>;
+constexpr std::size_t resistance_slot = wire_parameter_count;
+
+/// A path without the unit that it ends in.
+std::string bare_path(const Row& row) {
+  std::string_view path = row.path.text();
+  const std::string_view unit = row.kind.front().suffix;
+  path.remove_suffix(unit.empty() ? 0 : unit.size() + 1);
+  return std::string(path);
+}
+
+consteval std::size_t row_of(std::string_view path) {
+  std::size_t i = 0;
+  while (rows[i].path.text() != path) {
+    ++i;
+  }
+  return i;
+}
+constexpr std::size_t stress_slot = row_of("wire.limits.stress_Pa");
+
+Field number_field(std::string path, Kind kind, double min, double max, std::size_t slot,
+                   std::string meaning) {
+  return {std::move(path), FieldType::number, kind, min, max, slot, 1, {}, std::move(meaning)};
+}
+
+/// What only files know, before the row that it stands for.
+void add_notation(std::vector<Field>& fields, const Row& row, std::size_t slot) {
+  const std::string path = bare_path(row);
+  const std::string meaning(row.meaning);
+  if (row.coefficients > 1) {
+    fields.push_back({path.substr(0, path.size() - 2),  // without "_0"
+                      FieldType::polynomial,
+                      row.kind,
+                      row.min,
+                      row.max,
+                      slot,
+                      row.coefficients,
+                      {},
+                      meaning});
+  }
+  if (slot == stress_slot) {
+    fields.push_back(number_field("wire.limits.load", kind::force, 1e-4, 1e4, slot, meaning));
+  }
+  if (path.ends_with(".resistivity_temperature")) {
+    fields.push_back(number_field(path, kind::per_kelvin, -0.01, 0.01, slot,
+                                  "its change per kelvin, relative to the resistivity"));
+  }
+  if (path.ends_with(".resistivity_stress")) {
+    fields.push_back(number_field(path, kind::per_stress, -1e-8, 1e-8, slot,
+                                  "its change per stress, relative to the resistivity"));
+  }
+}
+
+std::vector<Field> make_wire_fields() {
+  std::vector<Field> fields;
+  for (std::size_t slot = 0; slot < rows.size(); ++slot) {
+    const Row& row = rows[slot];
+    add_notation(fields, row, slot);
+    fields.push_back({bare_path(row), field_type(row.type), row.kind, row.min, row.max, slot, 1,
+                      row.choices, std::string(row.meaning)});
+  }
+  fields.push_back(
+      number_field("wire.resistance", kind::resistance_per_length, 1e-3, 1e5, resistance_slot,
+                   "of the cold wire without load, by its length between the clamps; scales all "
+                   "resistivities to it"));
+  return fields;
+}
+
+/// The key of this slot that is written.
+const Field& written_field(std::size_t slot) {
+  return *std::ranges::find_if(wire_fields(), [&](const Field& field) {
+    return field.slot <= slot && slot < field.slot + field.count;
+  });
+}
+
+/// Whether its number is another one than the row's.
+bool is_converted(const Field& field) {
+  return field.slot < rows.size() && field.kind.data() != rows[field.slot].kind.data();
+}
+
+/// Of a wire that may be const.
+auto& phase_of(auto& wire, std::string_view path) {
+  auto& m = wire.material;
+  return path.starts_with("wire.martensite") ? m.martensite
+         : path.starts_with("wire.r_phase")  ? m.r_phase
+                                             : m.austenite;
+}
+
+class Builder {
+ public:
+  Builder(const Entries& entries, const WireFailure& fail) : entries_(entries), fail_(fail) {}
+
+  Wire<double> build() {
+    Wire<double> wire{};
+    wire.kinetics.separate_r2a = has_process(Needs::own_r2a);
+    wire.kinetics.separate_r2m = has_process(Needs::own_r2m);
+    for (std::size_t slot = 0; slot < rows.size(); ++slot) {
+      set(wire, slot);
+    }
+    if (const Entry* load = entry(stress_slot); is_converted(*load->field)) {
+      wire.limits.stress_Pa = wire.stress_Pa(load->number);
+    }
+    set_resistivities(wire, 1);
+    if (const Entry* resistance = entry(resistance_slot)) {
+      const double ohm = resistance->number * wire.geometry.length_m;
+      set_resistivities(wire, ohm / cold_resistance_ohm(wire));
+    }
+    return wire;
+  }
+
+ private:
+  const Entry* entry(std::size_t slot) const {
+    const auto at = entries_.find(slot);
+    return at == entries_.end() ? nullptr : &at->second;
+  }
+
+  /// Whether there is a surface of its own: as its flag says, else where it is given.
+  bool has_process(Needs needs) const {
+    const Entry* flag =
+        entry(needs == Needs::own_r2a ? row_of("wire.separate_r2a") : row_of("wire.separate_r2m"));
+    if (flag != nullptr) {
+      return flag->number != 0;
+    }
+    return std::ranges::any_of(entries_, [&](const auto& e) {
+      return e.first < rows.size() && rows[e.first].needs == needs;
+    });
+  }
+
+  void set(Wire<double>& wire, std::size_t slot) const {
+    const Row& row = rows[slot];
+    if (!row.is_used(wire)) {
+      return;
+    }
+    const Entry* given = entry(slot);
+    const double number = given != nullptr           ? given->number
+                          : std::isnan(row.standard) ? following(wire, slot)
+                                                     : row.standard;
+    row.set(wire, number);
+  }
+
+  /// What is not given and has no number as default.
+  double following(const Wire<double>& wire, std::size_t slot) const {
+    const Row& row = rows[slot];
+    if (row.type == ValueType::boolean) {
+      return row.get(wire);
+    }
+    if (slot == row_of("wire.smallest_reversal_K")) {
+      return wire.kinetics.memory == Memory::plain ? 0 : 0.5;
+    }
+    const StillAir air = still_air(wire.geometry.diameter_m);
+    if (slot == row_of("wire.heat.convection_W_m2K")) {
+      return air.convection_W_m2K;
+    }
+    if (slot == row_of("wire.heat.convection_slope_W_m2K2")) {
+      return air.convection_W_m2K2;
+    }
+    missing(row, slot);
+    return 0;
+  }
+
+  void missing(const Row& row, std::size_t slot) const {
+    const std::string path = written_field(slot).path;
+    if (row.needs == Needs::nothing) {
+      fail_(path, "is missing");
+    }
+    fail_(path.substr(0, path.rfind('.')), "needs start, finish, curvature and turning, all four");
+  }
+
+  /// Slopes may be given relative to the resistivity. A given resistance per length scales all;
+  /// their ratios stay.
+  void set_resistivities(Wire<double>& wire, double scale) const {
+    for (std::size_t slot = 0; slot < rows.size(); ++slot) {
+      const std::string_view path = rows[slot].path.text();
+      if (path.ends_with(".resistivity_ohm_m")) {
+        Phase<double>& phase = phase_of(wire, path);
+        const double rho = scale * entry(slot)->number;
+        phase.resistivity_ohm_m = rho;
+        phase.resistivity_ohm_m_K = slope(slot + 1, rho, scale);
+        phase.resistivity_ohm_m_Pa = slope(slot + 2, rho, scale);
+      }
+    }
+  }
+
+  double slope(std::size_t slot, double rho, double scale) const {
+    const Entry* given = entry(slot);
+    return given == nullptr              ? rho * rows[slot].standard
+           : is_converted(*given->field) ? rho * given->number
+                                         : scale * given->number;
+  }
+
+  const Entries& entries_;
+  const WireFailure& fail_;
+};
+
+void check_surface(const Surface<double>& s, const std::string& path, bool heating,
+                   double highest_stress_Pa, const WireFailure& fail) {
+  for (int i = 0; i <= 20; ++i) {
+    const double stress_Pa = highest_stress_Pa * i / 20;
+    const Isobar<double> at = isobar(s, stress_Pa);
+    const double finish_K = at.start_K + 1 / at.per_K;
+    const double span_K = 1 / at.per_K;
+    const std::string where = fmt::format(" at {:.4g} MPa", stress_Pa / 1e6);
+    for (const double T : {at.start_K, finish_K}) {
+      if (!(T >= 150 && T <= 600)) {
+        fail(path, fmt::format("start and finish must lie between 150 and 600 K, one is {:.4g} K{}",
+                               T, where));
+      }
+    }
+    if (!(heating ? span_K >= 1 : span_K <= -1)) {
+      fail(path, fmt::format("finish must lie at least 1 K {} start, is {:.4g} K{}",
+                             heating ? "above" : "below", heating ? span_K : -span_K, where));
+    }
+    if (!(at.shape.curvature >= 1e-3 && at.shape.curvature <= 30)) {
+      fail(path + ".curvature",
+           fmt::format("must be between 0.001 and 30, is {:.4g}{}", at.shape.curvature, where));
+    }
+    if (!(at.shape.turning >= 0.05 && at.shape.turning <= 0.95)) {
+      fail(path + ".turning",
+           fmt::format("must be between 0.05 and 0.95, is {:.4g}{}", at.shape.turning, where));
+    }
+  }
+}
+
+}  // namespace
+
+FieldType field_type(ValueType type) {
+  switch (type) {
+    case ValueType::real:
+      return FieldType::number;
+    case ValueType::number:
+      return FieldType::whole;
+    case ValueType::choice:
+      return FieldType::choice;
+    case ValueType::boolean:
+      break;
+  }
+  return FieldType::flag;
+}
+
+const std::vector<Field>& wire_fields() {
+  static const std::vector<Field> fields = make_wire_fields();
+  return fields;
+}
+
+bool is_needed(const Field& field) {
+  return field.slot < rows.size() && std::isnan(rows[field.slot].standard) &&
+         rows[field.slot].follows.empty() && rows[field.slot].needs == Needs::nothing;
+}
+
+std::vector<const Field*> written_fields(const Wire<double>& wire) {
+  std::vector<const Field*> fields;
+  std::size_t next = 0;
+  for (const Field& field : wire_fields()) {
+    const bool is_row = next <= field.slot && field.slot < rows.size();
+    next = std::max(next, field.slot + field.count);
+    // Flags follow from what is given.
+    if (is_row && field.type != FieldType::flag && rows[field.slot].is_used(wire)) {
+      fields.push_back(&field);
+    }
+  }
+  return fields;
+}
+
+std::vector<double> wire_numbers(const Field& field, const Wire<double>& wire) {
+  std::vector<double> numbers;
+  numbers.reserve(field.count);
+  for (std::size_t i = 0; i < field.count; ++i) {
+    numbers.push_back(rows[field.slot + i].get(wire));
+  }
+  if (is_converted(field)) {
+    numbers[0] = field.slot == stress_slot
+                     ? numbers[0] * wire.geometry.area_m2()
+                     : numbers[0] / phase_of(wire, field.path).resistivity_ohm_m;
+  }
+  return numbers;
+}
+
+Wire<double> build_wire(const Entries& entries, const WireFailure& fail) {
+  return Builder(entries, fail).build();
+}
+
+void check_wire(const Wire<double>& w, const WireFailure& fail) {
+  const auto& k = w.kinetics;
+  const double stress_Pa = w.limits.stress_Pa;
+  check_surface(k.m2a, "wire.m2a", true, stress_Pa, fail);
+  check_surface(first_surface(k.a2m_a2r), "wire.a2m", false, stress_Pa, fail);
+  check_surface(second_surface(k.a2m_a2r), "wire.a2r", false, stress_Pa, fail);
+  if (k.separate_r2a) {
+    check_surface(k.r2a, "wire.r2a", true, stress_Pa, fail);
+  }
+  if (k.separate_r2m) {
+    check_surface(k.r2m, "wire.r2m", false, stress_Pa, fail);
+  }
+  if (w.heat.latent_r2a_J_kg > w.heat.latent_m2a_J_kg) {
+    fail("wire.heat.latent_r2a",
+         "must not be above wire.heat.latent_m2a: a closed cycle would gain heat");
+  }
+}
+
+std::string where_said(const Entries& entries, const std::string& origin, std::string_view path) {
+  const auto field = std::ranges::find(wire_fields(), path, &Field::path);
+  const auto at = field == wire_fields().end() ? entries.end() : entries.find(field->slot);
+  return at == entries.end() || at->second.where.empty() ? fmt::format("{}: {}", origin, path)
+                                                         : at->second.where;
+}
+
+Entries describe_wire(const Wire<double>& wire) {
+  Entries entries;
+  for (const Field& field : wire_fields()) {
+    if (field.slot >= rows.size() || field.count > 1 || field.type == FieldType::flag ||
+        is_converted(field)) {
+      continue;
+    }
+    const Row& row = rows[field.slot];
+    if (row.is_used(wire)) {
+      entries[field.slot] = {row.get(wire), &field, ""};
+    }
+  }
+  return entries;
+}
+
+}  // namespace smaservo::files
