@@ -31,14 +31,27 @@ enum class SlotState : std::uint8_t {
 
 struct SlotReport {
   SlotState state = SlotState::unreadable;
-  std::uint32_t sequence = 0;  ///< valid if the slot is intact, as are all members that follow
+  std::uint32_t sequence = 0;  ///< means something if intact(), as do all members that follow
   std::uint32_t schema_hash = 0;
   std::uint16_t entries = 0;
   std::uint16_t unknown = 0;  ///< entries that this release does not know
   std::uint16_t moved = 0;    ///< parameters taken from an old key
   std::uint16_t missing = 0;  ///< parameters that have their default
   Finding finding;            ///< why it is refused
+
+  /// What was written is there, whether this release can use it or not.
+  constexpr bool intact() const {
+    return state == SlotState::valid || state == SlotState::unknown_format ||
+           state == SlotState::refused;
+  }
 };
+
+/// Whether `a` was given after `b`. The number of saves wraps from FFFFFFFFh to 0 (as the serial
+/// numbers of RFC 1982): of two, the later one is less than half of all numbers ahead.
+constexpr bool is_later(std::uint32_t a, std::uint32_t b) {
+  constexpr std::uint32_t half = 0x8000'0000;
+  return a != b && a - b < half;
+}
 
 enum class LoadReason : std::uint8_t {
   newer,      ///< of two valid slots
@@ -138,13 +151,23 @@ Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>
   if (!a_valid && !b_valid) {
     return loaded;
   }
-  loaded.slot = b_valid && !(a_valid && b.sequence < a.sequence) ? 1 : 0;
+  loaded.slot = b_valid && (!a_valid || is_later(b.sequence, a.sequence)) ? 1 : 0;
   loaded.settings = settings[loaded.slot];
   loaded.reason = a_valid && b_valid                                        ? LoadReason::newer
                   : loaded.slots[1 - loaded.slot].state == SlotState::empty ? LoadReason::only_one
                                                                             : LoadReason::other_bad;
   return loaded;
 }
+
+namespace detail {
+
+/// The number of a save that leaves `kept` as it is and overwrites `replaced`: it must be later than
+/// what stays. The other one counts only where nothing stays.
+constexpr std::uint32_t next_sequence(const SlotReport& kept, const SlotReport& replaced) {
+  return kept.intact() ? kept.sequence + 1 : replaced.intact() ? replaced.sequence + 1 : 1;
+}
+
+}  // namespace detail
 
 /// Writes into the slot that load_settings() would not take, reads it back and compares. Whatever
 /// fails, and wherever power is cut, load_settings() gives either the former settings or these. Not
@@ -160,7 +183,7 @@ Saved save_settings(T& storage, const Settings<S>& settings,
   }
   const Loaded<S> before = load_settings(storage, schema);
   saved.slot = before.reason == LoadReason::none ? 0 : 1 - before.slot;
-  saved.sequence = std::max(before.slots[0].sequence, before.slots[1].sequence) + 1;
+  saved.sequence = detail::next_sequence(before.slots[1 - saved.slot], before.slots[saved.slot]);
   const auto fail = [&](SaveProblem problem) {
     saved.problem = problem;
     return saved;

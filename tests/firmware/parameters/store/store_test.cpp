@@ -189,6 +189,47 @@ void forge(MemoryStorage& storage, unsigned slot, const Settings<float>& setting
   });
 }
 
+/// Numbers go on after the greatest one: what is saved last is what the next start takes.
+TEST(Store, TheNumberMayWrapAndTheNewestStaysTheNewest) {
+  std::mt19937 random(9);
+  for (const std::uint32_t start : {0U, 1U, 0x7FFF'FFFEU, 0x7FFF'FFFFU, 0x8000'0000U, 0xFFFF'FFFDU,
+                                    0xFFFF'FFFEU, 0xFFFF'FFFFU}) {
+    for (const unsigned slot : {0U, 1U}) {
+      MemoryStorage storage;
+      forge(storage, slot, random_settings<float>(random), start);
+      for (int i = 0; i < 4; ++i) {
+        const Settings<float> last = random_settings<float>(random);
+        ASSERT_TRUE(save_settings(storage, last).ok());
+        const Loaded<float> loaded = load_settings<float>(storage);
+        EXPECT_TRUE(same_settings(loaded.settings, last)) << start << ' ' << i;
+      }
+    }
+  }
+}
+
+/// Whatever two intact slots hold: the save is the one that counts, and it spares the one that
+/// counted before.
+TEST(Store, ASaveCountsAfterAnyTwoNumbers) {
+  std::mt19937 random(10);
+  const Settings<float> a = random_settings<float>(random);
+  const Settings<float> b = random_settings<float>(random);
+  const Settings<float> last = random_settings<float>(random);
+  const std::uint32_t numbers[] = {0, 1, 2, 0x7FFF'FFFF, 0x8000'0000, 0x8000'0001, 0xFFFF'FFFF};
+  for (const std::uint32_t first : numbers) {
+    for (const std::uint32_t second : numbers) {
+      MemoryStorage storage;
+      forge(storage, 0, a, first);
+      forge(storage, 1, b, second);
+      const unsigned counted = load_settings<float>(storage).slot;
+      const Saved saved = save_settings(storage, last);
+      ASSERT_TRUE(saved.ok());
+      EXPECT_EQ(saved.slot, 1 - counted) << first << ' ' << second;
+      EXPECT_TRUE(same_settings(load_settings<float>(storage).settings, last))
+          << first << ' ' << second;
+    }
+  }
+}
+
 TEST(Store, AnIntactImageOfImpossibleSettingsIsRefused) {
   const TwoSets sets = two_sets();
   const auto loaded_with = [&](Settings<float> settings) {
@@ -201,7 +242,7 @@ TEST(Store, AnIntactImageOfImpossibleSettingsIsRefused) {
     EXPECT_EQ(loaded.slots[1].state, SlotState::refused);
     EXPECT_EQ(loaded.slots[1].sequence, 8U);
     EXPECT_EQ(save_settings(storage, sets.after).slot, 1U) << "the good one is kept";
-    EXPECT_EQ(load_settings<float>(storage).slots[1].sequence, 9U);
+    EXPECT_EQ(load_settings<float>(storage).slots[1].sequence, 8U) << "after the one that stays";
     return loaded.slots[1].finding;
   };
   Settings<float> settings = sets.after;
