@@ -71,6 +71,7 @@ enum class Fault : std::uint8_t {
   store_corrupt,
   bad_configuration,
   not_configured,
+  store_outdated,
   count
 };
 inline constexpr std::size_t fault_count = static_cast<std::size_t>(Fault::count);

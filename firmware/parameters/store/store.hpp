@@ -1,6 +1,7 @@
 #pragma once
 // Keeps the settings over a power cut: two slots, of which the older one is overwritten.
-// load_settings() says which slot it took and why; there are no silent defaults.
+// load_settings() says which slot it took and why, and whether what was stored last may be lost;
+// there are no silent defaults, and no silent return to older values.
 
 #include <concepts>
 
@@ -66,6 +67,8 @@ struct Loaded {
   unsigned slot = 0;
   std::array<SlotReport, slot_count> slots;
   Settings<S> settings;  ///< all zero where the reason is none
+  /// The other slot is bad or missing, and it may have held settings that were stored after these.
+  bool may_be_older = false;
 };
 
 enum class SaveProblem : std::uint8_t {
@@ -135,7 +138,44 @@ SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
   return report;
 }
 
+/// Whether settings stored later than those of the valid slot may have been lost with the other
+/// one. A damaged slot does not tell its number. A store that has been written twice has two slots:
+/// only the first save leaves the other one empty.
+constexpr bool may_have_lost_newer(const SlotReport& valid, const SlotReport& other) {
+  switch (other.state) {
+    case SlotState::valid:
+      return false;
+    case SlotState::empty:
+      return valid.sequence != 1;
+    case SlotState::unknown_format:
+    case SlotState::refused:
+      return is_later(other.sequence, valid.sequence);
+    case SlotState::unreadable:
+    case SlotState::damaged:
+      break;
+  }
+  return true;
+}
+
 }  // namespace detail
+
+/// Calls f(row, value) for each parameter of which a slot still has an entry with a possible value.
+/// Its checksum is not looked at, nor its head: this is for a message on what a bad slot may have
+/// said, and for nothing else.
+template <class S, Storage T, class F>
+void salvage(T& storage, unsigned slot, F f, const StoreSchema<S>& schema = own_schema<S>) {
+  std::array<std::byte, image::entry_size> bytes{};
+  for (std::size_t i = 0; i < schema.rows.size() + schema.moved.size(); ++i) {
+    if (!storage.read(slot, image::header_size + i * bytes.size(), bytes)) {
+      return;
+    }
+    const image::Entry entry = image::take_entry(bytes);
+    const ParameterRow<S>* const row = find_row(schema.rows, entry.key);
+    if (row != nullptr && row->type == entry.type && fit(*row, entry.value) == Fit::inside) {
+      f(*row, entry.value);
+    }
+  }
+}
 
 /// Reads both slots. Never fails; what it found is in the reports.
 template <class S, Storage T>
@@ -156,13 +196,15 @@ Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>
   loaded.reason = a_valid && b_valid                                        ? LoadReason::newer
                   : loaded.slots[1 - loaded.slot].state == SlotState::empty ? LoadReason::only_one
                                                                             : LoadReason::other_bad;
+  loaded.may_be_older =
+      detail::may_have_lost_newer(loaded.slots[loaded.slot], loaded.slots[1 - loaded.slot]);
   return loaded;
 }
 
 namespace detail {
 
-/// The number of a save that leaves `kept` as it is and overwrites `replaced`: it must be later than
-/// what stays. The other one counts only where nothing stays.
+/// The number of a save that leaves `kept` as it is and overwrites `replaced`: it must be later
+/// than what stays. The other one counts only where nothing stays.
 constexpr std::uint32_t next_sequence(const SlotReport& kept, const SlotReport& replaced) {
   return kept.intact() ? kept.sequence + 1 : replaced.intact() ? replaced.sequence + 1 : 1;
 }

@@ -62,6 +62,13 @@ inline constexpr FaultRow machine_faults[] = {
     {Fault::not_configured, FaultClass::B, Clears::itself, 0x6310, "not_configured", 0,
      "The device has never been given settings for its wire.", "A new device.",
      "Write settings for the wire that is mounted, and store them."},
+    {Fault::store_outdated, FaultClass::B, Clears::itself, 0x5531, "store_outdated", 0,
+     "What was stored last is lost in part: the settings in force may be older, their limits "
+     "wider.",
+     "A worn memory, power lost while storing, a file that was removed or is of a newer release.",
+     "Which values differ: the log at the start and 'host-sim can changes' say it. Set what is "
+     "wrong, then store (1010h): that acknowledges it and makes the store whole. Or restore "
+     "(1011h) and reset."},
 };
 
 }  // namespace smaservo
