@@ -14,7 +14,8 @@ using canopen::Abort;
 using canopen::Source;
 
 constexpr Key tuning_key{0x2102, 1};
-constexpr std::array<const char*, 5> sources{"SDO", "PDO", "LSS", "the device", "the image"};
+constexpr std::array<const char*, 6> sources{"SDO",        "PDO",       "LSS",
+                                             "the device", "the image", "the settings file"};
 constexpr std::array<const char*, 5> tuning_commands{"none", "begin", "try", "commit", "revert"};
 
 const char* source_of(const canopen::LoggedChange& change) {
