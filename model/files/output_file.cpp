@@ -20,8 +20,8 @@ namespace {
 
 /// Whether this is still the file of that name.
 bool is_named(int file, const std::string& path) {
-  struct stat open_one {};
-  struct stat named {};
+  struct stat open_one{};
+  struct stat named{};
   return fstat(file, &open_one) == 0 && lstat(path.c_str(), &named) == 0 &&
          open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
 }
@@ -31,8 +31,7 @@ bool is_named(int file, const std::string& path) {
 bool remove_left_over(const std::string& beside) {
   // A link or a pipe is nobody's part: it is removed without being opened.
   const int file = open(beside.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  const bool taken =
-      file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool taken = file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   const bool removed = !taken && (file < 0 || is_named(file, beside)) &&
                        (unlink(beside.c_str()) == 0 || errno == ENOENT);
   const int why = taken ? EWOULDBLOCK : errno;
