@@ -29,10 +29,10 @@ struct Finding {
 enum class Relation : std::uint8_t {
   below,      ///< factor a + plus < b
   not_above,  ///< factor a + plus <= b
-  heats,      ///< start a, finish b of a process: 150..600 K, finish at least 1 K above start
-  cools,      ///< likewise, but finish at least 1 K below start
-  curvature,  ///< a + b stress of a process: 0.001..30
-  turning,    ///< a + b stress of a process: 0.05..0.95
+  heats,      ///< start a, finish b of a process that heats: within `surface_range`
+  cools,      ///< likewise, of one that cools
+  curvature,  ///< a + b stress of a process: likewise
+  turning,    ///< likewise
 };
 
 /// Parameters in a relation, as rows of `parameters`. The rule holds as long as one of its
@@ -151,27 +151,30 @@ Surface<S> surface_of(const ThreePhaseParams<S>& p, std::uint16_t index) {
 
 template <class S>
 bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
+  constexpr const SurfaceRange& range = surface_range;
   const Isobar<S> at = isobar(surface, stress_Pa);
   // A value at the edge of what a wire file allows may be rounded beyond it.
-  const auto within = [](const S& min, const S& x, const S& max) {
-    const S slack = S(1e-3) * min;
-    return min - slack <= x && x <= max + slack;
+  const auto within = [](double min, const S& x, double max) {
+    const S slack = S(1e-3) * S(min);
+    return S(min) - slack <= x && x <= S(max) + slack;
   };
   if (relation == Relation::curvature) {
-    return within(S(1e-3), at.shape.curvature, S(30));
+    return within(range.min_curvature, at.shape.curvature, range.max_curvature);
   }
   if (relation == Relation::turning) {
-    return within(S(0.05), at.shape.turning, S(0.95));
+    return within(range.min_turning, at.shape.turning, range.max_turning);
   }
   const S span_K = S(1) / at.per_K;
-  return within(S(1), relation == Relation::heats ? span_K : -span_K, S(450)) &&
-         within(S(150), at.start_K, S(600)) && within(S(150), at.start_K + span_K, S(600));
+  return within(range.min_span_K, relation == Relation::heats ? span_K : -span_K,
+                range.max_K - range.min_K) &&
+         within(range.min_K, at.start_K, range.max_K) &&
+         within(range.min_K, at.start_K + span_K, range.max_K);
 }
 
 template <class S>
 bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
   const Surface<S> surface = surface_of(wire.kinetics, parameter_rows<S>[rule.a].key.index);
-  constexpr int parts = 20;
+  constexpr int parts = surface_range.stresses - 1;
   for (int i = 0; i <= parts; ++i) {
     if (!surface_holds(surface, rule.relation, wire.limits.stress_Pa * S(i) / S(parts))) {
       return false;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "host-sim/identify/fit/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/all_runs_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/plan/plan_profile.hpp"
 #include "model/files/error.hpp"

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host-sim/identify/fit/cost/prediction.hpp"
 #include "host-sim/identify/fit/parameters.hpp"
-#include "host-sim/identify/fit/prediction.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
 namespace smaservo::identify {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "host-sim/identify/fit/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/run_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
-#include "host-sim/identify/fit/run_cost.hpp"
 
 namespace smaservo::identify {
 

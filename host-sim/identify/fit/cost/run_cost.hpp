@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "host-sim/identify/fit/cost/prediction.hpp"
 #include "host-sim/identify/fit/parameters.hpp"
-#include "host-sim/identify/fit/prediction.hpp"
 
 namespace smaservo::identify {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "host-sim/identify/fit/run_cost.hpp"
+#include "host-sim/identify/fit/cost/run_cost.hpp"
 
 namespace smaservo::identify {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host-sim/identify/fit/balanced_plant.hpp"
+#include "host-sim/identify/fit/cost/balanced_plant.hpp"
 #include "host-sim/identify/fit/jet.hpp"
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/plant.hpp"
