@@ -53,7 +53,7 @@ Ads131m04FrontEnd read_ads(files::TomlTable& table) {
   if (table.has("gains")) {
     const std::vector<double> gains = table.numbers("gains", 1, 128);
     if (gains.size() != hal::ads131m04::channels) {
-      table.fail("gains", "must have four numbers");
+      table.fail("gains", "must be four numbers, one for each channel");
     }
     std::ranges::transform(gains, front.settings.gain_exponents.begin(),
                            [&](double gain) { return exponent(table, "gains", gain, 1, 7); });
@@ -67,7 +67,7 @@ hal::IioSettings read_iio(files::TomlTable& table) {
   iio.trigger = text_or(table, "trigger", "");
   iio.hrtimer_Hz = table.number("hrtimer_Hz", 1, 1e5, 0);
   if (iio.hrtimer_Hz > 0 && iio.trigger.empty()) {
-    table.fail("hrtimer_Hz", "needs the name of the trigger as well");
+    table.fail("hrtimer_Hz", "needs the key trigger as well: the name that this timer gets");
   }
   iio.buffer_length = whole(table, "buffer_length", 2, 4096, 16);
   iio.longest_wait_ns = std::llround(1e3 * table.number("longest_wait_us", 0, 2e4, 500));
@@ -288,7 +288,7 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
   for (const Parameter<double>& row : parameters<double>) {
     const float ceiling = canopen::ceiling_of(file.ceilings, row.key);
     if (row.type == ValueType::real && ceiling < row.get(settings).real()) {
-      return fmt::format("{} = {}: the board's ceiling is {}", row.path.text(),
+      return fmt::format("{} = {}: must not be above the board's ceiling, {}", row.path.text(),
                          row.get(settings).real(), ceiling);
     }
   }
@@ -303,11 +303,11 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
       },
       file.drive);
   if (voltage != drive_takes_voltage) {
-    return fmt::format("drive.kind = {}: the board's drive takes a {}",
+    return fmt::format("drive.kind = {}: must be {}, which the board's drive takes",
                        voltage ? "voltage" : "current", voltage ? "current" : "voltage");
   }
   if (settings.measuring.has_load_cell && !file.calibration.has_load) {
-    return "measurement.has_load_cell = true: the board has none";
+    return "measurement.has_load_cell = true: must be false, the board file has no front_end.load";
   }
   return "";
 }

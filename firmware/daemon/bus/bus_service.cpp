@@ -91,7 +91,8 @@ struct BusService::Parts {
   void begin(std::uint64_t now_us) {
     const Image image = setup.folder.empty() ? Image{} : read_image(image_path());
     if (!servo.start(image, now_us)) {
-      fmt::print(stderr, "smaservod: {}: is damaged; the bus has its defaults\n", image_path());
+      fmt::print(stderr, "smaservod: {}: is damaged; the bus starts with its default settings\n",
+                 image_path());
     }
   }
   void run(const std::stop_token& stop);
@@ -235,7 +236,7 @@ void BusService::Parts::answer(Request request, std::uint64_t now_us) {
 std::string BusService::Parts::keep(Request request, const Settings<double>& settings,
                                     const Image& image) const {
   if (setup.folder.empty()) {
-    return "there is no folder to store in";
+    return "there is no folder to store in; give one with --settings";
   }
   std::string problem;
   std::error_code error;
@@ -257,7 +258,7 @@ std::string BusService::Parts::keep(Request request, const Settings<double>& set
       std::filesystem::remove(image_path(), error);
       return error ? error.message() : "";
     default:
-      return "the service cannot do that";
+      return "the request is not supported";
   }
 }
 

@@ -9,7 +9,7 @@ namespace smaservo::daemon {
 
 std::vector<std::string> Reloader::reload() const {
   if (file_.empty()) {
-    return {"SIGHUP: there is no settings file to read anew"};
+    return {"SIGHUP: nothing is changed: no settings file was given (--device)"};
   }
   std::vector<std::string> said;
   try {
@@ -34,8 +34,8 @@ Settings<double> Reloader::changed(const Settings<double>& before, const Setting
     } else if (row.get(from) != row.get(before)) {
       said.push_back(fmt::format("{}: {} is not changed: {}", file_, row.path.text(),
                                  row.change == Change::after_reset
-                                     ? "only with the next start"
-                                     : "not while the wire is heated"));
+                                     ? "it changes only at a start"
+                                     : "it does not change while the wire is heated"));
     }
   }
   return to;
@@ -43,11 +43,11 @@ Settings<double> Reloader::changed(const Settings<double>& before, const Setting
 
 std::string Reloader::refused(const Settings<double>& to) const {
   if (!check(to).ok()) {
-    return "together with what stays the settings contradict each other";
+    return "the settings contradict each other or those that can not change now";
   }
   std::string problem = problem_ ? problem_(to) : "";
   if (problem.empty() && !desk_.change(to)) {
-    problem = "too many changes at once";
+    problem = "too many changes at once; send SIGHUP again";
   }
   return problem;
 }

@@ -51,15 +51,16 @@ void add_notation(std::vector<Field>& fields, const Row& row, std::size_t slot) 
                       meaning});
   }
   if (slot == stress_slot) {
-    fields.push_back(number_field("wire.limits.load", kind::force, 1e-4, 1e4, slot, meaning));
+    fields.push_back(
+        number_field("wire.limits.load", kind::force, 1e-4, 1e4, slot, "the maker's maximum load"));
   }
   if (path.ends_with(".resistivity_temperature")) {
     fields.push_back(number_field(path, kind::per_kelvin, -0.01, 0.01, slot,
-                                  "its change per kelvin, relative to the resistivity"));
+                                  "change of the resistivity per kelvin, relative"));
   }
   if (path.ends_with(".resistivity_stress")) {
     fields.push_back(number_field(path, kind::per_stress, -1e-8, 1e-8, slot,
-                                  "its change per stress, relative to the resistivity"));
+                                  "change of the resistivity by stress, relative"));
   }
 }
 
@@ -71,10 +72,9 @@ std::vector<Field> make_wire_fields() {
     fields.push_back({bare_path(row), field_type(row.type), row.kind, row.min, row.max, slot, 1,
                       row.choices, std::string(row.meaning)});
   }
-  fields.push_back(
-      number_field("wire.resistance", kind::resistance_per_length, 1e-3, 1e5, resistance_slot,
-                   "of the cold wire without load, by its length between the clamps; scales all "
-                   "resistivities to it"));
+  fields.push_back(number_field(
+      "wire.resistance", kind::resistance_per_length, 1e-3, 1e5, resistance_slot,
+      "resistance per length of the cold wire without load; scales all resistivities to it"));
   return fields;
 }
 
@@ -175,7 +175,7 @@ class Builder {
     if (row.needs == Needs::nothing) {
       fail_(path, "is missing");
     }
-    fail_(path.substr(0, path.rfind('.')), "needs start, finish, curvature and turning, all four");
+    fail_(path.substr(0, path.rfind('.')), "needs all of start, finish, curvature and turning");
   }
 
   /// Slopes may be given relative to the resistivity. A given resistance per length scales all;
@@ -219,12 +219,12 @@ void check_surface(const Surface<double>& s, const std::string& path, bool heati
     };
     for (const double T : {at.start_K, at.start_K + 1 / at.per_K}) {
       if (!(range.min_K <= T && T <= range.max_K)) {
-        fail(path, fmt::format("start and finish must lie between {} and {} K, one is {:.4g} K{}",
+        fail(path, fmt::format("start and finish must be between {} and {} K, one is {:.4g} K{}",
                                range.min_K, range.max_K, T, where));
       }
     }
     if (!(span_K >= range.min_span_K)) {
-      fail(path, fmt::format("finish must lie at least {} K {} start, is {:.4g} K{}",
+      fail(path, fmt::format("finish must be at least {} K {} start, is {:.4g} K{}",
                              range.min_span_K, heating ? "above" : "below", span_K, where));
     }
     check(".curvature", at.shape.curvature, range.min_curvature, range.max_curvature);

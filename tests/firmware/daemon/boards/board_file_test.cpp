@@ -75,7 +75,7 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
       {"max_mA", "greatest_mA", "drive.greatest_mA = 500: is now called max_mA"},
       {"[lines.kick]", "[lines.kock]", "lines.kock"},
       {"[lines.kick]", "[ceilings]\ncurrent_A = 1\n[lines.kick]",
-       "ceilings.current_A = 1: unknown key; here may stand: current_mA, power_W, stress_MPa"},
+       "ceilings.current_A = 1: unknown key; allowed: current_mA, power_W, stress_MPa"},
       {"[lines.kick]", "[ceilings]\npower_W = 0\n[lines.kick]", "ceilings.power_W = 0: must be"},
   };
   for (const Case& c : cases) {
@@ -92,11 +92,11 @@ TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
   Settings<double> settings = good;
   settings.limits.current_A = 1;
   EXPECT_EQ(daemon::board_problem(file, settings),
-            "limits.current_A = 1: the board's ceiling is 0.5");
+            "limits.current_A = 1: must not be above the board's ceiling, 0.5");
   settings = good;
   settings.drive.kind = DriveKind::voltage;
   EXPECT_EQ(daemon::board_problem(file, settings),
-            "drive.kind = voltage: the board's drive takes a current");
+            "drive.kind = voltage: must be current, which the board's drive takes");
 }
 
 /// The reference board with more lines at its end.
@@ -138,7 +138,7 @@ TEST(BoardFile, EachCeilingHoldsForSettingsFromAnywhere) {
       text::load_settings_file(boards() + "/devices/current-sink.toml");
   for (const char* const name : names) {
     const daemon::BoardFile file = reference_with(std::string("[ceilings]\n") + name + " = 1\n");
-    EXPECT_NE(daemon::board_problem(file, settings).find("the board's ceiling is"),
+    EXPECT_NE(daemon::board_problem(file, settings).find("above the board's ceiling"),
               std::string::npos)
         << name;
   }
