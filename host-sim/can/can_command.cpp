@@ -58,7 +58,7 @@ CLI::App* add(CLI::App& can, const char* name, const char* meaning,
   return command;
 }
 
-/// As CLI::Range, which lets NaN pass.
+/// Like CLI::Range, but refuses NaN as well.
 CLI::Validator seconds_of(double low, double high) {
   return {[=](std::string& text) {
             double value = 0;
@@ -69,7 +69,7 @@ CLI::Validator seconds_of(double low, double high) {
           fmt::format("{} to {}", low, high)};
 }
 
-/// A command that only needs the node.
+/// Adds a command without options of its own.
 void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char* name,
                const char* meaning, void (*run)(Remote&)) {
   add(can, name, meaning, [common, run] {
@@ -78,7 +78,7 @@ void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char*
   });
 }
 
-// Who is there.
+// Network.
 
 void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
@@ -154,7 +154,7 @@ void restore(Remote& remote, const std::string& path) {
 void diff(Remote& remote, const std::string& path) {
   const auto all = differences(remote, path);
   print(can::differences_text(all));
-  // As diff(1) has it: 1 says that there are some.
+  // As with diff(1), exit status 1 means that there are differences.
   if (!all.empty()) throw CLI::RuntimeError(1);
 }
 
@@ -181,7 +181,7 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
 void step(Remote& remote, const StepArguments& a) {
   files::prepare_folder("--runs", a.runs);
   const auto before = earlier_runs(a.runs);
-  // What can not be read is said before anything moves.
+  // Earlier runs are read before anything moves, so that an unreadable file stops the test in time.
   std::vector<can::StepRun> runs;
   for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
     runs.push_back(can::load_step(before[i].string()));

@@ -30,7 +30,7 @@ struct EvaluateArguments {
   std::optional<std::uint64_t> random_seed;
 };
 
-/// A folder gets a file of the usual name.
+/// Where `out` is a folder, the file in it gets its default name.
 std::string json_file(const std::string& out) {
   if (!out.empty() && std::filesystem::is_directory(out)) {
     return (std::filesystem::path(out) / "evaluate.json").string();
@@ -41,7 +41,7 @@ std::string json_file(const std::string& out) {
   return out;
 }
 
-/// A line of progress for each stage.
+/// Shows the progress of each stage on a line of its own.
 class Stages {
  public:
   void update(std::string_view stage, std::size_t done, std::size_t total) {
@@ -57,7 +57,7 @@ class Stages {
   std::optional<files::Progress> line_;
 };
 
-/// One of the random scenarios, to look at.
+/// Runs one of the random scenarios alone.
 void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   const RandomScenario scenario =
       random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
@@ -65,7 +65,8 @@ void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   fmt::print(a.out == "-" ? stderr : stdout, "{}", simulate::summary(scenario.loop, result));
 }
 
-/// Where numbers and table go; opened first, for an evaluation may take an hour.
+/// The output files for numbers and table. They are opened first, since an evaluation may take an
+/// hour.
 struct Destination {
   std::optional<files::OutputFile> json;
   std::optional<TableFile> table;
@@ -81,7 +82,7 @@ struct Destination {
   }
 };
 
-/// The other table: of control.
+/// Makes the table of control (--closed-loop).
 void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
   ClosedLoopOptions options;
   options.units = a.options.units;

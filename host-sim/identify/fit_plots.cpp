@@ -10,7 +10,7 @@
 namespace smaservo::identify {
 namespace {
 
-/// Seconds at every comparison; of settled states their number.
+/// The time of every comparison in seconds; of settled states, their number.
 std::vector<double> places(const Run& run) {
   const FitRun fit = thin_run(run);
   std::vector<double> all;

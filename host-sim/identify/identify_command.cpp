@@ -28,7 +28,7 @@ struct IdentifyArguments {
   std::optional<double> stress_MPa, load_N;
 };
 
-/// What Ctrl-C has asked for. A second one ends the program at once.
+/// Turns the first Ctrl-C into a request to stop; a second one ends the program at once.
 class Interrupt {
  public:
   Interrupt() {
@@ -51,7 +51,7 @@ class Interrupt {
   struct sigaction before_{};
 };
 
-/// Where the fit is, as a line on the terminal.
+/// Shows the progress of the fit as a line on the terminal.
 class FitStatus {
  public:
   ~FitStatus() { clear(); }
@@ -146,7 +146,7 @@ void run(const IdentifyArguments& a) {
   }
   fmt::print(a.report == "-" ? stderr : stdout, "{}", a.json ? fit_json(all) : fit_summary(all));
   if (all.fit.interrupted) {
-    // The shell, and a script in it, see what ended the program.
+    // The program ends by the signal itself, so that a shell or script sees it was interrupted.
     std::fflush(stdout);
     std::raise(SIGINT);
   }

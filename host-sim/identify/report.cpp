@@ -129,7 +129,7 @@ std::string correlations_text(const FitResult& fit) {
   return text;
 }
 
-/// What the numbers of the runs are.
+/// The units of the table of the runs.
 std::string unit_of_errors(const Identification& all) {
   return fmt::format(
       "strain, also by classic functions, in % of the {:g} % stroke; resistance in %",

@@ -27,7 +27,7 @@ struct PlanArguments {
   int threads = 0;  ///< 0: as many as cores
 };
 
-/// What all outputs are made of.
+/// The content of all outputs.
 struct Planned {
   const PlanArguments& arguments;
   Wire<double> wire;

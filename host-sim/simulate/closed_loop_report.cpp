@@ -28,7 +28,7 @@ std::string data_block(const std::vector<LoopPoint>& points) {
   return text + "EOD\n";
 }
 
-/// One line of a time table: a name and when it held.
+/// One line of the picture of states and faults: a name and the spans in which it held.
 struct Row {
   std::string name;
   const char* colour;

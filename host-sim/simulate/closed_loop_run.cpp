@@ -18,7 +18,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double estimate_settles_s = 1;
 
-/// The length that is asked for, as a strain; NaN in modes that do not control it.
+/// The set-point as a strain; NaN in modes that do not control the length.
 double wanted_strain(const Settings<double>& settings, Mode mode, double value) {
   if (mode == Mode::strain) {
     return value;
@@ -28,7 +28,7 @@ double wanted_strain(const Settings<double>& settings, Mode mode, double value) 
              : nan;
 }
 
-/// What a mode controls, as the device measures it.
+/// The variable that a mode controls, as the device measures it.
 double controlled(const text::Cycle& cycle) {
   const Sample<double>& sample = cycle.inputs.sample;
   switch (cycle.output.mode) {
@@ -52,7 +52,7 @@ double controlled(const text::Cycle& cycle) {
   return nan;
 }
 
-/// Writes down what a report shows.
+/// Collects what a report shows.
 class Recorder {
  public:
   Recorder(const bench::ClosedLoopScenario& scenario, LoopRecord& record)

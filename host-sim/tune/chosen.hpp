@@ -1,5 +1,5 @@
 #pragma once
-// What a proposal sets, by the parameters' paths.
+// The keys that a proposal sets, with their reasons.
 
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 namespace smaservo::tune {
 
 struct Chosen {
-  const char* table;  ///< of the file: "strain"
-  const char* key;    ///< in it: "dead_band"
+  const char* table;  ///< of the settings file: "strain"
+  const char* key;    ///< in that table: "dead_band"
   double value;
   const char* why;
 

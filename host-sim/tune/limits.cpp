@@ -36,8 +36,9 @@ double hottest_loss_W(const TuneTask& task, const Branches& b) {
   return params.body.loss_W(b.hottest_K - task.plant.ambient_K);
 }
 
-/// The end of the stroke, and what lets a wire be held at 90 % of it in the greatest draught: the
-/// device gives no more power for long than its file's wire takes at the limit, times the margin.
+/// The temperature at the end of the stroke, or the higher one with which a wire can be held at 90
+/// % of it in the greatest draught: the device gives no more power for long than the file's wire
+/// takes at the limit, times the margin.
 double max_estimate_K(const TuneTask& task, const Branches& b, double loss_margin) {
   const LumpedModel::Params params = lumped_params(task.plant);
   double contracted_K = 0;

@@ -58,7 +58,7 @@ void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
   }
 }
 
-/// The wire as the file of settings finds it.
+/// The name by which the settings file refers to the wire.
 std::string based_on(const TuneArguments& a) {
   if (!a.settings.empty() || !a.wire.ends_with(".toml")) {
     return a.settings.empty() ? a.wire : "";

@@ -10,7 +10,8 @@
 namespace smaservo::can {
 namespace {
 
-/// A queue that is full empties within some frames' time, unless nobody acknowledges them.
+/// Attempts, a millisecond apart, to put a frame into a full queue. The queue empties within the
+/// time of a few frames unless no node acknowledges them.
 constexpr int queue_tries = 200;
 
 hal::LinuxCan opened(const std::string& name) {

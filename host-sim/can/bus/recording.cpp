@@ -86,7 +86,7 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
     set(remote, fmt::format("recorder.channel_{}", i + 1), sub);
   }
   set_trigger(remote, plan.trigger);
-  // How many rows it holds is known once it has been armed.
+  // The recorder tells its capacity only after it has been armed.
   set(remote, "recorder.divisor", 1);
   set(remote, "recorder.pretrigger", 0);
   try {
@@ -112,7 +112,8 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
   std::int64_t triggered_us = 0;
-  // A large memory need not be filled. A loop that misses cycles takes longer for as many rows.
+  // The recording is complete with this many rows, even if the memory holds more. A loop that
+  // misses cycles takes longer to collect them.
   const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
   const std::int64_t longest_us = 10 * after_us + 5'000'000;
   for (;;) {
@@ -148,7 +149,7 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
     }
     recording.rows.push_back(std::move(row));
   }
-  // Some more came until it was stopped.
+  // Rows that came between the end of the requested time and the stop are dropped.
   const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
   if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
   return recording;
@@ -168,7 +169,7 @@ std::string to_csv(const Recording& recording) {
 
 namespace {
 
-/// A missing value is none; all of the text has to be a number.
+/// An empty field is NaN. Otherwise the whole text must be a number.
 double field_number(const std::string& text, const std::string& path, unsigned line) {
   if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
   double number = 0;
@@ -193,7 +194,7 @@ Recording load_recording(const std::string& path) {
   for (std::string name; std::getline(header, name, ',');) recording.signals.push_back(name);
   double last_s = 0;
   for (unsigned number = 2; std::getline(in, line); ++number) {
-    // A missing value at the end of a line.
+    // The additional comma keeps a last field that is empty.
     std::istringstream fields(line + ",");
     std::vector<double> row;
     for (std::string field; std::getline(fields, field, ',');) {

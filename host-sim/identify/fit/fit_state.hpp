@@ -47,7 +47,7 @@ class Fit {
   RunCost run_cost(std::size_t run) const {
     return {*problem_, runs_[run], circumstances_[run], weights_[run]};
   }
-  /// What a run's cost depends on.
+  /// The deviations that a run's cost depends on.
   std::vector<double> deviations(std::size_t run) const;
   std::vector<Active> active(const Runs& which, const Chosen& chosen);
   AllRunsCost all_runs_cost(const Runs& which, const std::vector<Active>& active) const;

@@ -24,7 +24,7 @@ enum class Form : unsigned char {
 struct FitParameter {
   std::string key;
   std::string unit;  ///< of value and sd in messages; empty for a number
-  double scale;      ///< SI by this unit
+  double scale;      ///< the unit in SI
   Form form;
   double prior;  ///< SI
   double sd;     ///< of the prior, in SI; relative for a factor, in logits for a share
@@ -44,7 +44,7 @@ struct FitParameter {
   }
 };
 
-/// What may be fitted besides the parameters that every wire has.
+/// What a fit may change besides the parameters that every wire has.
 struct FitVariant {
   bool separate_r2a = false;  ///< R-phase to austenite has a surface of its own
   bool separate_r2m = false;

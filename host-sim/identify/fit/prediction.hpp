@@ -1,5 +1,5 @@
 #pragma once
-// What the model says about a measured run: strain and resistance at the points that a fit
+// The model's prediction of a measured run: strain and resistance at the points that a fit
 // compares. Templated on the scalar, so that automatic differentiation runs through the same model
 // as the observer.
 
@@ -52,10 +52,10 @@ struct Circumstances {
 template <class T>
 struct CircuitGuess {
   T lead_ohm;   ///< in series with the wire between the sense leads
-  T load_gain;  ///< reading by truth
+  T load_gain;  ///< reading divided by true load
 };
 
-/// All that a prediction rests on.
+/// Everything that a prediction depends on.
 template <class T>
 struct Assumed {
   Wire<T> wire;
@@ -135,7 +135,7 @@ void predict_calorimetry(const FitRun& run, const typename Plant<ThreePhase<T>>:
 
 }  // namespace detail
 
-/// What a step does to the wire, as far as it is assumed.
+/// The input of the plant in each step, by what is assumed of circuit, load cell and air.
 template <class T>
 struct Acting {
   const FitRun& run;
@@ -158,8 +158,8 @@ typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& a
   return plant;
 }
 
-/// Fills `predicted`, one for each comparison. `plain` is what is assumed without derivatives. A
-/// run starts at rest, as cooled to where it begins.
+/// Fills `predicted` with an element for each comparison. `plain` has the values of `assumed`,
+/// without derivatives. A run starts from a wire that was cooled to its first temperature.
 template <class T>
 void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>& plain,
              std::vector<Predicted<T>>& predicted) {

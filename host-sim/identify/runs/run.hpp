@@ -1,6 +1,6 @@
 #pragma once
-// Measured runs of a wire, as its parameters are fitted to them: a trace with all its rows, in SI,
-// checked for what would make a fit wrong without anybody noticing.
+// Measured runs of a wire, to which its parameters are fitted. A run is a whole trace in SI,
+// checked for mistakes that would make a fit wrong unnoticed.
 
 #include <optional>
 #include <string>
@@ -24,7 +24,7 @@ enum class RunKind : unsigned char { bath, joule, settled, calorimetry };
 
 std::string_view name_of(RunKind kind);
 
-/// Vectors have one element for each row, or none where the run does not tell.
+/// Vectors have one element for each row, or none where the run lacks the quantity.
 struct Run {
   std::string name;  ///< the file
   RunKind kind;

@@ -32,7 +32,8 @@ Values known(const Values& values) {
   return some;
 }
 
-/// Between the hundredths at both ends, so that a few wild rows do not count as motion.
+/// The range without the lowest and the highest hundredth, so that a few wild rows do not count as
+/// motion.
 struct Range {
   double low, middle, high;
 };
@@ -161,13 +162,13 @@ bool is_long(const Stretch& stretch, std::size_t rows) {
   return stretch.count >= 5 && 10 * stretch.all > rows;
 }
 
-/// The rows of a stretch in another column, without those where it begins and ends.
+/// Another column's values in the rows of a stretch, without its first and last rows.
 std::span<const double> beside(const Values& values, const Stretch& stretch) {
   const std::size_t edge = std::max<std::size_t>(1, stretch.count / 10);
   return std::span(values).subspan(stretch.first + edge, stretch.count - 2 * edge);
 }
 
-/// How far the means of its thirds lie apart, since noise is no change.
+/// The span of the means of its three thirds, since noise is no change.
 double change(std::span<const double> values) {
   Values means;
   for (std::size_t third = 0; third < 3; ++third) {
@@ -196,9 +197,9 @@ double step_of(const Values& values) {
   return step;
 }
 
-/// What comes to rest slows down first, and what leaves it gathers speed: the rows beside the
-/// stretch differ by no more than one step of the converter, or by much more from row to row. A
-/// clipped column comes and goes at a steady slope.
+/// A quantity that comes to rest slows down first, and gathers speed when it leaves: the rows
+/// beside the stretch differ by no more than one step of the converter, or by much more from row to
+/// row. A clipped column comes and goes at a steady slope.
 bool breaks_off(const Values& values, const Stretch& stretch) {
   const double min = 1.5 * step_of(values);
   const auto steady = [&](double first, double second, double third) {
@@ -226,8 +227,8 @@ bool is_noisy_elsewhere(const Values& values, const Stretch& stretch) {
          span_of(values) > 1000 * step_of(values);
 }
 
-/// Current and voltage are also set, and then held exactly. But what a wire's resistance makes of
-/// it stays within 40 %, so while one is held the other cannot go further.
+/// A source may hold current or voltage exactly, which is no clipping. The resistance of a wire
+/// stays within 40 %, so the other quantity then changes by no more than that.
 void check_converters(const Run& run) {
   const auto check = [&](const Values& held_values, const Values& others, const char* name) {
     if (held_values.empty() || others.empty()) {

@@ -74,7 +74,7 @@ std::string heading(const Comparison& comparison) {
 
 using Json = nlohmann::ordered_json;
 
-/// Without numbers where there is nothing.
+/// An empty object where there is no error.
 Json error_json(const replay::ErrorStatistics& error) {
   Json json{{"rows", error.count()}};
   if (error.count() > 0) {
@@ -85,7 +85,7 @@ Json error_json(const replay::ErrorStatistics& error) {
   return json;
 }
 
-/// In HTML with the mean of each test at the end.
+/// HTML has the mean of each test at the end.
 files::TextTable table_of(const Comparison& comparison, bool with_tests) {
   std::vector<files::TextTable::Column> columns{{"system"},
                                                 {"mean", "{:.2f}"},

@@ -14,7 +14,7 @@ namespace {
 using Ihyp = ThreePhase<double>;
 using Relays = papers::Preisach<double>;
 
-/// A run in its identification: at most so many rows, evenly.
+/// The most rows of a run that its identification uses; longer runs are thinned evenly.
 constexpr std::size_t max_rows = 4000;
 
 fits::PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {

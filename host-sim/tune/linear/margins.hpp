@@ -25,7 +25,7 @@ struct Margins {
 /// some 40 for each crossing.
 Margins margins(const OpenLoop& loop, double low_rad_s, double high_rad_s);
 
-/// What is asked of every loop, for every wire of the uncertainty and in each of its states.
+/// The margins that every loop must have with every uncertain wire and in each of its states.
 struct AskedMargins {
   double gain = 2;  ///< 6 dB
   double phase_rad = 0.25 * std::numbers::pi;

@@ -119,7 +119,7 @@ struct OverStress {
   const char* name;
   const char* colour;
   const char* look;  ///< of the line
-  double max_MPa;    ///< up to which levels know it
+  double max_MPa;    ///< up to which single levels determine it
   std::function<double(const Wire<double>&, double stress_Pa)> of;
 };
 

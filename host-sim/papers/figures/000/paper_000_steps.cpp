@@ -37,7 +37,7 @@ std::vector<double> smoothed(const CalorimetryRun& run) {
   return means;
 }
 
-/// Where a rising or falling column passes a value, in between two rows.
+/// The interpolated place at which a rising or falling column passes a value.
 double where(const std::vector<double>& column, const std::vector<double>& at, std::size_t from,
              std::size_t to, double value) {
   for (std::size_t i = from; i < to; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// What paper 001 drives its actuator with, and what ours answers.
+// The voltage that drives the actuator of paper 001, and the response of the model.
 
 #include <vector>
 
