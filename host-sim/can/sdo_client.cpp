@@ -95,7 +95,7 @@ void SdoClient::silent(Key key) const {
 void SdoClient::refused(Key key, std::uint32_t code) const {
   const std::string_view text = text::abort_text(code);
   throw SdoError(fmt::format("node {}: {}: refused: {} (abort {:08X}h)", node_, key_text(key),
-                             text.empty() ? "for a reason of its own" : text, code),
+                             text.empty() ? "unknown reason" : text, code),
                  code);
 }
 

@@ -195,7 +195,7 @@ files::TextTable figures_of(const std::vector<StepRun>& runs,
 }  // namespace
 
 StepRun run_step(Remote& remote, const StepPlan& plan) {
-  if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must be other than 0");
+  if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must not be 0");
   // The recorder's memory is full at the end of the step back or soon after.
   const RecordingPlan recorded{
       {"setpoint", "position_m", "temperature_K", "current_A"}, 2 * plan.seconds + before_s, 0, ""};
@@ -268,7 +268,7 @@ void write_step_report(const std::string& path, const std::vector<StepRun>& runs
     currents.push_back(curve(5));
   }
   const std::vector<report::Plot> plots{
-      {"Contraction", "The newest in blue, the runs before in grey.", false,
+      {"Contraction", "The newest run in blue, earlier ones in grey.", false,
        report::draw({960, 380, "time / s", "contraction / um"}, data, "", positions)},
       {"Temperature", "As the device estimates it.", true,
        report::draw({480, 300, "time / s", "temperature / degC"}, data, "", temperatures)},

@@ -129,8 +129,8 @@ class RunDrawing {
   }
 
   report::Plot loop() const {
-    return plot(fmt::format("{}: strain over resistance", name_), "What an observer makes use of.",
-                "resistance in Ω", "strain in %", true, "",
+    return plot(fmt::format("{}: strain over resistance", name_),
+                "The relation that an observer uses.", "resistance in Ω", "strain in %", true, "",
                 {"$data using 6:3 with lines lc rgb reference lw 2.5 title 'measured'",
                  "$data using 7:4 with lines lc rgb estimate title 'model'"});
   }

@@ -51,8 +51,7 @@ void check_valid(const files::WireDescription& wire) {
   try {
     files::parse_wire(files::to_toml(wire), wire.name);
   } catch (const files::ConfigError& error) {
-    throw files::UserError(
-        fmt::format("the runs lead to a wire that can not be: {}", error.what()));
+    throw files::UserError(fmt::format("the runs lead to an impossible wire: {}", error.what()));
   }
 }
 

@@ -145,8 +145,8 @@ std::string parameters_html(const FitResult& fit) {
                fitted.determined() ? "" : "not determined"});
   }
   return "<h2>Parameters</h2>\n" + table.html() +
-         "<p class=\"caption\">± one standard deviation. Not determined: the runs narrow it to no "
-         "less than half of what was believed before.</p>\n";
+         "<p class=\"caption\">± one standard deviation. Not determined: the runs leave more than "
+         "half of the deviation that was assumed before.</p>\n";
 }
 
 using Json = nlohmann::ordered_json;
@@ -227,7 +227,7 @@ std::string fit_summary(const Identification& all) {
   }
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {
-    text += "known together rather than each by itself:\n" + correlations;
+    text += "strongly correlated, known in combination rather than singly:\n" + correlations;
   }
   return text;
 }
@@ -279,7 +279,8 @@ void write_fit_report(const std::string& path, const Identification& all) {
   html += parameters_html(all.fit);
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {
-    html += report::listing_html("Known together rather than each by itself", correlations);
+    html += report::listing_html("Strongly correlated, known in combination rather than singly",
+                                 correlations);
   }
   html += report::listing_html("Wire", files::to_toml(all.wire));
   report::write_html(path, all.wire.name, html);

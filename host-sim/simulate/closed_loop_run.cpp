@@ -227,8 +227,8 @@ std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResu
                                  scenario.name, result.steps, result.duration_s,
                                  result.duration_s / result.elapsed_s, scenario.note);
   text += fmt::format(
-      "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, estimate at "
-      "most {:.1f} % of the stroke off\n",
+      "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, greatest "
+      "error of the estimate {:.1f} % of the stroke\n",
       result.max_hottest_K - zero_degC_K, result.max_hottest_s, 1e3 * result.max_current_A,
       100 * result.max_estimate_error / scenario.settings.wire.nominal_stroke);
   for (const auto& [fault, time_s] : result.faults) {

@@ -93,7 +93,7 @@ void require_motion(const TuneTask& task, const Branches& b) {
       count(Motion::cooling) < 5) {
     throw files::UserError(fmt::format(
         "in air of {:.4g} °C under {:.4g} MPa: the wire contracts by {:.2g} % up to {:.4g} °C and "
-        "stretches again over {} of 9 parts of it; it needs colder air or another load",
+        "stretches again over only {} of 9 parts of it; use colder air or another load",
         task.plant.ambient_K - zero_degC_K, 1e-6 * task.plant.load.low_Pa, 100 * b.stroke(),
         b.hottest_K - zero_degC_K, count(Motion::cooling)));
   }
@@ -111,8 +111,8 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   const double current_A = std::min(wanted_A, task.max_current_A);
   if (current_A < p.holding_A) {
     throw files::UserError(
-        fmt::format("--current-A {}: holding this wire short in a draught needs {:.3g} A; must be "
-                    "at least that",
+        fmt::format("--current-A {}: must be at least the {:.3g} A that hold this "
+                    "wire short in a draught",
                     task.max_current_A, p.holding_A));
   }
   Settings<double>& s = p.settings;

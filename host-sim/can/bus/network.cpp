@@ -44,7 +44,7 @@ void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found,
 
 std::string emergency_text(const hal::CanFrame& frame) {
   const auto code = static_cast<unsigned>(canopen::take_number(std::span(frame.data).first(2)));
-  if (code == 0) return "no error any more";
+  if (code == 0) return "no error left";
   const Fault fault = text::find_fault(fmt::format("{:04X}h", code));
   return fmt::format("{:04X}h{}", code,
                      fault == Fault::none ? "" : fmt::format(" {}", fault_name(fault)));
@@ -86,7 +86,7 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
 std::string frame_text(const hal::CanFrame& frame) {
   const std::string data = fmt::format("{:02X}", fmt::join(frame.payload(), " "));
   if (frame.extended || frame.remote) {
-    return fmt::format("{} {:X}h: no CANopen: {}", frame.remote ? "remote" : "extended", frame.id,
+    return fmt::format("{} {:X}h: not CANopen: {}", frame.remote ? "remote" : "extended", frame.id,
                        data);
   }
   const unsigned node = frame.id & 0x7FU;

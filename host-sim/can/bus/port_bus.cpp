@@ -36,8 +36,8 @@ void PortBus::send(const hal::CanFrame& frame) {
     poll(nullptr, 0, 1);
   }
   throw files::UserError(
-      fmt::format("{}: the queue stays full: nobody acknowledges frames; is the cable connected, "
-                  "terminated, and the bit rate the same everywhere?",
+      fmt::format("{}: the queue stays full: no node acknowledges frames; is the cable connected "
+                  "and terminated, and is the bit rate the same everywhere?",
                   name()));
 }
 

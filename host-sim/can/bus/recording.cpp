@@ -99,8 +99,8 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   set(remote, "recorder.command", 0);
   const double divisor = std::max(1.0, std::ceil(plan.seconds / (step_s * capacity) - 1e-6));
   if (divisor > 65535) {
-    throw files::UserError(
-        fmt::format("{} s are too long: at most {} s", plan.seconds, 65535 * step_s * capacity));
+    throw files::UserError(fmt::format("{} s: too long, must be at most {} s", plan.seconds,
+                                       65535 * step_s * capacity));
   }
   set(remote, "recorder.divisor", divisor);
   set(remote, "recorder.pretrigger", std::floor(plan.before_s / (step_s * divisor)));
@@ -175,7 +175,7 @@ double field_number(const std::string& text, const std::string& path, unsigned l
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw files::UserError(fmt::format("{}:{}: {}: is no number", path, line, text));
+    throw files::UserError(fmt::format("{}:{}: {}: is not a number", path, line, text));
   }
   return number;
 }
@@ -187,7 +187,7 @@ Recording load_recording(const std::string& path) {
   std::string line;
   if (!std::getline(in, line) || !line.starts_with("time_s,")) {
     throw files::UserError(
-        fmt::format("{}: is no recording: its first line must begin with time_s,", path));
+        fmt::format("{}: is not a recording: its first line must begin with time_s,", path));
   }
   Recording recording;
   std::istringstream header(line.substr(line.find(',') + 1));

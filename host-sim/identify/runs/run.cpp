@@ -53,7 +53,7 @@ RunKind kind_of(const Run& run, bool heated) {
   }
   if (run.temperature_K.empty()) {
     fail(run,
-         "says nothing of how warm the wire is; record temperature_degC in a bath, or current_A "
+         "does not tell the wire's temperature; record temperature_degC in a bath, or current_A "
          "and voltage_V (with time_s, unless each row is a settled state)");
   }
   return RunKind::bath;

@@ -118,7 +118,7 @@ void check_units(const Run& run, const Geometry<double>& geometry) {
   if (!known(run.resistance_ohm).empty() &&
       !(resistivity > min_resistivity_ohm_m && resistivity < max_resistivity_ohm_m)) {
     fail(run,
-         fmt::format("a resistance of {:.4g} ohm makes {:.3g} uohm_m of {:.4g} mm of {:.4g} um "
+         fmt::format("a resistance of {:.4g} ohm means {:.3g} uohm_m for {:.4g} mm of {:.4g} um "
                      "wire, NiTi has 0.5 to 1.5; check length, diameter and the units of "
                      "current and voltage",
                      ohm, 1e6 * resistivity, 1e3 * geometry.length_m, 1e6 * geometry.diameter_m));
@@ -240,7 +240,7 @@ void check_converters(const Run& run) {
     }
     const auto [min, max] = std::ranges::minmax(beside(others, stretch));
     if (max > 1.4 * std::max(min, 0.0)) {
-      fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the other one changes by "
+      fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the other changes by "
                             "more than a wire's resistance can; its converter is clipped, widen "
                             "its range",
                             name, stretch.value, stretch.count));
@@ -285,7 +285,7 @@ void check_clipped(const Run& run) {
                change(beside(other.values, stretch)) > 0.05 * span_of(other.values);
       });
       if (others_change && (breaks_off(values, stretch) || is_noisy_elsewhere(values, stretch))) {
-        fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the wire goes on; its "
+        fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the wire moves; its "
                               "converter is clipped or its sensor at a stop, widen its range",
                               columns[c].name, extreme, stretch.count));
       }

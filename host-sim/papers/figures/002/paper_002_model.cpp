@@ -71,7 +71,7 @@ std::string analytic_block(const fits::StrainResistanceFit& fit) {
   });
 }
 
-/// Slopes beside offsets.
+/// Two panels side by side: slopes and offsets.
 std::vector<report::Plot> coefficient_panels(const std::string& data, bool analytic) {
   struct Panel {
     const char* title;
@@ -207,9 +207,9 @@ std::vector<PaperFigure> model_figures(const fits::StrainResistanceFit& fit) {
                       std::back_inserter(all));
   };
   add(validation_run(shown_family, hal::ConstantLoad{stress_Pa(0.49)}), 12, 16, "0.49 N",
-      "Good but for the coldest martensite.");
+      "Good except for the coldest martensite.");
   add(validation_run(shown_family, hal::ConstantLoad{stress_Pa(0.98)}), 13, 17, "0.98 N",
-      "Good but for the coldest martensite.");
+      "Good except for the coldest martensite.");
   const identify::Run sprung = validation_run(shown_family, spring());
   add(sprung, 14, 18, "a spring", "The lines change while the wire moves.");
   add(with_constant_stress(sprung), 15, 19, "a spring, with a constant load assumed",
