@@ -38,7 +38,7 @@ RunFigures judge_errors(std::span<const JudgedRow> run, double stroke);
 double hold_drift_percent(std::span<const JudgedRow> run, double stroke, double ripple_begin_s,
                           double ripple_end_s);
 
-/// What became of a start in the middle of a motion.
+/// The figures of a start in the middle of a motion.
 struct StartFigures {
   /// Time of motion before the first half second in which the error is within 6 % throughout;
   /// infinite when there is none. The wire moves when its strain changes by more than 2 % of the

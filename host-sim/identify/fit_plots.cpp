@@ -90,7 +90,7 @@ class RunDrawing {
  private:
   static constexpr const char* residual_label = "model - measured in % of the stroke";
 
-  /// What the fit assumes of this run alone.
+  /// The fitted parameters of this run alone, in words.
   std::string circumstances() const {
     const Circumstances<double>& c = run_.circumstances;
     std::string text;

@@ -21,7 +21,7 @@ std::size_t rows_of(const FittedRun& run) {
   return std::max({run.strain.count, run.resistance.count, run.power.count});
 }
 
-/// What was read and how the fit went, in one line.
+/// One line: files, runs, iterations, time.
 std::string heading(const Identification& all) {
   return fmt::format("{} from {} and {} run{}, {} iterations, {:.1f} s{}", all.out, all.from,
                      all.runs.size(), all.runs.size() == 1 ? "" : "s", all.fit.iterations,
@@ -69,7 +69,7 @@ std::vector<std::string> undetermined(const FitResult& fit) {
   return lines;
 }
 
-/// With the classic functions where a run has some.
+/// The errors of each run, with columns for the classic functions when a run has them.
 files::TextTable runs_table(const Identification& all) {
   std::vector<files::TextTable::Column> columns{{"run"},
                                                 {"kind"},

@@ -159,7 +159,8 @@ class Expectation {
   double dt_s_;
   identify::FitVariant variant_;
   identify::FitProblem problem_;
-  /// As a fit's, with a measured ambient temperature; the load cell and the leads are known.
+  /// The run's own parameters as a fit has them, with a measured ambient temperature. Load cell and
+  /// leads are known.
   identify::CircumstanceParameters circumstances_{
       {{"ambient", "degC", 1, identify::Form::sum, ambient_K, 0.5},
        {"loss", "", 1, identify::Form::factor, 1, 0.05},

@@ -30,7 +30,7 @@ struct PlanOptions {
 struct PlannedRun {
   double stress_Pa;
   std::vector<double> current_A;  ///< during the step
-  // What the wire's own model makes of it at the end of the step:
+  // The state that the wire's own model predicts for the end of the step:
   std::vector<double> temperature_K, strain;
 };
 

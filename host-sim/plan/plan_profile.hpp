@@ -9,8 +9,8 @@
 
 namespace smaservo::plan {
 
-/// What a run consists of, one part after the other. Levels go from 0, the least current, to 1, the
-/// greatest, and are proportional to the power.
+/// The parts of a run, one after the other. Levels are proportional to the power, from 0 at the
+/// least current to 1 at the greatest.
 struct Recipe {
   std::array<double, 4> shares{1, 0, 0, 0};  ///< of the time: full cycles, stairs, loops, random
   int cycles = 1;

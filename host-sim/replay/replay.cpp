@@ -54,7 +54,7 @@ class Reference {
   double zero_ = nan;
 };
 
-/// Where the estimates of a run go: file, statistics, plots.
+/// Takes the estimates of a run to the file, the statistics and the plots.
 class Sink {
  public:
   Sink(const ReplayOptions& options, const hal::TraceReader& trace, ReplayResult& result)

@@ -15,7 +15,7 @@
 
 namespace smaservo::simulate {
 
-/// What the plots of a closed loop show, in the units of their axes. NaN leaves a gap.
+/// One point of a closed loop's plots, in the units of their axes. NaN leaves a gap.
 struct LoopPoint {
   double time_s;
   double setpoint_percent, reference_percent, strain_percent, estimate_percent;
@@ -28,7 +28,7 @@ struct LoopPoint {
 /// Spans of time, as from and to.
 using Spans = std::vector<std::pair<double, double>>;
 
-/// What a report shows of a run.
+/// The part of a run that a report shows.
 struct LoopRecord {
   report::SeriesOf<LoopPoint, &LoopPoint::strain_percent> series;
   std::map<LimitReason, Spans> limits;

@@ -17,10 +17,10 @@ struct Chosen {
   std::string path() const { return std::string(table) + "." + key; }
 };
 
-/// In the order of a settings file. Loops that are not possible are left out.
+/// The chosen keys in the order of a settings file, without those of loops that are not possible.
 std::vector<Chosen> chosen_settings(const Settings<double>& settings, bool resistance, bool force);
 
-/// As part of a settings file.
+/// The keys as part of a settings file, with their reasons as comments.
 std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& heading);
 
 }  // namespace smaservo::tune

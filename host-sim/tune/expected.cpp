@@ -14,7 +14,7 @@ constexpr double contraction[] = {0.5, 0.85, 0.4, 0.15};
 constexpr std::size_t step_count = std::size(contraction);
 constexpr double settled = 0.02;  ///< of the nominal stroke
 
-/// When the set-points change.
+/// The times at which the device is armed and the set-points change.
 struct Plan {
   std::size_t arms;   ///< ticks until the device is to run
   std::size_t first;  ///< ticks until the first step, when it has armed

@@ -16,7 +16,7 @@ void require_motion(const TuneTask& task, const Branches& branches);
 /// current does not suffice.
 void choose_limits(const TuneTask& task, Proposal& p);
 
-/// Three deviations of the resistance at the current that holds the wire.
+/// Three standard deviations of the measured resistance, at the current that holds the wire.
 double resistance_dead_band_ohm(const Proposal& p);
 
 /// Of the strain: three standard deviations of the estimate due to the sensors' noise, and at least

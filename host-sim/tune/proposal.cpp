@@ -20,12 +20,13 @@ namespace {
 /// No loop is faster than this many periods. It is then slow compared with what its model lacks,
 /// such as the front end's filters and the wire's cold ends.
 constexpr double loop_periods = 10;
-/// A state answers where its slope is at least this share of the branch's greatest.
+/// A variable answers to heat in a state where its slope is at least this share of its maximum over
+/// the states.
 constexpr double min_slope = 0.25;
 /// The resistance's noise may move the power by this share of what holds the wire.
 constexpr double noise_share = 0.1;
 constexpr int law_stops = 49;
-/// With an integral: 60° of phase, so that a step does not swing.
+/// The margins of a loop with an integral: 60° of phase, so that a step does not swing.
 constexpr AskedMargins damped{2, std::numbers::pi / 3, 2};
 
 /// Slope of the controlled variable over temperature, positive where it moves the way that its loop

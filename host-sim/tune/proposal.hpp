@@ -51,8 +51,9 @@ struct TuneTask {
   std::uint64_t seed = 1;
 };
 
-/// With the least dead band of the strain that makes sense. Throws UserError where the wire does
-/// not move at this load and ambient temperature, or where the current does not suffice to hold it.
+/// Proposes settings, with the smallest useful dead band of the strain. Throws UserError when the
+/// wire does not move at this load and ambient temperature, or when the current does not suffice to
+/// hold it.
 Proposal propose(const TuneTask& task);
 
 /// The device's settings for this wire with none of its gains; `current_A` is its limit.

@@ -10,7 +10,7 @@
 namespace smaservo::tune {
 namespace {
 
-/// Of the uncertain wires that close the loop in time.
+/// Number of uncertain wires on which the steps are simulated.
 constexpr int expected_members = 12;
 
 /// The smallest dead band with which the fewest wires are restless.

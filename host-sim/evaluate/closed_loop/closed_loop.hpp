@@ -33,7 +33,7 @@ enum class LoopRow : unsigned char {
 };
 inline constexpr std::array closed_loop_rows{LoopRow::weights, LoopRow::spring, LoopRow::light};
 
-/// What one controller did in one row. Errors in per cent of the nominal stroke.
+/// The figures of one controller in one row. Errors are in per cent of the nominal stroke.
 struct LoopFigures {
   replay::ErrorStatistics error;             ///< at the end of each step
   std::vector<double> heating_s, cooling_s;  ///< sorted; infinite where a step never settled

@@ -58,7 +58,7 @@ struct FittedRun {
                             ///< measured one
   FitQuality power;         ///< calorimetry, in shares of the greatest heat flow
   Circumstances<double> circumstances;
-  // Of every comparison, for plots and tables; NaN where there is none.
+  // One element for every comparison, for plots and tables; NaN: not compared.
   std::vector<double> temperature_K;  ///< measured, or else as the fit has it
   std::vector<double> strain_measured, strain_model;
   std::vector<double> resistance_measured, resistance_model, resistance_given_strain;

@@ -1,5 +1,5 @@
-// Where a fit starts: paper 000's stages, transitions at zero stress, then level by level of
-// stress, then what the stress does.
+// The start of a fit, in paper 000's stages: transitions at zero stress, then each level of stress,
+// then the dependence on stress.
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -58,7 +58,7 @@ class Fit {
   }
   double cost(const Runs& which);
   void try_variants();
-  /// From coarse steps to fine ones.
+  /// Replaces the coarsely thinned runs by finely thinned ones.
   void refine();
 
   // fit_start.cpp

@@ -1,8 +1,8 @@
 #pragma once
-// What a fit may change about a wire, described once: name, size of a usual deviation, and how the
-// wire follows from it. Every parameter is a deviation u from the wire that the fit starts from, in
-// units of its prior standard deviation, so the prior is u = 0 ± 1. What must be positive stays so;
-// the narrower limits of a wire file are checked when it is written.
+// The parameters of a wire that a fit may change. Each is described once: its name, its usual
+// deviation, and how the wire follows from it. Every parameter is a deviation u from the wire that
+// the fit starts from, in units of its prior standard deviation, so the prior is u = 0 ± 1. What
+// must be positive stays so; the narrower limits of a wire file are checked when it is written.
 
 #include <algorithm>
 #include <cmath>

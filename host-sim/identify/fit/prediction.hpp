@@ -20,14 +20,14 @@ namespace smaservo::identify {
 struct FitRun {
   std::string name;
   RunKind kind;
-  // Of every step:
+  // One element for every step:
   std::vector<double> dt_s;           ///< joule
   std::vector<double> power_W;        ///< joule and settled: mean of the step
   std::vector<double> current2_A2;    ///< mean square of the current, for the leads' share
   std::vector<double> stress_Pa;      ///< bath, joule, settled
   std::vector<double> temperature_K;  ///< bath, calorimetry
   double ambient_K = 298.15;          ///< joule, settled: first guess or measured
-  // Of every comparison:
+  // One element for every comparison:
   std::vector<std::size_t> after;  ///< step
   std::vector<double> strain;      ///< NaN where there is none
   std::vector<double> resistance_ohm;
@@ -37,7 +37,7 @@ struct FitRun {
   bool has_resistance = false;
 };
 
-/// What belongs to one run and not to the wire.
+/// The parameters that belong to one run and not to the wire.
 template <class T>
 struct Circumstances {
   T ambient_K;
@@ -48,7 +48,7 @@ struct Circumstances {
   T power_zero_W_kg;  ///< calorimetry
 };
 
-/// What the readings of all runs have in common.
+/// The parameters that the readings of all runs share.
 template <class T>
 struct CircuitGuess {
   T lead_ohm;   ///< in series with the wire between the sense leads

@@ -71,7 +71,7 @@ inline std::size_t valid(const std::vector<double>& column) {
 enum CircumstanceIndex { iAmbient, iLoss, iZero, iGain, iRate, iPowerZero, circumstance_count };
 enum CircuitIndex { iLead, iLoad, circuit_count };
 
-/// What all runs of a fit have in common.
+/// The part of the problem that all runs of a fit share.
 struct FitProblem {
   const Wire<double>& from;
   FitVariant variant;
@@ -79,7 +79,7 @@ struct FitProblem {
   std::array<FitParameter, circuit_count> circuit_parameters;
 };
 
-/// Of one run.
+/// The parameters that belong to one run.
 using CircumstanceParameters = std::array<FitParameter, circumstance_count>;
 
 /// The residuals of one run by the deviations `u`: the wire's, the circuit's, the run's own.

@@ -24,7 +24,7 @@ struct CompareArguments {
   std::optional<double> stress_MPa, load_N;
 };
 
-/// What is being identified, as a line on the terminal.
+/// Shows on a line of the terminal which system is being identified.
 class CompareStatus {
  public:
   ~CompareStatus() { show("\r\033[K"); }

@@ -125,7 +125,7 @@ std::string remarks_html(const Comparison& comparison) {
   return html + "</p>\n";
 }
 
-/// What the loops of a run are drawn over.
+/// The quantity over which the loops of a run are drawn.
 struct Abscissa {
   const char* label;
   std::vector<double> values;

@@ -12,7 +12,7 @@
 namespace smaservo::compare {
 namespace {
 
-/// Where a transformation of the wire begins and ends at a stress.
+/// The temperatures at which a transformation of the wire begins and ends at a stress.
 struct Span {
   double start_K, finish_K;
 };

@@ -38,7 +38,7 @@ System stress_strain_resistance(const std::vector<identify::Run>& runs);
 System duhem(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads);
 System liang_rogers(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads);
 
-/// What identify has found.
+/// The result of identify.
 struct IdentifiedWire {
   Wire<double> wire;
   int parameters;

@@ -25,7 +25,7 @@ struct LinearLoop {
 /// L(jω) = e^(-jωTd) G_h(jω) (y' H (law + PID) - λ^), G_h: the held G by kelvin.
 std::complex<double> open_loop(const LinearLoop& loop, double rad_s);
 
-/// At frequencies from far below the loop's to Nyquist.
+/// The margins of open_loop(), searched from far below the loop's frequency to Nyquist.
 Margins margins(const LinearLoop& loop);
 
 }  // namespace smaservo::tune

@@ -22,7 +22,7 @@ struct TunedLoad {
   }
 };
 
-/// What a tuned wire is, and what surrounds it.
+/// A wire, its load and its surroundings.
 struct TunedPlant {
   Wire<double> wire;
   TunedLoad load;
@@ -31,7 +31,7 @@ struct TunedPlant {
 };
 
 using LumpedModel = Plant<ThreePhase<double>>;
-/// With the draught in its loss.
+/// The plant's parameters, with the draught in the loss.
 LumpedModel::Params lumped_params(const TunedPlant& plant);
 
 /// One step of a wire with its load, which moves along without mass; its stress afterwards.

@@ -39,11 +39,11 @@ Oscillation relay_test(const RelayTask& task, RelayPlant plant);
 /// Frequency and gain that a linear loop would have in the same test, by its describing function.
 Oscillation expected_oscillation(const LinearLoop& loop, const RelayTask& task);
 
-/// A test half way on a branch, beside what its linearisation says.
+/// The result of a test half way on a branch, and the result that the linearisation predicts.
 struct RelayCheck {
   LoopName name;
   Motion motion;
-  const char* plant;  ///< "lumped", "24 segments"
+  const char* plant;  ///< "one body", "24 segments"
   Oscillation tested, expected;
 };
 
@@ -52,8 +52,9 @@ struct RelayCheck {
 /// time than the wire takes to stretch.
 std::vector<RelayCheck> relay_checks(const TuneTask& task, const Proposal& p);
 
-/// Both agree within this factor in frequency and in gain: a relay switches on ticks, of which the
-/// oscillation has some twenty, and the branch is not straight.
+/// Test and expectation agree when frequency and gain are within this factor. They differ because a
+/// relay switches on ticks, of which an oscillation has some twenty, and because the branch is not
+/// straight.
 inline constexpr double relay_factor = 1.3;
 bool agrees(const RelayCheck& check);
 

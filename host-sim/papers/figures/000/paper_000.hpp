@@ -57,10 +57,10 @@ identify::Run as_run(const CalorimetryRun& run);
 
 // The paper's three stages ('Parameterization method'); each takes a few seconds, once.
 
-/// What `identify` finds from the calorimetry, beginning with the preset.
+/// The fit of `identify` to the calorimetry, beginning with the preset.
 const identify::FitResult& fitted_without_stress();
 
-/// From one level of stress alone; the first is the one without stress.
+/// A fit to one level of stress alone; the first level is the one without stress.
 struct Level {
   double stress_MPa;
   Wire<double> wire;
@@ -72,7 +72,7 @@ inline constexpr double max_a2r_MPa = 100;
 /// so that errors would then add up from level to level.
 const std::vector<Level>& fitted_levels();
 
-/// From six levels at once, beginning with the one without stress.
+/// The fit to six levels at once, beginning with the fit without stress.
 const Wire<double>& fitted_model();
 
 /// How good a measure of the strain the resistance is (figure 20), over the strains that both
@@ -84,7 +84,7 @@ struct SelfSensing {
                      ///< of the strain's span
 };
 SelfSensing self_sensing(const BathRun& run);
-/// Of the whole wire, in ohm.
+/// The resistance of the whole wire in each row.
 std::vector<double> resistances_ohm(const BathRun& run);
 
 /// Figure 5: fit_classics() and fit_adaptable() of the same cycle.

@@ -127,7 +127,7 @@ SelfSensing self_sensing(const BathRun& run) {
 }
 
 std::vector<identify::ClassicFit> transformation_functions(const BathRun& run) {
-  // Without the row from where the wire comes: the fits know nothing of the past.
+  // The row with the wire's earlier temperature is left out, since the fits take no history.
   identify::Run cycle{};
   cycle.kind = identify::RunKind::bath;
   cycle.temperature_K = run.temperature_K;

@@ -21,7 +21,7 @@ std::vector<double> calibration_stresses_Pa();
 
 /// Two full cycles, then loops that heat and loops that cool incompletely (section 3.3), at 200 Hz.
 identify::Run calibration_run(hal::Family family, double stress_Pa);
-/// From runs at these loads.
+/// The estimator identified from runs at these loads.
 fits::StrainResistanceFit calibrate(hal::Family family);
 
 /// A spring: from 20 MPa on the long wire to 170 MPa on one that is 3 % shorter.

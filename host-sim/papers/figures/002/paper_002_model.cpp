@@ -20,7 +20,7 @@ struct Coefficients {
   double heating_slope, heating_offset, cooling_slope, cooling_offset;
 };
 
-/// In mm per ohm and mm.
+/// The coefficients of two lines, in mm per ohm and mm.
 Coefficients coefficients(const papers::ResistanceLine<double>& heating,
                           const papers::ResistanceLine<double>& cooling, double martensite_ohm) {
   return {displacement_mm(heating.slope) / martensite_ohm, displacement_mm(heating.offset),
