@@ -22,7 +22,10 @@ includes_upward() {
     }
     FNR == 1 {
       here = room(FILENAME)
-      if (here == "") printf "%s: is in no room of the picture in README.md\n", FILENAME
+      folders = split(FILENAME, part, "/") - 1
+      if (here == "" || folders > 1 && !(part[1] "/" part[2] in floor)) {
+        printf "%s: is in no room of the picture in README.md\n", FILENAME
+      }
     }
     /^#include "/ && here != "" {
       split($0, quoted, "\"")

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <sstream>
 
 #include "firmware/text/settings_file.hpp"
 #include "model/files/error.hpp"
@@ -43,10 +44,11 @@ TEST(BoardFile, CodesMeanWhatTheConvertersDataSheetSays) {
               293.15, 1e-9);
 }
 
-/// What is said of the reference board with one line changed.
-std::string refusal(const std::string& from, const std::string& to) {
+/// What is said of an example with one line changed.
+std::string refusal(const std::string& from, const std::string& to,
+                    const std::string& board = "/reference.toml") {
   const TemporaryFolder folder;
-  std::string text = file_text(boards() + "/reference.toml");
+  std::string text = file_text(boards() + board);
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
@@ -82,6 +84,41 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
     const std::string said = refusal(c.from, c.to);
     EXPECT_NE(said.find(c.says), std::string::npos) << c.to << ": " << said;
     EXPECT_NE(said.find("board.toml:"), std::string::npos) << said;
+  }
+}
+
+/// The words after `begin`, up to the end of the line, with commas between them.
+std::vector<std::string> listed_after(const std::string& text, const std::string& begin) {
+  const std::size_t at = text.find(begin);
+  EXPECT_NE(at, std::string::npos) << text;
+  std::istringstream rest(at == std::string::npos ? "" : text.substr(at + begin.size()));
+  std::vector<std::string> words;
+  for (std::string word; rest >> word;) {
+    words.push_back(word.substr(0, word.find(',')));
+  }
+  return words;
+}
+
+/// The types of front ends and output stages, and the keys of those that the examples have.
+TEST(BoardFile, TheReadmeHasEveryTypeAndKey) {
+  const std::string readme = file_text(SMASERVO_SOURCE_DIR "/firmware/daemon/README.md");
+  const auto check = [&](const std::string& said, const std::string& begin) {
+    const std::vector<std::string> words = listed_after(said, begin);
+    EXPECT_GE(words.size(), 2U) << said;
+    for (const std::string& word : words) {
+      EXPECT_NE(readme.find(word + '`'), std::string::npos)
+          << "firmware/daemon/README.md does not know " << word;
+    }
+  };
+  check(refusal("type = \"ads131m04\"", "type = \"\""), "must be one of: ");
+  check(refusal("type = \"spi-dac\"", "type = \"\""), "must be one of: ");
+  for (const auto& entry : std::filesystem::directory_iterator(boards())) {
+    for (const char* const table : {"[front_end]\n", "[drive]\n"}) {
+      if (entry.is_regular_file()) {
+        const std::string board = "/" + entry.path().filename().string();
+        check(refusal(table, table + std::string("no_key = 1\n"), board), "here may stand: ");
+      }
+    }
   }
 }
 
