@@ -12,7 +12,7 @@ namespace smaservo::evaluate {
 /// The device's settings for this wire, with which every run begins.
 Settings<double> loop_settings(const Wire<double>& wire);
 
-/// The surroundings of a unit, and how its sensors are off.
+/// The load and surroundings of a unit, and the errors of its sensors.
 struct LoopConditions {
   hal::Load load;
   double ambient_K = 298.15;
