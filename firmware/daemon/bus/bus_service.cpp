@@ -115,8 +115,8 @@ struct BusService::Parts {
     image_lost = !servo.start(image, now_us);
     if (image_lost) {
       fmt::print(stderr,
-                 "smaservod: {}: is damaged; the bus has its defaults, and the device can not be "
-                 "armed before they are stored (1010h) or restored (1011h)\n",
+                 "smaservod: {}: is damaged; the bus starts with its default settings, and the "
+                 "device can not be armed before they are stored (1010h) or restored (1011h)\n",
                  image_path());
     }
   }
@@ -249,7 +249,7 @@ void BusService::Parts::stored(const StoreResult& result) {
 
 std::string BusService::Parts::keep(const StoreJob& job) const {
   if (setup.folder.empty()) {
-    return "there is no folder to store in";
+    return "there is no folder to store in; give one with --settings";
   }
   using enum Request;
   std::string problem;
@@ -273,7 +273,7 @@ std::string BusService::Parts::keep(const StoreJob& job) const {
     case restore_communication:
       return remove_durably(image_path());
     default:
-      return "the service cannot do that";
+      return "the request is not supported";
   }
 }
 

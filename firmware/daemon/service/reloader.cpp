@@ -22,8 +22,8 @@ Settings<double> merged(const Settings<double>& before, const Reload& reload, bo
     } else if (row.get(reload.settings) != row.get(before)) {
       said.push_back(fmt::format("{}: {} is not changed: {}", reload.file, row.path.text(),
                                  row.change == Change::after_reset
-                                     ? "only with the next start"
-                                     : "not while the wire is heated"));
+                                     ? "it changes only at a start"
+                                     : "it does not change while the wire is heated"));
     }
   }
   return to;
@@ -34,10 +34,11 @@ Settings<double> merged(const Settings<double>& before, const Reload& reload, bo
 Reloaded reloaded(const Settings<double>& before, const Reload& reload, bool heated) {
   Reloaded result{};
   result.settings = merged(before, reload, heated, result.said);
-  const std::string problem = !check(result.settings).ok()
-                                  ? "together with what stays the settings contradict each other"
-                              : reload.problem ? reload.problem(result.settings)
-                                               : "";
+  const std::string problem =
+      !check(result.settings).ok()
+          ? "the settings contradict each other or those that can not change now"
+      : reload.problem ? reload.problem(result.settings)
+                       : "";
   if (!problem.empty()) {
     result.said.push_back(fmt::format("{}: nothing is changed: {}", reload.file, problem));
     return result;
@@ -53,7 +54,7 @@ Reloaded reloaded(const Settings<double>& before, const Reload& reload, bool hea
 void Reloader::reload() const {
   ReloadBox& box = desk_.reloads();
   if (setup_.file.empty()) {
-    box.say({"SIGHUP: there is no settings file to read anew"});
+    box.say({"SIGHUP: nothing is changed: no settings file was given (--device)"});
     return;
   }
   if (has_settings(setup_.folder)) {
@@ -81,7 +82,8 @@ void Reloader::apply(const Reload& reload) const {
   const std::uint32_t from = desk_.changes();
   Reloaded result = reloaded(desk_.settings(), reload, heated_.load());
   if (result.taken && !desk_.change(result.settings, from)) {
-    result.said = {fmt::format("{}: nothing is changed: too many changes at once", reload.file)};
+    result.said = {fmt::format(
+        "{}: nothing is changed: too many changes at once; send SIGHUP again", reload.file)};
   }
   desk_.reloads().say(result.said);
 }

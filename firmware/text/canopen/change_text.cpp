@@ -49,8 +49,8 @@ std::string tuning_text(const canopen::LoggedChange& change) {
     return fmt::format("tuning: {} {}", command, refusal_text(change.result));
   }
   if (change.source == Source::device) {
-    return change.value == 0 ? "tuning: the trial is over, all is as before"
-                             : "tuning: the client has gone, all is as before";
+    return change.value == 0 ? "tuning: the trial has ended, all is reverted"
+                             : "tuning: the client has gone, all is reverted";
   }
   return fmt::format("tuning: {}", command);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// How hot a wire gets at most in random scenarios, and what the device says of it.
+// The hottest point of the wire in random scenarios, and the faults that the device finds in them.
 
 #include <cstdint>
 #include <functional>
@@ -10,19 +10,19 @@
 
 namespace smaservo::evaluate {
 
-/// What the true hottest point may be above limits.temperature_K.
+/// The true hottest point may exceed limits.temperature_K by this much.
 inline constexpr double hottest_allowed_K = 3;
 
-/// One scenario's outcome, with what classes it.
+/// The outcome of one scenario, and the properties by which scenarios are classed.
 struct HottestRun {
   std::uint64_t seed;
   Mode mode;
   RandomAir air;
   RandomTrouble trouble;
   bool beyond;
-  double above_limit_K;  ///< true hottest point less limits.temperature_K, the highest
+  double above_limit_K;  ///< maximum of the true hottest point less limits.temperature_K
   double at_s;           ///< when
-  Fault first_cause;     ///< of the first trip; Fault::none
+  Fault first_cause;     ///< of the first trip; Fault::none: never
   double tripped_s;      ///< when; infinite: never
 
   bool violates() const { return above_limit_K > hottest_allowed_K; }
@@ -31,7 +31,8 @@ struct HottestRun {
     return !beyond && trouble == RandomTrouble::none &&
            (air == RandomAir::still || air == RandomAir::draught);
   }
-  /// What the current limit or a draught leaves out of reach ends with a following error.
+  /// A harmless scenario has tripped. A following error is no false alarm: the current limit or a
+  /// draught may put a set-point out of reach.
   bool false_alarm() const {
     return harmless() && first_cause != Fault::none && first_cause != Fault::following_error;
   }
@@ -46,7 +47,7 @@ std::vector<HottestRun> run_hottest(const std::vector<CalibratedUnit>& units, st
                                     int count, int threads,
                                     const std::function<void(std::size_t)>& done);
 
-/// Tables of Markdown: all of them, classes of them, those that violate, and what tripped.
+/// Tables in Markdown: all scenarios and their classes, the first trips, the violations.
 std::string hottest_markdown(const std::vector<HottestRun>& runs);
 
 }  // namespace smaservo::evaluate

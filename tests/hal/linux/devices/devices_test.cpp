@@ -271,7 +271,7 @@ TEST(Iio, SaysWhatIsNotThere) {
   EXPECT_NE(says(settings).find("has no scan element in_voltage9"), std::string::npos);
   tree.put("sys/bus/iio/devices/iio:device3/scan_elements/in_voltage0_type", "le:s24\n");
   settings.channels = {"in_voltage0"};
-  EXPECT_NE(says(settings).find("'le:s24' is no type"), std::string::npos);
+  EXPECT_NE(says(settings).find("'le:s24' is no scan type"), std::string::npos);
 }
 
 TEST(OutputStage, NothingButAPositiveNumberGivesACurrent) {
