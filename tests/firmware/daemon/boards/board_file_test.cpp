@@ -116,7 +116,7 @@ TEST(BoardFile, TheReadmeHasEveryTypeAndKey) {
     for (const char* const table : {"[front_end]\n", "[drive]\n"}) {
       if (entry.is_regular_file()) {
         const std::string board = "/" + entry.path().filename().string();
-        check(refusal(table, table + std::string("no_key = 1\n"), board), "here may stand: ");
+        check(refusal(table, table + std::string("no_key = 1\n"), board), "allowed: ");
       }
     }
   }
