@@ -32,13 +32,14 @@ std::string load_text(const TuneTask& task) {
                                         load.low_Pa * task.plant.wire.geometry.area_m2());
 }
 
-std::string heading(const Tuned& t) {
+/// Three lines, each behind a mark.
+std::string heading(const Tuned& t, std::string_view mark) {
   const Branches& b = t.proposal.branches;
   return fmt::format(
-      "{} under {} in air of {:.4g} °C\n"
-      "contracts by {:.2f} % up to {:.0f} °C, stretches again in {:.2g} s\n"
-      "holding takes up to {:.3g} A, the current limit {:.3g} V\n",
-      t.wire, load_text(t.task), t.task.plant.ambient_K - zero_degC_K, 100 * b.stroke(),
+      "{0}{1} under {2} in air of {3:.4g} °C\n"
+      "{0}contracts by {4:.2f} % up to {5:.0f} °C, stretches again in {6:.2g} s\n"
+      "{0}holding takes up to {7:.3g} A, the current limit {8:.3g} V\n",
+      mark, t.wire, load_text(t.task), t.task.plant.ambient_K - zero_degC_K, 100 * b.stroke(),
       b.hottest_K - zero_degC_K, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
 }
 
@@ -141,7 +142,7 @@ std::string tuned_text(const Tuned& t) {
   for (const std::string& warning : t.warnings) {
     warnings += fmt::format("warning: {}\n", warning);
   }
-  return heading(t) + warnings + '\n' + settings_text(t) + '\n' + margins_text(t) + '\n' +
+  return heading(t, "") + warnings + '\n' + settings_text(t) + '\n' + margins_text(t) + '\n' +
          relays(t).text() + '\n' + steps_text(t);
 }
 
@@ -184,7 +185,7 @@ std::string tuned_toml(const Tuned& t) {
           ? "# [wire] based_on: the wire was changed with --set; name a file of it.\n"
           : fmt::format("\n[wire]\nbased_on = {}\n", files::quoted(t.based_on));
   return chosen_toml(t.chosen,
-                     fmt::format("# Proposed by host-sim tune.\n# {}{}", heading(t), wire));
+                     fmt::format("# Proposed by host-sim tune.\n{}{}", heading(t, "# "), wire));
 }
 
 }  // namespace smaservo::tune
