@@ -29,7 +29,7 @@ printf '\n[ceilings]\ncurrent_mA = 420\n' >>board.toml
   kill -HUP "$(cat /tmp/daemon)"
 ) &
 servo 3
-expect 'what SIGHUP is told' "$(grep -c 'nothing is changed: limits.current_A = 0.44: .*ceiling is 0.42' /tmp/daemon.log)" 1
+expect 'what SIGHUP is told' "$(grep -c 'nothing is changed: limits.current_A = 0.44: .*ceiling, 0.42' /tmp/daemon.log)" 1
 expect 'the daemon ends well' "$daemon_code" 0
 cp /tmp/board.toml /tmp/device.toml .
 
