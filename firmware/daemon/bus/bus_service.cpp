@@ -37,7 +37,7 @@ constexpr std::size_t recorder_values = 65536;
 /// image.
 Image read_image(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  Image image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const Image image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   std::error_code unknown;
   const bool is_missing = !file.is_open() && !std::filesystem::exists(path, unknown) && !unknown;
   return image.empty() && !is_missing ? Image(1) : image;

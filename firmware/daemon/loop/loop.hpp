@@ -159,10 +159,11 @@ void Loop<B, Pacing>::adopt_sets(Command<double>& command) {
   ParameterSet* set = nullptr;
   const bool is_off = !is_heated(now_.cycle.output.state);
   if (links_.new_sets.pop(set)) {
-    ParameterSet* const out = device_.adopt(set, !is_off && command.arm);
-    now_.set = out == set ? 0 : number_of(*set);
+    const ParameterSet* const asked = set;
+    set = device_.adopt(set, !is_off && command.arm);
+    now_.set = set == asked ? 0 : number_of(*asked);
     // There is room: the ring holds more sets than can be under way.
-    links_.old_sets.push(out);
+    links_.old_sets.push(set);
   }
   const bool was_asked = now_.cycle.command.arm;
   if (is_off && !was_asked && !links_.new_sets.empty()) {
