@@ -152,24 +152,25 @@ Surface<S> surface_of(const ThreePhaseParams<S>& p, std::uint16_t index) {
 
 template <class S>
 bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
-  constexpr const SurfaceRange& range = surface_range;
+  constexpr SurfaceRange range;
   const Isobar<S> at = isobar(surface, stress_Pa);
   // A value at the edge of what a wire file allows may be rounded beyond it.
-  const auto within = [](double min, const S& x, double max) {
-    const S slack = S(1e-3) * S(min);
-    return S(min) - slack <= x && x <= S(max) + slack;
+  const auto within = [](const S& min, const S& x, const S& max) {
+    const S slack = S(1e-3) * min;
+    return min - slack <= x && x <= max + slack;
   };
   if (relation == Relation::curvature) {
-    return within(range.min_curvature, at.shape.curvature, range.max_curvature);
+    return within(S(range.min_curvature), at.shape.curvature, S(range.max_curvature));
   }
   if (relation == Relation::turning) {
-    return within(range.min_turning, at.shape.turning, range.max_turning);
+    return within(S(range.min_turning), at.shape.turning, S(range.max_turning));
   }
   const S span_K = S(1) / at.per_K;
-  return within(range.min_span_K, relation == Relation::heats ? span_K : -span_K,
-                range.max_K - range.min_K) &&
-         within(range.min_K, at.start_K, range.max_K) &&
-         within(range.min_K, at.start_K + span_K, range.max_K);
+  const S min_K = S(range.min_K);
+  const S max_K = S(range.max_K);
+  return within(S(range.min_span_K), relation == Relation::heats ? span_K : -span_K,
+                S(range.max_K - range.min_K)) &&
+         within(min_K, at.start_K, max_K) && within(min_K, at.start_K + span_K, max_K);
 }
 
 template <class S>
