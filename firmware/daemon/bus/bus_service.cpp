@@ -184,9 +184,9 @@ void BusService::Parts::run(const std::stop_token& stop) {
     settings.before_round();
     pump.round(now_us, faults(now_us), [&] { return settings.give_to_desk(); });
     tell_changes();
-    carry_out(
-        requests.round(staging.configured(), [this](const StoreResult& result) { stored(result); }),
-        now_us);
+    carry_out(requests.round([this] { return staging.configured(); },
+                             [this](const StoreResult& result) { stored(result); }),
+              now_us);
   }
 }
 

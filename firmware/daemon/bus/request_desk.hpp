@@ -62,12 +62,12 @@ class RequestDesk {
  public:
   RequestDesk(Node& node, Store& store) : node_(node), store_(store) {}
 
-  /// To be called after each round of the bus. `configured` are the settings to be stored;
+  /// To be called after each round of the bus. `configured()` are the settings to be stored;
   /// `done(result)` hears of each result, of those that nobody waits for as well. Returns a reset
   /// that the caller has to carry out, else Request::none. A reset waits until what is being stored
   /// is stored: what is in force after it is what the store then has.
-  template <class Done>
-  canopen::Request round(const Settings<double>& configured, Done done) {
+  template <class Configured, class Done>
+  canopen::Request round(Configured configured, Done done) {
     StoreResult result;
     if (busy_ && !store_.take(result)) {
       return canopen::Request::none;
@@ -83,7 +83,7 @@ class RequestDesk {
     }
     Image image(canopen::Node::image_size);
     image.resize(node_.image(image));
-    store_.start({request, node_.request_number(), configured, std::move(image)});
+    store_.start({request, node_.request_number(), configured(), std::move(image)});
     busy_ = true;
     return none;
   }

@@ -389,7 +389,8 @@ class World {
     }
     read_log();
     refused_ += static_cast<int>(run_->desk.take_refused().size());
-    const Request reset = requests_.round(rig_.staging.configured(), [](const auto&) {});
+    const Request reset =
+        requests_.round([&] { return rig_.staging.configured(); }, [](const auto&) {});
     rig_.send(0x7FF, {});  // nobody's: what is to be sent is collected
     hear();
     if (reset == Request::reset_node) {
