@@ -22,6 +22,7 @@ std::function<void(int)> fsync_watcher;  // NOLINT(*-avoid-non-const-global-vari
 }  // namespace
 
 /// In the place of the C library's: what a program makes durable, and when.
+// NOLINTNEXTLINE(readability-inconsistent-declaration-parameter-name): the header's is reserved
 extern "C" int fsync(int file) {
   if (fsync_watcher) {
     fsync_watcher(file);
