@@ -81,10 +81,15 @@ HottestRun run_hottest(const RandomScenario& scenario) {
                  scenario.air,
                  scenario.trouble,
                  scenario.beyond,
+                 scenario.loop.duration_s,
                  -std::numeric_limits<double>::infinity(),
                  0,
                  Fault::none,
-                 std::numeric_limits<double>::infinity()};
+                 std::numeric_limits<double>::infinity(),
+                 0,
+                 false};
+  double before_s = 0;
+  double since_s = std::numeric_limits<double>::infinity();
   const double limit_K = scenario.loop.settings.limits.temperature_K;
   while (loop.step()) {
     const text::Cycle& cycle = loop.cycle();
@@ -96,6 +101,16 @@ HottestRun run_hottest(const RandomScenario& scenario) {
       run.first_cause = cycle.output.first_cause;
       run.tripped_s = cycle.time_s;
     }
+    // It is answered by a fault while it is above, or within hottest_answered_s afterwards.
+    if (cycle.truth.hottest_K - limit_K > hottest_allowed_K) {
+      run.over_s += cycle.time_s - before_s;
+      since_s = std::min(since_s, cycle.time_s);
+    }
+    if (cycle.output.state == DeviceState::fault) {
+      since_s = std::numeric_limits<double>::infinity();
+    }
+    run.unanswered = run.unanswered || cycle.time_s - since_s > hottest_answered_s;
+    before_s = cycle.time_s;
   }
   return run;
 }

@@ -12,6 +12,8 @@ namespace smaservo::evaluate {
 
 /// What the true hottest point may be above limits.temperature_K.
 inline constexpr double hottest_allowed_K = 3;
+/// Time within which a device has to end in a fault where it is hotter.
+inline constexpr double hottest_answered_s = 5;
 
 /// One scenario's outcome, with what classes it.
 struct HottestRun {
@@ -20,10 +22,13 @@ struct HottestRun {
   RandomAir air;
   RandomTrouble trouble;
   bool beyond;
+  double duration_s;
   double above_limit_K;  ///< true hottest point less limits.temperature_K, the highest
   double at_s;           ///< when
   Fault first_cause;     ///< of the first trip; Fault::none
   double tripped_s;      ///< when; infinite: never
+  double over_s;         ///< for so long above what is allowed, all such times together
+  bool unanswered;       ///< not in a fault hottest_answered_s after it was above
 
   bool violates() const { return above_limit_K > hottest_allowed_K; }
   /// Nothing happened to the wire and nothing was asked beyond its limits.
