@@ -71,6 +71,9 @@ enum class Fault : std::uint8_t {
   store_corrupt,
   bad_configuration,
   not_configured,
+  // appended
+  cooling_weak,
+  cooling_lost,
   count
 };
 inline constexpr std::size_t fault_count = static_cast<std::size_t>(Fault::count);

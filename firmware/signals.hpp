@@ -75,6 +75,8 @@ inline constexpr auto signal_rows = [] {
       {"supply_V", "supply_V", "of the drive", [](From f) { return f.in.supply_V; }},
       {"limit_reasons", "limit_reasons", "bits, see firmware/command.hpp",
        [](From f) { return S(static_cast<float>(f.out.limit_reasons)); }},
+      {"cooling", "", "as a share of the wire file's, by the last test; 1 where it is not weaker",
+       [](From f) { return f.out.cooling; }},
   });
 }();
 
