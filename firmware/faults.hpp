@@ -71,6 +71,7 @@ enum class Fault : std::uint8_t {
   store_corrupt,
   bad_configuration,
   not_configured,
+  store_outdated,
   // appended
   cooling_weak,
   cooling_lost,

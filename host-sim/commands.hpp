@@ -1,7 +1,7 @@
 #pragma once
-// The sub-commands of host-sim; each adds itself to the program and runs when it is parsed. For
-// sources that are named so, *_command.cpp, which are compiled as one: CLI11 takes five seconds in
-// each.
+// The sub-commands of host-sim: each function adds one to the program, which runs it when the
+// command line is parsed. Only commands.cpp and *_command.cpp include this header. They are
+// compiled as one source, since CLI11 takes five seconds to compile.
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -54,10 +54,11 @@ void add_tune_command(CLI::App& app);
 
 namespace smaservo {
 
-/// A number that an option may give, by its range. Throws UserError.
+/// Checks that an option's value, if it is given, is in this range. Throws UserError.
 void require(const char* option, const std::optional<double>& value, double low, double high);
 
-/// Throws UserError when both are names of one file. Devices, "-" and no name at all are none.
+/// Throws UserError when both names are of the same file. A device, "-" or an empty name is no
+/// file.
 void refuse_to_overwrite(const std::string& file, const std::string& output);
 
 }  // namespace smaservo

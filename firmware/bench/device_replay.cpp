@@ -154,9 +154,10 @@ double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std
   const std::int64_t step_ns = to_ns - from_ns;
   const double dt_s = static_cast<double>(step_ns) * 1e-9;
   if (step_ns < shortest_step_ns || longest_step_ns < step_ns) {
-    throw files::UserError(fmt::format(
-        "{}: {} s after the row at {} s; a device steps every {} to {} s", trace, dt_s, from_s,
-        static_cast<double>(shortest_step_ns) / 1e9, static_cast<double>(longest_step_ns) / 1e9));
+    throw files::UserError(
+        fmt::format("{}: the row after {} s comes {} s later; a device steps every {} to {} s",
+                    trace, from_s, dt_s, static_cast<double>(shortest_step_ns) / 1e9,
+                    static_cast<double>(longest_step_ns) / 1e9));
   }
   return dt_s;
 }

@@ -76,7 +76,7 @@ class PowerRange {
   void limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W);
   void limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W);
 
-  /// Power of the least current, which other limits do not reduce: without it the resistance is
+  /// Power of the minimum current, which other limits do not reduce: without it the resistance is
   /// lost, and so is the estimate that the limits need. It heats the wire by less than a kelvin.
   /// Only limits.current_A and limits.power_W may lie below it.
   S min_W_;

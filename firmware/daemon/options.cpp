@@ -26,31 +26,34 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
                  "recording")
       ->capture_default_str();
   app.add_option("--device", options.device,
-                 "settings file, where the store has none; default: the board file's, the "
+                 "settings file, used while nothing is stored; default: the board file's, the "
                  "scenario's, or TRACE.csv.toml");
   app.add_option("--settings", options.settings,
-                 "folder of the stored settings and of the run's mark; default: $STATE_DIRECTORY, "
-                 "or the board file's");
-  app.add_option(
-      "--program", options.program,
-      "do what this scenario's commands say, in the place of a command source on the bus");
+                 "folder of the stored settings and of the mark that tells how a run ended; "
+                 "default: $STATE_DIRECTORY, or the board file's");
+  app.add_option("--program", options.program,
+                 "obey the commands of this scenario instead of the bus");
   app.add_option("--bus", options.bus,
-                 "of a simulated wire: a CAN interface, or udp, udp:GROUP, udp:GROUP:PORT");
+                 "bus of a simulated wire: a CAN interface, or udp, udp:GROUP, udp:GROUP:PORT");
   app.add_option("--record", options.record,
-                 "write a trace that host-sim replay --device takes; in a folder it is named by "
-                 "the time");
+                 "record a trace for host-sim replay --device; in a folder its name is the time");
   app.add_option("--status", options.status,
-                 "file that says once a second how it runs; default: status.json in "
-                 "$RUNTIME_DIRECTORY");
-  app.add_option("--for", options.for_s, "stop after so many seconds of periods")
+                 "file for the state and the figures of the run, rewritten once a second; default: "
+                 "status.json in $RUNTIME_DIRECTORY");
+  app.add_option("--for", options.for_s,
+                 "stop after this many seconds, counted in periods of the loop")
       ->check(CLI::Range(0.0, 1e9));
-  app.add_flag("--check", options.check, "open all that the board file names, report, and stop");
-  app.add_flag("--off", options.off, "switch the board's outputs off and stop: for ExecStopPost");
-  app.add_flag("--json", options.json, "print the figures at the end as JSON");
-  app.add_flag("--at-once", options.at_once, "a simulated wire's time runs as fast as it can");
-  app.add_flag("!--no-real-time", options.real_time, "neither lock memory nor ask for a priority");
+  app.add_flag("--check", options.check,
+               "open each device that the board file names, report, and stop");
+  app.add_flag("--off", options.off,
+               "switch the board's outputs off and stop (ExecStopPost of the service)");
+  app.add_flag("--json", options.json, "print the final figures as JSON");
+  app.add_flag("--at-once", options.at_once,
+               "run a simulated wire as fast as the machine can, not in real time");
+  app.add_flag("!--no-real-time", options.real_time,
+               "do not lock memory, do not ask for a real-time priority");
   app.add_flag("--sandbox", options.sandboxed,
-               "for a proof: die when the loop makes any system call but a loop's");
+               "die at any system call that the loop is not allowed, to prove that it makes none");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -70,8 +73,9 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
 void prepare_next_run(DaemonOptions& options) {
   std::fputs("smaservod: reset over the bus\n", stderr);
   if (!options.record.empty() && !std::filesystem::is_directory(options.record)) {
-    std::fputs("smaservod: the recording has ended: only in a folder the next run gets one\n",
-               stderr);
+    std::fputs(
+        "smaservod: the recording has ended; only --record FOLDER records the next run too\n",
+        stderr);
     options.record.clear();
   }
 }

@@ -52,6 +52,9 @@ int serve_simulation(const DaemonOptions& options) {
     scenario.settings = text::load_settings_file(options.device);
   }
   const KeptSettings kept = keep_settings(options.settings, scenario.settings, true);
+  if (!kept.faults.empty()) {
+    fmt::print(stderr, "smaservod: {}\n", kept.said);
+  }
   ServiceSetup setup = service_setup(options, kept.settings);
   setup.real_time = options.real_time && !options.at_once;
   setup.paced = !options.at_once;
@@ -63,8 +66,8 @@ int serve_simulation(const DaemonOptions& options) {
   if (!options.bus.empty()) {
     const int priority = options.real_time && !options.at_once ? bus_priority({}) : 0;
     bus = std::make_unique<BusService>(
-        BusSetup{options.bus, 0, options.settings, {}, {}, "simulated", priority}, service.desk(),
-        service.links(), service.figures());
+        BusSetup{options.bus, 0, options.settings, {}, {}, "simulated", priority, kept.lost},
+        service.desk(), service.links(), service.figures());
     bus->start();
   }
   CommandSource& source = bus                        ? bus->command_source()

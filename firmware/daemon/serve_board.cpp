@@ -56,7 +56,8 @@ void keep_board(const std::string& folder, const std::string& text) {
     copy.write(text);
     copy.commit();
   } catch (const files::UserError& error) {
-    fmt::print(stderr, "smaservod: {}; --off goes by the board file alone\n", error.what());
+    fmt::print(stderr, "smaservod: {}; --off will know only the board file as it is then\n",
+               error.what());
   }
   umask(before);
 }
@@ -128,7 +129,7 @@ bool tried(const char* what, const std::function<void()>& open) {
 bool line_tried(const char* what, const hal::LineSettings& line,
                 hal::LineSettings hal::LinesSettings::* which) {
   if (line.name.empty()) {
-    fmt::print("{:<16} the board has none\n", what);
+    fmt::print("{:<16} not in the board file\n", what);
     return true;
   }
   hal::LinesSettings one;
@@ -149,11 +150,12 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
   KeptSettings kept = keep_settings(options.settings, given, configured);
   fmt::print(stderr, "smaservod: {}\n", kept.said);
   if (const std::string problem = board_problem(file, kept.settings); !problem.empty()) {
-    fmt::print(stderr, "smaservod: {}; can not be armed\n", problem);
+    fmt::print(stderr, "smaservod: {}; the device can not be armed\n", problem);
     kept.faults.set(Fault::bad_configuration);
   }
   if (const std::string problem = period_problem(kept.settings); !problem.empty()) {
-    fmt::print(stderr, "smaservod: {}: {}; not obeyed\n", options.settings, problem);
+    fmt::print(stderr, "smaservod: {}: {}; the period of the settings file is used\n",
+               options.settings, problem);
     kept.settings.timing.period_s = given.timing.period_s;
     kept.faults.set(Fault::bad_configuration);
   }
@@ -172,8 +174,8 @@ int check_board(const DaemonOptions& options) {
   try {
     ok = tried("drive", [&] { open_drive(file, roots()); });
   } catch (const hal::DeviceBusy& error) {
-    fmt::print("{:<16} {}\n{:<16} not opened: that would disturb it\n", "drive", error.what(),
-               "all others");
+    fmt::print("{:<16} {}\n{:<16} not opened: that would disturb the smaservod that runs\n",
+               "drive", error.what(), "all others");
     return 1;
   }
   ok = tried("front end", [&] { open_front_end(file, roots()); }) && ok;
@@ -245,7 +247,7 @@ int serve_board(const DaemonOptions& options) {
     bus = std::make_unique<BusService>(
         BusSetup{file.bus->interface, file.bus->command_source_timeout_s, with.settings,
                  file.ceilings, file.bus->keys, file.name,
-                 with.real_time ? bus_priority(file.thread) : 0},
+                 with.real_time ? bus_priority(file.thread) : 0, kept.lost},
         service.desk(), service.links(), service.figures());
     bus->start();
   }

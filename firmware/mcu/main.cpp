@@ -18,8 +18,12 @@ namespace {
 /// memory.
 class Loop {
  public:
-  Loop(const Settings<float>& settings, std::uint32_t period_us)
-      : board_(period_us), period_us_(period_us), staging_(settings), servo_({}, staging_) {}
+  Loop(const Settings<float>& settings, std::uint32_t period_us, FaultSet found)
+      : board_(period_us),
+        period_us_(period_us),
+        staging_(settings),
+        servo_({}, staging_),
+        found_(found) {}
 
   bool is_open() const { return board_.is_open() && can_.is_open(); }
 
@@ -64,16 +68,19 @@ class Loop {
         break;
       case Request::store_application: {
         cortex_m::SlotFiles slots;
-        servo_.finish(save_settings(slots, staging_.configured()).ok());
+        const bool done = save_settings(slots, staging_.configured()).ok();
+        found_ = done ? FaultSet{} : found_;
+        servo_.finish(servo_.request_number(), done);
         break;
       }
       default:
-        servo_.finish(false);  // this program does not store the communication's settings
+        servo_.finish(servo_.request_number(),
+                      false);  // this program does not store the communication's settings
     }
   }
   void step(const hal::FrameOf<float>& frame, hal::ReadStatus status) {
     const float dt_s = 1e-6F * static_cast<float>((board_.missed() + 1) * period_us_);
-    const Heard<float> heard{servo_.command(), servo_.external(), board_.missed() > 0};
+    const Heard<float> heard{servo_.command(), servo_.external() | found_, board_.missed() > 0};
     DeviceStep<float> now;
     run_cycle(board_, frame, status, heard, std::int64_t{period_us_} * 1000, now,
               [&](const Inputs<float>& in, const Command<float>& command) {
@@ -89,6 +96,7 @@ class Loop {
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());
   Device<float>::State device_ = Device<float>::start();
+  FaultSet found_;             ///< at the start; whoever stores acknowledges it
   std::uint32_t adopted_ = 0;  ///< the staging_.changes() in force
 };
 
@@ -110,7 +118,8 @@ int application() {
     return 2;
   }
   mcu::loop.emplace(loaded.settings,
-                    static_cast<std::uint32_t>(loaded.settings.timing.period_s * 1e6F));
+                    static_cast<std::uint32_t>(loaded.settings.timing.period_s * 1e6F),
+                    loaded.may_be_older ? FaultSet(Fault::store_outdated) : FaultSet{});
   if (!mcu::loop->is_open()) {
     semihosting::print("no pipes drive, readings, can-out, can-in\n");
     return 2;

@@ -29,10 +29,10 @@ struct Finding {
 enum class Relation : std::uint8_t {
   below,      ///< factor a + plus < b
   not_above,  ///< factor a + plus <= b
-  heats,      ///< start a, finish b of a process: 150..600 K, finish at least 1 K above start
-  cools,      ///< likewise, but finish at least 1 K below start
-  curvature,  ///< a + b stress of a process: 0.001..30
-  turning,    ///< a + b stress of a process: 0.05..0.95
+  heats,      ///< start a, finish b of a process that heats: within `surface_range`
+  cools,      ///< likewise, of one that cools
+  curvature,  ///< a + b stress of a process: likewise
+  turning,    ///< likewise
 };
 
 /// Parameters in a relation, as rows of `parameters`. The rule holds as long as one of its
@@ -66,23 +66,23 @@ consteval Rule rule(std::string_view a, Relation relation, std::string_view b,
 }
 
 inline constexpr std::string_view heats =
-    "both must be within 150 and 600 K, finish at least 1 K above start, at any stress up to "
+    "both must be between 150 and 600 K, finish at least 1 K above start, at any stress up to "
     "wire.limits.stress_Pa";
 inline constexpr std::string_view cools =
-    "both must be within 150 and 600 K, finish at least 1 K below start, at any stress up to "
+    "both must be between 150 and 600 K, finish at least 1 K below start, at any stress up to "
     "wire.limits.stress_Pa";
 inline constexpr std::string_view curves =
-    "curvature must be within 0.001 and 30 at any stress up to wire.limits.stress_Pa";
+    "curvature must be between 0.001 and 30 at any stress up to wire.limits.stress_Pa";
 inline constexpr std::string_view turns =
-    "the turning point must be within 0.05 and 0.95 at any stress up to wire.limits.stress_Pa";
+    "the turning point must be between 0.05 and 0.95 at any stress up to wire.limits.stress_Pa";
 
 consteval auto all_rules() {
   using enum Relation;
   constexpr std::string_view is_first = "the limit must act before the trip";
-  constexpr std::string_view timeout = "a time-out must last two periods at least";
-  constexpr std::string_view tracking = "back-calculation must not be faster than the loop";
-  constexpr std::string_view between = "there must be room between them";
-  constexpr std::string_view wire = "the wire is not made for more";
+  constexpr std::string_view timeout = "a time-out must be at least two periods long";
+  constexpr std::string_view tracking = "the anti-windup must not be faster than the loop";
+  constexpr std::string_view between = "the range between them must not be empty";
+  constexpr std::string_view wire = "the maker of the wire allows no more";
   return std::to_array<Rule>({
       rule("timing.period_s", not_above, "timing.command_timeout_s", timeout, 2),
       rule("timing.period_s", not_above, "timing.sample_timeout_s", timeout, 2),
@@ -92,15 +92,16 @@ consteval auto all_rules() {
       rule("timing.period_s", not_above, "force.tracking_s", tracking),
       rule("limits.min_current_A", below, "limits.current_A", between),
       rule("limits.current_A", below, "trips.current_A", is_first),
-      rule("trips.current_A", below, "measurement.current_full_scale_A", "it could not be seen"),
+      rule("trips.current_A", below, "measurement.current_full_scale_A",
+           "a current above the full scale could not be measured"),
       rule("trips.current_offset_A", below, "limits.min_current_A",
-           "the least current must stand out from the offset that is let pass"),
+           "the minimum current must be above any offset that arming accepts"),
       rule("limits.temperature_K", below, "trips.temperature_K", is_first),
       rule("limits.temperature_K", not_above, "wire.limits.temperature_K", wire),
-      rule("wire.m2a.start_0_K", below, "limits.temperature_K", "the wire could not contract", 1,
-           "limits.hot_spot_K"),
+      rule("wire.m2a.start_0_K", below, "limits.temperature_K",
+           "the wire could not start to contract below the limit", 1, "limits.hot_spot_K"),
       rule("trips.max_ambient_K", below, "limits.temperature_K",
-           "air alone must not reach the limit"),
+           "the ambient temperature alone must not reach the limit"),
       rule("trips.min_ambient_K", below, "trips.max_ambient_K", between),
       rule("limits.min_strain", below, "limits.max_strain", between),
       rule("trips.min_strain", below, "limits.min_strain", is_first),
@@ -113,7 +114,7 @@ consteval auto all_rules() {
       rule("drive.min_supply_V", below, "drive.max_supply_V", between),
       rule("profile.loop_s", below, "profile.cycle_s", "an inner loop is part of a cycle"),
       rule("wire.heat.latent_r2a_J_kg", not_above, "wire.heat.latent_m2a_J_kg",
-           "a closed cycle would gain heat"),
+           "a closed cycle would create heat"),
       rule("wire.m2a.start_0_K", heats, "wire.m2a.finish_0_K", detail::heats),
       rule("wire.a2m.start_0_K", cools, "wire.a2m.finish_0_K", detail::cools),
       rule("wire.a2r.start_0_K", cools, "wire.a2r.finish_0_K", detail::cools),
@@ -151,27 +152,30 @@ Surface<S> surface_of(const ThreePhaseParams<S>& p, std::uint16_t index) {
 
 template <class S>
 bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
+  constexpr const SurfaceRange& range = surface_range;
   const Isobar<S> at = isobar(surface, stress_Pa);
   // A value at the edge of what a wire file allows may be rounded beyond it.
-  const auto within = [](const S& min, const S& x, const S& max) {
-    const S slack = S(1e-3) * min;
-    return min - slack <= x && x <= max + slack;
+  const auto within = [](double min, const S& x, double max) {
+    const S slack = S(1e-3) * S(min);
+    return S(min) - slack <= x && x <= S(max) + slack;
   };
   if (relation == Relation::curvature) {
-    return within(S(1e-3), at.shape.curvature, S(30));
+    return within(range.min_curvature, at.shape.curvature, range.max_curvature);
   }
   if (relation == Relation::turning) {
-    return within(S(0.05), at.shape.turning, S(0.95));
+    return within(range.min_turning, at.shape.turning, range.max_turning);
   }
   const S span_K = S(1) / at.per_K;
-  return within(S(1), relation == Relation::heats ? span_K : -span_K, S(450)) &&
-         within(S(150), at.start_K, S(600)) && within(S(150), at.start_K + span_K, S(600));
+  return within(range.min_span_K, relation == Relation::heats ? span_K : -span_K,
+                range.max_K - range.min_K) &&
+         within(range.min_K, at.start_K, range.max_K) &&
+         within(range.min_K, at.start_K + span_K, range.max_K);
 }
 
 template <class S>
 bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
   const Surface<S> surface = surface_of(wire.kinetics, parameter_rows<S>[rule.a].key.index);
-  constexpr int parts = 20;
+  constexpr int parts = surface_range.stresses - 1;
   for (int i = 0; i <= parts; ++i) {
     if (!surface_holds(surface, rule.relation, wire.limits.stress_Pa * S(i) / S(parts))) {
       return false;

@@ -145,10 +145,12 @@ class Staging {
   }
 
   /// Takes over settings that others have put in force and that have passed check(). A trial and
-  /// staged changes are dropped.
+  /// staged changes are dropped; what waits for the next start goes on waiting, unless it
+  /// contradicts these.
   void replace(const Settings<S>& settings) {
+    const Settings<S> waiting = with_after_reset(settings, configured_);
     active_ = settings;
-    configured_ = settings;
+    configured_ = check(waiting).ok() ? waiting : settings;
     revert();
   }
 

@@ -11,7 +11,7 @@ namespace smaservo {
 /// What the device does with its current.
 enum class Heat : std::uint8_t {
   none,     ///< exactly zero
-  sense,    ///< the least current, to measure the resistance
+  sense,    ///< the minimum current, to measure the resistance
   run,      ///< as commanded
   hold,     ///< safe state: holds the strain at the fault
   release,  ///< safe state: cools at a known rate

@@ -16,6 +16,14 @@ namespace {
 
 constexpr std::size_t no_column = std::numeric_limits<std::size_t>::max();
 
+std::string all_modes() {
+  std::string names;
+  for (std::uint8_t i = 0; i < mode_count; ++i) {
+    names += fmt::format("{}{}", i == 0 ? "" : ", ", mode_name(static_cast<Mode>(i)));
+  }
+  return names;
+}
+
 }  // namespace
 
 void split_fields(std::string_view row, std::vector<std::string_view>& fields) {
@@ -62,7 +70,7 @@ Command<double> DeviceLog::command(const std::vector<std::string_view>& fields,
   const std::string_view name = fields.at(positions_.at(mode));
   const std::optional<Mode> known = mode_of(name);
   if (!known) {
-    fail(mode, name, "is no mode", time_s);
+    fail(mode, name, fmt::format("is no mode; the modes are: {}", all_modes()), time_s);
   }
   command.mode = *known;
   command.setpoint = number(setpoint, 0);

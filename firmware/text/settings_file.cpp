@@ -70,7 +70,7 @@ void read_settings(const toml::table& table, const std::string& origin,
     const auto name = node.value<std::string>();
     wanted.wire_where = files::place(origin, key, node);
     if (!name) {
-      throw files::ConfigError(wanted.wire_where + ": must be a preset or a wire file");
+      throw files::ConfigError(wanted.wire_where + ": must be a string: a preset or a wire file");
     }
     wanted.wire = name->ends_with(".toml") ? (folder / *name).string() : *name;
     return true;

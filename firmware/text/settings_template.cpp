@@ -83,9 +83,9 @@ std::string to_toml(const Settings<double>& settings) {
 std::string settings_template(const std::string& wire) {
   const Settings<double> settings = settings_for(files::load_wire(wire).wire);
   std::string out =
-      "# Settings of a device. Keys may carry another unit of their kind (current_mA,\n"
-      "# temperature_degC); what is left out has its default. Limits are those of the wire's\n"
-      "# maker, in still air.\n\n";
+      "# Settings of a device. A key may carry another unit of its kind (current_mA,\n"
+      "# temperature_degC); a key that is left out has its default. The limits are those of the\n"
+      "# wire's maker, in still air.\n\n";
   out += written(settings, [&](const Row& row) -> std::string {
     if (row.path.text().starts_with("wire.")) {
       return "";

@@ -108,7 +108,8 @@ std::string apply_changes(std::string_view text, Settings<double>& settings) {
     const std::string_view said = one.substr(std::min(equals + 1, one.size()));
     const std::optional<Value> value = value_of(parameters<double>[i], said);
     if (!value) {
-      return fmt::format("has a value that {} can not have: '{}'", one.substr(0, equals), said);
+      return fmt::format("has {} = '{}': must be {}", one.substr(0, equals), said,
+                         range_text(parameters<double>[i]));
     }
     parameters<double>[i].set(changed, *value);
   }

@@ -274,8 +274,8 @@ struct TraceReader::Impl {
         }
         explain(i, name);
         if (targets[i].value == column_count) {
-          fail(fmt::format("--column {}: {} is no known column; known are: {}", rename, name,
-                           known_names()));
+          fail(fmt::format("--column {}: {} is no known name of a column; known are: {}", rename,
+                           name, known_names()));
         }
         targets[i].scale = factor;
         return;
@@ -322,8 +322,8 @@ struct TraceReader::Impl {
           (name == column.base ||
            (name.starts_with(column.base) && name[column.base.size()] == '_' &&
             looks_like_unit(name.substr(column.base.size() + 1))))) {
-        fail(fmt::format("line 1, column {} ({}): {} needs a unit that is known: {}", i + 1, name,
-                         column.base, known_names()));
+        fail(fmt::format("line 1, column {} ({}): {} has an unknown unit; known are: {}", i + 1,
+                         name, column.base, known_names()));
       }
     }
   }
@@ -390,10 +390,10 @@ struct TraceReader::Impl {
 
   static std::optional<BadRow> bad_number(std::size_t i, const char* at, const char* stop) {
     if (at < stop && (*at == ' ' || *at == '+')) {
-      return BadRow{i, fmt::format("{} is not a plain number", field(at, stop))};
+      return BadRow{i, fmt::format("{} begins with a space or a plus sign", field(at, stop))};
     }
     const std::string text = field(at, stop);
-    return BadRow{i, text == "''" ? "there is no number" : text + " is not a finite number"};
+    return BadRow{i, text == "''" ? "the field is empty" : text + " is not a finite number"};
   }
 
   std::string wrong_count(std::string_view text) const {

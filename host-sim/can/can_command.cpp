@@ -58,7 +58,7 @@ CLI::App* add(CLI::App& can, const char* name, const char* meaning,
   return command;
 }
 
-/// As CLI::Range, which lets NaN pass.
+/// Like CLI::Range, but refuses NaN as well.
 CLI::Validator seconds_of(double low, double high) {
   return {[=](std::string& text) {
             double value = 0;
@@ -69,7 +69,7 @@ CLI::Validator seconds_of(double low, double high) {
           fmt::format("{} to {}", low, high)};
 }
 
-/// A command that only needs the node.
+/// Adds a command without options of its own.
 void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char* name,
                const char* meaning, void (*run)(Remote&)) {
   add(can, name, meaning, [common, run] {
@@ -78,7 +78,7 @@ void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char*
   });
 }
 
-// Who is there.
+// Network.
 
 void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
@@ -93,7 +93,7 @@ void scan(const Common& common, double listen_s) {
   if (found.without_id) table.add({"?", "without a node-id", "answers to LSS"});
   print(table.text());
   if (found.nodes.empty() && !found.without_id) {
-    throw files::UserError(fmt::format("{}: nobody answers", bus.name()));
+    throw files::UserError(fmt::format("{}: no node answers", bus.name()));
   }
 }
 
@@ -154,7 +154,7 @@ void restore(Remote& remote, const std::string& path) {
 void diff(Remote& remote, const std::string& path) {
   const auto all = differences(remote, path);
   print(can::differences_text(all));
-  // As diff(1) has it: 1 says that there are some.
+  // As with diff(1), exit status 1 means that there are differences.
   if (!all.empty()) throw CLI::RuntimeError(1);
 }
 
@@ -181,7 +181,7 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
 void step(Remote& remote, const StepArguments& a) {
   files::prepare_folder("--runs", a.runs);
   const auto before = earlier_runs(a.runs);
-  // What can not be read is said before anything moves.
+  // Earlier runs are read before anything moves, so that an unreadable file stops the test in time.
   std::vector<can::StepRun> runs;
   for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
     runs.push_back(can::load_step(before[i].string()));
@@ -228,25 +228,25 @@ void explain(const std::shared_ptr<Common>& common, const std::string& name) {
 void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   auto seconds = std::make_shared<double>(0.3);
   add(can, "scan", "Lists the nodes of the bus.", [=] { scan(*common, *seconds); })
-      ->add_option("--listen", *seconds, "s, for heartbeats")
+      ->add_option("--listen", *seconds, "time to wait for heartbeats, s")
       ->capture_default_str()
       ->check(seconds_of(0, 3600));
   auto listen_s = std::make_shared<double>(1e6);
-  add(can, "listen", "Prints what is said on the bus, in words.",
-      [=] { listen(*common, *listen_s); })
-      ->add_option("--for", *listen_s, "s; without: for ever")
+  add(can, "listen", "Prints every frame on the bus in words.", [=] { listen(*common, *listen_s); })
+      ->add_option("--for", *listen_s, "duration, s; default: for ever")
       ->check(seconds_of(0, 1e6));
-  add_plain(can, common, "info", "Who the node is and what it does.",
+  add_plain(can, common, "info", "Prints identity, versions, states, loop and bus of a node.",
             [](Remote& remote) { print(can::info_text(remote)); });
-  add_plain(can, common, "faults", "Faults, their first cause, and what blocks or limits.",
+  add_plain(can, common, "faults",
+            "Prints faults, their first cause, and what blocks or limits the output.",
             [](Remote& remote) { print(can::faults_text(remote)); });
   add_plain(can, common, "changes",
-            "The last changes and refusals of writes, the newest at the end.",
+            "Prints the last accepted and refused writes, the newest at the end.",
             [](Remote& remote) { print(can::changes_text(remote)); });
   auto name = std::make_shared<std::string>();
-  add(can, "explain", "What a fault means and what to check.", [=] {
+  add(can, "explain", "Says what a fault means and what to check.", [=] {
     explain(common, *name);
-  })->add_option("FAULT", *name, "name or code; without: the node's first cause");
+  })->add_option("FAULT", *name, "name or code; default: the node's first cause");
 }
 
 void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
@@ -259,13 +259,14 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       ->add_option("NAME", *names, "such as strain.proportional_W, live.temperature_K, 6041")
       ->required();
   auto values = std::make_shared<std::vector<std::string>>();
-  add(can, "set", "Writes objects; several parameters are in force together, or none.",
+  add(can, "set", "Writes objects; several parameters take effect together, or none does.",
       [=] {
         const std::vector<can::Change> changes = changes_of(*values);
         Session session(*common);
         session.remote().change(changes);
       })
-      ->add_option("NAME VALUE | NAME=VALUE", *values, "in any unit of its kind")
+      ->add_option("NAME VALUE | NAME=VALUE", *values,
+                   "an object and its value, as strain.proportional_W 0.5; any unit of its kind")
       ->required();
   const auto with_file = [&](const char* command, const char* meaning, const char* option,
                              void (*run)(Remote&, const std::string&)) {
@@ -280,90 +281,102 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   };
   with_file("dump", "Writes all parameters to a settings file; - is standard output.", "FILE",
             dump);
-  with_file("restore", "Writes what a settings file says, as one set.", "FILE", restore);
-  with_file("diff", "Compares a settings file (left) with the node (right); 1 where they differ.",
+  with_file("restore", "Writes the parameters that differ from a settings file, as one set.",
+            "FILE", restore);
+  with_file("diff",
+            "Compares a settings file (left) with the node (right); status 1 if they differ.",
             "FILE", diff);
-  add_plain(can, common, "store", "Keeps parameters and communication over a reset (1010h).",
+  add_plain(can, common, "store",
+            "Stores parameters and communication settings over a reset (1010h).",
             [](Remote& remote) { remote.store(); });
 }
 
 void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   auto plan = std::make_shared<can::WatchPlan>();
   auto once = std::make_shared<bool>(false);
-  CLI::App* watch = add(can, "watch", "Live values; on a terminal as a table in place.", [=] {
-    if (*once) plan->count = 1;
-    Session session(*common);
-    can::watch(session.remote(), *plan, plan->count == 0 && isatty(STDOUT_FILENO) != 0, print);
-  });
-  watch->add_option("NAME", plan->names, "objects; without: what tells most");
-  watch->add_option("--period", plan->period_s, "s")
+  CLI::App* watch =
+      add(can, "watch", "Shows live values; on a terminal as a table that is redrawn.", [=] {
+        if (*once) plan->count = 1;
+        Session session(*common);
+        can::watch(session.remote(), *plan, plan->count == 0 && isatty(STDOUT_FILENO) != 0, print);
+      });
+  watch->add_option("NAME", plan->names, "objects; default: a selection");
+  watch->add_option("--period", plan->period_s, "time between rows, s")
       ->capture_default_str()
       ->check(seconds_of(0.01, 3600));
-  watch->add_option("--count", plan->count, "rows; without: for ever");
-  watch->add_flag("--once", *once, "one row");
-  watch->add_option("--plot", plan->plot, "draws this one, in letters");
+  watch->add_option("--count", plan->count, "number of rows; default: for ever");
+  watch->add_flag("--once", *once, "prints one row and ends");
+  watch->add_option("--plot", plan->plot, "draws the curve of this object as text");
 
   auto record_plan = std::make_shared<can::RecordingPlan>();
   auto out = std::make_shared<std::string>();
   auto patience_s = std::make_shared<double>(60);
   record_plan->signals = {"position_m", "setpoint", "temperature_K", "current_A", "resistance_ohm"};
   CLI::App* record_command =
-      add(can, "record", "Signals at the rate of the loop into a CSV file.", [=] {
+      add(can, "record", "Records signals at the rate of the loop into a CSV file.", [=] {
         Session session(*common);
         record(session.remote(), *record_plan, *out, *patience_s);
       });
-  record_command->add_option("--signals", record_plan->signals, "up to 8, of `live.`")
+  record_command->add_option("--signals", record_plan->signals, "up to 8 names, those of `live.`")
       ->delimiter(',');
-  record_command->add_option("--seconds", record_plan->seconds, "duration")
+  record_command->add_option("--seconds", record_plan->seconds, "duration, s")
       ->capture_default_str()
       ->check(seconds_of(0.001, 86400));
-  record_command->add_option("--before", record_plan->before_s, "s of that, before the trigger")
+  record_command
+      ->add_option("--before", record_plan->before_s,
+                   "part of the duration that lies before the trigger, s")
       ->check(seconds_of(0, 86400));
   record_command->add_option("--trigger", record_plan->trigger, "SIGNAL>LEVEL or SIGNAL<LEVEL");
-  record_command->add_option("--patience", *patience_s, "s until the trigger")
+  record_command->add_option("--patience", *patience_s, "longest wait for the trigger, s")
       ->capture_default_str()
       ->check(seconds_of(0, 1e6));
   record_command->add_option("--out", *out, "CSV file; - is standard output")->required();
 }
 
 void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
-  add_plain(can, common, "start", "NMT: operational; process data flow.",
+  add_plain(can, common, "start",
+            "NMT: makes the node operational, so that it exchanges process data.",
             [](Remote& remote) { remote.nmt(can::NmtCommand::start); });
-  add_plain(can, common, "stop", "NMT: stopped.",
+  add_plain(can, common, "stop", "NMT: stops the node's communication except NMT and heartbeat.",
             [](Remote& remote) { remote.nmt(can::NmtCommand::stop); });
-  add_plain(can, common, "reset", "NMT: the node starts again.",
+  add_plain(can, common, "reset", "NMT: restarts the node.",
             [](Remote& remote) { remote.nmt(can::NmtCommand::reset_node); });
-  add_plain(can, common, "enable", "Through the states of CiA 402; the wire may be heated then.",
+  add_plain(can, common, "enable",
+            "Enables the drive through the states of CiA 402; it may then heat the wire.",
             [](Remote& remote) { remote.enable(); });
-  add_plain(can, common, "disable", "Current off; the wire relaxes.",
+  add_plain(can, common, "disable", "Disables the drive: current off, the wire relaxes.",
             [](Remote& remote) { remote.disable(); });
   add_plain(can, common, "reset-faults", "Acknowledges faults.",
             [](Remote& remote) { remote.reset_faults(); });
   auto target_um = std::make_shared<std::int32_t>();
   auto patience_s = std::make_shared<double>(10);
-  CLI::App* move =
-      add(can, "move", "To a position, in Profile position; waits until it is there.", [=] {
+  CLI::App* move = add(
+      can, "move", "Moves to a position (Profile position) and waits until it is reached.", [=] {
         Session session(*common);
         session.remote().move(*target_um, *patience_s);
       });
-  move->add_option("UM", *target_um, "um of contraction")->required();
-  move->add_option("--patience", *patience_s, "s")
+  move->add_option("UM", *target_um, "position, um of contraction")->required();
+  move->add_option("--patience", *patience_s, "longest wait, s")
       ->capture_default_str()
       ->check(seconds_of(0, 1e6));
 
   auto a = std::make_shared<StepArguments>();
   CLI::App* step_command =
-      add(can, "step", "A step there and back: figures, beside those of the last runs.", [=] {
-        Session session(*common);
-        step(session.remote(), *a);
-      });
-  step_command->add_option("--amplitude-um", a->plan.amplitude_um, "of contraction")
+      add(can, "step",
+          "Makes a step there and back; prints its figures beside those of earlier runs.", [=] {
+            Session session(*common);
+            step(session.remote(), *a);
+          });
+  step_command
+      ->add_option("--amplitude-um", a->plan.amplitude_um, "size of the step, um of contraction")
       ->capture_default_str();
-  step_command->add_option("--seconds", a->plan.seconds, "there, and as long back")
+  step_command
+      ->add_option("--seconds", a->plan.seconds,
+                   "duration of the step there, and of the step back, s")
       ->capture_default_str()
       ->check(seconds_of(0.2, 600));
   step_command->add_option("--runs", a->runs, "folder that keeps the runs")->capture_default_str();
-  step_command->add_option("--overlay", a->overlay, "runs before to compare with")
+  step_command->add_option("--overlay", a->overlay, "number of earlier runs to compare with")
       ->capture_default_str();
   step_command->add_option("--report", a->report, "HTML page with pictures");
 }
@@ -379,8 +392,8 @@ void add_can_command(CLI::App& app) {
   can->add_option("--node", common->node, "node-id")
       ->capture_default_str()
       ->check(CLI::Range(1, 127));
-  can->add_option("--key", common->key, "of an access level (2003h)");
-  can->add_option("--timeout", common->timeout_s, "s for an answer")
+  can->add_option("--key", common->key, "key of an access level (2003h)");
+  can->add_option("--timeout", common->timeout_s, "longest wait for an answer, s")
       ->capture_default_str()
       ->check(seconds_of(0.01, 60));
   add_network_commands(*can, common);

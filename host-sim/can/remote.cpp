@@ -43,7 +43,7 @@ constexpr auto drive_states = std::to_array<StateName>({
     {0x08, 0x4F, "Fault"},
 });
 
-/// What may help, beside what the node said.
+/// A hint to add to the node's refusal: the allowed values, or what to do.
 std::string hint(const text::KnownObject& object, std::uint32_t code) {
   const std::string allowed = text::allowed_text(object);
   switch (code) {
@@ -89,7 +89,7 @@ std::string drive_state_text(unsigned statusword) {
 
 Bytes Remote::read(const text::KnownObject& object) {
   try {
-    // What has no fixed size may be long.
+    // A domain may be long.
     return canopen::size_of(object.type) == 0 && object.type == canopen::Type::domain
                ? client_.upload_block(object.key)
                : client_.upload(object.key);
@@ -155,7 +155,8 @@ void Remote::commit(const std::vector<Change>& changes) {
   }
 }
 
-/// Without an answer the node goes back by itself.
+/// Takes back the changes of a set. When the node does not answer, it takes them back by itself
+/// after a time.
 void Remote::revert() {
   try {
     set("tuning.command", "4");
@@ -164,7 +165,7 @@ void Remote::revert() {
   }
 }
 
-/// Of a whole set: which parameters contradict each other.
+/// Says which parameters of a refused set contradict each other.
 void Remote::explain_refusal(const SdoError& error) {
   const auto named = [&](const char* object) {
     const auto bits = static_cast<std::uint32_t>(number(object));
@@ -251,7 +252,7 @@ void Remote::reset_faults() {
 
 void Remote::set_profile_position() {
   set("6060", "1");
-  // The mode is in force when the display says so.
+  // The mode is in force once 6061h (mode of operation display) shows it.
   const auto shown = [this](unsigned) { return number("6061") == 1; };
   if (!wait_for(shown, state_patience_s)) {
     throw files::UserError(fmt::format("node {} does not change to Profile position", node()));

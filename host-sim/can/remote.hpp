@@ -21,15 +21,16 @@ enum class NmtCommand : std::uint8_t {
   reset_communication = 0x82,
 };
 
-/// "operational", of the byte that a heartbeat brings.
+/// The name of the state in a heartbeat's byte, such as "operational".
 std::string nmt_state_text(unsigned state);
 
-/// The state of CiA 402 that a statusword says.
+/// The name of the CiA 402 state that a statusword encodes.
 std::string drive_state_text(unsigned statusword);
 
 using Change = std::pair<text::KnownObject, Bytes>;
 
-/// Everything throws UserError; what the node refuses names object, value and what is allowed.
+/// All functions throw UserError. When the node refuses a value, the message names the object, the
+/// value and what is allowed.
 class Remote {
  public:
   explicit Remote(SdoClient client) : client_(client) {}
@@ -40,27 +41,27 @@ class Remote {
 
   Bytes read(const text::KnownObject& object);
   void write(const text::KnownObject& object, const Bytes& value);
-  /// Of the name that find_object() takes.
+  /// `name` as find_object() takes it.
   Bytes read(const std::string& name) { return read(text::find_object(name)); }
   std::string text(const std::string& name);
   double number(const std::string& name);
   void set(const std::string& name, const std::string& value);
 
-  /// All of them in force in one step of the loop, or none; live, or while not enabled. A single
-  /// one is written as it is.
+  /// Writes changes of parameters as one set: they take effect in the same step of the loop, or
+  /// none does. A single change, or one of another object, is written directly.
   void change(const std::vector<Change>& changes);
 
   void nmt(NmtCommand command);
-  /// Through the states of CiA 402 until current may flow. Says why where it can not.
+  /// Goes through the states of CiA 402 until current may flow. The error says why it may not.
   void enable();
   void disable();
-  /// Acknowledges faults. Throws where one stays.
+  /// Acknowledges faults. Throws when one remains.
   void reset_faults();
-  /// Mode 1 of CiA 402, in force.
+  /// Sets mode 1 of CiA 402 and waits until it is in force.
   void set_profile_position();
-  /// In Profile position, which it sets. Waits until the target is reached, at most so long.
+  /// Sets mode Profile position and the target, and waits up to `patience_s` until it is reached.
   void move(std::int32_t target_um, double patience_s);
-  /// 1010h:1: parameters and communication.
+  /// Stores parameters and communication settings (1010h:1).
   void store();
 
  private:

@@ -66,9 +66,10 @@ SdoClient::Data SdoClient::answer(Key key) {
   return data;
 }
 
-/// Sends what starts a transfer. An answer to another object is late for one that was given up.
+/// Sends the first frame of a transfer and returns its answer. Answers for other objects are
+/// skipped: they belong to earlier transfers that timed out.
 SdoClient::Data SdoClient::request(Key key, const Data& data) {
-  // Answers that wait already are of transfers that were given up.
+  // Frames that are already queued answer transfers that timed out.
   hal::CanFrame old;
   while (bus_.receive(old, 0)) {
   }
@@ -94,7 +95,7 @@ void SdoClient::silent(Key key) const {
 void SdoClient::refused(Key key, std::uint32_t code) const {
   const std::string_view text = text::abort_text(code);
   throw SdoError(fmt::format("node {}: {}: refused: {} (abort {:08X}h)", node_, key_text(key),
-                             text.empty() ? "for a reason of its own" : text, code),
+                             text.empty() ? "unknown reason" : text, code),
                  code);
 }
 
@@ -209,7 +210,8 @@ Bytes SdoClient::upload_block(Key key) {
   return value;
 }
 
-/// Segments in whole; the last one is filled up. One that is lost is asked for again.
+/// Appends whole segments to `value`, the last one with its padding. A lost segment is requested
+/// again.
 void SdoClient::receive_blocks(Key key, Bytes& value) {
   unsigned silences = 0;
   for (bool last = false; !last;) {
@@ -270,7 +272,7 @@ void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsign
         got[1] > segments) {
       abort(key, 0x05040001);
     }
-    // What the node did not get in a row comes again.
+    // Segments behind the first one that the node missed are sent again.
     value = value.subspan(std::min(value.size(), got[1] * max_in_segment));
     block_size = got[2];
     if (block_size == 0 || block_size > max_segments) abort(key, 0x05040002);

@@ -33,17 +33,17 @@ std::string key_text(Key key);
 class SdoClient {
  public:
   static constexpr std::int64_t usual_timeout_us = 500'000;
-  /// Of what has to be durable before it is answered.
+  /// For writes that the node answers only after it has stored them.
   static constexpr std::int64_t store_timeout_us = 10'000'000;
 
-  /// Node 1 to 127.
+  /// `node` is 1 to 127.
   SdoClient(Bus& bus, unsigned node) : bus_(bus), node_(node) {}
 
   unsigned node() const { return node_; }
   Bus& bus() { return bus_; }
   void set_timeout(std::int64_t microseconds) { timeout_us_ = microseconds; }
 
-  /// Expedited or segmented, as the node wants it.
+  /// Expedited or segmented, as the node chooses.
   Bytes upload(Key key);
   /// Expedited up to four bytes, else segmented.
   void download(Key key, std::span<const std::uint8_t> value);

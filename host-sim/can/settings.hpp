@@ -5,10 +5,10 @@
 
 namespace smaservo::can {
 
-/// What the node has. Throws UserError where it has no wire yet.
+/// Reads all parameters of the node. Throws UserError when it has no wire yet.
 Settings<double> read_settings(Remote& remote);
 
-/// What a file says of this node: its serial number and node-id stay the node's own.
+/// The settings of a file for this node; serial number and node-id stay the node's own.
 Settings<double> file_settings(const std::string& path, const Settings<double>& of_node);
 
 struct Difference {
@@ -17,10 +17,10 @@ struct Difference {
 };
 std::vector<Difference> differences(const Settings<double>& file, const Settings<double>& node);
 
-/// One line each: path, the file's value, the node's.
+/// One line for each: path, the file's value, the node's value.
 std::string differences_text(const std::vector<Difference>& differences);
 
-/// Writes what differs, as one set. Throws UserError; then nothing has changed.
+/// Writes the file's values as one set. When it throws UserError, nothing has changed.
 void restore(Remote& remote, const std::vector<Difference>& differences);
 
 }  // namespace smaservo::can

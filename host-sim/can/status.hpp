@@ -1,5 +1,5 @@
 #pragma once
-// What a servo says of itself, as text for people.
+// The state of a servo as text for people.
 
 #include "firmware/faults.hpp"
 #include "host-sim/can/remote.hpp"
@@ -12,7 +12,7 @@ std::string info_text(Remote& remote);
 /// Faults that are active or latched, the first cause, what blocks and limits, the error history.
 std::string faults_text(Remote& remote);
 
-/// What was written last and what was refused, the newest at the end.
+/// The last writes and refused writes, the newest at the end.
 std::string changes_text(Remote& remote);
 
 /// The first cause of the latched faults; Fault::none where there is none.

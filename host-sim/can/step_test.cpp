@@ -45,7 +45,7 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
   }
 }
 
-/// A step is judged from where the wire stands still.
+/// The figures of a step are taken from the position of a wire at rest.
 void wait_until_still(Remote& remote) {
   constexpr double patience_s = 5;
   constexpr double still_um_s = 100;
@@ -64,7 +64,8 @@ void wait_until_still(Remote& remote) {
   }
 }
 
-/// The step is where the set-point leaves the first one that is recorded.
+/// A recording must begin before the step, which is found where the set-point leaves its first
+/// value.
 void wait_until_recording(Remote& remote) {
   constexpr double patience_s = 5;
   Bus& bus = remote.bus();
@@ -79,7 +80,7 @@ void wait_until_recording(Remote& remote) {
   }
 }
 
-/// Disables again what was disabled before, whatever happens.
+/// Enables the drive; the destructor disables it if it was disabled before.
 class EnabledForAWhile {
  public:
   explicit EnabledForAWhile(Remote& remote) : remote_(remote), was_enabled_(is_enabled(remote)) {
@@ -114,7 +115,7 @@ Edges edges_of(const std::vector<double>& setpoints, double amplitude_m) {
           static_cast<std::size_t>(back - setpoints.begin())};
 }
 
-/// The greatest way that the set-point goes from its first value.
+/// The signed distance of the set-point from its first value where it is greatest.
 double amplitude_of(const std::vector<double>& setpoints) {
   double amplitude = 0;
   for (const double value : setpoints) {
@@ -124,7 +125,8 @@ double amplitude_of(const std::vector<double>& setpoints) {
   return amplitude;
 }
 
-/// Time from the step on, way from where it began, set-point, temperature, current.
+/// A data block of gnuplot: time since the step, contraction and set-point from their first values,
+/// temperature, current.
 std::string data_block(const StepRun& run, std::size_t number) {
   const auto setpoints = run.recording.column("setpoint");
   const auto positions = run.recording.column("position_m");
@@ -142,7 +144,7 @@ std::string data_block(const StepRun& run, std::size_t number) {
   return text + "EOD\n";
 }
 
-/// Of pictures in letters; 0 is where the set-point leaves its first value.
+/// The time axis of a text plot; 0 is where the set-point leaves its first value.
 struct TimeAxis {
   double from_s, to_s;
   std::size_t columns = 64;
@@ -154,7 +156,8 @@ TimeAxis axis_of(const StepRun& run) {
   return {from_s, from_s + static_cast<double>(setpoints.size()) * run.recording.period_s};
 }
 
-/// The way from where it began, a mean for each column; not finite where the run has nothing.
+/// The contraction from its first value, averaged over each column of a text plot; NaN for columns
+/// without rows.
 std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
   const auto positions = run.recording.column("position_m");
   const double first_s = axis_of(run).from_s;
@@ -192,8 +195,8 @@ files::TextTable figures_of(const std::vector<StepRun>& runs,
 }  // namespace
 
 StepRun run_step(Remote& remote, const StepPlan& plan) {
-  if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must be other than 0");
-  // The memory is filled at the end of the step back, and not much later.
+  if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must not be 0");
+  // The recorder's memory is full at the end of the step back or soon after.
   const RecordingPlan recorded{
       {"setpoint", "position_m", "temperature_K", "current_A"}, 2 * plan.seconds + before_s, 0, ""};
   remote.set("step.amplitude_um", std::to_string(plan.amplitude_um));
@@ -265,7 +268,7 @@ void write_step_report(const std::string& path, const std::vector<StepRun>& runs
     currents.push_back(curve(5));
   }
   const std::vector<report::Plot> plots{
-      {"Contraction", "The newest in blue, the runs before in grey.", false,
+      {"Contraction", "The newest run in blue, earlier ones in grey.", false,
        report::draw({960, 380, "time / s", "contraction / um"}, data, "", positions)},
       {"Temperature", "As the device estimates it.", true,
        report::draw({480, 300, "time / s", "temperature / degC"}, data, "", temperatures)},

@@ -26,7 +26,7 @@ struct Row {
 
 constexpr Key statusword{0x6041, 0};
 
-/// What people would look up.
+/// The meaning of a code that people would otherwise look up.
 std::string words_of(const text::KnownObject& object, const Bytes& bytes) {
   return object.key == statusword
              ? fmt::format("  {}",
@@ -51,7 +51,8 @@ std::vector<text::KnownObject> chosen_objects(const std::vector<std::string>& na
   return objects;
 }
 
-/// Where the plotted one stands, added where it is missing; the number of objects: none.
+/// The index of the object to plot, which is added if it is missing; without one, the number of
+/// objects.
 std::size_t place_of_plot(const std::string& name, std::vector<text::KnownObject>& objects) {
   if (name.empty()) return objects.size();
   const text::KnownObject wanted = text::find_object(name);

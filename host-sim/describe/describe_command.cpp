@@ -29,7 +29,7 @@ constexpr auto topics = std::to_array<Topic>({
      [](const DescribeArguments&) { return text::eds_text(); }},
     {"faults", "every fault of a device, in Markdown (firmware/reference/FAULTS.md)",
      [](const DescribeArguments&) { return text::fault_reference(); }},
-    {"objects", "objects of the CANopen node beside the parameters, in Markdown (OBJECTS.md)",
+    {"objects", "objects of the CANopen node other than parameters, in Markdown (OBJECTS.md)",
      [](const DescribeArguments&) { return text::object_reference(); }},
     {"parameters", "every parameter of a device, in Markdown (firmware/reference/PARAMETERS.md)",
      [](const DescribeArguments&) { return text::parameter_reference(); }},
@@ -60,7 +60,7 @@ void describe(const DescribeArguments& a) {
 
 void add_describe_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "describe", "Prints what the device knows of itself; made from the firmware's own tables.");
+      "describe", "Prints the device's parameters, objects or faults, or settings to start from.");
   auto a = std::make_shared<DescribeArguments>();
   command->add_option("TOPIC", a->topic, "one of:" + list_of_topics())->required();
   command->add_option("--wire", a->wire, "preset or file that ends in .toml; " + a->wire);

@@ -35,7 +35,7 @@ void add_explain_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "explain", "Says what a fault of the device means, what causes it, what to check.");
   auto name = std::make_shared<std::string>();
-  command->add_option("FAULT", *name, "name or code, as 2310h; without: lists all of them");
+  command->add_option("FAULT", *name, "name or code, such as 2310h; default: lists all faults");
   command->callback([name] { name->empty() ? list_faults() : explain(*name); });
 }
 

@@ -112,7 +112,8 @@ std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrat
   return units;
 }
 
-/// Units in turn; conditions in turn when all units have had one; then disturbed and not.
+/// The runs of a row go through all units, then to the next condition; after all conditions they
+/// change from undisturbed to disturbed or back.
 std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std::size_t>& rows,
                            const std::vector<JudgedUnit>& units) {
   std::vector<Job> jobs;
@@ -135,7 +136,8 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
   return jobs;
 }
 
-/// The observers of a row. The drift in a hold is that of the model as well.
+/// The observers of a row. The model alone joins them in a hold, to show how far it drifts
+/// uncorrected.
 std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_t row) {
   std::vector<std::string> observers = options.observers;
   const bool hold = evaluation_rows()[row].conditions.front() == Condition::hold_ripple;
@@ -145,8 +147,8 @@ std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_
   return observers;
 }
 
-/// As a user of these converters would set it: below 160 steps of the current's converter the
-/// resistance may be off by 0.3 %, always to the same side.
+/// The least current that a user of these converters would set: below 160 steps of the current's
+/// converter the resistance may have a constant error of 0.3 %.
 double min_current_A(const hal::Sensors& sensors) {
   return 160 * sensors.current_full_scale_A / std::ldexp(1.0, sensors.bits - 1);
 }

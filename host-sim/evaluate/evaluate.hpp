@@ -48,8 +48,8 @@ struct Evaluation {
   double stroke;  ///< the nominal one, as a strain
   int units;
   std::uint64_t seed;
-  /// In the order of the options. The model alone ("open-loop") has the row "hold" at least, where
-  /// that is evaluated.
+  /// Observers in the order of the options. Where the row "hold" is evaluated, the model alone
+  /// ("open-loop") is judged in it even if it is not among the options.
   std::vector<ObserverEvaluation> observers;
 };
 

@@ -30,7 +30,7 @@ struct EvaluateArguments {
   std::optional<std::uint64_t> random_seed;
 };
 
-/// A folder gets a file of the usual name.
+/// Where `out` is a folder, the file in it gets its default name.
 std::string json_file(const std::string& out) {
   if (!out.empty() && std::filesystem::is_directory(out)) {
     return (std::filesystem::path(out) / "evaluate.json").string();
@@ -41,7 +41,7 @@ std::string json_file(const std::string& out) {
   return out;
 }
 
-/// A line of progress for each stage.
+/// Shows the progress of each stage on a line of its own.
 class Stages {
  public:
   void update(std::string_view stage, std::size_t done, std::size_t total) {
@@ -57,7 +57,7 @@ class Stages {
   std::optional<files::Progress> line_;
 };
 
-/// One of the random scenarios, to look at.
+/// Runs one of the random scenarios alone.
 void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   const RandomScenario scenario =
       random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
@@ -65,7 +65,8 @@ void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   fmt::print(a.out == "-" ? stderr : stdout, "{}", simulate::summary(scenario.loop, result));
 }
 
-/// Where numbers and table go; opened first, for an evaluation may take an hour.
+/// The output files for numbers and table. They are opened first, since an evaluation may take an
+/// hour.
 struct Destination {
   std::optional<files::OutputFile> json;
   std::optional<TableFile> table;
@@ -81,7 +82,7 @@ struct Destination {
   }
 };
 
-/// The other table: of control.
+/// Makes the table of control (--closed-loop).
 void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
   ClosedLoopOptions options;
   options.units = a.options.units;
@@ -155,36 +156,39 @@ void add_evaluate_command(CLI::App& app) {
     rows.emplace_back(row.name);
   }
   command->add_option("--units", options.units, "wires of each family")->capture_default_str();
-  command->add_option("--runs", options.runs, "of each row; 504 of disturbed, 108 of the others");
-  command->add_option("--seed", options.seed, "of the first unit; observers are tuned with 1 to 99")
+  command->add_option("--runs", options.runs,
+                      "runs of each row; default: 504 of disturbed, 108 of the others");
+  command
+      ->add_option("--seed", options.seed,
+                   "seed of the first unit; observers are tuned with 1 to 99")
       ->capture_default_str();
   command->add_option("--threads", options.threads)->capture_default_str();
   command->add_option("--observer", options.observers, "repeatable")
       ->check(CLI::IsMember(observers))
       ->allow_extra_args(false)
       ->capture_default_str();
-  command->add_option("--set", a->settings, "key=value of observer or measuring; repeatable")
+  command->add_option("--set", a->settings, "key=value of observer or measurement; repeatable")
       ->allow_extra_args(false);
-  command->add_option("--row", options.rows, "rows of the table, all of them unless given")
+  command->add_option("--row", options.rows, "rows of the table; default: all")
       ->delimiter(',')
       ->check(CLI::IsMember(rows))
       ->allow_extra_args(false);
   command->add_option("--wires", options.wires,
-                      "folder that keeps the calibrated wires; those that are there are not "
+                      "folder of the calibrated wires; a wire that is in it is not "
                       "calibrated again");
   command->add_option("--out", a->out, "numbers as JSON: file, folder, or - for standard output");
   command->add_option("--report", a->report, "table as one HTML file");
-  command->add_option("--markdown", a->markdown, "file whose table is written again");
+  command->add_option("--markdown", a->markdown, "Markdown file whose table is replaced");
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
       ->excludes("--row", "--observer", "--set", "--report");
-  command->add_option("--random", a->random, "random scenarios of the closed loop")
+  command->add_option("--random", a->random, "number of random scenarios of --closed-loop")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   command->add_option("--random-seed", a->random_seed,
-                      "only this one of them; --out takes its trace");
+                      "runs only the random scenario of this seed; --out is its trace");
   command->callback([a] { run(*a); });
 }
 

@@ -15,16 +15,16 @@ struct Figure {
   double min, max;  ///< the target; NaN where there is none
 
   bool has_target() const;
-  bool missed() const;  ///< a value that is no number misses every target
+  bool missed() const;  ///< a NaN misses every target
 };
 
-/// All that is known of a row, with its targets: "mean_percent", "p95_percent", "max_percent",
-/// "lost", "within_2_sd_percent", and where they belong "drift_mean_percent", "drift_p95_percent",
-/// "drift_max_percent", "found_median_s", "found_p90_s", "locked", "unsure".
+/// All figures of a row with their targets: "mean_percent", "p95_percent", "max_percent", "lost",
+/// "within_2_sd_percent", and, in the rows that have them, "drift_mean_percent",
+/// "drift_p95_percent", "drift_max_percent", "found_median_s", "found_p90_s", "locked", "unsure".
 /// The target of "coarse" is 0.2 above the mean of "standard", if that was evaluated.
 std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row);
 
-/// The same of any runs of a row; max_mean is the target of their mean, NaN: none.
+/// The same for some of a row's runs; max_mean is the target of their mean, NaN: none.
 std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& figures,
                                 double max_mean);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double nothing_known = std::numeric_limits<double>::quiet_NaN();
 
-/// The least value that a share of the values does not exceed.
+/// The smallest value that at least this share of the values do not exceed.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return nothing_known;

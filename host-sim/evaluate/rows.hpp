@@ -1,5 +1,5 @@
 #pragma once
-// The rows of the table: which runs they are of, and what they say together.
+// The rows of the table: the runs of each, and the figures of these runs together.
 
 #include <cstdint>
 #include <limits>
@@ -31,7 +31,7 @@ struct EvaluationRow {
 /// "standard", "disturbed", "light", "uncalibrated", "unknown-start", "hold", "coarse".
 const std::vector<EvaluationRow>& evaluation_rows();
 
-/// One run, so that it can be made again: test_run(random_unit(family, unit), ...).
+/// What identifies a run: test_run(random_unit(family, unit), ...) makes it again.
 struct EvaluatedRun {
   hal::Family family;
   std::uint64_t unit;
@@ -40,7 +40,7 @@ struct EvaluatedRun {
   std::uint64_t seed;
 };
 
-/// What an observer made of it.
+/// The figures of an observer in that run.
 struct JudgedRun {
   EvaluatedRun run;
   RunFigures figures;
@@ -55,9 +55,9 @@ struct RowFigures {
       error;  ///< of all instants after the first second of each run, in % of the stroke
   int lost = 0;
   double within_2_sd;  ///< share of these instants; NaN where an observer has no deviation
-  // Sizes of the drifts; NaN where there are none.
+  // Magnitudes of the drifts; NaN in rows without a drift.
   double drift_mean, drift_p95, drift_maximum;
-  // NaN where no start is unknown.
+  // NaN in rows without unknown starts.
   double found_median_s, found_p90_s;
   int locked = 0, unsure = 0;
 };

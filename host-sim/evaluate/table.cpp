@@ -20,7 +20,7 @@ constexpr double no_scale = std::numeric_limits<double>::quiet_NaN();
 
 using Figures = std::vector<Figure>;
 
-/// Counts are whole.
+/// Counts have no decimals.
 std::string number(const Figure& figure) {
   const bool count = figure.name == "locked" || figure.name == "unsure";
   return std::isnan(figure.value)   ? ""
@@ -42,7 +42,7 @@ std::string three(const RowFigures& f) {
                                    f.error.quantile(0.95), f.error.maximum());
 }
 
-/// With columns of the families at the end. What is marked misses its target.
+/// Appends a column for each family. Marked values miss their target.
 files::TextTable table_of(std::vector<files::TextTable::Column> columns) {
   for (const hal::Family family : hal::families) {
     columns.push_back({std::string(hal::family_name(family)), "{}"});
@@ -92,7 +92,7 @@ std::string meaning(std::string_view figure) {
   return std::string(std::ranges::find(all, figure, &Named::name)->meaning);
 }
 
-/// What only some rows have.
+/// The figures that only some rows have.
 files::TextTable particulars(const ObserverEvaluation& observer) {
   files::TextTable table = table_of({{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
   for (const RowResult& result : observer.rows) {

@@ -1,5 +1,5 @@
 #pragma once
-// The table of an evaluation, in four shapes.
+// The table of an evaluation as text, JSON, Markdown and HTML.
 
 #include <string>
 #include <vector>

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   const std::string wire_file = argc > 2 ? argv[2] : "host-sim/traces/units/a.toml";
   const Wire<double> wire = files::load_wire(wire_file).wire;
 
-  // What the sensors are worth, and which resistances can be this wire's.
+  // The accuracy of the sensors, and the range of resistances that this wire can have.
   const double cold_ohm = cold_resistance_ohm(wire);
   MeasurementParams<double> sensors{};
   sensors.area_m2 = wire.geometry.area_m2();
@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
   sensors.min_resistance_ohm = 0.5 * cold_ohm;
   sensors.max_resistance_ohm = 2 * cold_ohm;
 
-  // A trace is a board that reads its rows. The first one starts the observer, in a room of 25
-  // degC.
+  // The trace is replayed as a board that reads its rows. The first row starts the observer, in air
+  // of 25 degC.
   hal::ReplayBoard board(hal::TraceReader(trace, {}), 0, sensors.area_m2);
   hal::Frame frame{};
   board.read(frame);

@@ -17,7 +17,7 @@ int main() {
   constexpr double stress_Pa = 150e6;
   constexpr double dt_s = 1e-3;
   constexpr double sense_A = 0.012;  // always flows: without it there is no resistance to read
-  constexpr double max_A = 0.2;      // what the converter can
+  constexpr double max_A = 0.2;      // the converter's maximum
 
   // The wire that is simulated is also the observer's model.
   const Wire<double> wire = files::load_wire("smartflex-76um").wire;
@@ -45,7 +45,7 @@ int main() {
     }
     const double strain = Observer::estimate(model, observer).strain;
 
-    // A wire that is too long wants heat. What holds it there is left as the controller's error.
+    // A wire that is too long needs heat. The heat that holds it comes from an error that remains.
     const double wanted = i < 2000 ? 0.02 : 0.03;
     power_W = std::clamp(100 * (strain - wanted), 0.0, 1.0);
 

@@ -12,7 +12,7 @@
 using namespace smaservo;
 using Model = Plant<ThreePhase<float>>;
 namespace {
-/// What your registers do: here a wire under 0.68 N, and a current through it.
+/// In the place of your registers: a wire under 0.68 N, and the current through it.
 class Hardware {
  public:
   explicit Hardware(const Model::Params& wire) : wire_(wire) {}

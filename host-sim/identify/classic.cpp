@@ -18,14 +18,14 @@ namespace {
 
 enum class Shape : unsigned char { cosine, tanh, arctan, bezier, ihyp };
 
-/// Of the parameters that all shapes have; cooling's branch stands behind heating's.
+/// Indices of the parameters that all shapes have; those of the cooling branch follow.
 enum Index : int { martensite, austenite, centre, width, form };
 constexpr int plateaus = 2;
 
 constexpr std::size_t form_count(Shape shape) {
   return shape == Shape::bezier ? 4 : shape == Shape::ihyp ? 2 : 0;
 }
-/// From a heating branch's parameter to the cooling one's.
+/// Distance from the index of a heating branch's parameter to that of the cooling branch.
 constexpr int cooling(Shape shape) {
   return 2 + static_cast<int>(form_count(shape));
 }
@@ -34,7 +34,7 @@ constexpr int shape_parameters(Shape shape) {
 }
 
 /// The martensite fraction at `u` widths above the centre. The widths of cosine, Bezier and ihyp
-/// are from start to finish; one width beside the centre, tanh has 12 % left to convert and arctan
+/// are from start to finish; one width above the centre, tanh has 12 % left to convert and arctan
 /// 25 %.
 template <Shape shape, class S>
 S fraction(const S* own, const S& u) {
@@ -112,7 +112,7 @@ bool is_one_cycle(const Cycle& cycle) {
   return true;
 }
 
-/// Where a branch has half of the stroke behind it.
+/// The temperature at which a branch has passed half of the stroke.
 double start_K(const Cycle& cycle, std::size_t from, std::size_t to) {
   const double half = cycle.shortest + 0.5 * cycle.stroke;
   std::size_t nearest = from;
@@ -124,7 +124,7 @@ double start_K(const Cycle& cycle, std::size_t from, std::size_t to) {
   return cycle.temperature_K[nearest];
 }
 
-/// What a branch's form starts from, and where it ends.
+/// Start and bounds of the form parameter of a shape.
 struct FormLimits {
   double start, min, max;
 };
@@ -236,7 +236,7 @@ ClassicFit fitted(std::string_view name, const Cycle& cycle) {
   return fit;
 }
 
-/// The run as a cycle, if it is one that the fits mean anything for.
+/// The run as a cycle; none where the fits would mean nothing.
 std::optional<Cycle> cycle_of(const Run& run) {
   if (run.kind != RunKind::bath || run.strain.empty() || !has_constant_stress(run)) {
     return {};

@@ -1,6 +1,6 @@
 #pragma once
-// The transformation functions that most models use, as a yardstick: what a fit of the wire's own
-// model has to beat.
+// The transformation functions that most models use. Their errors are the yardstick for a fit of
+// the project's model.
 
 #include <algorithm>
 #include <cmath>
@@ -82,7 +82,7 @@ S bezier_fraction(const BezierShape<S>& shape, const S& t) {
 struct ClassicFit {
   std::string_view name;       ///< "cosine", "tanh", "arctan", "Bezier" or "ihyp"
   double rms, p95, max;        ///< of the error, as a share of the stroke: the span of the strain
-  std::vector<double> strain;  ///< what it makes of each row
+  std::vector<double> strain;  ///< the fitted strain of each row
   double martensite_strain, austenite_strain;
   double heating_K, heating_width_K;  ///< centre and width, see fraction() in classic.cpp
   double cooling_K, cooling_width_K;

@@ -10,7 +10,7 @@
 namespace smaservo::identify {
 namespace {
 
-/// Seconds at every comparison; of settled states their number.
+/// The time of every comparison in seconds; of settled states, their number.
 std::vector<double> places(const Run& run) {
   const FitRun fit = thin_run(run);
   std::vector<double> all;
@@ -90,7 +90,7 @@ class RunDrawing {
  private:
   static constexpr const char* residual_label = "model - measured in % of the stroke";
 
-  /// What the fit assumes of this run alone.
+  /// The fitted parameters of this run alone, in words.
   std::string circumstances() const {
     const Circumstances<double>& c = run_.circumstances;
     std::string text;
@@ -129,8 +129,8 @@ class RunDrawing {
   }
 
   report::Plot loop() const {
-    return plot(fmt::format("{}: strain over resistance", name_), "What an observer makes use of.",
-                "resistance in Ω", "strain in %", true, "",
+    return plot(fmt::format("{}: strain over resistance", name_),
+                "The relation that an observer uses.", "resistance in Ω", "strain in %", true, "",
                 {"$data using 6:3 with lines lc rgb reference lw 2.5 title 'measured'",
                  "$data using 7:4 with lines lc rgb estimate title 'model'"});
   }

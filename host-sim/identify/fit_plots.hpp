@@ -8,7 +8,7 @@
 
 namespace smaservo::identify {
 
-/// Of each run: measured and fitted strain and resistance, and what is left between them. Throws
+/// Plots for each run: measured and fitted strain and resistance, and their differences. Throws
 /// UserError when gnuplot is missing or fails.
 std::vector<report::Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs);
 

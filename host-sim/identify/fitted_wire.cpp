@@ -18,7 +18,7 @@ constexpr double max_strain = 0.15;
 constexpr double max_resistance = 0.10;
 constexpr double max_power = 0.5;
 
-/// Above 1 the run is not explained.
+/// The error of a run relative to what a fit may leave; above 1 the run is not explained.
 double unexplained(const FittedRun& run) {
   const double share = run.kind == RunKind::calorimetry ? run.power.rms / max_power
                        : run.strain.count > 0           ? run.strain.rms / max_strain
@@ -51,8 +51,7 @@ void check_valid(const files::WireDescription& wire) {
   try {
     files::parse_wire(files::to_toml(wire), wire.name);
   } catch (const files::ConfigError& error) {
-    throw files::UserError(
-        fmt::format("the runs lead to a wire that can not be: {}", error.what()));
+    throw files::UserError(fmt::format("the runs lead to an impossible wire: {}", error.what()));
   }
 }
 
@@ -68,7 +67,7 @@ bool stands_above(std::string_view path, std::string_view key) {
   return key == path || (key.starts_with(path) && key[path.size()] == '.');
 }
 
-/// The source that speaks for a key: its own, or that of the nearest table.
+/// The source that applies to a key: its own, or that of the nearest table.
 std::string inherited(const files::WireDescription& from, std::string_view key) {
   std::string text;
   std::size_t longest = 0;
@@ -120,10 +119,10 @@ std::string source_of(const std::string& group, const Groups::mapped_type& param
   return text;
 }
 
-/// Whether the fit replaces what this source speaks of.
+/// Whether the fit replaces the values that this source is for.
 bool replaced(const std::string& path, const Groups& groups) {
   for (const auto& [group, parameters] : groups) {
-    // A source of the whole wire still speaks of what no fit changes.
+    // A source of the whole wire still applies to keys that no fit changes.
     if ((path != "wire" && stands_above(path, group)) ||
         (is_of_process(path) && stands_above(group, path))) {
       return true;
@@ -139,7 +138,7 @@ bool replaced(const std::string& path, const Groups& groups) {
   return false;
 }
 
-/// What the structure of the model says, which the fit may have changed.
+/// The source of the model's structure, which the fit may have changed.
 std::string structure_source(bool changed, const std::string& before, const FitResult& fit) {
   return changed ? fmt::format("chosen by the fit to {}", file_names(fit)) : before;
 }

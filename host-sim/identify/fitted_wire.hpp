@@ -1,5 +1,5 @@
 #pragma once
-// What a fit has found, as a wire description that says where each number comes from.
+// The result of a fit as a wire description with a source for each number.
 
 #include <string>
 #include <string_view>
@@ -19,7 +19,7 @@ struct Figure {
 };
 Figure figure(const FittedParameter& fitted);
 
-/// "74.80 ± 0.12": as many digits as the deviation is worth.
+/// "74.80 ± 0.12", with as many digits as the deviation justifies.
 std::string with_deviation(double value, double sd);
 
 /// "wire.m2a" of "wire.m2a.width"; "wire.heat" of "wire.heat.convection".

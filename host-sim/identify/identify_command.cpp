@@ -28,7 +28,7 @@ struct IdentifyArguments {
   std::optional<double> stress_MPa, load_N;
 };
 
-/// What Ctrl-C has asked for. A second one ends the program at once.
+/// Turns the first Ctrl-C into a request to stop; a second one ends the program at once.
 class Interrupt {
  public:
   Interrupt() {
@@ -51,7 +51,7 @@ class Interrupt {
   struct sigaction before_{};
 };
 
-/// Where the fit is, as a line on the terminal.
+/// Shows the progress of the fit as a line on the terminal.
 class FitStatus {
  public:
   ~FitStatus() { clear(); }
@@ -146,7 +146,7 @@ void run(const IdentifyArguments& a) {
   }
   fmt::print(a.report == "-" ? stderr : stdout, "{}", a.json ? fit_json(all) : fit_summary(all));
   if (all.fit.interrupted) {
-    // The shell, and a script in it, see what ended the program.
+    // The program ends by the signal itself, so that a shell or script sees it was interrupted.
     std::fflush(stdout);
     std::raise(SIGINT);
   }
@@ -160,23 +160,26 @@ void add_identify_command(CLI::App& app) {
   auto a = std::make_shared<IdentifyArguments>();
   command
       ->add_option("RUN", a->runs,
-                   "CSV files: in a bath, heated by current, settled states, calorimetry")
+                   "CSV files of runs: in a bath, heated by current, settled states, calorimetry")
       ->required();
   command->add_option("--out", a->out, "wire file to write, ends in .toml")->required();
   command->add_option("--from", a->from, "nearest preset, or file that ends in .toml")
       ->capture_default_str();
-  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+  command
+      ->add_option("--set", a->settings,
+                   "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
   command->add_option("--report", a->report, "report as one HTML file");
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->add_flag("--circuit", a->circuit,
                     "also fit the resistance of the leads and the gain of the load cell");
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
-  command->add_option("--load-N", a->load_N, "load of the runs that have none");
-  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
+  command->add_option("--load-N", a->load_N, "load of runs without a load, N");
+  command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
+      ->excludes("--load-N");
   command
       ->add_option("--column", a->columns,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
+                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
       ->allow_extra_args(false);
   command->callback([a] { run(*a); });
 }

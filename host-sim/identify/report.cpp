@@ -21,7 +21,7 @@ std::size_t rows_of(const FittedRun& run) {
   return std::max({run.strain.count, run.resistance.count, run.power.count});
 }
 
-/// What was read and how the fit went, in one line.
+/// One line: files, runs, iterations, time.
 std::string heading(const Identification& all) {
   return fmt::format("{} from {} and {} run{}, {} iterations, {:.1f} s{}", all.out, all.from,
                      all.runs.size(), all.runs.size() == 1 ? "" : "s", all.fit.iterations,
@@ -69,7 +69,7 @@ std::vector<std::string> undetermined(const FitResult& fit) {
   return lines;
 }
 
-/// With the classic functions where a run has some.
+/// The errors of each run, with columns for the classic functions when a run has them.
 files::TextTable runs_table(const Identification& all) {
   std::vector<files::TextTable::Column> columns{{"run"},
                                                 {"kind"},
@@ -129,7 +129,7 @@ std::string correlations_text(const FitResult& fit) {
   return text;
 }
 
-/// What the numbers of the runs are.
+/// The units of the table of the runs.
 std::string unit_of_errors(const Identification& all) {
   return fmt::format(
       "strain, also by classic functions, in % of the {:g} % stroke; resistance in %",
@@ -145,8 +145,8 @@ std::string parameters_html(const FitResult& fit) {
                fitted.determined() ? "" : "not determined"});
   }
   return "<h2>Parameters</h2>\n" + table.html() +
-         "<p class=\"caption\">± one standard deviation. Not determined: the runs narrow it to no "
-         "less than half of what was believed before.</p>\n";
+         "<p class=\"caption\">± one standard deviation. Not determined: the runs leave more than "
+         "half of the deviation that was assumed before.</p>\n";
 }
 
 using Json = nlohmann::ordered_json;
@@ -227,7 +227,7 @@ std::string fit_summary(const Identification& all) {
   }
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {
-    text += "known together rather than each by itself:\n" + correlations;
+    text += "strongly correlated, known in combination rather than singly:\n" + correlations;
   }
   return text;
 }
@@ -279,7 +279,8 @@ void write_fit_report(const std::string& path, const Identification& all) {
   html += parameters_html(all.fit);
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {
-    html += report::listing_html("Known together rather than each by itself", correlations);
+    html += report::listing_html("Strongly correlated, known in combination rather than singly",
+                                 correlations);
   }
   html += report::listing_html("Wire", files::to_toml(all.wire));
   report::write_html(path, all.wire.name, html);

@@ -1,5 +1,5 @@
 #pragma once
-// What a fit has to say to its user: text, JSON, HTML.
+// The result of a fit as text, JSON and HTML.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace smaservo::identify {
 
-/// Everything that is known after a fit.
+/// A fit and what it was made from.
 struct Identification {
   std::string from;  ///< name of the wire that it started from
   std::string out;   ///< file of the wire

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "host-sim/identify/fit/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/all_runs_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/plan/plan_profile.hpp"
 #include "model/files/error.hpp"
@@ -75,7 +75,7 @@ Driven drive(const Wire<double>& wire, double stress_Pa, const std::vector<doubl
   return driven;
 }
 
-/// What a fit to runs of this wire would know.
+/// The deviations that a fit to runs of this wire would leave.
 class Expectation {
  public:
   Expectation(const Wire<double>& wire, double dt_s)
@@ -125,13 +125,13 @@ class Expectation {
     const auto own = static_cast<Eigen::Index>(active.size()) - n;
     const Eigen::MatrixXd full = jacobian.transpose() * jacobian;
     const Eigen::MatrixXd coupling = full.topRightCorner(n, own);
-    // The prior is in it once for each run, and counts once only.
+    // The matrix of each run contains the prior, which counts only once in all.
     return full.topLeftCorner(n, n) - Eigen::MatrixXd::Identity(n, n) -
            coupling * full.bottomRightCorner(own, own).llt().solve(coupling.transpose());
   }
 
  private:
-  /// A number that is known.
+  /// A parameter that is known: its deviation changes nothing.
   static identify::FitParameter without(double value) {
     return {"", "", 1, identify::Form::sum, value, 0};
   }
@@ -159,7 +159,8 @@ class Expectation {
   double dt_s_;
   identify::FitVariant variant_;
   identify::FitProblem problem_;
-  /// As a fit's, with a measured ambient temperature; the load cell and the leads are known.
+  /// The run's own parameters as a fit has them, with a measured ambient temperature. Load cell and
+  /// leads are known.
   identify::CircumstanceParameters circumstances_{
       {{"ambient", "degC", 1, identify::Form::sum, ambient_K, 0.5},
        {"loss", "", 1, identify::Form::factor, 1, 0.05},
@@ -169,7 +170,7 @@ class Expectation {
        without(0)}};
 };
 
-/// Deviations of all parameters by their prior's, with all this information.
+/// The deviations of all parameters relative to their priors', with this information.
 std::vector<double> deviations(const Eigen::MatrixXd& information) {
   const Eigen::Index n = information.rows();
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
@@ -182,7 +183,7 @@ std::vector<double> deviations(const Eigen::MatrixXd& information) {
   return all;
 }
 
-/// Mean logarithm of them: the less, the better.
+/// Mean logarithm of these deviations: the lower, the better.
 double score(const Eigen::MatrixXd& information) {
   double sum = 0;
   const std::vector<double> all = deviations(information);
@@ -292,7 +293,8 @@ class Search {
     return true;
   }
 
-  /// Each run in turn by the best there is beside the others, until nothing changes.
+  /// Replaces each run in turn by the profile that is best beside the other runs, until nothing
+  /// changes.
   void choose() {
     for (bool changed = true; changed;) {
       changed = false;

@@ -21,7 +21,7 @@ struct PlanOptions {
   std::vector<double> stresses_Pa;  ///< one run under each; none: the best three of a list
   double duration_s = 60;           ///< of each run, 10 to 600
   int threads = 1;                  ///< makes no difference to the plan
-  /// Called now and then with the profiles that have been tried, of how many.
+  /// Called now and then with the number of profiles that have been tried, and that will be.
   std::function<void(std::size_t done, std::size_t total)> progress = [](std::size_t, std::size_t) {
   };
 };
@@ -30,11 +30,11 @@ struct PlanOptions {
 struct PlannedRun {
   double stress_Pa;
   std::vector<double> current_A;  ///< during the step
-  // What the wire's own model makes of it at the end of the step:
+  // The state that the wire's own model predicts for the end of the step:
   std::vector<double> temperature_K, strain;
 };
 
-/// Deviations that a fit would leave, by those of the prior: 1 where the runs say nothing.
+/// Deviations that a fit would leave, divided by those of the prior: 1 where the runs tell nothing.
 struct ExpectedParameter {
   identify::FitParameter parameter;
   double triangle, plan;
@@ -48,8 +48,8 @@ struct Plan {
   std::vector<ExpectedParameter> parameters;
 };
 
-/// Of an ExpectedParameter's member: how many are below half of the prior, and the criterion by
-/// which a plan is chosen, the mean logarithm.
+/// For one member of ExpectedParameter: how many parameters have a deviation below half of the
+/// prior's, and the mean logarithm, by which a plan is chosen.
 std::size_t determined(const Plan& plan, double ExpectedParameter::* deviation);
 double mean_logarithm(const Plan& plan, double ExpectedParameter::* deviation);
 

@@ -27,7 +27,7 @@ struct PlanArguments {
   int threads = 0;  ///< 0: as many as cores
 };
 
-/// What all outputs are made of.
+/// The content of all outputs.
 struct Planned {
   const PlanArguments& arguments;
   Wire<double> wire;
@@ -92,9 +92,10 @@ std::string instructions(const Planned& p) {
     settings += " --set " + setting;
   }
   return fmt::format(
-      "1. Hang {} on the wire, one after the other; heat it once, let it cool until nothing moves, "
-      "run its column.\n"
-      "2. In still air, 100 rows/s or more, a file for each load: time_s, current_A, voltage_V (at "
+      "1. Hang {} on the wire, one after the other. Heat it once, let it cool until nothing moves, "
+      "then run the column of that load.\n"
+      "2. Record in still air, 100 rows/s or more, a file for each load: time_s, current_A, "
+      "voltage_V (at "
       "the wire), load_N, displacement_mm, ambient_degC.\n"
       "3. host-sim identify --from {}{} --out mine.toml {}\n",
       fmt::join(loads, ", "), p.arguments.wire, settings, fmt::join(files, " "));
@@ -141,7 +142,7 @@ std::string summary(const Planned& p) {
   return fmt::format(
              "{}\n{}\ndetermined, of {}: {} by the plan, {} by a triangle of the current; "
              "deviations "
-             "{:.2f} times as small on the geometric mean\n",
+             "smaller by a factor of {:.2f} (geometric mean)\n",
              runs(p).text(), deviations(p).text(), plan.parameters.size(),
              determined(plan, &ExpectedParameter::plan),
              determined(plan, &ExpectedParameter::triangle), ratio(plan)) +
@@ -241,17 +242,20 @@ void add_calibrate_plan_command(CLI::App& app) {
       "calibrate-plan", "Computes currents to run on a bench, so that identify learns the most.");
   auto a = std::make_shared<PlanArguments>();
   command->add_option("WIRE", a->wire, "nearest preset, or file that ends in .toml")->required();
-  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+  command
+      ->add_option("--set", a->settings,
+                   "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
-  command->add_option("--load-N", a->loads_N, "loads, A,B,...; the best three unless given")
+  command->add_option("--load-N", a->loads_N, "loads A,B,... in N; default: the best three")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--stress-MPa", a->stresses_MPa, "or their stresses")
+  command->add_option("--stress-MPa", a->stresses_MPa, "the same as stresses in MPa")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->excludes("--load-N");
-  command->add_option("--duration-s", a->duration_s, "of each run")->capture_default_str();
-  command->add_option("--out", a->out, "CSV with the currents; - for standard output")
+  command->add_option("--duration-s", a->duration_s, "duration of each run, s")
+      ->capture_default_str();
+  command->add_option("--out", a->out, "CSV file of the currents; - is standard output")
       ->capture_default_str();
   command->add_option("--report", a->report, "report as one HTML file");
   command->add_flag("--json", a->json, "print the numbers as JSON");

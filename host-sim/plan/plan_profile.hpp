@@ -9,8 +9,8 @@
 
 namespace smaservo::plan {
 
-/// What a run consists of, one part after the other. Levels go from 0, the least current, to 1, the
-/// greatest, and are proportional to the power.
+/// The parts of a run, one after the other. Levels are proportional to the power, from 0 at the
+/// least current to 1 at the greatest.
 struct Recipe {
   std::array<double, 4> shares{1, 0, 0, 0};  ///< of the time: full cycles, stairs, loops, random
   int cycles = 1;
@@ -20,7 +20,7 @@ struct Recipe {
   int stairs = 6;    ///< on the way up, and as many on the way down
   int loops = 6;     ///< around `center`, each a sixth smaller than the one before
   double center = 0.6;
-  int holds = 20;  ///< of a random level each
+  int holds = 20;  ///< number of holds at random levels
   std::uint64_t seed = 1;
 };
 
@@ -28,7 +28,7 @@ Recipe random_recipe(std::mt19937_64& random);
 /// The same with one or a few of its numbers changed.
 Recipe varied(const Recipe& recipe, std::mt19937_64& random);
 
-/// Levels of so many steps. Starts and ends with a fiftieth of the time at level 0.
+/// The level in each of `steps` steps. The first and the last fiftieth of the time are at level 0.
 std::vector<double> levels(const Recipe& recipe, std::size_t steps);
 
 }  // namespace smaservo::plan

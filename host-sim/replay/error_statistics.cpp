@@ -14,7 +14,7 @@ constexpr std::size_t max_bins = 100'000;  // 1000 %; beyond it only the maximum
 }  // namespace
 
 void ErrorStatistics::add(double percent) {
-  // An estimate that is no number is infinitely wrong.
+  // An estimate that is NaN counts as infinitely wrong.
   const double size =
       std::isnan(percent) ? std::numeric_limits<double>::infinity() : std::abs(percent);
   const double place = std::min(std::floor(size / bin_percent), double{max_bins - 1});

@@ -1,5 +1,5 @@
 #pragma once
-// How the programs that know only a trace turn its readings into measurements.
+// Measurement parameters for programs that know nothing of the board that recorded a trace.
 
 #include "host-sim/replay/run_settings.hpp"
 #include "model/wire/wire.hpp"
@@ -7,7 +7,7 @@
 
 namespace smaservo::replay {
 
-/// What a good front end for this wire would be, with the user's settings on top.
+/// The parameters of a good front end for this wire, changed by the user's settings.
 MeasurementParams<double> measuring_params(const Wire<double>& wire, const RunSettings& settings);
 
 }  // namespace smaservo::replay

@@ -29,35 +29,42 @@ class Running final : public AnyObserver {
   typename O::State state_;
 };
 
+template <StrainObserver O>
+std::unique_ptr<AnyObserver> running(const typename O::Params& params, const ObserverStart& from) {
+  return std::make_unique<Running<O>>(params, from.first, from.ambient_K);
+}
+
+std::unique_ptr<AnyObserver> kalman(const ObserverStart& from) {
+  const auto tuning = with_settings(kalman_tuning(from.wire.accuracy), from.settings);
+  return running<Substepping<MultipleModelFilter<double>>>({plant_params(from.wire), tuning}, from);
+}
+
+std::unique_ptr<AnyObserver> open_loop(const ObserverStart& from) {
+  return running<Substepping<OpenLoopObserver<double>>>({plant_params(from.wire)}, from);
+}
+
+std::unique_ptr<AnyObserver> line(const ObserverStart& from) {
+  return running<LineObserver<double>>({plant_params(from.wire)}, from);
+}
+
 }  // namespace
 
 const std::vector<ObserverKind>& observer_kinds() {
   static const std::vector<ObserverKind> kinds{
-      {"kalman", "the three-phase model, corrected by the resistance"},
-      {"open-loop", "the model alone, from power and stress"},
-      {"line", "a straight line from resistance to strain"}};
+      {"kalman", "the three-phase model, corrected by the resistance", kalman},
+      {"open-loop", "the model alone, from power and stress", open_loop},
+      {"line", "a straight line from resistance to strain", line}};
   return kinds;
 }
 
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
                                            const RunSettings& settings,
                                            const Measurement<double>& first, double ambient_K) {
-  const auto model = plant_params(wire);
-  const auto tuning = with_settings(kalman_tuning(wire.accuracy), settings);
-  if (name == "kalman") {
-    return std::make_unique<Running<Substepping<MultipleModelFilter<double>>>>(
-        MultipleModelFilter<double>::Params{model, tuning}, first, ambient_K);
-  }
-  if (name == "open-loop") {
-    return std::make_unique<Running<Substepping<OpenLoopObserver<double>>>>(
-        OpenLoopObserver<double>::Params{model}, first, ambient_K);
-  }
-  if (name == "line") {
-    return std::make_unique<Running<LineObserver<double>>>(LineObserver<double>::Params{model},
-                                                           first, ambient_K);
-  }
   std::vector<std::string_view> names;
   for (const ObserverKind& kind : observer_kinds()) {
+    if (kind.name == name) {
+      return kind.make({wire, settings, first, ambient_K});
+    }
     names.push_back(kind.name);
   }
   throw files::UserError(

@@ -20,9 +20,18 @@ class AnyObserver {
   virtual Estimate<double> estimate() const = 0;
 };
 
+/// What an observer of any kind starts from.
+struct ObserverStart {
+  const Wire<double>& wire;
+  const RunSettings& settings;
+  const Measurement<double>& first;
+  double ambient_K;
+};
+
 struct ObserverKind {
   std::string_view name;
   std::string_view meaning;
+  std::unique_ptr<AnyObserver> (*make)(const ObserverStart& from);
 };
 const std::vector<ObserverKind>& observer_kinds();
 

@@ -54,7 +54,7 @@ class Reference {
   double zero_ = nan;
 };
 
-/// Where the estimates of a run go: file, statistics, plots.
+/// Takes the estimates of a run to the file, the statistics and the plots.
 class Sink {
  public:
   Sink(const ReplayOptions& options, const hal::TraceReader& trace, ReplayResult& result)
@@ -74,7 +74,7 @@ class Sink {
     }
   }
 
-  /// `row` comes with everything but its reference; `inputs` with what only plots show.
+  /// `row` lacks only its reference; `point` has only the inputs, which nothing but plots shows.
   void add(EstimateRow row, const hal::TraceRow& source, report::PlotPoint point) {
     row.strain_ref = reference_.of(source, row.strain);
     first_s_ = std::isnan(first_s_) ? row.time_s : first_s_;
@@ -139,7 +139,7 @@ class Sink {
   double last_ref_ = nan;
 };
 
-/// What the run was told of a load that the trace may not have.
+/// The load from the options for a trace without load and stress; NaN for a trace with them.
 double default_load_N(const ReplayOptions& options, const hal::TraceReader& trace) {
   if (trace.has(hal::Column::load) || trace.has(hal::Column::stress)) {
     return nan;

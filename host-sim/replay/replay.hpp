@@ -23,14 +23,14 @@ struct ReplayOptions {
   std::vector<files::Override> settings;         ///< of observer and measurement
   std::optional<double> load_N;                  ///< where the trace has neither load nor stress
   std::optional<double> stress_Pa;
-  std::optional<double> ambient_K;  ///< guess; the trace's first value, or 25 °C
+  std::optional<double> ambient_K;  ///< first guess; none: the trace's first value, or 25 °C
   std::string out;                  ///< CSV, "-" for standard output; empty: none
 };
 
 struct ObserverResult {
   std::string name;
   ErrorStatistics error;  ///< in per cent of the nominal stroke
-  bool lost = false;      ///< above 20 % after the first second
+  bool lost = false;      ///< an error after the first second was above 20 %
 };
 
 struct ReplayResult {

@@ -113,14 +113,15 @@ void add_replay_command(CLI::App& app) {
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->add_flag("--lenient", a->options.trace_options.lenient,
                     "skip and count bad rows instead of refusing them");
-  command->add_option("--load-N", a->options.load_N, "load, where the trace has none");
-  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
+  command->add_option("--load-N", a->options.load_N, "load of a trace without one, N");
+  command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
+      ->excludes("--load-N");
   command->add_option("--ambient-degC", a->ambient_degC,
-                      "first guess; the trace's first value, or 25");
-  command->add_option("--period-s", a->period_s, "between rows, where the trace has no time");
+                      "first guess of the air; default: the trace's first value, or 25");
+  command->add_option("--period-s", a->period_s, "time between rows of a trace without time, s");
   command
       ->add_option("--column", a->options.trace_options.renames,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
+                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
       ->allow_extra_args(false);
   command
       ->add_option("--device", a->device,
@@ -136,12 +137,12 @@ void add_replay_command(CLI::App& app) {
       ->excludes("--ambient-degC");
   command
       ->add_flag("--allow-differences", a->allow_differences,
-                 "end well where the outputs differ from the trace's")
+                 "exit with 0 even if the outputs differ from the trace's")
       ->needs("--device");
   command
       ->add_option("--tolerance", a->tolerance,
-                   "let numbers differ by so large a share of their range in the trace, where "
-                   "another machine or compiler wrote it")
+                   "allowed difference of numbers, as a share of their range in the trace, for "
+                   "traces of another machine or compiler")
       ->needs("--device")
       ->excludes("--allow-differences");
   command->callback([a] { run(*a); });

@@ -32,7 +32,7 @@ files::TextTable errors(const ReplayResult& result) {
   return table;
 }
 
-/// What the numbers of the errors are.
+/// The unit of the errors.
 std::string unit_of_errors(const ReplayOptions& options) {
   return fmt::format("error in % of the nominal stroke ({:g} % strain)",
                      100 * options.wire.wire.nominal_stroke);

@@ -1,5 +1,5 @@
 #pragma once
-// What --set may say of a run besides the wire: of the observer and of measuring.
+// The keys of --set that are not the wire's: those of the observer and of measurement.
 
 #include <string>
 #include <variant>
@@ -20,19 +20,20 @@ struct RunKey {
   files::Field field;
   std::variant<double KalmanTuning<double>::*, double MeasurementParams<double>::*> member;
 };
-/// By their slots.
+/// In the order of their slots.
 const std::vector<RunKey>& run_keys();
 
-/// What is set.
+/// The keys that --set has given, with their values.
 using RunSettings = files::Entries;
 
-/// Whether a key of --set is one of them, and none of the wire's; old names, too.
+/// Whether a key of --set, by its present or an old name, is one of these rather than one of the
+/// wire's.
 bool is_run_setting(const std::string& key);
 
 /// Throws ConfigError for a key that does not exist or a value that is not allowed.
 RunSettings parse_run_settings(const std::vector<files::Override>& settings);
 
-/// Parameters of either kind with what is set on top.
+/// `params` of the observer or of measurement, changed by the settings.
 template <class Params>
 Params with_settings(Params params, const RunSettings& settings) {
   for (const auto& [slot, entry] : settings) {

@@ -51,7 +51,7 @@ std::string read_all(const fs::path& file) {
   return text.str();
 }
 
-/// What gnuplot draws for a script.
+/// Runs gnuplot on a script and returns its output.
 std::string gnuplot(const std::string& script) {
   const TemporaryFolder folder;
   const std::string script_file = (folder / "plot.gp").string();

@@ -19,18 +19,19 @@ struct Axes {
   std::string x_label, y_label;
 };
 
-/// The SVG of a plot command over a data block, `more` being settings before it. Colours by name:
-/// estimate, reference, band, measured. Throws UserError when gnuplot is missing or fails.
+/// The SVG of curves over a data block; `more` are gnuplot's settings before the plot command.
+/// Colours have names: estimate, reference, band, measured. Throws UserError when gnuplot is
+/// missing or fails.
 std::string draw(const Axes& axes, const std::string& data, const std::string& more,
                  const std::vector<std::string>& curves);
 
-/// The same over two axes: by splot.
+/// The same with surfaces over two axes (splot).
 std::string draw_surface(const Axes& axes, const std::string& data, const std::string& more,
                          const std::vector<std::string>& surfaces);
 
-/// As gnuplot reads it; what is not finite leaves a gap.
+/// The number as gnuplot reads it; one that is not finite leaves a gap.
 std::string plotted(double value);
-/// These as a row of a data block.
+/// The numbers as a row of a data block.
 std::string plotted_row(std::span<const double> values);
 
 }  // namespace smaservo::report

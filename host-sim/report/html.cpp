@@ -45,7 +45,8 @@ img { display: block; width: 100%; aspect-ratio: var(--shape); }
 .plots section.half { width: 49%; }
 pre { background: #f6f6f6; padding: .75rem; overflow-x: auto; font-size: .8rem; line-height: 1.35; }
 @media (max-width: 40rem) { .plots section.half { width: 100%; } }
-@media print { body { max-width: none; font-size: 11px; padding: 0; } pre { white-space: pre-wrap; } }
+@media print { body { max-width: none; font-size: 11px; padding: 0; } pre { white-space: pre-wrap; }
+  tr { break-inside: avoid; } h2 { break-after: avoid; } }
 </style>
 )";
 

@@ -66,7 +66,7 @@ class SeriesOf {
   std::vector<Stretch> stretches_;
 };
 
-/// What the plots of a replay show, in the units of their axes. NaN leaves a gap.
+/// One point of a replay's plots, in the units of their axes. NaN leaves a gap.
 struct PlotPoint {
   double time_s;
   double strain_percent, strain_sd_percent, strain_ref_percent;

@@ -1,5 +1,5 @@
 #pragma once
-// How a wire followed the set-points of a strain loop, step by step.
+// Figures of how a wire followed the set-points of a strain loop, step by step.
 
 #include <vector>
 
@@ -7,14 +7,14 @@
 
 namespace smaservo::report {
 
-/// One set-point that stood still. Percentages are of the nominal stroke, of the true strain. NaN:
-/// it never came to that.
+/// The response to one set-point. Percentages are of the nominal stroke and of the true strain.
+/// NaN: the response did not get there.
 struct StepFigures {
   double from_s;
   double seconds;
-  double from, to;           ///< true strain at its beginning; set-point
-  double rise_s;             ///< from 10 to 90 % of the way; only of steps of 2 % stroke and more
-  double settling_s;         ///< to +-2 % of the stroke, for good
+  double from, to;    ///< true strain at its beginning; set-point
+  double rise_s;      ///< from 10 to 90 % of the way; only for steps of at least 2 % of the stroke
+  double settling_s;  ///< until it stays within +-2 % of the stroke
   double overshoot_percent;  ///< beyond the set-point; 0: none
   double error_percent;      ///< mean magnitude over the last quarter
 };

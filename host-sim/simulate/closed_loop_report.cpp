@@ -28,7 +28,7 @@ std::string data_block(const std::vector<LoopPoint>& points) {
   return text + "EOD\n";
 }
 
-/// One line of a time table: a name and when it held.
+/// One line of the picture of states and faults: a name and the spans in which it held.
 struct Row {
   std::string name;
   const char* colour;
@@ -85,12 +85,12 @@ class LoopPlots {
     }
     curves.emplace_back("$data using 1:4 with lines lc rgb reference lw 2 title 'true strain'");
     curves.emplace_back("$data using 1:5 with lines lc rgb estimate title 'estimate'");
-    return wide("Strain", "What is asked for, what is, and what the observer believes.",
-                "strain in %", 340, "", curves);
+    return wide("Strain", "Set-point, true strain and the observer's estimate.", "strain in %", 340,
+                "", curves);
   }
 
   report::Plot other() const {
-    return wide("Other modes", "Set-points that are not a length, in SI units of their mode.", "",
+    return wide("Other modes", "Modes that do not control the length, in SI units of the mode.", "",
                 240, "",
                 {"$data using 1:12 with lines lc rgb measured lw 2 title 'set-point'",
                  "$data using 1:13 with lines lc rgb estimate title 'as the device measures it'"});
@@ -98,8 +98,8 @@ class LoopPlots {
 
   report::Plot drive() const {
     return wide("Current and power",
-                "The current as it flows; the power that the controller wants.", "current in A",
-                240,
+                "The current that flows, and the power that the controller asks for.",
+                "current in A", 240,
                 "set y2label 'power in W'\nset y2tics\nset y2range [0:*]\nset yrange [0:*]\n"
                 "set border 11\n",
                 {"$data using 1:7 axes x1y2 with lines lc rgb band lw 2 title 'power'",
@@ -111,7 +111,8 @@ class LoopPlots {
         "$data using 1:10 with lines lc rgb reference lw 2 title 'hottest point, true'"};
     if (shows(&LoopPoint::hot_spot_degC)) {
       curves.emplace_back(
-          "$data using 1:9 with lines lc rgb measured title 'hottest point, as feared'");
+          "$data using 1:9 with lines lc rgb measured title 'hottest point, as the device "
+          "assumes'");
     }
     curves.emplace_back("$data using 1:8 with lines lc rgb estimate title 'wire, estimated'");
     curves.push_back(fmt::format("{} with lines lc rgb '#b00020' dt 2 title 'limit'",
@@ -121,8 +122,8 @@ class LoopPlots {
   }
 
   report::Plot stress() const {
-    return wide("Stress", "Of the wire, as it is.", "stress in MPa", 200, "set yrange [0:*]\n",
-                {"$data using 1:11 with lines lc rgb reference notitle"});
+    return wide("Stress", "The true stress of the wire.", "stress in MPa", 200,
+                "set yrange [0:*]\n", {"$data using 1:11 with lines lc rgb reference notitle"});
   }
 
   /// States, limit reasons, warnings and faults as bars.
@@ -176,7 +177,7 @@ std::string numbers_html(const bench::ClosedLoopScenario& scenario, const LoopRu
        fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C", result.max_hottest_K - zero_degC_K,
                    result.max_hottest_s, scenario.settings.limits.temperature_K - zero_degC_K)});
   table.add({"greatest current", fmt::format("{:.0f} mA", 1e3 * result.max_current_A)});
-  table.add({"estimate at most off by",
+  table.add({"greatest error of the estimate",
              fmt::format("{:.2f} % of the nominal stroke",
                          100 * result.max_estimate_error / scenario.settings.wire.nominal_stroke)});
   for (const auto& [fault, time_s] : result.faults) {
@@ -207,7 +208,7 @@ void write_report(const std::string& path, const bench::ClosedLoopScenario& scen
     html += report::plots_html(LoopPlots(scenario, *result.record).all());
   }
   html += steps_html(result);
-  html += report::listing_html("Wire as it is", files::to_toml(scenario.plant.wire));
+  html += report::listing_html("The true wire", files::to_toml(scenario.plant.wire));
   report::write_html(path, scenario.name, html);
 }
 

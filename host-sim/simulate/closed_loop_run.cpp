@@ -18,7 +18,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double estimate_settles_s = 1;
 
-/// The length that is asked for, as a strain; NaN in modes that do not control it.
+/// The set-point as a strain; NaN in modes that do not control the length.
 double wanted_strain(const Settings<double>& settings, Mode mode, double value) {
   if (mode == Mode::strain) {
     return value;
@@ -28,7 +28,7 @@ double wanted_strain(const Settings<double>& settings, Mode mode, double value) 
              : nan;
 }
 
-/// What a mode controls, as the device measures it.
+/// The variable that a mode controls, as the device measures it.
 double controlled(const text::Cycle& cycle) {
   const Sample<double>& sample = cycle.inputs.sample;
   switch (cycle.output.mode) {
@@ -52,7 +52,7 @@ double controlled(const text::Cycle& cycle) {
   return nan;
 }
 
-/// Writes down what a report shows.
+/// Collects what a report shows.
 class Recorder {
  public:
   Recorder(const bench::ClosedLoopScenario& scenario, LoopRecord& record)
@@ -227,8 +227,8 @@ std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResu
                                  scenario.name, result.steps, result.duration_s,
                                  result.duration_s / result.elapsed_s, scenario.note);
   text += fmt::format(
-      "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, estimate at "
-      "most {:.1f} % of the stroke off\n",
+      "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, greatest "
+      "error of the estimate {:.1f} % of the stroke\n",
       result.max_hottest_K - zero_degC_K, result.max_hottest_s, 1e3 * result.max_current_A,
       100 * result.max_estimate_error / scenario.settings.wire.nominal_stroke);
   for (const auto& [fault, time_s] : result.faults) {

@@ -1,5 +1,5 @@
 #pragma once
-// A closed loop from beginning to end: its trace, and what it says about the device.
+// Runs a closed loop from beginning to end: its trace and its results.
 
 #include <cstdint>
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace smaservo::simulate {
 
-/// What the plots of a closed loop show, in the units of their axes. NaN leaves a gap.
+/// One point of a closed loop's plots, in the units of their axes. NaN leaves a gap.
 struct LoopPoint {
   double time_s;
   double setpoint_percent, reference_percent, strain_percent, estimate_percent;
@@ -25,10 +25,10 @@ struct LoopPoint {
   double other_setpoint, other_measured;  ///< of modes that do not control the length, in SI
 };
 
-/// When something held, as from and to.
+/// Spans of time, as from and to.
 using Spans = std::vector<std::pair<double, double>>;
 
-/// What a report shows of a run.
+/// The part of a run that a report shows.
 struct LoopRecord {
   report::SeriesOf<LoopPoint, &LoopPoint::strain_percent> series;
   std::map<LimitReason, Spans> limits;
@@ -43,8 +43,9 @@ struct LoopRunResult {
   double max_hottest_K = 0;
   double max_hottest_s = 0;
   double max_current_A = 0;
-  double max_estimate_error = 0;                 ///< of the strain, after the first second
-  std::vector<std::pair<Fault, double>> faults;  ///< as they latched, with their times
+  double max_estimate_error = 0;  ///< of the strain, after the first second
+  std::vector<std::pair<Fault, double>>
+      faults;  ///< in the order in which they latched, with the times
   std::optional<LoopRecord> record;
 };
 

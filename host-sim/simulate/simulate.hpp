@@ -8,7 +8,7 @@
 
 namespace smaservo::simulate {
 
-/// What is measured, and the strain as it is.
+/// The readings, and the true strain.
 struct SimulatedRow {
   double time_s, current_A, voltage_V, load_N, strain;
 };
@@ -21,7 +21,7 @@ void simulate(const bench::Scenario& scenario, files::OutputFile& trace);
 /// must be a JouleScenario; throws std::bad_variant_access for a bath.
 void simulate_rows(const bench::Scenario& scenario, const RowSink& sink);
 
-/// What is known of a bath at each of its steps; the temperature is noisy.
+/// The readings of a bath at each of its steps; the temperature is noisy.
 struct SimulatedBathRow {
   double temperature_K, stress_Pa, strain;
 };

@@ -51,15 +51,15 @@ void run(const SimulateArguments& a) {
 
 void add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "simulate", "Makes a trace with a plant that no observer knows, or runs a device on it.");
+      "simulate", "Makes a trace of a simulated wire for observers, or runs a device on the wire.");
   auto a = std::make_shared<SimulateArguments>();
   command
       ->add_option("--scenario,SCENARIO", a->scenario,
-                   "TOML file; host-sim/simulate/README.md has the keys")
+                   "TOML file; its keys are in host-sim/simulate/README.md")
       ->required();
   command->add_option("--out", a->out,
-                      "trace as CSV, - for standard output, where it goes without a [device]");
-  command->add_option("--report", a->report, "report as one HTML file, where there is a [device]");
+                      "trace as CSV; - is standard output, the default without a [device]");
+  command->add_option("--report", a->report, "report as one HTML file; needs a [device]");
   command->callback([a] { run(*a); });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A wire of one temperature with its load and sensors, as the device meets it.
+// A lumped wire with its load and sensors, as a device meets it.
 
 #include <random>
 
@@ -10,12 +10,13 @@ namespace smaservo::tune {
 
 class TunedBench {
  public:
-  /// At rest. White noise on current and voltage with these deviations; the same on each run.
+  /// The wire is at rest. Current and voltage have white noise with these deviations, the same in
+  /// each run.
   TunedBench(const TunedPlant& plant, double current_noise_A, double voltage_noise_V);
 
-  /// A new frame.
+  /// Reads a new frame.
   Inputs<double> inputs();
-  /// This current for the next dt_s.
+  /// Applies this current for the next dt_s.
   void drive(double current_A, double dt_s);
 
   double strain() const { return LumpedModel::strain(params_, state_); }

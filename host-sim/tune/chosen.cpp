@@ -22,21 +22,24 @@ std::vector<Chosen> chosen_settings(const Settings<double>& s, bool resistance, 
   std::vector<Chosen> all{
       {"measurement", "current_noise_A", s.measuring.current_noise_A, "assumed; put in your own"},
       {"measurement", "voltage_noise_V", s.measuring.voltage_noise_V, "assumed; put in your own"},
-      {"measurement", "current_full_scale_A", s.measuring.current_full_scale_A, "needed at least"},
-      {"measurement", "voltage_full_scale_V", s.measuring.voltage_full_scale_V, "needed at least"},
+      {"measurement", "current_full_scale_A", s.measuring.current_full_scale_A,
+       "the least that suffices"},
+      {"measurement", "voltage_full_scale_V", s.measuring.voltage_full_scale_V,
+       "the least that suffices"},
       {"measurement", "constant_load_N", s.measuring.constant_load_N, "the load of the cold wire"},
       {"limits", "min_current_A", s.limits.min_current_A, "resistance noise 0.1 %, or 2 K of heat"},
       {"limits", "current_A", s.limits.current_A,
-       "the stroke in 0.1 s or a fifth of its stretching"},
+       "makes the stroke in 0.1 s or a fifth of the stretching time"},
       {"limits", "power_W", s.limits.power_W, "that current in the greatest resistance"},
       {"limits", "temperature_K", s.limits.temperature_K,
-       "ends the stroke and holds it in a draught, with the hot spot"},
-      {"limits", "hot_spot_K", s.limits.hot_spot_K, "above the estimate"},
+       "reaches and holds the stroke in a draught, hot spot included"},
+      {"limits", "hot_spot_K", s.limits.hot_spot_K,
+       "how far the hottest point may lie above the estimate"},
       {"limits", "min_strain", s.limits.min_strain, "end of the stroke"},
-      {"limits", "max_strain", s.limits.max_strain, "of the cold wire"},
-      {"limits", "stress_Pa", s.limits.stress_Pa, "a quarter more than the load, or the maker's"},
+      {"limits", "max_strain", s.limits.max_strain, "strain of the cold wire"},
+      {"limits", "stress_Pa", s.limits.stress_Pa, "a quarter above the load, or the maker's limit"},
       {"limits", "duty", s.limits.duty, "the maker's current, or what holds it in a draught"},
-      {"limits", "duty_window_s", s.limits.duty_window_s, "over which it is averaged"},
+      {"limits", "duty_window_s", s.limits.duty_window_s, "over which the current is averaged"},
       {"trips", "current_A", s.trips.current_A, "beyond the limit"},
       {"trips", "temperature_K", s.trips.temperature_K, "beyond the limit"},
       {"trips", "stress_Pa", s.trips.stress_Pa, "beyond the limit"},
@@ -44,16 +47,18 @@ std::vector<Chosen> chosen_settings(const Settings<double>& s, bool resistance, 
       {"trips", "current_offset_A", s.trips.current_offset_A, "well below the least current"},
       {"trips", "min_strain", s.trips.min_strain, "beyond the limit"},
       {"trips", "max_strain", s.trips.max_strain, "beyond the limit"},
-      {"trips", "following_s", s.trips.following_s, "three times the wire takes to stretch"},
-      {"axis", "zero_strain", s.axis.zero_strain, "of the cold wire"},
+      {"trips", "following_s", s.trips.following_s,
+       "three times the time that the wire takes to stretch"},
+      {"axis", "zero_strain", s.axis.zero_strain, "strain of the cold wire"},
       {"strain", "proportional_W", s.strain.proportional, "none: the heat law is the gain"},
       {"strain", "integral_1_s", s.strain.integral_1_s, "none: the observer finds the loss"},
       {"strain", "dead_band", s.strain.dead_band, "the least with which all wires hold"},
       {"trajectory", "heating_rate_1_s", s.trajectory.heating_rate_1_s,
-       "faster, the cold ends warm along"},
+       "a faster one would also warm the cold ends"},
       {"trajectory", "cooling_rate_1_s", s.trajectory.cooling_rate_1_s,
        "the wire's fastest, in a draught"},
-      {"trajectory", "feed_forward_s", s.feed_forward_s, "in which the heat law closes an error"}};
+      {"trajectory", "feed_forward_s", s.feed_forward_s,
+       "time in which the heat law closes an error"}};
   add_loop(all, "temperature", "proportional_W_K", "dead_band_K", s.temperature, tenth, none);
   if (resistance) {
     add_loop(all, "resistance", "proportional_W_ohm", "dead_band_ohm", s.resistance, tenth,
@@ -75,7 +80,7 @@ std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& he
       text += fmt::format("\n[{}]\n", table);
     }
     const std::string line = fmt::format("{} = {:.6g}", c.key, c.value);
-    // A whole number would be an integer.
+    // TOML would read a whole number as an integer.
     const bool whole = line.find_first_of(".e", line.find('=')) == std::string::npos;
     text += fmt::format("{:<36}# {}\n", line + (whole ? ".0" : ""), c.why);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// What a proposal sets, by the parameters' paths.
+// The keys that a proposal sets, with their reasons.
 
 #include <string>
 #include <vector>
@@ -9,18 +9,18 @@
 namespace smaservo::tune {
 
 struct Chosen {
-  const char* table;  ///< of the file: "strain"
-  const char* key;    ///< in it: "dead_band"
+  const char* table;  ///< of the settings file: "strain"
+  const char* key;    ///< in that table: "dead_band"
   double value;
   const char* why;
 
   std::string path() const { return std::string(table) + "." + key; }
 };
 
-/// In the order of a settings file. Loops that are not possible are left out.
+/// The chosen keys in the order of a settings file, without those of loops that are not possible.
 std::vector<Chosen> chosen_settings(const Settings<double>& settings, bool resistance, bool force);
 
-/// As part of a settings file.
+/// The keys as part of a settings file, with their reasons as comments.
 std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& heading);
 
 }  // namespace smaservo::tune

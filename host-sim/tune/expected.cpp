@@ -14,10 +14,10 @@ constexpr double contraction[] = {0.5, 0.85, 0.4, 0.15};
 constexpr std::size_t step_count = std::size(contraction);
 constexpr double settled = 0.02;  ///< of the nominal stroke
 
-/// When the set-points change.
+/// The times at which the device is armed and the set-points change.
 struct Plan {
   std::size_t arms;   ///< ticks until the device is to run
-  std::size_t first;  ///< until the first step: it has armed by then
+  std::size_t first;  ///< ticks until the first step, when it has armed
   std::size_t holds;  ///< of each step
   double setpoint[step_count];
 
@@ -54,7 +54,7 @@ ExpectedRun run(const TunedPlant& plant, double believed_K, const Prepared<doubl
   DeviceState state = DeviceState::starting;
   for (std::size_t i = 0; i < plan.ticks(); ++i) {
     command.fresh = true;
-    // Refused, as long as the observer is not sure, it is tried again.
+    // Arming is refused while the observer is unsure, so it is asked for again.
     command.arm = plan.arms <= i && !(command.arm && state == DeviceState::ready);
     command.mode = Mode::strain;
     command.setpoint = plan.at(i, rest);

@@ -1,13 +1,13 @@
 #pragma once
-// What steps of the strain will look like: the device's own step, closed on wires of one
-// temperature that are not quite the file's.
+// Expected steps of the strain: the device's own step on lumped wires that differ a little from the
+// file's.
 
 #include "firmware/faults.hpp"
 #include "host-sim/tune/proposal.hpp"
 
 namespace smaservo::tune {
 
-/// One step of the set-point and what the wire made of it.
+/// One step of the set-point and the wire's response.
 struct StepResponse {
   double from, to;  ///< set-points, as strains
   double begins_s;
@@ -40,9 +40,9 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
 /// The worst of each number, step by step, over all runs.
 std::vector<StepResponse> worst_steps(const ExpectedSteps& expected);
 
-/// How many of the wires do not hold what they came to: their strain still moves by more than 2.5 %
-/// of the nominal stroke in the last 30 % of a step, or is lost by 20 %, they were hotter than the
-/// limit, the device has tripped or could not be armed.
+/// The number of wires that do not settle: the strain still moves by more than 2.5 % of the nominal
+/// stroke in the last 30 % of a step, or is off by 20 %; or the wire was hotter than the limit; or
+/// the device tripped or could not be armed.
 int restless_wires(const ExpectedSteps& expected, const Settings<double>& settings);
 
 /// Judges one step by the strain between two samples of a run.

@@ -36,8 +36,9 @@ double hottest_loss_W(const TuneTask& task, const Branches& b) {
   return params.body.loss_W(b.hottest_K - task.plant.ambient_K);
 }
 
-/// The end of the stroke, and what lets a wire be held at 90 % of it in the greatest draught: the
-/// device gives no more power for long than its file's wire takes at the limit, times the margin.
+/// The temperature at the end of the stroke, or the higher one with which a wire can be held at 90
+/// % of it in the greatest draught: the device gives no more power for long than the file's wire
+/// takes at the limit, times the margin.
 double max_estimate_K(const TuneTask& task, const Branches& b, double loss_margin) {
   const LumpedModel::Params params = lumped_params(task.plant);
   double contracted_K = 0;
@@ -92,7 +93,7 @@ void require_motion(const TuneTask& task, const Branches& b) {
       count(Motion::cooling) < 5) {
     throw files::UserError(fmt::format(
         "in air of {:.4g} °C under {:.4g} MPa: the wire contracts by {:.2g} % up to {:.4g} °C and "
-        "stretches again over {} of 9 parts of it; it needs colder air or another load",
+        "stretches again over only {} of 9 parts of it; use colder air or another load",
         task.plant.ambient_K - zero_degC_K, 1e-6 * task.plant.load.low_Pa, 100 * b.stroke(),
         b.hottest_K - zero_degC_K, count(Motion::cooling)));
   }
@@ -110,8 +111,8 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   const double current_A = std::min(wanted_A, task.max_current_A);
   if (current_A < p.holding_A) {
     throw files::UserError(
-        fmt::format("--current-A {}: holding this wire short in a draught needs {:.3g} A; must be "
-                    "at least that",
+        fmt::format("--current-A {}: must be at least the {:.3g} A that hold this "
+                    "wire short in a draught",
                     task.max_current_A, p.holding_A));
   }
   Settings<double>& s = p.settings;

@@ -1,5 +1,6 @@
 #pragma once
-// The part of a proposal that does not come from margins: sensors, limits, rates, dead bands.
+// The part of a proposal that does not follow from the loops' margins: sensors, limits, rates, dead
+// bands.
 
 #include "host-sim/tune/proposal.hpp"
 
@@ -15,11 +16,11 @@ void require_motion(const TuneTask& task, const Branches& branches);
 /// current does not suffice.
 void choose_limits(const TuneTask& task, Proposal& p);
 
-/// Three deviations of the resistance at the current that holds the wire.
+/// Three standard deviations of the measured resistance, at the current that holds the wire.
 double resistance_dead_band_ohm(const Proposal& p);
 
-/// Of the strain: three deviations of what the sensors' noise does to the estimate, and not less
-/// than a tenth of what the model does not know.
+/// Of the strain: three standard deviations of the estimate due to the sensors' noise, and at least
+/// a tenth of wire.accuracy.strain.
 double min_dead_band(const TuneTask& task, const Proposal& p);
 
 }  // namespace smaservo::tune

@@ -17,18 +17,20 @@
 namespace smaservo::tune {
 namespace {
 
-/// No loop is made faster than this many periods, so that what is not in its model, as the front
-/// end's filters and the wire's cold ends, finds it slow.
+/// No loop is faster than this many periods. It is then slow compared with what its model lacks,
+/// such as the front end's filters and the wire's cold ends.
 constexpr double loop_periods = 10;
-/// A state answers where its slope is at least this share of the branch's greatest.
+/// A variable answers to heat in a state where its slope is at least this share of its maximum over
+/// the states.
 constexpr double min_slope = 0.25;
 /// The resistance's noise may move the power by this share of what holds the wire.
 constexpr double noise_share = 0.1;
 constexpr int law_stops = 49;
-/// With an integral: 60° of phase, so that a step does not swing.
+/// The margins of a loop with an integral: 60° of phase, so that a step does not swing.
 constexpr AskedMargins damped{2, std::numbers::pi / 3, 2};
 
-/// Slope of the controlled variable in the direction that its loop takes for the right one.
+/// Slope of the controlled variable over temperature, positive where it moves the way that its loop
+/// expects.
 double slope_1_K(LoopName name, const OperatingPoint& p) {
   switch (name) {
     case LoopName::strain:

@@ -1,6 +1,6 @@
 #pragma once
-// Gains, limits and rates for a wire under a load, from its linearisation; every loop keeps the
-// asked margins in every state of every wire that the file may stand for.
+// Gains, limits and rates for a wire under a load, from its linearisation; every loop keeps its
+// margins in every state of every wire that the file may stand for.
 
 #include <array>
 #include <string>
@@ -29,7 +29,7 @@ struct Situation {
 struct DesignedLoop {
   LoopName name;
   bool possible;     ///< false: no state of the wire answers to heat by this variable
-  double answering;  ///< share of the states that do; the others are passed through
+  double answering;  ///< share of the states that do; the wire only passes through the others
   Margins nominal, worst;
   Situation worst_at;                            ///< where the phase margin is least
   std::vector<LinearLoop> nominal_loops, loops;  ///< of the states that answer; all wires
@@ -51,8 +51,9 @@ struct TuneTask {
   std::uint64_t seed = 1;
 };
 
-/// With the least dead band of the strain that makes sense. Throws UserError where the wire does
-/// not move at this load and ambient temperature, or where the current does not suffice to hold it.
+/// Proposes settings, with the smallest useful dead band of the strain. Throws UserError when the
+/// wire does not move at this load and ambient temperature, or when the current does not suffice to
+/// hold it.
 Proposal propose(const TuneTask& task);
 
 /// The device's settings for this wire with none of its gains; `current_A` is its limit.

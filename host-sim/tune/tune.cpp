@@ -10,7 +10,7 @@
 namespace smaservo::tune {
 namespace {
 
-/// Of the uncertain wires that close the loop in time.
+/// Number of uncertain wires on which the steps are simulated.
 constexpr int expected_members = 12;
 
 /// The smallest dead band with which the fewest wires are restless.
@@ -32,8 +32,8 @@ void try_dead_bands(Tuned& t) {
   }
   if (0 < fewest) {
     t.warnings.push_back(
-        fmt::format("{} of {} uncertain wires move on by 2.5 % of the stroke, are "
-                    "lost by 20 %, overheat, trip or do not arm",
+        fmt::format("{} of {} uncertain wires keep moving by 2.5 % of the stroke, are "
+                    "off by 20 % of it, overheat, trip or do not arm",
                     fewest, expected_members));
   }
   FaultSet faults;
@@ -49,9 +49,10 @@ void warn(Tuned& t) {
   const SoftLimits<double>& q = t.proposal.settings.limits;
   const double max_Pa = std::max(t.task.plant.load.low_Pa, t.proposal.branches.hot_Pa);
   if (0.9 * q.stress_Pa < max_Pa) {
-    t.warnings.push_back(fmt::format(
-        "the load reaches {:.4g} MPa, within the last tenth of the wire's {:.4g}: heat fades there",
-        1e-6 * max_Pa, 1e-6 * q.stress_Pa));
+    t.warnings.push_back(
+        fmt::format("the load reaches {:.4g} MPa, within a tenth of the limit of {:.4g} MPa, where "
+                    "the device reduces heat",
+                    1e-6 * max_Pa, 1e-6 * q.stress_Pa));
   }
   const auto off = std::ranges::count_if(t.relays, [](const RelayCheck& c) { return !agrees(c); });
   if (0 < off) {

@@ -13,7 +13,7 @@ namespace smaservo::tune {
 
 struct Tuned {
   std::string wire;      ///< its name
-  std::string based_on;  ///< what a settings file calls it; empty: it has no name of its own
+  std::string based_on;  ///< the name for a settings file; empty: the wire was changed and has none
   TuneTask task;
   Proposal proposal;
   std::vector<Chosen> chosen;

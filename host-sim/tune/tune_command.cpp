@@ -58,7 +58,7 @@ void require_allowed(const Wire<double>& wire, const TunedLoad& load) {
   }
 }
 
-/// The wire as the file of settings finds it.
+/// The name by which the settings file refers to the wire.
 std::string based_on(const TuneArguments& a) {
   if (!a.settings.empty() || !a.wire.ends_with(".toml")) {
     return a.settings.empty() ? a.wire : "";
@@ -108,18 +108,23 @@ void add_tune_command(CLI::App& app) {
   auto a = std::make_shared<TuneArguments>();
   command->add_option("--wire", a->wire, "preset, or file that ends in .toml")
       ->capture_default_str();
-  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+  command
+      ->add_option("--set", a->settings,
+                   "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
-  command->add_option("--load-N", a->load_N, "constant load");
-  command->add_option("--stress-MPa", a->stress_MPa, "or its stress");
+  command->add_option("--load-N", a->load_N, "constant load, N");
+  command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa");
   command
       ->add_option("--spring", a->spring,
-                   "or LOW,HIGH,STROKE: MPa on the cold wire and on one shorter by that strain")
+                   "LOW,HIGH,STROKE of a spring: MPa on the cold wire, MPa on one shorter by the "
+                   "strain STROKE")
       ->delimiter(',')
       ->expected(3)
       ->allow_extra_args(false);
-  command->add_option("--ambient-degC", a->ambient_degC, "of the air")->capture_default_str();
-  command->add_option("--current-A", a->current_A, "most that sensors and converter take");
+  command->add_option("--ambient-degC", a->ambient_degC, "temperature of the air")
+      ->capture_default_str();
+  command->add_option("--current-A", a->current_A,
+                      "greatest current that sensors and converter can take");
   command->add_option("--out", a->out, "proposed settings as TOML");
   command->add_option("--report", a->report, "report as one HTML file");
   command->add_flag("--json", a->json, "print the numbers as JSON");

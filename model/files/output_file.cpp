@@ -2,8 +2,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -12,6 +15,56 @@
 namespace smaservo::files {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Whether this is still the file of that name.
+bool is_named(int file, const std::string& path) {
+  struct stat open_one{};
+  struct stat named{};
+  return fstat(file, &open_one) == 0 && lstat(path.c_str(), &named) == 0 &&
+         open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
+}
+
+/// Removes what a program has left that was killed while it wrote. False: somebody writes it now,
+/// and holds its lock.
+bool remove_left_over(const std::string& beside) {
+  // A link or a pipe is nobody's part: it is removed without being opened.
+  const int file = open(beside.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  const bool taken = file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool removed = !taken && (file < 0 || is_named(file, beside)) &&
+                       (unlink(beside.c_str()) == 0 || errno == ENOENT);
+  const int why = taken ? EWOULDBLOCK : errno;
+  if (file >= 0) {
+    close(file);
+  }
+  errno = why;
+  return removed;
+}
+
+/// A new file that its writer has locked. Its name tells programs apart by their process number,
+/// but every program in a container may be number 1: so what lies there already is looked at.
+int create_locked(const std::string& beside) {
+  for (int tries = 0; tries < 10; ++tries) {
+    const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) {
+      if (errno != EEXIST || (!remove_left_over(beside) && errno == EWOULDBLOCK)) {
+        return -1;
+      }
+      continue;
+    }
+    // Where a file system knows no locks, the process number has to do.
+    const bool mine = flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+    if (mine && is_named(file, beside)) {
+      return file;
+    }
+    close(file);
+    errno = EWOULDBLOCK;
+  }
+  return -1;
+}
+
+}  // namespace
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (path_ == "-") {
@@ -29,19 +82,32 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   // What a link points to is replaced, not the link.
   target_ = fs::is_symlink(path_, ignored) ? fs::weakly_canonical(path_).string() : path_;
-  beside_ = fmt::format("{}.{}.part", target_, getpid());
-  file_ = std::fopen(beside_.c_str(), "wbx");
+  const std::string beside = fmt::format("{}.{}.part", target_, getpid());
+  const int file = create_locked(beside);
+  if (file < 0 && errno == EWOULDBLOCK) {
+    throw UserError(fmt::format("{}: cannot be written: is being written at the same time", path_));
+  }
+  if (file < 0) {
+    fail("cannot be written");
+  }
+  beside_ = beside;
+  file_ = fdopen(file, "wb");
   if (file_ == nullptr) {
+    const int why = errno;
+    close(file);
+    std::remove(beside_.c_str());
+    errno = why;
     fail("cannot be written");
   }
 }
 
 OutputFile::~OutputFile() {
-  if (file_ != nullptr && file_ != stdout) {
-    std::fclose(file_);
-  }
+  // Removed before the lock ends with the file: afterwards the name may be another writer's.
   if (!beside_.empty()) {
     std::remove(beside_.c_str());
+  }
+  if (file_ != nullptr && file_ != stdout) {
+    std::fclose(file_);
   }
 }
 
@@ -58,15 +124,34 @@ void OutputFile::commit() {
   if (beside_.empty()) {
     return;
   }
-  const int closed = std::fclose(std::exchange(file_, nullptr));
-  if (closed != 0 || std::rename(beside_.c_str(), target_.c_str()) != 0) {
+  // Renamed before it is closed, as the lock ends with that; nothing is left to be written.
+  if (std::rename(beside_.c_str(), target_.c_str()) != 0) {
     fail("cannot be written");
   }
   beside_.clear();
+  std::fclose(std::exchange(file_, nullptr));
+  if (!sync_folder_of(target_)) {
+    fail("is written, but a loss of power may take it back");
+  }
 }
 
 void OutputFile::fail(const char* what) const {
   throw UserError(fmt::format("{}: {}: {}", path_, what, std::strerror(errno)));
+}
+
+bool sync_folder_of(const std::string& path) {
+  const std::string parent = fs::path(path).parent_path().string();
+  const int folder =
+      open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) {
+    return false;
+  }
+  // EINVAL: a file system that makes its names durable by itself, or never.
+  const bool synced = fsync(folder) == 0 || errno == EINVAL;
+  const int why = errno;
+  close(folder);
+  errno = why;
+  return synced;
 }
 
 void prepare_folder(const char* option, const std::string& folder) {

@@ -6,7 +6,9 @@
 
 namespace smaservo::files {
 
-/// A file that appears under its name only when it is complete: written beside, then renamed.
+/// A file that appears under its name only when it is complete: written beside as
+/// PATH.PROCESS.part, then renamed. After commit() a loss of power takes neither the content nor
+/// the name. What a killed program left beside is removed; what another one is writing is not.
 /// "-" is standard output; devices and pipes are written as they are. Throws UserError when it
 /// cannot be written.
 class OutputFile {
@@ -27,6 +29,10 @@ class OutputFile {
   std::string beside_;  ///< what is being written; empty when it is written in place
   std::FILE* file_ = nullptr;
 };
+
+/// Makes durable which files the folder of this one has: what was created, renamed or removed.
+/// False: it fails, errno says why.
+bool sync_folder_of(const std::string& path);
 
 /// Makes the folder that an option names where it is missing. Throws UserError when files can not
 /// be written there.

@@ -234,7 +234,11 @@ std::string TextTable::html() const {
   const View all = view(columns_, rows_, nothing_);
   const Line head = headings(all.columns);
   const bool has_head = !std::ranges::all_of(head, &std::string::empty, &Printed::text);
-  std::string html = "<table>\n" + (has_head ? html_line(head, "th") : "");
+  // What is printed repeats the head on each page.
+  std::string html = "<table>\n";
+  if (has_head) {
+    html += "<thead>" + html_line(head, "th") + "</thead>\n";
+  }
   for (const Line& line : all.lines) {
     html += html_line(line, "td");
   }

@@ -10,9 +10,18 @@
 
 namespace smaservo {
 
-/// Coefficients by power of the stress in Pa. Valid where the wire's description says so
-/// (Wire::stress_range): there finish and start are at least 1 K apart, curvature is 1e-3..30 and
-/// turning 0.05..0.95.
+/// What a surface must fulfil at every stress from 0 to the wire's limit. Wire files and a device's
+/// settings are checked at so many stresses, equally far apart.
+struct SurfaceRange {
+  double min_K = 150, max_K = 600;  ///< of start and finish
+  double min_span_K = 1;            ///< from start to finish, in the direction of the process
+  double min_curvature = 1e-3, max_curvature = 30;
+  double min_turning = 0.05, max_turning = 0.95;
+  int stresses = 21;
+};
+inline constexpr SurfaceRange surface_range;
+
+/// Coefficients by power of the stress in Pa. Valid within `surface_range`.
 template <class S>
 struct Surface {
   S start_K[3];    ///< T_s, a polynomial of second order

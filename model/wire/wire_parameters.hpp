@@ -189,19 +189,27 @@ struct WireRows {
     constexpr auto g = &W::geometry;
     constexpr auto k = &W::kinetics;
     return std::to_array<Row>({
-        real<g, &G::length_m>("wire.length_m", kind::length, 1e-3, 100, "between the clamps"),
-        real<g, &G::diameter_m>("wire.diameter_m", kind::length, 5e-6, 5e-3, "of the bare wire"),
+        real<g, &G::length_m>("wire.length_m", kind::length, 1e-3, 100,
+                              "length between the clamps"),
+        real<g, &G::diameter_m>("wire.diameter_m", kind::length, 5e-6, 5e-3,
+                                "diameter of the bare wire"),
         real<&W::nominal_stroke>("wire.nominal_stroke", kind::number, 1e-3, 0.2,
-                                 "strain that errors are related to")
+                                 "stroke that errors are given as a share of")
             .with_default(0.04),
-        choice<k, &K::memory>("wire.memory", memory_names, "how inner loops behave")
+        choice<k, &K::memory>(
+            "wire.memory", memory_names,
+            "whether inner loops end where they began (return-point) or are scaled as in paper 000 "
+            "(plain)")
             .with_default(1),
-        real<k, &K::smallest_reversal_K>("wire.smallest_reversal_K", kind::temperature_difference,
-                                         0, 5, "a reversal below it does not count")
+        real<k, &K::smallest_reversal_K>(
+            "wire.smallest_reversal_K", kind::temperature_difference, 0, 5,
+            "smallest reversal of the temperature that counts as a turning point")
             .following("0.5 with return-point memory, 0 without"),
-        flag<k, &K::separate_r2a>("wire.separate_r2a", "R2A has a surface of its own, not m2a's")
+        flag<k, &K::separate_r2a>("wire.separate_r2a",
+                                  "true: R2A has its own surface; false: it has that of M2A")
             .following("true where r2a is given"),
-        flag<k, &K::separate_r2m>("wire.separate_r2m", "R2M has a surface of its own, not a2m's")
+        flag<k, &K::separate_r2m>("wire.separate_r2m",
+                                  "true: R2M has its own surface; false: it has that of A2M")
             .following("true where r2m is given"),
     });
   }
@@ -229,22 +237,26 @@ struct WireRows {
     constexpr auto s = &Q::start_K;
     constexpr auto f = &Q::finish_K;
     return std::to_array<Row>({
-        row(coefficient<surface, s, 0>, {p, ".start_0_K"}, K0, 150, 600, "T_s at 0 Pa", 3),
-        row(coefficient<surface, s, 1>, {p, ".start_1_K_Pa"}, K1, -1e-5, 1e-5, "T_s, by stress"),
+        row(coefficient<surface, s, 0>, {p, ".start_0_K"}, K0, 150, 600,
+            "start temperature at 0 Pa", 3),
+        row(coefficient<surface, s, 1>, {p, ".start_1_K_Pa"}, K1, -1e-5, 1e-5,
+            "linear coefficient of the start temperature over stress"),
         row(coefficient<surface, s, 2>, {p, ".start_2_K_Pa2"}, K2, -1e-13, 1e-13,
-            "T_s, by its square"),
-        row(coefficient<surface, f, 0>, {p, ".finish_0_K"}, K0, 150, 600, "T_f at 0 Pa", 3),
-        row(coefficient<surface, f, 1>, {p, ".finish_1_K_Pa"}, K1, -1e-5, 1e-5, "T_f, by stress"),
+            "quadratic coefficient of the start temperature over stress"),
+        row(coefficient<surface, f, 0>, {p, ".finish_0_K"}, K0, 150, 600,
+            "finish temperature at 0 Pa", 3),
+        row(coefficient<surface, f, 1>, {p, ".finish_1_K_Pa"}, K1, -1e-5, 1e-5,
+            "linear coefficient of the finish temperature over stress"),
         row(coefficient<surface, f, 2>, {p, ".finish_2_K_Pa2"}, K2, -1e-13, 1e-13,
-            "T_f, by its square"),
+            "quadratic coefficient of the finish temperature over stress"),
         row(coefficient<surface, c, 0>, {p, ".curvature_0"}, kind::number, 1e-3, 30,
             "curvature at 0 Pa", 2),
         row(coefficient<surface, c, 1>, {p, ".curvature_1_1_Pa"}, kind::per_stress, -1e-6, 1e-6,
-            "curvature, by stress"),
+            "linear coefficient of the curvature over stress"),
         row(coefficient<surface, z, 0>, {p, ".turning_0"}, kind::number, 0.05, 0.95,
-            "fraction at the turning point, at 0 Pa", 2),
+            "fraction at the turning point of the curve, at 0 Pa", 2),
         row(coefficient<surface, z, 1>, {p, ".turning_1_1_Pa"}, kind::per_stress, -1e-7, 1e-7,
-            "fraction at the turning point, by stress"),
+            "linear coefficient of the fraction at the turning point over stress"),
     });
   }
 
@@ -252,17 +264,19 @@ struct WireRows {
   static constexpr auto phase_rows(const char* p) {
     constexpr auto m = &W::material;
     return std::to_array<Row>({
-        real<m, phase, &P::strain>({p, ".strain"}, kind::number, -0.05, 0.2, "without stress"),
+        real<m, phase, &P::strain>({p, ".strain"}, kind::number, -0.05, 0.2,
+                                   "strain without stress"),
         real<m, phase, &P::modulus_Pa>({p, ".modulus_Pa"}, kind::stress, 1e9, 1e12,
                                        "Young's modulus"),
-        real<m, phase, &P::resistivity_ohm_m>({p, ".resistivity_ohm_m"}, kind::resistivity, 1e-8,
-                                              1e-4, "at the reference temperature, without stress"),
+        real<m, phase, &P::resistivity_ohm_m>(
+            {p, ".resistivity_ohm_m"}, kind::resistivity, 1e-8, 1e-4,
+            "resistivity at wire.material.reference, without stress"),
         real<m, phase, &P::resistivity_ohm_m_K>({p, ".resistivity_temperature_ohm_m_K"},
                                                 kind::resistivity_slope, -1e-6, 1e-6,
-                                                "its slope over temperature"),
+                                                "slope of the resistivity over temperature"),
         real<m, phase, &P::resistivity_ohm_m_Pa>({p, ".resistivity_stress_ohm_m_Pa"},
                                                  kind::resistivity_per_stress, -1e-12, 1e-12,
-                                                 "its slope over stress")
+                                                 "slope of the resistivity over stress")
             .with_default(0),
     });
   }
@@ -274,40 +288,43 @@ struct WireRows {
     constexpr auto l = &W::limits;
     return std::to_array<Row>({
         real<m, &M::reference_K>("wire.material.reference_K", kind::temperature, 200, 400,
-                                 "of the resistivities"),
+                                 "temperature at which the resistivities hold"),
         choice<m, &M::mixture>("wire.material.mixture", mixture_names,
-                               "how the phases share the current")
+                               "how the phases conduct: one after the other or side by side")
             .with_default(0),
         real<h, &H::density_kg_m3>("wire.heat.density_kg_m3", kind::density, 1e3, 2e4,
-                                   "of the alloy"),
+                                   "density of the alloy"),
         real<h, &H::specific_heat_J_kgK>("wire.heat.specific_heat_J_kgK", kind::specific_heat, 50,
-                                         5000, "without transformation"),
+                                         5000, "specific heat without the transformation"),
         real<h, &H::latent_m2a_J_kg>("wire.heat.latent_m2a_J_kg", kind::specific_energy, 0, 1e5,
-                                     "martensite to austenite"),
+                                     "latent heat of martensite to austenite"),
         real<h, &H::latent_r2a_J_kg>(
             "wire.heat.latent_r2a_J_kg", kind::specific_energy, 0, 1e5,
-            "R-phase to austenite; not above latent_m2a, R2M takes the difference"),
+            "latent heat of R-phase to austenite, at most latent_m2a; R2M has the difference"),
         real<h, &H::convection_W_m2K>("wire.heat.convection_W_m2K", kind::heat_transfer, 0.1, 1e5,
-                                      "h at ambient temperature")
+                                      "heat transfer coefficient at ambient temperature")
             .following("still air"),
         real<h, &H::convection_W_m2K2>("wire.heat.convection_slope_W_m2K2",
                                        kind::heat_transfer_slope, 0, 1e3,
-                                       "what h gains per kelvin above it")
+                                       "rise of that coefficient per kelvin above ambient")
             .following("still air"),
-        real<h, &H::clamp_conductivity_W_mK>("wire.heat.clamp_conductivity_W_mK",
-                                             kind::conductivity, 0, 500,
-                                             "of the wire, towards its cold clamps; 0 without"),
-        real<a, &A::strain>("wire.accuracy.strain", kind::number, 1e-5, 0.1,
-                            "root mean square of what the model, from power and load alone, is off")
+        real<h, &H::clamp_conductivity_W_mK>(
+            "wire.heat.clamp_conductivity_W_mK", kind::conductivity, 0, 500,
+            "thermal conductivity of the wire towards its cold clamps; 0: they take no heat"),
+        real<a, &A::strain>(
+            "wire.accuracy.strain", kind::number, 1e-5, 0.1,
+            "RMS error of the strain that the model tells from power and load alone")
             .with_default(0.002),
-        real<a, &A::resistance>("wire.accuracy.resistance", kind::number, 1e-5, 0.1,
-                                "and of the resistance at a given strain, relative")
+        real<a, &A::resistance>(
+            "wire.accuracy.resistance", kind::number, 1e-5, 0.1,
+            "RMS error of the resistance that the model tells for a given strain, relative")
             .with_default(0.004),
         real<l, &L::current_A>("wire.limits.current_A", kind::current, 1e-4, 100,
-                               "the maker's, in still air"),
-        real<l, &L::stress_Pa>("wire.limits.stress_Pa", kind::stress, 1e5, 5e9, "the maker's"),
+                               "the maker's maximum current in still air"),
+        real<l, &L::stress_Pa>("wire.limits.stress_Pa", kind::stress, 1e5, 5e9,
+                               "the maker's maximum stress"),
         real<l, &L::temperature_K>("wire.limits.temperature_K", kind::temperature, 300, 700,
-                                   "of the wire"),
+                                   "maximum temperature of the wire"),
     });
   }
 

@@ -84,7 +84,7 @@ class SimulatedServo {
       image_.resize(servo_.image(image_));
     }
     if (request == restore_all || request == restore_communication) image_.clear();
-    servo_.finish(true);
+    servo_.finish(servo_.request_number(), true);
   }
 
   std::vector<float> memory_;

@@ -56,10 +56,13 @@ TEST(Command, HelpExplainsEverySubCommand) {
   EXPECT_EQ(help.err, "");
   const Texts commands = sub_commands(help.out);
   EXPECT_THAT(commands, IsSupersetOf({"can", "replay", "wires"}));
+  const std::string readme = file_text(SMASERVO_SOURCE_DIR "/host-sim/README.md");
   for (const std::string& command : commands) {
     const Finished own = program.run({command, "--help"});
     EXPECT_EQ(own.status, 0) << command;
     EXPECT_GT(own.out.size(), 200U) << command;
+    EXPECT_NE(readme.find("\n| `" + command + "` | "), std::string::npos)
+        << "host-sim/README.md has no row for " << command;
   }
   EXPECT_THAT(program.run({"--version"}).out, Not(IsEmpty()));
 }

@@ -83,14 +83,22 @@ steps_table() {
       if (per[kind "/" scalar] == "") return ""
       return sprintf("%.0f", per[kind "/" scalar] - per["empty/" scalar])
     }
-    {
-      printf "| %s | %s | %s | %s | %s | %s |\n", $2, ns($1 "/float"), ns($1 "/double"),
-        instructions($1, "float"), instructions($1, "double"), $3 == "" ? "" : "<= " $3 " instructions"
+    function step(kind, title, most) {
+      printf "| %s | %s | %s | %s | %s | %s |\n", title, ns(kind "/float"), ns(kind "/double"),
+        instructions(kind, "float"), instructions(kind, "double"), most == "" ? "" : "<= " most " instructions"
+      listed[kind] = 1
     }
+    { step($1, $2, $3) }
     function twice(title, format, a, b, target) {
       printf "| %s | " format " | " format " | | | %s |\n", title, a, b, target
     }
     END {
+      for (name in per) {
+        kind = name
+        if (sub("/double$", "", kind) && kind !~ "^empty" && !(kind in listed)) {
+          step(kind, kind " (has no row in bench_rows)", "")
+        }
+      }
       twice("473 000 model points", "%.1f ms", time("ModelPoints473000/float"),
         time("ModelPoints473000/double"), "< 25 ms")
       twice("model step by converting cosine step", "%.1f",

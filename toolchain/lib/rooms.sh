@@ -22,7 +22,10 @@ includes_upward() {
     }
     FNR == 1 {
       here = room(FILENAME)
-      if (here == "") printf "%s: is in no room of the picture in README.md\n", FILENAME
+      folders = split(FILENAME, part, "/") - 1
+      if (here == "" || folders > 1 && !(part[1] "/" part[2] in floor)) {
+        printf "%s: is in no room of the picture in README.md\n", FILENAME
+      }
     }
     /^#include "/ && here != "" {
       split($0, quoted, "\"")
@@ -63,6 +66,13 @@ namespaces_astray() {
     END { report() }' "${sources[@]}")
 }
 
+# Lines "folder: count": folders with more modules than a stranger takes in at one look. A header and
+# its source are one module.
+folders_too_full() {
+  our_files '*.cpp' '*.hpp' ':!tests' | tr '\0' '\n' | sed -E 's/[.][ch]pp$//' | sort -u |
+    sed 's|/[^/]*$||' | uniq -c | awk '$1 > 10 { printf "%s: %d modules\n", $2, $1 }'
+}
+
 check_rooms() {
   local found
   [[ $(floors | wc -w) -ge 20 ]] || {
@@ -79,6 +89,12 @@ check_rooms() {
   [[ -z $found ]] || {
     printf '%s\n' "$found" >&2
     say '^ each room has its namespace: CONTRIBUTING.md, "Rooms"'
+    return 1
+  }
+  found=$(folders_too_full) || return
+  [[ -z $found ]] || {
+    printf '%s\n' "$found" >&2
+    say '^ a folder has at most ten modules'
     return 1
   }
 }

@@ -105,7 +105,7 @@ dearest_in() {
 
 print_dearest() {
   local processors clock name
-  printf '\nThe ten dearest steps, in seconds of processors and of the clock:\n'
+  printf '\nThe ten most expensive steps, in seconds of processor time and of the clock:\n'
   awk '$1 > 0' "$logs/steps" | sort -rn | sed -n 1,10p | while read -r processors clock name; do
     printf '%6d %6d  %s\n' "$processors" "$clock" "$name"
     dearest_in "$name" | sed 's/^/                 /' | cut -c -80

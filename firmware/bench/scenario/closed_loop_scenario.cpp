@@ -83,7 +83,8 @@ PairSetup read_pair(files::TomlTable table, const ClosedLoopScenario& scenario) 
   pair.plant.seed = scenario.plant.seed + 7919;
   pair.board.seed = scenario.board.seed + 7919;
   if (!std::holds_alternative<hal::ConstantLoad>(scenario.board.load)) {
-    table.fail("type", "a pair needs a constant load, which is the force at rest");
+    table.fail("type",
+               "a pair needs a constant load ([load] type = 'constant'): its force at rest");
   }
   table.finish();
   return pair;

@@ -67,7 +67,7 @@ Setpoint read_setpoint(files::TomlTable& table) {
       continue;
     }
     if (found) {
-      table.fail(key, "there is another set-point or mode in this table");
+      table.fail(key, "must not be given beside another set-point or mode in the same table");
     }
     for (const Quantity& quantity : quantities) {
       const auto unit = unit_of(key, quantity.name, quantity.kind);
@@ -79,7 +79,7 @@ Setpoint read_setpoint(files::TomlTable& table) {
       if (table.is_list(key)) {
         const std::vector<double> both = table.numbers(key, low, high);
         if (both.size() != 2) {
-          table.fail(key, "must be one number, or two: from and to");
+          table.fail(key, "must be one number, or two: [from, to]");
         }
         found = {quantity.mode, unit->to_si(both[0]), unit->to_si(both[1])};
       } else {
@@ -89,8 +89,8 @@ Setpoint read_setpoint(files::TomlTable& table) {
     }
   }
   if (!found) {
-    table.fail("mode",
-               fmt::format("or a set-point must be given: {}", fmt::join(all_keys(), ", ")));
+    table.fail("mode", fmt::format("is missing; give it or one set-point: {}",
+                                   fmt::join(all_keys(), ", ")));
   }
   return *found;
 }
@@ -104,7 +104,7 @@ CommandStretch read_common(files::TomlTable& table, Mode mode) {
   if (table.has("scale")) {
     const std::vector<double> scale = table.numbers("scale", 0, 100);
     if (scale.size() != 3) {
-      table.fail("scale", "must have three numbers: proportional, integral, derivative");
+      table.fail("scale", "must be three numbers: [proportional, integral, derivative]");
     }
     stretch.command.scale = {scale[0], scale[1], scale[2]};
   }

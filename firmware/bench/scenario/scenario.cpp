@@ -81,7 +81,7 @@ std::vector<DriveStep> read_drive(std::vector<files::TomlTable> tables, std::mt1
         left_s -= part_s;
       }
     } else {
-      step.fail("level", "or shrinking, or random must be given");
+      step.fail("level", "is missing; give one of level, shrinking, random");
     }
     step.finish();
   }

@@ -33,7 +33,7 @@ bool Node::start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
   consumers_ = {};
   emergencies_waiting_ = 0;
   application_errors_ = 0;
-  lost_ = duplicated_ = emergency_sent_ = sync_alive_ = spoken_to_ = false;
+  lost_ = duplicated_ = emergency_sent_ = sync_alive_ = spoken_to_ = lss_waits_ = false;
   request_ = Request::none;
   sdo_.reset();
   const bool good = load_image(image, only_communication);
@@ -78,12 +78,17 @@ void Node::command(const hal::CanFrame& frame) {
       break;
     case 129:
     case 130:
-      request_ = frame.data[0] == 129 ? Request::reset_node : Request::reset_communication;
+      raise(frame.data[0] == 129 ? Request::reset_node : Request::reset_communication);
       enter(Nmt::initialising);
       break;
     default:
       break;
   }
+}
+
+void Node::raise(Request request) {
+  request_ = request;
+  ++request_number_;
 }
 
 /// One request at a time. Only a reset (command()) takes the place of one that waits; it makes the
@@ -94,20 +99,27 @@ Abort Node::ask(Request request) {
   }
   const Abort refused = application_.may_request(request);
   if (refused == Abort::none) {
-    request_ = request;
+    raise(request);
   }
   return refused == Abort::none ? Abort::pending : refused;
 }
 
-void Node::finish(bool done) {
+void Node::finish(std::uint32_t number, bool done) {
   const Request request = request_;
-  if (request == Request::none || request == Request::reset_node ||
+  if (number != request_number_ || request == Request::none || request == Request::reset_node ||
       request == Request::reset_communication) {
     return;
   }
   request_ = Request::none;
   if (request == Request::store_lss) {
-    lss_.finish_store(done);
+    if (!done) {
+      // What is not stored must not be stored with something else, later.
+      lss_node_id_ = lss_before_.node_id;
+      lss_bit_rate_ = lss_before_.bit_rate;
+    }
+    if (std::exchange(lss_waits_, false)) {
+      lss_.finish_store(done);
+    }
   } else if (request != Request::bit_rate) {
     sdo_.finish(done ? Abort::none : Abort::hardware);
   }
@@ -214,21 +226,30 @@ void Node::receive_lss(const hal::CanFrame& frame) {
       break;
     case LssAction::node_id:
       if (was_configuring && !lss_.configures() && node_id_ == unconfigured) {
-        request_ = Request::reset_communication;
+        raise(Request::reset_communication);
       }
       break;
     case LssAction::store:
-      if (ask(Request::store_lss) == Abort::pending) {
-        lss_node_id_ = lss_.pending_node_id();
-        lss_bit_rate_ = lss_.pending_bit_rate();
-      } else {
-        lss_.finish_store(false);
-      }
+      store_lss();
       break;
     case LssAction::activate:
       ask(Request::bit_rate);
       break;
   }
+}
+
+/// LSS has no numbers: its master takes the next answer for that to its last request. So a request
+/// that is refused while an earlier one is under way takes that one's answer away.
+void Node::store_lss() {
+  if (ask(Request::store_lss) != Abort::pending) {
+    lss_waits_ = false;
+    lss_.finish_store(false);
+    return;
+  }
+  lss_waits_ = true;
+  lss_before_ = {lss_node_id_, lss_bit_rate_};
+  lss_node_id_ = lss_.pending_node_id();
+  lss_bit_rate_ = lss_.pending_bit_rate();
 }
 
 // Time.

@@ -21,8 +21,9 @@ enum class Nmt : std::uint8_t {
   pre_operational = 127
 };
 
-/// What the owner of the node has to do, off the bus. The answer is finish(), or start() after a
-/// reset.
+/// What the owner of the node has to do, off the bus. The answer is finish() with the request's
+/// number, or start() after a reset. A reset takes the place of a request that waits: the result of
+/// that one has its number, and answers nothing any more.
 enum class Request : std::uint8_t {
   none,
   store_all,            ///< settings and image(), durable before the answer
@@ -95,8 +96,11 @@ class Node final : public Dictionary {
   bool take(hal::CanFrame& frame);
 
   Request request() const { return request_; }
-  /// Answers request(). A reset is answered by start() instead.
-  void finish(bool done);
+  /// Of request(); each request has a new one.
+  std::uint32_t request_number() const { return request_number_; }
+  /// Answers the request of this number; without effect if it waits no longer. A reset is answered
+  /// by start() instead.
+  void finish(std::uint32_t number, bool done);
   /// Passes a request of the application on to the owner. Abort::pending: finish() will answer it.
   Abort ask(Request request);
 
@@ -106,7 +110,7 @@ class Node final : public Dictionary {
   /// Returns their number.
   std::size_t image(std::span<std::uint8_t> to) const;
   /// To be called when the node-id has been set by other means: that of LSS is no longer used.
-  void forget_lss_node_id() { lss_node_id_ = 0; }
+  void forget_lss_node_id() { lss_node_id_ = lss_before_.node_id = 0; }
 
   /// Sends an EMCY and remembers it. `info` are the five bytes of the manufacturer.
   void emergency(std::uint16_t code, std::uint64_t info = 0);
@@ -155,7 +159,9 @@ class Node final : public Dictionary {
   bool load_image(std::span<const std::uint8_t> image, bool keeps_node_id);
   std::byte* memory();
 
+  void raise(Request request);
   void command(const hal::CanFrame& frame);
+  void store_lss();
   void enter(Nmt state);
   void receive_sync(const hal::CanFrame& frame);
   void receive_heartbeat(const hal::CanFrame& frame);
@@ -183,9 +189,14 @@ class Node final : public Dictionary {
   std::uint8_t node_id_ = unconfigured;
   std::uint8_t lss_node_id_ = 0;  ///< stored by LSS; 0: none
   std::uint8_t lss_bit_rate_ = unconfigured;
+  struct {
+    std::uint8_t node_id, bit_rate;
+  } lss_before_{};          ///< of the two above, in case that they can not be stored
+  bool lss_waits_ = false;  ///< the answer to store_lss
   std::uint8_t application_errors_ = 0;
   Nmt state_ = Nmt::initialising;
   Request request_ = Request::none;
+  std::uint32_t request_number_ = 0;
   bool boots_ = false;  ///< the boot-up message has to be sent
   bool emergency_sent_ = false;
   bool sync_alive_ = false;

@@ -99,7 +99,7 @@ enum class Abort : std::uint32_t {
 };
 
 /// Who writes.
-enum class Source : std::uint8_t { sdo, rpdo, lss, device, image };
+enum class Source : std::uint8_t { sdo, rpdo, lss, device, image, file };
 
 /// An object that has been found. `handle` has a meaning only for the dictionary that found it.
 struct Entry {

@@ -28,7 +28,6 @@ class SdoServer {
   /// Drops a transfer that is going on.
   void reset();
 
-  bool is_idle() const { return state_ == State::idle && !answer_waits_; }
   /// When the last request came.
   std::uint64_t last_request_us() const { return last_us_; }
 

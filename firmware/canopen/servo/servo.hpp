@@ -7,10 +7,10 @@
 //            step the device with command() and external(); publish() what came of it;
 //            when staging.changes() has counted, adopt() staging.active() between two steps
 //
-// Requests (Node::request()): store and restore are answered by finish(), when the result is
-// durable; a reset by start() with the stored image, after the heat is off. Before a start() for
-// reset_node the main may put other settings into the Staging. The wire is heated only while
-// command().arm is set.
+// Requests (Node::request()): store and restore are answered by finish() with the request's number,
+// when the result is durable; a reset by start() with the stored image, after the heat is off.
+// Before a start() for reset_node the main may put other settings into the Staging. The wire is
+// heated only while command().arm is set.
 
 #include <cmath>
 
@@ -72,12 +72,16 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
 
   const Settings<S>& settings() const { return staging_.active(); }
   std::uint32_t settings_changes() const { return staging_.changes(); }
-  /// To be called when the main has put other settings in force by itself; ends a tuning
-  /// transaction.
-  void replace_settings(const Settings<S>& settings) { this->tuning.replace(settings); }
+  /// To be called when others than the bus give settings, which have passed check(). Ends a tuning
+  /// transaction; each parameter that changes is logged like a write.
+  void replace_settings(const Settings<S>& settings, Source source);
+  using ServoCore::note_change;
+  /// Whether hold_settings() holds.
+  using ServoCore::holds_settings;
 
   Request request() const { return node().request(); }
-  void finish(bool done) { node().finish(done); }
+  std::uint32_t request_number() const { return node().request_number(); }
+  void finish(std::uint32_t number, bool done) { node().finish(number, done); }
   /// What 1010h stores beside the settings (Staging::configured()): at most Node::image_size bytes.
   std::size_t image(std::span<std::uint8_t> to) const { return node().image(to); }
   using ServoCore::take_change;
@@ -105,6 +109,20 @@ Command<S> Servo<S>::command() const {
   c.mode = demand.mode;
   c.setpoint = S(demand.setpoint);
   return c;
+}
+
+template <class S>
+void Servo<S>::replace_settings(const Settings<S>& settings, Source source) {
+  revert_tuning(Source::device);
+  const Settings<S> before = staging_.configured();
+  this->tuning.replace(settings);
+  for (const ParameterRow<S>& row : parameter_rows<S>) {
+    const Value was = row.get(before);
+    const Value is = row.get(staging_.configured());
+    if (was != is) {
+      note_change(row.key, was.bits, is.bits, source);
+    }
+  }
 }
 
 template <class S>

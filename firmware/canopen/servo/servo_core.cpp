@@ -254,6 +254,11 @@ void ServoCore::log(Key key, std::uint32_t before, std::uint32_t value, Source s
   objects_.changes = log_.count();
 }
 
+void ServoCore::note_change(Key key, std::uint32_t before, std::uint32_t value, Source source) {
+  node_.touch();
+  log(key, before, value, source, Abort::none);
+}
+
 // The bus.
 
 void ServoCore::started(std::uint8_t /*node_id*/) {

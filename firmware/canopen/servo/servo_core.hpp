@@ -66,6 +66,9 @@ class ServoCore : public Application {
   /// While held, the loop can not take further settings: writes of parameters, and commands that
   /// would put settings in force, are refused.
   void hold_settings(bool held) { held_ = held; }
+  bool holds_settings() const { return held_; }
+  /// Logs a change of a parameter that did not come over the bus.
+  void note_change(Key key, std::uint32_t before, std::uint32_t value, Source source);
 
   AxisDemand demand() const { return axis_.demand(); }
   /// The command source is there, or nobody asked for one (6007h = 0).
@@ -96,6 +99,7 @@ class ServoCore : public Application {
 
  protected:
   ~ServoCore() = default;
+  void revert_tuning(Source source);
 
  private:
   Abort write_object(const Entry& entry, std::uint32_t value, Source source);
@@ -104,7 +108,6 @@ class ServoCore : public Application {
   Abort run(Key key, std::uint32_t value);
   void unlock(std::uint32_t key);
   Abort tune(TuningCommand command);
-  void revert_tuning(Source source);
   void watch_client();
   void show_tuning();
   void show_faults(const StepReport& report);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
-#include <type_traits>
 
 #include "firmware/parameters/parameters.hpp"
 #include "model/files/toml/toml_table.hpp"
@@ -53,7 +52,7 @@ Ads131m04FrontEnd read_ads(files::TomlTable& table) {
   if (table.has("gains")) {
     const std::vector<double> gains = table.numbers("gains", 1, 128);
     if (gains.size() != hal::ads131m04::channels) {
-      table.fail("gains", "must have four numbers");
+      table.fail("gains", "must be four numbers, one for each channel");
     }
     std::ranges::transform(gains, front.settings.gain_exponents.begin(),
                            [&](double gain) { return exponent(table, "gains", gain, 1, 7); });
@@ -67,7 +66,7 @@ hal::IioSettings read_iio(files::TomlTable& table) {
   iio.trigger = text_or(table, "trigger", "");
   iio.hrtimer_Hz = table.number("hrtimer_Hz", 1, 1e5, 0);
   if (iio.hrtimer_Hz > 0 && iio.trigger.empty()) {
-    table.fail("hrtimer_Hz", "needs the name of the trigger as well");
+    table.fail("hrtimer_Hz", "needs the key trigger as well: the name that this timer gets");
   }
   iio.buffer_length = whole(table, "buffer_length", 2, 4096, 16);
   iio.longest_wait_ns = std::llround(1e3 * table.number("longest_wait_us", 0, 2e4, 500));
@@ -80,18 +79,20 @@ double volt_per_code(const Ads131m04FrontEnd& front, std::size_t place) {
   return hal::ads131m04::reference_V / gain / 0x1p23;
 }
 
+// Where a front end has a channel, and what its codes mean.
+hal::Channel place_of(files::TomlTable& table, const Ads131m04FrontEnd& ads) {
+  const auto place =
+      static_cast<std::size_t>(table.number("channel", 0, hal::ads131m04::channels - 1));
+  return {.place = place, .scale = table.number("per_volt", -1e6, 1e6) * volt_per_code(ads, place)};
+}
+hal::Channel place_of(files::TomlTable& table, hal::IioSettings& iio) {
+  iio.channels.push_back(table.text("channel"));
+  return {.place = iio.channels.size() - 1, .scale = table.number("per_code", -1e6, 1e6)};
+}
+
 hal::Channel read_channel(files::TomlTable table, BoardFile& file) {
-  hal::Channel channel{};
-  if (auto* iio = std::get_if<hal::IioSettings>(&file.front_end)) {
-    channel.place = iio->channels.size();
-    iio->channels.push_back(table.text("channel"));
-    channel.scale = table.number("per_code", -1e6, 1e6);
-  } else {
-    const auto& ads = std::get<Ads131m04FrontEnd>(file.front_end);
-    channel.place =
-        static_cast<std::size_t>(table.number("channel", 0, hal::ads131m04::channels - 1));
-    channel.scale = table.number("per_volt", -1e6, 1e6) * volt_per_code(ads, channel.place);
-  }
+  hal::Channel channel =
+      std::visit([&](auto& front) { return place_of(table, front); }, file.front_end);
   if (channel.scale == 0) {
     table.fail(table.has("per_code") ? "per_code" : "per_volt", "must not be zero");
   }
@@ -215,6 +216,39 @@ BusSettings read_bus(files::TomlTable table) {
   return bus;
 }
 
+// The devices that the settings name, opened. Each kind of settings has its function, so that a new
+// kind does not compile without one.
+std::unique_ptr<hal::Digitizer> opened(const Ads131m04FrontEnd& ads, const hal::LinuxRoots& roots) {
+  return std::make_unique<hal::Ads131m04Digitizer>(std::make_unique<hal::SpiDevice>(roots, ads.spi),
+                                                   roots.dev + "/" + ads.spi.device, ads.settings);
+}
+std::unique_ptr<hal::Digitizer> opened(const hal::IioSettings& iio, const hal::LinuxRoots& roots) {
+  return std::make_unique<hal::IioDigitizer>(roots, iio);
+}
+std::unique_ptr<hal::OutputStage> opened(const hal::IioDacSettings& dac,
+                                         const hal::LinuxRoots& roots) {
+  return std::make_unique<hal::IioDac>(roots, dac);
+}
+std::unique_ptr<hal::OutputStage> opened(const hal::SpiDacSettings& dac,
+                                         const hal::LinuxRoots& roots) {
+  return std::make_unique<hal::SpiDac>(roots, dac);
+}
+std::unique_ptr<hal::OutputStage> opened(const hal::PwmSettings& pwm,
+                                         const hal::LinuxRoots& roots) {
+  return std::make_unique<hal::PwmDrive>(roots, pwm);
+}
+
+// Whether an output stage takes a voltage; else it takes a current.
+bool takes_voltage(const hal::IioDacSettings& dac) {
+  return dac.scale.voltage;
+}
+bool takes_voltage(const hal::SpiDacSettings& dac) {
+  return dac.scale.voltage;
+}
+bool takes_voltage(const hal::PwmSettings& /*pwm*/) {
+  return true;
+}
+
 }  // namespace
 
 BoardFile load_board_file(const std::string& path) {
@@ -250,27 +284,11 @@ BoardFile load_board_file(const std::string& path) {
 
 std::unique_ptr<hal::Digitizer> open_front_end(const BoardFile& file,
                                                const hal::LinuxRoots& roots) {
-  if (const auto* ads = std::get_if<Ads131m04FrontEnd>(&file.front_end)) {
-    return std::make_unique<hal::Ads131m04Digitizer>(
-        std::make_unique<hal::SpiDevice>(roots, ads->spi), roots.dev + "/" + ads->spi.device,
-        ads->settings);
-  }
-  return std::make_unique<hal::IioDigitizer>(roots, std::get<hal::IioSettings>(file.front_end));
+  return std::visit([&](const auto& front) { return opened(front, roots); }, file.front_end);
 }
 
 std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::LinuxRoots& roots) {
-  return std::visit(
-      [&](const auto& drive) -> std::unique_ptr<hal::OutputStage> {
-        using T = std::decay_t<decltype(drive)>;
-        if constexpr (std::is_same_v<T, hal::IioDacSettings>) {
-          return std::make_unique<hal::IioDac>(roots, drive);
-        } else if constexpr (std::is_same_v<T, hal::SpiDacSettings>) {
-          return std::make_unique<hal::SpiDac>(roots, drive);
-        } else {
-          return std::make_unique<hal::PwmDrive>(roots, drive);
-        }
-      },
-      file.drive);
+  return std::visit([&](const auto& drive) { return opened(drive, roots); }, file.drive);
 }
 
 std::string period_problem(const Settings<double>& settings) {
@@ -288,26 +306,19 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
   for (const Parameter<double>& row : parameters<double>) {
     const float ceiling = canopen::ceiling_of(file.ceilings, row.key);
     if (row.type == ValueType::real && ceiling < row.get(settings).real()) {
-      return fmt::format("{} = {}: the board's ceiling is {}", row.path.text(),
+      return fmt::format("{} = {}: must not be above the board's ceiling, {}", row.path.text(),
                          row.get(settings).real(), ceiling);
     }
   }
   const bool voltage = settings.drive.kind == DriveKind::voltage;
-  const bool drive_takes_voltage = std::visit(
-      [](const auto& drive) {
-        if constexpr (requires { drive.scale; }) {
-          return drive.scale.voltage;
-        } else {
-          return true;
-        }
-      },
-      file.drive);
+  const bool drive_takes_voltage =
+      std::visit([](const auto& drive) { return takes_voltage(drive); }, file.drive);
   if (voltage != drive_takes_voltage) {
-    return fmt::format("drive.kind = {}: the board's drive takes a {}",
+    return fmt::format("drive.kind = {}: must be {}, which the board's drive takes",
                        voltage ? "voltage" : "current", voltage ? "current" : "voltage");
   }
   if (settings.measuring.has_load_cell && !file.calibration.has_load) {
-    return "measurement.has_load_cell = true: the board has none";
+    return "measurement.has_load_cell = true: must be false, the board file has no front_end.load";
   }
   return "";
 }

@@ -19,8 +19,8 @@ Simulation::Simulation(const bench::ClosedLoopScenario& scenario)
                                       : std::numeric_limits<std::int64_t>::max()) {
   if (scenario.pair || std::ranges::any_of(scenario.events, &bench::SimEvent::reboots)) {
     throw files::ConfigError(
-        fmt::format("{}: a pair of wires, or a device that starts anew, is for "
-                    "host-sim simulate, not for a daemon",
+        fmt::format("{}: has a pair of wires or a restart of the device, which only host-sim "
+                    "simulate can run",
                     scenario.name));
   }
 }

@@ -42,7 +42,7 @@ void BusJournal::write() {
     seen_ = count;
   }
   if (left_out != 0) {
-    say_(fmt::format("{} more changes and refusals at the same time", left_out));
+    say_(fmt::format("{} more changes and refusals, which are not listed", left_out));
   }
 }
 

@@ -91,13 +91,18 @@ class BusPump {
       node_.publish(report.output, report.inputs, report.dt_s);
     }
     node_.advance(now_us);
+    const NodeSays says{node_.command(), node_.external() | port_faults, node_.setpoints()};
+    // The end of the heat goes before settings that need it, and settings before the heat.
+    if (!says.command.arm) {
+      source_.say(says);
+    }
     const std::uint32_t changes = node_.settings_changes();
     if (changes_ != changes) {
       const bool taken = changed();
       changes_ = taken ? changes : changes_;
       node_.hold_settings(!taken);
     }
-    source_.say({node_.command(), node_.external() | port_faults, node_.setpoints()});
+    source_.say(says);
     send(now_us);
   }
 

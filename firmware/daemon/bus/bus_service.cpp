@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
-#include <future>
 #include <poll.h>
 #include <thread>
 #include <vector>
@@ -15,6 +15,8 @@
 #include "firmware/canopen/servo/servo.hpp"
 #include "firmware/daemon/bus/bus_journal.hpp"
 #include "firmware/daemon/bus/kept_settings.hpp"
+#include "firmware/daemon/bus/request_desk.hpp"
+#include "firmware/daemon/bus/settings_link.hpp"
 #include "firmware/daemon/process/realtime.hpp"
 #include "firmware/text/reference/canopen_reference.hpp"
 #include "hal/linux/can/open_can.hpp"
@@ -26,15 +28,32 @@ namespace smaservo::daemon {
 namespace {
 
 using canopen::Request;
-using Image = std::vector<std::uint8_t>;
 
 constexpr int round_ms = 1;
 constexpr double thread_lease_s = 0.1;
 constexpr std::size_t recorder_values = 65536;
 
+/// Empty: there is no such file. One that has nothing in it, or can not be read, is a damaged
+/// image.
 Image read_image(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  Image image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::error_code unknown;
+  const bool is_missing = !file.is_open() && !std::filesystem::exists(path, unknown) && !unknown;
+  return image.empty() && !is_missing ? Image(1) : image;
+}
+
+/// Returns what went wrong; empty: there is no such file, and there will be none after a loss of
+/// power.
+std::string remove_durably(const std::string& path) {
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  if (error) {
+    return fmt::format("{}: cannot be removed: {}", path, error.message());
+  }
+  return files::sync_folder_of(path)
+             ? ""
+             : fmt::format("{}: a loss of power may bring it back: {}", path, std::strerror(errno));
 }
 
 /// Returns what went wrong; empty: the file is durable.
@@ -85,23 +104,29 @@ struct BusService::Parts {
         staging(desk_.settings()),
         servo(config_of(setup, recorder, eds), staging),
         source(thread_lease_s),
-        pump(port, servo, source) {}
+        pump(port, servo, source),
+        settings(servo, staging, desk_, links_),
+        store([this](const StoreJob& job) { return keep(job); }),
+        requests(servo, store) {}
 
   std::string image_path() const { return setup.folder + "/communication"; }
   void begin(std::uint64_t now_us) {
     const Image image = setup.folder.empty() ? Image{} : read_image(image_path());
-    if (!servo.start(image, now_us)) {
-      fmt::print(stderr, "smaservod: {}: is damaged; the bus has its defaults\n", image_path());
+    image_lost = !servo.start(image, now_us);
+    if (image_lost) {
+      fmt::print(stderr,
+                 "smaservod: {}: is damaged; the bus starts with its default settings, and the "
+                 "device can not be armed before they are stored (1010h) or restored (1011h)\n",
+                 image_path());
     }
   }
   void run(const std::stop_token& stop);
   FaultSet faults(std::uint64_t now_us);
   void show_figures();
   void tell_changes();
-  void follow_desk();
-  bool give_to_desk();
-  void answer(Request request, std::uint64_t now_us);
-  std::string keep(Request request, const Settings<double>& settings, const Image& image) const;
+  void carry_out(Request reset, std::uint64_t now_us);
+  void stored(const StoreResult& result);
+  std::string keep(const StoreJob& job) const;
 
   BusSetup setup;
   ParameterDesk& desk;
@@ -115,22 +140,27 @@ struct BusService::Parts {
   BusCommandSource source;
   BusPump<hal::LinuxCan, canopen::Servo<double>> pump;
   BusJournal journal;
-  std::future<std::string> storing;
+  bool image_lost = false;  ///< the image is damaged: the bus has its defaults
+  SettingsLink settings;
+  StoreThread store;
+  RequestDesk<canopen::Servo<double>, StoreThread> requests;
   std::uint64_t heard_us = 0, frames = 0;
-  std::uint32_t followed = 0;  ///< number of the desk's last change that the node has
-  std::jthread thread;         // declared last: ends before what it uses
+  std::jthread thread;  // declared last: ends before what it uses
 };
 
 BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
                        const LoopFigures& figures)
     : parts_(std::make_unique<Parts>(setup, desk, links, figures)) {}
-BusService::~BusService() = default;
+BusService::~BusService() {
+  parts_->desk.reloads().set_bus(false);
+}
 
 CommandSource& BusService::command_source() {
   return parts_->source;
 }
 
 void BusService::start() {
+  parts_->desk.reloads().set_bus(true);
   parts_->thread = std::jthread([this](const std::stop_token& stop) { parts_->run(stop); });
 }
 
@@ -141,19 +171,22 @@ void BusService::Parts::run(const std::stop_token& stop) {
     make_real_time({.priority = setup.priority});
   }
   begin(now());
+  for (const LostValue& lost : setup.lost) {
+    servo.note_change(lost.key, lost.stored, lost.in_force, canopen::Source::device);
+    tell_changes();
+  }
   heard_us = now();
   while (!stop.stop_requested()) {
     pollfd readable{port.descriptor(), POLLIN, 0};
     poll(&readable, 1, pump.has_more() ? 0 : round_ms);
     const std::uint64_t now_us = now();
     show_figures();
-    follow_desk();
-    pump.round(now_us, faults(now_us), [&] { return give_to_desk(); });
+    settings.before_round();
+    pump.round(now_us, faults(now_us), [&] { return settings.give_to_desk(); });
     tell_changes();
-    const Request request = servo.request();
-    if (request != Request::none) {
-      answer(request, now_us);
-    }
+    carry_out(
+        requests.round(staging.configured(), [this](const StoreResult& result) { stored(result); }),
+        now_us);
   }
 }
 
@@ -167,6 +200,7 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
       setup.command_source_timeout_s > 0 &&
       static_cast<double>(now_us - heard_us) * 1e-6 > setup.command_source_timeout_s;
   FaultSet set;
+  set.add(Fault::store_outdated, image_lost);
   set.add(Fault::bus_lost, silent || state == hal::CanState::bus_off ||
                                state == hal::CanState::down || state == hal::CanState::gone);
   return set;
@@ -179,21 +213,6 @@ void BusService::Parts::show_figures() {
                 static_cast<std::uint32_t>(pump.queue_full()));
 }
 
-/// Gives the node the settings that SIGHUP has put in force, so that clients read and change those.
-void BusService::Parts::follow_desk() {
-  const std::uint32_t changes = desk.changes();
-  if (followed != changes) {
-    followed = changes;
-    servo.replace_settings(desk.settings());
-  }
-}
-
-bool BusService::Parts::give_to_desk() {
-  const std::optional<std::uint32_t> number = desk.change(staging.active());
-  followed = number.value_or(followed);
-  return number.has_value();
-}
-
 void BusService::Parts::tell_changes() {
   canopen::LoggedChange change{};
   while (servo.take_change(change)) {
@@ -202,62 +221,59 @@ void BusService::Parts::tell_changes() {
   journal.set_count(servo.objects().changes);
 }
 
-/// Does what the node requests. It stores in a thread of its own, since a disk may be slow: the bus
-/// goes on meanwhile, and the answer to the client follows.
-void BusService::Parts::answer(Request request, std::uint64_t now_us) {
-  if (request == Request::reset_communication) {
+void BusService::Parts::carry_out(Request reset, std::uint64_t now_us) {
+  if (reset == Request::reset_communication) {
     begin(now_us);
-    return;
-  }
-  if (request == Request::reset_node) {
+  } else if (reset == Request::reset_node) {
     // The node sends no more and withdraws its arm command; the loop ends in its next cycle.
     links.restart.store(true);
     links.stop.store(true);
-    return;
-  }
-  if (!storing.valid()) {
-    Image image(canopen::Node::image_size);
-    image.resize(servo.image(image));
-    storing = std::async(std::launch::async,
-                         [this, request, settings = staging.configured(),
-                          image = std::move(image)] { return keep(request, settings, image); });
-    return;
-  }
-  if (storing.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    const std::string problem = storing.get();
-    if (!problem.empty()) {
-      fmt::print(stderr, "smaservod: storing: {}\n", problem);
-    }
-    servo.finish(problem.empty());
   }
 }
 
-std::string BusService::Parts::keep(Request request, const Settings<double>& settings,
-                                    const Image& image) const {
-  if (setup.folder.empty()) {
-    return "there is no folder to store in";
+/// Whoever stores has seen what is in force: that acknowledges a store that was not whole, and
+/// makes it whole. Restored settings are in force after a reset only; until then the older ones
+/// still are.
+void BusService::Parts::stored(const StoreResult& result) {
+  if (!result.problem.empty()) {
+    fmt::print(stderr, "smaservod: storing: {}\n", result.problem);
+    return;
   }
+  using enum Request;
+  const Request r = result.request;
+  if (r == store_all || r == store_application) {
+    links.faults.fetch_and(~FaultSet(Fault::store_outdated).bits());
+  }
+  image_lost = image_lost && (r == store_application || r == restore_application);
+}
+
+std::string BusService::Parts::keep(const StoreJob& job) const {
+  if (setup.folder.empty()) {
+    return "there is no folder to store in; give one with --settings";
+  }
+  using enum Request;
   std::string problem;
-  std::error_code error;
-  switch (request) {
-    case Request::store_all:
-      problem = store_settings(setup.folder, settings);
-      return problem.empty() ? write_image(image_path(), image) : problem;
-    case Request::store_application:
-      return store_settings(setup.folder, settings);
-    case Request::store_communication:
-    case Request::store_lss:
-      return write_image(image_path(), image);
-    case Request::restore_all:
-      std::filesystem::remove(image_path(), error);
+  switch (job.request) {
+    case store_all:
+      problem = store_settings(setup.folder, job.settings);
+      return problem.empty() ? write_image(image_path(), job.image) : problem;
+    case store_application:
+      return store_settings(setup.folder, job.settings);
+    case store_lss:
+      // That would make the defaults of all others look like what somebody has stored.
+      return image_lost ? image_path() + " is damaged: store (1010h) or restore (1011h) first"
+                        : write_image(image_path(), job.image);
+    case store_communication:
+      return write_image(image_path(), job.image);
+    case restore_all:
+      problem = remove_durably(image_path());
+      return problem.empty() ? forget_settings(setup.folder) : problem;
+    case restore_application:
       return forget_settings(setup.folder);
-    case Request::restore_application:
-      return forget_settings(setup.folder);
-    case Request::restore_communication:
-      std::filesystem::remove(image_path(), error);
-      return error ? error.message() : "";
+    case restore_communication:
+      return remove_durably(image_path());
     default:
-      return "the service cannot do that";
+      return "the request is not supported";
   }
 }
 

@@ -3,9 +3,11 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware/canopen/servo/servo_core.hpp"
 #include "firmware/daemon/bus/bus_pump.hpp"
+#include "firmware/daemon/bus/kept_settings.hpp"
 #include "firmware/daemon/loop/desk.hpp"
 
 namespace smaservo::daemon {
@@ -16,13 +18,15 @@ struct BusSetup {
   std::string folder;  ///< folder of the store; empty: nothing can be stored
   canopen::Ceilings ceilings;
   canopen::AccessKeys keys;
-  std::string board;  ///< its name in 1009h
-  int priority = 0;   ///< the thread's, in SCHED_FIFO; 0: none
+  std::string board;                 ///< its name in 1009h
+  int priority = 0;                  ///< the thread's, in SCHED_FIFO; 0: none
+  std::vector<LostValue> lost = {};  ///< for the change log: what the store may have lost
 };
 
-/// Takes the device's settings from the desk and gives changed ones back to it. A reset of the node
-/// ends the loop, with LoopLinks::restart; from then on the bus is silent. LSS can not change the
-/// bit rate, which is the interface's.
+/// Takes the device's settings from the desk and gives changed ones back to it; as long as it lives
+/// nobody else changes them, and settings files that were read anew go through here. A reset of the
+/// node ends the loop, with LoopLinks::restart; from then on the bus is silent. LSS can not change
+/// the bit rate, which is the interface's.
 class BusService {
  public:
   /// Throws CanError.

@@ -1,12 +1,16 @@
 #include "firmware/daemon/bus/kept_settings.hpp"
 
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <string_view>
 
 #include "firmware/parameters/store/store.hpp"
+#include "firmware/text/settings_text.hpp"
 #include "hal/linux/system/file_store.hpp"
+#include "model/files/output_file.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -20,11 +24,39 @@ std::string_view name_of(const SlotReport& report) {
   return slot_names.at(static_cast<std::size_t>(report.state));
 }
 
+/// What differs from the settings in force, as far as the bad slot can still be read.
+std::vector<LostValue> lost_values(hal::FileStore& store, unsigned slot,
+                                   const Settings<double>& in_force) {
+  std::vector<LostValue> lost;
+  salvage<double>(store, slot, [&](const ParameterRow<double>& row, Value value) {
+    if (const Value now = row.get(in_force); now != value) {
+      lost.push_back({row.key, value.bits, now.bits});
+    }
+  });
+  return lost;
+}
+
+std::string outdated_text(const std::string& folder, const Loaded<double>& loaded,
+                          const std::vector<LostValue>& lost) {
+  const unsigned bad = 1 - loaded.slot;
+  std::string text = fmt::format(
+      "{}: slot {} is {}: what was stored last may be lost, and older settings are in force. The "
+      "device can not be armed before they are stored (1010h), or restored (1011h) and reset",
+      folder, bad, name_of(loaded.slots.at(bad)));
+  for (const LostValue& value : lost) {
+    const Parameter<double>& row = parameters<double>[find_parameter(value.key)];
+    text += fmt::format("\n  {}: {} in force, {} in slot {}", row.path.text(),
+                        text::value_text(row, {value.in_force}),
+                        text::value_text(row, {value.stored}), bad);
+  }
+  return text + (lost.empty() ? "; no value that can still be read there differs" : "");
+}
+
 }  // namespace
 
 KeptSettings keep_settings(const std::string& folder, const Settings<double>& otherwise,
                            bool configured) {
-  KeptSettings kept{otherwise, {}, "settings as given, nothing is stored"};
+  KeptSettings kept{otherwise, {}, "settings as given, nothing is stored", {}};
   kept.faults.set(Fault::not_configured, !configured);
   if (folder.empty()) {
     return kept;
@@ -45,7 +77,17 @@ KeptSettings keep_settings(const std::string& folder, const Settings<double>& ot
   kept.said =
       fmt::format("settings from {}, slot {}, number {}; the other slot is {}", folder, loaded.slot,
                   loaded.slots.at(loaded.slot).sequence, name_of(loaded.slots.at(1 - loaded.slot)));
+  if (loaded.may_be_older) {
+    kept.faults.set(Fault::store_outdated);
+    kept.lost = lost_values(store, 1 - loaded.slot, kept.settings);
+    kept.said += "\nsmaservod: " + outdated_text(folder, loaded, kept.lost);
+  }
   return kept;
+}
+
+bool has_settings(const std::string& folder) {
+  hal::FileStore store(folder);
+  return !folder.empty() && load_settings<double>(store).reason != LoadReason::none;
 }
 
 std::string store_settings(const std::string& folder, const Settings<double>& settings) {
@@ -69,7 +111,10 @@ std::string forget_settings(const std::string& folder) {
       return error.message();
     }
   }
-  return {};
+  return files::sync_folder_of(folder + "/settings.0")
+             ? ""
+             : fmt::format("{}: a loss of power may bring the store back: {}", folder,
+                           std::strerror(errno));
 }
 
 }  // namespace smaservo::daemon

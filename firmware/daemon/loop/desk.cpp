@@ -1,5 +1,7 @@
 #include "firmware/daemon/loop/desk.hpp"
 
+#include <utility>
+
 #include "firmware/text/settings_text.hpp"
 
 namespace smaservo::daemon {
@@ -12,20 +14,24 @@ ParameterDesk::~ParameterDesk() {
   }
 }
 
-std::optional<std::uint32_t> ParameterDesk::change(const Settings<double>& settings) {
+std::optional<std::uint32_t> ParameterDesk::change(const Settings<double>& settings,
+                                                   std::optional<std::uint32_t> from) {
   const std::scoped_lock lock(mutex_);
+  delete_old();
+  if (must_go_back_ || (from && *from != last_.load())) {
+    return std::nullopt;
+  }
   std::string text = text::changes_text(settings_, settings);
   if (text.empty()) {
     return last_;
   }
-  delete_old();
-  if (under_way_ == max_under_way) {
+  if (in_line_.size() > max_under_way) {
     return std::nullopt;
   }
   ParameterSetPtr set = make_parameter_set(settings, ++last_);
   texts_.emplace(last_, std::move(text));
   settings_ = settings;
-  ++under_way_;
+  in_line_.push_back({last_, settings});
   links_.new_sets.push(set.release());
   return last_;
 }
@@ -39,8 +45,29 @@ void ParameterDesk::delete_old() {
   ParameterSet* set = nullptr;
   while (links_.old_sets.pop(set)) {
     const ParameterSetPtr owned(set);
-    --under_way_;
+    if (is_refused(*owned)) {
+      take_back(number_of(*owned));
+    } else {
+      in_line_.pop_front();
+    }
   }
+  if (must_go_back_ && in_line_.size() == 1) {
+    must_go_back_ = false;
+    settings_ = in_line_.front().settings;
+    ++last_;
+  }
+}
+
+void ParameterDesk::take_back(std::uint32_t number) {
+  must_go_back_ = true;
+  std::erase_if(in_line_, [&](const Numbered& set) { return set.number == number; });
+  refused_.push_back(texts_[number]);
+  texts_.erase(number);
+}
+
+std::vector<std::string> ParameterDesk::take_refused() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(refused_, {});
 }
 
 Settings<double> ParameterDesk::settings() const {

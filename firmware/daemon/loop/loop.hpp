@@ -46,7 +46,7 @@ class Loop {
   void count_frame(hal::ReadStatus status);
   void count_setpoints(std::uint32_t come);
   double advance_time();
-  void adopt_sets();
+  void adopt_sets(Command<double>& command);
   void renew_lease(bool heated);
   void note_stop(const Output<double>& before, std::int64_t sampled_ns, std::int64_t driven_ns);
   void leave_record();
@@ -86,7 +86,7 @@ bool Loop<B, Pacing>::cycle() {
   heard.late = heard.late || (in_monotonic_time<B> && woke.missed > 0);
   heard.external = heard.external | FaultSet::from_bits(links_.faults.load());
   count_setpoints(heard.setpoints);
-  adopt_sets();
+  adopt_sets(heard.command);
   const Output<double> before = cycle.output;
   run_cycle(board_, frame_, status, heard, timing_.period_ns, cycle,
             [&](const Inputs<double>& in, const Command<double>& command) {
@@ -150,14 +150,23 @@ double Loop<B, Pacing>::advance_time() {
   return static_cast<double>(step_ns) * 1e-9;
 }
 
+/// One set a cycle. A wire that this very cycle switches off counts as off; one that is off is not
+/// armed as long as more sets wait, since what was promised without current has to be in force
+/// before the current. That delays an arm command, but makes no edge of one that stood.
 template <hal::Board B, class Pacing>
-void Loop<B, Pacing>::adopt_sets() {
+void Loop<B, Pacing>::adopt_sets(Command<double>& command) {
   now_.set = 0;
   ParameterSet* set = nullptr;
+  const bool is_off = !is_heated(now_.cycle.output.state);
   if (links_.new_sets.pop(set)) {
-    now_.set = number_of(*set);
+    ParameterSet* const out = device_.adopt(set, !is_off && command.arm);
+    now_.set = out == set ? 0 : number_of(*set);
     // There is room: the ring holds more sets than can be under way.
-    links_.old_sets.push(device_.adopt(set));
+    links_.old_sets.push(out);
+  }
+  const bool was_asked = now_.cycle.command.arm;
+  if (is_off && !was_asked && !links_.new_sets.empty()) {
+    command.arm = false;
   }
 }
 

@@ -46,6 +46,11 @@ class Ring {
     return true;
   }
 
+  /// For the one thread that reads.
+  bool empty() const {
+    return begin_.load(std::memory_order_relaxed) == end_.load(std::memory_order_acquire);
+  }
+
   std::size_t room() const { return cells_.size(); }
 
  private:

@@ -96,7 +96,8 @@ RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boo
   }
   std::error_code none;
   std::filesystem::remove(result, none);
-  if (file_.number() < 0 || !set(State::idle)) {
+  // The name as well: a mark that a loss of power takes away says that there was no run.
+  if (file_.number() < 0 || !set(State::idle) || !files::sync_folder_of(path)) {
     throw files::UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
   }
 }

@@ -1,8 +1,7 @@
 #pragma once
-// Reads the settings file anew, which SIGHUP asks for.
+// Reads the settings file anew, which SIGHUP asks for. The order of precedence is that of a start,
+// which README.md states: settings that are stored go before the file.
 
-#include <atomic>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,29 +9,37 @@
 
 namespace smaservo::daemon {
 
+/// What becomes of settings by a file that was read anew.
+struct Reloaded {
+  bool taken = false;  ///< else nothing changes
+  Settings<double> settings;
+  std::vector<std::string> said;  ///< what has changed, what has not, and why
+};
+
 /// Changes the settings as a whole or not at all. Parameters that can not change now, but only with
 /// the next start or without heat, keep their values.
+Reloaded reloaded(const Settings<double>& before, const Reload& reload, bool heated);
+
+struct ReloadSetup {
+  std::string file;    ///< empty: there is nothing to read
+  std::string folder;  ///< of the store; empty: there is none
+  decltype(Reload::problem) problem;
+};
+
 class Reloader {
  public:
-  /// Says why settings are beyond the board; empty: they are not. A null function: there is no
-  /// board.
-  using Problem = std::function<std::string(const Settings<double>&)>;
+  /// `desk` and `heated` must outlive the reloader.
+  Reloader(ReloadSetup setup, ParameterDesk& desk, const std::atomic<bool>& heated)
+      : setup_(std::move(setup)), desk_(desk), heated_(heated) {}
 
-  /// `file` empty: there is nothing to read. `desk` and `heated` must outlive the reloader.
-  Reloader(std::string file, Problem problem, ParameterDesk& desk, const std::atomic<bool>& heated)
-      : file_(std::move(file)), problem_(std::move(problem)), desk_(desk), heated_(heated) {}
-
-  /// Returns a sentence for each thing that was not changed: why.
-  std::vector<std::string> reload() const;
+  /// The file goes to the thread that changes the settings, by the desk's ReloadBox, which has the
+  /// answer later.
+  void reload() const;
 
  private:
-  Settings<double> changed(const Settings<double>& before, const Settings<double>& from,
-                           std::vector<std::string>& said) const;
-  /// Why the settings are refused; empty: they are in force.
-  std::string refused(const Settings<double>& to) const;
+  void apply(const Reload& reload) const;
 
-  std::string file_;
-  Problem problem_;
+  ReloadSetup setup_;
   ParameterDesk& desk_;
   const std::atomic<bool>& heated_;
 };

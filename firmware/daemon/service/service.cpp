@@ -138,7 +138,8 @@ void Service::record() {
 }
 
 void Service::watch(ServiceManager& manager) {
-  const Reloader reloader(setup_.settings_file, setup_.problem, desk_, links_.heated);
+  const Reloader reloader({setup_.settings_file, setup_.folder, setup_.problem}, desk_,
+                          links_.heated);
   std::int64_t alive_ns = 0;
   std::int64_t status_ns = 0;
   std::uint64_t cycles = 0;
@@ -167,9 +168,7 @@ void Service::watch(ServiceManager& manager) {
 
 void Service::answer(int signal, const Reloader& reloader, ServiceManager& manager) {
   if (signal == SIGHUP) {
-    for (const std::string& why : reloader.reload()) {
-      status_.warn(why);
-    }
+    reloader.reload();
   } else if (signal != 0) {
     manager.stopping();
     asked_to_end_ = true;
@@ -179,6 +178,12 @@ void Service::answer(int signal, const Reloader& reloader, ServiceManager& manag
 
 void Service::look() {
   desk_.tidy();
+  for (const std::string& sentence : desk_.reloads().take_said()) {
+    status_.warn(sentence);
+  }
+  for (const std::string& changes : desk_.take_refused()) {
+    status_.warn("taken back, as the wire was heated when it should come into force: " + changes);
+  }
   status_.look();
   if (usage_.has_begun()) {
     for (const std::string& warning : std::exchange(thread_warnings_, {})) {

@@ -26,7 +26,7 @@ struct ServiceSetup {
   bool paced = true;          ///< runs in real time: the guard watches the lease
   bool sandboxed = false;     ///< restricts the loop's system calls, see sandbox.hpp
   RealTimeSettings thread;
-  Reloader::Problem problem = nullptr;
+  decltype(Reload::problem) problem = nullptr;
 };
 
 /// Result of Service::run() in place of an exit code: start anew with the stored settings, as after

@@ -130,11 +130,13 @@ std::string status_text(const Status& status) {
     }
   }
   if (f.setpoints.load() > 0) {
-    text += fmt::format("{} cyclic set-points, {} superseded by newer ones before their cycle\n",
-                        f.setpoints.load(), f.superseded.load());
+    text +=
+        fmt::format("{} cyclic set-points, {} superseded by a newer one before a cycle took them\n",
+                    f.setpoints.load(), f.superseded.load());
   }
   if (f.guard_stops.load() > 0) {
-    text += fmt::format("the guard switched off {} times: the loop hung\n", f.guard_stops.load());
+    text += fmt::format("the guard switched the outputs off {} times, because the loop hung\n",
+                        f.guard_stops.load());
   }
   if (status.recording) {
     text +=

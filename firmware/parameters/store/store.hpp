@@ -1,6 +1,7 @@
 #pragma once
 // Keeps the settings over a power cut: two slots, of which the older one is overwritten.
-// load_settings() says which slot it took and why; there are no silent defaults.
+// load_settings() says which slot it took and why, and whether what was stored last may be lost;
+// there are no silent defaults, and no silent return to older values.
 
 #include <concepts>
 
@@ -31,14 +32,27 @@ enum class SlotState : std::uint8_t {
 
 struct SlotReport {
   SlotState state = SlotState::unreadable;
-  std::uint32_t sequence = 0;  ///< valid if the slot is intact, as are all members that follow
+  std::uint32_t sequence = 0;  ///< means something if intact(), as do all members that follow
   std::uint32_t schema_hash = 0;
   std::uint16_t entries = 0;
   std::uint16_t unknown = 0;  ///< entries that this release does not know
   std::uint16_t moved = 0;    ///< parameters taken from an old key
   std::uint16_t missing = 0;  ///< parameters that have their default
   Finding finding;            ///< why it is refused
+
+  /// What was written is there, whether this release can use it or not.
+  constexpr bool intact() const {
+    return state == SlotState::valid || state == SlotState::unknown_format ||
+           state == SlotState::refused;
+  }
 };
+
+/// Whether `a` was given after `b`. The number of saves wraps from FFFFFFFFh to 0 (as the serial
+/// numbers of RFC 1982): of two, the later one is less than half of all numbers ahead.
+constexpr bool is_later(std::uint32_t a, std::uint32_t b) {
+  constexpr std::uint32_t half = 0x8000'0000;
+  return a != b && a - b < half;
+}
 
 enum class LoadReason : std::uint8_t {
   newer,      ///< of two valid slots
@@ -53,6 +67,8 @@ struct Loaded {
   unsigned slot = 0;
   std::array<SlotReport, slot_count> slots;
   Settings<S> settings;  ///< all zero where the reason is none
+  /// The other slot is bad or missing, and it may have held settings that were stored after these.
+  bool may_be_older = false;
 };
 
 enum class SaveProblem : std::uint8_t {
@@ -122,7 +138,44 @@ SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
   return report;
 }
 
+/// Whether settings stored later than those of the valid slot may have been lost with the other
+/// one. A damaged slot does not tell its number. A store that has been written twice has two slots:
+/// only the first save leaves the other one empty.
+constexpr bool may_have_lost_newer(const SlotReport& valid, const SlotReport& other) {
+  switch (other.state) {
+    case SlotState::valid:
+      return false;
+    case SlotState::empty:
+      return valid.sequence != 1;
+    case SlotState::unknown_format:
+    case SlotState::refused:
+      return is_later(other.sequence, valid.sequence);
+    case SlotState::unreadable:
+    case SlotState::damaged:
+      break;
+  }
+  return true;
+}
+
 }  // namespace detail
+
+/// Calls f(row, value) for each parameter of which a slot still has an entry with a possible value.
+/// Its checksum is not looked at, nor its head: this is for a message on what a bad slot may have
+/// said, and for nothing else.
+template <class S, Storage T, class F>
+void salvage(T& storage, unsigned slot, F f, const StoreSchema<S>& schema = own_schema<S>) {
+  std::array<std::byte, image::entry_size> bytes{};
+  for (std::size_t i = 0; i < schema.rows.size() + schema.moved.size(); ++i) {
+    if (!storage.read(slot, image::header_size + i * bytes.size(), bytes)) {
+      return;
+    }
+    const image::Entry entry = image::take_entry(bytes);
+    const ParameterRow<S>* const row = find_row(schema.rows, entry.key);
+    if (row != nullptr && row->type == entry.type && fit(*row, entry.value) == Fit::inside) {
+      f(*row, entry.value);
+    }
+  }
+}
 
 /// Reads both slots. Never fails; what it found is in the reports.
 template <class S, Storage T>
@@ -138,13 +191,25 @@ Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>
   if (!a_valid && !b_valid) {
     return loaded;
   }
-  loaded.slot = b_valid && !(a_valid && b.sequence < a.sequence) ? 1 : 0;
+  loaded.slot = b_valid && (!a_valid || is_later(b.sequence, a.sequence)) ? 1 : 0;
   loaded.settings = settings[loaded.slot];
   loaded.reason = a_valid && b_valid                                        ? LoadReason::newer
                   : loaded.slots[1 - loaded.slot].state == SlotState::empty ? LoadReason::only_one
                                                                             : LoadReason::other_bad;
+  loaded.may_be_older =
+      detail::may_have_lost_newer(loaded.slots[loaded.slot], loaded.slots[1 - loaded.slot]);
   return loaded;
 }
+
+namespace detail {
+
+/// The number of a save that leaves `kept` as it is and overwrites `replaced`: it must be later
+/// than what stays. The other one counts only where nothing stays.
+constexpr std::uint32_t next_sequence(const SlotReport& kept, const SlotReport& replaced) {
+  return kept.intact() ? kept.sequence + 1 : replaced.intact() ? replaced.sequence + 1 : 1;
+}
+
+}  // namespace detail
 
 /// Writes into the slot that load_settings() would not take, reads it back and compares. Whatever
 /// fails, and wherever power is cut, load_settings() gives either the former settings or these. Not
@@ -160,7 +225,7 @@ Saved save_settings(T& storage, const Settings<S>& settings,
   }
   const Loaded<S> before = load_settings(storage, schema);
   saved.slot = before.reason == LoadReason::none ? 0 : 1 - before.slot;
-  saved.sequence = std::max(before.slots[0].sequence, before.slots[1].sequence) + 1;
+  saved.sequence = detail::next_sequence(before.slots[1 - saved.slot], before.slots[saved.slot]);
   const auto fail = [&](SaveProblem problem) {
     saved.problem = problem;
     return saved;

@@ -92,6 +92,18 @@ constexpr Header take_header(std::span<const std::byte, header_size> from) {
           take<std::uint32_t>(from.subspan(12))};
 }
 
+struct Entry {
+  Key key;
+  ValueType type;
+  Value value;
+};
+
+constexpr Entry take_entry(std::span<const std::byte, entry_size> from) {
+  return {{take<std::uint16_t>(from), take<std::uint8_t>(from.subspan(2))},
+          static_cast<ValueType>(take<std::uint8_t>(from.subspan(3))),
+          {take<std::uint32_t>(from.subspan(4))}};
+}
+
 /// Gathers bytes into chunks for `sink(span) -> bool`.
 template <class Sink>
 class Writer {
@@ -169,9 +181,7 @@ class Reader {
       : schema_(schema), settings_(default_settings<S>()) {}
 
   void add(std::span<const std::byte, entry_size> bytes) {
-    const Key key{take<std::uint16_t>(bytes), take<std::uint8_t>(bytes.subspan(2))};
-    const auto type = static_cast<ValueType>(take<std::uint8_t>(bytes.subspan(3)));
-    const Value value{take<std::uint32_t>(bytes.subspan(4))};
+    const auto [key, type, value] = take_entry(bytes);
     if (const ParameterRow<S>* row = find_row(schema_.rows, key);
         row != nullptr && row->type == type) {
       set(*row, value);

@@ -36,7 +36,7 @@ struct MonitorInputs {
   }
   bool sure() const { return observing && estimate.health == Health::good; }
 
-  /// Whether the resistance of this sample is known within 0.1 %; at the least current it is not.
+  /// Whether the resistance of this sample is known within 0.1 %; at the minimum current it is not.
   bool precise() const {
     const Measuring<S>& q = prepared.settings.measuring;
     const S by_V = q.voltage_noise_V * current_A;

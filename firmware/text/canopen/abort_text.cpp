@@ -12,12 +12,12 @@ struct AbortText {
 };
 
 constexpr auto abort_texts = std::to_array<AbortText>({
-    {0x05030000, "toggle bit not alternated"},
+    {0x05030000, "the toggle bit did not change"},
     {0x05040000, "the node waited too long for the next part"},
     {0x05040001, "unknown SDO command"},
     {0x05040002, "invalid block size"},
     {0x05040003, "invalid sequence number"},
-    {0x05040004, "checksum is wrong"},
+    {0x05040004, "wrong checksum"},
     {0x05040005, "out of memory"},
     {0x06010000, "access not supported"},
     {0x06010001, "can not be read"},
@@ -35,11 +35,11 @@ constexpr auto abort_texts = std::to_array<AbortText>({
     {0x06090030, "value not allowed"},
     {0x06090031, "value too high"},
     {0x06090032, "value too low"},
-    {0x06090036, "greatest value below the least one"},
+    {0x06090036, "maximum below minimum"},
     {0x060A0023, "resource not available"},
     {0x08000000, "general error"},
     {0x08000020, "can not be transferred or stored"},
-    {0x08000021, "not with the present access level"},
+    {0x08000021, "the access level is too low: see access.key"},
     {0x08000022, "not in the present state of the device"},
     {0x08000023, "no object dictionary"},
     {0x08000024, "no data available"},

@@ -14,7 +14,8 @@ using canopen::Abort;
 using canopen::Source;
 
 constexpr Key tuning_key{0x2102, 1};
-constexpr std::array<const char*, 5> sources{"SDO", "PDO", "LSS", "the device", "the image"};
+constexpr std::array<const char*, 6> sources{"SDO",        "PDO",       "LSS",
+                                             "the device", "the image", "the settings file"};
 constexpr std::array<const char*, 5> tuning_commands{"none", "begin", "try", "commit", "revert"};
 
 const char* source_of(const canopen::LoggedChange& change) {
@@ -48,8 +49,8 @@ std::string tuning_text(const canopen::LoggedChange& change) {
     return fmt::format("tuning: {} {}", command, refusal_text(change.result));
   }
   if (change.source == Source::device) {
-    return change.value == 0 ? "tuning: the trial is over, all is as before"
-                             : "tuning: the client has gone, all is as before";
+    return change.value == 0 ? "tuning: the trial has ended, all is reverted"
+                             : "tuning: the client has gone, all is reverted";
   }
   return fmt::format("tuning: {}", command);
 }

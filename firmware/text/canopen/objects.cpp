@@ -221,8 +221,8 @@ KnownObject find_object(const std::string& text) {
   const std::vector<std::string> close = close_names(text);
   throw files::UserError(
       close.empty()
-          ? fmt::format("{}: no such object; a name of firmware/reference/PARAMETERS.md or "
-                        "INDEX:SUB, such as 2100:1",
+          ? fmt::format("{}: no such object; give a name of firmware/reference/OBJECTS.md or "
+                        "PARAMETERS.md, or INDEX:SUB, such as 2100:1",
                         text)
           : fmt::format("{}: no such object; did you mean {}?", text, fmt::join(close, ", ")));
 }

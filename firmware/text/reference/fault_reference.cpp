@@ -17,13 +17,13 @@ namespace {
 constexpr std::string_view reaction(FaultClass severity) {
   switch (severity) {
     case FaultClass::F0:
-      return "heat off at once, by the hardware as well";
+      return "heat off, by the program and by the hardware";
     case FaultClass::F1:
       return "heat off";
     case FaultClass::F2:
-      return "safe state: off, hold for a time, or controlled release, as set";
+      return "safe state, as safe.state says: off, hold for a time, or controlled release";
     case FaultClass::L:
-      return "limiter: no more than the least current while it lasts";
+      return "limiter: only the minimum current while the condition lasts";
     case FaultClass::B:
       return "blocks arming; a warning while running";
     case FaultClass::W:
@@ -108,8 +108,9 @@ std::string fault_reference() {
       "Made by `host-sim describe faults` from the table of faults "
       "([faults/](../safety/faults/table.hpp)); "
       "the tests compare\nthe two. `host-sim explain FAULT` prints one of them.\n\n{}"
-      "\nThe time is that for which a condition has to last before it counts, beyond the step that "
-      "first sees it.\n\n{}",
+      "\nThe time says how long a condition must last, after the step that first sees it, before "
+      "it "
+      "is a fault.\n\n{}",
       classes.markdown(), faults.markdown());
   for (const FaultRow& row : fault_rows) {
     page += fmt::format(

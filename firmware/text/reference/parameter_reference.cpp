@@ -71,13 +71,18 @@ std::string rules_text() {
 
 std::string parameter_reference() {
   std::string out = fmt::format(
-      "# Parameters\n\nMade by `host-sim describe parameters` from "
-      "firmware/parameters/parameters.hpp; not to "
-      "be edited.\nSchema {}, hash {:08X}h. Values are those of a float, in the SI unit that ends "
-      "the path; a file\nmay use another unit of the same kind. *Not enabled*: refused while there "
-      "may be current. *After\nreset*: stored, in force after the next start. The wire has no "
-      "defaults: without one the device is\nnot configured. In CANopen all of them are rw, none is "
-      "in a PDO, and a choice is its place in the range,\nfrom 0.\n",
+      "# Parameters\n\n"
+      "Made by `host-sim describe parameters` from firmware/parameters/parameters.hpp; not to be "
+      "edited.\n"
+      "Schema {}, hash {:08X}h. A REAL32 is in the SI unit that ends its path; a file may use "
+      "another unit of\n"
+      "the same kind. Change: *live*, at any time; *not enabled*, refused while current may flow; "
+      "*after reset*,\n"
+      "stored and in force from the next start. The wire has no defaults: without one the device "
+      "is not\n"
+      "configured. On CANopen all parameters are rw and none is in a PDO; a choice is sent as its "
+      "position in\n"
+      "the range, counted from 0.\n",
       released_schemas.back().version, schema_hash<double>(parameter_rows<double>));
   std::string_view open;
   for (const Row& row : parameters<double>) {

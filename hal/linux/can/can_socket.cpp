@@ -100,9 +100,9 @@ CanSocket::CanSocket(std::string interface) : interface_(std::move(interface)) {
   socket_ = Descriptor(socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
   if (socket_.number() < 0) {
     const bool unknown = errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT;
-    throw CanError(
-        interface_ + ": " +
-        (unknown ? "this kernel has no CAN (modules can and can-raw)" : std::strerror(errno)));
+    throw CanError(interface_ + ": " +
+                   (unknown ? "this kernel has no CAN: load the modules can and can-raw"
+                            : std::strerror(errno)));
   }
   int error = set_option(descriptor(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, watched_errors);
   if (error == 0) error = set_option(descriptor(), SOL_SOCKET, SO_RXQ_OVFL, 1);

@@ -28,7 +28,7 @@ Ads131m04Digitizer::Ads131m04Digitizer(std::unique_ptr<SpiPort> port, std::strin
         fmt::format("{}: its ID is {:04X}h, not that of an ADS131M04, 24xxh", name_, *id));
   }
   if (!set_up()) {
-    throw DeviceError(fmt::format("{}: does not keep its settings", name_));
+    throw DeviceError(fmt::format("{}: a register does not read back as it was written", name_));
   }
 }
 

@@ -23,7 +23,8 @@ ScanElement element_of(const std::string& folder, const std::string& channel) {
   const std::string text = read_text(base + "_type");
   const auto type = parse_scan_type(text);
   if (!type) {
-    throw DeviceError(fmt::format("{}_type: '{}' is no type that is understood", base, text));
+    throw DeviceError(
+        fmt::format("{}_type: '{}' is no scan type of IIO, such as le:s24/32>>8", base, text));
   }
   return {channel, static_cast<unsigned>(read_number(base + "_index")), *type};
 }

@@ -81,8 +81,11 @@ bool FileStore::sync() {
 
 bool FileStore::replace(unsigned slot) {
   const std::string beside = path(slot) + ".part";
+  // What was left there may be another user's, a link, a pipe: one process at a time stores here,
+  // so it is nobody's any more.
+  std::remove(beside.c_str());
   {
-    const Descriptor file(open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+    const Descriptor file(open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640));
     if (file.number() < 0 || !write_all(file.number(), slots_.at(slot).bytes) ||
         fsync(file.number()) != 0) {
       std::remove(beside.c_str());
@@ -90,6 +93,7 @@ bool FileStore::replace(unsigned slot) {
     }
   }
   if (std::rename(beside.c_str(), path(slot).c_str()) != 0) {
+    std::remove(beside.c_str());
     return false;
   }
   const Descriptor folder(open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));

@@ -1,5 +1,5 @@
 #pragma once
-// A CAN bus as a client sees it: frames, and waiting for them.
+// A CAN bus as a client uses it: send a frame, wait for a frame.
 
 #include <cstdint>
 #include <string>
@@ -12,9 +12,9 @@ class Bus {
  public:
   virtual ~Bus() = default;
 
-  /// Throws UserError where the bus does not take it.
+  /// Throws UserError when the bus does not accept the frame.
   virtual void send(const hal::CanFrame& frame) = 0;
-  /// Waits for a frame at most until now_us() is there.
+  /// Waits for a frame until now_us() reaches `until_us`; false when none has come by then.
   virtual bool receive(hal::CanFrame& frame, std::int64_t until_us) = 0;
   virtual std::int64_t now_us() const = 0;
   virtual std::string name() const = 0;

@@ -19,7 +19,7 @@ constexpr std::uint32_t lss_answer = 0x7E4;
 constexpr std::uint8_t identify_unconfigured = 0x4C;
 constexpr std::uint8_t identified_unconfigured = 0x50;
 
-/// Functions of the pre-defined connection set: the upper four bits of the identifier.
+/// The functions of CiA 301's pre-defined connection set, by the upper four bits of the identifier.
 constexpr std::array<const char*, 16> functions{
     "NMT",    "EMCY",   "TIME",   "TPDO 1",     "RPDO 1",      "TPDO 2", "RPDO 2",    "TPDO 3",
     "RPDO 3", "TPDO 4", "RPDO 4", "SDO answer", "SDO request", "",       "heartbeat", "LSS"};
@@ -44,7 +44,7 @@ void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found,
 
 std::string emergency_text(const hal::CanFrame& frame) {
   const auto code = static_cast<unsigned>(canopen::take_number(std::span(frame.data).first(2)));
-  if (code == 0) return "no error any more";
+  if (code == 0) return "no error left";
   const Fault fault = text::find_fault(fmt::format("{:04X}h", code));
   return fmt::format("{:04X}h{}", code,
                      fault == Fault::none ? "" : fmt::format(" {}", fault_name(fault)));
@@ -70,7 +70,7 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
   bus.send({.id = lss_request, .length = 8, .data = {identify_unconfigured}});
   for (unsigned node = 1; node <= max_nodes; ++node) {
     bus.send({.id = 0x600 + node, .length = 8, .data = {0x40, 0x00, 0x10, 0x00}});
-    // A millisecond apart: no queue on the way has to hold them all.
+    // Requests are a millisecond apart, so that no queue on the way has to hold all of them.
     const std::int64_t until_us = bus.now_us() + 1000;
     while (bus.receive(frame, until_us)) note(nodes, found, frame);
   }
@@ -86,7 +86,7 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
 std::string frame_text(const hal::CanFrame& frame) {
   const std::string data = fmt::format("{:02X}", fmt::join(frame.payload(), " "));
   if (frame.extended || frame.remote) {
-    return fmt::format("{} {:X}h: no CANopen: {}", frame.remote ? "remote" : "extended", frame.id,
+    return fmt::format("{} {:X}h: not CANopen: {}", frame.remote ? "remote" : "extended", frame.id,
                        data);
   }
   const unsigned node = frame.id & 0x7FU;

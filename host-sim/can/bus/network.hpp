@@ -1,5 +1,5 @@
 #pragma once
-// Who is on the bus, and what is said there.
+// The nodes on a bus, and its frames in words.
 
 #include <optional>
 #include <string>
@@ -11,20 +11,21 @@ namespace smaservo::can {
 
 struct FoundNode {
   unsigned node;
-  std::optional<unsigned> nmt_state;  ///< where a heartbeat or a boot-up was heard
-  bool answers = false;               ///< to SDO; a stopped node does not
-  std::uint32_t device_type = 0;      ///< 1000h
+  std::optional<unsigned>
+      nmt_state;         ///< from a heartbeat or a boot-up message; none: neither was heard
+  bool answers = false;  ///< to SDO requests; a stopped node does not
+  std::uint32_t device_type = 0;  ///< 1000h
 };
 
 struct FoundNodes {
   std::vector<FoundNode> nodes;  ///< in the order of their numbers
-  bool without_id = false;       ///< somebody has no node-id, and answers to LSS
+  bool without_id = false;       ///< a device without a node-id has answered to LSS
 };
 
-/// Asks every node and listens for so long.
+/// Sends a request to every node-id, then listens for `listen_us`.
 FoundNodes scan(Bus& bus, std::int64_t listen_us);
 
-/// What a frame says, by its pre-defined identifier: "heartbeat of 5: operational".
+/// Describes a frame by its pre-defined identifier: "heartbeat of 5: operational".
 std::string frame_text(const hal::CanFrame& frame);
 
 }  // namespace smaservo::can

@@ -10,7 +10,8 @@
 namespace smaservo::can {
 namespace {
 
-/// A queue that is full empties within some frames' time, unless nobody acknowledges them.
+/// Attempts, a millisecond apart, to put a frame into a full queue. The queue empties within the
+/// time of a few frames unless no node acknowledges them.
 constexpr int queue_tries = 200;
 
 hal::LinuxCan opened(const std::string& name) {
@@ -35,8 +36,8 @@ void PortBus::send(const hal::CanFrame& frame) {
     poll(nullptr, 0, 1);
   }
   throw files::UserError(
-      fmt::format("{}: the queue stays full: nobody acknowledges frames; is the cable connected, "
-                  "terminated, and the bit rate the same everywhere?",
+      fmt::format("{}: the queue stays full: no node acknowledges frames; is the cable connected "
+                  "and terminated, and is the bit rate the same everywhere?",
                   name()));
 }
 

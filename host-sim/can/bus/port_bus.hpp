@@ -5,10 +5,10 @@
 
 namespace smaservo::can {
 
-/// A bus of this machine, in real time.
+/// An interface or multicast group of this machine, in real time.
 class PortBus final : public Bus {
  public:
-  /// As open_can() takes it. Throws UserError.
+  /// `name` as open_can() takes it. Throws UserError.
   explicit PortBus(const std::string& name);
 
   void send(const hal::CanFrame& frame) override;

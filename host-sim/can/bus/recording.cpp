@@ -86,7 +86,7 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
     set(remote, fmt::format("recorder.channel_{}", i + 1), sub);
   }
   set_trigger(remote, plan.trigger);
-  // How many rows it holds is known once it has been armed.
+  // The recorder tells its capacity only after it has been armed.
   set(remote, "recorder.divisor", 1);
   set(remote, "recorder.pretrigger", 0);
   try {
@@ -99,8 +99,8 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   set(remote, "recorder.command", 0);
   const double divisor = std::max(1.0, std::ceil(plan.seconds / (step_s * capacity) - 1e-6));
   if (divisor > 65535) {
-    throw files::UserError(
-        fmt::format("{} s are too long: at most {} s", plan.seconds, 65535 * step_s * capacity));
+    throw files::UserError(fmt::format("{} s: too long, must be at most {} s", plan.seconds,
+                                       65535 * step_s * capacity));
   }
   set(remote, "recorder.divisor", divisor);
   set(remote, "recorder.pretrigger", std::floor(plan.before_s / (step_s * divisor)));
@@ -112,7 +112,8 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
   std::int64_t triggered_us = 0;
-  // A large memory need not be filled. A loop that misses cycles takes longer for as many rows.
+  // The recording is complete with this many rows, even if the memory holds more. A loop that
+  // misses cycles takes longer to collect them.
   const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
   const std::int64_t longest_us = 10 * after_us + 5'000'000;
   for (;;) {
@@ -148,7 +149,7 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
     }
     recording.rows.push_back(std::move(row));
   }
-  // Some more came until it was stopped.
+  // Rows that came between the end of the requested time and the stop are dropped.
   const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
   if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
   return recording;
@@ -168,13 +169,13 @@ std::string to_csv(const Recording& recording) {
 
 namespace {
 
-/// A missing value is none; all of the text has to be a number.
+/// An empty field is NaN. Otherwise the whole text must be a number.
 double field_number(const std::string& text, const std::string& path, unsigned line) {
   if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw files::UserError(fmt::format("{}:{}: {}: is no number", path, line, text));
+    throw files::UserError(fmt::format("{}:{}: {}: is not a number", path, line, text));
   }
   return number;
 }
@@ -186,14 +187,14 @@ Recording load_recording(const std::string& path) {
   std::string line;
   if (!std::getline(in, line) || !line.starts_with("time_s,")) {
     throw files::UserError(
-        fmt::format("{}: is no recording: its first line must begin with time_s,", path));
+        fmt::format("{}: is not a recording: its first line must begin with time_s,", path));
   }
   Recording recording;
   std::istringstream header(line.substr(line.find(',') + 1));
   for (std::string name; std::getline(header, name, ',');) recording.signals.push_back(name);
   double last_s = 0;
   for (unsigned number = 2; std::getline(in, line); ++number) {
-    // A missing value at the end of a line.
+    // The additional comma keeps a last field that is empty.
     std::istringstream fields(line + ",");
     std::vector<double> row;
     for (std::string field; std::getline(fields, field, ',');) {

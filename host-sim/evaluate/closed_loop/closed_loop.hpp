@@ -1,6 +1,6 @@
 #pragma once
-// The table by which control is judged: the firmware on simulated units that are not its model,
-// calibrated by identify, beside an ideal sensor and two simpler loops.
+// The table by which control is judged. The firmware runs on simulated units that are not its
+// model, with wires calibrated by identify, beside an ideal sensor and two simpler loops.
 
 #include <cstdint>
 #include <functional>
@@ -33,15 +33,15 @@ enum class LoopRow : unsigned char {
 };
 inline constexpr std::array closed_loop_rows{LoopRow::weights, LoopRow::spring, LoopRow::light};
 
-/// What one controller did in one row. Errors in per cent of the nominal stroke.
+/// The figures of one controller in one row. Errors are in per cent of the nominal stroke.
 struct LoopFigures {
-  replay::ErrorStatistics error;             ///< of a step's end
+  replay::ErrorStatistics error;             ///< at the end of each step
   std::vector<double> heating_s, cooling_s;  ///< sorted; infinite where a step never settled
   int heated_in_time = 0;                    ///< settled within 0.10 s
   int cooled_in_time = 0;    ///< settled within 1.3 times what the ideal sensor needed
   int cycles = 0;            ///< steps that end in a limit cycle
-  double above_limit_K = 0;  ///< the hottest of all
-  std::vector<Fault> trips;  ///< of the runs that it did not bring to their end
+  double above_limit_K = 0;  ///< of the hottest point in all runs
+  std::vector<Fault> trips;  ///< of the runs that ended switched off
 
   double quantile_s(bool heats, double share) const;
 };
@@ -56,7 +56,7 @@ struct ClosedLoopEvaluation {
   std::uint64_t seed;
   double stroke;
   std::vector<LoopRowResult> rows;
-  /// Of each unit, at 200 MPa, by controller.
+  /// Of each controller: the bandwidth on each unit at 200 MPa.
   std::array<std::vector<double>, loop_kinds.size()> bandwidth_Hz;
   std::vector<HottestRun> hottest;  ///< of the random scenarios
 };

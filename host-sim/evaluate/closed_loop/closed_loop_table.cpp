@@ -15,7 +15,7 @@ namespace {
 
 struct RowText {
   std::string_view name, meaning;
-  double target_percent;  ///< of the steady error's mean
+  double target_percent;  ///< for the mean of the steady error
 };
 
 RowText text_of(LoopRow row) {
@@ -30,7 +30,7 @@ RowText text_of(LoopRow row) {
   return {"light", "50 MPa", 2};
 }
 
-/// Nothing where something never happened.
+/// An infinite time, which never came, becomes NaN: an empty field.
 double finite(double value) {
   return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
 }
@@ -39,7 +39,7 @@ double share(int part, std::size_t whole) {
   return 100.0 * part / static_cast<double>(std::max<std::size_t>(whole, 1));
 }
 
-/// "0", or how many and for what.
+/// The number of trips, and their faults.
 std::string trips(const LoopFigures& f) {
   std::string text = fmt::format("{}", f.trips.size());
   for (const Fault fault : std::set<Fault>(f.trips.begin(), f.trips.end())) {
@@ -48,7 +48,7 @@ std::string trips(const LoopFigures& f) {
   return text;
 }
 
-/// What is marked misses its target; the targets are the firmware's.
+/// Marked values miss their target; the firmware alone has targets.
 files::TextTable steps(const ClosedLoopEvaluation& e) {
   files::TextTable table({{"load", "", "load"},
                           {"loop", "", "loop"},

@@ -21,7 +21,7 @@ double quantile(const std::vector<HottestRun>& sorted, double share) {
   return sorted[static_cast<std::size_t>(std::lround(share * last))].above_limit_K;
 }
 
-/// How many there are, how many violate, the worst.
+/// Counts the scenarios of a class and finds the worst.
 struct Tally {
   int runs = 0, violations = 0, tripped = 0;
   double worst_K = -std::numeric_limits<double>::infinity();

@@ -1,5 +1,5 @@
 #pragma once
-// How hot a wire gets at most in random scenarios, and what the device says of it.
+// The hottest point of the wire in random scenarios, and the faults that the device finds in them.
 
 #include <cstdint>
 #include <functional>
@@ -10,14 +10,14 @@
 
 namespace smaservo::evaluate {
 
-/// What the true hottest point may be above limits.temperature_K.
+/// The true hottest point may exceed limits.temperature_K by this much.
 inline constexpr double hottest_allowed_K = 3;
 /// What it should never be.
 inline constexpr double hottest_far_K = 15;
 /// Time within which a device has to end in a fault where it is hotter.
 inline constexpr double hottest_answered_s = 5;
 
-/// One scenario's outcome, with what classes it.
+/// The outcome of one scenario, and the properties by which scenarios are classed.
 struct HottestRun {
   std::uint64_t seed;
   Mode mode;
@@ -25,9 +25,9 @@ struct HottestRun {
   RandomTrouble trouble;
   bool beyond;
   double duration_s;
-  double above_limit_K;  ///< true hottest point less limits.temperature_K, the highest
+  double above_limit_K;  ///< maximum of the true hottest point less limits.temperature_K
   double at_s;           ///< when
-  Fault first_cause;     ///< of the first trip; Fault::none
+  Fault first_cause;     ///< of the first trip; Fault::none: never
   double tripped_s;      ///< when; infinite: never
   double over_s;         ///< for so long above what is allowed, all such times together
   bool unanswered;       ///< not in a fault hottest_answered_s after it was above
@@ -38,7 +38,8 @@ struct HottestRun {
     return !beyond && trouble == RandomTrouble::none &&
            (air == RandomAir::still || air == RandomAir::draught);
   }
-  /// What the current limit or a draught leaves out of reach ends with a following error.
+  /// A harmless scenario has tripped. A following error is no false alarm: the current limit or a
+  /// draught may put a set-point out of reach.
   bool false_alarm() const {
     return harmless() && first_cause != Fault::none && first_cause != Fault::following_error;
   }
@@ -53,7 +54,7 @@ std::vector<HottestRun> run_hottest(const std::vector<CalibratedUnit>& units, st
                                     int count, int threads,
                                     const std::function<void(std::size_t)>& done);
 
-/// Tables of Markdown: all of them, classes of them, those that violate, and what tripped.
+/// Tables in Markdown: all scenarios and their classes, the first trips, the violations.
 std::string hottest_markdown(const std::vector<HottestRun>& runs);
 
 }  // namespace smaservo::evaluate

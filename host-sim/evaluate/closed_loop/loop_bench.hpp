@@ -9,10 +9,10 @@
 
 namespace smaservo::evaluate {
 
-/// The device for this wire: what every loop run begins with.
+/// The device's settings for this wire, with which every run begins.
 Settings<double> loop_settings(const Wire<double>& wire);
 
-/// What the room does to it.
+/// The load and surroundings of a unit, and the errors of its sensors.
 struct LoopConditions {
   hal::Load load;
   double ambient_K = 298.15;
@@ -28,7 +28,7 @@ class LoopBench {
 
   LoopBench(const bench::WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed);
 
-  /// The readings of now; after them drive() has a period to act.
+  /// Takes the readings of this instant. drive() then simulates one period.
   Inputs<double> read();
   void drive(double current_A);
 

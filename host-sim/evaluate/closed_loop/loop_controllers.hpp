@@ -1,5 +1,5 @@
 #pragma once
-// What holds a strain in a closed loop, side by side.
+// The controllers of the strain that the table compares.
 
 #include <array>
 #include <memory>
@@ -13,7 +13,7 @@ namespace smaservo::evaluate {
 
 enum class LoopKind : unsigned char {
   device,       ///< the firmware
-  ideal,        ///< the firmware, whose estimate of the strain is replaced by the truth
+  ideal,        ///< the firmware with the true strain in the place of its estimate
   resistance,   ///< the firmware's resistance mode; a straight line from strain to resistance
   position_002  ///< paper 002: its estimator and a PID from strain to current
 };
@@ -26,26 +26,27 @@ class LoopController {
   virtual ~LoopController() = default;
   /// One step: the current that brings the wire to this strain.
   virtual double current_A(const Inputs<double>& in, double goal, double true_strain) = 0;
-  /// What it has switched off for.
+  /// The fault for which it has switched off; Fault::none while it runs.
   virtual Fault tripped() const { return Fault::none; }
 };
 
-/// What is known of a unit: its calibrated wire, and 002's estimator from the same runs.
+/// A unit, its calibrated wire, and paper 002's estimator identified from the same runs.
 struct KnownUnit {
   bench::WireUnit unit;
   Wire<double> wire;
   papers::StrainResistance<double>::Params estimator_002;
 };
-/// Calibrated, or read from the folder; 002's estimator is identified each time, in 3 s.
+/// Calibrates the wire or reads it from the folder. 002's estimator is identified each time, in 3
+/// s.
 KnownUnit known_unit(hal::Family family, std::uint64_t seed, const std::string& folder);
 
 std::unique_ptr<LoopController> make_loop(LoopKind kind, const KnownUnit& known);
 
-/// Any command to the device.
+/// The firmware's step as a controller; takes any command.
 class DeviceLoop {
  public:
   explicit DeviceLoop(const Settings<double>& settings);
-  /// With the truth in place of the estimate, where it is a number.
+  /// `true_strain`, unless it is NaN, takes the place of the estimate.
   const Output<double>& step(const Inputs<double>& in, const Command<double>& command,
                              double true_strain);
   const Output<double>& output() const { return output_; }

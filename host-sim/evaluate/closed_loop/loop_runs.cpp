@@ -11,7 +11,7 @@
 namespace smaservo::evaluate {
 namespace {
 
-/// A controller on a wire, and the strains that it can be asked for.
+/// A controller on a wire, and the range of strains that the wire has.
 class Loop {
  public:
   Loop(LoopKind kind, const KnownUnit& known, const LoopConditions& conditions, std::uint64_t seed)
@@ -22,18 +22,18 @@ class Loop {
     const double hot_Pa = spring != nullptr
                               ? spring->high_Pa
                               : std::get<hal::ConstantLoad>(conditions.load).stress_Pa;
-    // The first frame is that of the wire at rest.
+    // The first frame is read from the wire at rest.
     const Inputs<double> at_rest = bench_.read();
     longest_ = bench_.truth().strain;
     shortest_ = strain(known.wire.material, Phases<double>{0, 0}, hot_Pa);
     bench_.drive(controller_->current_A(at_rest, longest_, longest_));
-    // At rest, hot, and back.
+    // One full stroke: at rest, hot, and back.
     hold(longest_, 1);
     hold(at(0.05), 1);
     hold(at(0.95), loop_hold_s);
   }
 
-  /// 0: as short as the wire gets; 1: as long.
+  /// The strain at a share of the range: 0 is the shortest, 1 the longest.
   double at(double share) const { return shortest_ + share * (longest_ - shortest_); }
   double stroke() const { return stroke_; }
   double peak_K() const { return bench_.peak_K(); }
@@ -60,7 +60,7 @@ class Loop {
   double shortest_ = 0, longest_ = 0;
 };
 
-/// How often the strain turns by more than `min`.
+/// Counts the turns of the strain by more than `min`.
 int reversals(std::span<const double> strain, double min) {
   int count = 0;
   double lowest = strain.front();

@@ -1,5 +1,5 @@
 #pragma once
-// Closed-loop runs and what they say: steps between random strains, and sines.
+// Closed-loop runs that a controller is judged by: steps between random strains, and sines.
 
 #include <cstdint>
 #include <vector>
@@ -8,32 +8,33 @@
 
 namespace smaservo::evaluate {
 
-inline constexpr double loop_hold_s = 2.5;           ///< of each strain
-inline constexpr double loop_band_percent = 2;       ///< settled
-inline constexpr double loop_steady_over_s = 0.5;    ///< at the end of each
-inline constexpr double loop_ripple_percent = 0.25;  ///< what counts as going to and fro
+inline constexpr double loop_hold_s = 2.5;      ///< time for which each strain is held
+inline constexpr double loop_band_percent = 2;  ///< error within which a step has settled
+inline constexpr double loop_steady_over_s =
+    0.5;  ///< the last part of a hold, whose mean is the steady error
+inline constexpr double loop_ripple_percent = 0.25;  ///< motion that counts as a reversal
 
 /// One step of the set-point. In per cent of the nominal stroke.
 struct LoopStep {
   bool heats;
-  double settled_s;      ///< until within 2 % to the end of the hold; infinite: never
-  double error_percent;  ///< mean size over the last half second
-  int reversals;         ///< of the motion over it, by more than loop_ripple_percent
+  double settled_s;  ///< until the error stays within 2 % to the end of the hold; infinite: never
+  double error_percent;  ///< mean magnitude over the last half second
+  int reversals;         ///< of the motion in the same time, by more than loop_ripple_percent
 };
 
 struct LoopRun {
   std::vector<LoopStep> steps;
-  double above_limit_K;  ///< the hottest that the wire was anywhere, beyond the temperature limit
-  Fault tripped;         ///< what the controller had switched off for at the end
+  double above_limit_K;  ///< hottest point of the wire in the run less the temperature limit
+  Fault tripped;         ///< for which the controller had switched off at the end
 };
 
-/// After one full stroke: so many random strains between a tenth and nine tenths of what the wire
-/// can do under this load. All controllers get the same strains.
+/// Makes one full stroke, then holds `steps` random strains between 10 and 90 % of the wire's range
+/// under this load. All controllers get the same strains.
 LoopRun run_steps(LoopKind kind, const KnownUnit& known, const LoopConditions& conditions,
                   int steps, std::uint64_t seed);
 
-/// Amplitude of the strain, in dB of the one asked for: 10 % of the nominal stroke about the
-/// middle.
+/// Amplitude of the strain relative to that of the set-point, which is 10 % of the nominal stroke
+/// about the middle.
 double sine_gain_dB(LoopKind kind, const KnownUnit& known, const LoopConditions& conditions,
                     double frequency_Hz, std::uint64_t seed);
 

@@ -26,7 +26,8 @@ constexpr std::array<std::string_view, random_trouble_count> trouble_names{
     "weak converter", "broken",      "shorted",   "slip",        "reboot"};
 constexpr std::array<std::string_view, 3> sensor_names{"current", "voltage", "load"};
 
-/// Draws one scenario, part after part; the order of the draws is that of the calls.
+/// Draws one scenario, part by part. Another order of the calls makes another scenario of the same
+/// seed.
 class Draw {
  public:
   Draw(const std::vector<CalibratedUnit>& units, std::uint64_t seed) : dice_(seed) {
@@ -65,7 +66,7 @@ class Draw {
         (loop().note.empty() ? "" : ", ") + fmt::format(text, std::forward<Parts>(parts)...);
   }
 
-  /// The truth, and the file that the device has of it.
+  /// Draws the true wire and the wire file that the device is given.
   void wire(const std::vector<CalibratedUnit>& units) {
     const CalibratedUnit& known = units[choice(units.size())];
     bench::PlantSetup& plant = loop().plant;
@@ -78,7 +79,7 @@ class Draw {
       plant.sublayers = known.unit.sublayers;
       known_ = known.wire;
     } else {
-      // One temperature, whose heat is as far off as a calibration leaves it.
+      // A lumped plant whose loss and heat capacity are as far off as a calibration leaves them.
       plant.family = bench::PlantFamily::lumped;
       plant.wire = files::load_wire(std::string(files::default_wire));
       known_ = dice_.coin() ? plant.wire.wire : known.wire;
@@ -353,7 +354,7 @@ class Draw {
         note("{:.1f} V", *e.supply_V);
         break;
       case RandomTrouble::weak_converter:
-        // Of the whole run: a converter does not change.
+        // A converter is weak for the whole run, so this trouble is no event.
         loop().events.pop_back();
         loop().board.converter.max_A = dice_.uniform(0.05, 0.3);
         loop().board.converter.slew_A_s = log_uniform(2, 200);
@@ -485,7 +486,7 @@ class Draw {
     }
   }
 
-  /// Faults are cleared and the device armed again, as a user does who wants to go on.
+  /// Clears faults and arms the device again, as a user does who wants to go on.
   void insist() {
     stretch(Mode::off, 0.05, 0, 0);
     loop().program.back().command.clear_faults = true;

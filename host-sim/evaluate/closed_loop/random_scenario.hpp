@@ -11,13 +11,14 @@
 
 namespace smaservo::evaluate {
 
-/// A piece of wire, and what identify has found of it.
+/// A piece of wire and the wire file that identify has made of it.
 struct CalibratedUnit {
   bench::WireUnit unit;
   Wire<double> wire;
 };
 
-/// So many of each family, from this seed on; those that the folder has not are calibrated.
+/// `of_each` units of each family with seeds from `seed` on. Wires that are not in the folder are
+/// calibrated.
 std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
                                              const std::string& folder);
 
@@ -61,15 +62,15 @@ std::string_view random_trouble_name(RandomTrouble trouble);
 
 struct RandomScenario {
   bench::ClosedLoopScenario loop;  ///< its note says what was drawn
-  Mode mode;                       ///< of the most part
+  Mode mode;                       ///< the mode of most of its commands
   RandomAir air;
   RandomTrouble trouble;
   RandomTrouble second;  ///< at once with it
   bool beyond;           ///< set-points beyond what limits and load allow
 };
 
-/// All of it from this seed, 20, 60 or 600 s long. host-sim/evaluate/README.md lists what is drawn
-/// from which range.
+/// Draws a scenario of 20, 60 or 600 s from this seed. host-sim/evaluate/README.md lists what is
+/// drawn from which range.
 RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed);
 
 }  // namespace smaservo::evaluate

@@ -16,8 +16,8 @@ identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t i
 /// minute.
 files::WireDescription calibrate(const bench::WireUnit& unit);
 
-/// The same, kept in a folder: read where it is there, made and written where it is not. An empty
-/// name keeps nothing. Throws UserError.
+/// The same with a folder that keeps the wires: a wire that is in it is read, another one is
+/// calibrated and written. An empty name keeps nothing. Throws UserError.
 Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder);
 
 /// "ihyp-1000.toml": the file of a unit's calibrated wire.

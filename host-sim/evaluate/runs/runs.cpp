@@ -36,8 +36,8 @@ void random_steps(Steps& drive, double seconds, bench::Dice& dice) {
   }
 }
 
-/// What must be added to the finish of the transformation, so that level 1 ends 12 K above it under
-/// the highest stress and in these surroundings: a level is made for the first stress and for still
+/// The `overheat_K` with which level 1 ends 12 K above the finish of the transformation under the
+/// highest stress and in these surroundings. Levels are computed for the first stress and for still
 /// air of 25 °C.
 double overheat_K(const Wire<double>& wire, const bench::JouleScenario& joule) {
   const auto finish_K = [&](double stress_Pa) {

@@ -34,10 +34,10 @@ inline constexpr std::array all_conditions{
     Condition::unknown_start, Condition::hold_ripple, Condition::coarse};
 std::string_view condition_name(Condition condition);
 
-/// 40 to 60 s, at 1 kHz and by 16 bits unless the condition says otherwise. The load cell is off
-/// by up to 0.5 %. Disturbed: the ambient temperature by up to 10 K, convection by up to 20 %, the
-/// resistance by 1 % up or down, the load cell by up to 1 %; the power is
-/// raised or lowered until the wire still runs to its end. All random numbers come from the seed.
+/// 40 to 60 s, at 1 kHz and by 16 bits unless the condition says otherwise. The load cell is off by
+/// up to 0.5 %. Disturbed: the ambient temperature by up to 10 K, convection by up to 20 %, the
+/// resistance by 1 % up or down, the load cell by up to 1 %; the power is adjusted so that the wire
+/// still transforms completely. All random numbers come from the seed.
 bench::Scenario test_run(const bench::WireUnit& unit, Condition condition, std::uint64_t seed,
                          bool disturbed = false);
 

@@ -12,9 +12,10 @@
 namespace smaservo::identify {
 namespace {
 
-/// No deviation gets farther from its prior, in standard deviations.
+/// Bound on each deviation, in standard deviations of its prior.
 constexpr double farthest = 8;
-/// Another structure of the model that still costs so many times more is given up.
+/// Another structure of the model is given up when its first steps leave the cost above this many
+/// times the present one.
 constexpr double hopeless = 1.3;
 /// A solution is good enough when a step gains less than this share of the cost.
 constexpr double tolerance = 3e-4;
@@ -84,7 +85,7 @@ void Fit::refine() {
   weigh();
 }
 
-/// Changes the model's structure; what both structures know keeps its deviation.
+/// Changes the model's structure. A parameter that both structures have keeps its deviation.
 void Fit::with(const FitVariant& variant) {
   std::map<std::string, double> known;
   if (problem_) {
@@ -103,7 +104,7 @@ void Fit::with(const FitVariant& variant) {
   for (std::size_t i = 0; i < u_.wire.size(); ++i) {
     const std::string& key = problem_->parameters[i].key;
     const auto own = known.find(key);
-    // A surface of its own starts where it was shared.
+    // A surface that is no longer shared starts with the deviations of the shared one.
     std::string shared = key;
     for (const auto& [to, as] :
          {std::pair{"wire.r2a.", "wire.m2a."}, std::pair{"wire.r2m.", "wire.a2m."}}) {
@@ -198,7 +199,8 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
   Watch watch(options_, stage, interrupted_);
   solver.callbacks.push_back(&watch);
   // The path through the hysteresis turns at thresholds, so the cost has kinks, where steps become
-  // too small to go on. A new start with great ones leaves them, as long as it pays.
+  // too small to go on. A new start with large steps leaves a kink. It is repeated while it lowers
+  // the cost by 3 %.
   double before = std::numeric_limits<double>::infinity();
   int left = iterations;
   ceres::Solver::Summary summary;
@@ -219,7 +221,7 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
   return summary.final_cost;
 }
 
-/// The same cost at what has been found so far.
+/// The cost that solve() minimises, at the deviations found so far.
 double Fit::cost(const Runs& which) {
   const std::vector<Active> changing = active(which, all);
   const AllRunsCost cost = all_runs_cost(which, changing);
@@ -234,8 +236,8 @@ double Fit::cost(const Runs& which) {
   return sum;
 }
 
-/// Other structures of the model, one after the other; one that explains more than its additional
-/// parameters would explain of noise is kept.
+/// Tries other structures of the model, one after the other. A structure is kept if it lowers the
+/// cost by more than its additional parameters would by fitting noise.
 void Fit::try_variants() {
   const auto attempt = [&](const std::string& name, double additional, auto change) {
     FitVariant variant = problem_->variant;
@@ -247,7 +249,7 @@ void Fit::try_variants() {
     const Deviations old_u = u_;
     const double before = cost(everything());
     with(variant);
-    // The first steps show whether it leads anywhere.
+    // The first steps show whether the structure is promising.
     const int first = std::max(1, options_.max_iterations / 13);
     double after = joint(name, first);
     if (after < hopeless * before) {

@@ -7,13 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "host-sim/identify/fit/cost/prediction.hpp"
 #include "host-sim/identify/fit/parameters.hpp"
-#include "host-sim/identify/fit/prediction.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
 namespace smaservo::identify {
 
-/// Where a fit is; it goes on as long as the answer is true.
+/// The progress of a fit, for FitOptions::proceed. The fit ends when proceed returns false.
 struct FitProgress {
   std::string stage;
   int iteration;
@@ -32,9 +32,9 @@ struct FittedParameter {
   FitParameter parameter;
   double value;        ///< SI
   double sd;           ///< of value; relative for a factor, in logits for a share
-  double uncertainty;  ///< sd by that of the prior: 1 where the data say nothing
+  double uncertainty;  ///< sd divided by that of the prior: 1 where the data tell nothing
 
-  /// Otherwise it keeps its prior, or little else.
+  /// Whether the runs have at least halved the prior's deviation.
   bool determined() const { return uncertainty < 0.5; }
 };
 
@@ -54,21 +54,22 @@ struct FittedRun {
   RunKind kind;
   FitQuality strain;        ///< in shares of the nominal stroke
   FitQuality resistance;    ///< relative
-  FitQuality given_strain;  ///< of the resistance where the model has the measured strain
+  FitQuality given_strain;  ///< of the resistance after the model's strain is corrected to the
+                            ///< measured one
   FitQuality power;         ///< calorimetry, in shares of the greatest heat flow
   Circumstances<double> circumstances;
-  // Of every comparison, for plots and tables; NaN where there is none.
-  std::vector<double> temperature_K;  ///< as far as it is measured or follows from the fit
+  // One element for every comparison, for plots and tables; NaN: not compared.
+  std::vector<double> temperature_K;  ///< measured, or else as the fit has it
   std::vector<double> strain_measured, strain_model;
   std::vector<double> resistance_measured, resistance_model, resistance_given_strain;
-  std::vector<double> ambiguity;  ///< Predicted's
+  std::vector<double> ambiguity;  ///< see Predicted
 };
 
 struct FitResult {
   Wire<double> wire;
   FitVariant variant;
   std::vector<FittedParameter> parameters;
-  std::vector<Correlation> correlations;  ///< of what is determined, the worst first
+  std::vector<Correlation> correlations;  ///< between determined parameters, the strongest first
   std::vector<FittedRun> runs;
   CircuitGuess<double> circuit{};
   bool circuit_fitted = false;
@@ -80,11 +81,11 @@ struct FitResult {
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options);
 
-/// Steps of a thinned run in time: of the result, and as long as the way there is long.
+/// Steps of a thinned run: fine for the result, coarse while the fit is far from it.
 inline constexpr double fine_step_s = 8e-3;
 inline constexpr double coarse_step_s = 24e-3;
 
-/// A run thinned for the fit, to steps of about so long and at most 1500 comparisons.
+/// Thins a run for the fit to steps of about `step_s` and at most 1500 comparisons.
 FitRun thin_run(const Run& run, double step_s = fine_step_s);
 
 }  // namespace smaservo::identify

@@ -1,4 +1,4 @@
-// What a fit leaves unexplained, and how sure it is.
+// The errors that a fit leaves, and the deviations of its parameters.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,7 +10,8 @@
 namespace smaservo::identify {
 namespace {
 
-/// How far neighbouring residuals err together: 1 + 2 Σ ρ_k, up to the first that is not positive.
+/// The correlation length of neighbouring residuals in rows: 1 + 2 Σ ρ_k, up to the first ρ_k that
+/// is not above 0.05.
 double correlation_length(const std::vector<double>& residuals) {
   const std::size_t n = residuals.size();
   const auto product = [&](std::size_t lag) {
@@ -52,7 +53,8 @@ double rms(const std::vector<double>& x) {
   return x.empty() ? 0 : std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-/// Mean square of what the resistance is off, relative, where it is clear how it goes with strain.
+/// Mean square of the resistance's relative error. Comparisons count the less, the less certain it
+/// is how the resistance follows the strain.
 double certain_square(const FittedRun& run, const Weights& weights) {
   double sum = 0;
   double share = 0;
@@ -87,7 +89,8 @@ FitQuality quality(std::vector<double> errors, double scale) {
 
 }  // namespace
 
-/// Martensite can only have taken the place of what is there.
+/// Sets, for every comparison, the probability that martensite stands in the place of austenite
+/// rather than of R-phase: it follows from how much of either there is.
 void Fit::apportion(std::size_t i) {
   const RunCost cost = run_cost(i);
   const std::vector<double> u = deviations(i);
@@ -99,7 +102,7 @@ void Fit::apportion(std::size_t i) {
   weights_[i].austenite = std::move(austenite);
 }
 
-/// Takes each channel's deviation, and how many independent comparisons it has, from the residuals.
+/// Sets each channel's deviation and number of independent comparisons from the residuals.
 void Fit::weigh() {
   double strain2 = 0, ohm2 = 0, strains = 0, ohms = 0;
   const auto length = [](const std::vector<double>& errors) {
@@ -202,7 +205,7 @@ void Fit::uncertainty(FitResult& result) {
   });
 }
 
-/// What is left of channels that were measured; the others keep what they had.
+/// Sets the accuracy of measured channels to the errors that are left. The others keep theirs.
 void Fit::accuracy(Accuracy<double>& of) const {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     if (runs_[i].has_strain && runs_[i].kind != RunKind::calorimetry) {

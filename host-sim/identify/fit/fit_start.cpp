@@ -1,5 +1,5 @@
-// Where a fit starts: paper 000's stages, transitions at zero stress, then level by level of
-// stress, then what the stress does.
+// The start of a fit, in paper 000's stages: transitions at zero stress, then each level of stress,
+// then the dependence on stress.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -63,8 +63,8 @@ void Fit::calorimetry() {
       options_.max_iterations);
 }
 
-/// Several starts: transitions that lie beside each other by more than their width have a local
-/// minimum each.
+/// Tries shifted transitions: where the model's transition is more than its width away from the
+/// wire's, the fit would end in a local minimum.
 void Fit::start_at_level(const Runs& level) {
   const auto index = [&](const std::string& key) {
     return static_cast<std::size_t>(

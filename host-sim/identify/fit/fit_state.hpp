@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "host-sim/identify/fit/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/run_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
-#include "host-sim/identify/fit/run_cost.hpp"
 
 namespace smaservo::identify {
 
@@ -47,7 +47,7 @@ class Fit {
   RunCost run_cost(std::size_t run) const {
     return {*problem_, runs_[run], circumstances_[run], weights_[run]};
   }
-  /// What a run's cost depends on.
+  /// The deviations that a run's cost depends on.
   std::vector<double> deviations(std::size_t run) const;
   std::vector<Active> active(const Runs& which, const Chosen& chosen);
   AllRunsCost all_runs_cost(const Runs& which, const std::vector<Active>& active) const;
@@ -58,7 +58,7 @@ class Fit {
   }
   double cost(const Runs& which);
   void try_variants();
-  /// From coarse steps to fine ones.
+  /// Replaces the coarsely thinned runs by finely thinned ones.
   void refine();
 
   // fit_start.cpp

@@ -5,7 +5,7 @@
 
 namespace smaservo::identify {
 
-/// Derivatives by so many parameters are computed at once.
+/// Number of parameters whose derivatives are computed at once.
 inline constexpr int jet_width = 16;
 using Jet = ceres::Jet<double, jet_width>;
 

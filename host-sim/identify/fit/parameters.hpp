@@ -1,8 +1,8 @@
 #pragma once
-// What a fit may change about a wire, described once: name, size of a usual deviation, and how the
-// wire follows from it. Every parameter is a deviation u from the wire that the fit starts from, in
-// units of its prior standard deviation, so the prior is u = 0 ± 1. What must be positive stays so;
-// the narrower limits of a wire file are checked when it is written.
+// The parameters of a wire that a fit may change. Each is described once: its name, its usual
+// deviation, and how the wire follows from it. Every parameter is a deviation u from the wire that
+// the fit starts from, in units of its prior standard deviation, so the prior is u = 0 ± 1. What
+// must be positive stays so; the narrower limits of a wire file are checked when it is written.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ enum class Form : unsigned char {
 struct FitParameter {
   std::string key;
   std::string unit;  ///< of value and sd in messages; empty for a number
-  double scale;      ///< SI by this unit
+  double scale;      ///< the unit in SI
   Form form;
   double prior;  ///< SI
   double sd;     ///< of the prior, in SI; relative for a factor, in logits for a share
@@ -44,7 +44,7 @@ struct FitParameter {
   }
 };
 
-/// What may be fitted besides the parameters that every wire has.
+/// What a fit may change besides the parameters that every wire has.
 struct FitVariant {
   bool separate_r2a = false;  ///< R-phase to austenite has a surface of its own
   bool separate_r2m = false;

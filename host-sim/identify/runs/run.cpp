@@ -22,7 +22,7 @@ double largest(const std::vector<double>& values) {
   return max;
 }
 
-/// Whether the largest current that the run knows of is one that heats.
+/// Whether the largest current of the run heats the wire.
 bool is_heated(const Run& run, const Geometry<double>& geometry) {
   double max_W = 0;
   for (std::size_t i = 0; i < run.current_A.size(); ++i) {
@@ -53,13 +53,13 @@ RunKind kind_of(const Run& run, bool heated) {
   }
   if (run.temperature_K.empty()) {
     fail(run,
-         "says nothing of how warm the wire is; record temperature_degC in a bath, or current_A "
+         "does not tell the wire's temperature; record temperature_degC in a bath, or current_A "
          "and voltage_V (with time_s, unless each row is a settled state)");
   }
   return RunKind::bath;
 }
 
-/// V/I, where the current suffices.
+/// V/I in rows with enough current to measure it, else NaN.
 std::vector<double> measured_resistance(const Run& run) {
   std::vector<double> all;
   if (run.current_A.empty() || run.voltage_V.empty()) {

@@ -1,6 +1,6 @@
 #pragma once
-// Measured runs of a wire, as its parameters are fitted to them: a trace with all its rows, in SI,
-// checked for what would make a fit wrong without anybody noticing.
+// Measured runs of a wire, to which its parameters are fitted. A run is a whole trace in SI,
+// checked for mistakes that would make a fit wrong unnoticed.
 
 #include <optional>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace smaservo::identify {
 
-/// What the wire went through, which follows from the columns, in this order:
+/// The kind of an experiment. It follows from the columns; the first of these that fits counts:
 /// - calorimetry: `power` and temperature; a sample heated and cooled in a calorimeter.
 /// - joule: current and voltage that heat the wire, and time. A temperature may be there, but an
 ///   infrared camera's or a thermocouple's on a thin wire is not to be trusted, and not needed.
@@ -24,16 +24,16 @@ enum class RunKind : unsigned char { bath, joule, settled, calorimetry };
 
 std::string_view name_of(RunKind kind);
 
-/// Vectors have one element for each row, or none where the run does not tell.
+/// Vectors have one element for each row, or none where the run lacks the quantity.
 struct Run {
   std::string name;  ///< the file
   RunKind kind;
   std::vector<double> time_s, current_A, voltage_V;
-  /// From stress, or load per area, or what the options give. In calorimetry 0, when the file has
-  /// neither.
+  /// From the column of the stress, else from load per area, else from the options; in calorimetry
+  /// else 0.
   std::vector<double> stress_Pa;
   /// The column strain_ref. Otherwise -displacement/length, with its zero where the wire is
-  /// longest: such a strain is 0 or negative and knows nothing of the absolute elongation.
+  /// longest: such a strain is 0 or negative and does not tell the absolute elongation.
   std::vector<double> strain;
   /// The column, otherwise V/I: NaN in rows where the current is below 3 % of the run's largest.
   std::vector<double> resistance_ohm;

@@ -32,7 +32,8 @@ Values known(const Values& values) {
   return some;
 }
 
-/// Between the hundredths at both ends, so that a few wild rows do not count as motion.
+/// The range without the lowest and the highest hundredth, so that a few wild rows do not count as
+/// motion.
 struct Range {
   double low, middle, high;
 };
@@ -117,7 +118,7 @@ void check_units(const Run& run, const Geometry<double>& geometry) {
   if (!known(run.resistance_ohm).empty() &&
       !(resistivity > min_resistivity_ohm_m && resistivity < max_resistivity_ohm_m)) {
     fail(run,
-         fmt::format("a resistance of {:.4g} ohm makes {:.3g} uohm_m of {:.4g} mm of {:.4g} um "
+         fmt::format("a resistance of {:.4g} ohm means {:.3g} uohm_m for {:.4g} mm of {:.4g} um "
                      "wire, NiTi has 0.5 to 1.5; check length, diameter and the units of "
                      "current and voltage",
                      ohm, 1e6 * resistivity, 1e3 * geometry.length_m, 1e6 * geometry.diameter_m));
@@ -161,13 +162,13 @@ bool is_long(const Stretch& stretch, std::size_t rows) {
   return stretch.count >= 5 && 10 * stretch.all > rows;
 }
 
-/// The rows of a stretch in another column, without those where it begins and ends.
+/// Another column's values in the rows of a stretch, without its first and last rows.
 std::span<const double> beside(const Values& values, const Stretch& stretch) {
   const std::size_t edge = std::max<std::size_t>(1, stretch.count / 10);
   return std::span(values).subspan(stretch.first + edge, stretch.count - 2 * edge);
 }
 
-/// How far the means of its thirds lie apart, since noise is no change.
+/// The span of the means of its three thirds, since noise is no change.
 double change(std::span<const double> values) {
   Values means;
   for (std::size_t third = 0; third < 3; ++third) {
@@ -196,9 +197,9 @@ double step_of(const Values& values) {
   return step;
 }
 
-/// What comes to rest slows down first, and what leaves it gathers speed: the rows beside the
-/// stretch differ by no more than one step of the converter, or by much more from row to row. A
-/// clipped column comes and goes at a steady slope.
+/// A quantity that comes to rest slows down first, and gathers speed when it leaves: the rows
+/// beside the stretch differ by no more than one step of the converter, or by much more from row to
+/// row. A clipped column comes and goes at a steady slope.
 bool breaks_off(const Values& values, const Stretch& stretch) {
   const double min = 1.5 * step_of(values);
   const auto steady = [&](double first, double second, double third) {
@@ -226,8 +227,8 @@ bool is_noisy_elsewhere(const Values& values, const Stretch& stretch) {
          span_of(values) > 1000 * step_of(values);
 }
 
-/// Current and voltage are also set, and then held exactly. But what a wire's resistance makes of
-/// it stays within 40 %, so while one is held the other cannot go further.
+/// A source may hold current or voltage exactly, which is no clipping. The resistance of a wire
+/// stays within 40 %, so the other quantity then changes by no more than that.
 void check_converters(const Run& run) {
   const auto check = [&](const Values& held_values, const Values& others, const char* name) {
     if (held_values.empty() || others.empty()) {
@@ -239,7 +240,7 @@ void check_converters(const Run& run) {
     }
     const auto [min, max] = std::ranges::minmax(beside(others, stretch));
     if (max > 1.4 * std::max(min, 0.0)) {
-      fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the other one changes by "
+      fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the other changes by "
                             "more than a wire's resistance can; its converter is clipped, widen "
                             "its range",
                             name, stretch.value, stretch.count));
@@ -284,7 +285,7 @@ void check_clipped(const Run& run) {
                change(beside(other.values, stretch)) > 0.05 * span_of(other.values);
       });
       if (others_change && (breaks_off(values, stretch) || is_noisy_elsewhere(values, stretch))) {
-        fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the wire goes on; its "
+        fail(run, fmt::format("{} stands still at {:.6g} for {} rows while the wire moves; its "
                               "converter is clipped or its sensor at a stop, widen its range",
                               columns[c].name, extreme, stretch.count));
       }

@@ -6,7 +6,7 @@
 
 namespace smaservo::identify {
 
-/// What read_run() promises of a run. Throws UserError.
+/// Checks what read_run() promises of a run. Throws UserError.
 void check_run(const Run& run, const Geometry<double>& geometry);
 
 /// Throws a UserError that begins with the run's name.

@@ -66,8 +66,8 @@ class Systems {
   const Progress& progress_;
 };
 
-/// A run whose strain has a zero of its own, moved so that it is longest where `from` is at rest
-/// there. Runs of different loads would contradict each other otherwise.
+/// Moves a run whose strain has a zero of its own, so that its longest wire is as long as `from` at
+/// rest under that load. Otherwise runs of different loads would contradict each other.
 identify::Run placed(identify::Run run, const Wire<double>& from) {
   if (identify::zero_known(run.strain)) {
     return run;
@@ -123,7 +123,7 @@ std::vector<Compared> identify_all(const files::WireDescription& from,
   return systems.all;
 }
 
-/// Of the differences that are numbers; 0 where there is none.
+/// The median of the differences that are numbers; 0 without one.
 double median_difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < a.size(); ++i) {

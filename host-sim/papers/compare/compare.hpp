@@ -1,5 +1,5 @@
 #pragma once
-// All systems, identified on the same runs and asked about the same others.
+// Identifies all systems on the same training runs and tests them on the same other runs.
 
 #include <functional>
 #include <string>
@@ -12,21 +12,21 @@
 
 namespace smaservo::compare {
 
-/// What a system makes of one run.
+/// The result of a system for one test.
 struct SystemRun {
-  std::vector<double> strain;     ///< of every row, NaN where it says nothing
+  std::vector<double> strain;     ///< of every row; NaN without an estimate
   replay::ErrorStatistics error;  ///< in % of the nominal stroke
 };
 
 struct Compared {
   System system;
-  std::vector<SystemRun> runs;    ///< as the tests; empty when it was not identified
+  std::vector<SystemRun> runs;    ///< one for each test; empty when the system was not identified
   replay::ErrorStatistics error;  ///< over all tests
-  double step_s = 0;              ///< time for a row, of tests that it says something about
+  double step_s = 0;              ///< time for a row, in the tests with an estimate
 };
 
-/// How much of a test lies outside of what the training runs went through, so that every system
-/// extrapolates there: shares of its rows.
+/// The shares of a test's rows that lie outside of the stresses and resistances of the training
+/// runs, where every system extrapolates.
 struct Beyond {
   double stress = 0;      ///< by more than 2 MPa
   double resistance = 0;  ///< by more than 0.2 %
@@ -36,16 +36,16 @@ struct Comparison {
   std::string from;
   double nominal_stroke;
   std::vector<identify::Run> training, tests;
-  std::vector<bool> free_zero;  ///< of a test: nobody knows its absolute strain
-  std::vector<Beyond> beyond;   ///< of a test
+  std::vector<bool> free_zero;  ///< of each test: whether its absolute strain is unknown
+  std::vector<Beyond> beyond;   ///< of each test
   std::vector<Compared> systems;
 };
 
 /// A system that the training runs can not identify is listed with the reason. Where a test's
-/// strain is a displacement, with a zero of its own, every system's median error is taken off. Such
-/// a training run is moved so that it is longest where `from` is at rest under its load. Throws
-/// UserError for runs other than of Joule heating or in a bath, a training or test run without
-/// strain, and when not even one system could be identified.
+/// strain is a displacement, which has a zero of its own, every system's median error is taken off.
+/// A training run with such a strain is moved so that its longest wire is as long as `from` at rest
+/// under that load. Throws UserError for runs other than of Joule heating or in a bath, a training
+/// or test run without strain, and when not even one system could be identified.
 Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
                    std::vector<identify::Run> tests, int threads,
                    const std::function<void(std::string_view)>& progress);

@@ -24,7 +24,7 @@ struct CompareArguments {
   std::optional<double> stress_MPa, load_N;
 };
 
-/// What is being identified, as a line on the terminal.
+/// Shows on a line of the terminal which system is being identified.
 class CompareStatus {
  public:
   ~CompareStatus() { show("\r\033[K"); }
@@ -58,7 +58,7 @@ void refuse_repeats(const char* option, const std::vector<std::string>& runs) {
   }
 }
 
-/// Now, and not after minutes of work.
+/// Finds out before minutes of work that a file can not be written.
 void require_writable(const std::string& path) {
   std::error_code missing;
   const auto kind = std::filesystem::status(path, missing).type();
@@ -85,8 +85,8 @@ void check_files(const CompareArguments& a) {
   for (const std::string& run : a.tests) {
     if (std::ranges::any_of(a.training, [&](const auto& one) { return same_file(one, run); })) {
       throw files::UserError(
-          fmt::format("--test {}: is a training run, too; a system may not be asked "
-                      "about what it has seen",
+          fmt::format("--test {}: is a training run, too; a system must not be tested "
+                      "on what it has seen",
                       run));
     }
   }
@@ -141,25 +141,28 @@ void run(const CompareArguments& a) {
 
 void add_compare_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "compare", "Identifies models and observers on some runs and asks them about others.");
+      "compare", "Identifies models and observers on some runs and tests them on others.");
   auto a = std::make_shared<CompareArguments>();
-  command->add_option("--train", a->training, "CSV files to identify on, with commas between")
+  command->add_option("--train", a->training, "CSV files to identify on, separated by commas")
       ->required()
       ->delimiter(',');
-  command->add_option("--test", a->tests, "CSV files to ask about, with commas between")
+  command->add_option("--test", a->tests, "CSV files to test on, separated by commas")
       ->required()
       ->delimiter(',');
   command->add_option("--from", a->from, "nearest preset, or file that ends in .toml")
       ->capture_default_str();
-  command->add_option("--set", a->settings, "key=value of the wire, as its length; repeatable")
+  command
+      ->add_option("--set", a->settings,
+                   "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
   command
       ->add_option("--column", a->columns,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: what a column is; repeatable")
+                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
       ->allow_extra_args(false);
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
-  command->add_option("--load-N", a->load_N, "load of the runs that have none");
-  command->add_option("--stress-MPa", a->stress_MPa, "or its stress")->excludes("--load-N");
+  command->add_option("--load-N", a->load_N, "load of runs without a load, N");
+  command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
+      ->excludes("--load-N");
   command->add_option("--out", a->out, "numbers as JSON");
   command->add_option("--report", a->report, "report as one HTML file");
   command->add_flag("--json", a->json, "print the numbers as JSON");

@@ -27,7 +27,7 @@ std::string figures(const replay::ErrorStatistics& error) {
 }
 
 std::string remark(const Compared& one) {
-  const char* silent = "says nothing about these tests, which lack what it needs";
+  const char* silent = "no estimate: the tests lack what it needs";
   const bool asked = static_cast<bool>(one.system.strain);
   return asked && one.error.count() == 0 ? silent : one.system.remark;
 }
@@ -42,12 +42,13 @@ std::string names(const std::vector<identify::Run>& runs) {
 
 std::string heading(const Comparison& comparison) {
   std::string text = fmt::format(
-      "Identified on {}; asked about {}. Errors of the strain in % of a {:g} % stroke.",
+      "Identified on {}; tested on {}. Errors of the strain in % of a {:g} % stroke.",
       names(comparison.training), names(comparison.tests), 100 * comparison.nominal_stroke);
   for (const identify::Run& run : comparison.training) {
     if (!identify::zero_known(run.strain)) {
       text += fmt::format(
-          " {}: the strain has a zero of its own, it is taken to be longest where {} is at rest.",
+          " {}: the strain has a zero of its own; its longest wire is taken to be as long as {} at "
+          "rest.",
           identify::file_name(run.name), comparison.from);
     }
   }
@@ -55,7 +56,7 @@ std::string heading(const Comparison& comparison) {
     const Beyond& beyond = comparison.beyond[t];
     if (beyond.stress > 0 || beyond.resistance > 0) {
       text += fmt::format(
-          " {} goes beyond the training, so that what is said there is extrapolated: by its stress "
+          " {} goes beyond the training, where estimates are extrapolated: by its stress "
           "in {:.1f} % of the rows, by its resistance in {:.1f} %.",
           identify::file_name(comparison.tests[t].name), 100 * beyond.stress,
           100 * beyond.resistance);
@@ -64,7 +65,7 @@ std::string heading(const Comparison& comparison) {
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
     if (comparison.free_zero[t]) {
       text += fmt::format(
-          " {}: the strain has a zero of its own, each system's median error is "
+          " {}: the strain has a zero of its own; each system's median error is "
           "taken off.",
           identify::file_name(comparison.tests[t].name));
     }
@@ -74,7 +75,7 @@ std::string heading(const Comparison& comparison) {
 
 using Json = nlohmann::ordered_json;
 
-/// Without numbers where there is nothing.
+/// An empty object where there is no error.
 Json error_json(const replay::ErrorStatistics& error) {
   Json json{{"rows", error.count()}};
   if (error.count() > 0) {
@@ -85,7 +86,7 @@ Json error_json(const replay::ErrorStatistics& error) {
   return json;
 }
 
-/// In HTML with the mean of each test at the end.
+/// HTML has the mean of each test at the end.
 files::TextTable table_of(const Comparison& comparison, bool with_tests) {
   std::vector<files::TextTable::Column> columns{{"system"},
                                                 {"mean", "{:.2f}"},
@@ -124,7 +125,7 @@ std::string remarks_html(const Comparison& comparison) {
   return html + "</p>\n";
 }
 
-/// What the loops of a run are drawn over.
+/// The quantity over which the loops of a run are drawn.
 struct Abscissa {
   const char* label;
   std::vector<double> values;

@@ -12,7 +12,7 @@
 namespace smaservo::compare {
 namespace {
 
-/// Where a transformation of the wire begins and ends at a stress.
+/// The temperatures at which a transformation of the wire begins and ends at a stress.
 struct Span {
   double start_K, finish_K;
 };
@@ -21,7 +21,7 @@ Span span(const Surface<double>& surface, double stress_Pa) {
   return {at.start_K, at.start_K + 1 / at.per_K};
 }
 
-/// Kelvins that stress adds to a start temperature, per Pa.
+/// By how much stress raises a start temperature, in K per Pa.
 double rise_K_Pa(const Surface<double>& surface) {
   constexpr double high_Pa = 300e6;
   return (span(surface, high_Pa).start_K - span(surface, 0).start_K) / high_Pa;
@@ -30,7 +30,7 @@ double rise_K_Pa(const Surface<double>& surface) {
 template <class K>
 using Adjustables = std::vector<fits::Adjustable<fits::PlantModel<K>>>;
 
-/// What every wire has beside its kinetics, with the deviations that identify uses.
+/// The parameters that every wire has beside its kinetics, with the deviations that identify uses.
 template <class K>
 Adjustables<K> common() {
   using Model = fits::PlantModel<K>;
@@ -55,8 +55,8 @@ Adjustables<K> common() {
       {"its slope", [](Model& m, double u) { m.heat.convection_W_m2K2 *= std::exp(0.5 * u); }}};
 }
 
-/// All pairs of shifts of the first two deviations: heating and cooling may lie elsewhere by more
-/// than their width, and each has a local minimum there.
+/// Starts with all pairs of shifts of the first two deviations. A branch that lies more than its
+/// width away from the wire's would end in a local minimum.
 std::vector<std::vector<double>> shifted_starts(std::size_t count) {
   std::vector<std::vector<double>> starts;
   for (const double heating : {0.0, -0.75, 0.75, -1.5, 1.5, -2.5, 2.5}) {

@@ -14,7 +14,7 @@ namespace {
 using Ihyp = ThreePhase<double>;
 using Relays = papers::Preisach<double>;
 
-/// A run in its identification: at most so many rows, evenly.
+/// The most rows of a run that its identification uses; longer runs are thinned evenly.
 constexpr std::size_t max_rows = 4000;
 
 fits::PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
@@ -64,7 +64,7 @@ std::vector<double> slice_stresses_Pa(const std::vector<identify::Run>& runs) {
   return chosen;
 }
 
-/// What a stress adds to the temperature of M2A.
+/// By how much stress raises the temperature of M2A, in K per Pa.
 double shift_K_Pa(const Wire<double>& wire) {
   const double high_Pa = wire.limits.stress_Pa;
   return wire.kinetics.m2a.start_shift_K(0, high_Pa) / high_Pa;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-/// The resistance by that of the first run's first rows: of the order of one.
+/// The first resistance of all runs, as the unit in which the others are of the order of one.
 double unit_ohm(const std::vector<identify::Run>& runs) {
   for (const identify::Run& run : runs) {
     for (const double ohm : run.resistance_ohm) {

@@ -1,6 +1,6 @@
 #pragma once
-// Ways to know a wire's strain without a sensor for it, each identified on some runs and asked
-// about others.
+// Systems that tell a wire's strain without a sensor of the strain. Each is identified on training
+// runs and tested on others.
 
 #include <functional>
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace smaservo::compare {
 
-/// One way, identified.
+/// One identified system.
 struct System {
   std::string name;
   std::string meaning;
-  int parameters = 0;  ///< that its identification changes
-  std::string remark;  ///< what data it could not use, or why there is none
-  /// Strain of every row of a run, NaN where it says nothing. Empty where the runs could not
-  /// identify it.
+  int parameters = 0;  ///< number of parameters that were identified
+  std::string remark;  ///< which data it could not use, or why it was not identified
+  /// Strain of every row of a run; NaN without an estimate. Empty when the runs could not identify
+  /// the system.
   std::function<std::vector<double>(const identify::Run&)> strain;
 };
 
-/// Of the resistance alone: one line; a polynomial of fourth order; two lines, one for heating and
-/// one for cooling. Least squares over all rows that have both, all runs counting alike. Each
+/// From the resistance alone: one line; a polynomial of fourth order; two lines, one for heating
+/// and one for cooling. Least squares over all rows that have both, all runs counting alike. Each
 /// throws UserError where no run has strain and resistance.
 System one_line(const std::vector<identify::Run>& runs);
 System polynomial(const std::vector<identify::Run>& runs);
@@ -38,12 +38,12 @@ System stress_strain_resistance(const std::vector<identify::Run>& runs);
 System duhem(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads);
 System liang_rogers(const Wire<double>& from, const std::vector<identify::Run>& runs, int threads);
 
-/// What identify has found.
+/// The result of identify.
 struct IdentifiedWire {
   Wire<double> wire;
   int parameters;
-  std::vector<double> ambient_K;  ///< of every training run, as far as the fit assumes
-  /// Where a run does not tell: the mean of the training.
+  std::vector<double> ambient_K;  ///< of every training run, as the fit has it
+  /// For runs without an ambient temperature: the mean of the training runs.
   double usual_ambient_K;
 };
 

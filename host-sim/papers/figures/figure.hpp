@@ -12,7 +12,7 @@ namespace smaservo::figures {
 struct PaperFigure {
   int number;           ///< in its paper
   std::string title;    ///< what the paper's figure shows
-  std::string caption;  ///< one line: what to see
+  std::string caption;  ///< one line that says what there is to see
   std::vector<report::Plot> panels;
 };
 

@@ -35,8 +35,9 @@ std::string figure_html(const Paper& paper, const PaperFigure& figure) {
 const std::vector<Paper>& papers() {
   static const std::vector<Paper> all{
       {"000", "three-phase model of a SmartFlex wire's strain and resistance",
-       "doi:10.1177/1045389X261417975. What is measured there is a simulated wire here, which is "
-       "not the model. Not drawn: schemes (3, 4, 7), the bench (11) and its procedure (12).",
+       "doi:10.1177/1045389X261417975. A simulated wire, which is not the model, takes the "
+       "place of the measurements. Not drawn: schemes (3, 4, 7), the bench (11) and its procedure "
+       "(12).",
        figures_000},
       {"001", "Differential Hysteresis Modeling of a Shape Memory Alloy Wire Actuator",
        "Left out: 1, 2, 3, 8 and 10, schematics; 6, the slopes that figure 7 integrates; measured "

@@ -16,7 +16,7 @@ void add_figures_command(CLI::App& app) {
   auto a = std::make_shared<FiguresArguments>();
   command->add_option("--out", a->out, "folder for the pictures and index.html")
       ->capture_default_str();
-  command->add_option("--paper", a->papers, "000 to 003; all unless given; repeatable")
+  command->add_option("--paper", a->papers, "000 to 003; default: all; repeatable")
       ->allow_extra_args(false);
   command->callback([a] {
     write_figures(a->out, a->papers);

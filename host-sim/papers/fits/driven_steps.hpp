@@ -6,10 +6,10 @@
 
 namespace smaservo::fits {
 
-/// What drives a wire from row to row, of joule and bath runs.
+/// The inputs of a wire from row to row of a joule or bath run.
 struct DrivenSteps {
   bool bath;
-  double ambient_K;                   ///< the run's own, or what is assumed
+  double ambient_K;                   ///< the run's own, or the assumed one
   std::vector<double> dt_s, power_W;  ///< joule
   std::vector<double> temperature_K;  ///< bath
   std::vector<double> stress_Pa;
@@ -18,8 +18,8 @@ struct DrivenSteps {
 
 inline constexpr double usual_room_K = 298.15;
 
-/// Every row of a run; `ambient_K` counts where it does not tell. Throws UserError for other kinds
-/// of runs.
+/// Every row of a run; `ambient_K` is for runs without an ambient temperature. Throws UserError for
+/// other kinds of runs.
 DrivenSteps every_row(const identify::Run& run, double ambient_K = usual_room_K);
 /// Thinned for a fit: steps of about 24 ms, the power's mean over each.
 DrivenSteps thinned(const identify::Run& run);

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Those variables that are not held at zero, and what the others push with.
+/// The variables that are not held at zero, and the gradient of those that are.
 class Pivoting {
  public:
   Pivoting(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right, Index free)

@@ -6,7 +6,7 @@
 #include <limits>
 #include <memory>
 
-#include "host-sim/identify/fit/run_cost.hpp"
+#include "host-sim/identify/fit/cost/run_cost.hpp"
 #include "model/files/parallel.hpp"
 
 namespace smaservo::fits {

@@ -14,7 +14,7 @@
 
 namespace smaservo::fits {
 
-/// What a fit may change. Its deviation u is 0 ± 1 before the runs are seen.
+/// A parameter that a fit may change. Its deviation u is 0 ± 1 before the runs are seen.
 template <class Model>
 struct Adjustable {
   std::string key;

@@ -14,7 +14,7 @@ using Path = papers::Staircase<double, 64>;
 constexpr std::size_t node_count = std::tuple_size_v<PreisachNodes>;
 constexpr std::size_t cells = (node_count - 1) * node_count / 2;
 
-/// Behind the column of austenite
+/// Column of a cell; the first column is austenite's.
 constexpr Eigen::Index cell_index(std::size_t hot, std::size_t cold) {
   return static_cast<Eigen::Index>(1 + hot * (hot + 1) / 2 + cold);
 }

@@ -11,8 +11,9 @@ namespace smaservo::fits {
 
 using PreisachNodes = decltype(papers::PreisachParams<double>::node_K);
 
-/// Close together where the wires convert: of all rows' way, a third each by temperature, by
-/// strain that goes on heating, and by strain that comes on cooling.
+/// The nodes of the grid, close together where the wires convert. Each interval has the
+/// same sum of three shares: of the range of temperature, of the change of strain on heating, and
+/// of that on cooling.
 PreisachNodes placed_nodes(const std::vector<identify::Run>& runs, double shift_K_Pa);
 
 /// Rows of runs: the strain is austenite's (the first column) and a sum over the cells' weights, in
@@ -24,8 +25,7 @@ struct CellRows {
 CellRows cell_rows(const std::vector<identify::Run>& runs, const PreisachNodes& node_K,
                    double shift_K_Pa);
 
-/// F, as a share of the sum over all cells, from weights as the columns have them; returns that
-/// sum.
+/// Sums up the weights of the cells to F, as shares of the sum over all cells, which is returned.
 double sum_up(const Eigen::VectorXd& weights,
               papers::PreisachParams<double>::Increments& increments);
 

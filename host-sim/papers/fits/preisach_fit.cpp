@@ -18,7 +18,7 @@ namespace {
 using Model = papers::Preisach<double>;
 constexpr std::size_t max_stresses = std::tuple_size_v<decltype(Model::Params::stress_Pa)>;
 
-/// Where half of the strain has gone on heating and come on cooling, the mean of the two.
+/// The mean of the two temperatures at which the strain is half way, on heating and on cooling.
 double middle_K(const PreisachSlice& slice) {
   const double half = 0.5 * (slice.shortest + slice.longest);
   std::vector<double> down, up;
@@ -78,7 +78,7 @@ struct NormalEquations {
   Eigen::VectorXd right;
 };
 
-/// Of the rows whose stress is between these two.
+/// Adds the rows whose stress is between slice `low` and the next one.
 void add_rows(const CellRows& rows, const Model::Params& p, std::size_t low,
               NormalEquations& equations) {
   std::vector<Eigen::Index> here;
@@ -109,8 +109,8 @@ void add_rows(const CellRows& rows, const Model::Params& p, std::size_t low,
   }
 }
 
-/// As if each weight had been found to be 0 in a fraction `pull` of the rows, and equal to the
-/// next stress' in a fraction `tie`.
+/// Adds a prior: each weight counts as measured to be 0 in a fraction `pull` of the rows, and equal
+/// to that of the next stress in a fraction `tie`.
 void add_beliefs(double rows, double pull, double tie, Eigen::Index n, NormalEquations& equations) {
   Eigen::MatrixXd& left = equations.left;
   for (Eigen::Index i = 0; i < left.rows(); ++i) {
@@ -173,7 +173,7 @@ std::vector<double> replayed(const PreisachWire& wire, const identify::Run& run)
   return strain;
 }
 
-/// What the model makes of the runs that it was fitted to.
+/// Computes the model's strain for the runs that it was fitted to, and its error.
 void replay(const std::vector<identify::Run>& runs, PreisachFit& fit) {
   double squares = 0;
   std::size_t count = 0;

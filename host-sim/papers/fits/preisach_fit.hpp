@@ -12,7 +12,7 @@ namespace smaservo::fits {
 /// Strain at one stress of a Preisach model, linear between two and constant beyond.
 struct PreisachStrain {
   double austenite;  ///< elongation of austenite
-  double stroke;     ///< what martensite is longer; 003's F is this times the model's
+  double stroke;     ///< by how much martensite is longer; 003's F is this times the model's
 };
 
 struct PreisachWire {
@@ -27,14 +27,14 @@ struct PreisachWire {
 /// What stress does to the input: see PreisachParams::shift_K_Pa.
 enum class StressShift : unsigned char {
   none,   ///< 003
-  fitted  ///< to the temperatures where half of the strain has gone
+  fitted  ///< to the temperatures at which the strain is half way
 };
 
 struct PreisachFit {
   PreisachWire wire;
-  std::vector<std::vector<double>> strain;  ///< what the model makes of each run's rows
+  std::vector<std::vector<double>> strain;  ///< the model's strain in each run's rows
   double rms;          ///< of the error over all rows, as a share of the stroke
-  std::string remark;  ///< what the runs do not tell, empty when there is nothing to say
+  std::string remark;  ///< what the runs leave open; empty: nothing
 };
 
 /// F is fitted to the strains themselves, without differentiation: the strain is linear in the
@@ -49,9 +49,9 @@ PreisachFit fit_preisach(const std::vector<identify::Run>& runs, StressShift shi
 
 /// The same from any histories under any load, at these stresses (rising, up to 8): a row between
 /// two of them counts for both, and the weights of neighbours are held together. The temperature
-/// may be one that a heat balance gives; what is wrong with it is in the model then. Runs begin
-/// hot, or cooled down from hot. Throws UserError for no run, one without temperature, stress or
-/// strain, and for stresses that do not rise or are too many.
+/// may come from a heat balance, whose errors are then in the model. Runs begin hot, or cooled down
+/// from hot. Throws UserError for no run, one without temperature, stress or strain, and for
+/// stresses that do not rise or are too many.
 PreisachFit fit_preisach_histories(const std::vector<identify::Run>& runs,
                                    const std::vector<double>& stresses_Pa, double shift_K_Pa);
 

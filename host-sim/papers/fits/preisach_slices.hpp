@@ -14,8 +14,8 @@ struct PreisachSlice {
   double shortest, longest;  ///< strain
 };
 
-/// By rising stress, at most `max` of them, each with reversal curves. Throws UserError as
-/// fit_preisach() says.
+/// Sorts runs into slices by rising stress, at most `max`, and checks that each has reversal
+/// curves. Throws UserError as fit_preisach() says.
 std::vector<PreisachSlice> preisach_slices(const std::vector<identify::Run>& runs, std::size_t max);
 
 /// The temperature without the reversals that its noise makes: those below 0.5 K.

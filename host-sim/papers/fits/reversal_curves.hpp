@@ -12,7 +12,7 @@ namespace smaservo::fits {
 /// allows.
 bench::BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, int curves);
 
-/// What a bath of the scenario measures.
+/// The run that the scenario's bath measures.
 identify::Run bath_run(const bench::Scenario& scenario);
 
 }  // namespace smaservo::fits

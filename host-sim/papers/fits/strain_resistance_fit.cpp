@@ -22,7 +22,7 @@ double stroke(const identify::Run& run) {
   return longest - shortest;
 }
 
-/// R_0: the median resistance of what is within a twentieth of the stroke of the longest.
+/// R_0: the median resistance of the rows within a twentieth of the stroke of the longest wire.
 double martensite_ohm(const std::vector<identify::Run>& runs) {
   std::vector<double> long_ohm;
   for (const identify::Run& run : runs) {
@@ -46,8 +46,8 @@ double row_s(const identify::Run& run, std::size_t i) {
   return run.time_s.empty() || i == 0 ? settled_s : run.time_s[i] - run.time_s[i - 1];
 }
 
-/// Four standard deviations of the smoothed resistance's noise, from the second differences of
-/// short windows: of the noisiest, since a small current makes more of it.
+/// Four standard deviations of the smoothed resistance's noise, from the second differences in
+/// short windows. The noisiest window counts, since the noise grows as the current becomes small.
 double smallest_reversal(const std::vector<identify::Run>& runs, double ohm) {
   constexpr std::size_t window = 50;
   constexpr double min = 1e-4;
@@ -74,7 +74,7 @@ double smallest_reversal(const std::vector<identify::Run>& runs, double ohm) {
   return noise.empty() ? min : std::max(min, 4 * identify::quantile(noise, 0.9));
 }
 
-/// Slope by the median over all pairs, offset by the median of what is left.
+/// The slope is the median over all pairs of points, the offset the median of what it leaves.
 papers::ResistanceLine<double> theil_sen(
     const std::vector<papers::ResistancePoint<double>>& points) {
   std::vector<double> slopes;

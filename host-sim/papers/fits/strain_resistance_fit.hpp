@@ -31,7 +31,7 @@ struct StrainResistanceFit {
 /// about a second for ten minutes at 1 kHz.
 StrainResistanceFit identify_strain_resistance(const std::vector<identify::Run>& runs);
 
-/// What the observer makes of a run: the strain of every row.
+/// The observer's strain in every row of a run.
 std::vector<double> estimate_strain(const papers::StrainResistance<double>::Params& params,
                                     const identify::Run& run);
 

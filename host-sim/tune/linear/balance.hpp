@@ -6,9 +6,9 @@
 
 namespace smaservo::tune {
 
-/// The stress at which wire and spring balance, from the one before. `shorter` tells how much
-/// shorter than at rest the wire is at a stress; more stress makes it longer, so there is one
-/// balance. To 10 Pa, in some six calls. A constant load takes none.
+/// The stress at which wire and spring balance, searched from the one before. `shorter` tells how
+/// much shorter than at rest the wire is at a stress. More stress makes it longer, so there is one
+/// balance. It is found to 10 Pa in some six calls; a constant load takes none.
 template <class F>
 double balanced_stress_Pa(const TunedLoad& load, double from_Pa, const F& shorter) {
   if (!load.is_spring()) {

@@ -1,6 +1,6 @@
 #pragma once
-// What the device's heat law and loss compensation do near a state: from the file's wire, whatever
-// the real one is.
+// The device's heat law and loss compensation near a state. The device computes both from the
+// file's wire, whatever the real wire is.
 
 #include "firmware/prepared.hpp"
 #include "host-sim/tune/linear/operating_points.hpp"
@@ -9,14 +9,16 @@ namespace smaservo::tune {
 
 class HeatLaw {
  public:
-  /// `nominal` with many stops.
+  /// `nominal` must have many stops.
   HeatLaw(const Settings<double>& settings, const TunedPlant& plant, const Branches& nominal);
 
-  /// Heat by strain in J that the law gives where the estimate says this share of the stroke, for
-  /// an error of 1 % of the stroke; the greatest within `off` around it. 0 for a turned wire.
+  /// Heat per strain, in J, that the law gives for an error of 1 % of the stroke where the estimate
+  /// is at this share of the stroke: the maximum over shares within `off` of it. 0 for a turned
+  /// wire.
   double max_J(Motion motion, double share, double off) const;
 
-  /// Slope of the loss that the device adds where it is as warm as the file's wire would be.
+  /// Slope over temperature of the loss that the device compensates, at the temperature that the
+  /// file's wire has at this share.
   double loss_slope_W_K(Motion motion, double share) const;
 
  private:

@@ -65,7 +65,7 @@ class Curve {
         take_real_crossing(m, i);
       }
     }
-    // A sampled loop ends on the real axis.
+    // The locus of a sampled loop ends on the real axis, at the Nyquist frequency.
     if (value_.back().real() < 0 && std::abs(value_.back().imag()) < 1e-9) {
       take_gain(m, -value_.back().real(), omega_.back());
     }

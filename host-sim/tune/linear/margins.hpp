@@ -20,12 +20,12 @@ struct Margins {
   double oscillation_rad_s;  ///< where the gain margin is; 0: nowhere
 };
 
-/// From frequencies between these: `low` where L is flat or an integrator's, `high` beyond all
-/// crossings, at most the Nyquist frequency of a sampled loop. Cost: 60 values of L a decade and
-/// some 40 for each crossing.
+/// Searches the frequencies between these two. At `low` L must be flat or that of an integrator;
+/// `high` must be beyond all crossings, and at most the Nyquist frequency of a sampled loop. Cost:
+/// 60 values of L a decade and some 40 for each crossing.
 Margins margins(const OpenLoop& loop, double low_rad_s, double high_rad_s);
 
-/// What is asked of every loop, for every wire of the uncertainty and in each of its states.
+/// The margins that every loop must have with every uncertain wire and in each of its states.
 struct AskedMargins {
   double gain = 2;  ///< 6 dB
   double phase_rad = 0.25 * std::numbers::pi;

@@ -42,7 +42,7 @@ class Sweep {
     return m2a.start_K + 1 / m2a.per_K;
   }
 
-  /// By central differences over three steps of the sweep; the wire goes on by them.
+  /// Linearises by a central difference over two steps of the sweep, which move the wire on.
   OperatingPoint point(Motion motion, double dT, double share) {
     const Values before = values();
     move(dT);
@@ -95,7 +95,7 @@ class Sweep {
   double area_m2_;
 };
 
-/// The sweep again, with stops at shares of the stroke.
+/// Sweeps the full cycle for its ends, then again for the stops at shares of the stroke.
 class Tracing {
  public:
   Tracing(const TunedPlant& plant, double max_K, int stops) : plant_(plant), stops_(stops) {
@@ -148,7 +148,7 @@ class Tracing {
     }
   }
 
-  /// At its stops, then on to the end.
+  /// Sweeps a branch to its end and adds its stops on the way.
   void stop(Sweep& sweep, Motion motion, double dT) {
     const bool heating = motion == Motion::heating;
     const auto ended = [&] {
@@ -171,7 +171,7 @@ class Tracing {
     }
   }
 
-  /// The temperature of the stop that is nearest; NaN where the branch has none near it.
+  /// The temperature of the nearest stop; NaN when the branch has none near this share.
   double stop_K(Motion motion, double at) const {
     double best = 0.5 / stops_;
     double found_K = std::numeric_limits<double>::quiet_NaN();
@@ -184,7 +184,7 @@ class Tracing {
     return found_K;
   }
 
-  /// Half way to the cooling branch, after a motion that has turned.
+  /// Adds the state half way between the branches: the wire is heated to this share, then cooled.
   void turned(double at) {
     const double middle_K = 0.5 * (stop_K(Motion::heating, at) + stop_K(Motion::cooling, at));
     if (std::isnan(middle_K)) {
@@ -216,7 +216,8 @@ LumpedModel::Params lumped_params(const TunedPlant& plant) {
 
 double advance_loaded(const TunedPlant& plant, const LumpedModel::Params& params,
                       LumpedModel::State& state, double power_W, double rest_strain, double dt_s) {
-  // A step places its heat as if the stress stayed, and the rest in the next ones.
+  // A step takes the stress as constant and carries the error into the next ones, so a spring needs
+  // shorter steps.
   const int parts = plant.load.is_spring() ? 8 : 1;
   const double part_s = dt_s / parts;
   double stress_Pa = Kinetics3::drive(state.kinetics).stress_Pa;

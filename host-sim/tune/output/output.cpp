@@ -35,8 +35,9 @@ std::string load_text(const TuneTask& task) {
 std::string heading(const Tuned& t) {
   const Branches& b = t.proposal.branches;
   return fmt::format(
-      "{} under {} in air of {:.4g} °C: contracts by {:.2f} % up to {:.0f} °C, stretches again in "
-      "{:.2g} s; holding takes up to {:.3g} A, the current limit {:.3g} V\n",
+      "{} under {} in air of {:.4g} °C\n"
+      "contracts by {:.2f} % up to {:.0f} °C, stretches again in {:.2g} s\n"
+      "holding takes up to {:.3g} A, the current limit {:.3g} V\n",
       t.wire, load_text(t.task), t.task.plant.ambient_K - zero_degC_K, 100 * b.stroke(),
       b.hottest_K - zero_degC_K, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
 }

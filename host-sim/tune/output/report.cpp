@@ -74,12 +74,12 @@ report::Plot nyquist(const DesignedLoop& loop) {
 
 report::Plot bode(const DesignedLoop& loop) {
   return {fmt::format("Loop of the {}: Bode", loop_text(loop.name)),
-          "Size and phase of the open loop.", true,
+          "Magnitude and phase of the open loop.", true,
           report::draw(
-              {500, 400, "frequency in Hz", "size in dB"}, loci(loop),
+              {500, 400, "frequency in Hz", "magnitude in dB"}, loci(loop),
               "set logscale x\nset yrange [-40:40]\nset y2range [-270:-60]\nset y2tics -270,45\n"
               "set y2label 'phase in °'\nset border 11\nset format x '%g'\n",
-              {"$all using 1:4 with lines lc rgb band title 'size'",
+              {"$all using 1:4 with lines lc rgb band title 'magnitude'",
                "$file using 1:4 with lines lc rgb estimate notitle",
                "$all using 1:5 axes x1y2 with lines lc rgb '#f6d5bd' title 'phase'",
                "$file using 1:5 axes x1y2 with lines lc rgb reference notitle"})};

@@ -5,7 +5,8 @@
 
 namespace smaservo::tune {
 
-/// To three digits, downwards or upwards; 0 stays. 2.5e-3 and 2.5 come out as they are written.
+/// Rounds to three digits, downwards or upwards; 0 stays 0. Numbers of up to three digits, such as
+/// 2.5e-3, are not changed.
 inline double rounded(double x, bool up) {
   if (!(x > 0)) {
     return 0;

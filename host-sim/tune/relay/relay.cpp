@@ -10,8 +10,8 @@ namespace {
 constexpr int periods = 8;
 constexpr int counted_from = 3;
 
-/// What a test records: the ticks where the relay switches up, and of each tick how far the
-/// variable is from the moving set-point, and the relay's own part of the power.
+/// The record of a test: the ticks at which the relay switches up and, for each tick, the distance
+/// of the variable from the moving set-point and the relay's part of the power.
 struct Record {
   std::vector<int> up;
   std::vector<double> away, relay_W;

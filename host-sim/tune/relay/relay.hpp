@@ -11,7 +11,7 @@
 
 namespace smaservo::tune {
 
-/// What a relay drives: holds this power for a period, and tells the variable after it.
+/// The plant that a relay drives: holds a power for a period and returns the variable after it.
 struct RelayPlant {
   std::function<double(double power_W)> advance;
   double now;  ///< the variable before the first period
@@ -29,9 +29,9 @@ struct RelayTask {
 };
 
 struct Oscillation {
-  bool steady;  ///< two periods alike
+  bool steady;  ///< the last two periods were alike
   double rad_s;
-  double gain;  ///< variable by power, of the first harmonics
+  double gain;  ///< of the first harmonics, variable over power
 };
 
 Oscillation relay_test(const RelayTask& task, RelayPlant plant);
@@ -39,21 +39,22 @@ Oscillation relay_test(const RelayTask& task, RelayPlant plant);
 /// Frequency and gain that a linear loop would have in the same test, by its describing function.
 Oscillation expected_oscillation(const LinearLoop& loop, const RelayTask& task);
 
-/// A test half way on a branch, beside what its linearisation says.
+/// The result of a test half way on a branch, and the result that the linearisation predicts.
 struct RelayCheck {
   LoopName name;
   Motion motion;
-  const char* plant;  ///< "lumped", "24 segments"
+  const char* plant;  ///< "one body", "24 segments"
   Oscillation tested, expected;
 };
 
-/// For all loops that are possible, on both branches: of the file's wire as one body; the strain's
-/// on one of 24 segments, too, where the load is constant
-/// and the wire not over its stroke before the test is.
+/// Tests all possible loops on both branches, with the file's wire as one body. The loop of the
+/// strain is also tested on a wire of 24 segments, if the load is constant and the test takes less
+/// time than the wire takes to stretch.
 std::vector<RelayCheck> relay_checks(const TuneTask& task, const Proposal& p);
 
-/// Both agree within this factor in frequency and in gain: a relay switches on ticks, of which the
-/// oscillation has some twenty, and the branch is not straight.
+/// Test and expectation agree when frequency and gain are within this factor. They differ because a
+/// relay switches on ticks, of which an oscillation has some twenty, and because the branch is not
+/// straight.
 inline constexpr double relay_factor = 1.3;
 bool agrees(const RelayCheck& check);
 

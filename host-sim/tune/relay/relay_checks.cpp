@@ -110,7 +110,8 @@ class SegmentedWire {
 
 constexpr double longest_test_s = 120;
 
-/// Until the wire has become this much shorter, or longer again.
+/// Drives the wire until it is this much shorter than at rest, on the way up or down. False when it
+/// does not get there in time.
 bool drive_to(SegmentedWire& wire, double power_W, double shorter, bool heats, double period_s) {
   for (double t = 0; t < longest_test_s; t += period_s) {
     if ((shorter <= wire.shorter()) == heats) {
@@ -121,8 +122,8 @@ bool drive_to(SegmentedWire& wire, double power_W, double shorter, bool heats, d
   return false;
 }
 
-/// The strain of the segmented wire, half way on a branch. It comes there faster than it is tested,
-/// then shows how fast it goes at the test's power.
+/// Tests the loop of the strain on the segmented wire, half way on a branch. The wire gets there
+/// faster than it is tested; then its rate at the test's power is measured.
 RelayCheck segmented_check(const TunedPlant& plant, const Branches& b, const OperatingPoint& p,
                            double period_s) {
   RelayTask t = relay_task(LoopName::strain, p, b, period_s);

@@ -223,8 +223,7 @@ void enter(std::span<const Field> fields, const std::string& key, const std::str
   for (const double number : KeyValue(*field, unit, node, where).numbers()) {
     const auto [at, is_new] = entries.try_emplace(slot++, number, field, where);
     if (!is_new) {
-      throw ConfigError(
-          fmt::format("{}: is given twice: {} already says it", where, at->second.where));
+      throw ConfigError(fmt::format("{}: is given twice, first by {}", where, at->second.where));
     }
   }
 }

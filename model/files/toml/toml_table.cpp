@@ -87,7 +87,7 @@ std::vector<double> TomlTable::numbers(std::string_view key, double low, double 
 std::pair<double, double> TomlTable::range(std::string_view key, double low, double high) {
   const std::vector<double> both = numbers(key, low, high);
   if (both.size() != 2) {
-    fail(key, "must have two numbers, low and high");
+    fail(key, "must be two numbers: [low, high]");
   }
   if (both[0] > both[1]) {
     fail(key, "the first number must not be above the second");
@@ -113,7 +113,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   taken_.emplace(key);
   const toml::array* list = table_[key].as_array();
   if (list == nullptr || list->empty() || !list->is_homogeneous<toml::table>()) {
-    fail(key, fmt::format("must be one or more tables [[{}{}]]", path_, key));
+    fail(key, fmt::format("must be one or more tables, each headed [[{}{}]]", path_, key));
   }
   std::vector<TomlTable> all;
   for (const toml::node& node : *list) {
@@ -137,7 +137,7 @@ void TomlTable::finish() const {
   }
   for (const auto& [key, node] : table_) {
     if (!taken_.contains(key.str())) {
-      fail(key.str(), fmt::format("unknown key; here may stand: {}", fmt::join(known_, ", ")));
+      fail(key.str(), fmt::format("unknown key; allowed: {}", fmt::join(known_, ", ")));
     }
   }
 }

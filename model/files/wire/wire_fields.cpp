@@ -51,15 +51,16 @@ void add_notation(std::vector<Field>& fields, const Row& row, std::size_t slot) 
                       meaning});
   }
   if (slot == stress_slot) {
-    fields.push_back(number_field("wire.limits.load", kind::force, 1e-4, 1e4, slot, meaning));
+    fields.push_back(
+        number_field("wire.limits.load", kind::force, 1e-4, 1e4, slot, "the maker's maximum load"));
   }
   if (path.ends_with(".resistivity_temperature")) {
     fields.push_back(number_field(path, kind::per_kelvin, -0.01, 0.01, slot,
-                                  "its change per kelvin, relative to the resistivity"));
+                                  "change of the resistivity per kelvin, relative"));
   }
   if (path.ends_with(".resistivity_stress")) {
     fields.push_back(number_field(path, kind::per_stress, -1e-8, 1e-8, slot,
-                                  "its change per stress, relative to the resistivity"));
+                                  "change of the resistivity by stress, relative"));
   }
 }
 
@@ -71,10 +72,9 @@ std::vector<Field> make_wire_fields() {
     fields.push_back({bare_path(row), field_type(row.type), row.kind, row.min, row.max, slot, 1,
                       row.choices, std::string(row.meaning)});
   }
-  fields.push_back(
-      number_field("wire.resistance", kind::resistance_per_length, 1e-3, 1e5, resistance_slot,
-                   "of the cold wire without load, by its length between the clamps; scales all "
-                   "resistivities to it"));
+  fields.push_back(number_field(
+      "wire.resistance", kind::resistance_per_length, 1e-3, 1e5, resistance_slot,
+      "resistance per length of the cold wire without load; scales all resistivities to it"));
   return fields;
 }
 
@@ -175,7 +175,7 @@ class Builder {
     if (row.needs == Needs::nothing) {
       fail_(path, "is missing");
     }
-    fail_(path.substr(0, path.rfind('.')), "needs start, finish, curvature and turning, all four");
+    fail_(path.substr(0, path.rfind('.')), "needs all of start, finish, curvature and turning");
   }
 
   /// Slopes may be given relative to the resistivity. A given resistance per length scales all;
@@ -206,30 +206,29 @@ class Builder {
 
 void check_surface(const Surface<double>& s, const std::string& path, bool heating,
                    double highest_stress_Pa, const WireFailure& fail) {
-  for (int i = 0; i <= 20; ++i) {
-    const double stress_Pa = highest_stress_Pa * i / 20;
+  constexpr const SurfaceRange& range = surface_range;
+  for (int i = 0; i < range.stresses; ++i) {
+    const double stress_Pa = highest_stress_Pa * i / (range.stresses - 1);
     const Isobar<double> at = isobar(s, stress_Pa);
-    const double finish_K = at.start_K + 1 / at.per_K;
-    const double span_K = 1 / at.per_K;
+    const double span_K = (heating ? 1 : -1) / at.per_K;
     const std::string where = fmt::format(" at {:.4g} MPa", stress_Pa / 1e6);
-    for (const double T : {at.start_K, finish_K}) {
-      if (!(T >= 150 && T <= 600)) {
-        fail(path, fmt::format("start and finish must lie between 150 and 600 K, one is {:.4g} K{}",
-                               T, where));
+    const auto check = [&](const char* key, double x, double min, double max) {
+      if (!(min <= x && x <= max)) {
+        fail(path + key, fmt::format("must be between {} and {}, is {:.4g}{}", min, max, x, where));
+      }
+    };
+    for (const double T : {at.start_K, at.start_K + 1 / at.per_K}) {
+      if (!(range.min_K <= T && T <= range.max_K)) {
+        fail(path, fmt::format("start and finish must be between {} and {} K, one is {:.4g} K{}",
+                               range.min_K, range.max_K, T, where));
       }
     }
-    if (!(heating ? span_K >= 1 : span_K <= -1)) {
-      fail(path, fmt::format("finish must lie at least 1 K {} start, is {:.4g} K{}",
-                             heating ? "above" : "below", heating ? span_K : -span_K, where));
+    if (!(span_K >= range.min_span_K)) {
+      fail(path, fmt::format("finish must be at least {} K {} start, is {:.4g} K{}",
+                             range.min_span_K, heating ? "above" : "below", span_K, where));
     }
-    if (!(at.shape.curvature >= 1e-3 && at.shape.curvature <= 30)) {
-      fail(path + ".curvature",
-           fmt::format("must be between 0.001 and 30, is {:.4g}{}", at.shape.curvature, where));
-    }
-    if (!(at.shape.turning >= 0.05 && at.shape.turning <= 0.95)) {
-      fail(path + ".turning",
-           fmt::format("must be between 0.05 and 0.95, is {:.4g}{}", at.shape.turning, where));
-    }
+    check(".curvature", at.shape.curvature, range.min_curvature, range.max_curvature);
+    check(".turning", at.shape.turning, range.min_turning, range.max_turning);
   }
 }
 

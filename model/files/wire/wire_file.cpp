@@ -63,11 +63,12 @@ Loaded resolve(const toml::table& table, const std::string& origin,
   if (const toml::node* base = table.get("based_on")) {
     const auto name = base->value<std::string>();
     if (!name) {
-      throw ConfigError(place(origin, "based_on", *base) + ": must be a preset or a file");
+      throw ConfigError(place(origin, "based_on", *base) +
+                        ": must be a string: a preset or a wire file");
     }
     if (depth >= deepest_base) {
       throw ConfigError(place(origin, "based_on", *base) +
-                        ": too many files are based on each other; is there a circle?");
+                        ": more than 8 files are based on each other; is there a circle?");
     }
     Loaded below = load(*name, folder, depth + 1);
     loaded.entries = std::move(below.entries);
@@ -121,7 +122,7 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
     const toml::table table = parse_override({key, value});
     for (const char* text_key : {"name", "based_on", "sizes", "sources"}) {
       if (table.contains(text_key)) {
-        throw ConfigError(fmt::format("--set {} = {}: cannot be set", key, value));
+        throw ConfigError(fmt::format("--set {} = {}: can not be changed by --set", key, value));
       }
     }
     const Entries above = read_fields(wire_fields(), table, std::string(set_origin));

@@ -175,7 +175,7 @@ void PlainNode::advance(std::uint64_t now_us) {
       image_.resize(node_.image(image_));
       break;
   }
-  node_.finish(true);
+  node_.finish(node_.request_number(), true);
 }
 
 namespace {

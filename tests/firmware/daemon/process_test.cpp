@@ -16,8 +16,11 @@
 #include <vector>
 
 #include "daemon_program.hpp"
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/canopen/node/communication.hpp"
+#include "firmware/daemon/bus/kept_settings.hpp"
 #include "firmware/daemon/process/last_run.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "hal/linux/system/descriptor.hpp"
 #include "tests/firmware/daemon/bus/bus_client.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
@@ -157,6 +160,40 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   EXPECT_NE(ended.errors.find("the recording has ended"), std::string::npos) << ended.errors;
 }
 
+// The store goes before the file, at the start and at SIGHUP.
+TEST(Process, ASettingsFileDoesNotLoosenWhatIsStored) {
+  using canopen::as_bits;
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  const std::string file = folder / "device.toml";
+  std::ofstream(file) << text::to_toml(bench::standard_settings());
+  constexpr Key limit{0x2020, 2};
+  BusClient client;
+  Program program(folder, {"--board", "sim", "--no-real-time", "--settings", state, "--device",
+                           file, "--bus", BusClient::name()});
+  ASSERT_TRUE(client.wait(0x701, 60'000)) << "boot-up";
+  const std::uint32_t in_file = client.get(limit);
+  const std::uint32_t lower = as_bits(0.5F * canopen::as_real(in_file));
+  EXPECT_EQ(client.set(limit, lower), canopen::Abort::none);
+  program.kill(SIGHUP);
+  EXPECT_TRUE(becomes([&] { return client.get(limit) == in_file; }))
+      << "nothing is stored: the file is in force again";
+  EXPECT_EQ(client.set(limit, lower), canopen::Abort::none);
+  EXPECT_EQ(client.set({0x1010, 1}, canopen::store_signature), canopen::Abort::none);
+  program.kill(SIGHUP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(client.get(limit), lower);
+  EXPECT_EQ(client.set({0x1011, 1}, canopen::restore_signature), canopen::Abort::none);
+  program.kill(SIGHUP);
+  EXPECT_TRUE(becomes([&] { return client.get(limit) == in_file; })) << "the store is empty";
+  program.kill(SIGTERM);
+  const Ended ended = program.wait();
+  EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+  EXPECT_NE(ended.errors.find("by the settings file"), std::string::npos) << ended.errors;
+  EXPECT_NE(ended.errors.find("SIGHUP: nothing is changed: " + state), std::string::npos)
+      << ended.errors;
+}
+
 /// The reference board with more lines in its settings.
 std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
   const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
@@ -267,6 +304,34 @@ TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
     EXPECT_TRUE(checked.exited_with(EX_CONFIG)) << period;
     EXPECT_NE(checked.out.find(says), std::string::npos) << checked.out;
   }
+}
+
+/// The newest slot of two is damaged: the older one has looser limits.
+TEST(KeptSettings, ADamagedNewestSlotIsAFault) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path().string();
+  Settings<double> settings = stored_settings<double>(bench::standard_settings());
+  ASSERT_EQ(daemon::store_settings(path, settings), "");
+  settings.limits.current_A *= 0.5;
+  ASSERT_EQ(daemon::store_settings(path, settings), "");
+  EXPECT_TRUE(daemon::keep_settings(path, settings, true).faults.empty());
+  std::string image = file_text(path + "/settings.1");
+  image[image.size() - 1] = static_cast<char>(image.back() ^ 1);
+  std::ofstream(path + "/settings.1", std::ios::binary) << image;
+  const daemon::KeptSettings kept = daemon::keep_settings(path, settings, true);
+  EXPECT_EQ(kept.faults, FaultSet(Fault::store_outdated));
+  EXPECT_NE(kept.said.find("limits.current_A: 0.4 in force, 0.2 in slot 1"), std::string::npos)
+      << kept.said;
+  ASSERT_EQ(kept.lost.size(), 1U);
+  EXPECT_EQ(kept.lost[0].key, (Key{0x2020, 2}));
+  std::filesystem::remove(path + "/settings.1");
+  EXPECT_TRUE(daemon::keep_settings(path, settings, true).faults.empty()) << "of the first save";
+  ASSERT_EQ(daemon::store_settings(path, settings), "");
+  std::filesystem::remove(path + "/settings.0");
+  EXPECT_EQ(daemon::keep_settings(path, settings, true).faults, FaultSet(Fault::store_outdated));
+  EXPECT_EQ(daemon::forget_settings(path), "");
+  EXPECT_TRUE(daemon::keep_settings(path, settings, true).faults.empty());
+  EXPECT_FALSE(daemon::has_settings(path));
 }
 
 TEST(LastRun, KnowsAPowerCutByTheMachinesStart) {

@@ -66,7 +66,7 @@ test_round() {
   check "$name: without a yes" code_of 3 "$setup" --root "$tree"
   check "$name: nothing changed" same "$tree" "$tree.before"
   check "$name: applies" code_of 0 "$setup" --root "$tree" --yes
-  check "$name: says when" said 'from the next boot on'
+  check "$name: says when" said 'takes effect at the next boot'
   cp -r "$tree" "$tree.applied"
   check "$name: again" code_of 0 "$setup" --root "$tree" --yes
   check "$name: has nothing left" said 'Nothing to change'
@@ -119,7 +119,7 @@ test_others() {
   check 'a later word stays' has "$boot/cmdline.txt" 'isolcpus=1 rootwait quiet'
   check 'ours went' test -z "$(grep -r smaservo-setup "$boot" "$tree/etc" || true)"
   printf 'yes\n' | "$setup" --root "$tree" >"$work/out"
-  check 'a yes at the prompt' said 'from the next boot on'
+  check 'a yes at the prompt' said 'takes effect at the next boot'
   make_pi "$work/pi3" 3 /boot
   check 'another model' code_of 0 "$setup" --root "$work/pi3" --yes
   check 'is left alone' said 'left alone'

@@ -164,6 +164,18 @@ TEST(Staging, CountsWhatComesIntoForce) {
   EXPECT_EQ(staging.changes(), 4U);
 }
 
+TEST(Staging, WhatWaitsForTheNextStartGoesOnWaiting) {
+  Staging<double> staging(reference_settings());
+  ASSERT_EQ(staging.stage(key("identity.node_id"), Value::number(17), enabled), StageResult::ok);
+  ASSERT_TRUE(staging.apply(enabled).ok());
+  Settings<double> given = reference_settings();
+  given.strain.proportional = 100;
+  staging.replace(given);
+  EXPECT_EQ(staging.configured().identity.node_id, 17U);
+  EXPECT_EQ(staging.active().identity.node_id, reference_settings().identity.node_id);
+  EXPECT_EQ(staging.active().strain.proportional, 100);
+}
+
 TEST(Staging, ACommittedTrialStays) {
   Staging<double> staging(reference_settings());
   stage(staging, "strain.proportional_W", 100, enabled);

@@ -289,6 +289,7 @@ inline std::vector<Provoker> machine_provokers() {
       {Fault::store_corrupt, reported(Fault::store_corrupt)},
       {Fault::bad_configuration, reported(Fault::bad_configuration)},
       {Fault::not_configured, reported(Fault::not_configured)},
+      {Fault::store_outdated, reported(Fault::store_outdated)},
   };
 }
 

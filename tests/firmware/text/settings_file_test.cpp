@@ -120,7 +120,7 @@ TEST(SettingsFile, MistakesSayWhereAndWhatIsAllowed) {
             "device.toml:4: safe.state = 'sleep': must be one of: off, hold, release");
   EXPECT_THAT(error_in("measurement", "has_load_cell = 1"), HasSubstr("must be true or false"));
   EXPECT_THAT(error_in("limits", "current_A = 0.1\ncurrent_mA = 100"),
-              HasSubstr("is given twice: device.toml:4: limits.current_A = 0.1 already says it"));
+              HasSubstr("is given twice, first by device.toml:4: limits.current_A = 0.1"));
   EXPECT_THAT(error_in("limits", "current_A = "), StartsWith("device.toml:4"));
 }
 
@@ -131,9 +131,9 @@ TEST(SettingsFile, AWireIsNeeded) {
   EXPECT_THAT(error_of("[wire]\nlength_m = 0.1"), HasSubstr("wire.diameter is missing"));
   EXPECT_THAT(error_of("wire = \"copper\""),
               StartsWith("device.toml:1: wire = 'copper': copper: no such wire"));
-  EXPECT_THAT(error_of("wire = 3"), HasSubstr("must be a preset or a wire file"));
+  EXPECT_THAT(error_of("wire = 3"), HasSubstr("must be a string: a preset or a wire file"));
   EXPECT_THAT(error_of(std::string(with_wire) + "separate_r2a = true"),
-              HasSubstr("wire.r2a needs start, finish, curvature and turning, all four"));
+              HasSubstr("wire.r2a needs all of start, finish, curvature and turning"));
 }
 
 /// All that a wire file may say; but nothing follows from what is replaced.

@@ -183,10 +183,10 @@ TEST_F(CanClient, RefusesWhatIsNoRecording) {
     const std::string file = folder.write("step.csv", text);
     return refusal([&] { load_step(file); });
   };
-  EXPECT_THAT(said(""), HasSubstr("is no recording"));
+  EXPECT_THAT(said(""), HasSubstr("is not a recording"));
   EXPECT_THAT(said("time_s,setpoint\n"), HasSubstr("has no rows"));
   EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1\n"), HasSubstr(":3: must have 2 fields"));
-  EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1,2x\n"), HasSubstr(":3: 2x: is no number"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1,2x\n"), HasSubstr(":3: 2x: is not a number"));
   EXPECT_THAT(said("time_s,setpoint\n0,1\n0,2\n"), HasSubstr(":3: time_s must increase"));
 }
 

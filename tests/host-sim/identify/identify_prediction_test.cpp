@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "host-sim/identify/fit/cost/prediction.hpp"
 #include "host-sim/identify/fit/parameters.hpp"
-#include "host-sim/identify/fit/prediction.hpp"
 #include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::test {

@@ -116,7 +116,7 @@ TEST(RunKinds, PowerIsACalorimeters) {
 TEST(RunKinds, WhatSaysTooLittleIsRefused) {
   const Recording r;
   EXPECT_THAT(refusal({{"time_s", r.time_s}, {"strain_ref", r.strain}}),
-              HasSubstr("how warm the wire is"));
+              HasSubstr("does not tell the wire's temperature"));
   EXPECT_THAT(refusal({{"time_s", r.time_s}, {"current_A", r.current_A}, {"strain_ref", r.strain}}),
               HasSubstr("no voltage"));
   EXPECT_THAT(refusal({{"temperature_degC", r.temperature_degC},

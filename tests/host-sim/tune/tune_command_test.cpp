@@ -88,11 +88,11 @@ TEST_F(TuneCommand, RefusesWhatItCanNotMean) {
   refuses({"--load-N", "-1"}, "--load-N -1: must be between 0 and 100000");
   refuses({"--stress-MPa", "150", "--ambient-degC", "nan"}, "--ambient-degC nan");
   refuses({"--stress-MPa", "150", "--current-A", "inf"}, "--current-A inf");
-  refuses({"--stress-MPa", "150", "--current-A", "0.05"}, "must be at least that");
+  refuses({"--stress-MPa", "150", "--current-A", "0.05"}, "must be at least the");
   refuses({"--spring", "100,50,0.04"}, "HIGH must be above LOW");
   refuses({"--spring", "50,100,0"}, "--spring STROKE 0: must be between");
   refuses({"--spring", "50,100"}, "--spring: At least 3 required", 2);
-  refuses({"--stress-MPa", "10", "--ambient-degC", "70"}, "it needs colder air or another load");
+  refuses({"--stress-MPa", "10", "--ambient-degC", "70"}, "use colder air or another load");
   refuses({"--stress-MPa", "150", "--out", "a", "--report", "a"}, "is the same file");
 }
 

@@ -1,15 +1,33 @@
 #include "model/files/output_file.hpp"
 
+#include <array>
 #include <fcntl.h>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdexcept>
+#include <string>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
+#include <vector>
 
 #include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+
+namespace {
+std::function<void(int)> fsync_watcher;  // NOLINT(*-avoid-non-const-global-variables)
+}  // namespace
+
+/// In the place of the C library's: what a program makes durable, and when.
+extern "C" int fsync(int file) {
+  if (fsync_watcher) {
+    fsync_watcher(file);
+  }
+  return static_cast<int>(syscall(SYS_fsync, file));
+}
 
 namespace smaservo::test {
 namespace {
@@ -112,6 +130,62 @@ TEST(OutputFile, NeedsAFolderThatMayBeWritten) {
   }
   fs::permissions(folder.path(), fs::perms::owner_all);
   EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+std::string part_of(const std::string& path) {
+  return path + "." + std::to_string(getpid()) + ".part";
+}
+
+// A program that was killed while it wrote leaves its part. In a container every program is
+// process 1: the next one has the same number.
+TEST(OutputFile, WhatAKilledProgramHasLeftIsInNobodysWay) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "out.csv";
+  std::ofstream(part_of(path)) << "half, and longer than what follows";
+  EXPECT_EQ(refused(path), "");
+  EXPECT_EQ(file_text(path), "text");
+  EXPECT_THAT(folder.names(), ElementsAre("out.csv"));
+}
+
+TEST(OutputFile, TwoThatWriteTheSameFileDoNotMix) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "out.csv";
+  {
+    files::OutputFile first(path);
+    first.write("first");
+    EXPECT_EQ(refused(path), path + ": cannot be written: is being written at the same time");
+    first.commit();
+  }
+  EXPECT_EQ(file_text(path), "first");
+  EXPECT_THAT(folder.names(), ElementsAre("out.csv"));
+}
+
+TEST(OutputFile, APartThatIsALinkIsNotFollowed) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "out.csv";
+  const std::string other = folder.write("other", "kept");
+  fs::create_symlink("other", part_of(path));
+  EXPECT_EQ(refused(path), "");
+  EXPECT_EQ(file_text(other), "kept");
+  EXPECT_EQ(file_text(path), "text");
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("other", "out.csv"));
+}
+
+// The kernel's calls in their order: what is named must be whole, and the name itself durable.
+TEST(OutputFile, IsDurableWithItsName) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "out.csv";
+  std::vector<std::string> synced;
+  fsync_watcher = [&](int file) {
+    std::array<char, 4096> name{};
+    const std::string link = "/proc/self/fd/" + std::to_string(file);
+    const ssize_t size = readlink(link.c_str(), name.data(), name.size());
+    synced.emplace_back(name.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+    synced.back() += fs::exists(path) ? " renamed" : " beside";
+  };
+  EXPECT_EQ(refused(path), "");
+  fsync_watcher = nullptr;
+  EXPECT_THAT(synced, ElementsAre(part_of(path) + " beside", folder.path().string() + " renamed"));
 }
 
 TEST(OutputFile, APipeIsWrittenToAndNotReplaced) {

@@ -42,7 +42,7 @@ TEST(TextTable, AsMarkdown) {
 TEST(TextTable, AsHtml) {
   EXPECT_EQ(wires().html(),
             "<table>\n"
-            "<tr><th>wire</th><th>Ø</th><th>rows</th><th>remark</th></tr>\n"
+            "<thead><tr><th>wire</th><th>Ø</th><th>rows</th><th>remark</th></tr>\n</thead>\n"
             "<tr><td>thin</td><td>25 µm</td><td>7</td><td>at 20 °C</td></tr>\n"
             "<tr><td>a thick one</td><td>381 µm</td><td class=\"lost\">1200</td>"
             "<td class=\"lost\">Δ</td></tr>\n"
@@ -83,7 +83,8 @@ TEST(TextTable, WithoutRows) {
   EXPECT_TRUE(table.empty());
   EXPECT_EQ(table.text(), "wire  rows\n");
   EXPECT_EQ(table.markdown(), "| wire | rows |\n|---|--:|\n");
-  EXPECT_EQ(table.html(), "<table>\n<tr><th>wire</th><th>rows</th></tr>\n</table>\n");
+  EXPECT_EQ(table.html(),
+            "<table>\n<thead><tr><th>wire</th><th>rows</th></tr>\n</thead>\n</table>\n");
   EXPECT_EQ(table.json().dump(), "[]");
   EXPECT_FALSE(wires().empty());
 }
@@ -121,7 +122,7 @@ TEST(TextTable, EveryFormatEscapesItsOwn) {
   EXPECT_EQ(table.markdown(),
             "| a\\|b | <c>\\x1B |\n|---|---|\n| x\\|y & z | <b>\"\\x0A\\x1B[2J\\xFF\\| |\n");
   EXPECT_EQ(table.html(),
-            "<table>\n<tr><th>a|b</th><th>&lt;c&gt;\\x1B</th></tr>\n"
+            "<table>\n<thead><tr><th>a|b</th><th>&lt;c&gt;\\x1B</th></tr>\n</thead>\n"
             "<tr><td>x|y &amp; z</td><td>&lt;b&gt;&quot;\\x0A\\x1B[2J\\xFF|</td></tr>\n</table>\n");
   EXPECT_EQ(nlohmann::json::parse(files::json_text(table.json()))[0]["c\""],
             "<b>\"\n\x1B[2J\xEF\xBF\xBD|");

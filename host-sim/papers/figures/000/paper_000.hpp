@@ -1,6 +1,7 @@
 #pragma once
-// The numbers behind the figures of paper 000. What the paper measured is here a simulated wire of
-// the family `sublayers`, which is not the model; the model is what `identify` makes of its runs.
+// The numbers behind the figures of paper 000. In the place of the paper's measurements is a
+// simulated wire of the family `sublayers`, which is not the model. The model is what `identify`
+// makes of its runs.
 
 #include <array>
 #include <vector>
@@ -14,12 +15,12 @@ namespace smaservo::figures::paper_000 {
 /// The wire of the paper, smartflex-76um.
 const Wire<double>& paper_wire();
 
-/// One heating from 20 to 150 °C and the cooling back, at constant stress in a bath. Before, the
-/// wire was at -60 °C: it begins as martensite.
+/// One heating from 20 to 150 °C and the cooling back, at constant stress in a bath. The wire comes
+/// from -60 °C and so begins as martensite.
 struct BathRun {
   double stress_MPa;
   std::vector<double> temperature_K, strain;
-  std::vector<double> resistivity_ohm_m;  ///< of the wire as long as it is, at constant volume
+  std::vector<double> resistivity_ohm_m;  ///< with the wire's present length, at constant volume
   std::vector<Phases<double>> phases;
 
   std::size_t rows() const { return temperature_K.size(); }
@@ -32,7 +33,7 @@ BathRun model_bath_run(const Wire<double>& wire, double stress_MPa);
 /// 10 K/min; above 0 is into the wire.
 struct CalorimetryRun {
   std::vector<double> temperature_K, power_W_kg;
-  std::vector<double> transforming_W_kg;  ///< what of it is latent heat
+  std::vector<double> transforming_W_kg;  ///< the part of it that is latent heat
   std::vector<double> strain, resistivity_ohm_m;
 
   std::size_t hottest() const { return temperature_K.size() / 2; }
@@ -49,28 +50,29 @@ Peaks peaks(const CalorimetryRun& run);
 inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0,  50.0, 60.0,
                                          100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
 
-/// As `identify` reads it, every second row, with a row before them where the wire comes from.
+/// The run as `identify` reads it: every second row, and before them a row with the temperature
+/// that the wire comes from.
 identify::Run as_run(const BathRun& run);
 identify::Run as_run(const CalorimetryRun& run);
 
 // The paper's three stages ('Parameterization method'); each takes a few seconds, once.
 
-/// What `identify` finds from the calorimetry, beginning with the preset.
+/// The fit of `identify` to the calorimetry, beginning with the preset.
 const identify::FitResult& fitted_without_stress();
 
-/// From one level of stress alone; the first is the one without stress.
+/// A fit to one level of stress alone; the first level is the one without stress.
 struct Level {
   double stress_MPa;
   Wire<double> wire;
 };
 /// A2R is seen well enough up to here ('Stress dependence of the transformation parameters').
 inline constexpr double max_a2r_MPa = 100;
-/// Each begins with the one without stress, those above max_a2r_MPa with the one there. In the
-/// paper each begins with the level below; `identify` holds on to where it begins, so that errors
-/// would add up from level to level.
+/// Each fit begins with the one without stress, those above max_a2r_MPa with the one at
+/// max_a2r_MPa. In the paper each begins with the level below; `identify` stays close to its start,
+/// so that errors would then add up from level to level.
 const std::vector<Level>& fitted_levels();
 
-/// From six levels at once, beginning with the one without stress.
+/// The fit to six levels at once, beginning with the fit without stress.
 const Wire<double>& fitted_model();
 
 /// How good a measure of the strain the resistance is (figure 20), over the strains that both
@@ -82,7 +84,7 @@ struct SelfSensing {
                      ///< of the strain's span
 };
 SelfSensing self_sensing(const BathRun& run);
-/// Of the whole wire, in ohm.
+/// The resistance of the whole wire in each row.
 std::vector<double> resistances_ohm(const BathRun& run);
 
 /// Figure 5: fit_classics() and fit_adaptable() of the same cycle.
@@ -106,12 +108,13 @@ struct InnerLoop {
 InnerLoop inner_loop();
 
 // Figures 9 and 10: what one step makes of the fractions before it. The parts of a bar add up to 1.
-/// From the bottom; m2a and r2a become austenite.
+/// Parts from the bottom up; m2a and r2a become austenite.
 struct HeatingBar {
   double temperature_K;
   double martensite, m2a, austenite, r2a, r_phase;
 };
-/// From the bottom; `either` is austenite that both A2M and A2R would take; r2m becomes martensite.
+/// Parts from the bottom up; `either` is austenite that both A2M and A2R would take; r2m becomes
+/// martensite.
 struct CoolingBar {
   double temperature_K;
   double martensite, a2m, either, austenite, a2r, r_phase, r2m;

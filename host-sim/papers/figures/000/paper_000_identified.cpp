@@ -51,7 +51,8 @@ PaperFigure figure_13() {
 
 PaperFigure figure_14() {
   const identify::FittedRun& run = fitted_without_stress().runs.front();
-  // Specific heat is in both; the row from where the wire comes is not drawn.
+  // Both heat flows contain the specific heat. The row with the wire's earlier temperature is not
+  // drawn.
   const std::string data =
       block("run", {degC(run.temperature_K), run.strain_measured, run.strain_model});
   const std::size_t hottest = run.temperature_K.size() / 2;
@@ -119,7 +120,7 @@ struct OverStress {
   const char* name;
   const char* colour;
   const char* look;  ///< of the line
-  double max_MPa;    ///< up to which levels know it
+  double max_MPa;    ///< up to which single levels determine it
   std::function<double(const Wire<double>&, double stress_Pa)> of;
 };
 

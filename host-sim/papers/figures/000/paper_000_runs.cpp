@@ -25,7 +25,7 @@ std::unique_ptr<hal::SimulatedWire> simulated_wire() {
   return hal::make_simulated_wire(hal::Family::sublayers, paper_wire(), {}, 0.5, random);
 }
 
-/// From cold to hot and back; an odd number, the hottest is in the middle.
+/// Temperatures from cold to hot and back; their number is odd, the hottest is in the middle.
 std::vector<double> cycle_K(double max_K, double step_K) {
   const auto steps = static_cast<int>(std::lround((max_K - coldest_K) / step_K));
   std::vector<double> all;

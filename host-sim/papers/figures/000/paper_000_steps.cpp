@@ -37,7 +37,7 @@ std::vector<double> smoothed(const CalorimetryRun& run) {
   return means;
 }
 
-/// Where a rising or falling column passes a value, in between two rows.
+/// The interpolated place at which a rising or falling column passes a value.
 double where(const std::vector<double>& column, const std::vector<double>& at, std::size_t from,
              std::size_t to, double value) {
   for (std::size_t i = from; i < to; ++i) {
@@ -127,7 +127,7 @@ SelfSensing self_sensing(const BathRun& run) {
 }
 
 std::vector<identify::ClassicFit> transformation_functions(const BathRun& run) {
-  // Without the row from where the wire comes: the fits know nothing of the past.
+  // The row with the wire's earlier temperature is left out, since the fits take no history.
   identify::Run cycle{};
   cycle.kind = identify::RunKind::bath;
   cycle.temperature_K = run.temperature_K;

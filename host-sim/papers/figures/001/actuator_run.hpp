@@ -1,5 +1,5 @@
 #pragma once
-// What paper 001 drives its actuator with, and what ours answers.
+// The voltage that drives the actuator of paper 001, and the response of the model.
 
 #include <vector>
 
@@ -27,7 +27,7 @@ struct ActuatorSample {
   papers::DuhemActuator<double>::Output output;
 };
 
-/// From rest, in steps of 10 ms, a sample every 100 ms.
+/// Runs the actuator from rest in steps of 10 ms; returns a sample every 100 ms.
 std::vector<ActuatorSample> run_actuator(const papers::DuhemActuator<double>::Params& params,
                                          const DecayingVoltage& voltage);
 
@@ -41,7 +41,8 @@ struct MinorLoop {
 /// fig. 7. The heating of the minor ones goes up from where the cooling has come to.
 std::vector<MinorLoop> minor_loops(const papers::Duhem<double>::Params& params);
 
-/// With the coefficients of martensite's resistivity to the two digits that Table I prints.
+/// The parameters with the coefficients of martensite's resistivity rounded to the two digits of
+/// Table I.
 papers::DuhemActuator<double>::Params printed_resistivity(
     papers::DuhemActuator<double>::Params params);
 

@@ -22,7 +22,8 @@ void full_cycles(Steps& drive, int count) {
   }
 }
 
-/// Level 1 shall end 15 K above the finish at the highest stress; it is made for the first one.
+/// The `overheat_K` with which level 1 ends 15 K above the finish at the highest stress. Levels are
+/// computed for the first stress.
 double overheat_K(const hal::Load& load) {
   const auto* spring = std::get_if<hal::SpringLoad>(&load);
   if (spring == nullptr) {

@@ -1,8 +1,8 @@
 #pragma once
 // The bench of paper 002, simulated: a Flexinol LT wire under weights or a spring, heated by a
 // current, with resistance, load and displacement measured. The paper does not say how thick it is.
-// 0.15 mm make its 1 N 57 MPa, where there is as much R-phase as its figure 2 shows, and its
-// 175 MPa the maker's limit.
+// With 0.15 mm its 1 N is 57 MPa, where there is as much R-phase as its figure 2 shows, and its 175
+// MPa is the maker's limit.
 
 #include <string>
 #include <vector>
@@ -21,7 +21,7 @@ std::vector<double> calibration_stresses_Pa();
 
 /// Two full cycles, then loops that heat and loops that cool incompletely (section 3.3), at 200 Hz.
 identify::Run calibration_run(hal::Family family, double stress_Pa);
-/// From runs at these loads.
+/// The estimator identified from runs at these loads.
 fits::StrainResistanceFit calibrate(hal::Family family);
 
 /// A spring: from 20 MPa on the long wire to 170 MPa on one that is 3 % shorter.
@@ -33,11 +33,11 @@ inline constexpr double min_current_A = 0.06;
 /// than those of the calibration.
 identify::Run validation_run(hal::Family family, const hal::Load& load);
 
-/// Mean error as the paper has it: in per cent of a stroke of 4 %.
+/// Mean error as the paper defines it: in per cent of a stroke of 4 %.
 double mean_error_percent(const std::vector<double>& strain, const identify::Run& run);
 
-/// The run with the stress that somebody believes in who has no load cell. The paper does not say
-/// which; this is the heaviest of the run, which costs most.
+/// The run with a constant stress, as assumed by someone without a load cell. The paper does not
+/// say which stress; this is the highest of the run, which gives the largest error.
 identify::Run with_constant_stress(identify::Run run);
 
 }  // namespace smaservo::figures::bench_002

@@ -20,7 +20,7 @@ struct Coefficients {
   double heating_slope, heating_offset, cooling_slope, cooling_offset;
 };
 
-/// In mm per ohm and mm.
+/// The coefficients of two lines, in mm per ohm and mm.
 Coefficients coefficients(const papers::ResistanceLine<double>& heating,
                           const papers::ResistanceLine<double>& cooling, double martensite_ohm) {
   return {displacement_mm(heating.slope) / martensite_ohm, displacement_mm(heating.offset),
@@ -71,7 +71,7 @@ std::string analytic_block(const fits::StrainResistanceFit& fit) {
   });
 }
 
-/// Slopes beside offsets.
+/// Two panels side by side: slopes and offsets.
 std::vector<report::Plot> coefficient_panels(const std::string& data, bool analytic) {
   struct Panel {
     const char* title;
@@ -207,9 +207,9 @@ std::vector<PaperFigure> model_figures(const fits::StrainResistanceFit& fit) {
                       std::back_inserter(all));
   };
   add(validation_run(shown_family, hal::ConstantLoad{stress_Pa(0.49)}), 12, 16, "0.49 N",
-      "Good but for the coldest martensite.");
+      "Good except for the coldest martensite.");
   add(validation_run(shown_family, hal::ConstantLoad{stress_Pa(0.98)}), 13, 17, "0.98 N",
-      "Good but for the coldest martensite.");
+      "Good except for the coldest martensite.");
   const identify::Run sprung = validation_run(shown_family, spring());
   add(sprung, 14, 18, "a spring", "The lines change while the wire moves.");
   add(with_constant_stress(sprung), 15, 19, "a spring, with a constant load assumed",

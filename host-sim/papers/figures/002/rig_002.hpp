@@ -17,7 +17,7 @@ class Rig {
 
   Rig(hal::Family family, const hal::Load& load);
 
-  /// One step of 1 ms; says what the sensors read before it.
+  /// One step of 1 ms; returns the readings before it.
   Measurement<double> step(double current_A);
 
   double time_s() const { return time_s_; }
@@ -40,13 +40,13 @@ struct RigRow {
   bool heats;
 };
 
-/// Section 3.1: a square pulse of current, then cooling to the end. The second one, which begins on
-/// the major loop.
+/// Section 3.1: a square pulse of current, then cooling to the end. Returns the second pulse, which
+/// begins on the major loop.
 std::vector<RigRow> major_loop(hal::Family family, double load_N);
 
 /// Section 3.3: on-off feedback to a series of positions between hot and cold. With incomplete
-/// cooling the wire is fully heated in between, with incomplete heating fully cooled. As a run,
-/// too, which has a row for each of the others.
+/// cooling the wire is fully heated in between, with incomplete heating fully cooled. The same is
+/// given as a run with one row for each of `rows`.
 struct MinorLoops {
   std::vector<RigRow> rows;
   identify::Run run;

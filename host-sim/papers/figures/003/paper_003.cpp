@@ -95,7 +95,7 @@ PaperFigure loop_figure() {
   data += "EOD\n";
   const auto error = [](const std::vector<LoopRow>& rows) { return tracking_error_K(rows, 2); };
   const report::Plot tracking{
-      "temperature", "Reference and both runs, which one line hides from the other.", false,
+      "temperature", "Reference and both runs, whose lines cover each other.", false,
       report::draw({1000, 320, "time in s", "temperature in °C"}, data, "",
                    {"$data using 1:2 with lines lc rgb measured lw 4 title 'reference'",
                     "$data using 1:3 with lines lc rgb reference title 'initial'",
@@ -171,7 +171,7 @@ std::string validation_data(const Validation& v, const Validation& of_003) {
   return data + "EOD\n";
 }
 
-/// Left and right of one row of 003's figure.
+/// The left and the right panel of one row of 003's figure.
 std::vector<report::Plot> validation_plots(const fits::PreisachWire& wire,
                                            const fits::PreisachWire& wire_of_003, bool dynamic) {
   const Validation v = validation_003(hal::Family::ihyp, wire, dynamic);
@@ -205,10 +205,11 @@ PaperFigure validation_figure() {
   for (report::Plot& plot : validation_plots(fit.wire, of_003.wire, true)) {
     panels.push_back(std::move(plot));
   }
-  return {5, "Validation: static and dynamic load",
-          "The model takes every way between maxima and minima; under a load that varies it needs "
-          "a stress that switches relays.",
-          std::move(panels)};
+  return {
+      5, "Validation: static and dynamic load",
+      "The model follows every branch between maxima and minima; under a load that varies it needs "
+      "a stress that switches relays.",
+      std::move(panels)};
 }
 
 }  // namespace

@@ -19,12 +19,12 @@ std::vector<LoopReference> references_003(bool dynamic);
 /// Identified from reversal curves at 100, 125, 150, 175 and 200 MPa in a bath (003 figure 4).
 fits::PreisachFit fit_003(hal::Family family, fits::StressShift shift);
 
-/// 003 figure 5: the loop's true temperature and stress, what such a wire's strain is, and what the
-/// model says.
+/// 003 figure 5: the loop's true temperature and stress, the wire's strain under them, and the
+/// model's.
 struct Validation {
   std::vector<LoopRow> rows;
   std::vector<double> strain, model;
-  double rms;  ///< by a stroke of 4 %
+  double rms;  ///< error relative to a stroke of 4 %
 };
 Validation validation_003(hal::Family family, const fits::PreisachWire& model, bool dynamic);
 

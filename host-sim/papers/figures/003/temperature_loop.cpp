@@ -50,7 +50,8 @@ void RecursiveLeastSquares::update(const Vector& regressors, double y) {
 
 AdaptiveController::AdaptiveController(const LoopDesign& design, const AdaptiveSettings& settings)
     : design_(design), settings_(settings) {
-  // As designed; the second pole and the offset are left to be found.
+  // Starts with the parameters of the design; the second pole and the offset are left to the
+  // estimation.
   const double a = std::exp(-design.sample_s * design.loss_W_K / design.capacity_J_K);
   const double b = (1 - a) * design.max_W / design.loss_W_K / 10;
   const RecursiveLeastSquares start({a, 0, b, 0}, 1e-3, settings.forgetting, 100);

@@ -13,7 +13,7 @@
 
 namespace smaservo::figures {
 
-/// What a controller of the wire's temperature is told and decides: heating only, up to a limit.
+/// A controller of the wire's temperature. It can only heat, up to a limit.
 class TemperatureController {
  public:
   virtual ~TemperatureController() = default;
@@ -22,7 +22,8 @@ class TemperatureController {
   virtual double power_W(double measured_K, double next_K) = 0;
 };
 
-/// What both controllers are designed for: the wire without transformation, as one heat capacity.
+/// The plant that both controllers are designed for: the wire without transformation, as one heat
+/// capacity.
 struct LoopDesign {
   double sample_s;
   double max_W;
@@ -46,8 +47,8 @@ class FixedController : public TemperatureController {
   double filtered_K_, filtered_before_K_;
 };
 
-/// Recursive least squares with forgetting: y = θᵀφ. While the regressors tell nothing new, the
-/// covariance stops growing at `largest_trace`.
+/// Recursive least squares with forgetting: y = θᵀφ. While the regressors carry no new information,
+/// the covariance stops growing at `largest_trace`.
 class RecursiveLeastSquares {
  public:
   using Vector = Eigen::Vector4d;
@@ -91,7 +92,7 @@ class AdaptiveController : public TemperatureController {
   std::optional<std::size_t> predicting_;  ///< the region that made the prediction for this sample
 };
 
-/// What the laboratory asks for at one sample.
+/// The reference of temperature and stress at one sample.
 struct LoopReference {
   double temperature_K, stress_Pa;
 };

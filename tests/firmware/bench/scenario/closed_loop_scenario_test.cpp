@@ -154,7 +154,7 @@ TEST(CommandProgram, FlagsAndScales) {
 
 TEST(ClosedLoopScenario, SaysWhatIsWrongAndWhere) {
   const std::string off = std::string(head) + "[[command]]\nmode = 'off'\nfor_s = 1\n";
-  EXPECT_THAT(refusal(head), HasSubstr("one or more tables [[command]]"));
+  EXPECT_THAT(refusal(head), HasSubstr("one or more tables, each headed [[command]]"));
   EXPECT_THAT(refusal(off + "[plant]\nfamily = 'steel'\n"),
               AllOf(HasSubstr("loop.toml:8"), HasSubstr("lumped, ihyp, sublayers")));
   EXPECT_THAT(refusal(off + "[plant]\ncolour = 1\n"), HasSubstr("plant.colour = 1: unknown key"));

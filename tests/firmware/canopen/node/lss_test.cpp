@@ -86,6 +86,37 @@ TEST(Lss, AnIdCountsAfterAResetOfTheCommunication) {
   EXPECT_EQ(rig.node_id(), 1) << "it was not stored";
 }
 
+// "Not stored" was the answer: then it is not stored with the next save either.
+TEST(Lss, WhatCouldNotBeStoredIsNotStoredLater) {
+  ServoRig rig;
+  rig.storage_works = false;
+  rig.send(0x7E5, {4, 1, 0, 0, 0, 0, 0, 0});
+  rig.send(0x7E5, {0x11, 9, 0, 0, 0, 0, 0, 0});
+  rig.take(0x7E4);
+  rig.send(0x7E5, {0x17, 0, 0, 0, 0, 0, 0, 0});
+  rig.run(2);
+  EXPECT_EQ(rig.take(0x7E4).at(0).data[1], 2) << "media error";
+  rig.storage_works = true;
+  ASSERT_EQ(rig.set({0x1010, 2}, store_signature, 4), Abort::none);
+  rig.nmt(129);
+  rig.run(5);
+  EXPECT_EQ(rig.node_id(), 1);
+}
+
+// The master takes the next answer for that to its last request.
+TEST(Lss, TwoStoresAreAnsweredOnce) {
+  ServoRig rig;
+  rig.answers = false;
+  rig.send(0x7E5, {4, 1, 0, 0, 0, 0, 0, 0});
+  rig.send(0x7E5, {0x17, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_TRUE(rig.take(0x7E4).empty());
+  rig.send(0x7E5, {0x17, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_EQ(rig.take(0x7E4).at(0).data[1], 2);
+  rig.answers = true;
+  rig.run(2);
+  EXPECT_TRUE(rig.take(0x7E4).empty());
+}
+
 TEST(Lss, OnlyTheOneThatIsMeantAnswers) {
   LssRig rig(5);
   const auto id = rig.identity();

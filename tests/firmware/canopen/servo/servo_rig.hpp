@@ -302,7 +302,7 @@ class ServoRig {
     if (storage_works && (request == restore_all || request == restore_communication)) {
       image.clear();
     }
-    servo.finish(storage_works);
+    servo.finish(servo.request_number(), storage_works);
   }
 };
 

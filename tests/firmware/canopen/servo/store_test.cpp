@@ -32,6 +32,54 @@ TEST(Store, TheBusIsAsItWasAfterAReset) {
   EXPECT_EQ(rig.set({0x1011, 1}, store_signature, 4), Abort::transfer);
 }
 
+// A reset comes while something is being stored. Its result belongs to the request of before.
+TEST(Store, AResultAnswersItsOwnRequestOnly) {
+  ServoRig rig;
+  rig.answers = false;
+  Bytes save = ServoRig::named(0x23, {0x1010, 1});
+  const Bytes signature = little(store_signature, 4);
+  save.insert(save.end(), signature.begin(), signature.end());
+  rig.send(0x601, save);
+  ASSERT_EQ(rig.servo.request(), Request::store_all);
+  const std::uint32_t first = rig.servo.request_number();
+  rig.nmt(130);
+  ASSERT_EQ(rig.servo.request(), Request::reset_communication);
+  rig.servo.finish(first, true);
+  ASSERT_EQ(rig.servo.request(), Request::reset_communication) << "it waits for start()";
+  rig.restart();
+  rig.run(2);
+  rig.send(0x601, save);
+  ASSERT_EQ(rig.servo.request(), Request::store_all);
+  const std::uint32_t second = rig.servo.request_number();
+  ASSERT_NE(second, first);
+  rig.servo.finish(first, true);
+  rig.run(2);
+  EXPECT_TRUE(rig.take(0x581).empty()) << "nothing is stored yet";
+  ASSERT_EQ(rig.servo.request(), Request::store_all);
+  rig.servo.finish(second, true);
+  rig.run(2);
+  EXPECT_EQ(rig.take(0x581).size(), 1U);
+}
+
+// What others give is logged like a write, and takes back nothing that waits for the next start.
+TEST(Store, SettingsOfOthersAreLogged) {
+  ServoRig rig;
+  ASSERT_EQ(rig.set({0x2000, 2}, 17, 4), Abort::none) << "node-id, after a reset";
+  Settings<double> given = rig.staging.active();
+  given.limits.current_A *= 0.5;
+  given = stored_settings<double>(given);
+  const std::uint32_t changes = rig.servo.objects().changes;
+  rig.servo.replace_settings(given, Source::file);
+  EXPECT_EQ(rig.servo.objects().changes, changes + 1);
+  LoggedChange last{};
+  while (rig.servo.take_change(last)) {
+  }
+  EXPECT_EQ(last.key, (Key{0x2020, 2}));
+  EXPECT_EQ(last.source, Source::file);
+  EXPECT_EQ(2 * as_real(last.value), as_real(last.before));
+  EXPECT_EQ(rig.get({0x2000, 2}), 17U);
+}
+
 TEST(Store, IsRefusedWhileEnabled) {
   ServoRig rig;
   rig.enable();

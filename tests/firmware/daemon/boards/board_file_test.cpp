@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <sstream>
 
 #include "firmware/text/settings_file.hpp"
 #include "model/files/error.hpp"
@@ -43,10 +44,11 @@ TEST(BoardFile, CodesMeanWhatTheConvertersDataSheetSays) {
               293.15, 1e-9);
 }
 
-/// What is said of the reference board with one line changed.
-std::string refusal(const std::string& from, const std::string& to) {
+/// What is said of an example with one line changed.
+std::string refusal(const std::string& from, const std::string& to,
+                    const std::string& board = "/reference.toml") {
   const TemporaryFolder folder;
-  std::string text = file_text(boards() + "/reference.toml");
+  std::string text = file_text(boards() + board);
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
@@ -75,13 +77,48 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
       {"max_mA", "greatest_mA", "drive.greatest_mA = 500: is now called max_mA"},
       {"[lines.kick]", "[lines.kock]", "lines.kock"},
       {"[lines.kick]", "[ceilings]\ncurrent_A = 1\n[lines.kick]",
-       "ceilings.current_A = 1: unknown key; here may stand: current_mA, power_W, stress_MPa"},
+       "ceilings.current_A = 1: unknown key; allowed: current_mA, power_W, stress_MPa"},
       {"[lines.kick]", "[ceilings]\npower_W = 0\n[lines.kick]", "ceilings.power_W = 0: must be"},
   };
   for (const Case& c : cases) {
     const std::string said = refusal(c.from, c.to);
     EXPECT_NE(said.find(c.says), std::string::npos) << c.to << ": " << said;
     EXPECT_NE(said.find("board.toml:"), std::string::npos) << said;
+  }
+}
+
+/// The words after `begin`, up to the end of the line, with commas between them.
+std::vector<std::string> listed_after(const std::string& text, const std::string& begin) {
+  const std::size_t at = text.find(begin);
+  EXPECT_NE(at, std::string::npos) << text;
+  std::istringstream rest(at == std::string::npos ? "" : text.substr(at + begin.size()));
+  std::vector<std::string> words;
+  for (std::string word; rest >> word;) {
+    words.push_back(word.substr(0, word.find(',')));
+  }
+  return words;
+}
+
+/// The types of front ends and output stages, and the keys of those that the examples have.
+TEST(BoardFile, TheReadmeHasEveryTypeAndKey) {
+  const std::string readme = file_text(SMASERVO_SOURCE_DIR "/firmware/daemon/README.md");
+  const auto check = [&](const std::string& said, const std::string& begin) {
+    const std::vector<std::string> words = listed_after(said, begin);
+    EXPECT_GE(words.size(), 2U) << said;
+    for (const std::string& word : words) {
+      EXPECT_NE(readme.find(word + '`'), std::string::npos)
+          << "firmware/daemon/README.md does not know " << word;
+    }
+  };
+  check(refusal("type = \"ads131m04\"", "type = \"\""), "must be one of: ");
+  check(refusal("type = \"spi-dac\"", "type = \"\""), "must be one of: ");
+  for (const auto& entry : std::filesystem::directory_iterator(boards())) {
+    for (const char* const table : {"[front_end]\n", "[drive]\n"}) {
+      if (entry.is_regular_file()) {
+        const std::string board = "/" + entry.path().filename().string();
+        check(refusal(table, table + std::string("no_key = 1\n"), board), "allowed: ");
+      }
+    }
   }
 }
 
@@ -92,11 +129,11 @@ TEST(BoardFile, SettingsBeyondTheBoardAreFound) {
   Settings<double> settings = good;
   settings.limits.current_A = 1;
   EXPECT_EQ(daemon::board_problem(file, settings),
-            "limits.current_A = 1: the board's ceiling is 0.5");
+            "limits.current_A = 1: must not be above the board's ceiling, 0.5");
   settings = good;
   settings.drive.kind = DriveKind::voltage;
   EXPECT_EQ(daemon::board_problem(file, settings),
-            "drive.kind = voltage: the board's drive takes a current");
+            "drive.kind = voltage: must be current, which the board's drive takes");
 }
 
 /// The reference board with more lines at its end.
@@ -138,7 +175,7 @@ TEST(BoardFile, EachCeilingHoldsForSettingsFromAnywhere) {
       text::load_settings_file(boards() + "/devices/current-sink.toml");
   for (const char* const name : names) {
     const daemon::BoardFile file = reference_with(std::string("[ceilings]\n") + name + " = 1\n");
-    EXPECT_NE(daemon::board_problem(file, settings).find("the board's ceiling is"),
+    EXPECT_NE(daemon::board_problem(file, settings).find("above the board's ceiling"),
               std::string::npos)
         << name;
   }

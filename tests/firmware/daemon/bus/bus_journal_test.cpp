@@ -48,7 +48,7 @@ TEST(BusJournal, SaysOldNewAndSource) {
       "target.current_A (2201h:1): stays 0; 26 by PDO is refused: value too high (abort 06090031h)",
       gain_stays + "7h by SDO is refused: too short (abort 06070013h)",
       "Modes of operation (6060h:0): stays 1; 9" + not_allowed,
-      "tuning: the client has gone, all is as before",
+      "tuning: the client has gone, all is reverted",
       "tuning: try is refused: not in the present state of the device (abort 08000022h)",
   };
   EXPECT_EQ(said(changes, changes.size()), expected);
@@ -59,10 +59,10 @@ TEST(BusJournal, CountsWhatItDoesNotSay) {
   const LoggedChange change{0, gain, Source::sdo, 0, 1, Abort::none};
   std::vector<std::string> texts = said(std::vector<LoggedChange>(100, change), 100);
   ASSERT_EQ(texts.size(), daemon::BusJournal::max_at_once + 1);
-  EXPECT_EQ(texts.back(), "80 more changes and refusals at the same time");
+  EXPECT_EQ(texts.back(), "80 more changes and refusals, which are not listed");
   texts = said({change}, 8);
   ASSERT_EQ(texts.size(), 2U);
-  EXPECT_EQ(texts.back(), "7 more changes and refusals at the same time");
+  EXPECT_EQ(texts.back(), "7 more changes and refusals, which are not listed");
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ struct FakeNode {
   std::uint32_t changes = 0;
   int published = 0;
   bool held = false;
+  bool arms = true;
   double published_A = 0;
 
   void receive(const hal::CanFrame& frame, std::uint64_t /*now_us*/) {
@@ -59,7 +60,7 @@ struct FakeNode {
     return true;
   }
   Command<double> command() const {
-    return {.fresh = true, .arm = true, .mode = Mode::current, .setpoint = setpoint};
+    return {.fresh = true, .arm = arms, .mode = Mode::current, .setpoint = setpoint};
   }
   std::uint32_t setpoints() const { return setpoints_; }
   static FaultSet external() { return Fault::duplicate_node; }
@@ -85,6 +86,29 @@ struct Rig {
     });
   }
 };
+
+// Settings that need a wire without heat: its end goes before them, its beginning after them.
+TEST(BusPump, SaysTheEndOfTheHeatBeforeNewSettings) {
+  Rig rig;
+  bool armed = false;
+  const auto round = [&](std::uint64_t now_us) {
+    rig.pump.round(now_us, {}, [&] {
+      armed = rig.source.listen(1e-6 * static_cast<double>(now_us)).command.arm;
+      return true;
+    });
+  };
+  round(1000);
+  EXPECT_TRUE(rig.source.listen(1e-3).command.arm);
+  rig.node.arms = false;
+  ++rig.node.changes;
+  round(2000);
+  EXPECT_FALSE(armed) << "as the loop hears it when the settings come";
+  rig.node.arms = true;
+  ++rig.node.changes;
+  round(3000);
+  EXPECT_FALSE(armed);
+  EXPECT_TRUE(rig.source.listen(3e-3).command.arm);
+}
 
 TEST(BusPump, CarriesBothWays) {
   Rig rig;

@@ -6,9 +6,12 @@
 #include <thread>
 
 #include "bus_client.hpp"
+#include "firmware/parameters/store/store.hpp"
 #include "firmware/text/reference/canopen_reference.hpp"
+#include "hal/linux/system/file_store.hpp"
 #include "tests/firmware/canopen/servo/ceilings_at.hpp"
 #include "tests/firmware/device/test_device.hpp"
+#include "tests/hal/replay/temporary_folder.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -20,16 +23,17 @@ using canopen::as_real;
 constexpr Key gain{0x2100, 1};
 
 struct Rig {
-  explicit Rig(const canopen::Ceilings& ceilings = {}, const canopen::AccessKeys& keys = {})
-      : desk(test_settings(), links), service(setup(ceilings, keys), desk, links, figures) {
+  explicit Rig(const canopen::Ceilings& ceilings = {}, const canopen::AccessKeys& keys = {},
+               const std::string& folder = "")
+      : desk(test_settings(), links), service(setup(ceilings, keys, folder), desk, links, figures) {
     service.start();
     EXPECT_TRUE(client.wait(0x701)) << "boot-up";
   }
-  static daemon::BusSetup setup(const canopen::Ceilings& ceilings,
-                                const canopen::AccessKeys& keys) {
+  static daemon::BusSetup setup(const canopen::Ceilings& ceilings, const canopen::AccessKeys& keys,
+                                const std::string& folder) {
     return {.interface = BusClient::name(),
             .command_source_timeout_s = 0,
-            .folder = {},
+            .folder = folder,
             .ceilings = ceilings,
             .keys = keys,
             .board = "bench"};
@@ -161,6 +165,64 @@ TEST(BusService, AResetOfTheNodeEndsTheLoop) {
   EXPECT_TRUE(rig.links.restart);
   EXPECT_FALSE(rig.service.command_source().listen(0).command.arm);
   EXPECT_FALSE(rig.client.wait(0x701, 50)) << "that is said by the next one";
+}
+
+/// What the next start takes.
+float stored_current_A(const std::string& folder) {
+  hal::FileStore store(folder);
+  const Loaded<double> loaded = load_settings<double>(store);
+  return loaded.reason == LoadReason::none ? 0
+                                           : static_cast<float>(loaded.settings.limits.current_A);
+}
+
+// A reset of the communication comes while a save is under way: its result answers no later one.
+TEST(BusService, ASaveAfterAResetIsItsOwn) {
+  const TemporaryFolder folder;
+  Rig rig({}, {}, folder.path().string());
+  constexpr Key limit{0x2020, 2};
+  const float given_A = as_real(rig.client.get(limit));
+  for (int i = 1; i <= 20; ++i) {
+    rig.take_sets();
+    rig.client.send(0x601, 8, {0x23, 0x10, 0x10, 1, 's', 'a', 'v', 'e'});
+    std::this_thread::sleep_for(std::chrono::microseconds(100 * i));
+    rig.client.nmt(130);
+    ASSERT_TRUE(rig.client.wait(0x701)) << "boot-up";
+    const float lower_A = given_A * (1.F - 0.01F * static_cast<float>(i));
+    ASSERT_EQ(rig.client.set(limit, as_bits(lower_A)), Abort::none);
+    ASSERT_EQ(rig.client.set({0x1010, 1}, canopen::store_signature), Abort::none);
+    EXPECT_EQ(stored_current_A(folder.path().string()), lower_A)
+        << "it was said to be stored: " << i;
+  }
+}
+
+// What the bus has stored is damaged: a fault until somebody stores it anew. LSS is nobody who has
+// looked at it.
+void damaged_settings_of_the_bus(const std::string& content) {
+  const TemporaryFolder folder;
+  const std::string image = folder.write("communication", content);
+  Rig rig({}, {}, folder.path().string());
+  const auto blocks = [&] {
+    return rig.service.command_source().listen(0).external.has(Fault::store_outdated);
+  };
+  rig.links.faults = FaultSet(Fault::store_outdated).bits();  // as the start of a daemon finds it
+  EXPECT_TRUE(blocks());
+  rig.client.send(0x7E5, 8, {0x04, 1});
+  rig.client.send(0x7E5, 8, {0x17});
+  const auto answer = rig.client.wait(0x7E4);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->data[1], 2) << "media error";
+  EXPECT_EQ(file_text(image), content);
+  EXPECT_EQ(rig.client.set({0x1010, 2}, canopen::store_signature), Abort::none);
+  rig.client.get({0x1000, 0});
+  EXPECT_FALSE(blocks());
+  EXPECT_NE(rig.links.faults, 0U) << "the device's settings are another matter";
+  EXPECT_EQ(rig.client.set({0x1010, 3}, canopen::store_signature), Abort::none);
+  EXPECT_EQ(rig.links.faults, 0U);
+}
+
+TEST(BusService, DamagedSettingsOfTheBusAreAFault) {
+  damaged_settings_of_the_bus("SC, but no image");
+  damaged_settings_of_the_bus("");
 }
 
 // LSS has no say in the interface's bit rate, and says so.

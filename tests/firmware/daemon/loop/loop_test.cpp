@@ -295,6 +295,92 @@ TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
   EXPECT_EQ(taken, 8);
 }
 
+// Whoever gave them believed that the wire was off: the loop knows better.
+TEST(Loop, ParametersOfTheWireDoNotChangeWhileItIsHeated) {
+  Bench bench(bench::standard_closed_loop(test_settings()));
+  daemon::Ring<daemon::CycleRecord> ring(64);
+  auto loop = bench.loop(bench.demonstration);
+  for (int i = 0; i < 1200; ++i) {
+    loop.cycle();
+  }
+  ASSERT_TRUE(is_heated(bench.output().state));
+  bench.links.record = &ring;
+  const Settings<double> before = bench.desk.settings();
+  Settings<double> settings = before;
+  settings.wire.geometry.length_m *= 1.5;
+  settings.trips.temperature_K += 20;
+  ASSERT_TRUE(bench.desk.change(stored_settings<double>(settings)));
+  ASSERT_TRUE(loop.cycle());
+  daemon::CycleRecord record{};
+  ASSERT_TRUE(ring.pop(record));
+  EXPECT_EQ(record.set, 0U);
+  bench.desk.tidy();
+  EXPECT_TRUE(same_settings(bench.desk.settings(), before)) << "the desk says what is in force";
+  EXPECT_EQ(bench.desk.changes(), 2U) << "a new number, so that everybody follows";
+  EXPECT_FALSE(bench.desk.change(settings, 1U)) << "made from what was taken back";
+  const std::vector<std::string> refused = bench.desk.take_refused();
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_NE(refused[0].find("wire.length_m="), std::string::npos) << refused[0];
+  // What may change at any time comes into force, also with heat.
+  settings = before;
+  settings.limits.current_A *= 0.9;
+  ASSERT_TRUE(bench.desk.change(stored_settings<double>(settings), 2U));
+  ASSERT_TRUE(loop.cycle());
+  ASSERT_TRUE(ring.pop(record));
+  EXPECT_EQ(record.set, 3U);
+}
+
+/// Asks for heat from a cycle on.
+class ArmingSource : public daemon::CommandSource {
+ public:
+  bool arm = false;
+  Heard<double> listen(double /*time_s*/) override {
+    return {{.fresh = true, .arm = arm, .mode = Mode::strain, .setpoint = 0.03}, {}};
+  }
+};
+
+// Three sets of parameters of the wire were given while it was off: all are in force before it is
+// armed. A wire that was asked to be heated all the time gets no new edge by that.
+TEST(Loop, ArmsAfterWhatWasPromisedWithoutCurrent) {
+  Bench bench(bench::standard_closed_loop(test_settings()));
+  ArmingSource source;
+  auto loop = bench.loop(source);
+  for (int i = 0; i < 300; ++i) {
+    loop.cycle();
+  }
+  ASSERT_EQ(bench.output().state, DeviceState::ready);
+  Settings<double> settings = bench.desk.settings();
+  const auto give_three = [&] {
+    for (int i = 0; i < 3; ++i) {
+      settings.trips.temperature_K -= 1;
+      settings = stored_settings<double>(settings);
+      ASSERT_TRUE(bench.desk.change(settings));
+    }
+  };
+  give_three();
+  source.arm = true;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(is_heated(bench.output().state));
+    loop.cycle();
+  }
+  for (int i = 0; i < 3; ++i) {
+    loop.cycle();
+  }
+  EXPECT_TRUE(is_heated(bench.output().state));
+  bench.desk.tidy();
+  EXPECT_TRUE(bench.desk.take_refused().empty());
+  EXPECT_TRUE(same_settings(bench.desk.settings(), settings));
+  // A fault ends the heat; the command to arm stands.
+  bench.board.faults.driver_fault = true;
+  loop.cycle();
+  bench.board.faults.driver_fault = false;
+  give_three();
+  for (int i = 0; i < 50; ++i) {
+    loop.cycle();
+    EXPECT_FALSE(is_heated(bench.output().state));
+  }
+}
+
 /// A master that sends so many set-points before each cycle.
 class BusyPartner : public daemon::CommandSource {
  public:

@@ -78,7 +78,7 @@ void record(const std::string& path) {
       Settings<double> settings = run.desk.settings();
       settings.limits.current_A = i == 600 ? 0.15 : 0.2;
       settings.limits.temperature_K -= 5;
-      settings.trips.following_s *= 1.5;
+      settings.strain.proportional *= 1.5;
       ASSERT_TRUE(run.desk.change(stored_settings<double>(settings)));
     }
     ASSERT_TRUE(run.cycle());

@@ -146,8 +146,58 @@ TEST(Store, EveryFlippedBitIsSeen) {
       ASSERT_EQ(loaded.slots[newest].state, SlotState::damaged) << i << " " << bit;
       ASSERT_EQ(loaded.reason, LoadReason::other_bad);
       ASSERT_EQ(loaded.slot, 1 - newest);
+      ASSERT_TRUE(loaded.may_be_older);
       storage.slots[newest][i] ^= std::byte{1} << bit;
     }
+  }
+}
+
+/// Nobody may take older values for those that were stored last.
+TEST(Store, SaysWhenWhatWasStoredLastMayBeLost) {
+  std::mt19937 random(12);
+  MemoryStorage storage;
+  EXPECT_FALSE(load_settings<float>(storage).may_be_older) << "nothing was ever stored";
+  ASSERT_TRUE(save_settings(storage, random_settings<float>(random)).ok());
+  EXPECT_FALSE(load_settings<float>(storage).may_be_older) << "stored once";
+  const Settings<float> older = random_settings<float>(random);
+  ASSERT_TRUE(save_settings(storage, older).ok());
+  ASSERT_TRUE(save_settings(storage, random_settings<float>(random)).ok());
+  EXPECT_FALSE(load_settings<float>(storage).may_be_older);
+  const unsigned newest = load_settings<float>(storage).slot;
+  MemoryStorage missing = storage;
+  ASSERT_TRUE(missing.erase(newest));
+  const Loaded<float> loaded = load_settings<float>(missing);
+  EXPECT_EQ(loaded.reason, LoadReason::only_one);
+  EXPECT_TRUE(same_settings(loaded.settings, older));
+  EXPECT_TRUE(loaded.may_be_older) << "it was stored more than once, and one slot is gone";
+  ASSERT_TRUE(save_settings(missing, older).ok());
+  EXPECT_FALSE(load_settings<float>(missing).may_be_older) << "stored anew";
+}
+
+TEST(Store, ABadSlotStillTellsWhatDiffers) {
+  const TwoSets sets = two_sets();
+  Settings<float> lower = sets.before;
+  lower.limits.current_A *= 0.5F;
+  MemoryStorage storage = used_storage(sets.before);
+  ASSERT_TRUE(save_settings(storage, lower).ok());
+  const unsigned newest = load_settings<float>(storage).slot;
+  storage.slots[newest][4] ^= std::byte{1};  // its head is not needed
+  std::vector<Key> differing;
+  salvage<float>(storage, newest, [&](const ParameterRow<float>& row, Value value) {
+    if (row.get(load_settings<float>(storage).settings) != value) {
+      differing.push_back(row.key);
+      EXPECT_EQ(value.real(), lower.limits.current_A);
+    }
+  });
+  ASSERT_EQ(differing.size(), 1U);
+  EXPECT_EQ(differing[0], (Key{0x2020, 2}));
+  // Whatever lies there: only values that are possible.
+  std::mt19937 random(13);
+  for (int i = 0; i < 200; ++i) {
+    std::ranges::generate(storage.slots[0], [&] { return static_cast<std::byte>(random()); });
+    salvage<float>(storage, 0, [&](const ParameterRow<float>& row, Value value) {
+      EXPECT_EQ(fit(row, value), Fit::inside);
+    });
   }
 }
 
@@ -189,6 +239,47 @@ void forge(MemoryStorage& storage, unsigned slot, const Settings<float>& setting
   });
 }
 
+/// Numbers go on after the greatest one: what is saved last is what the next start takes.
+TEST(Store, TheNumberMayWrapAndTheNewestStaysTheNewest) {
+  std::mt19937 random(9);
+  for (const std::uint32_t start : {0U, 1U, 0x7FFF'FFFEU, 0x7FFF'FFFFU, 0x8000'0000U, 0xFFFF'FFFDU,
+                                    0xFFFF'FFFEU, 0xFFFF'FFFFU}) {
+    for (const unsigned slot : {0U, 1U}) {
+      MemoryStorage storage;
+      forge(storage, slot, random_settings<float>(random), start);
+      for (int i = 0; i < 4; ++i) {
+        const Settings<float> last = random_settings<float>(random);
+        ASSERT_TRUE(save_settings(storage, last).ok());
+        const Loaded<float> loaded = load_settings<float>(storage);
+        EXPECT_TRUE(same_settings(loaded.settings, last)) << start << ' ' << i;
+      }
+    }
+  }
+}
+
+/// Whatever two intact slots hold: the save is the one that counts, and it spares the one that
+/// counted before.
+TEST(Store, ASaveCountsAfterAnyTwoNumbers) {
+  std::mt19937 random(10);
+  const Settings<float> a = random_settings<float>(random);
+  const Settings<float> b = random_settings<float>(random);
+  const Settings<float> last = random_settings<float>(random);
+  const std::uint32_t numbers[] = {0, 1, 2, 0x7FFF'FFFF, 0x8000'0000, 0x8000'0001, 0xFFFF'FFFF};
+  for (const std::uint32_t first : numbers) {
+    for (const std::uint32_t second : numbers) {
+      MemoryStorage storage;
+      forge(storage, 0, a, first);
+      forge(storage, 1, b, second);
+      const unsigned counted = load_settings<float>(storage).slot;
+      const Saved saved = save_settings(storage, last);
+      ASSERT_TRUE(saved.ok());
+      EXPECT_EQ(saved.slot, 1 - counted) << first << ' ' << second;
+      EXPECT_TRUE(same_settings(load_settings<float>(storage).settings, last))
+          << first << ' ' << second;
+    }
+  }
+}
+
 TEST(Store, AnIntactImageOfImpossibleSettingsIsRefused) {
   const TwoSets sets = two_sets();
   const auto loaded_with = [&](Settings<float> settings) {
@@ -200,8 +291,12 @@ TEST(Store, AnIntactImageOfImpossibleSettingsIsRefused) {
     EXPECT_TRUE(same_settings(loaded.settings, sets.before));
     EXPECT_EQ(loaded.slots[1].state, SlotState::refused);
     EXPECT_EQ(loaded.slots[1].sequence, 8U);
+    EXPECT_TRUE(loaded.may_be_older);
+    forge(storage, 0, sets.before, 9);
+    EXPECT_FALSE(load_settings<float>(storage).may_be_older) << "the refused one is the older";
+    forge(storage, 0, sets.before, 7);
     EXPECT_EQ(save_settings(storage, sets.after).slot, 1U) << "the good one is kept";
-    EXPECT_EQ(load_settings<float>(storage).slots[1].sequence, 9U);
+    EXPECT_EQ(load_settings<float>(storage).slots[1].sequence, 8U) << "after the one that stays";
     return loaded.slots[1].finding;
   };
   Settings<float> settings = sets.after;

@@ -271,7 +271,7 @@ TEST(Iio, SaysWhatIsNotThere) {
   EXPECT_NE(says(settings).find("has no scan element in_voltage9"), std::string::npos);
   tree.put("sys/bus/iio/devices/iio:device3/scan_elements/in_voltage0_type", "le:s24\n");
   settings.channels = {"in_voltage0"};
-  EXPECT_NE(says(settings).find("'le:s24' is no type"), std::string::npos);
+  EXPECT_NE(says(settings).find("'le:s24' is no scan type"), std::string::npos);
 }
 
 TEST(OutputStage, NothingButAPositiveNumberGivesACurrent) {
@@ -397,6 +397,20 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
 
 // Power goes while the second set is written beside, or, on a file system that has renamed it
 // before its bytes were there, afterwards.
+// Of a process that was killed, perhaps another user's; a link is not followed.
+TEST(FileStore, WhatWasLeftBesideIsInNobodysWay) {
+  const TemporaryFolder folder;
+  Settings<double> settings = default_settings<double>();
+  settings.wire = files::load_wire(std::string(files::default_wire)).wire;
+  const std::string other = folder.write("other", "kept");
+  std::filesystem::create_symlink("other", folder / "settings.0.part");
+  hal::FileStore store(folder.path().string());
+  ASSERT_TRUE(save_settings(store, settings).ok());
+  EXPECT_EQ(file_text(other), "kept");
+  EXPECT_FALSE(std::filesystem::is_symlink(folder / "settings.0"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "settings.0.part"));
+}
+
 TEST(FileStore, APowerCutAtAnyByteLeavesOneOfTheTwo) {
   const TemporaryFolder folder;
   Settings<double> old = default_settings<double>();

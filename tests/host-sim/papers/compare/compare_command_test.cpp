@@ -32,7 +32,7 @@ std::string bath_csv(double stress_MPa) {
               {"stress_MPa", std::vector<double>(r.strain.size(), stress_MPa)}});
 }
 
-/// With a.csv to train on and t.csv to ask about.
+/// With a.csv to train on and t.csv to test on.
 struct CompareCommand : ::testing::Test {
   CompareCommand() {
     program.folder().write("a.csv", bath_csv(150));
@@ -52,7 +52,7 @@ TEST_F(CompareCommand, WritesWhatItIsAskedFor) {
   const Finished f = run({"--out", "c.json", "--report", "r.html", "--threads", "2"});
   ASSERT_EQ(f.status, 0) << f.err;
   EXPECT_EQ(f.err, "") << "no progress where there is no terminal";
-  EXPECT_THAT(f.out, StartsWith("Identified on a.csv; asked about t.csv."));
+  EXPECT_THAT(f.out, StartsWith("Identified on a.csv; tested on t.csv."));
   for (const char* system : {"one line", "two lines", "stress-strain-resistance", "Duhem",
                              "Liang-Rogers", "Preisach", "ihyp", "ihyp observer"}) {
     EXPECT_THAT(f.out, HasSubstr(std::string("\n") + system + " "));

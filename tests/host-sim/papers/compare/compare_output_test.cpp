@@ -74,9 +74,9 @@ compare::Comparison made_up() {
 
 TEST(CompareOutput, TextHasARowForEachSystemAndSaysWhatIsMissing) {
   const std::string text = compare::comparison_text(made_up());
-  EXPECT_THAT(text, HasSubstr("Identified on train.csv; asked about <b>&.csv, bath.csv."));
+  EXPECT_THAT(text, HasSubstr("Identified on train.csv; tested on <b>&.csv, bath.csv."));
   EXPECT_THAT(text, HasSubstr("in % of a 4 % stroke"));
-  EXPECT_THAT(text, HasSubstr("<b>&.csv goes beyond the training, so that what is said there is "
+  EXPECT_THAT(text, HasSubstr("<b>&.csv goes beyond the training, where estimates are "
                               "extrapolated: by its stress in 12.5 % of the rows, by its "
                               "resistance in 0.0 %."));
   EXPECT_THAT(text, Not(HasSubstr("bath.csv goes beyond")));
@@ -95,7 +95,7 @@ TEST(CompareOutput, ASystemThatIsSilentInAllTestsSaysSo) {
   comparison.systems = {wrong_by(comparison, "by resistance", 1, false)};
   const std::string text = compare::comparison_text(comparison);
   EXPECT_THAT(text, HasSubstr("\nby resistance     -     -    -      -           -\n"));
-  EXPECT_THAT(text, HasSubstr("by resistance: says nothing about these tests"));
+  EXPECT_THAT(text, HasSubstr("by resistance: no estimate: the tests lack"));
   const auto json = nlohmann::json::parse(compare::comparison_json(comparison));
   EXPECT_TRUE(json["systems"][0]["identified"]);
   EXPECT_EQ(json["systems"][0]["error"], nlohmann::json({{"rows", 0}}));

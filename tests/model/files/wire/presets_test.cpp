@@ -3,6 +3,7 @@
 #include "model/files/wire/presets.hpp"
 
 #include <cmath>
+#include <fstream>
 #include <gmock/gmock.h>
 #include <numbers>
 #include <toml++/toml.h>
@@ -79,7 +80,7 @@ bool covers(const std::string& source, const std::string& path) {
   return path == source || path.starts_with(source + ".");
 }
 
-TEST(Presets, AreThoseOfTheTwoMakers) {
+TEST(Presets, AreThoseOfTheMakers) {
   std::vector<std::string> names;
   for (const SmartFlexSize& size : smartflex) {
     names.push_back("smartflex-" + std::to_string(size.diameter_um) + "um");
@@ -121,6 +122,15 @@ TEST(Presets, EveryNumberHasASource) {
           std::ranges::any_of(paths, [&](const std::string& path) { return covers(source, path); }))
           << "nothing comes from the source of " << source;
     }
+  }
+}
+
+TEST(Presets, ReadmeNamesEveryFamily) {
+  std::ifstream in(SMASERVO_SOURCE_DIR "/model/wires/README.md");
+  const std::string readme(std::istreambuf_iterator<char>(in), {});
+  for (const Preset& preset : presets()) {
+    EXPECT_NE(readme.find("\n| `" + std::string(preset.family) + "` | "), std::string::npos)
+        << "model/wires/README.md has no row for " << preset.family;
   }
 }
 

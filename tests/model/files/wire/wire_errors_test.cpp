@@ -218,7 +218,7 @@ TEST(WireErrors, ChoicesNameWhatMayStand) {
 
 TEST(WireErrors, TransformationsThatRunBackwards) {
   EXPECT_THAT(refusal(own_wire("wire.m2a.finish_degC_by_MPa = [60]")),
-              names({"my.toml", "wire.m2a", "finish must lie at least 1 K above start"}));
+              names({"my.toml", "wire.m2a", "finish must be at least 1 K above start"}));
   EXPECT_THAT(refusal(own_wire("wire.a2r.finish_degC_by_MPa = [61.5]")),
               names({"my.toml", "wire.a2r", "below start", "0.5 K"}));
   // In order at zero stress, not under the load that the wire may carry.
@@ -263,7 +263,8 @@ TEST(WireErrors, ACycleMustNotGainHeat) {
 
 TEST(WireErrors, NamesAndSourcesMustBeStrings) {
   EXPECT_THAT(refusal(own_wire("name = 3")), names({"my.toml:2", "name = 3", "must be a string"}));
-  EXPECT_THAT(refusal("based_on = 3"), names({"my.toml:1", "based_on = 3", "preset or a file"}));
+  EXPECT_THAT(refusal("based_on = 3"),
+              names({"my.toml:1", "based_on = 3", "preset or a wire file"}));
   EXPECT_THAT(refusal(own_wire("sources.\"wire.length\" = 3")),
               names({"my.toml:2", "wire.length = 3", "must be a string"}));
   EXPECT_THAT(refusal(own_wire("sources = 3")), names({"my.toml:2", "sources = 3"}));

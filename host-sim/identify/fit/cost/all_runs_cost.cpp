@@ -1,4 +1,4 @@
-#include "host-sim/identify/fit/all_runs_cost.hpp"
+#include "host-sim/identify/fit/cost/all_runs_cost.hpp"
 
 #include <atomic>
 #include <thread>

@@ -1,7 +1,7 @@
 #pragma once
 // The lumped plant as a fit needs it: each step's energy balance is solved, not linearised. The
-// linearised step with its carried heat is right in its values, but their derivatives by the
-// parameters would grow from step to step where the transformation curve bends.
+// linearised step with its carried heat has the right values, but the errors of their derivatives
+// by the parameters would grow from step to step where the transformation curve bends.
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 namespace smaservo::identify {
 
-/// With plain numbers, of second order in the step: the loss is the mean of that at both ends. For
-/// steps of some hundredths of the wire's time constant.
+/// The plant without derivatives. It is of second order in the step, since it takes the mean of the
+/// losses at both ends. Steps may be some hundredths of the wire's time constant.
 class BalancedPlant {
  public:
   using K = ThreePhase<double>;
@@ -33,7 +33,8 @@ class BalancedPlant {
     const double heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * dt_s;
     const double plain_J_K = body.capacity_J_K + 0.5 * body.loss_slope_W_K(above) * dt_s;
     const Heading heading = heat_J > 0 ? Heading::heating : Heading::cooling;
-    // Latent heat only adds: the step ends between here and where it would without.
+    // Latent heat only slows a step down: it ends between the present temperature and the one that
+    // it would reach without latent heat.
     double low = std::min(0.0, heat_J / plain_J_K);
     double high = std::max(0.0, heat_J / plain_J_K);
     double dT = heat_J / (body.effective_capacity_J_K(K::rates(params_.kinetics, state_, heading)) +
@@ -64,12 +65,12 @@ class BalancedPlant {
 
   Params params_;
   K::State state_;
-  double heat_J_ = 0;  ///< what was left over
+  double heat_J_ = 0;  ///< what the balance of the last step left over
   double capacity_J_K_ = 0;
 };
 
-/// The same path with derivatives: the temperatures are those of the plain plant, what changes them
-/// follows from the balance.
+/// The same path with derivatives. The temperatures are those of the plain plant; their derivatives
+/// follow from the balance.
 template <class T>
 class FollowingPlant {
  public:
@@ -81,10 +82,10 @@ class FollowingPlant {
 
   const typename K::State& state() const { return state_; }
 
-  /// To a temperature that is known.
+  /// Takes the kinetics to a known temperature.
   void move(const Drive<T>& drive) { K::advance(params_.kinetics, state_, drive); }
 
-  /// `plain` has just made the same step.
+  /// `plain` must have made the same step just before.
   void advance(const BalancedPlant& plain, const PlantInput<T>& in, double dt_s) {
     const ThermalBody<T>& body = params_.body;
     const T before_K = K::drive(state_).temperature_K;
@@ -108,7 +109,7 @@ class FollowingPlant {
   }
 
  private:
-  /// Without the value.
+  /// The derivatives of x, with the value 0.
   static T derivatives_of(T x) {
     if constexpr (std::is_floating_point_v<T>) {
       return T(0);

@@ -1,5 +1,5 @@
 #pragma once
-// What the model says about a measured run: strain and resistance at the points that a fit
+// The model's prediction of a measured run: strain and resistance at the points that a fit
 // compares. Templated on the scalar, so that automatic differentiation runs through the same model
 // as the observer.
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host-sim/identify/fit/balanced_plant.hpp"
+#include "host-sim/identify/fit/cost/balanced_plant.hpp"
 #include "host-sim/identify/fit/jet.hpp"
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/plant.hpp"
@@ -20,14 +20,14 @@ namespace smaservo::identify {
 struct FitRun {
   std::string name;
   RunKind kind;
-  // Of every step:
+  // One element for every step:
   std::vector<double> dt_s;           ///< joule
   std::vector<double> power_W;        ///< joule and settled: mean of the step
   std::vector<double> current2_A2;    ///< mean square of the current, for the leads' share
   std::vector<double> stress_Pa;      ///< bath, joule, settled
   std::vector<double> temperature_K;  ///< bath, calorimetry
   double ambient_K = 298.15;          ///< joule, settled: first guess or measured
-  // Of every comparison:
+  // One element for every comparison:
   std::vector<std::size_t> after;  ///< step
   std::vector<double> strain;      ///< NaN where there is none
   std::vector<double> resistance_ohm;
@@ -37,7 +37,7 @@ struct FitRun {
   bool has_resistance = false;
 };
 
-/// What belongs to one run and not to the wire.
+/// The parameters that belong to one run and not to the wire.
 template <class T>
 struct Circumstances {
   T ambient_K;
@@ -48,14 +48,14 @@ struct Circumstances {
   T power_zero_W_kg;  ///< calorimetry
 };
 
-/// What the readings of all runs have in common.
+/// The parameters that the readings of all runs share.
 template <class T>
 struct CircuitGuess {
   T lead_ohm;   ///< in series with the wire between the sense leads
-  T load_gain;  ///< reading by truth
+  T load_gain;  ///< reading divided by true load
 };
 
-/// All that a prediction rests on.
+/// Everything that a prediction depends on.
 template <class T>
 struct Assumed {
   Wire<T> wire;
@@ -135,7 +135,7 @@ void predict_calorimetry(const FitRun& run, const typename Plant<ThreePhase<T>>:
 
 }  // namespace detail
 
-/// What a step does to the wire, as far as it is assumed.
+/// The input of the plant in each step, by what is assumed of circuit, load cell and air.
 template <class T>
 struct Acting {
   const FitRun& run;
@@ -158,8 +158,8 @@ typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& a
   return plant;
 }
 
-/// Fills `predicted`, one for each comparison. `plain` is what is assumed without derivatives. A
-/// run starts at rest, as cooled to where it begins.
+/// Fills `predicted` with an element for each comparison. `plain` has the values of `assumed`,
+/// without derivatives. A run starts from a wire that was cooled to its first temperature.
 template <class T>
 void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>& plain,
              std::vector<Predicted<T>>& predicted) {

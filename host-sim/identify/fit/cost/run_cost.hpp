@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "host-sim/identify/fit/cost/prediction.hpp"
 #include "host-sim/identify/fit/parameters.hpp"
-#include "host-sim/identify/fit/prediction.hpp"
 
 namespace smaservo::identify {
 
@@ -35,18 +35,19 @@ struct Weights {
   double power_independent = independent_at_first;
   double strain_independent = independent_at_first;
   double resistance_independent = independent_at_first;
-  /// How likely a wrong strain comes from austenite in the place of martensite, of every
-  /// comparison; otherwise it is R-phase. Empty at first: strain and resistance count by
-  /// themselves.
+  /// Of every comparison, the probability that an error of the strain comes from austenite in the
+  /// place of martensite; otherwise it comes from R-phase. Empty at first: strain and resistance
+  /// count by themselves.
   std::vector<double> austenite;
 };
 
-/// A wrong strain makes the resistance wrong. What counts of the resistance is the rest: whether it
-/// fits the strain, which is what an observer needs, and far more accurate.
+/// An error of the strain makes the resistance wrong as well. That part of the resistance's error
+/// is taken off; what counts is whether the resistance fits the measured strain. This is what an
+/// observer needs, and far more accurate.
 template <class T>
 struct Exchange {
   T by_strain;       ///< relative change of the resistance
-  double ambiguity;  ///< its standard deviation: which phase it is, is not known
+  double ambiguity;  ///< its standard deviation, since the phase behind it is not known
 };
 template <class T>
 Exchange<T> exchange(const Weights& weights, std::size_t i, const Predicted<T>& p) {
@@ -70,7 +71,7 @@ inline std::size_t valid(const std::vector<double>& column) {
 enum CircumstanceIndex { iAmbient, iLoss, iZero, iGain, iRate, iPowerZero, circumstance_count };
 enum CircuitIndex { iLead, iLoad, circuit_count };
 
-/// What all runs of a fit have in common.
+/// The part of the problem that all runs of a fit share.
 struct FitProblem {
   const Wire<double>& from;
   FitVariant variant;
@@ -78,7 +79,7 @@ struct FitProblem {
   std::array<FitParameter, circuit_count> circuit_parameters;
 };
 
-/// Of one run.
+/// The parameters that belong to one run.
 using CircumstanceParameters = std::array<FitParameter, circumstance_count>;
 
 /// The residuals of one run by the deviations `u`: the wire's, the circuit's, the run's own.
@@ -141,7 +142,7 @@ class RunCost {
     return all;
   }
 
-  /// `all` is what is assumed at `u`.
+  /// `all` is what the fit assumes at `u`.
   template <class T>
   std::vector<Predicted<T>> model(const T* u, const Assumed<T>& all) const {
     std::vector<Predicted<T>> predicted;

@@ -1,32 +1,32 @@
 #pragma once
-// The residuals of all runs, and the prior, by the deviations that a stage of the fit may change:
-// one block of parameters for Ceres. The runs are evaluated side by side; the result does not
-// depend on the number of threads.
+// The residuals of all runs and of the prior as functions of the deviations that a stage of the fit
+// may change, which are one block of parameters for Ceres. The runs are evaluated side by side; the
+// result does not depend on the number of threads.
 
 #include <ceres/cost_function.h>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
-#include "host-sim/identify/fit/run_cost.hpp"
+#include "host-sim/identify/fit/cost/run_cost.hpp"
 
 namespace smaservo::identify {
 
 /// One deviation that may change.
 struct Active {
   double* value;
-  std::size_t index;               ///< among those that a RunCost depends on
-  std::optional<std::size_t> run;  ///< of one run only
+  std::size_t index;               ///< of the deviation among those that a RunCost depends on
+  std::optional<std::size_t> run;  ///< the only run that it belongs to; none: all runs
 };
 
-/// Where they are now.
+/// The present values of these deviations.
 std::vector<double> values(const std::vector<Active>& active);
 
 class AllRunsCost final : public ceres::CostFunction {
  public:
   struct One {
     RunCost cost;
-    std::vector<double> fixed;  ///< all of its deviations; those that are active are replaced
+    std::vector<double> fixed;  ///< all deviations of the run; active ones are replaced
     std::size_t run;
   };
 
@@ -36,7 +36,7 @@ class AllRunsCost final : public ceres::CostFunction {
                 double** jacobians) const override;
 
  private:
-  /// Which active deviation is which of a run's.
+  /// An active deviation: its column in the Jacobian, its index among the run's deviations.
   struct Column {
     std::size_t column, index;
   };

@@ -1,0 +1,97 @@
+#pragma once
+// Answers the node's requests: stores beside the bus, one request at a time. A result belongs to
+// the request whose number it has; where a reset has come meanwhile it answers nothing.
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/canopen/node/node.hpp"
+#include "firmware/settings.hpp"
+
+namespace smaservo::daemon {
+
+using Image = std::vector<std::uint8_t>;
+
+/// What is to be stored, by value: the bus goes on meanwhile.
+struct StoreJob {
+  canopen::Request request = canopen::Request::none;
+  std::uint32_t number = 0;
+  Settings<double> settings;
+  Image image;
+};
+struct StoreResult {
+  canopen::Request request = canopen::Request::none;
+  std::uint32_t number = 0;
+  std::string problem;  ///< empty: it is durable
+};
+
+/// Stores in a thread of its own, since a disk may be slow.
+class StoreThread {
+ public:
+  /// Returns what went wrong; empty: nothing.
+  using Keep = std::function<std::string(const StoreJob&)>;
+  explicit StoreThread(Keep keep) : keep_(std::move(keep)) {}
+
+  /// Only after the former job's result was taken.
+  void start(StoreJob job) {
+    result_ = std::async(std::launch::async, [keep = keep_, job = std::move(job)] {
+      return StoreResult{job.request, job.number, keep(job)};
+    });
+  }
+  bool take(StoreResult& result) {
+    if (!result_.valid() ||
+        result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+      return false;
+    }
+    result = result_.get();
+    return true;
+  }
+
+ private:
+  Keep keep_;
+  std::future<StoreResult> result_;
+};
+
+/// `Node` is canopen::Servo, `Store` is StoreThread, or classes with the same members.
+template <class Node, class Store>
+class RequestDesk {
+ public:
+  RequestDesk(Node& node, Store& store) : node_(node), store_(store) {}
+
+  /// To be called after each round of the bus. `configured` are the settings to be stored;
+  /// `done(result)` hears of each result, of those that nobody waits for as well. Returns a reset
+  /// that the caller has to carry out, else Request::none. A reset waits until what is being stored
+  /// is stored: what is in force after it is what the store then has.
+  template <class Done>
+  canopen::Request round(const Settings<double>& configured, Done done) {
+    StoreResult result;
+    if (busy_ && !store_.take(result)) {
+      return canopen::Request::none;
+    }
+    if (std::exchange(busy_, false)) {
+      done(std::as_const(result));
+      node_.finish(result.number, result.problem.empty());
+    }
+    using enum canopen::Request;
+    const canopen::Request request = node_.request();
+    if (request == none || request == reset_node || request == reset_communication) {
+      return request;
+    }
+    Image image(canopen::Node::image_size);
+    image.resize(node_.image(image));
+    store_.start({request, node_.request_number(), configured, std::move(image)});
+    busy_ = true;
+    return none;
+  }
+
+ private:
+  Node& node_;
+  Store& store_;
+  bool busy_ = false;
+};
+
+}  // namespace smaservo::daemon
