@@ -77,7 +77,7 @@ class PowerRange {
   void limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W);
 
   /// Power of the minimum current, which other limits do not reduce: without it the resistance is
-  /// lost, and so is the estimate that the limits need. It heats the wire by less than a kelvin.
+  /// lost, and so is the estimate that the limits need. parameter_check.hpp bounds what it heats.
   /// Only limits.current_A and limits.power_W may lie below it.
   S min_W_;
   S max_W_;

@@ -66,7 +66,7 @@ int serve_simulation(const DaemonOptions& options) {
   if (!options.bus.empty()) {
     const int priority = options.real_time && !options.at_once ? bus_priority({}) : 0;
     bus = std::make_unique<BusService>(
-        BusSetup{options.bus, 0, options.settings, {}, {}, "simulated", priority, kept.lost},
+        BusSetup{options.bus, 0, options.settings, {}, {}, false, "simulated", priority, kept.lost},
         service.desk(), service.links(), service.figures());
     bus->start();
   }

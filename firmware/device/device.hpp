@@ -180,6 +180,7 @@ auto Device<S>::protect(const MonitorInputs<S>& seen, State& s) -> Verdict {
   return Supervisor<S>::step(seen, s.supervisor, active, s.time_us);
 }
 
+/// Before the wire has been checked. parameter_check.hpp keeps this current below limits.power_W.
 template <class S>
 void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
   out.current_A = p.settings.limits.min_current_A;

@@ -50,6 +50,7 @@ struct ParameterRow {
   Key key;
   ValueType type;
   Change change;
+  Level level;
   Needs needs;
   Lane lane;
   Value min, standard, max;
@@ -94,14 +95,29 @@ struct Member {
   static const void* at(const Settings<S>& s) { return &(s.*....*members); }
 };
 
+/// A parameter that may change while the device is enabled is for tuning, unless its group says
+/// otherwise by set_up().
+constexpr Level level_of(Change change) {
+  return change == Change::live ? Level::tune : Level::set_up;
+}
+
+/// The same rows, for Level::set_up: they bound heat or motion.
+template <class S, std::size_t n>
+constexpr std::array<Parameter<S>, n> set_up(std::array<Parameter<S>, n> rows) {
+  for (Parameter<S>& row : rows) {
+    row.level = Level::set_up;
+  }
+  return rows;
+}
+
 inline constexpr float no_default = std::numeric_limits<float>::quiet_NaN();
 
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> real(Key key, Path path, Kind kind, Change change, float min, float standard,
                             float max, std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, S>);
-  return {{key, ValueType::real, change, Needs::nothing, Lane::none, Value::real(min),
-           Value::real(standard), Value::real(max), Access::at},
+  return {{key, ValueType::real, change, level_of(change), Needs::nothing, Lane::none,
+           Value::real(min), Value::real(standard), Value::real(max), Access::at},
           path,
           kind,
           {},
@@ -112,8 +128,8 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t min,
                               std::uint32_t standard, std::uint32_t max, std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, std::uint32_t>);
-  return {{key, ValueType::number, change, Needs::nothing, Lane::none, Value::number(min),
-           Value::number(standard), Value::number(max), Access::at},
+  return {{key, ValueType::number, change, level_of(change), Needs::nothing, Lane::none,
+           Value::number(min), Value::number(standard), Value::number(max), Access::at},
           path,
           kind::number,
           {},
@@ -126,8 +142,8 @@ constexpr Parameter<S> choice(Key key, Path path, std::span<const std::string_vi
                               Change change, typename Access::Type standard,
                               std::string_view meaning) {
   static_assert(std::is_enum_v<typename Access::Type> && sizeof(typename Access::Type) == 1);
-  return {{key, ValueType::choice, change, Needs::nothing, Lane::none, Value::number(0),
-           Value::number(static_cast<std::uint32_t>(standard)),
+  return {{key, ValueType::choice, change, level_of(change), Needs::nothing, Lane::none,
+           Value::number(0), Value::number(static_cast<std::uint32_t>(standard)),
            Value::number(static_cast<std::uint32_t>(choices.size() - 1)), Access::at},
           path,
           kind::number,
@@ -139,8 +155,8 @@ template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> boolean(Key key, Path path, Change change, bool standard,
                                std::string_view meaning) {
   static_assert(std::is_same_v<typename Access::Type, bool>);
-  return {{key, ValueType::boolean, change, Needs::nothing, Lane::none, Value::number(0),
-           Value::number(standard ? 1 : 0), Value::number(1), Access::at},
+  return {{key, ValueType::boolean, change, level_of(change), Needs::nothing, Lane::none,
+           Value::number(0), Value::number(standard ? 1 : 0), Value::number(1), Access::at},
           path,
           kind::number,
           {},

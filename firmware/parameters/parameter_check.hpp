@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "firmware/parameters/parameters.hpp"
+#include "model/wire/plant.hpp"
 
 namespace smaservo {
 
@@ -27,13 +28,19 @@ struct Finding {
 };
 
 enum class Relation : std::uint8_t {
-  below,      ///< factor a + plus < b
-  not_above,  ///< factor a + plus <= b
-  heats,      ///< start a, finish b of a process that heats: within `surface_range`
-  cools,      ///< likewise, of one that cools
-  curvature,  ///< a + b stress of a process: likewise
-  turning,    ///< likewise
+  below,       ///< factor a + plus < b
+  not_above,   ///< factor a + plus <= b
+  heats,       ///< start a, finish b of a process that heats: within `surface_range`
+  cools,       ///< likewise, of one that cools
+  curvature,   ///< a + b stress of a process: likewise
+  turning,     ///< likewise
+  idle_power,  ///< the power of the current a in a cold wire <= b
+  idle_heat,   ///< the same power <= max_idle_share of what holds the temperature b - plus
 };
+
+/// The minimum current flows whatever the limits of temperature and duty say, since without it the
+/// resistance is lost. So it must not heat the wire by more than this share of what its limit does.
+inline constexpr double max_idle_share = 0.05;
 
 /// Parameters in a relation, as rows of `parameters`. The rule holds as long as one of its
 /// parameters is not set or not used. Relations of a process are checked at every stress up to
@@ -91,6 +98,13 @@ consteval auto all_rules() {
       rule("timing.period_s", not_above, "resistance.tracking_s", tracking),
       rule("timing.period_s", not_above, "force.tracking_s", tracking),
       rule("limits.min_current_A", below, "limits.current_A", between),
+      rule("limits.min_current_A", idle_power, "limits.power_W",
+           "the minimum current alone must not exceed the power"),
+      rule("limits.min_current_A", idle_heat, "limits.temperature_K",
+           "the minimum current must take at most 5 % of the power that holds the wire at its "
+           "limit, "
+           "since it is never reduced",
+           1, "limits.hot_spot_K"),
       rule("limits.current_A", below, "trips.current_A", is_first),
       rule("trips.current_A", below, "measurement.current_full_scale_A",
            "a current above the full scale could not be measured"),
@@ -185,6 +199,18 @@ bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
   return true;
 }
 
+/// P = I^2 R of a wire at rest at 25 degC
+template <class S>
+bool idles(Relation relation, const Wire<S>& wire, const S& current_A, const S& b, const S& plus) {
+  const S idle_W = current_A * current_A * cold_resistance_ohm(wire);
+  const S above_K = b - plus - S(298.15);
+  const S allowed_W =
+      relation == Relation::idle_power
+          ? b
+          : S(max_idle_share) * thermal_body(wire.geometry, wire.heat).loss_W(above_K);
+  return !(allowed_W < idle_W);  // holds where the wire is not configured
+}
+
 }  // namespace detail
 
 inline constexpr auto parameter_rules = detail::all_rules();
@@ -223,6 +249,10 @@ bool holds(const RuleRow& rule, const Settings<S>& settings) {
   const auto value = [&](std::size_t i) { return parameter_rows<S>[i].get(settings).real(); };
   if (!known(rule.a) || !known(rule.b) || !known(rule.plus)) {
     return true;
+  }
+  if (rule.relation == Relation::idle_power || rule.relation == Relation::idle_heat) {
+    return detail::idles(rule.relation, settings.wire, S(value(rule.a)), S(value(rule.b)),
+                         rule.plus < parameter_count ? S(value(rule.plus)) : S(0));
   }
   if (rule.relation != Relation::below && rule.relation != Relation::not_above) {
     return !(settings.wire.limits.stress_Pa == settings.wire.limits.stress_Pa) ||

@@ -101,7 +101,7 @@ constexpr auto limit_rows() {
   constexpr auto g = &Settings<S>::limits;
   using G = SoftLimits<S>;
   constexpr auto live = Change::live;
-  return std::to_array<Parameter<S>>({
+  return set_up(std::to_array<Parameter<S>>({
       real<Member<S, g, &G::min_current_A>>(
           {0x2020, 1}, "limits.min_current_A", kind::current, live, 1e-4F, 0.01F, 20,
           "minimum current while running, which keeps the resistance measurable"),
@@ -133,7 +133,7 @@ constexpr auto limit_rows() {
                                           1.15F, 100,
                                           "largest heat loss that the temperature limit reckons "
                                           "with, as a multiple of the wire file's"),
-  });
+  }));
 }
 
 template <class S>

@@ -48,7 +48,7 @@ constexpr Parameter<S> wire_row() {
   const bool real = w.type == ValueType::real;
   const auto number = [](double x) { return Value::number(static_cast<std::uint32_t>(x)); };
   const std::size_t max = w.type == ValueType::choice ? w.choices.size() - 1 : 1;
-  return {{wire_key(i), w.type, Change::without_current, w.needs, w.lane,
+  return {{wire_key(i), w.type, Change::without_current, Level::set_up, w.needs, w.lane,
            real ? Value::real(static_cast<float>(w.min)) : number(0),
            real                          ? Value::real(no_default)
            : w.type == ValueType::choice ? number(w.standard)

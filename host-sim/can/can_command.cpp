@@ -348,6 +348,14 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
             [](Remote& remote) { remote.disable(); });
   add_plain(can, common, "reset-faults", "Acknowledges faults.",
             [](Remote& remote) { remote.reset_faults(); });
+  auto hold_s = std::make_shared<double>(1e6);
+  add(can, "hold", "Keeps an enabled drive enabled, as a master that is there does.",
+      [common, hold_s] {
+        Session session(*common);
+        session.remote().hold(*hold_s);
+      })
+      ->add_option("--for", *hold_s, "duration, s; default: for ever")
+      ->check(seconds_of(0, 1e6));
   auto target_um = std::make_shared<std::int32_t>();
   auto patience_s = std::make_shared<double>(10);
   CLI::App* move = add(

@@ -191,6 +191,7 @@ bool Remote::wait_for(const std::function<bool(unsigned)>& reached, double patie
   const std::int64_t until_us = bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   for (;;) {
     if (reached(status())) return true;
+    renew();
     const std::int64_t now_us = bus().now_us();
     if (now_us >= until_us) return false;
     hal::CanFrame passing;
@@ -281,6 +282,33 @@ void Remote::move(std::int32_t target_um, double patience_s) {
     throw files::UserError(
         fmt::format("node {} has not reached {} um within {} s: it is at {} um, \"{}\"{}", node(),
                     target_um, patience_s, text("6064"), drive_state_text(status()), reasons()));
+  }
+}
+
+void Remote::renew() {
+  const std::int64_t now_us = bus().now_us();
+  if (now_us - renewed_us_ < renewal_us) return;
+  renewed_us_ = now_us;
+  control(static_cast<unsigned>(number("6040")));
+}
+
+void Remote::hold(double for_s) {
+  const std::int64_t until_us = bus().now_us() + static_cast<std::int64_t>(for_s * 1e6);
+  const auto word = static_cast<unsigned>(number("6040"));
+  while (bus().now_us() < until_us) {
+    if ((status() & state_mask) != enabled_state) {
+      throw files::UserError(fmt::format("node {} is not enabled: \"{}\"{}", node(),
+                                         drive_state_text(status()), reasons()));
+    }
+    if (static_cast<unsigned>(number("6040")) != word) {
+      throw files::UserError(fmt::format(
+          "node {} is commanded by somebody else: its controlword has changed", node()));
+    }
+    renew();
+    hal::CanFrame passing;
+    const std::int64_t next_us = std::min(bus().now_us() + listen_us, until_us);
+    while (bus().receive(passing, next_us)) {
+    }
   }
 }
 

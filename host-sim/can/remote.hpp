@@ -61,6 +61,12 @@ class Remote {
   void set_profile_position();
   /// Sets mode Profile position and the target, and waits up to `patience_s` until it is reached.
   void move(std::int32_t target_um, double patience_s);
+  /// Keeps an enabled axis enabled for so long, by commanding what it was commanded last. Ends with
+  /// an error when the axis is no longer enabled, or somebody else commands it.
+  void hold(double for_s);
+  /// Tells the node that whoever commands is still there: writes the controlword again. To be
+  /// called often while heat is wanted; does so every renewal_us only.
+  void renew();
   /// Stores parameters and communication settings (1010h:1).
   void store();
 
@@ -73,7 +79,10 @@ class Remote {
   unsigned status() { return static_cast<unsigned>(number("6041")); }
   std::string reasons();
 
+  static constexpr std::int64_t renewal_us = 500'000;
+
   SdoClient client_;
+  std::int64_t renewed_us_ = 0;
 };
 
 }  // namespace smaservo::can

@@ -35,6 +35,7 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
           fmt::format("the step was broken off: \"{}\"; `host-sim can faults` says more",
                       drive_state_text(static_cast<unsigned>(remote.number("6041")))));
     }
+    remote.renew();
     const std::int64_t now_us = bus.now_us();
     if (now_us >= until_us) {
       throw files::UserError(fmt::format("the step has not ended within {} s", patience_s));
@@ -53,6 +54,7 @@ void wait_until_still(Remote& remote) {
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   const auto running = static_cast<double>(DeviceState::running);
   while (remote.number("device.state") != running || std::abs(remote.number("606C")) > still_um_s) {
+    remote.renew();
     const std::int64_t now_us = bus.now_us();
     if (now_us >= until_us) {
       throw files::UserError(
@@ -71,6 +73,7 @@ void wait_until_recording(Remote& remote) {
   Bus& bus = remote.bus();
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   while (remote.number("recorder.samples") == 0) {
+    remote.renew();
     if (bus.now_us() >= until_us) {
       throw files::UserError(fmt::format("the recorder has not begun within {} s", patience_s));
     }
@@ -201,13 +204,15 @@ StepRun run_step(Remote& remote, const StepPlan& plan) {
       {"setpoint", "position_m", "temperature_K", "current_A"}, 2 * plan.seconds + before_s, 0, ""};
   remote.set("step.amplitude_um", std::to_string(plan.amplitude_um));
   remote.set("step.duration_ms", std::to_string(std::lround(1e3 * plan.seconds)));
-  const EnabledForAWhile enabled(remote);
-  remote.set_profile_position();
-  wait_until_still(remote);
-  arm_recorder(remote, recorded);
-  wait_until_recording(remote);
-  remote.set("step.command", "1");
-  wait_until_done(remote, plan);
+  {
+    const EnabledForAWhile enabled(remote);
+    remote.set_profile_position();
+    wait_until_still(remote);
+    arm_recorder(remote, recorded);
+    wait_until_recording(remote);
+    remote.set("step.command", "1");
+    wait_until_done(remote, plan);
+  }
   return {plan, read_recording(remote, recorded)};
 }
 

@@ -54,8 +54,9 @@ constexpr std::uint32_t mapped(std::uint16_t index, std::uint8_t sub, unsigned b
 namespace detail {
 
 constexpr unsigned ro = readable;
-constexpr unsigned rw = readable | writable;
+constexpr unsigned rw = readable | operated;
 constexpr unsigned kept = rw | stored;
+constexpr unsigned kept_set_up = readable | set_up | stored;
 constexpr unsigned fixed = readable | constant;
 
 struct PdoDefaults {
@@ -88,21 +89,23 @@ inline constexpr std::array<PdoDefaults, pdo_count> tpdo_defaults{{
 template <bool transmit>
 constexpr auto pdo_rows(std::size_t i) {
   constexpr std::uint16_t base = transmit ? 0x1800 : 0x1400;
+  constexpr unsigned access = transmit ? kept : kept_set_up;
   constexpr std::size_t first =
       transmit ? offsetof(Communication, tpdo) : offsetof(Communication, rpdo);
   const std::size_t at = first + i * sizeof(PdoParams);
   const PdoDefaults& d = transmit ? tpdo_defaults[i] : rpdo_defaults[i];
   const auto index = static_cast<std::uint16_t>(base + i);
   const auto params = std::to_array<DescribedObject>({
-      row({index, 1}, Type::u32, kept | by_node, at + offsetof(PdoParams, cob), "COB-ID", d.cob),
-      row({index, 2}, Type::u8, kept, at + offsetof(PdoParams, type), "Transmission type", d.type),
-      row({index, 3}, Type::u16, kept, at + offsetof(PdoParams, inhibit_100us), "Inhibit time", 0,
+      row({index, 1}, Type::u32, access | by_node, at + offsetof(PdoParams, cob), "COB-ID", d.cob),
+      row({index, 2}, Type::u8, access, at + offsetof(PdoParams, type), "Transmission type",
+          d.type),
+      row({index, 3}, Type::u16, access, at + offsetof(PdoParams, inhibit_100us), "Inhibit time", 0,
           "in units of 100 us"),
-      row({index, 5}, Type::u16, kept, at + offsetof(PdoParams, event_ms), "Event timer",
+      row({index, 5}, Type::u16, access, at + offsetof(PdoParams, event_ms), "Event timer",
           d.event_ms,
           transmit ? "ms; longest time between two of these PDOs; 0: no limit"
                    : "ms; time without this PDO until it has timed out; 0: never"),
-      row({index, 6}, Type::u8, kept, at + offsetof(PdoParams, sync_start), "SYNC start value", 0,
+      row({index, 6}, Type::u8, access, at + offsetof(PdoParams, sync_start), "SYNC start value", 0,
           0, 240),
   });
   constexpr std::size_t n = transmit ? 5 : 4;
@@ -117,6 +120,7 @@ inline constexpr std::array<std::string_view, mapped_count> mapped_names{
 template <bool transmit>
 constexpr auto mapping_rows(std::size_t i) {
   constexpr std::uint16_t base = transmit ? 0x1A00 : 0x1600;
+  constexpr unsigned access = transmit ? kept : kept_set_up;
   constexpr std::size_t first =
       transmit ? offsetof(Communication, tpdo_map) : offsetof(Communication, rpdo_map);
   const std::size_t at = first + i * sizeof(Mapping);
@@ -125,11 +129,11 @@ constexpr auto mapping_rows(std::size_t i) {
   std::array<DescribedObject, mapped_count + 1> rows{};
   const auto count = static_cast<std::uint32_t>(
       std::ranges::count_if(map, [](std::uint32_t object) { return object != 0; }));
-  rows[0] = row({index, 0}, Type::u8, kept, at + offsetof(Mapping, count),
+  rows[0] = row({index, 0}, Type::u8, access, at + offsetof(Mapping, count),
                 "Number of mapped objects", count, 0, mapped_count);
   for (std::size_t k = 0; k < mapped_count; ++k) {
     rows[k + 1] =
-        row({index, static_cast<std::uint8_t>(k + 1)}, Type::u32, kept,
+        row({index, static_cast<std::uint8_t>(k + 1)}, Type::u32, access,
             at + offsetof(Mapping, objects) + 4 * k, mapped_names[k], k < map.size() ? map[k] : 0);
   }
   return rows;
@@ -153,35 +157,37 @@ inline constexpr auto head_rows = std::to_array<DescribedObject>({
     row({0x1003, 6}, Type::u32, ro, at_of(offsetof(Communication, errors), 5), "Error 6"),
     row({0x1003, 7}, Type::u32, ro, at_of(offsetof(Communication, errors), 6), "Error 7"),
     row({0x1003, 8}, Type::u32, ro, at_of(offsetof(Communication, errors), 7), "Error 8"),
-    row({0x1005, 0}, Type::u32, kept, offsetof(Communication, sync_cob), "COB-ID SYNC", 0x80),
-    row({0x1006, 0}, Type::u32, kept, offsetof(Communication, sync_period_us),
+    row({0x1005, 0}, Type::u32, kept_set_up, offsetof(Communication, sync_cob), "COB-ID SYNC",
+        0x80),
+    row({0x1006, 0}, Type::u32, kept_set_up, offsetof(Communication, sync_period_us),
         "Communication cycle period", 0,
         "us; after two periods without a SYNC the command source has gone; 0: not watched"),
     row({0x1008, 0}, Type::text, fixed, nowhere, "Manufacturer device name"),
     row({0x1009, 0}, Type::text, fixed, nowhere, "Manufacturer hardware version"),
     row({0x100A, 0}, Type::text, fixed, nowhere, "Manufacturer software version"),
-    row({0x1010, 1}, Type::u32, rw, nowhere, "Save all parameters", 1, "write 'save': 65766173h"),
-    row({0x1010, 2}, Type::u32, rw, nowhere, "Save communication parameters", 1,
+    row({0x1010, 1}, Type::u32, readable | tuned, nowhere, "Save all parameters", 1,
         "write 'save': 65766173h"),
-    row({0x1010, 3}, Type::u32, rw, nowhere, "Save application parameters", 1,
+    row({0x1010, 2}, Type::u32, readable | tuned, nowhere, "Save communication parameters", 1,
         "write 'save': 65766173h"),
-    row({0x1011, 1}, Type::u32, rw, nowhere, "Restore all default parameters", 1,
+    row({0x1010, 3}, Type::u32, readable | tuned, nowhere, "Save application parameters", 1,
+        "write 'save': 65766173h"),
+    row({0x1011, 1}, Type::u32, readable | set_up, nowhere, "Restore all default parameters", 1,
         "write 'load': 64616F6Ch; then reset"),
-    row({0x1011, 2}, Type::u32, rw, nowhere, "Restore communication default parameters", 1,
-        "write 'load': 64616F6Ch; then reset"),
-    row({0x1011, 3}, Type::u32, rw, nowhere, "Restore application default parameters", 1,
-        "write 'load': 64616F6Ch; then reset"),
+    row({0x1011, 2}, Type::u32, readable | set_up, nowhere,
+        "Restore communication default parameters", 1, "write 'load': 64616F6Ch; then reset"),
+    row({0x1011, 3}, Type::u32, readable | set_up, nowhere,
+        "Restore application default parameters", 1, "write 'load': 64616F6Ch; then reset"),
     row({0x1014, 0}, Type::u32, kept | by_node, offsetof(Communication, emergency_cob),
         "COB-ID EMCY", 0x80),
     row({0x1015, 0}, Type::u16, kept, offsetof(Communication, emergency_inhibit_100us),
         "Inhibit time EMCY", 0, "in units of 100 us"),
-    row({0x1016, 1}, Type::u32, kept, at_of(offsetof(Communication, consumers), 0),
+    row({0x1016, 1}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 0),
         "Consumer heartbeat time 1", 0, "node-id << 16 | longest time between heartbeats in ms"),
-    row({0x1016, 2}, Type::u32, kept, at_of(offsetof(Communication, consumers), 1),
+    row({0x1016, 2}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 1),
         "Consumer heartbeat time 2"),
-    row({0x1016, 3}, Type::u32, kept, at_of(offsetof(Communication, consumers), 2),
+    row({0x1016, 3}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 2),
         "Consumer heartbeat time 3"),
-    row({0x1016, 4}, Type::u32, kept, at_of(offsetof(Communication, consumers), 3),
+    row({0x1016, 4}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 3),
         "Consumer heartbeat time 4"),
     row({0x1017, 0}, Type::u16, kept, offsetof(Communication, heartbeat_ms),
         "Producer heartbeat time", 0, "ms; 0: none"),
@@ -190,7 +196,7 @@ inline constexpr auto head_rows = std::to_array<DescribedObject>({
     row({0x1018, 3}, Type::u32, fixed, at_of(offsetof(Communication, identity), 2),
         "Revision number"),
     row({0x1018, 4}, Type::u32, ro, at_of(offsetof(Communication, identity), 3), "Serial number"),
-    row({0x1019, 0}, Type::u8, kept, offsetof(Communication, sync_overflow),
+    row({0x1019, 0}, Type::u8, kept_set_up, offsetof(Communication, sync_overflow),
         "Synchronous counter overflow value", 0, 0, 240),
     row({0x1020, 1}, Type::u32, kept, at_of(offsetof(Communication, verify), 0),
         "Configuration date", 0, "set to 0 by any change that can be stored"),
@@ -198,7 +204,7 @@ inline constexpr auto head_rows = std::to_array<DescribedObject>({
         "Configuration time"),
     row({0x1021, 0}, Type::domain, ro, nowhere, "Store EDS"),
     row({0x1022, 0}, Type::u16, ro, nowhere, "Store format", 0, "0: plain text"),
-    row({0x1029, 1}, Type::u8, kept, offsetof(Communication, error_behaviour),
+    row({0x1029, 1}, Type::u8, kept_set_up, offsetof(Communication, error_behaviour),
         "Communication error", 0, 0, 2, "0: pre-operational, 1: no change, 2: stopped"),
     row({0x1200, 1}, Type::u32, ro | by_node, at_of(offsetof(Communication, sdo_cob), 0),
         "COB-ID client to server", 0x600),

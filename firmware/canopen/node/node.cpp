@@ -13,7 +13,6 @@ constexpr std::uint32_t heartbeat_id = 0x700;
 
 constexpr std::uint8_t generic_error = 0x01;
 constexpr std::uint8_t communication_error = 0x10;
-constexpr std::uint16_t heartbeat_lost = 0x8130;
 constexpr std::uint16_t sync_length = 0x8240;
 
 hal::CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
@@ -29,11 +28,11 @@ hal::CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
 
 bool Node::start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
   const bool only_communication = request_ == Request::reset_communication;
-  now_us_ = heartbeat_us_ = sync_us_ = traffic_us_ = now_us;
+  now_us_ = heartbeat_us_ = sync_us_ = now_us;
   consumers_ = {};
   emergencies_waiting_ = 0;
   application_errors_ = 0;
-  lost_ = duplicated_ = emergency_sent_ = sync_alive_ = spoken_to_ = lss_waits_ = false;
+  lost_ = duplicated_ = emergency_sent_ = sync_alive_ = lss_waits_ = false;
   request_ = Request::none;
   sdo_.reset();
   const bool good = load_image(image, only_communication);
@@ -64,8 +63,6 @@ void Node::command(const hal::CanFrame& frame) {
   if (frame.length != 2 || (frame.data[1] != 0 && frame.data[1] != node_id_)) {
     return;
   }
-  traffic_us_ = now_us_;
-  spoken_to_ = true;
   switch (frame.data[0]) {
     case 1:
       enter(Nmt::operational);
@@ -145,8 +142,6 @@ void Node::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
   }
   if (frame.id == sdo_request_id + node_id_ && !frame.remote) {
     if (frame.length == 8 && communicates()) {
-      traffic_us_ = now_us;
-      spoken_to_ = true;
       sdo_.receive(frame.data, now_us);
     }
     return;
@@ -164,8 +159,6 @@ void Node::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
   }
   const PdoEvent event = pdos_.receive(frame, now_us);
   if (event != PdoEvent::ignored && !frame.remote) {
-    traffic_us_ = now_us;
-    spoken_to_ = true;
     find_again();
   }
   if (event == PdoEvent::too_short || event == PdoEvent::too_long) {
@@ -302,26 +295,24 @@ void Node::lose(std::uint16_t code, std::uint8_t who) {
   }
 }
 
-bool Node::command_source_alive(std::uint64_t timeout_us) const {
+Supervision Node::supervision() const {
+  using enum Supervision;
+  if (objects_.sync_period_us != 0 && !sync_alive_) {
+    return gone;
+  }
   bool watched = false;
   for (std::size_t i = 0; i < consumer_count; ++i) {
     if ((objects_.consumers[i] & 0xFFFFU) != 0) {
       watched = true;
       if (!consumers_[i].alive) {
-        return false;
+        return gone;
       }
     }
   }
   if (watched) {
-    return true;
+    return alive;
   }
-  if (pdos_.has_deadline()) {
-    return pdos_.on_time();
-  }
-  if (objects_.sync_period_us != 0) {
-    return sync_alive_;
-  }
-  return spoken_to_ && (timeout_us == 0 || now_us_ - traffic_us_ < timeout_us);
+  return !pdos_.has_deadline() ? none : pdos_.on_time() ? alive : gone;
 }
 
 // Emergencies.

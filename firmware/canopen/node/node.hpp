@@ -14,6 +14,8 @@
 
 namespace smaservo::canopen {
 
+enum class Supervision : std::uint8_t { none, alive, gone };
+
 enum class Nmt : std::uint8_t {
   initialising = 0,
   stopped = 4,
@@ -38,6 +40,9 @@ enum class Request : std::uint8_t {
   reset_communication,
 };
 
+/// EMCY code: the command source has gone.
+inline constexpr std::uint16_t heartbeat_lost = 0x8130;
+
 /// A table of objects and the plain struct that they live in.
 struct ObjectTable {
   ObjectRows rows;
@@ -58,6 +63,8 @@ class Application : public Dictionary {
   virtual void connection_lost(std::uint16_t /*code*/) {}
   /// Whether the request may go to the owner now: Abort::none, or why not.
   virtual Abort may_request(Request /*request*/) const { return Abort::none; }
+  /// Whether objects of this level may be written now.
+  virtual bool may_write(Level /*level*/) const { return true; }
   /// An object of the node that is stored has changed, or a write of any object has been refused
   /// before it came to the application.
   virtual void written(Key /*key*/, std::uint32_t /*old_value*/, std::uint32_t /*value*/,
@@ -125,10 +132,10 @@ class Node final : public Dictionary {
   std::uint16_t bit_rate_delay_ms() const { return lss_.delay_ms(); }
   /// Somebody else answers to the same node-id.
   bool is_duplicated() const { return duplicated_; }
-  /// Whether the configured supervision (heartbeats, else RPDO timers, else SYNC) sees the command
-  /// source; without any supervision, whether the source has spoken to this node within timeout_us
-  /// (0: at any time).
-  bool command_source_alive(std::uint64_t timeout_us) const;
+  /// What the configured supervision tells of the command source: all heartbeats of 1016h, else the
+  /// event timers of RPDOs. SYNC, where 1006h watches it, can only tell that the source has gone,
+  /// since another node may send it.
+  Supervision supervision() const;
   /// When the last SDO request came.
   std::uint64_t last_sdo_us() const { return sdo_.last_request_us(); }
   void set_sdo_timeouts(const SdoTimeouts& timeouts) { sdo_.set_timeouts(timeouts); }
@@ -185,7 +192,7 @@ class Node final : public Dictionary {
   Lss lss_;
   std::array<Consumer, consumer_count> consumers_{};
   std::array<Emergency, error_history> emergencies_{};
-  std::uint64_t now_us_ = 0, heartbeat_us_ = 0, emergency_us_ = 0, sync_us_ = 0, traffic_us_ = 0;
+  std::uint64_t now_us_ = 0, heartbeat_us_ = 0, emergency_us_ = 0, sync_us_ = 0;
   std::uint8_t emergencies_waiting_ = 0;
   std::uint8_t node_id_ = unconfigured;
   std::uint8_t lss_node_id_ = 0;  ///< stored by LSS; 0: none
@@ -201,7 +208,6 @@ class Node final : public Dictionary {
   bool boots_ = false;  ///< the boot-up message has to be sent
   bool emergency_sent_ = false;
   bool sync_alive_ = false;
-  bool spoken_to_ = false;
   bool lost_ = false;  ///< the communication error of 1001h
   bool duplicated_ = false;
 };

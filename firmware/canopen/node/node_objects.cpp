@@ -94,7 +94,8 @@ Abort Node::write(const Entry& entry, std::span<const std::uint8_t> from, Source
   const std::uint32_t value = take_value(object.type, from);
   const std::uint32_t before =
       object.at == nowhere ? 0 : load(object, std::as_bytes(std::span(&objects_, 1)));
-  const Abort result = write_own(object, value);
+  const Abort result =
+      application_.may_write(level_of(object.access)) ? write_own(object, value) : Abort::local;
   const bool is_refused = result != Abort::none && result != Abort::pending;
   if (is_refused || (result == Abort::none && (object.access & stored) != 0)) {
     application_.written(entry.key, before, value, source, result);

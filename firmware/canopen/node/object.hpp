@@ -67,6 +67,26 @@ inline constexpr std::uint16_t in_tpdo = 8;   ///< may be sent in a PDO
 inline constexpr std::uint16_t stored = 16;   ///< stored by 1010h, in the node's image
 inline constexpr std::uint16_t by_node = 32;  ///< the node-id is added to its default
 inline constexpr std::uint16_t constant = 64;
+inline constexpr std::uint16_t needs_tune = 128;    ///< Level::tune
+inline constexpr std::uint16_t needs_set_up = 256;  ///< Level::set_up
+
+// Who may write an object, by what it can do to the heat. Tables use these, never `writable` alone.
+/// Set-points within the limits, states that end heat or keep it, and what only measures or tells.
+inline constexpr std::uint16_t operated = writable;
+/// How a set-point is approached, and power that no loop of the device asks for.
+inline constexpr std::uint16_t tuned = writable | needs_tune;
+/// What bounds heat or motion, and what says when heat ends: after a fault, a stop, or with the
+/// command source.
+inline constexpr std::uint16_t set_up = writable | needs_set_up;
+
+constexpr std::uint16_t written_at(Level level) {
+  return level == Level::set_up ? set_up : level == Level::tune ? tuned : operated;
+}
+constexpr Level level_of(std::uint16_t access) {
+  return (access & needs_set_up) != 0 ? Level::set_up
+         : (access & needs_tune) != 0 ? Level::tune
+                                      : Level::operate;
+}
 
 /// Why a transfer has failed: CiA 301's SDO abort codes.
 enum class Abort : std::uint32_t {

@@ -75,8 +75,8 @@ struct ObjectRow {
   std::uint16_t index;
   std::uint8_t sub;
   Type type;
-  std::uint8_t access;
-  std::uint8_t range;
+  std::uint16_t access : 9;
+  std::uint16_t range : 7;
   std::uint16_t at;
   std::uint32_t standard;
 };
@@ -141,14 +141,14 @@ template <const auto& described>
 inline constexpr auto row_table = [] {
   std::array<ObjectRow, std::size(described)> rows{};
   auto ranges = distinct_ranges<described>;
-  static_assert(distinct_ranges<described>.size <= 256);
+  static_assert(distinct_ranges<described>.size <= 128);
   std::ranges::transform(described, rows.begin(), [&](const DescribedObject& row) -> ObjectRow {
     const Object& o = row.object;
     return {o.key.index,
             o.key.sub,
             o.type,
-            static_cast<std::uint8_t>(o.access),
-            static_cast<std::uint8_t>(ranges.add({o.min, o.max})),
+            static_cast<std::uint16_t>(o.access & 0x1FFU),
+            static_cast<std::uint16_t>(ranges.add({o.min, o.max}) & 0x7FU),
             o.at,
             o.standard};
   });

@@ -48,8 +48,7 @@ class ParameterAccess {
  public:
   virtual Abort find(Key key, Entry& entry) const = 0;
   virtual std::uint32_t read(std::uint16_t row) const = 0;
-  /// Whether it may change while the device is enabled.
-  virtual bool is_live(std::uint16_t row) const = 0;
+  virtual Level level(std::uint16_t row) const = 0;
   /// The value is in force at once; within a transaction, together with that.
   virtual Abort write(std::uint16_t row, std::uint32_t value, bool enabled) = 0;
   virtual Abort tune(TuningCommand command, float trial_s, bool enabled) = 0;

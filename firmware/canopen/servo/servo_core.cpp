@@ -14,7 +14,7 @@ constexpr std::uint16_t parameter_handle = 0x4000;
 constexpr std::uint16_t signal_handle = 0x8000;
 
 constexpr Key access_key{0x2003, 2}, tuning_key{0x2102, 1}, log_key{0x2220, 2},
-    recorder_key{0x2300, 1}, data_key{0x2300, 11};
+    recorder_key{0x2300, 1}, data_key{0x2300, 11}, step_key{0x2400, 1};
 constexpr Key node_id_key{0x2000, 2};
 
 constexpr auto fault_codes = [] {
@@ -117,12 +117,17 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   const std::uint32_t before = entry.key == tuning_key ? objects_.tuning_state
                                : is_command            ? 0
                                             : load(object, std::as_bytes(std::span(&objects_, 1)));
-  Abort result = check_range(object.type, value, object.min, object.max);
+  Abort result = may_write(level_of(object.access))
+                     ? check_range(object.type, value, object.min, object.max)
+                     : Abort::local;
   result = result == Abort::none ? check(entry.key, value) : result;
   result = result == Abort::none && is_command ? run(entry.key, value) : result;
   if (result != Abort::none) {
     log(entry.key, before, value, source, result);
     return result;
+  }
+  if ((object.access & in_rpdo) != 0 || entry.key == step_key) {
+    command_watch_.commanded(now_us_, source);
   }
   if (is_command) {
     return result;
@@ -143,7 +148,8 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
 Abort ServoCore::check(Key key, std::uint32_t value) const {
   const auto number = static_cast<std::int32_t>(value);
   if (key.index == 0x6060) {
-    return axis_.check_mode(number);
+    // The negative modes set power without a loop of the device.
+    return number < 0 && !may_write(Level::tune) ? Abort::local : axis_.check_mode(number);
   }
   if (key.index == 0x2301 || key == Key{0x2300, 5}) {
     return Recorder::check_channel(value);
@@ -169,9 +175,10 @@ Abort ServoCore::run(Key key, std::uint32_t value) {
 
 void ServoCore::unlock(std::uint32_t key) {
   const AccessKeys& keys = config_.keys;
-  objects_.level = keys.set_up == 0 || key == keys.set_up ? 2
-                   : keys.tune == 0 || key == keys.tune   ? 1
-                                                          : 0;
+  const Level level = keys.set_up == 0 || key == keys.set_up ? Level::set_up
+                      : keys.tune == 0 || key == keys.tune   ? Level::tune
+                                                             : Level::operate;
+  objects_.level = static_cast<std::uint8_t>(level);
 }
 
 // Parameters.
@@ -179,10 +186,8 @@ void ServoCore::unlock(std::uint32_t key) {
 Abort ServoCore::write_parameter(const Entry& entry, std::uint32_t value, Source source) {
   const auto row = static_cast<std::uint16_t>(entry.handle - parameter_handle);
   const std::uint32_t before = parameters_.read(row);
-  const std::uint8_t needed =
-      parameters_.is_live(row) && ceiling_of(config_.ceilings, entry.key) == Ceilings::none ? 1 : 2;
   Abort result = Abort::none;
-  if (objects_.level < needed) {
+  if (!may_write(parameters_.level(row))) {
     result = Abort::local;
   } else if (held_) {
     result = Abort::transfer;
@@ -203,9 +208,6 @@ Abort ServoCore::write_parameter(const Entry& entry, std::uint32_t value, Source
 }
 
 Abort ServoCore::tune(TuningCommand command) {
-  if (objects_.level == 0) {
-    return Abort::local;
-  }
   if (held_) {
     return Abort::transfer;
   }
@@ -267,8 +269,10 @@ void ServoCore::started(std::uint8_t /*node_id*/) {
   recorder_.reset(config_.step_s);
   step_test_.reset();
   unlock(0);
+  command_watch_.reset();
   latched_ = {};
   errors_ = 0;
+  missed_ = false;
   objects_.changes = log_.count();
 }
 
@@ -288,11 +292,12 @@ void ServoCore::connection_lost(std::uint16_t code) {
   revert_tuning(Source::device);
 }
 
-Abort ServoCore::may_request(Request request) const {
-  if (request == Request::bit_rate) {
-    return axis_.may_heat() ? Abort::state : Abort::none;
-  }
-  return axis_.may_heat() ? Abort::state : objects_.level < 1 ? Abort::local : Abort::none;
+Abort ServoCore::may_request(Request /*request*/) const {
+  return axis_.may_heat() ? Abort::state : Abort::none;
+}
+
+bool ServoCore::may_write(Level level) const {
+  return static_cast<std::uint8_t>(level) <= objects_.level;
 }
 
 void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
@@ -301,8 +306,26 @@ void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, S
 }
 
 bool ServoCore::is_fresh() const {
-  return objects_.connection_option == 0 ||
-         node_.command_source_alive(microseconds_of(objects_.command_source_timeout_s));
+  switch (node_.supervision()) {
+    case Supervision::alive:
+      return true;
+    case Supervision::gone:
+      return config_.unattended && objects_.connection_option == 0;
+    case Supervision::none:
+      break;
+  }
+  return config_.unattended ||
+         command_watch_.is_alive(now_us_, microseconds_of(objects_.command_source_timeout_s));
+}
+
+/// Heartbeats and event timers are watched by the node, which tells it by itself.
+void ServoCore::watch_command_source() {
+  const bool gone = node_.supervision() == Supervision::none && axis_.may_heat() && !is_fresh();
+  if (gone && !missed_) {
+    node_.emergency(heartbeat_lost);
+    connection_lost(heartbeat_lost);
+  }
+  missed_ = gone;
 }
 
 FaultSet ServoCore::external() const {
@@ -325,6 +348,7 @@ void ServoCore::advance(std::uint64_t now_us) {
         Abort::none);
   }
   watch_client();
+  watch_command_source();
   show_tuning();
   if (node_.state() == Nmt::initialising) {
     return;

@@ -5,6 +5,7 @@
 #include "firmware/canopen/node/node.hpp"
 #include "firmware/canopen/servo/axis.hpp"
 #include "firmware/canopen/servo/change_log.hpp"
+#include "firmware/canopen/servo/command_watch.hpp"
 #include "firmware/canopen/servo/parameter_access.hpp"
 #include "firmware/canopen/servo/recorder.hpp"
 #include "firmware/canopen/servo/step_test.hpp"
@@ -15,8 +16,8 @@ inline constexpr std::uint32_t servo_device_type = 0x0002'0192;  ///< servo driv
 inline constexpr std::uint32_t servo_product = 0x534D'4101;
 inline constexpr std::uint32_t servo_revision = 0x0001'0000;
 
-/// Keys of 2003h. They prevent mistakes, not attacks: whoever reads the bus reads them. 0: no key
-/// is needed. Gains can be written after `tune` only, all other parameters after `set_up` only.
+/// Keys of 2003h, one for each Level above `operate`. They prevent mistakes, not attacks: whoever
+/// reads the bus reads them. 0: no key is needed.
 struct AccessKeys {
   std::uint32_t tune = 0, set_up = 0;
 };
@@ -25,6 +26,9 @@ struct ServoConfig {
   NodeConfig node;  ///< identity, type and node-id are filled in by Servo
   Ceilings ceilings;
   AccessKeys keys;
+  /// Heat may go on without anybody who commands. False: it ends 2002h:1 after the last command,
+  /// unless 1016h or the event timers of RPDOs watch the command source.
+  bool unattended = false;
   std::span<float> recorder;  ///< memory of the recorder; may be empty
   float step_s = 1e-3F;       ///< of the loop
 };
@@ -71,7 +75,7 @@ class ServoCore : public Application {
   void note_change(Key key, std::uint32_t before, std::uint32_t value, Source source);
 
   AxisDemand demand() const { return axis_.demand(); }
-  /// The command source is there, or nobody asked for one (6007h = 0).
+  /// The command source is there, or need not be.
   bool is_fresh() const;
   /// The faults that only the bus can know, for Inputs::external.
   FaultSet external() const;
@@ -94,6 +98,7 @@ class ServoCore : public Application {
   void nmt_changed(Nmt state) override;
   void connection_lost(std::uint16_t code) override;
   Abort may_request(Request request) const override;
+  bool may_write(Level level) const override;
   void written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
                Abort result) override;
 
@@ -109,6 +114,7 @@ class ServoCore : public Application {
   void unlock(std::uint32_t key);
   Abort tune(TuningCommand command);
   void watch_client();
+  void watch_command_source();
   void show_tuning();
   void show_faults(const StepReport& report);
   void log(Key key, std::uint32_t before, std::uint32_t value, Source source, Abort result);
@@ -123,11 +129,13 @@ class ServoCore : public Application {
   Recorder recorder_;
   StepTest step_test_;
   ChangeLog log_;
+  CommandWatch command_watch_;
   Signals signals_{};
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
   std::uint32_t setpoints_ = 0;
   std::uint8_t errors_ = 0;  ///< bits of 1001h by the device's faults
+  bool missed_ = false;      ///< the command source has gone, and that has been told
   bool held_ = false;
 };
 

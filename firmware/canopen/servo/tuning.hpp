@@ -16,9 +16,7 @@ class Tuning final : public ParameterAccess {
   std::uint32_t read(std::uint16_t row) const override {
     return parameter_rows<S>[row].get(staging_.staged()).bits;
   }
-  bool is_live(std::uint16_t row) const override {
-    return parameter_rows<S>[row].change == Change::live;
-  }
+  Level level(std::uint16_t row) const override { return parameter_rows<S>[row].level; }
   Abort write(std::uint16_t row, std::uint32_t value, bool enabled) override;
   Abort tune(TuningCommand command, float trial_s, bool enabled) override;
   bool tick(float dt_s) override;
@@ -57,7 +55,9 @@ Abort Tuning<S>::find(Key key, Entry& entry) const {
   const Abort found = find_row(parameter_count, key_of, nullptr, key, entry, row);
   if (found == Abort::none && row < parameter_count) {
     const Type type = types[static_cast<std::size_t>(parameter_rows<S>[row].type)];
-    entry = {key, type, readable | writable, static_cast<std::uint16_t>(row), size_of(type)};
+    const auto access =
+        static_cast<std::uint16_t>(readable | written_at(parameter_rows<S>[row].level));
+    entry = {key, type, access, static_cast<std::uint16_t>(row), size_of(type)};
   }
   return found;
 }

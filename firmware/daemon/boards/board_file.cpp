@@ -211,7 +211,8 @@ BusSettings read_bus(files::TomlTable table) {
                         whole(table, "node_id", 0, 127, 0),
                         1e-3 * table.number("command_source_timeout_ms", 0, 6e4, 0),
                         {.tune = whole(table, "tune_key", 0, max_key, 0),
-                         .set_up = whole(table, "set_up_key", 0, max_key, 0)}};
+                         .set_up = whole(table, "set_up_key", 0, max_key, 0)},
+                        table.flag("unattended", false)};
   table.finish();
   return bus;
 }

@@ -27,6 +27,7 @@ struct BusSettings {
   unsigned node_id;                 ///< 0: the settings' node-id
   double command_source_timeout_s;  ///< time without a frame that raises bus_lost; 0: never
   canopen::AccessKeys keys;
+  bool unattended;  ///< heat may go on without anybody who commands
 };
 
 struct BoardFile {

@@ -79,6 +79,7 @@ canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
   config.recorder = recorder;
   config.ceilings = setup.ceilings;
   config.keys = setup.keys;
+  config.unattended = setup.unattended;
   return config;
 }
 

@@ -18,8 +18,9 @@ struct BusSetup {
   std::string folder;  ///< folder of the store; empty: nothing can be stored
   canopen::Ceilings ceilings;
   canopen::AccessKeys keys;
-  std::string board;  ///< its name in 1009h
-  int priority = 0;   ///< the thread's, in SCHED_FIFO; 0: none
+  bool unattended = false;  ///< heat may go on without anybody who commands
+  std::string board;        ///< its name in 1009h
+  int priority = 0;         ///< the thread's, in SCHED_FIFO; 0: none
   /// For the change log: what the store may have lost.
   // g++ warns of what designated initializers leave out, unless it has one of its own.
   std::vector<LostValue> lost = {};  // NOLINT(readability-redundant-member-init)

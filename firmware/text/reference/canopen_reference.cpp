@@ -303,11 +303,14 @@ std::string pdo_text(const Object& object) {
 
 std::string table_text(const ListedIndex& listed) {
   files::TextTable table(
-      {{"Object"}, {"Name"}, {"Type"}, {"Access"}, {"PDO"}, {"Default"}, {"Meaning"}});
+      {{"Object"}, {"Name"}, {"Type"}, {"Access"}, {"Level"}, {"PDO"}, {"Default"}, {"Meaning"}});
   for (const ListedObject& object : listed.objects) {
     const Object& o = object.object;
     table.add({fmt::format("{:04X}h:{}", o.key.index, o.key.sub), object.name, type_text(o.type),
                fmt::format("{}{}", access_text(o), may(o, canopen::stored) ? ", stored" : ""),
+               may(o, canopen::writable)
+                   ? level_names[static_cast<std::size_t>(canopen::level_of(o.access))]
+                   : "",
                pdo_text(o), real_default(object), object.meaning});
   }
   return table.markdown();

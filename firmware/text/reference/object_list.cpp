@@ -55,8 +55,10 @@ class List {
 void add_parameters(List& list) {
   for (const Parameter<double>& row : parameters<double>) {
     const std::string path(row.path.text());
-    list.add({{row.key, type_of(row.type), canopen::readable | canopen::writable, canopen::nowhere,
-               row.standard.bits, row.min.bits, row.max.bits},
+    const auto access =
+        static_cast<std::uint16_t>(canopen::readable | canopen::written_at(row.level));
+    list.add({{row.key, type_of(row.type), access, canopen::nowhere, row.standard.bits,
+               row.min.bits, row.max.bits},
               path,
               std::string(row.meaning),
               row.has_default(),

@@ -31,8 +31,9 @@ std::string rule_text(const Rule& rule) {
   };
   std::string left =
       rule.factor == 1 ? path(rule.a) : fmt::format("{} {}", rule.factor, path(rule.a));
+  const bool compares = rule.relation == Relation::below || rule.relation == Relation::not_above;
   if (rule.plus < parameter_count) {
-    left += " + " + path(rule.plus);
+    left += (compares ? " + " : " and ") + path(rule.plus);
   }
   const std::string_view sign = rule.relation == Relation::below       ? "<"
                                 : rule.relation == Relation::not_above ? "<="
@@ -47,13 +48,14 @@ std::string_view group_of(const Row& row) {
 
 std::string group_text(std::string_view group) {
   files::TextTable table(
-      {{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Meaning"}});
+      {{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Level"}, {"Meaning"}});
   for (const Row& row : parameters<double>) {
     if (group_of(row) == group) {
       table.add({fmt::format("{:04X}h:{}", row.key.index, row.key.sub),
                  fmt::format("`{}`", row.path.text()), type_text(type_of(row.type)),
                  range_text(row), row.has_default() ? value_text(row, row.standard) : "none",
-                 change_text(row.change), row.meaning});
+                 change_text(row.change), level_names[static_cast<std::size_t>(row.level)],
+                 row.meaning});
     }
   }
   return fmt::format("\n## {}\n\n{}", group, table.markdown());

@@ -126,6 +126,28 @@ TEST(ParameterCheck, ContradictionsNameBothParameters) {
   }
 }
 
+/// 20 mA through 10 ohm are 4 mW; what holds the wire at its limit is computed here by hand from the
+/// settings' own heat loss.
+TEST(ParameterCheck, TheMinimumCurrentHeatsNoMoreThanTheLimitsAllow) {
+  Settings<double> s = reference_settings();
+  const double ohm = cold_resistance_ohm(s.wire);
+  const auto idle_W = [&] { return s.limits.min_current_A * s.limits.min_current_A * ohm; };
+  const auto problem = [&] { return check(s).problem; };
+  ASSERT_EQ(problem(), Problem::none);
+  s.limits.power_W = idle_W() * 0.999;
+  EXPECT_EQ(problem(), Problem::contradiction) << "the power while arming is more than allowed";
+  s.limits.power_W = idle_W() * 1.001;
+  EXPECT_EQ(problem(), Problem::none);
+  s.limits.power_W = 100;
+  const double held_W = thermal_body(s.wire.geometry, s.wire.heat)
+                            .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - 298.15);
+  s.limits.min_current_A = std::sqrt(0.0499 * held_W / ohm);
+  ASSERT_LT(s.limits.min_current_A, s.limits.current_A);
+  EXPECT_EQ(problem(), Problem::none);
+  s.limits.min_current_A = std::sqrt(0.0501 * held_W / ohm);
+  EXPECT_EQ(problem(), Problem::contradiction);
+}
+
 /// Of every rule, both sides of its limit.
 TEST(ParameterCheck, ARuleHoldsUpToItsLimitAndNoFurther) {
   for (const Rule& rule : parameter_rules) {

@@ -302,6 +302,36 @@ TEST(Access, LevelsOpenByTheirKeys) {
   EXPECT_EQ(rig.set({0x1010, 1}, store_signature, 4), Abort::local);
 }
 
+TEST(Access, WhatBoundsHeatNeedsTheKeyOfSetUp) {
+  ServoConfig config;
+  config.keys = {.tune = 1111, .set_up = 2222};
+  ServoRig rig(config);
+  const auto open = [&](Key key, std::uint64_t value, std::size_t size) {
+    for (const std::uint32_t with : {0U, 1111U, 2222U}) {
+      rig.set({0x2003, 2}, with, 4);
+      if (rig.set(key, value, size) != Abort::local) {
+        return rig.get({0x2003, 1});
+      }
+    }
+    return std::uint64_t{3};
+  };
+  EXPECT_EQ(open({0x2020, 1}, as_bits(0.011F), 4), 2U) << "limits.min_current_A";
+  EXPECT_EQ(open({0x2020, 5}, as_bits(18.F), 4), 2U) << "limits.hot_spot_K";
+  EXPECT_EQ(open({0x2020, 11}, as_bits(1.1F), 4), 2U) << "limits.loss_margin";
+  EXPECT_EQ(open({0x2002, 1}, as_bits(4.F), 4), 2U);
+  EXPECT_EQ(open({0x6007, 0}, 0, 2), 2U);
+  EXPECT_EQ(open({0x605E, 0}, 2, 2), 2U);
+  EXPECT_EQ(open({0x1016, 1}, 0x0010'0190, 4), 2U);
+  EXPECT_EQ(open({0x1400, 5}, 100, 2), 2U);
+  EXPECT_EQ(open({0x1011, 1}, restore_signature, 4), 2U);
+  EXPECT_EQ(open({0x2201, 2}, as_bits(1.F), 4), 1U) << "power without a loop";
+  EXPECT_EQ(open({0x6060, 0}, 0xFE, 1), 1U);
+  EXPECT_EQ(open({0x2100, 1}, as_bits(1.F), 4), 1U);
+  EXPECT_EQ(open({0x607A, 0}, 100, 4), 0U);
+  EXPECT_EQ(open({0x6040, 0}, 6, 2), 0U);
+  EXPECT_EQ(open({0x6060, 0}, 1, 1), 0U);
+}
+
 // Recorder and step test.
 
 std::vector<float> recorded(ServoRig& rig) {
@@ -326,7 +356,7 @@ TEST(Recorder, KeepsWhatWasBeforeTheTrigger) {
   rig.set({0x2300, 5}, sub_of(signal_index("position_m")), 1);
   rig.set_real({0x2300, 7}, 0.5e-3F);
   ASSERT_EQ(rig.set({0x2300, 1}, 1, 1), Abort::none);
-  rig.run(6000);
+  rig.run(4000);
   EXPECT_EQ(rig.get({0x2300, 2}), 1U) << "it waits";
   EXPECT_EQ(rig.upload({0x2300, 11}).abort, Abort::state);
   rig.set({0x607A, 0}, 1000, 4);
