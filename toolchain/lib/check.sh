@@ -58,10 +58,14 @@ sources_to_tidy() {
     return
   fi
   # Folders that are compiled as one; then what is compiled by itself. Those that no target compiles
-  # have no flags.
-  sed -nE 's/^ *"file": "(.*\/Unity\/.*)",?$/\1/p' "$database" | tr '\n' '\0'
+  # have no flags. What two targets compile is looked at once.
+  local -a units
+  mapfile -t units < <(sed -nE 's/^ *"file": "(.*\/Unity\/.*)",?$/\1/p' "$database")
+  awk '/^#include "/ && !seen[$2]++ && FILENAME != last { last = FILENAME; printf "%s%c", last, 0 }' \
+    "${units[@]}"
   our_files '*.cpp' | while IFS= read -r -d '' file; do
-    if grep -qF "\"file\": \"$root/$file\"" "$database"; then
+    if grep -qF "\"file\": \"$root/$file\"" "$database" &&
+      ! grep -qxF "#include \"$root/$file\"" "${units[@]}"; then
       printf '%s\0' "$root/$file"
     fi
   done
@@ -118,8 +122,8 @@ check_tidy() {
   fi
 }
 
-# Programs in which the linker sees each class of each source: one name, one definition.
-check_odr() { build odr host-sim smaservod; }
+# The linker sees each class of each source of both programs: one name, one definition.
+check_odr() { build odr; }
 
 # Sources beside what has changed since the last commit, or in it where nothing has; 0-terminated.
 sources_beside_changes() {
