@@ -1,12 +1,12 @@
 // The firmware on a Linux board.
 
-#include <cstdio>
 #include <exception>
 #include <sysexits.h>
 
 #include "firmware/daemon/serve.hpp"
 #include "hal/linux/can/can_status.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/wire/wire_file.hpp"
 
 namespace {
@@ -26,9 +26,7 @@ int run(const smaservo::daemon::DaemonOptions& options) {
 }
 
 int ended_by(const std::exception& error, int code) {
-  std::fputs("smaservod: ", stderr);
-  std::fputs(error.what(), stderr);
-  std::fputs("\n", stderr);
+  smaservo::files::complain("smaservod", error.what());
   return code;
 }
 

@@ -1,9 +1,10 @@
 #include "firmware/daemon/options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+
+#include "model/files/message.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -21,6 +22,10 @@ std::string folder_of(const char* variable) {
 bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
   CLI::App app{"Drives a shape-memory-alloy wire as a position servo.", "smaservod"};
   app.set_version_flag("--version", SMASERVO_VERSION);
+  // CLI11's own message, but printable: it quotes the command line.
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return files::printable(error.what()) + "\nRun with --help for more information.\n";
+  });
   app.add_option("--board", options.board,
                  "board file; sim or sim=SCENARIO.toml: a simulated wire; replay=TRACE.csv: a "
                  "recording")
@@ -71,11 +76,10 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
 }
 
 void prepare_next_run(DaemonOptions& options) {
-  std::fputs("smaservod: reset over the bus\n", stderr);
+  files::complain("smaservod", "reset over the bus");
   if (!options.record.empty() && !std::filesystem::is_directory(options.record)) {
-    std::fputs(
-        "smaservod: the recording has ended; only --record FOLDER records the next run too\n",
-        stderr);
+    files::complain("smaservod",
+                    "the recording has ended; only --record FOLDER records the next run too");
     options.record.clear();
   }
 }

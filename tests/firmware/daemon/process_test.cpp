@@ -289,6 +289,30 @@ TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
   }
 }
 
+// A name that is no UTF-8, or that commands a terminal, ends no run and commands none.
+TEST(Process, NamesFromOutsideArePrintedEscaped) {
+  const TemporaryFolder folder;
+  const std::string name = "\xFF\x1B[2J\nsmaservod: all is well.toml";
+  for (const char* const option : {"--json", "--no-real-time"}) {
+    const Ended ended =
+        Program(folder, {"--board", "sim=" + (folder / name), "--at-once", "--for", "0.1", option})
+            .wait();
+    EXPECT_NE(ended.errors.find("\\xFF\\x1B[2J\\x0Asmaservod: all is well.toml"),
+              std::string::npos);
+  }
+  std::filesystem::copy(SMASERVO_SOURCE_DIR "/host-sim/scenarios", folder.path(),
+                        std::filesystem::copy_options::recursive);
+  std::filesystem::rename(folder / "steps.toml", folder / name);
+  for (const char* const option : {"--json", "--no-real-time"}) {
+    const Ended ended =
+        Program(folder, {"--board", "sim=" + (folder / name), "--at-once", "--for", "0.1", option})
+            .wait();
+    EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+    EXPECT_EQ((ended.out + ended.errors).find_first_of("\x1B\xFF"), std::string::npos) << ended.out;
+    EXPECT_EQ(("\n" + ended.out).find("\nsmaservod: all is well"), std::string::npos);
+  }
+}
+
 TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
   const TemporaryFolder folder;
   for (const char* const period : {"0.4", "11"}) {
