@@ -18,6 +18,9 @@ int run(const smaservo::daemon::DaemonOptions& options) {
   if (options.board.starts_with("replay=")) {
     return smaservo::daemon::serve_replay(options);
   }
+  if (!options.owns.empty()) {
+    return smaservo::daemon::tell_owned(options);
+  }
   if (options.off) {
     return smaservo::daemon::switch_board_off(options);
   }

@@ -52,6 +52,9 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
                "open each device that the board file names, report, and stop");
   app.add_flag("--off", options.off,
                "switch the board's outputs off and stop (ExecStopPost of the service)");
+  app.add_option("--owns", options.owns,
+                 "end with 0 if the board file names this device of the kernel (for udev), such as "
+                 "spidev0.0, iio:device0, gpiochip0, pwmchip0; else with 1");
   app.add_flag("--json", options.json, "print the final figures as JSON");
   app.add_flag("--at-once", options.at_once,
                "run a simulated wire as fast as the machine can, not in real time");

@@ -133,10 +133,13 @@ bool tried(const char* what, const std::function<void()>& open) {
   }
 }
 
+/// `unguarded` says what nothing guards against without this line.
 bool line_tried(const char* what, const hal::LineSettings& line,
-                hal::LineSettings hal::LinesSettings::* which) {
+                hal::LineSettings hal::LinesSettings::* which, std::string_view unguarded = "") {
   if (line.name.empty()) {
-    report_line(what, "not in the board file");
+    report_line(what, unguarded.empty()
+                          ? "not in the board file"
+                          : fmt::format("warning: not in the board file: {}", unguarded));
     return true;
   }
   hal::LinesSettings one;
@@ -187,8 +190,13 @@ int check_board(const DaemonOptions& options) {
   }
   ok = tried("front end", [&] { open_front_end(file, roots()); }) && ok;
   ok = tried("sensors", [&] { const hal::SlowSensors all(roots(), file.slow); }) && ok;
-  ok = line_tried("enable", file.lines.enable, &hal::LinesSettings::enable) && ok;
-  ok = line_tried("kick", file.lines.kick, &hal::LinesSettings::kick) && ok;
+  ok = line_tried("enable", file.lines.enable, &hal::LinesSettings::enable,
+                  "no second switch ends the heat where the drive fails and conducts") &&
+       ok;
+  ok = line_tried(
+           "kick", file.lines.kick, &hal::LinesSettings::kick,
+           "no one-shot ends the heat where the program, the kernel or the processor hangs") &&
+       ok;
   ok = line_tried("emergency stop", file.lines.emergency_stop,
                   &hal::LinesSettings::emergency_stop) &&
        ok;
@@ -198,6 +206,10 @@ int check_board(const DaemonOptions& options) {
   }
   const bool settings_ok = file.device.empty() || settings_tried(file);
   return !settings_ok ? EX_CONFIG : ok ? 0 : 1;
+}
+
+int tell_owned(const DaemonOptions& options) {
+  return drives(load_board_file(options.board), roots(), options.owns) ? 0 : 1;
 }
 
 int switch_board_off(const DaemonOptions& options) {

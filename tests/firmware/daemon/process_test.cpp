@@ -289,6 +289,37 @@ TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
   }
 }
 
+TEST(Process, OwnsTheDevicesOfTheReferenceBoard) {
+  const TemporaryFolder folder;
+  const std::string board = reference_board(folder, "");
+  for (const char* const device :
+       {"spidev0.0", "spidev0.1", "spidev1.0", "spidev0.10", "iio:device0"}) {
+    const bool owned =
+        std::string(device).starts_with("spidev0.") && std::string(device).size() == 9;
+    const Ended ended = Program(folder, {"--board", board, "--owns", device}).wait();
+    EXPECT_TRUE(ended.exited_with(owned ? 0 : 1)) << device;
+  }
+}
+
+// What a board lacks is no error, but nobody learns of it at the first fault only.
+TEST(Process, CheckWarnsOfWhatNothingGuards) {
+  const TemporaryFolder folder;
+  const std::string board = reference_board(folder, "");
+  std::string text = file_text(board);
+  const std::size_t from = text.find("[lines.enable]");
+  const std::size_t to = text.find("[lines.emergency_stop]");
+  ASSERT_LT(from, to);
+  std::ofstream(board) << text.erase(from, to - from);
+  const Ended ended = Program(folder, {"--board", board, "--check"}).wait();
+  for (const char* const says :
+       {"enable           warning: not in the board file: no second switch ends the heat where the "
+        "drive fails",
+        "kick             warning: not in the board file: no one-shot ends the heat where the "
+        "program"}) {
+    EXPECT_NE(ended.out.find(says), std::string::npos) << says << " in:\n" << ended.out;
+  }
+}
+
 // A name that is no UTF-8, or that commands a terminal, ends no run and commands none.
 TEST(Process, NamesFromOutsideArePrintedEscaped) {
   const TemporaryFolder folder;
