@@ -74,7 +74,9 @@ std::string describe(const LastRun& last) {
       text = fmt::format("the machine lost its power or was reset {}", when);
       break;
   }
-  return last.result.empty() ? text : fmt::format("{}; service result: {}", text, files::printable(last.result));
+  return last.result.empty()
+             ? text
+             : fmt::format("{}; service result: {}", text, files::printable(last.result));
 }
 
 RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boot) {
