@@ -8,6 +8,7 @@
 
 #include "host-sim/run.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo {
 namespace {
@@ -38,6 +39,10 @@ void refuse_to_overwrite(const std::string& file, const std::string& output) {
 int run_host_sim(int argc, char** argv) {
   CLI::App app{"Replays, simulates and describes shape-memory-alloy wires on a PC.", "host-sim"};
   app.set_version_flag("--version", SMASERVO_VERSION);
+  // CLI11's own message, but printable: it quotes the command line.
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return files::printable(error.what()) + "\nRun with --help for more information.\n";
+  });
   app.require_subcommand(1);
   smaservo::plan::add_calibrate_plan_command(app);
   smaservo::can::add_can_command(app);
@@ -57,7 +62,7 @@ int run_host_sim(int argc, char** argv) {
     return result.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && *argv[1] != '-' && app.get_subcommands().empty()) {
-      fmt::print(stderr, "host-sim: {}: no such command\n", argv[1]);
+      files::complain("host-sim", fmt::format("{}: no such command", argv[1]));
     }
     return app.exit(error) == 0 ? 0 : wrong_command_line;
   }

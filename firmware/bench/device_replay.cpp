@@ -17,6 +17,7 @@
 #include "firmware/text/device_trace.hpp"
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/progress.hpp"
 #include "model/files/text_table.hpp"
 
@@ -231,9 +232,10 @@ bool agrees(const DeviceReplayResult& result) {
 }
 
 std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult& result) {
-  std::string text = fmt::format("{}: {} rows, {:.4g} s\n",
-                                 options.trace == "-" ? "standard input" : options.trace,
-                                 result.rows, result.duration_s);
+  std::string text =
+      fmt::format("{}: {} rows, {:.4g} s\n",
+                  options.trace == "-" ? "standard input" : files::printable(options.trace),
+                  result.rows, result.duration_s);
   if (result.skipped > 0) {
     text += fmt::format("{} bad rows skipped\n", result.skipped);
     for (const std::string& complaint : result.complaints) {

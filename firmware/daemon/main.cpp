@@ -1,12 +1,12 @@
 // The firmware on a Linux board.
 
-#include <cstdio>
 #include <exception>
 #include <sysexits.h>
 
 #include "firmware/daemon/serve.hpp"
 #include "hal/linux/can/can_status.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/wire/wire_file.hpp"
 
 namespace {
@@ -18,6 +18,9 @@ int run(const smaservo::daemon::DaemonOptions& options) {
   if (options.board.starts_with("replay=")) {
     return smaservo::daemon::serve_replay(options);
   }
+  if (!options.owns.empty()) {
+    return smaservo::daemon::tell_owned(options);
+  }
   if (options.off) {
     return smaservo::daemon::switch_board_off(options);
   }
@@ -26,9 +29,7 @@ int run(const smaservo::daemon::DaemonOptions& options) {
 }
 
 int ended_by(const std::exception& error, int code) {
-  std::fputs("smaservod: ", stderr);
-  std::fputs(error.what(), stderr);
-  std::fputs("\n", stderr);
+  smaservo::files::complain("smaservod", error.what());
   return code;
 }
 

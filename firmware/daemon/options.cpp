@@ -1,9 +1,10 @@
 #include "firmware/daemon/options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+
+#include "model/files/message.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -21,6 +22,10 @@ std::string folder_of(const char* variable) {
 bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
   CLI::App app{"Drives a shape-memory-alloy wire as a position servo.", "smaservod"};
   app.set_version_flag("--version", SMASERVO_VERSION);
+  // CLI11's own message, but printable: it quotes the command line.
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return files::printable(error.what()) + "\nRun with --help for more information.\n";
+  });
   app.add_option("--board", options.board,
                  "board file; sim or sim=SCENARIO.toml: a simulated wire; replay=TRACE.csv: a "
                  "recording")
@@ -47,6 +52,9 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
                "open each device that the board file names, report, and stop");
   app.add_flag("--off", options.off,
                "switch the board's outputs off and stop (ExecStopPost of the service)");
+  app.add_option("--owns", options.owns,
+                 "end with 0 if the board file names this device of the kernel (for udev), such as "
+                 "spidev0.0, iio:device0, gpiochip0, pwmchip0; else with 1");
   app.add_flag("--json", options.json, "print the final figures as JSON");
   app.add_flag("--at-once", options.at_once,
                "run a simulated wire as fast as the machine can, not in real time");
@@ -71,11 +79,10 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
 }
 
 void prepare_next_run(DaemonOptions& options) {
-  std::fputs("smaservod: reset over the bus\n", stderr);
+  files::complain("smaservod", "reset over the bus");
   if (!options.record.empty() && !std::filesystem::is_directory(options.record)) {
-    std::fputs(
-        "smaservod: the recording has ended; only --record FOLDER records the next run too\n",
-        stderr);
+    files::complain("smaservod",
+                    "the recording has ended; only --record FOLDER records the next run too");
     options.record.clear();
   }
 }

@@ -14,6 +14,7 @@ struct DaemonOptions {
   std::string record;
   std::string status;
   double for_s = 0;  ///< 0: no end
+  std::string owns;  ///< name of a device of the kernel; empty: nobody asks
   bool check = false;
   bool off = false;
   bool json = false;

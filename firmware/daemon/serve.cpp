@@ -1,12 +1,12 @@
 #include "firmware/daemon/serve.hpp"
 
 #include <cmath>
-#include <fmt/format.h>
 
 #include "firmware/daemon/boards/replaying.hpp"
 #include "firmware/daemon/boards/simulation.hpp"
 #include "firmware/daemon/bus/bus_service.hpp"
 #include "firmware/text/settings_file.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -53,7 +53,7 @@ int serve_simulation(const DaemonOptions& options) {
   }
   const KeptSettings kept = keep_settings(options.settings, scenario.settings, true);
   if (!kept.faults.empty()) {
-    fmt::print(stderr, "smaservod: {}\n", kept.said);
+    files::complain("smaservod", kept.said);
   }
   ServiceSetup setup = service_setup(options, kept.settings);
   setup.real_time = options.real_time && !options.at_once;

@@ -36,5 +36,7 @@ int serve_replay(const DaemonOptions& options);
 int serve_board(const DaemonOptions& options);
 int check_board(const DaemonOptions& options);
 int switch_board_off(const DaemonOptions& options);
+/// 0: the board drives the device `options.owns`; 1: it does not.
+int tell_owned(const DaemonOptions& options);
 
 }  // namespace smaservo::daemon

@@ -12,6 +12,7 @@
 #include "firmware/text/settings_file.hpp"
 #include "hal/linux/can/open_can.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::daemon {
@@ -56,8 +57,9 @@ void keep_board(const std::string& folder, const std::string& text) {
     copy.write(text);
     copy.commit();
   } catch (const files::UserError& error) {
-    fmt::print(stderr, "smaservod: {}; --off will know only the board file as it is then\n",
-               error.what());
+    files::complain(
+        "smaservod",
+        fmt::format("{}; --off will know only the board file as it is then", error.what()));
   }
   umask(before);
 }
@@ -69,7 +71,7 @@ std::optional<BoardFile> usable(const std::string& path, bool said) {
     return load_board_file(path);
   } catch (const files::ConfigError& error) {
     if (!said) {
-      fmt::print(stderr, "smaservod: {}\n", error.what());
+      files::complain("smaservod", error.what());
     }
     return {};
   }
@@ -85,7 +87,7 @@ bool outputs_off(const BoardFile& file) {
     try {
       open();
     } catch (const hal::DeviceError& error) {
-      fmt::print(stderr, "smaservod: {}\n", error.what());
+      files::complain("smaservod", error.what());
       ok = false;
     }
   };
@@ -95,6 +97,11 @@ bool outputs_off(const BoardFile& file) {
   outputs.kick = file.lines.kick;
   off([&] { hal::open_lines(where, outputs); });
   return ok;
+}
+
+/// Prints a line of the report of --check.
+void report_line(std::string_view what, std::string_view text) {
+  files::print(fmt::format("{:<16} {}\n", what, files::printable(text)));
 }
 
 /// Prints the report's line on the settings; false: the file is refused, or is beyond the board.
@@ -108,7 +115,7 @@ bool settings_tried(const BoardFile& file) {
   } catch (const files::ConfigError& error) {
     problem = error.what();
   }
-  fmt::print("{:<16} {}\n", "settings", problem.empty() ? "ok" : problem);
+  report_line("settings", problem.empty() ? "ok" : problem);
   return problem.empty();
 }
 
@@ -116,20 +123,23 @@ bool settings_tried(const BoardFile& file) {
 bool tried(const char* what, const std::function<void()>& open) {
   try {
     open();
-    fmt::print("{:<16} ok\n", what);
+    report_line(what, "ok");
     return true;
   } catch (const hal::DeviceBusy&) {
     throw;
   } catch (const std::runtime_error& error) {
-    fmt::print("{:<16} {}\n", what, error.what());
+    report_line(what, error.what());
     return false;
   }
 }
 
+/// `unguarded` says what nothing guards against without this line.
 bool line_tried(const char* what, const hal::LineSettings& line,
-                hal::LineSettings hal::LinesSettings::* which) {
+                hal::LineSettings hal::LinesSettings::* which, std::string_view unguarded = "") {
   if (line.name.empty()) {
-    fmt::print("{:<16} not in the board file\n", what);
+    report_line(what, unguarded.empty()
+                          ? "not in the board file"
+                          : fmt::format("warning: not in the board file: {}", unguarded));
     return true;
   }
   hal::LinesSettings one;
@@ -148,14 +158,14 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
     throw files::ConfigError(fmt::format("{}: {}", options.device, problem));
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
-  fmt::print(stderr, "smaservod: {}\n", kept.said);
+  files::complain("smaservod", kept.said);
   if (const std::string problem = board_problem(file, kept.settings); !problem.empty()) {
-    fmt::print(stderr, "smaservod: {}; the device can not be armed\n", problem);
+    files::complain("smaservod", problem + "; the device can not be armed");
     kept.faults.set(Fault::bad_configuration);
   }
   if (const std::string problem = period_problem(kept.settings); !problem.empty()) {
-    fmt::print(stderr, "smaservod: {}: {}; the period of the settings file is used\n",
-               options.settings, problem);
+    files::complain("smaservod", fmt::format("{}: {}; the period of the settings file is used",
+                                             options.settings, problem));
     kept.settings.timing.period_s = given.timing.period_s;
     kept.faults.set(Fault::bad_configuration);
   }
@@ -169,19 +179,24 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
 
 int check_board(const DaemonOptions& options) {
   const BoardFile file = load_board_file(options.board);
-  fmt::print("{}: {}\n", options.board, file.name);
+  files::print(files::printable(fmt::format("{}: {}", options.board, file.name)) + "\n");
   bool ok = false;
   try {
     ok = tried("drive", [&] { open_drive(file, roots()); });
   } catch (const hal::DeviceBusy& error) {
-    fmt::print("{:<16} {}\n{:<16} not opened: that would disturb the smaservod that runs\n",
-               "drive", error.what(), "all others");
+    report_line("drive", error.what());
+    report_line("all others", "not opened: that would disturb the smaservod that runs");
     return 1;
   }
   ok = tried("front end", [&] { open_front_end(file, roots()); }) && ok;
   ok = tried("sensors", [&] { const hal::SlowSensors all(roots(), file.slow); }) && ok;
-  ok = line_tried("enable", file.lines.enable, &hal::LinesSettings::enable) && ok;
-  ok = line_tried("kick", file.lines.kick, &hal::LinesSettings::kick) && ok;
+  ok = line_tried("enable", file.lines.enable, &hal::LinesSettings::enable,
+                  "no second switch ends the heat where the drive fails and conducts") &&
+       ok;
+  ok = line_tried(
+           "kick", file.lines.kick, &hal::LinesSettings::kick,
+           "no one-shot ends the heat where the program, the kernel or the processor hangs") &&
+       ok;
   ok = line_tried("emergency stop", file.lines.emergency_stop,
                   &hal::LinesSettings::emergency_stop) &&
        ok;
@@ -191,6 +206,10 @@ int check_board(const DaemonOptions& options) {
   }
   const bool settings_ok = file.device.empty() || settings_tried(file);
   return !settings_ok ? EX_CONFIG : ok ? 0 : 1;
+}
+
+int tell_owned(const DaemonOptions& options) {
+  return drives(load_board_file(options.board), roots(), options.owns) ? 0 : 1;
 }
 
 int switch_board_off(const DaemonOptions& options) {
@@ -207,7 +226,7 @@ int switch_board_off(const DaemonOptions& options) {
     try {
       keep_service_result(folder, result);
     } catch (const files::UserError& error) {
-      fmt::print(stderr, "smaservod: {}\n", error.what());
+      files::complain("smaservod", error.what());
     }
   }
   bool files = present.has_value();

@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "model/files/message.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::hal {
@@ -439,8 +440,8 @@ struct TraceReader::Impl {
         ++rows;
         return true;
       }
-      const std::string complaint = fmt::format("line {}, column {} ({}): {}", line,
-                                                bad->column + 1, names[bad->column], bad->reason);
+      const std::string complaint = files::printable(fmt::format(
+          "line {}, column {} ({}): {}", line, bad->column + 1, names[bad->column], bad->reason));
       if (!options.lenient) {
         fail(complaint);
       }

@@ -16,6 +16,7 @@
 #include "host-sim/can/watch.hpp"
 #include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/text_table.hpp"
 
@@ -46,7 +47,7 @@ class Session {
 };
 
 void print(const std::string& text) {
-  fmt::print("{}", text);
+  files::print(text);
   std::fflush(stdout);
 }
 
@@ -114,8 +115,8 @@ void get(Remote& remote, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const text::KnownObject object = text::find_object(name);
     const std::string value = text::value_text(object, remote.read(object));
-    names.size() == 1 ? fmt::print("{}\n", value)
-                      : fmt::print("{} = {}\n", object.name.empty() ? name : object.name, value);
+    const std::string& called = object.name.empty() ? name : object.name;
+    files::print(files::printable(names.size() == 1 ? value : called + " = " + value) + "\n");
   }
 }
 
@@ -135,7 +136,8 @@ std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
 
 void dump(Remote& remote, const std::string& out) {
   files::OutputFile file(out);
-  file.write(fmt::format("# Parameters of node {} on {}.\n\n", remote.node(), remote.bus().name()));
+  file.write(fmt::format("# Parameters of node {} on {}.\n\n", remote.node(),
+                         files::printable(remote.bus().name())));
   file.write(text::to_toml(can::read_settings(remote)));
   file.commit();
 }
@@ -298,7 +300,11 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       add(can, "watch", "Shows live values; on a terminal as a table that is redrawn.", [=] {
         if (*once) plan->count = 1;
         Session session(*common);
-        can::watch(session.remote(), *plan, plan->count == 0 && isatty(STDOUT_FILENO) != 0, print);
+        const bool in_place = plan->count == 0 && isatty(STDOUT_FILENO) != 0;
+        can::watch(session.remote(), *plan, in_place, [=](const std::string& text) {
+          if (in_place) files::clear_terminal();
+          print(text);
+        });
       });
   watch->add_option("NAME", plan->names, "objects; default: a selection");
   watch->add_option("--period", plan->period_s, "time between rows, s")

@@ -6,6 +6,7 @@
 
 #include "firmware/text/device_names.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -161,7 +162,7 @@ void Remote::revert() {
   try {
     set("tuning.command", "4");
   } catch (const files::UserError& error) {
-    fmt::print(stderr, "host-sim: {}\n", error.what());
+    files::complain("host-sim", error.what());
   }
 }
 

@@ -8,6 +8,7 @@
 #include "host-sim/report/html.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
@@ -93,7 +94,7 @@ class EnabledForAWhile {
     try {
       if (!was_enabled_) remote_.disable();
     } catch (const std::exception& error) {
-      fmt::print(stderr, "host-sim: {}\n", error.what());
+      files::complain("host-sim", error.what());
     }
   }
   EnabledForAWhile(const EnabledForAWhile&) = delete;
@@ -248,7 +249,8 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
   ways_um.reserve(runs.size());
   for (const StepRun& run : runs) ways_um.push_back(way_um(run, axis));
   return figures_of(runs, names).text() +
-         fmt::format("\ncontraction, um: * {}{}\n", names[0], runs.size() > 1 ? ", . before" : "") +
+         fmt::format("\ncontraction, um: * {}{}\n", files::printable(names[0]),
+                     runs.size() > 1 ? ", . before" : "") +
          report::text_plot(ways_um, axis.columns, 12) +
          fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),
                      axis.columns - 12, axis.to_s);
@@ -265,8 +267,8 @@ void write_step_report(const std::string& path, const std::vector<StepRun>& runs
     data += data_block(runs[i], i);
     const char* colour = i == 0 ? "estimate" : "measured";
     const auto curve = [&](int column) {
-      return fmt::format("$run{} using 1:{} with lines lc rgb {} title '{}'", i, column, colour,
-                         names[i]);
+      return fmt::format("$run{} using 1:{} with lines lc rgb {} title {}", i, column, colour,
+                         report::plotted_text(names[i]));
     };
     positions.push_back(curve(2));
     temperatures.push_back(curve(4));

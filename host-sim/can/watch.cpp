@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::size_t plot_width = 64;
 constexpr std::size_t plot_height = 12;
-constexpr const char* to_the_top = "\x1b[H\x1b[J";
 
 constexpr std::array<const char*, 8> usual{
     "6041",           "live.position_m", "live.setpoint",       "live.temperature_K",
@@ -96,7 +95,7 @@ void watch(Remote& remote, const WatchPlan& plan, bool in_place,
                                        report::text_plot({history}, plot_width, plot_height)
                                  : "";
     const bool last = i + 1 == plan.count;
-    show(in_place ? to_the_top + table(objects, row) + plot
+    show(in_place ? table(objects, row) + plot
                   : fmt::format("{:.3f},{}\n{}", row.time_s, fmt::join(row.texts, ","),
                                 last ? plot : ""));
   }

@@ -14,7 +14,7 @@ struct WatchPlan {
 };
 
 /// Reads and shows the objects `plan.count` times: as CSV lines under a header or, `in_place`, as a
-/// table that is redrawn. Throws UserError.
+/// table at a time, for which the caller empties the terminal. Throws UserError.
 void watch(Remote& remote, const WatchPlan& plan, bool in_place,
            const std::function<void(const std::string&)>& show);
 

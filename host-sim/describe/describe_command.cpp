@@ -8,6 +8,7 @@
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::describe {
 namespace {
@@ -48,7 +49,7 @@ std::string list_of_topics() {
 void describe(const DescribeArguments& a) {
   for (const Topic& topic : topics) {
     if (topic.name == a.topic) {
-      fmt::print("{}", topic.text(a));
+      files::print(topic.text(a));
       return;
     }
   }

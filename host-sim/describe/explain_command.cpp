@@ -6,14 +6,15 @@
 #include "firmware/text/reference/fault_reference.hpp"
 #include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::describe {
 namespace {
 
 void list_faults() {
   for (const FaultRow& row : fault_rows) {
-    fmt::print("{:04X}h  {:<2}  {:<20}{}\n", row.code, class_name(row.severity), row.name,
-               row.text);
+    files::print(fmt::format("{:04X}h  {:<2}  {:<20}{}\n", row.code, class_name(row.severity),
+                             row.name, row.text));
   }
 }
 
@@ -26,7 +27,7 @@ void explain(const std::string& name) {
             ? fmt::format("{}: no such fault; `host-sim explain` lists them", name)
             : fmt::format("{}: no such fault; did you mean {}?", name, fmt::join(close, ", ")));
   }
-  fmt::print("{}", text::explain_fault(fault));
+  files::print(text::explain_fault(fault));
 }
 
 }  // namespace

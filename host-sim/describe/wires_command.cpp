@@ -2,18 +2,21 @@
 #include <memory>
 
 #include "host-sim/commands.hpp"
+#include "model/files/message.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::describe {
 namespace {
 
 void list_presets() {
-  fmt::print("{:<18}{:>12}{:>10}{:>10}{:>12}\n", "preset", "diameter", "Ω/m", "limit", "load");
+  files::print(fmt::format("{:<18}{:>12}{:>10}{:>10}{:>12}\n", "preset", "diameter", "Ω/m", "limit",
+                           "load"));
   for (const std::string& name : files::preset_names()) {
     const Wire<double> w = files::load_wire(name).wire;
-    fmt::print("{:<18}{:>9.0f} µm{:>9.4g}{:>8.0f} mA{:>10.3g} N\n", name,
-               1e6 * w.geometry.diameter_m, cold_resistance_ohm(w) / w.geometry.length_m,
-               1e3 * w.limits.current_A, w.limits.stress_Pa * w.geometry.area_m2());
+    files::print(fmt::format("{:<18}{:>9.0f} µm{:>9.4g}{:>8.0f} mA{:>10.3g} N\n", name,
+                             1e6 * w.geometry.diameter_m,
+                             cold_resistance_ohm(w) / w.geometry.length_m, 1e3 * w.limits.current_A,
+                             w.limits.stress_Pa * w.geometry.area_m2()));
   }
 }
 
@@ -33,8 +36,7 @@ void add_wires_command(CLI::App& app) {
     if (a->name.empty()) {
       list_presets();
     } else {
-      fmt::print("{}",
-                 files::to_toml(files::load_wire(a->name, text::parse_settings(a->settings))));
+      files::print(files::to_toml(files::load_wire(a->name, text::parse_settings(a->settings))));
     }
   });
 }

@@ -14,6 +14,7 @@
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/simulate/closed_loop_run.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
 
@@ -62,7 +63,7 @@ void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   const RandomScenario scenario =
       random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
   const simulate::LoopRunResult result = simulate::run_closed_loop(scenario.loop, {.out = a.out});
-  fmt::print(a.out == "-" ? stderr : stdout, "{}", simulate::summary(scenario.loop, result));
+  files::print(simulate::summary(scenario.loop, result), a.out == "-" ? stderr : stdout);
 }
 
 /// The output files for numbers and table. They are opened first, since an evaluation may take an
@@ -99,7 +100,7 @@ void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
   const std::string json = closed_loop_json(evaluation);
   const std::string markdown = closed_loop_markdown(evaluation);
   destination.write(json, markdown);
-  fmt::print(a.out == "-" ? stderr : stdout, "{}", a.json ? json : markdown);
+  files::print(a.json ? json : markdown, a.out == "-" ? stderr : stdout);
 }
 
 void run(EvaluateArguments& a) {
@@ -135,8 +136,8 @@ void run(EvaluateArguments& a) {
   if (!a.report.empty()) {
     write_table_report(a.report, evaluation);
   }
-  fmt::print(out == "-" || a.report == "-" ? stderr : stdout, "{}",
-             a.json ? table_json(evaluation) : table_text(evaluation));
+  files::print(a.json ? table_json(evaluation) : table_text(evaluation),
+               out == "-" || a.report == "-" ? stderr : stdout);
 }
 
 }  // namespace

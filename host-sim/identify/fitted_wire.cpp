@@ -9,6 +9,7 @@
 #include <map>
 
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::identify {
@@ -146,7 +147,7 @@ std::string structure_source(bool changed, const std::string& before, const FitR
 }  // namespace
 
 std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
+  return files::printable(std::filesystem::path(path).filename().string());
 }
 
 std::string group_of(std::string_view key) {

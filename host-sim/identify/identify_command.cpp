@@ -12,6 +12,7 @@
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::identify {
@@ -61,13 +62,12 @@ class FitStatus {
 
   void show(const FitProgress& at) const {
     if (terminal_) {
-      fmt::print(stderr, "\r\033[K{}: step {}, cost {:.1f}", at.stage, at.iteration, at.cost);
-      std::fflush(stderr);
+      files::redraw(fmt::format("{}: step {}, cost {:.1f}", at.stage, at.iteration, at.cost));
     }
   }
   void clear() const {
     if (terminal_) {
-      fmt::print(stderr, "\r\033[K");
+      files::redraw("");
     }
   }
 
@@ -144,7 +144,7 @@ void run(const IdentifyArguments& a) {
   if (!a.report.empty()) {
     write_fit_report(a.report, all);
   }
-  fmt::print(a.report == "-" ? stderr : stdout, "{}", a.json ? fit_json(all) : fit_summary(all));
+  files::print(a.json ? fit_json(all) : fit_summary(all), a.report == "-" ? stderr : stdout);
   if (all.fit.interrupted) {
     // The program ends by the signal itself, so that a shell or script sees it was interrupted.
     std::fflush(stdout);

@@ -9,6 +9,7 @@
 #include "host-sim/identify/fit_plots.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
@@ -23,9 +24,9 @@ std::size_t rows_of(const FittedRun& run) {
 
 /// One line: files, runs, iterations, time.
 std::string heading(const Identification& all) {
-  return fmt::format("{} from {} and {} run{}, {} iterations, {:.1f} s{}", all.out, all.from,
-                     all.runs.size(), all.runs.size() == 1 ? "" : "s", all.fit.iterations,
-                     all.elapsed_s,
+  return fmt::format("{} from {} and {} run{}, {} iterations, {:.1f} s{}",
+                     files::printable(all.out), files::printable(all.from), all.runs.size(),
+                     all.runs.size() == 1 ? "" : "s", all.fit.iterations, all.elapsed_s,
                      all.fit.interrupted ? ", INTERRUPTED: the best so far, not the end" : "");
 }
 
@@ -222,8 +223,8 @@ std::string fit_summary(const Identification& all) {
   text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
   const std::vector<std::string> kept = undetermined(all.fit);
   if (!kept.empty()) {
-    text += fmt::format("not determined by these runs, kept from {}:\n  {}\n", all.from,
-                        fmt::join(kept, "\n  "));
+    text += fmt::format("not determined by these runs, kept from {}:\n  {}\n",
+                        files::printable(all.from), fmt::join(kept, "\n  "));
   }
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {

@@ -10,6 +10,7 @@
 #include "host-sim/plan/plan.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
 #include "model/files/text_table.hpp"
@@ -89,7 +90,7 @@ std::string instructions(const Planned& p) {
   }
   std::string settings;
   for (const std::string& setting : p.arguments.settings) {
-    settings += " --set " + setting;
+    settings += " --set " + files::printable(setting);
   }
   return fmt::format(
       "1. Hang {} on the wire, one after the other. Heat it once, let it cool until nothing moves, "
@@ -98,7 +99,7 @@ std::string instructions(const Planned& p) {
       "voltage_V (at "
       "the wire), load_N, displacement_mm, ambient_degC.\n"
       "3. host-sim identify --from {}{} --out mine.toml {}\n",
-      fmt::join(loads, ", "), p.arguments.wire, settings, fmt::join(files, " "));
+      fmt::join(loads, ", "), files::printable(p.arguments.wire), settings, fmt::join(files, " "));
 }
 
 files::TextTable runs(const Planned& p) {
@@ -231,8 +232,8 @@ void run(const PlanArguments& a) {
                        report::plots_html(plots(planned.plan)) +
                            report::listing_html("Expected deviations", summary(planned)));
   }
-  fmt::print(a.out == "-" || a.report == "-" ? stderr : stdout, "{}",
-             a.json ? json(planned) : summary(planned));
+  files::print(a.json ? json(planned) : summary(planned),
+               a.out == "-" || a.report == "-" ? stderr : stdout);
 }
 
 }  // namespace

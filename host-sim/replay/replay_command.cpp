@@ -9,6 +9,7 @@
 #include "host-sim/replay/replay.hpp"
 #include "host-sim/replay/report.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::replay {
@@ -36,7 +37,7 @@ void run_device(const ReplayArguments& a) {
   refuse_to_overwrite(options.trace, options.out);
   refuse_to_overwrite(a.device, options.out);
   const bench::DeviceReplayResult result = bench::replay_device(options);
-  fmt::print(options.out == "-" ? stderr : stdout, "{}", summary(options, result));
+  files::print(summary(options, result), options.out == "-" ? stderr : stdout);
   if (!bench::agrees(result) && !a.allow_differences) {
     throw files::UserError(fmt::format("{}: the outputs differ from those in the trace{}",
                                        options.trace,
@@ -80,8 +81,8 @@ void run(ReplayArguments& a) {
   }
   // Where the estimate takes standard output, the summary must not mix with it.
   const bool taken = a.options.out == "-" || a.report == "-";
-  fmt::print(taken ? stderr : stdout, "{}",
-             a.json ? summary_json(a.options, result) : summary(a.options, result));
+  files::print(a.json ? summary_json(a.options, result) : summary(a.options, result),
+               taken ? stderr : stdout);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/plots.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
 #include "observer/kalman.hpp"
 
@@ -72,7 +73,7 @@ std::string reading(const ReplayOptions& options, const ReplayResult& result) {
   if (result.timed) {
     text += fmt::format(", {:.4g} s", result.duration_s);
   }
-  text += fmt::format(", wire {}", options.wire.name);
+  text += fmt::format(", wire {}", files::printable(options.wire.name));
   if (result.open_loop) {
     text += ", temperature and stress given: the model alone";
   }
@@ -89,7 +90,7 @@ std::string reading(const ReplayOptions& options, const ReplayResult& result) {
 }
 
 std::string trace_name(const ReplayOptions& options) {
-  return options.trace == "-" ? "standard input" : options.trace;
+  return options.trace == "-" ? "standard input" : files::printable(options.trace);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::report {
 namespace {
@@ -120,6 +121,14 @@ std::string draw_surface(const Axes& axes, const std::string& data, const std::s
 
 std::string plotted(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "NaN";
+}
+
+std::string plotted_text(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : files::printable(text)) {
+    quoted.append(c == '\'' ? "''" : std::string_view(&c, 1));
+  }
+  return quoted + "' noenhanced";
 }
 
 std::string plotted_row(std::span<const double> values) {

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace smaservo::report {
@@ -31,6 +32,8 @@ std::string draw_surface(const Axes& axes, const std::string& data, const std::s
 
 /// The number as gnuplot reads it; one that is not finite leaves a gap.
 std::string plotted(double value);
+/// A text from outside as the title of a curve, in gnuplot's quotes and without its markup.
+std::string plotted_text(std::string_view text);
 /// The numbers as a row of a data block.
 std::string plotted_row(std::span<const double> values);
 

@@ -10,6 +10,7 @@
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/device_trace.hpp"
+#include "model/files/message.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::simulate {
@@ -223,9 +224,10 @@ LoopRunResult run_closed_loop(const bench::ClosedLoopScenario& scenario,
 }
 
 std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result) {
-  std::string text = fmt::format("{}: {} steps, {:.4g} s, {:.0f} times real time\n{}\n",
-                                 scenario.name, result.steps, result.duration_s,
-                                 result.duration_s / result.elapsed_s, scenario.note);
+  std::string text =
+      fmt::format("{}: {} steps, {:.4g} s, {:.0f} times real time\n{}\n",
+                  files::printable(scenario.name), result.steps, result.duration_s,
+                  result.duration_s / result.elapsed_s, files::printable(scenario.note));
   text += fmt::format(
       "hottest point {:.1f} °C at {:.3f} s, greatest current {:.0f} mA, greatest "
       "error of the estimate {:.1f} % of the stroke\n",

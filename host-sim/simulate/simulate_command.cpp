@@ -6,6 +6,7 @@
 #include "host-sim/simulate/closed_loop_report.hpp"
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::simulate {
@@ -24,7 +25,7 @@ void run_loop(const SimulateArguments& a) {
   }
   // Where a file takes standard output, the summary must not mix with it.
   const bool taken = a.out == "-" || a.report == "-";
-  fmt::print(taken ? stderr : stdout, "{}", summary(scenario, result));
+  files::print(summary(scenario, result), taken ? stderr : stdout);
 }
 
 void run(const SimulateArguments& a) {

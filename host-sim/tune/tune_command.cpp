@@ -9,6 +9,7 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 #include "model/units.hpp"
 
@@ -96,8 +97,8 @@ void run(const TuneArguments& a) {
   if (!a.report.empty()) {
     write_tune_report(a.report, tuned);
   }
-  fmt::print(a.out == "-" || a.report == "-" ? stderr : stdout, "{}",
-             a.json ? tuned_json(tuned) : tuned_text(tuned));
+  files::print(a.json ? tuned_json(tuned) : tuned_text(tuned),
+               a.out == "-" || a.report == "-" ? stderr : stdout);
 }
 
 }  // namespace

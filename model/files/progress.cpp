@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <utility>
+
+#include "model/files/message.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -28,7 +29,7 @@ Progress::Progress(std::string what, std::uint64_t total)
 
 Progress::~Progress() {
   if (printed_) {
-    fmt::print(stderr, "\r\033[K");
+    redraw("");
   }
 }
 
@@ -49,13 +50,12 @@ void Progress::print(std::uint64_t done) {
   const double seconds = static_cast<double>(now - start_ns_) * 1e-9;
   if (total_ > 0) {
     const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
-    fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", what_, 100 * share,
-               share > 0 ? seconds / share - seconds : 0.0);
+    redraw(fmt::format("{}: {:3.0f} %, {:.0f} s left", what_, 100 * share,
+                       share > 0 ? seconds / share - seconds : 0.0));
   } else {
-    fmt::print(stderr, "\r\033[K{}: {:.1f} MB, {:.0f} s", what_, static_cast<double>(done) * 1e-6,
-               seconds);
+    redraw(
+        fmt::format("{}: {:.1f} MB, {:.0f} s", what_, static_cast<double>(done) * 1e-6, seconds));
   }
-  std::fflush(stderr);
   printed_ = true;
   next_ns_ = now + every_ns;
 }

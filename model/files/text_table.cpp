@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "model/files/message.hpp"
+
 namespace smaservo::files {
 namespace {
 
@@ -23,22 +25,6 @@ bool is_continuation(char c) {
 
 std::size_t width_of(std::string_view text) {
   return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_continuation));
-}
-
-/// What a text begins with: a whole symbol, or one byte that begins none.
-std::string_view first_symbol(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text.front());
-  const std::size_t size = first < 0xC0 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-  const std::string_view symbol = text.substr(0, size);
-  const bool whole = symbol.size() == size && width_of(symbol) == 1;
-  return whole ? symbol : text.substr(0, 1);
-}
-
-/// A control character, also of Latin-1, which are C2h 80h to 9Fh; or no symbol.
-bool is_unprintable(std::string_view symbol) {
-  const auto first = static_cast<unsigned char>(symbol.front());
-  const auto last = static_cast<unsigned char>(symbol.back());
-  return symbol.size() == 1 ? first < 0x20 || first >= 0x7F : first == 0xC2 && last < 0xA0;
 }
 
 /// A text in lines of a width, as far as its words allow.
@@ -180,7 +166,7 @@ std::string markdown_line(const Line& line) {
   for (const auto& [cell, marked] : line) {
     text += marked ? " **" : " ";
     for (const char c : cell) {
-      text.append(c == '|' ? "\\|" : std::string_view(&c, 1));
+      text.append(c == '|' ? "\\|" : c == '<' ? "&lt;" : std::string_view(&c, 1));
     }
     text += marked ? "** |" : " |";
   }
@@ -259,25 +245,9 @@ Json TextTable::json() const {
   return list;
 }
 
-std::string printable(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    const std::string_view symbol = first_symbol(text);
-    text.remove_prefix(symbol.size());
-    if (!is_unprintable(symbol)) {
-      out += symbol;
-      continue;
-    }
-    for (const char byte : symbol) {
-      out += fmt::format("\\x{:02X}", static_cast<unsigned char>(byte));
-    }
-  }
-  return out;
-}
-
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : printable_lines(text)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -291,6 +261,9 @@ std::string escaped(std::string_view text) {
       case '"':
         out += "&quot;";
         break;
+      case '\'':
+        out += "&#39;";
+        break;
       default:
         out += c;
     }
@@ -298,8 +271,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string json_text(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+std::string json_text(const Json& json, int indent) {
+  return printable_json(json.dump(indent, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 }  // namespace smaservo::files

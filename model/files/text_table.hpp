@@ -72,11 +72,10 @@ class TextTable {
   std::string nothing_;
 };
 
-/// Text as a terminal may show it: control characters and bytes that are no UTF-8 as \x1B.
-std::string printable(std::string_view text);
-/// Text as HTML shows it.
+/// Text as HTML shows it, also inside an attribute; control characters as on a terminal.
 std::string escaped(std::string_view text);
-/// A document in lines; bytes that are no UTF-8 are replaced.
-std::string json_text(const nlohmann::ordered_json& json);
+/// A document in lines, or without an indent (-1) in one. A terminal may show it: bytes that are no
+/// UTF-8 are replaced, control characters are \u001b.
+std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
 
 }  // namespace smaservo::files

@@ -20,6 +20,9 @@ try 'look into homes' ls /home
 try "read another's /tmp" cat /tmp/forbidden
 # shellcheck disable=SC2016 # perl's
 try 'talk netlink' perl -e 'socket(my $s, 16, 3, 0) or die "perl: $!\n"'
+# shellcheck disable=SC2016 # perl's
+try 'send to an address' perl -MSocket -e 'socket(my $s, AF_INET, SOCK_DGRAM, 0) or die "perl: $!\n";
+  send($s, "x", 0, sockaddr_in(9, INADDR_LOOPBACK)) or die "perl: $!\n"'
 try 'make a namespace' unshare -U true
 try 'make a file set-user-ID' make_setuid
 try 'open its GPIO' head -c 0 /dev/gpiochip0

@@ -17,9 +17,17 @@ expect 'its user' "$(getent passwd smaservo | cut -d : -f 1,6)" smaservo:/var/li
 expect 'enabled' "$(systemctl is-enabled smaservod)" disabled
 expect 'started' "$(unit ActiveState)" inactive
 udevadm settle
-expect 'owner of GPIO' "$(stat -c %U /dev/gpiochip0)" smaservo
-expect 'owner of the converter' "$(stat -c %U /dev/iio:device0)" smaservo
-expect 'owner of the PWM' "$(stat -Lc %U "$(pwm_chip)"/export)" smaservo
+# A chip of which the board file names no line.
+other=/sys/kernel/config/gpio-sim/other
+mkdir -p $other/bank0
+echo 1 >$other/bank0/num_lines
+echo 1 >$other/live
+udevadm settle
+owners() {
+  stat -Lc %U /dev/gpiochip0 /dev/gpiochip1 /dev/iio:device0 "$(pwm_chip)"/export "/dev/$(cat $other/bank0/chip_name)" |
+    xargs
+}
+expect 'owners without a board file' "$(owners)" 'root root root root root'
 systemctl start smaservod
 expect 'without a board file' "$(unit ActiveState) $(unit ConditionResult)" 'inactive no'
 
@@ -41,6 +49,9 @@ mkdir -p /etc/smaservo
 sed '/^folder/d' board.toml >/etc/smaservo/board.toml
 printf '\n[bus]\ninterface = "can0"\nnode_id = 1\n' >>/etc/smaservo/board.toml
 sed 's#"../../host-sim/#"/usr/share/smaservo/#' device.toml >/etc/smaservo/device.toml
+udevadm trigger
+udevadm settle
+expect 'owners of its devices, and of a chip that is not' "$(owners)" 'smaservo smaservo smaservo smaservo root'
 sed 's#"device.toml"#"/etc/smaservo/device.toml"#' hold.toml >/tmp/hold.toml
 # What runs after the start is in the same sandbox.
 here=$PWD
@@ -79,6 +90,7 @@ answer 'write below /etc' 'Read-only file system'
 answer 'look into homes' 'Permission denied'
 answer "read another's /tmp" 'No such file or directory'
 answer 'talk netlink' 'Address family not supported by protocol'
+answer 'send to an address' 'Operation not permitted'
 answer 'make a namespace' 'Operation not permitted'
 answer 'make a file set-user-ID' 'Operation not permitted'
 answer 'open its GPIO' allowed

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include "model/files/message.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 
@@ -65,6 +66,60 @@ TEST(Command, HelpExplainsEverySubCommand) {
         << "host-sim/README.md has no row for " << command;
   }
   EXPECT_THAT(program.run({"--version"}).out, Not(IsEmpty()));
+}
+
+/// Whatever files, their names and arguments hold: a terminal gets no control character, and nobody
+/// writes a line in the program's name.
+TEST(Command, WhatComesFromOutsideIsPrintedEscaped) {
+  const std::string evil = "\x1B[2J\nhost-sim: all is well\x7F\xC2\x9B\r";
+  Program program;
+  const TemporaryFolder& folder = program.folder();
+  const std::string header = "time_s,current_A,voltage_V,load_N";
+  std::string binary;
+  for (int i = 0; i < 3000; ++i) {
+    binary += static_cast<char>(i * i % 251);
+  }
+  const std::string wire = "[wire]\nbased_on = \"smartflex-76um\"\n";
+  const std::string quoted = R"("\u001B[2J\nhost-sim: all is well\u007F")";
+  const std::string from[] = {
+      folder.write("header.csv", "time_s,\x1B[2J\r,x\n0,1,2\n"),
+      folder.write("field.csv", header + "\n0,1,\x1B[2J\x7F,2\n"),
+      folder.write("binary.csv", binary),
+      folder.write("long.csv", "time_s," + std::string(900'000, '\x1B') + "\n1,2\n"),
+      folder / ("no" + evil + ".csv"),
+  };
+  std::vector<Texts> runs;
+  for (const std::string& trace : from) {
+    runs.push_back({"replay", "--wire", unit_b(), trace});
+    runs.push_back({"replay", "--wire", unit_b(), "--lenient", trace});
+  }
+  const std::string good =
+      folder.write("good" + evil + ".csv", joined(first_lines("200MPa.csv", 400)));
+  runs.push_back({"replay", "--wire", unit_b(), "--lenient", good});
+  runs.push_back({"wires", folder.write("key.toml", wire + quoted + " = 3\n")});
+  runs.push_back({"wires", folder.write("value.toml", "[wire]\nbased_on = " + quoted + "\n")});
+  runs.push_back({"wires", folder.write("name.toml", "name = " + quoted + "\n" + wire)});
+  runs.push_back({"replay", "--wire", folder / "name.toml", good});
+  runs.push_back({"replay", "--wire", unit_b(), "--set", evil + "=" + evil, good});
+  runs.push_back({"replay", "--column", "time_s=" + evil, good});
+  runs.push_back({"tune", "--wire", evil});
+  runs.push_back({"simulate", "--scenario", evil});
+  runs.push_back({"explain", evil});
+  runs.push_back({"can", "--can", evil, "scan"});
+  runs.push_back({evil});
+  runs.push_back({"--" + evil});
+  runs.push_back({"replay", "--" + evil, "a.csv"});
+  runs.push_back({"replay", "--observer", evil, "a.csv"});
+  for (const Texts& run : runs) {
+    const Finished finished = program.run(run);
+    const std::string all = finished.out + finished.err;
+    EXPECT_THAT(all, Not(IsEmpty()));
+    EXPECT_LT(all.size(), 10'000U);
+    for (const char* const control : {"\x1B", "\x7F", "\xC2\x9B", "\r"}) {
+      EXPECT_EQ(all.find(control), std::string::npos) << files::printable(all);
+    }
+    EXPECT_EQ(("\n" + all).find("\nhost-sim: all is well"), std::string::npos) << all;
+  }
 }
 
 TEST(Command, WrongArgumentsEndWith2AndAMessage) {

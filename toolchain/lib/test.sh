@@ -59,7 +59,7 @@ test_part() {
     can) timed can-test can_test ;;
     board) timed board-test board_all ;;
     package) timed package test_package ;;
-    fuzz) timed fuzz fuzz_all 60 ;;
+    fuzz) timed fuzz fuzz_all 20 ;;
     check) timed check run_check ;;
     *) timed "$1" test_preset "$1" ;;
   esac
@@ -78,7 +78,7 @@ behind() (
   test_parts "$@"
 )
 
-# Guests keep one processor each, whatever the machine has, and fuzzers have a minute each: what compiles
+# Guests keep one processor each, whatever the machine has, and fuzzers a time each: what compiles
 # runs behind them. The packages come when no guest takes one.
 test_all() {
   test_part release

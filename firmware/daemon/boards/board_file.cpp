@@ -292,6 +292,36 @@ std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::L
   return std::visit([&](const auto& drive) { return opened(drive, roots); }, file.drive);
 }
 
+bool drives(const BoardFile& file, const hal::LinuxRoots& roots, const std::string& device) {
+  const auto* const adc = std::get_if<Ads131m04FrontEnd>(&file.front_end);
+  const auto* const iio = std::get_if<hal::IioSettings>(&file.front_end);
+  const auto* const iio_dac = std::get_if<hal::IioDacSettings>(&file.drive);
+  const auto* const spi_dac = std::get_if<hal::SpiDacSettings>(&file.drive);
+  const auto* const pwm = std::get_if<hal::PwmSettings>(&file.drive);
+  if (device.empty() || device.find('/') != std::string::npos) {
+    return false;
+  }
+  if (device.starts_with("gpiochip")) {
+    const hal::LinesSettings& lines = file.lines;
+    return std::ranges::any_of(
+        std::array{&lines.enable, &lines.kick, &lines.emergency_stop, &lines.driver_fault},
+        [&](const hal::LineSettings* line) {
+          return !line->name.empty() && hal::has_line(roots, device, line->name);
+        });
+  }
+  // IIO numbers its devices and triggers; the board file has their names.
+  std::string name;
+  if (const std::string path = roots.sys + "/bus/iio/devices/" + device + "/name";
+      hal::exists(path)) {
+    name = hal::read_text(path);
+  }
+  return (adc != nullptr && device == adc->spi.device) ||
+         (spi_dac != nullptr && device == spi_dac->spi.device) ||
+         (pwm != nullptr && device == pwm->chip) ||
+         (!name.empty() && ((iio != nullptr && (name == iio->device || name == iio->trigger)) ||
+                            (iio_dac != nullptr && name == iio_dac->device)));
+}
+
 std::string period_problem(const Settings<double>& settings) {
   const double period_s = settings.timing.period_s;
   // Stored settings are floats: their rounding must not make an allowed period a forbidden one.

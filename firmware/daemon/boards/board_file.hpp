@@ -55,6 +55,10 @@ BoardFile load_board_file(const std::string& path);
 std::unique_ptr<hal::Digitizer> open_front_end(const BoardFile& file, const hal::LinuxRoots& roots);
 std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::LinuxRoots& roots);
 
+/// Whether the board writes to this device of the kernel: a name in /sys, such as "spidev0.0",
+/// "iio:device0", "trigger0", "gpiochip0" or "pwmchip0".
+bool drives(const BoardFile& file, const hal::LinuxRoots& roots, const std::string& device);
+
 /// timing.period_s on a board: 100 Hz to 2 kHz.
 inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
 /// What is wrong with the period of these settings; empty: nothing.

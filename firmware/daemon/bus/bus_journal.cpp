@@ -1,10 +1,10 @@
 #include "firmware/daemon/bus/bus_journal.hpp"
 
 #include <chrono>
-#include <cstdio>
 #include <fmt/format.h>
 
 #include "firmware/text/canopen/change_text.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::daemon {
 
@@ -12,7 +12,7 @@ BusJournal::BusJournal(Say say)
     : say_(std::move(say)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void BusJournal::to_errors(const std::string& text) {
-  fmt::print(stderr, "smaservod: bus: {}\n", text);
+  files::complain("smaservod: bus", text);
 }
 
 void BusJournal::run(const std::stop_token& stop) {

@@ -22,6 +22,7 @@
 #include "hal/linux/can/open_can.hpp"
 #include "hal/linux/system/clock.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::daemon {
@@ -115,10 +116,11 @@ struct BusService::Parts {
     const Image image = setup.folder.empty() ? Image{} : read_image(image_path());
     image_lost = !servo.start(image, now_us);
     if (image_lost) {
-      fmt::print(stderr,
-                 "smaservod: {}: is damaged; the bus starts with its default settings, and the "
-                 "device can not be armed before they are stored (1010h) or restored (1011h)\n",
-                 image_path());
+      files::complain("smaservod",
+                      image_path() +
+                          ": is damaged; the bus starts with its default settings, and "
+                          "the device can not be armed before they are stored (1010h) "
+                          "or restored (1011h)");
     }
   }
   void run(const std::stop_token& stop);
@@ -237,7 +239,7 @@ void BusService::Parts::carry_out(Request reset, std::uint64_t now_us) {
 /// still are.
 void BusService::Parts::stored(const StoreResult& result) {
   if (!result.problem.empty()) {
-    fmt::print(stderr, "smaservod: storing: {}\n", result.problem);
+    files::complain("smaservod: storing", result.problem);
     return;
   }
   using enum Request;

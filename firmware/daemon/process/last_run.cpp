@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::daemon {
@@ -73,7 +74,9 @@ std::string describe(const LastRun& last) {
       text = fmt::format("the machine lost its power or was reset {}", when);
       break;
   }
-  return last.result.empty() ? text : fmt::format("{}; service result: {}", text, last.result);
+  return last.result.empty()
+             ? text
+             : fmt::format("{}; service result: {}", text, files::printable(last.result));
 }
 
 RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boot) {

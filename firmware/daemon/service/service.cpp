@@ -14,6 +14,7 @@
 #include "firmware/daemon/status/recorder.hpp"
 #include "firmware/text/device_names.hpp"
 #include "hal/linux/system/clock.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -203,9 +204,9 @@ void Service::end_mark() {
 void Service::say_end() {
   end_mark();
   const Status now = status_.status(false);
-  std::fputs((setup_.json ? status_json(now) : status_text(now)).c_str(), stdout);
+  files::print(setup_.json ? status_json(now) : status_text(now));
   if (!error_.empty()) {
-    fmt::print(stderr, "smaservod: {}\n", error_);
+    files::complain("smaservod", error_);
   }
 }
 

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/text/device_names.hpp"
+#include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -98,7 +100,7 @@ std::string status_json(const Status& status) {
   if (!status.last_run.empty()) {
     json["last_run"] = status.last_run;
   }
-  return json.dump() + "\n";
+  return files::json_text(json, -1);
 }
 
 std::string status_text(const Status& status) {
@@ -107,9 +109,9 @@ std::string status_text(const Status& status) {
   std::string text = fmt::format(
       "{} cycles of {:.6g} us on {}, {} missed, {} without a frame, {} frames lost\n"
       "state {}, first cause {}, latched: {}\n",
-      f.cycles.load(), us(status.period_ns), status.board, f.missed.load(), f.no_frame.load(),
-      f.lost_frames.load(), text::state_name(out.state), fault_name(out.first_cause),
-      out.latched.empty() ? "none" : text::names_of(out.latched));
+      f.cycles.load(), us(status.period_ns), files::printable(status.board), f.missed.load(),
+      f.no_frame.load(), f.lost_frames.load(), text::state_name(out.state),
+      fault_name(out.first_cause), out.latched.empty() ? "none" : text::names_of(out.latched));
   text += fmt::format("{:<16}{:>10}{:>10}{:>10}{:>10}\n", "us", "50 %", "99 %", "99.9 %", "max");
   text += line_of("wake-up", f.wake);
   text += line_of("execution", f.execution);
@@ -139,9 +141,10 @@ std::string status_text(const Status& status) {
                         f.guard_stops.load());
   }
   if (status.recording) {
-    text +=
-        fmt::format("recorded {} rows in {}{}{}\n", status.recording->rows, status.recording->path,
-                    status.recording->problem.empty() ? "" : ", until ", status.recording->problem);
+    text += fmt::format("recorded {} rows in {}{}{}\n", status.recording->rows,
+                        files::printable(status.recording->path),
+                        status.recording->problem.empty() ? "" : ", until ",
+                        files::printable(status.recording->problem));
   }
   return text;
 }

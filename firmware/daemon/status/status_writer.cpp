@@ -1,11 +1,11 @@
 #include "firmware/daemon/status/status_writer.hpp"
 
-#include <cstdio>
 #include <fmt/format.h>
 
 #include "firmware/daemon/status/recorder.hpp"
 #include "firmware/safety/faults/table.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::daemon {
@@ -16,14 +16,15 @@ StatusWriter::StatusWriter(std::string file, std::string board, std::int64_t per
 
 void StatusWriter::warn(const std::string& text) {
   warnings_.push_back(text);
-  fmt::print(stderr, "smaservod: {}\n", text);
+  files::complain("smaservod", text);
 }
 
 void StatusWriter::look() {
   from_.links.output.take(output_);
   for_each_fault(output_.latched - logged_, [&](Fault fault) {
-    fmt::print(stderr, "smaservod: {:.3f} s: {}: {}\n", static_cast<double>(output_.time_us) * 1e-6,
-               fault_name(fault), fault_row(fault).text);
+    files::complain("smaservod",
+                    fmt::format("{:.3f} s: {}: {}", static_cast<double>(output_.time_us) * 1e-6,
+                                fault_name(fault), fault_row(fault).text));
   });
   logged_ = output_.latched;
   from_.usage.look(from_.figures.cycles.load());

@@ -14,6 +14,7 @@
 #include "firmware/text/reference/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -234,7 +235,7 @@ std::string title(const KnownObject& object) {
 
 std::string value_text(const KnownObject& object, std::span<const std::uint8_t> bytes) {
   const std::size_t size = canopen::size_of(object.type);
-  if (object.type == Type::text) return {bytes.begin(), bytes.end()};
+  if (object.type == Type::text) return files::printable(std::string(bytes.begin(), bytes.end()));
   if (size == 0 || bytes.size() != size) return hexadecimal(bytes);
   const std::uint64_t number = canopen::take_number(bytes);
   if (object.type == Type::real) {

@@ -118,6 +118,11 @@ class GpioLines : public Lines {
 
 }  // namespace
 
+bool has_line(const LinuxRoots& roots, const std::string& chip, const std::string& name) {
+  const Chip opened(gpiod_chip_open((roots.dev + "/" + chip).c_str()));
+  return opened && gpiod_chip_get_line_offset_from_name(opened.get(), name.c_str()) >= 0;
+}
+
 std::unique_ptr<Lines> open_lines(const LinuxRoots& roots, const LinesSettings& settings) {
   return std::make_unique<GpioLines>(roots, settings);
 }

@@ -39,6 +39,9 @@ class Lines {
   virtual std::vector<OffAction> off_actions() = 0;
 };
 
+/// Whether a chip of these roots, such as "gpiochip0", can be opened and has a line of this name.
+bool has_line(const LinuxRoots& roots, const std::string& chip, const std::string& name);
+
 /// Opens the lines; outputs are inactive then. Throws DeviceError.
 std::unique_ptr<Lines> open_lines(const LinuxRoots& roots, const LinesSettings& settings);
 

@@ -9,6 +9,7 @@
 #include "host-sim/commands.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 
 namespace smaservo::compare {
@@ -27,18 +28,17 @@ struct CompareArguments {
 /// Shows on a line of the terminal which system is being identified.
 class CompareStatus {
  public:
-  ~CompareStatus() { show("\r\033[K"); }
+  ~CompareStatus() { show(""); }
   CompareStatus() = default;
   CompareStatus(const CompareStatus&) = delete;
   CompareStatus& operator=(const CompareStatus&) = delete;
 
-  void name(std::string_view what) const { show(fmt::format("\r\033[K{} ...", what)); }
+  void name(std::string_view what) const { show(fmt::format("{} ...", what)); }
 
  private:
   void show(std::string_view text) const {
     if (terminal_) {
-      fmt::print(stderr, "{}", text);
-      std::fflush(stderr);
+      files::redraw(text);
     }
   }
 
@@ -133,8 +133,8 @@ void run(const CompareArguments& a) {
   if (!a.report.empty()) {
     write_comparison_report(a.report, comparison);
   }
-  fmt::print(a.out == "-" || a.report == "-" ? stderr : stdout, "{}",
-             a.json ? comparison_json(comparison) : comparison_text(comparison));
+  files::print(a.json ? comparison_json(comparison) : comparison_text(comparison),
+               a.out == "-" || a.report == "-" ? stderr : stdout);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "host-sim/commands.hpp"
 #include "host-sim/papers/figures/figure.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::figures {
 
@@ -20,7 +21,7 @@ void add_figures_command(CLI::App& app) {
       ->allow_extra_args(false);
   command->callback([a] {
     write_figures(a->out, a->papers);
-    fmt::print("{}/index.html\n", a->out);
+    files::print(files::printable(a->out + "/index.html") + "\n");
   });
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "host-sim/tune/tune.hpp"
+#include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
 #include "model/files/toml/toml_fields.hpp"
 #include "model/units.hpp"
@@ -39,8 +40,9 @@ std::string heading(const Tuned& t, std::string_view mark) {
       "{0}{1} under {2} in air of {3:.4g} °C\n"
       "{0}contracts by {4:.2f} % up to {5:.0f} °C, stretches again in {6:.2g} s\n"
       "{0}holding takes up to {7:.3g} A, the current limit {8:.3g} V\n",
-      mark, t.wire, load_text(t.task), t.task.plant.ambient_K - zero_degC_K, 100 * b.stroke(),
-      b.hottest_K - zero_degC_K, b.cooling_s, t.proposal.holding_A, t.proposal.supply_V);
+      mark, files::printable(t.wire), load_text(t.task), t.task.plant.ambient_K - zero_degC_K,
+      100 * b.stroke(), b.hottest_K - zero_degC_K, b.cooling_s, t.proposal.holding_A,
+      t.proposal.supply_V);
 }
 
 double in_Hz(double rad_s) {

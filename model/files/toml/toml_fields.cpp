@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -283,9 +284,11 @@ std::string string_of(const std::string& origin, const std::string& key, const t
 }
 
 std::string quoted(const std::string& text) {
-  std::ostringstream out;
-  out << toml::value<std::string>(text);
-  return out.str();
+  std::string out;
+  for (const char c : text) {
+    out.append(c == '"' || c == '\\' ? "\\" : "").append(1, c);
+  }
+  return '"' + printable_toml(out) + '"';
 }
 
 Entries read_fields(std::span<const Field> fields, const toml::table& table,

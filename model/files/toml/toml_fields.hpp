@@ -26,7 +26,7 @@ std::optional<double> number_of(const toml::node& node);
 /// "name = 3", refused where it is no string.
 std::string string_of(const std::string& origin, const std::string& key, const toml::node& node);
 
-/// A string as it stands in a file.
+/// A string as it stands in a file, as a value or as a key: on one line.
 std::string quoted(const std::string& text);
 
 /// Takes a key or a table that is no field, by its whole path; false: it is unknown here, too.

@@ -105,6 +105,28 @@ TEST(Off, TheOutputsAreThoseOfTheRunAndOfTheFile) {
   off(0, false, true, "");
 }
 
+// What udev asks for each device that appears.
+TEST(Owns, IsWhatTheBoardFileNames) {
+  const OffBoard board;
+  board.tree().put("sys/bus/iio/devices/iio:device7/name", "other\n");
+  const auto owns = [&](const char* device, int code) {
+    const Ended ended = board.run(std::string("--owns=") + device);
+    EXPECT_TRUE(ended.exited_with(code)) << device << ": " << ended.errors;
+  };
+  for (const char* const device : {"iio:device3", "pwmchip0"}) {
+    owns(device, 0);
+  }
+  for (const char* const device : {"iio:device7", "iio:device9", "pwmchip1", "spidev0.0",
+                                   "gpiochip0", "mem", "..", "../devices/iio:device3"}) {
+    owns(device, 1);
+  }
+  board.write("1", "24");
+  owns("pwmchip0", 1);
+  owns("pwmchip1", 0);
+  board.write("0", "5000");
+  owns("pwmchip0", EX_CONFIG);
+}
+
 // ExecStopPost after a start that was refused: the journal need not have it twice.
 TEST(Off, WhatTheDaemonHasSaidIsNotSaidAgain) {
   const OffBoard board;

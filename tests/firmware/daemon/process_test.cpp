@@ -289,6 +289,61 @@ TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
   }
 }
 
+TEST(Process, OwnsTheDevicesOfTheReferenceBoard) {
+  const TemporaryFolder folder;
+  const std::string board = reference_board(folder, "");
+  for (const char* const device :
+       {"spidev0.0", "spidev0.1", "spidev1.0", "spidev0.10", "iio:device0"}) {
+    const bool owned =
+        std::string(device).starts_with("spidev0.") && std::string(device).size() == 9;
+    const Ended ended = Program(folder, {"--board", board, "--owns", device}).wait();
+    EXPECT_TRUE(ended.exited_with(owned ? 0 : 1)) << device;
+  }
+}
+
+// What a board lacks is no error, but nobody learns of it at the first fault only.
+TEST(Process, CheckWarnsOfWhatNothingGuards) {
+  const TemporaryFolder folder;
+  const std::string board = reference_board(folder, "");
+  std::string text = file_text(board);
+  const std::size_t from = text.find("[lines.enable]");
+  const std::size_t to = text.find("[lines.emergency_stop]");
+  ASSERT_LT(from, to);
+  std::ofstream(board) << text.erase(from, to - from);
+  const Ended ended = Program(folder, {"--board", board, "--check"}).wait();
+  for (const char* const says :
+       {"enable           warning: not in the board file: no second switch ends the heat where the "
+        "drive fails",
+        "kick             warning: not in the board file: no one-shot ends the heat where the "
+        "program"}) {
+    EXPECT_NE(ended.out.find(says), std::string::npos) << says << " in:\n" << ended.out;
+  }
+}
+
+// A name that is no UTF-8, or that commands a terminal, ends no run and commands none.
+TEST(Process, NamesFromOutsideArePrintedEscaped) {
+  const TemporaryFolder folder;
+  const std::string name = "\xFF\x1B[2J\nsmaservod: all is well.toml";
+  for (const char* const option : {"--json", "--no-real-time"}) {
+    const Ended ended =
+        Program(folder, {"--board", "sim=" + (folder / name), "--at-once", "--for", "0.1", option})
+            .wait();
+    EXPECT_NE(ended.errors.find("\\xFF\\x1B[2J\\x0Asmaservod: all is well.toml"),
+              std::string::npos);
+  }
+  std::filesystem::copy(SMASERVO_SOURCE_DIR "/host-sim/scenarios", folder.path(),
+                        std::filesystem::copy_options::recursive);
+  std::filesystem::rename(folder / "steps.toml", folder / name);
+  for (const char* const option : {"--json", "--no-real-time"}) {
+    const Ended ended =
+        Program(folder, {"--board", "sim=" + (folder / name), "--at-once", "--for", "0.1", option})
+            .wait();
+    EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+    EXPECT_EQ((ended.out + ended.errors).find_first_of("\x1B\xFF"), std::string::npos) << ended.out;
+    EXPECT_EQ(("\n" + ended.out).find("\nsmaservod: all is well"), std::string::npos);
+  }
+}
+
 TEST(Process, APeriodThatNoBoardKeepsIsRefused) {
   const TemporaryFolder folder;
   for (const char* const period : {"0.4", "11"}) {

@@ -126,6 +126,85 @@ test_others() {
   check 'and has no overlay' test -z "$(ls "$work/pi3/boot/overlays")"
 }
 
+# No control character of a file or of an argument reaches the terminal, but for ends of lines.
+test_escaped() {
+  local tree=$work/escaped
+  make_pi "$tree" 4 /boot/firmware
+  printf 'Raspberry Pi 4 \033[2J' >"$tree/proc/device-tree/model"
+  printf 'a=\033[2J\n' >"$tree/boot/firmware/config.txt"
+  check 'with escapes' code_of 3 "$setup" --root "$tree"
+  check 'shows them' said 'Raspberry Pi 4 ?[2J'
+  check 'in the diff' said ' a=?[2J'
+  check 'none is left' test -z "$(tr -d '\n\t -\176' <"$work/out")"
+  check 'an argument' code_of 2 "$setup" $'--\033[2J\nsmaservo-setup: ok'
+  check 'is one line' said 'unknown option: --?[2J?smaservo-setup: ok'
+}
+
+# A number that begins with 0 is no octal one, here or in what reads the files.
+test_numbers() {
+  local tree=$work/numbers
+  make_pi "$tree" 4 /boot/firmware
+  printf '0-9\n' >"$tree/sys/devices/system/cpu/present"
+  check '--processor 08' \
+    code_of 0 "$setup" --root "$tree" --yes --processor 08 --can-interrupt 017 --can-oscillator 016000000
+  check 'is processor 8' grep -q ' isolcpus=8 rcu_nocbs=8 irqaffinity=0,1,2,3,4,5,6,7,9$' \
+    "$tree/boot/firmware/cmdline.txt"
+  check 'and line 17' has "$tree/boot/firmware/config.txt" \
+    'dtoverlay=mcp251xfd,spi1-0,interrupt=17,oscillator=16000000'
+}
+
+# service_does TREE WHEN: runs a line of the unit as systemd would, on the tree.
+service_does() {
+  local line
+  line=$(sed -n "s/^$2=-+\/bin\/sh -c '\(.*\)'$/\1/p" "$1"/etc/systemd/system/smaservod.service.d/*.conf)
+  [[ -n $line ]] || return
+  line=${line//'$$'/'$'}
+  line=${line//\/sys\//$1/sys/}
+  sh -c "${line//\/run\//$1/run/}"
+}
+
+governors() { cat "$1"/sys/devices/system/cpu/cpufreq/policy*/scaling_governor | xargs; }
+
+test_governors() {
+  local tree=$work/governors kernel=$work/governors/sys/devices/system/cpu/cpufreq
+  make_debian "$tree"
+  mkdir -p "$kernel/policy0" "$kernel/policy2" "$tree/run"
+  echo ondemand >"$kernel/policy0/scaling_governor"
+  echo powersave >"$kernel/policy2/scaling_governor"
+  check 'governors: set up' code_of 0 "$setup" --root "$tree" --yes
+  check 'of before the start' test "$(governors "$tree")" = 'ondemand powersave'
+  check 'start' service_does "$tree" ExecStartPre
+  check 'while it runs' test "$(governors "$tree")" = 'performance performance'
+  check 'killed, and started again' service_does "$tree" ExecStartPre
+  check 'stop' service_does "$tree" ExecStopPost
+  check 'of before again' test "$(governors "$tree")" = 'ondemand powersave'
+  check 'stop without a start' service_does "$tree" ExecStopPost
+  check 'of before still' test "$(governors "$tree")" = 'ondemand powersave'
+  check 'start again' service_does "$tree" ExecStartPre
+  check 'undo while it runs' code_of 0 "$setup" --root "$tree" --yes --undo
+  check 'says so' said 'performance, back to ondemand'
+  check 'of before after undo' test "$(governors "$tree")" = 'ondemand powersave'
+  check 'undo once more' code_of 0 "$setup" --root "$tree" --yes --undo
+  check 'has nothing left' said 'Nothing to change'
+}
+
+# The service reaches no network, unless that is its bus.
+test_network() {
+  local tree=$work/network settings=$work/network/etc/systemd/system/smaservod.service.d/80-smaservo-setup.conf
+  make_debian "$tree"
+  mkdir "$tree/etc/smaservo"
+  check 'the unit denies' has "$system/smaservod.service" IPAddressDeny=any
+  printf '[bus]\ninterface = "can0"  # or "udp" on a PC\n# interface = "udp"\n' >"$tree/etc/smaservo/board.toml"
+  check 'a board with CAN' code_of 0 "$setup" --root "$tree" --yes
+  check 'has no network' test "$(grep -c IPAddress "$settings")" = 0
+  printf '[bus]\ninterface = "udp:239.74.163.2"\n' >"$tree/etc/smaservo/board.toml"
+  check 'a board with UDP' code_of 0 "$setup" --root "$tree" --yes
+  check 'has it' has "$settings" IPAddressAllow=any
+  printf 'bus = { interface = "udp" }\n' >"$tree/etc/smaservo/board.toml"
+  check 'in one line' code_of 0 "$setup" --root "$tree" --yes
+  check 'has it too' has "$settings" IPAddressAllow=any
+}
+
 # broken NAME CODE WORDS OPTIONS...: says so and changes nothing, in a tree that `breaks` has broken.
 broken() {
   local name=$1 code=$2 words=$3 tree=$work/broken
@@ -140,6 +219,10 @@ broken() {
 }
 
 test_broken() {
+  mkdir "$work/outside"
+  cp -r "$work/pi5/boot/." "$work/outside"
+  echo secret >"$work/outside/secret"
+  cp -r "$work/outside" "$work/outside.before"
   breaks() { printf '\n# smaservo-setup: from here\ndtparam=spi=on\n' >>"$1/config.txt"; }
   broken 'a block without end' 1 'config.txt, line 4'
   breaks() { printf '\n# smaservo-setup: to here\n' >>"$1/config.txt"; }
@@ -152,6 +235,17 @@ test_broken() {
   broken 'no command line' 1 'cmdline.txt: is missing'
   breaks() { ln -sf /dev/null "$1/config.txt.x" && mv "$1/config.txt" "$1/c" && ln -s c "$1/config.txt"; }
   broken 'a link' 1 'config.txt is a link'
+  # Links of a card that are absolute lead to files of this computer.
+  breaks() { rm "$1/config.txt" && ln -s "$work/outside/config.txt" "$1/config.txt"; }
+  broken 'a link out of the root' 1 "leads out of $work/broken"
+  breaks() { mv "$1" "$2/elsewhere" && ln -s "$work/outside" "$1"; }
+  broken 'a folder that leads out' 1 "leads out of $work/broken"
+  breaks() { mkdir "$2/etc/systemd" && ln -s "$work/outside" "$2/etc/systemd/network"; }
+  broken 'a folder of ours that leads out' 1 "80-smaservo-can.network: leads out of $work/broken"
+  breaks() { ln -s "$work/outside/secret" "$1/config.txt.before-smaservo"; }
+  broken 'a backup that leads out' 1 'config.txt.before-smaservo: leads out of'
+  broken 'a backup that leads out, undone' 1 'config.txt.before-smaservo: leads out of' --undo
+  check 'what is outside stays' same "$work/outside" "$work/outside.before"
   breaks() { printf '0-1\n' >"$2/sys/devices/system/cpu/present"; }
   broken 'too few processors' 1 '--processor 3'
   breaks() { :; }
@@ -200,6 +294,10 @@ test_killed() {
 
 test_boards
 test_others
+test_escaped
+test_numbers
+test_governors
+test_network
 test_broken
 test_killed
 exit "$failed"

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "host-sim/report/gnuplot.hpp"
+
 namespace smaservo::test {
 namespace {
 
@@ -91,5 +93,12 @@ TEST(Series, ASpikeOfOneRowIsSeen) {
   EXPECT_EQ(std::ranges::count(points, -5, &report::PlotPoint::strain_percent), 1);
 }
 
+// A name of a file ends no string of gnuplot's and is no markup.
+TEST(Gnuplot, TitlesStayWithinTheirQuotes) {
+  EXPECT_EQ(report::plotted_text("step-1"), "'step-1' noenhanced");
+  EXPECT_EQ(report::plotted_text("a' ; system 'b\n"), "'a'' ; system ''b\\x0A' noenhanced");
+}
+
 }  // namespace
+
 }  // namespace smaservo::test

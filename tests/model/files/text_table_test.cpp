@@ -120,27 +120,12 @@ TEST(TextTable, EveryFormatEscapesItsOwn) {
   table.add({"x|y & z", "<b>\"\n\x1B[2J\xFF|"});
   EXPECT_EQ(table.text(), "a|b      <c>\\x1B\nx|y & z  <b>\"\\x0A\\x1B[2J\\xFF|\n");
   EXPECT_EQ(table.markdown(),
-            "| a\\|b | <c>\\x1B |\n|---|---|\n| x\\|y & z | <b>\"\\x0A\\x1B[2J\\xFF\\| |\n");
+            "| a\\|b | &lt;c>\\x1B |\n|---|---|\n| x\\|y & z | &lt;b>\"\\x0A\\x1B[2J\\xFF\\| |\n");
   EXPECT_EQ(table.html(),
             "<table>\n<thead><tr><th>a|b</th><th>&lt;c&gt;\\x1B</th></tr>\n</thead>\n"
             "<tr><td>x|y &amp; z</td><td>&lt;b&gt;&quot;\\x0A\\x1B[2J\\xFF|</td></tr>\n</table>\n");
   EXPECT_EQ(nlohmann::json::parse(files::json_text(table.json()))[0]["c\""],
             "<b>\"\n\x1B[2J\xEF\xBF\xBD|");
-}
-
-TEST(TextTable, PrintableKeepsSymbolsAndNothingElse) {
-  EXPECT_EQ(files::printable("µ ° ± Δ € 😀 ~"), "µ ° ± Δ € 😀 ~");
-  EXPECT_EQ(files::printable(""), "");
-  EXPECT_EQ(files::printable("\t\x7F"), "\\x09\\x7F");
-  EXPECT_EQ(files::printable("\xC2\x9B"
-                             "2J"),
-            "\\xC2\\x9B2J")
-      << "a control character of Latin-1";
-  EXPECT_EQ(files::printable("\xE2\x82"), "\\xE2\\x82") << "cut off";
-  EXPECT_EQ(files::printable("\x80"
-                             "a\xC3"
-                             "b"),
-            "\\x80a\\xC3b");
 }
 
 files::TextTable broad(std::size_t columns) {

@@ -39,9 +39,14 @@ TEST(BusJournal, SaysOldNewAndSource) {
       {0, {0x6060, 0}, Source::sdo, 1, 9, Abort::value},
       {0, {0x2102, 1}, Source::device, 2, 4, Abort::none},
       {0, {0x2102, 1}, Source::sdo, 0, 2, Abort::state},
+      // "smas"; an escape sequence that empties a terminal; a line break.
+      {0, {0x1008, 0}, Source::sdo, 0x73616D73, 0x4A325B1B, Abort::read_only},
+      {0, {0x1008, 0}, Source::sdo, 0x73616D73, 0x6B6F0A61, Abort::read_only},
   };
   const std::string gain_stays = "strain.proportional_W (2100h:1): stays 0.5; ";
   const std::string not_allowed = " by SDO is refused: value not allowed (abort 06090030h)";
+  const std::string device_name = "Manufacturer device name (1008h:0): stays smas; ";
+  const std::string read_only = " by SDO is refused: can not be written (abort 06010002h)";
   const std::vector<std::string> expected{
       "strain.proportional_W (2100h:1): 0 -> 0.5, by SDO",
       gain_stays + "nan" + not_allowed,
@@ -50,6 +55,8 @@ TEST(BusJournal, SaysOldNewAndSource) {
       "Modes of operation (6060h:0): stays 1; 9" + not_allowed,
       "tuning: the client has gone, all is reverted",
       "tuning: try is refused: not in the present state of the device (abort 08000022h)",
+      device_name + "\\x1B[2J" + read_only,
+      device_name + "a\\x0Aok" + read_only,
   };
   EXPECT_EQ(said(changes, changes.size()), expected);
 }

@@ -1,0 +1,8 @@
+// All that differs between the targets of the readers: SMASERVO_FUZZ names the function.
+
+#include "readers.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  smaservo::fuzz::SMASERVO_FUZZ({data, size});
+  return 0;
+}

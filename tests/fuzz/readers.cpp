@@ -1,0 +1,203 @@
+#include "readers.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <unistd.h>
+
+#include "firmware/bench/scenario/closed_loop_scenario.hpp"
+#include "firmware/bench/scenario/scenario.hpp"
+#include "firmware/daemon/boards/board_file.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "firmware/text/settings_text.hpp"
+#include "hal/linux/can/can_datagram.hpp"
+#include "hal/replay/trace.hpp"
+#include "model/files/error.hpp"
+#include "model/files/wire/wire_file.hpp"
+#include "model/papers/actuators/actuator_file.hpp"
+#include "tests/firmware/parameters/store/memory_storage.hpp"
+
+namespace smaservo::fuzz {
+namespace {
+
+void demand(bool holds) {
+  if (!holds) {
+    std::abort();
+  }
+}
+
+std::string_view text_of(Input input) {
+  // NOLINTNEXTLINE(*-reinterpret-cast): the same bytes as characters
+  return {reinterpret_cast<const char*>(input.data()), input.size()};
+}
+
+/// A file in memory, if the machine has a folder there, for the readers that take a path. Beside it
+/// stand the files that shipped ones name.
+class InputFile {
+ public:
+  explicit InputFile(const char* name) {
+    const std::filesystem::path memory = "/dev/shm";
+    std::string folder =
+        ((std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) /
+         "smaservo-fuzz-XXXXXX")
+            .string();
+    demand(mkdtemp(folder.data()) != nullptr);
+    folder_ = folder;
+    const std::filesystem::path source = SMASERVO_SOURCE_DIR;
+    std::filesystem::create_directory_symlink(source / "host-sim/scenarios/devices",
+                                              folder_ / "devices");
+    path_ = (folder_ / name).string();
+  }
+  ~InputFile() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  const std::string& with(Input input) const {
+    std::ofstream(path_, std::ios::binary) << text_of(input);
+    return path_;
+  }
+
+ private:
+  std::filesystem::path folder_;
+  std::string path_;
+};
+
+/// Runs a reader, which may refuse its input; false: it has.
+template <class Read>
+bool accepted(const Read& read) {
+  try {
+    read();
+    return true;
+  } catch (const files::UserError&) {
+    return false;
+  } catch (const hal::TraceError&) {
+    return false;
+  }
+}
+
+const Settings<double>& good_settings() {
+  static const Settings<double> settings =
+      text::settings_for(files::load_wire(std::string(files::default_wire)).wire);
+  return settings;
+}
+
+/// Makes the checksum behind a slot's entries that of what stands before it.
+void sign(std::vector<std::byte>& slot) {
+  const image::Header header = image::take_header(std::span(slot).first<image::header_size>());
+  const std::size_t end = image::header_size + image::entry_size * header.entries;
+  if (end + image::crc_size > slot.size()) {
+    return;
+  }
+  Crc32 crc;
+  crc.add(std::span(slot).first(end));
+  for (std::size_t i = 0; i < image::crc_size; ++i) {
+    slot[end + i] = static_cast<std::byte>(crc.value() >> (8 * i) & 0xFFU);
+  }
+}
+
+}  // namespace
+
+void wire(Input input) {
+  files::WireDescription first;
+  if (!accepted([&] { first = files::parse_wire(text_of(input), "fuzz.toml"); })) {
+    return;
+  }
+  const std::string written = files::to_toml(first);
+  demand(files::to_toml(files::parse_wire(written, "written.toml")) == written);
+}
+
+void settings(Input input) {
+  Settings<double> changed = good_settings();
+  text::apply_changes(text_of(input), changed);
+  Settings<double> first = changed;
+  if (!accepted([&] { first = text::parse_settings_file(text_of(input), "fuzz.toml"); })) {
+    return;
+  }
+  demand(check(first).ok());
+  const std::string written = text::to_toml(first);
+  demand(text::to_toml(text::parse_settings_file(written, "written.toml")) == written);
+}
+
+void scenario(Input input) {
+  static const InputFile file("scenario.toml");
+  const std::string& path = file.with(input);
+  accepted([&] { bench::load_closed_loop(path); });
+  accepted([&] { bench::load_scenario(path); });
+}
+
+void board(Input input) {
+  static const InputFile file("board.toml");
+  accepted([&] { daemon::load_board_file(file.with(input)); });
+}
+
+void actuator(Input input) {
+  accepted([&] { papers::parse_actuator(text_of(input), "fuzz.toml"); });
+}
+
+void trace(Input input) {
+  static const InputFile file("trace.csv");
+  const std::string& path = file.with(input);
+  const hal::TraceOptions all[] = {
+      {},
+      {.lenient = true, .period_s = 0.01, .renames = {}, .resistance_and_power = true},
+      {.lenient = true, .period_s = 0, .renames = {"time_s=t*1e-3"}, .device = true}};
+  for (const hal::TraceOptions& options : all) {
+    accepted([&] {
+      hal::TraceReader reader(path, options);
+      for (hal::TraceRow row; reader.next(row);) {
+      }
+      demand(reader.rows() + reader.skipped() <= input.size());
+    });
+  }
+}
+
+void store(Input input) {
+  static const MemoryStorage good = [] {
+    MemoryStorage storage;
+    Settings<double> settings = good_settings();
+    demand(save_settings(storage, settings).ok());
+    settings.limits.current_A *= 0.5;
+    demand(save_settings(storage, settings).ok());
+    return storage;
+  }();
+  MemoryStorage storage = good;
+  std::array<bool, slot_count> signs{};
+  for (; input.size() >= 4; input = input.subspan(4)) {
+    const unsigned slot = input[0] & 1U;
+    signs.at(slot) = (input[0] & 2U) != 0;
+    storage.slots[slot][(input[1] | static_cast<std::size_t>(input[2]) << 8U) %
+                        MemoryStorage::slot_size] = static_cast<std::byte>(input[3]);
+  }
+  for (unsigned slot = 0; slot < slot_count; ++slot) {
+    if (signs.at(slot)) {
+      sign(storage.slots[slot]);
+    }
+  }
+  const Loaded<double> loaded = load_settings<double>(storage);
+  demand(loaded.reason == LoadReason::none || check(loaded.settings).ok());
+  for (unsigned slot = 0; slot < slot_count; ++slot) {
+    salvage<double>(storage, slot, [](const auto&, const auto&) {});
+  }
+  demand(save_settings(storage, good_settings()).ok());
+  const Loaded<double> back = load_settings<double>(storage);
+  demand(back.reason != LoadReason::none &&
+         same_settings(back.settings, stored_settings<double>(good_settings())));
+}
+
+void datagram(Input input) {
+  std::vector<std::uint8_t> bytes(input.begin(), input.end());
+  if (!input.empty() && input[0] % 2 == 1) {
+    bytes = hal::to_datagram({.id = 0x601, .length = 8, .data = {0x23, 0x17, 0x10}}, 1e9);
+    for (input = input.subspan(1); input.size() >= 2; input = input.subspan(2)) {
+      bytes[input[0] % bytes.size()] = input[1];
+    }
+  }
+  const std::optional<hal::CanFrame> frame = hal::from_datagram(bytes);
+  demand(!frame || hal::from_datagram(hal::to_datagram(*frame, 0)) == frame);
+}
+
+}  // namespace smaservo::fuzz
