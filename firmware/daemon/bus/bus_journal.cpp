@@ -12,7 +12,7 @@ BusJournal::BusJournal(Say say)
     : say_(std::move(say)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void BusJournal::to_errors(const std::string& text) {
-  fmt::print(stderr, "smaservod: bus: {}\n", text);
+  std::fputs(fmt::format("smaservod: bus: {}\n", text).c_str(), stderr);
 }
 
 void BusJournal::run(const std::stop_token& stop) {

@@ -236,7 +236,7 @@ void BusService::Parts::carry_out(Request reset, std::uint64_t now_us) {
 /// still are.
 void BusService::Parts::stored(const StoreResult& result) {
   if (!result.problem.empty()) {
-    fmt::print(stderr, "smaservod: storing: {}\n", result.problem);
+    std::fputs(fmt::format("smaservod: storing: {}\n", result.problem).c_str(), stderr);
     return;
   }
   using enum Request;

@@ -16,14 +16,18 @@ StatusWriter::StatusWriter(std::string file, std::string board, std::int64_t per
 
 void StatusWriter::warn(const std::string& text) {
   warnings_.push_back(text);
-  fmt::print(stderr, "smaservod: {}\n", text);
+  // Not by fmt::print(), which throws where nobody reads any more.
+  std::fputs(fmt::format("smaservod: {}\n", text).c_str(), stderr);
 }
 
 void StatusWriter::look() {
   from_.links.output.take(output_);
   for_each_fault(output_.latched - logged_, [&](Fault fault) {
-    fmt::print(stderr, "smaservod: {:.3f} s: {}: {}\n", static_cast<double>(output_.time_us) * 1e-6,
-               fault_name(fault), fault_row(fault).text);
+    std::fputs(
+        fmt::format("smaservod: {:.3f} s: {}: {}\n", static_cast<double>(output_.time_us) * 1e-6,
+                    fault_name(fault), fault_row(fault).text)
+            .c_str(),
+        stderr);
   });
   logged_ = output_.latched;
   from_.usage.look(from_.figures.cycles.load());
