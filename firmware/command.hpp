@@ -107,6 +107,7 @@ struct Output {
   FaultSet blocks;        ///< all reasons why the device can not be armed; empty while it is armed
   std::uint64_t time_us;  ///< of the loop: the sum of all dt_s since start()
   std::uint64_t first_cause_us;  ///< time of the first cause
+  S cooling;  ///< as a share of the wire file's, by the last test; 1 where it is not weaker
 
   constexpr bool limited_by(LimitReason reason) const {
     return (limit_reasons >> static_cast<unsigned>(reason) & 1U) != 0;

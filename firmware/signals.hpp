@@ -84,6 +84,8 @@ inline constexpr auto signal_rows = [] {
        "bit mask; from bit 0: min_current, current, power, temperature, strain, stress, duty, "
        "supply, trajectory, protection",
        [](From f) { return S(static_cast<float>(f.out.limit_reasons)); }},
+      {"cooling", "", "as a share of the wire file's, by the last test; 1 where it is not weaker",
+       [](From f) { return f.out.cooling; }},
   });
 }();
 

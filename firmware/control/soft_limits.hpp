@@ -19,7 +19,9 @@ struct ControlInputs {
   S measured_A;
   S supply_V;                                     ///< NaN where it is not measured
   S air_K = std::numeric_limits<S>::quiet_NaN();  ///< of the air; NaN where it is not measured
-  S hot_K = S(0);  ///< the wire's temperature by HotResistance; 0: not known
+  S hot_K = S(0);      ///< the wire's temperature by HotResistance; 0: not known
+  S weak_K = S(0);     ///< the wire's temperature by CoolingGuard; 0: not known
+  bool probe = false;  ///< the cooling is being tested: no power
 };
 
 /// The limit reasons of one step.
@@ -93,11 +95,15 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, c
   min_W_ = max_W_ < min_W_ ? max_W_ : min_W_;
   const S wire_K =
       known.estimate.temperature_K < known.hot_K ? known.hot_K : known.estimate.temperature_K;
-  const S below_K = q.temperature_K - q.hot_spot_K - wire_K;
+  const S hottest_K = wire_K < known.weak_K ? known.weak_K : wire_K;
+  const S below_K = q.temperature_K - q.hot_spot_K - hottest_K;
   max(LimitReason::temperature,
       loss_W +
           FeedForward<S>::power_W(p.observer.model.body.capacity_J_K * below_K, approach_s, dt_s));
   limit_sustained(p, known, sustained_W);
+  if (known.probe) {
+    max(LimitReason::temperature, S(0));
+  }
   if (isfinite(known.supply_V)) {
     max(LimitReason::supply, known.supply_V * known.supply_V / ohm);
   }

@@ -169,7 +169,8 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                 .warnings = v.warnings,
                 .blocks = v.blocks,
                 .time_us = s.time_us,
-                .first_cause_us = s.supervisor.first_cause_us};
+                .first_cause_us = s.supervisor.first_cause_us,
+                .cooling = s.monitor.wire.cooling.known()};
   const bool safe = v.heat == Heat::hold || v.heat == Heat::release;
   if (v.heat == Heat::sense) {
     sense(p, out);
@@ -230,7 +231,9 @@ void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>&
                                seen.current_A,
                                seen.in.supply_V,
                                seen.in.ambient_K,
-                               s.monitor.wire.hot.temperature_K};
+                               s.monitor.wire.hot.temperature_K,
+                               s.monitor.wire.cooling.limit_K(),
+                               s.monitor.wire.cooling.probing};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
   const bool usable = !c.invalid && S(0) <= c.current_A &&
                       c.current_A <= seen.prepared.settings.trips.current_A &&

@@ -66,6 +66,8 @@ FaultSet Monitor<S>::after_stall(const MonitorInputs<S>& seen, State& s) {
   s.wire.steady_ohm = S(0);
   s.wire.unanswered_J = S(0);
   s.wire.was_sure = false;
+  // Nor does a cooling tell anything whose beginning was not seen.
+  s.wire.cooling.hot = s.wire.cooling.probing = s.wire.cooling.confirmed = false;
   s.machine.sampled = false;
   s.machine.misses = S(0);
   FaultSet now = seen.in.external;

@@ -383,9 +383,12 @@ def toggle(n):
 
 @check
 def segment_time_out(n):
-    """A transfer that is left alone for more than a second is aborted with 05040000h."""
+    """A transfer that is left alone for longer than 2004h:2 is aborted with 05040000h."""
+    before = n.upload(0x2004, 2)
+    n.set_real(0x2004, 2, 1.0)
     n.ask(struct.pack("<BHB", 0x40, 0x1008, 0))
     answer = n.wait(0x580 + n.node, 3)
+    n.download(0x2004, 2, before)
     expect(answer is not None and answer[0] == 0x80, "an abort comes by itself")
     expect(struct.unpack("<I", answer[4:])[0] == 0x05040000, "it is 05040000h")
 

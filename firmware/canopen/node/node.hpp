@@ -131,6 +131,7 @@ class Node final : public Dictionary {
   bool command_source_alive(std::uint64_t timeout_us) const;
   /// When the last SDO request came.
   std::uint64_t last_sdo_us() const { return sdo_.last_request_us(); }
+  void set_sdo_timeouts(const SdoTimeouts& timeouts) { sdo_.set_timeouts(timeouts); }
   Communication& objects() { return objects_; }
 
   Abort find(Key key, Entry& entry) const override;

@@ -23,13 +23,14 @@ unsigned specifier(std::uint8_t command) {
 }  // namespace
 
 void SdoServer::receive(Request request, std::uint64_t now_us) {
-  last_us_ = waits_since_us_ = now_us;
+  last_us_ = now_us;
   const unsigned cs = specifier(request[0]);
   // Within a block the first byte is a sequence number, except for an abort.
   if (state_ == State::block_download && request[0] != 0x80) {
-    receive_block(request);
+    receive_block(request, now_us);
     return;
   }
+  waits_since_us_ = now_us;
   switch (cs) {
     case download_segment:
       continue_download(request);
@@ -65,6 +66,8 @@ void SdoServer::advance(std::uint64_t now_us) {
   }
   const bool waits =
       state_ != State::idle && state_ != State::pending && state_ != State::block_upload;
+  const std::uint64_t timeout_us =
+      state_ == State::block_download ? timeouts_.segment_us : timeouts_.client_us;
   if (waits && timeout_us < now_us - waits_since_us_) {
     abort(Abort::timeout);
   }
@@ -336,15 +339,17 @@ void SdoServer::receive_block_download(Request request) {
     return;
   }
   offset_ = 0;
-  sequence_ = 0;
+  sequence_ = highest_ = 0;
   state_ = State::block_download;
   keyed(0xA4);
   answer_[4] = block_size_ = max_block;
 }
 
 /// A segment that does not follow the last one is dropped; the acknowledgement of the block tells
-/// the client.
-void SdoServer::receive_block(Request request) {
+/// the client. Numbers that grow show that the client goes on after a lost segment, and renew its
+/// time. Others do not: they may be requests of a client that polls while another one, that began
+/// the block, has gone.
+void SdoServer::receive_block(Request request, std::uint64_t now_us) {
   const auto number = static_cast<std::uint8_t>(request[0] & 0x7FU);
   const bool last = (request[0] & 0x80U) != 0;
   if (number == 0 || block_size_ < number) {
@@ -352,6 +357,10 @@ void SdoServer::receive_block(Request request) {
     return;
   }
   const bool follows = number == sequence_ + 1;
+  if (follows || highest_ < number) {
+    highest_ = number;
+    waits_since_us_ = now_us;
+  }
   if (follows) {
     sequence_ = number;
     // The last segment may be padded beyond what the buffer takes.
@@ -373,6 +382,9 @@ void SdoServer::receive_block(Request request) {
   const auto to = answer(0xA2);
   to[1] = sequence_;
   to[2] = block_size_ = max_block;
+  if (sequence_ != 0) {
+    highest_ = 0;
+  }
   sequence_ = 0;
 }
 

@@ -11,10 +11,18 @@
 
 namespace smaservo::canopen {
 
+/// After which silence of its client a transfer is given up with Abort::timeout.
+struct SdoTimeouts {
+  /// Between two segments of a block download. Until then the server takes whatever comes for a
+  /// segment, so that nobody else is answered.
+  std::uint64_t segment_us = 1'000'000;
+  /// For everything else that the client owes: the next request, or the acknowledgement of a block.
+  /// Nobody waits for this one: a new request drops the old transfer.
+  std::uint64_t client_us = 5'000'000;
+};
+
 class SdoServer {
  public:
-  static constexpr std::uint64_t timeout_us = 1'000'000;
-
   SdoServer(Dictionary& dictionary, std::span<std::uint8_t> buffer)
       : dictionary_(dictionary), buffer_(buffer) {}
 
@@ -27,6 +35,8 @@ class SdoServer {
   void finish(Abort result);
   /// Drops a transfer that is going on.
   void reset();
+  /// In force at once, also for a transfer that is going on.
+  void set_timeouts(const SdoTimeouts& timeouts) { timeouts_ = timeouts; }
 
   /// When the last request came.
   std::uint64_t last_request_us() const { return last_us_; }
@@ -52,7 +62,7 @@ class SdoServer {
   void continue_download(Request request);
   void continue_upload(Request request);
   void receive_block_download(Request request);
-  void receive_block(Request request);
+  void receive_block(Request request, std::uint64_t now_us);
   void end_block_download(Request request);
   void start_block_upload(Request request);
   void receive_block_upload(Request request);
@@ -74,6 +84,7 @@ class SdoServer {
 
   Dictionary& dictionary_;
   std::span<std::uint8_t> buffer_;
+  SdoTimeouts timeouts_;
   std::uint64_t last_us_ = 0, waits_since_us_ = 0;
   Entry entry_{};
   std::uint32_t size_ = 0;     ///< of an upload; of a download as announced, 0: not announced
@@ -84,6 +95,7 @@ class SdoServer {
   State state_ = State::idle;
   std::uint8_t block_size_ = 127;
   std::uint8_t sequence_ = 0;
+  std::uint8_t highest_ = 0;  ///< of the numbers seen in a block download since one that was taken
   bool toggle_ = false;
   bool snapshot_ = false;  ///< the upload is whole in the buffer
   bool with_crc_ = false;

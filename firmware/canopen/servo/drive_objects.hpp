@@ -44,6 +44,8 @@ struct DriveObjects {
   // 2002h, 2003h
   std::uint8_t level;
   float command_source_timeout_s;
+  // 2004h
+  float sdo_segment_timeout_s, sdo_client_timeout_s;
   // 2102h
   float trial_s, client_timeout_s, remaining_s;
   std::uint32_t refused, refused_other;
@@ -94,6 +96,16 @@ inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
         "0: operate, 1: tune, 2: set up"),
     row({0x2003, 2}, Type::u32, writable, nowhere, "access.key", 0,
         "write the key of a level to unlock it; any other number locks"),
+    row({0x2004, 1}, Type::real, readable | writable | stored,
+        offsetof(DriveObjects, sdo_segment_timeout_s), "sdo.segment_timeout_s", as_bits(1.F),
+        as_bits(0.1F), as_bits(60.F),
+        "time without a segment after which a block download is given up; until then other clients "
+        "are not answered"),
+    row({0x2004, 2}, Type::real, readable | writable | stored,
+        offsetof(DriveObjects, sdo_client_timeout_s), "sdo.client_timeout_s", as_bits(5.F),
+        as_bits(0.1F), as_bits(600.F),
+        "time without the client's next request, or its acknowledgement of a block, after which "
+        "any other transfer is given up"),
     row({0x2102, 1}, Type::u8, readable | writable, nowhere, "tuning.command", 0, 0, 4,
         "1: begin, 2: try, 3: commit, 4: revert"),
     row({0x2102, 2}, Type::u8, sent, offsetof(DriveObjects, tuning_state), "tuning.state", 0,
@@ -311,6 +323,7 @@ static_assert(in_order(detail::manufacturer_rows) && in_order(detail::drive_rows
 inline constexpr auto drive_object_names = std::to_array<IndexName>({
     {0x2002, "Command source"},
     {0x2003, "Access"},
+    {0x2004, "SDO server time-outs"},
     {0x2102, "Tuning transaction"},
     {0x2201, "Targets"},
     {0x2202, "Faults"},

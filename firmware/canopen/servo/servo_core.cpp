@@ -317,6 +317,8 @@ FaultSet ServoCore::external() const {
 void ServoCore::advance(std::uint64_t now_us) {
   const float dt_s = seconds_of(now_us - now_us_);
   now_us_ = now_us;
+  node_.set_sdo_timeouts({microseconds_of(objects_.sdo_segment_timeout_s),
+                          microseconds_of(objects_.sdo_client_timeout_s)});
   node_.advance(now_us);
   if (parameters_.tick(dt_s)) {
     log(tuning_key, static_cast<std::uint32_t>(TuningState::on_trial), 0, Source::device,

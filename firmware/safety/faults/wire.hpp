@@ -49,6 +49,16 @@ inline constexpr FaultRow wire_faults[] = {
      "trips.temperature_K that is still heated, even where the estimate is lower.",
      "A wire that is shielded from the air, power that is measured too low, a bad crimp.",
      "What covers the wire; the gains of voltage and current; each crimp's resistance."},
+    {Fault::cooling_weak, FaultClass::W, Clears::itself, 0xFF34, "cooling_weak", 0,
+     "The wire takes longer to cool than its file says, by the time until its resistance rises: it "
+     "is "
+     "cooled less; the power that it gets for long is reduced.",
+     "A cover, a box, a fan that has stopped, warmer air than the observer believes.",
+     "The live value cooling; what surrounds the wire; wire.heat."},
+    {Fault::cooling_lost, FaultClass::F1, Clears::command, 0xFF35, "cooling_lost", 0,
+     "By the time that it took to cool, the wire was above limits.temperature_K by more than 3 K.",
+     "A cover, a box, a fan that has stopped, a wire file of another place.",
+     "The live value cooling; what surrounds the wire; identify the wire where it works."},
     {Fault::heating_fast, FaultClass::W, Clears::itself, 0xFF25, "heating_fast", 0.002,
      "The wire heats faster than 70 % of trips.heating_rate_K_s.",
      "A current limit that is high for this wire.", "limits.current_A and limits.power_W."},

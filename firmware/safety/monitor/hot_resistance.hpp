@@ -53,11 +53,6 @@ struct HotResistance {
     temperature_K = risen_K < max ? risen_K : max;
   }
 
- private:
-  static constexpr S max_cold = S(0.25);
-  static constexpr S filter_s = S(0.02);
-  static constexpr S min_loss = S(0.5);
-
   /// R ~ (ρ_0 + q σ)(1 + 2 ε), ε = σ/E
   static S share_of_austenite(const MonitorInputs<S>& seen) {
     const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
@@ -66,6 +61,11 @@ struct HotResistance {
     return seen.measurement.resistance_ohm /
            ((a.resistivity_ohm_m + a.resistivity_ohm_m_Pa * sigma) * (S(1) + strain + strain));
   }
+
+ private:
+  static constexpr S max_cold = S(0.25);
+  static constexpr S filter_s = S(0.02);
+  static constexpr S min_loss = S(0.5);
 
   /// Net heat flow into the wire with half the cooling of its file. If it is negative the wire
   /// cools, whatever its resistance does.

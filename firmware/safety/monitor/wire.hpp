@@ -1,6 +1,7 @@
 #pragma once
 // Detects faults of the wire, its leads, its clamps and its load.
 
+#include "firmware/safety/monitor/cooling.hpp"
 #include "firmware/safety/monitor/drive.hpp"
 #include "firmware/safety/monitor/hot_resistance.hpp"
 #include "firmware/safety/monitor/open_heat.hpp"
@@ -13,6 +14,7 @@ struct WireMonitor {
   struct State {
     OpenHeat<S> heat;
     HotResistance<S> hot;
+    CoolingGuard<S> cooling;
     S steady_ohm;          ///< low-pass filtered; 0: not known
     S unanswered_J;        ///< heat that the wire has been given without a response
     S observed_before_J;   ///< OpenHeat::observed_J in the last step
@@ -151,6 +153,9 @@ void WireMonitor<S>::signature(const MonitorInputs<S>& seen, State& s, FaultSet&
   s.hot.advance(seen);
   const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
   now.add(Fault::overheat_onset, q.limits.temperature_K + beyond_K < hottest_K);
+  s.cooling.advance(seen);
+  now.add(Fault::cooling_weak, s.cooling.weak);
+  now.add(Fault::cooling_lost, s.cooling.weak && s.cooling.overheated);
   now.add(Fault::overheat_signature, s.hot.heated && q.trips.temperature_K < hottest_K);
 }
 

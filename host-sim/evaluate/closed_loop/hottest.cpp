@@ -81,10 +81,15 @@ HottestRun run_hottest(const RandomScenario& scenario) {
                  scenario.air,
                  scenario.trouble,
                  scenario.beyond,
+                 scenario.loop.duration_s,
                  -std::numeric_limits<double>::infinity(),
                  0,
                  Fault::none,
-                 std::numeric_limits<double>::infinity()};
+                 std::numeric_limits<double>::infinity(),
+                 0,
+                 false};
+  double before_s = 0;
+  double since_s = std::numeric_limits<double>::infinity();
   const double limit_K = scenario.loop.settings.limits.temperature_K;
   while (loop.step()) {
     const text::Cycle& cycle = loop.cycle();
@@ -96,6 +101,16 @@ HottestRun run_hottest(const RandomScenario& scenario) {
       run.first_cause = cycle.output.first_cause;
       run.tripped_s = cycle.time_s;
     }
+    // It is answered by a fault while it is above, or within hottest_answered_s afterwards.
+    if (cycle.truth.hottest_K - limit_K > hottest_allowed_K) {
+      run.over_s += cycle.time_s - before_s;
+      since_s = std::min(since_s, cycle.time_s);
+    }
+    if (cycle.output.state == DeviceState::fault) {
+      since_s = std::numeric_limits<double>::infinity();
+    }
+    run.unanswered = run.unanswered || cycle.time_s - since_s > hottest_answered_s;
+    before_s = cycle.time_s;
   }
   return run;
 }
@@ -113,23 +128,31 @@ std::vector<HottestRun> run_hottest(const std::vector<CalibratedUnit>& units, st
 std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   Tally all;
   int harmless = 0;
+  int far = 0;
+  int unanswered = 0;
+  double over_s = 0;
   int false_trips = 0;
   std::map<std::string_view, int> causes;
   for (const HottestRun& run : runs) {
     all.add(run);
     harmless += run.harmless() ? 1 : 0;
+    far += run.above_limit_K > hottest_far_K ? 1 : 0;
+    unanswered += run.unanswered ? 1 : 0;
+    over_s += run.over_s;
     false_trips += run.false_alarm() ? 1 : 0;
     ++causes[fault_name(run.first_cause)];
   }
   std::vector<HottestRun> sorted = runs;
   std::ranges::sort(sorted, {}, &HottestRun::above_limit_K);
   std::string text = fmt::format(
-      "True hottest point above `limits.temperature_K` in {} random scenarios of 20 s: {} above it "
-      "by more than {:g} K; median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. Of {} "
+      "True hottest point above `limits.temperature_K` in {} random scenarios of 20 to 600 s: "
+      "{} above it by more than {:g} K, {:.1f} s in all, {} by more than {:g} K; {} of them in no "
+      "fault {:g} s later; median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. Of {} "
       "scenarios in which nothing happens {} trip by anything but a following error.\n\n"
       "{}",
-      all.runs, all.violations, hottest_allowed_K, quantile(sorted, 0.5), quantile(sorted, 0.9),
-      quantile(sorted, 0.99), all.worst_K, harmless, false_trips, classes(runs, all).markdown());
+      all.runs, all.violations, hottest_allowed_K, over_s, far, hottest_far_K, unanswered,
+      hottest_answered_s, quantile(sorted, 0.5), quantile(sorted, 0.9), quantile(sorted, 0.99),
+      all.worst_K, harmless, false_trips, classes(runs, all).markdown());
   text += "\nFirst trips:";
   for (const auto& [name, count] : causes) {
     text += fmt::format(" {} {}{}", name, count, name == causes.rbegin()->first ? ".\n" : ",");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 #include "firmware/bench/dice.hpp"
 #include "firmware/text/device_names.hpp"
@@ -16,10 +17,9 @@
 namespace smaservo::evaluate {
 namespace {
 
-constexpr double duration_s = 20;
-
-constexpr std::array<std::string_view, random_air_count> air_names{"still", "draught", "gusts",
-                                                                   "shielded", "ambient step"};
+constexpr std::array<std::string_view, random_air_count> air_names{
+    "still", "draught", "gusts", "shielded", "ambient step", "weak",
+    "lost",  "fading",  "fan",   "touched",  "wall"};
 constexpr std::array<std::string_view, random_trouble_count> trouble_names{
     "none",           "load change", "load lost", "stuck",       "offset",
     "noise",          "gain",        "missing",   "lost frames", "weak supply",
@@ -33,7 +33,10 @@ class Draw {
   Draw(const std::vector<CalibratedUnit>& units, std::uint64_t seed) : dice_(seed) {
     loop().name = fmt::format("random {}", seed);
     loop().seed = seed;
-    loop().duration_s = duration_s;
+    const double length = dice_.uniform(0, 1);
+    duration_s_ = length < 0.6 ? 20 : length < 0.95 ? 60 : 600;
+    loop().duration_s = duration_s_;
+    result_.air = draw_air();
     wire(units);
     settings();
     board();
@@ -86,6 +89,10 @@ class Draw {
       heat.specific_heat_J_kgK *= dice_.factor(0.04);
     }
     note("{} {}", bench::plant_name(plant.family), known.unit.seed);
+    if (result_.air == RandomAir::fan) {
+      fan_ = dice_.uniform(1, 3);
+      known_.heat.convection_W_m2K *= fan_;
+    }
   }
 
   void settings() {
@@ -163,58 +170,167 @@ class Draw {
     return e;
   }
 
+  RandomAir draw_air() {
+    constexpr std::array<std::pair<double, RandomAir>, random_air_count> shares{
+        {{0.22, RandomAir::still},
+         {0.10, RandomAir::draught},
+         {0.13, RandomAir::gusts},
+         {0.07, RandomAir::shielded},
+         {0.10, RandomAir::ambient_step},
+         {0.07, RandomAir::weak},
+         {0.08, RandomAir::lost},
+         {0.07, RandomAir::fading},
+         {0.07, RandomAir::fan},
+         {0.04, RandomAir::touched},
+         {0.05, RandomAir::wall}}};
+    double left = dice_.uniform(0, 1);
+    for (const auto& [share, air] : shares) {
+      left -= share;
+      if (left < 0) {
+        return air;
+      }
+    }
+    return RandomAir::still;
+  }
+
   void air() {
     hal::SimSurroundings& around = loop().board.surroundings;
     around.ambient_K = zero_degC_K + dice_.uniform(5, 40);
     note("air {:.0f} °C", around.ambient_K - zero_degC_K);
-    const double kind = dice_.uniform(0, 1);
-    if (kind < 0.35) {
-      result_.air = RandomAir::still;
-      return;
+    switch (result_.air) {
+      case RandomAir::still:
+        break;
+      case RandomAir::draught:
+        around.draught = log_uniform(1, 3);
+        note("draught {:.2f}", around.draught);
+        break;
+      case RandomAir::gusts:
+        gusts();
+        break;
+      case RandomAir::shielded: {
+        const double from_s = chance(0.3) ? 0 : dice_.uniform(1, 10);
+        cools(dice_.uniform(0.75, 1), from_s, dice_.uniform(2, duration_s_));
+        break;
+      }
+      case RandomAir::ambient_step: {
+        bench::SimEvent& e = event(dice_.uniform(1, 12), dice_.uniform(2, duration_s_));
+        e.ambient_K = zero_degC_K + dice_.uniform(5, 40);
+        note("air {:.0f} °C from {:.1f} s for {:.1f} s", *e.ambient_K - zero_degC_K, e.at_s,
+             e.for_s);
+        break;
+      }
+      case RandomAir::weak:
+        around.draught = dice_.uniform(0.3, 1);
+        note("cooling {:.2f}", around.draught);
+        break;
+      case RandomAir::lost: {
+        const double from_s = dice_.uniform(1, 0.8 * duration_s_);
+        cools(dice_.uniform(0.3, 0.9), from_s, chance(0.5) ? duration_s_ : log_uniform(0.5, 20));
+        break;
+      }
+      case RandomAir::fading:
+        fading();
+        break;
+      case RandomAir::fan:
+        fan();
+        break;
+      case RandomAir::touched: {
+        double at_s = dice_.uniform(1, 6);
+        for (std::size_t i = 1 + choice(3); i > 0; --i) {
+          const double for_s = log_uniform(0.1, 3);
+          cools(log_uniform(2, 10), at_s, for_s);
+          at_s += for_s + log_uniform(0.5, 10);
+        }
+        break;
+      }
+      case RandomAir::wall:
+        wall();
+        break;
     }
-    if (kind < 0.5) {
-      result_.air = RandomAir::draught;
-      around.draught = log_uniform(1, 3);
-      note("draught {:.2f}", around.draught);
-    } else if (kind < 0.7) {
-      result_.air = RandomAir::gusts;
-      gusts();
-    } else if (kind < 0.8) {
-      result_.air = RandomAir::shielded;
-      bench::SimEvent& e =
-          event(chance(0.3) ? 0 : dice_.uniform(1, 10), dice_.uniform(2, duration_s));
-      e.draught = dice_.uniform(0.75, 1);
-      note("shielded {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
-    } else {
-      result_.air = RandomAir::ambient_step;
-      bench::SimEvent& e = event(dice_.uniform(1, 12), dice_.uniform(2, duration_s));
-      e.ambient_K = zero_degC_K + dice_.uniform(5, 40);
-      note("air {:.0f} °C from {:.1f} s for {:.1f} s", *e.ambient_K - zero_degC_K, e.at_s, e.for_s);
-    }
+  }
+
+  void cools(double draught, double at_s, double for_s) {
+    bench::SimEvent& e = event(at_s, for_s);
+    e.draught = draught;
+    note("cooling {:.2f} from {:.1f} s for {:.1f} s", draught, at_s, for_s);
   }
 
   void gusts() {
     double at_s = chance(0.3) ? 0 : dice_.uniform(1, 6);
     for (std::size_t i = 1 + choice(3); i > 0; --i) {
-      bench::SimEvent& e = event(at_s, log_uniform(0.3, 8));
-      e.draught = log_uniform(1.2, 3);
-      note("draught {:.2f} from {:.1f} s for {:.1f} s", *e.draught, e.at_s, e.for_s);
-      at_s += e.for_s + log_uniform(0.2, 4);
+      const double for_s = log_uniform(0.3, 8);
+      cools(log_uniform(1.2, 3), at_s, for_s);
+      at_s += for_s + log_uniform(0.2, 4);
     }
   }
 
+  /// The cooling falls by little steps within some seconds, as where a cover slides over the wire.
+  void fading() {
+    constexpr int steps = 20;
+    const double to = dice_.uniform(0.3, 0.9);
+    const double from_s = dice_.uniform(1, 0.5 * duration_s_);
+    const double within_s = log_uniform(0.5, 20);
+    for (int i = 1; i <= steps; ++i) {
+      const double share = static_cast<double>(i) / steps;
+      event(from_s + within_s * share, i < steps ? within_s / steps : duration_s_).draught =
+          1 + share * (to - 1);
+    }
+    note("cooling falls to {:.2f} from {:.1f} s within {:.1f} s", to, from_s, within_s);
+  }
+
+  /// The wire was calibrated in the draught of a fan, which fails once or more often. It may also
+  /// not run at the start.
+  void fan() {
+    loop().board.surroundings.draught = fan_;
+    note("fan {:.2f}", fan_);
+    double at_s = chance(0.3) ? 0 : dice_.uniform(1, 0.5 * duration_s_);
+    for (std::size_t i = 1 + choice(3); i > 0; --i) {
+      const double for_s = chance(0.4) ? duration_s_ : log_uniform(0.5, 20);
+      cools(1, at_s, for_s);
+      at_s += for_s + log_uniform(0.5, 10);
+    }
+  }
+
+  /// Close to a wall, or to other wires, which keep the air and are warmed by the wire.
+  void wall() {
+    constexpr int steps = 12;
+    hal::SimSurroundings& around = loop().board.surroundings;
+    around.draught = dice_.uniform(0.5, 0.9);
+    loop().board.reads_ambient = false;
+    const double by_K = dice_.uniform(0, 15);
+    const double within_s = log_uniform(5, 100);
+    for (int i = 1; i <= steps; ++i) {
+      const double share = static_cast<double>(i) / steps;
+      event(within_s * share, i < steps ? within_s / steps : 1000).ambient_K =
+          around.ambient_K + share * by_K;
+    }
+    note("cooling {:.2f}, air {:.0f} K warmer within {:.0f} s", around.draught, by_K, within_s);
+  }
+
+  /// None in 40 %; in the others two at once in a quarter.
   void trouble() {
-    result_.trouble = chance(0.4)
-                          ? RandomTrouble::none
-                          : static_cast<RandomTrouble>(1 + choice(random_trouble_count - 1));
-    if (result_.trouble == RandomTrouble::none) {
+    result_.trouble = result_.second = RandomTrouble::none;
+    if (chance(0.4)) {
       return;
     }
-    const double at_s = dice_.uniform(1, 14);
-    const double for_s = chance(0.5) ? duration_s : log_uniform(0.02, 5);
+    result_.trouble = one_trouble();
+    if (chance(0.25)) {
+      result_.second = one_trouble();
+    }
+  }
+
+  RandomTrouble one_trouble() {
+    const auto trouble = static_cast<RandomTrouble>(1 + choice(random_trouble_count - 1));
+    spoil(trouble);
+    return trouble;
+  }
+
+  void spoil(RandomTrouble trouble) {
+    const double at_s = dice_.uniform(1, 0.7 * duration_s_);
+    const double for_s = chance(0.5) ? duration_s_ : log_uniform(0.02, 5);
     bench::SimEvent& e = event(at_s, for_s);
-    note("{} from {:.2f} s for {:.2f} s", random_trouble_name(result_.trouble), at_s, for_s);
-    switch (result_.trouble) {
+    note("{} from {:.2f} s for {:.2f} s", random_trouble_name(trouble), at_s, for_s);
+    switch (trouble) {
       case RandomTrouble::load_change:
         e.added_stress_Pa = dice_.uniform(-0.6, 0.6) * low_Pa_;
         note("{:+.0f} MPa", *e.added_stress_Pa / MPa);
@@ -227,7 +343,7 @@ class Draw {
       case RandomTrouble::noise:
       case RandomTrouble::gain:
       case RandomTrouble::missing:
-        sensor(e);
+        sensor(e, trouble);
         break;
       case RandomTrouble::lost_frames:
         e.lost_share = chance(0.3) ? 1 : dice_.uniform(0.02, 0.8);
@@ -265,11 +381,11 @@ class Draw {
     }
   }
 
-  void sensor(bench::SimEvent& e) {
+  void sensor(bench::SimEvent& e, RandomTrouble trouble) {
     const std::size_t which = choice(sensor_names.size());
     hal::SpoiltSensor spoilt;
     double amount = 0;
-    switch (result_.trouble) {
+    switch (trouble) {
       case RandomTrouble::stuck:
         spoilt = {hal::SensorFault::stuck, 0};
         break;
@@ -387,9 +503,9 @@ class Draw {
     note("{}{}{}", text::mode_name(result_.mode), result_.beyond ? " beyond" : "",
          insists ? ", insists" : "");
     stretch(Mode::off, 0.3, 0, 0);
-    while (used_s_ < duration_s) {
+    while (used_s_ < duration_s_) {
       const Mode mode = chance(0.85) ? result_.mode : modes.at(choice(modes.size()));
-      shape(mode, log_uniform(0.5, 8));
+      shape(mode, log_uniform(0.5, duration_s_ < 60 ? 8 : 40));
       if (insists && chance(0.5)) {
         insist();
       }
@@ -401,6 +517,8 @@ class Draw {
   Wire<double> known_{};
   double low_Pa_ = 0, high_Pa_ = 0;
   double used_s_ = 0;
+  double duration_s_ = 20;
+  double fan_ = 1;  ///< convection under which the wire's file was fitted, relative to still air
 };
 
 }  // namespace

@@ -23,8 +23,20 @@ std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
                                              const std::string& folder);
 
 /// The air around the wire.
-enum class RandomAir : unsigned char { still, draught, gusts, shielded, ambient_step };
-inline constexpr std::size_t random_air_count = 5;
+enum class RandomAir : unsigned char {
+  still,
+  draught,
+  gusts,
+  shielded,  ///< a little less cooling for a time
+  ambient_step,
+  weak,     ///< less cooling than the file says, from the start
+  lost,     ///< cooling falls at once
+  fading,   ///< cooling falls within seconds
+  fan,      ///< the file was fitted in a fan's draught, and the fan fails
+  touched,  ///< much more cooling for a moment
+  wall,     ///< less cooling, in air that the wire warms
+};
+inline constexpr std::size_t random_air_count = 11;
 std::string_view random_air_name(RandomAir air);
 
 /// What happens to wire, load, sensors, converter and device.
@@ -53,11 +65,12 @@ struct RandomScenario {
   Mode mode;                       ///< the mode of most of its commands
   RandomAir air;
   RandomTrouble trouble;
-  bool beyond;  ///< set-points beyond what limits and load allow
+  RandomTrouble second;  ///< at once with it
+  bool beyond;           ///< set-points beyond what limits and load allow
 };
 
-/// Draws a scenario of 20 s from this seed. host-sim/evaluate/README.md lists what is drawn from
-/// which range.
+/// Draws a scenario of 20, 60 or 600 s from this seed. host-sim/evaluate/README.md lists what is
+/// drawn from which range.
 RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed);
 
 }  // namespace smaservo::evaluate

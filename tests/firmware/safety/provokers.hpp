@@ -104,12 +104,13 @@ inline std::vector<Provoker> circuit_provokers() {
   };
 }
 
-/// All power, and once there is nothing but austenite its resistance rises at once.
+/// All power, and once there is nothing but austenite, and the cooling has been tested, its
+/// resistance rises at once.
 inline std::function<void(Rig&)> resistance_rises(double factor) {
   return [factor](Rig& rig) {
     give_power(rig, all_W);
     rig.tamper_inputs = [&rig, factor, start = rig.steps](Readings& in) {
-      in.sample.voltage_V *= rig.steps - start > 350 ? factor : 1;
+      in.sample.voltage_V *= rig.steps - start > 900 ? factor : 1;
     };
   };
 }
@@ -145,17 +146,31 @@ inline std::vector<Provoker> heat_provokers() {
          s.limits.min_strain = -0.05;
        },
        0.1},
-      {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.4},
+      {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.95},
       // And the driver stays at the current that it was given.
       {Fault::overheat_signature,
        [](Rig& rig) {
          resistance_rises(1.013)(rig);
-         rig.tamper_drive = [max_A = 0.0](double A) mutable {
-           max_A = std::min(std::max(max_A, A), 0.15);
+         rig.tamper_drive = [&rig, start = rig.steps, max_A = 0.0](double A) mutable {
+           max_A = rig.steps - start > 880 ? std::min(std::max(max_A, A), 0.15) : 0;
            return while_given(A, std::max(A, max_A));
          };
        },
-       allow_hotter, 0.4},
+       allow_hotter, 0.95},
+      // The first time that it could be too hot its power is cut, and it cools too slowly.
+      {Fault::cooling_weak,
+       [](Rig& rig) {
+         rig.draught = 0.4;
+         give_power(rig, all_W);
+       },
+       allow_hotter, 2},
+      {Fault::cooling_lost,
+       [](Rig& rig) {
+         rig.tamper_command = [&rig](Command<double>&) {
+           rig.state.monitor.wire.cooling.weak = true;
+           rig.state.monitor.wire.cooling.overheated = true;
+         };
+       }},
       {Fault::heating_fast, full_power, gentle, 0.06},
       {Fault::heating_rate, full_power,
        [gentle](Settings<double>& s) {

@@ -129,16 +129,16 @@ TEST(Sdo, BlockSizesOf0And128AreRefused) {
   EXPECT_EQ(abort_in(rig.ask({0xA2, 1, 0})), Abort::block_size);
 }
 
-TEST(Sdo, ATransferTimesOutAfterASecond) {
+TEST(Sdo, ATransferTimesOutWhenItsClientIsSilent) {
   ServoRig rig;
   rig.ask(ServoRig::named(0x40, name));
-  rig.run(999);
+  rig.run(4999);
   EXPECT_TRUE(rig.take(0x581).empty());
   rig.run(5);
   const auto answers = rig.take(0x581);
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(take_number(std::span(answers[0].data).subspan(4)), 0x05040000U);
-  rig.run(2000);
+  rig.run(6000);
   EXPECT_TRUE(rig.take(0x581).empty()) << "once";
 }
 
@@ -154,7 +154,7 @@ TEST(Sdo, BlocksTimeOutInEachOfTheirStates) {
       rig.ask(request);
     }
     rig.sent.clear();
-    rig.run(1010);
+    rig.run(i == 0 ? 1010 : 5010);
     const auto answers = rig.take(0x581);
     ASSERT_EQ(answers.size(), 1U) << i;
     EXPECT_EQ(static_cast<Abort>(take_number(std::span(answers[0].data).subspan(4))),
@@ -162,6 +162,71 @@ TEST(Sdo, BlocksTimeOutInEachOfTheirStates) {
         << i;
     EXPECT_EQ(rig.get({0x1000, 0}), servo_device_type);
   }
+}
+
+TEST(Sdo, TimeoutsAreObjects) {
+  ServoRig rig;
+  const auto silent_ms = [&](const Bytes& request) {
+    rig.ask(request);
+    rig.sent.clear();
+    int ms = 0;
+    while (rig.take(0x581).empty() && ms < 5000) {
+      rig.run(1);
+      ++ms;
+    }
+    return ms;
+  };
+  ASSERT_EQ(rig.set_real({0x2004, 1}, 0.25F), Abort::none);
+  ASSERT_EQ(rig.set_real({0x2004, 2}, 0.5F), Abort::none);
+  EXPECT_NEAR(silent_ms({0xC6, 0x00, 0x21, 1, 4}), 250, 2);
+  EXPECT_NEAR(silent_ms(ServoRig::named(0x40, name)), 500, 2);
+  EXPECT_EQ(rig.set_real({0x2004, 1}, 0.F), Abort::too_low);
+  EXPECT_EQ(rig.set_real({0x2004, 2}, 601.F), Abort::too_high);
+}
+
+/// Clients that poll while a block download is abandoned: with one kind of request, with several
+/// in turn, with block transfers of their own. Each is answered within the time-out and a second.
+TEST(Sdo, AnAbandonedBlockDownloadIsGivenUpUnderPolling) {
+  const Bytes read = ServoRig::named(0x40, status), gain_block{0xC6, 0x00, 0x21, 1, 4};
+  const std::vector<std::vector<Bytes>> polls{
+      {read},
+      {read, {0x2B, 0x17, 0x10, 0, 0, 0}, {0x60}, {0x70}},
+      {gain_block},
+      {{0xA4, 0x21, 0x10, 0, 2, 0}, read},
+  };
+  for (std::size_t i = 0; i < polls.size(); ++i) {
+    ServoRig rig;
+    rig.ask(gain_block);
+    rig.ask({0x01, 1, 2, 3, 4, 5, 6, 7});
+    rig.sent.clear();
+    int ms = 0;
+    bool given_up = false;
+    for (std::size_t n = 0; !given_up && ms < 5000; ++n) {
+      rig.send(0x601, polls[i][n % polls[i].size()]);
+      rig.run(200);
+      ms += 200;
+      for (const auto& answer : rig.take(0x581)) {
+        given_up |= abort_in(Bytes(answer.data.begin(), answer.data.end())) != Abort::none;
+      }
+    }
+    EXPECT_LE(ms, 2000) << i;
+    EXPECT_EQ(rig.upload({0x1000, 0}).abort, Abort::none) << i;
+  }
+}
+
+/// A bus of 10 kbit/s that loses the second segment of a block: 126 more take 1.6 s.
+TEST(Sdo, ASlowBlockWithALostSegmentIsNotGivenUp) {
+  ServoRig rig;
+  rig.ask({0xC2, 0x00, 0x21, 1, 4});
+  rig.sent.clear();
+  for (unsigned number = 3; number <= 127; ++number) {
+    rig.send(0x601, {static_cast<std::uint8_t>(number), 1, 2, 3, 4, 5, 6, 7});
+    rig.run(13);
+  }
+  const auto answers = rig.take(0x581);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].data[0], 0xA2);
+  EXPECT_EQ(answers[0].data[1], 0) << "nothing was taken";
 }
 
 TEST(Sdo, SegmentsOutsideOfTheirBlockEndIt) {

@@ -70,6 +70,7 @@ class FakeDevice {
     out.estimate.strain = strain_;
     out.estimate.temperature_K = 300;
     out.measurement.stress_Pa = 100e6;
+    out.cooling = 0.5F;
     out.active = active;
     out.latched = latched_;
     out.first_cause = first_;

@@ -390,6 +390,7 @@ TEST(LiveValues, AreThoseOfTheStep) {
   rig.enable();
   EXPECT_FLOAT_EQ(rig.get_real({0x2200, sub_of(signal_index("stress_Pa"))}), 100e6F);
   EXPECT_EQ(rig.get({0x2202, 10}), static_cast<std::uint64_t>(DeviceState::running));
+  EXPECT_EQ(rig.get_real({0x2200, sub_of(signal_index("cooling"))}), 0.5F);
   rig.servo.set_timing({1000, 3, 1e-6F, 2e-6F, 3e-6F, 4e-6F});
   rig.servo.set_bus(7, 2, 30);
   EXPECT_EQ(rig.get({0x2210, 2}), 3U);

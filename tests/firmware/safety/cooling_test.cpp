@@ -1,0 +1,109 @@
+#include "firmware/safety/monitor/cooling.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/firmware/device/rig.hpp"
+
+namespace smaservo {
+namespace {
+
+/// A wire that is pressed against its temperature limit, by a strain that is out of reach.
+Settings<double> pressed_settings() {
+  Settings<double> s = test_settings();
+  s.limits.temperature_K = 393.15;
+  s.limits.hot_spot_K = 18;
+  s.limits.loss_margin = 1;
+  s.limits.min_strain = -0.05;
+  s.trips.temperature_K = 403.15;
+  s.trips.following_error = 1;
+  return s;
+}
+Rig pressed_rig(double draught) {
+  Rig rig = plain_rig(pressed_settings());
+  rig.run(0.2);
+  rig.draught = draught;
+  rig.arm(Mode::power, 10);
+  return rig;
+}
+const CoolingGuard<double>& guard(const Rig& rig) {
+  return rig.state.monitor.wire.cooling;
+}
+
+TEST(CoolingGuard, LeavesAWireAloneThatIsCooledAsItsFileSays) {
+  Rig rig = pressed_rig(1);
+  int cut = 0;
+  for (int i = 0; i < 30000; ++i) {
+    rig.step();
+    cut += guard(rig).probing ? 1 : 0;
+    ASSERT_FALSE(guard(rig).weak) << "at step " << i;
+  }
+  EXPECT_TRUE(guard(rig).confirmed);
+  EXPECT_EQ(rig.out.cooling, 1);
+  EXPECT_LT(cut, 1500) << "of the time, less than 5 % is given for tests";
+  EXPECT_GT(cut, 50) << "without a test nothing is confirmed";
+}
+
+TEST(CoolingGuard, NeverCutsTheHeatBelowWhereItCouldBeTooHot) {
+  Rig rig = plain_rig(pressed_settings());
+  rig.run(0.2);
+  rig.arm(Mode::temperature, 345);
+  for (int i = 0; i < 5000; ++i) {
+    rig.step();
+    ASSERT_FALSE(guard(rig).probing);
+  }
+}
+
+class LessCooling : public ::testing::TestWithParam<double> {};
+
+TEST_P(LessCooling, FromTheStartIsFoundBeforeTheWireIsTooHot) {
+  Rig rig = pressed_rig(GetParam());
+  rig.run(4);
+  EXPECT_LT(rig.hottest_K, rig.settings.limits.temperature_K + 3);
+  EXPECT_TRUE(rig.out.warnings.has(Fault::cooling_weak));
+  EXPECT_NEAR(rig.out.cooling, GetParam(), 0.2);
+  EXPECT_GT(std::abs(rig.out.cooling - 1), 0.2);
+  rig.run(20);
+  EXPECT_LT(rig.hottest_K, rig.settings.limits.temperature_K + 3);
+}
+
+TEST_P(LessCooling, IsFoundWhereTheResistanceMovesByItself) {
+  Rig rig = pressed_rig(1);
+  rig.run(20);
+  ASSERT_TRUE(guard(rig).confirmed);
+  rig.draught = GetParam();
+  rig.run(20);
+  EXPECT_LT(rig.hottest_K, rig.settings.limits.temperature_K + 15);
+  EXPECT_TRUE(rig.out.warnings.has(Fault::cooling_weak) ||
+              rig.out.latched.has(Fault::cooling_lost));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shares, LessCooling, ::testing::Values(0.3, 0.4, 0.5));
+
+TEST(CoolingGuard, LeavesALittleLessCoolingToTheMarginOfTheHotSpot) {
+  Rig rig = pressed_rig(0.8);
+  rig.run(20);
+  EXPECT_LT(rig.hottest_K, rig.settings.limits.temperature_K + 3);
+}
+
+TEST(CoolingGuard, FindsThatAFanRunsAgain) {
+  Rig rig = pressed_rig(0.4);
+  rig.run(3);
+  ASSERT_TRUE(rig.out.warnings.has(Fault::cooling_weak));
+  rig.draught = 1;
+  rig.run(15);
+  EXPECT_FALSE(rig.out.warnings.has(Fault::cooling_weak));
+  EXPECT_EQ(rig.out.cooling, 1);
+}
+
+TEST(CoolingGuard, ForgetsWhatItKnewOfAWireThatHasRested) {
+  Rig rig = pressed_rig(1);
+  rig.run(3);
+  ASSERT_TRUE(guard(rig).confirmed);
+  rig.command.arm = false;
+  rig.run(15);
+  EXPECT_FALSE(guard(rig).confirmed);
+}
+
+}  // namespace
+}  // namespace smaservo
