@@ -85,9 +85,9 @@ echo '-- ulimit -f'
 (
   ulimit -f 200
   daemon_arguments='--record /tmp/limited.csv'
-  servo 2.2
+  servo 3.5
 )
-within 'strain held, %' "$(held_strain)" 1.8 2.2
+within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
 within 'it says why it does not record' "$(grep -c 'File too large' /tmp/figures.json)" 1 1
 
