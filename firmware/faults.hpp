@@ -72,9 +72,9 @@ enum class Fault : std::uint8_t {
   bad_configuration,
   not_configured,
   store_outdated,
-  // appended
   cooling_weak,
   cooling_lost,
+  loop_stalled,
   count
 };
 inline constexpr std::size_t fault_count = static_cast<std::size_t>(Fault::count);

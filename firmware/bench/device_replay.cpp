@@ -151,12 +151,17 @@ class ReplayFile {
   std::unique_ptr<text::DeviceTraceFile> file_;
 };
 
-double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std::int64_t to_ns) {
+/// Longer steps are those after a stall, of which the recording says so itself.
+double step_s(const std::string& trace, double from_s, std::int64_t from_ns, std::int64_t to_ns,
+              FaultSet external) {
   const std::int64_t step_ns = to_ns - from_ns;
   const double dt_s = static_cast<double>(step_ns) * 1e-9;
-  if (step_ns < shortest_step_ns || longest_step_ns < step_ns) {
+  const std::int64_t longest_ns =
+      external.has(Fault::loop_stalled) ? longest_stall_ns : longest_step_ns;
+  if (step_ns < shortest_step_ns || longest_ns < step_ns) {
     throw files::UserError(
-        fmt::format("{}: the row after {} s comes {} s later; a device steps every {} to {} s",
+        fmt::format("{}: the row after {} s comes {} s later; a device steps every {} to {} s, "
+                    "unless external_faults says loop_stalled",
                     trace, from_s, dt_s, static_cast<double>(shortest_step_ns) / 1e9,
                     static_cast<double>(longest_step_ns) / 1e9));
   }
@@ -196,14 +201,16 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   std::int64_t last_ns = 0;
   for (hal::ReadStatus status = board.read(frame); status != hal::ReadStatus::end;
        status = board.read(frame)) {
-    const double dt_s = result.rows == 0
-                            ? options.settings.timing.period_s
-                            : step_s(options.trace, cycle.time_s, last_ns, frame.time_ns);
-    last_ns = frame.time_ns;
+    const double before_s = cycle.time_s;
     cycle.time_s = static_cast<double>(frame.time_ns) / 1e9;
     text::split_fields(board.row().text, fields);
+    const Heard<double> heard = log.heard(fields, cycle.time_s);
+    const double dt_s =
+        result.rows == 0 ? options.settings.timing.period_s
+                         : step_s(options.trace, before_s, last_ns, frame.time_ns, heard.external);
+    last_ns = frame.time_ns;
     change_parameters(log, fields, cycle.time_s, *prepared, device);
-    run_cycle(board, frame, status, log.heard(fields, cycle.time_s), 0, cycle,
+    run_cycle(board, frame, status, heard, 0, cycle,
               [&](const Inputs<double>& in, const Command<double>& command) {
                 return Device<double>::step(*prepared, device, in, command, dt_s);
               });

@@ -54,6 +54,9 @@ struct Controller {
 
   /// A step without current. The loop starts afresh afterwards.
   static void rest(const Prepared<S>& p, State& s, const S& dt_s);
+  /// The same, though the wire may have been given this current all the time.
+  static void persist(const Prepared<S>& p, State& s, const S& current_A, const S& power_W,
+                      const S& dt_s);
 
   /// New settings are in force from the next step on.
   static void adopt(State& s) { s.rebase = true; }
@@ -107,6 +110,18 @@ template <class S>
 void Controller<S>::rest(const Prepared<S>& p, State& s, const S& dt_s) {
   const S duty = averaged(s.duty, S(0), dt_s, p.settings.limits.duty_window_s);
   const S sustained_W = averaged(s.sustained_W, S(0), dt_s, time_constant_s(p));
+  s = State{};
+  s.duty = duty;
+  s.sustained_W = sustained_W;
+}
+
+template <class S>
+void Controller<S>::persist(const Prepared<S>& p, State& s, const S& current_A, const S& power_W,
+                            const S& dt_s) {
+  const SoftLimits<S>& limits = p.settings.limits;
+  const S share = current_A / limits.current_A;
+  const S duty = averaged(s.duty, share * share, dt_s, limits.duty_window_s);
+  const S sustained_W = averaged(s.sustained_W, power_W, dt_s, time_constant_s(p));
   s = State{};
   s.duty = duty;
   s.sustained_W = sustained_W;

@@ -13,10 +13,12 @@ namespace {
 
 int run(const smaservo::daemon::DaemonOptions& options) {
   if (options.board == "sim" || options.board.starts_with("sim=")) {
-    return smaservo::daemon::serve_simulation(options);
+    return options.check ? smaservo::daemon::check_simulation(options)
+                         : smaservo::daemon::serve_simulation(options);
   }
   if (options.board.starts_with("replay=")) {
-    return smaservo::daemon::serve_replay(options);
+    return options.check ? smaservo::daemon::check_replay(options)
+                         : smaservo::daemon::serve_replay(options);
   }
   if (!options.owns.empty()) {
     return smaservo::daemon::tell_owned(options);

@@ -1,11 +1,15 @@
 #include "firmware/daemon/serve.hpp"
 
 #include <cmath>
+#include <exception>
+#include <fmt/format.h>
+#include <optional>
 
 #include "firmware/daemon/boards/replaying.hpp"
 #include "firmware/daemon/boards/simulation.hpp"
 #include "firmware/daemon/bus/bus_service.hpp"
 #include "firmware/text/settings_file.hpp"
+#include "hal/linux/can/open_can.hpp"
 #include "model/files/message.hpp"
 
 namespace smaservo::daemon {
@@ -14,6 +18,38 @@ namespace {
 std::string after_equals(const std::string& text) {
   const std::size_t equals = text.find('=');
   return equals == std::string::npos ? "" : text.substr(equals + 1);
+}
+
+/// What --board sim runs.
+bench::ClosedLoopScenario simulated(const DaemonOptions& options) {
+  const std::string file = after_equals(options.board);
+  bench::ClosedLoopScenario scenario =
+      file.empty() ? bench::standard_closed_loop(options.device.empty()
+                                                     ? bench::standard_settings()
+                                                     : text::load_settings_file(options.device))
+                   : bench::load_closed_loop(file);
+  if (!file.empty() && !options.device.empty()) {
+    scenario.settings = text::load_settings_file(options.device);
+  }
+  return scenario;
+}
+
+Settings<double> recorded(const DaemonOptions& options) {
+  return text::load_settings_file(options.device.empty() ? after_equals(options.board) + ".toml"
+                                                         : options.device);
+}
+
+/// Where something is refused, the exception ends the check with the exit code that it would end a
+/// run with.
+template <class Try>
+void report(const char* what, Try attempt) {
+  try {
+    attempt();
+  } catch (const std::exception& error) {
+    files::print(fmt::format("{:<16} {}\n", what, error.what()));
+    throw;
+  }
+  files::print(fmt::format("{:<16} ok\n", what));
 }
 
 }  // namespace
@@ -42,15 +78,7 @@ ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>&
 }
 
 int serve_simulation(const DaemonOptions& options) {
-  const std::string file = after_equals(options.board);
-  bench::ClosedLoopScenario scenario =
-      file.empty() ? bench::standard_closed_loop(options.device.empty()
-                                                     ? bench::standard_settings()
-                                                     : text::load_settings_file(options.device))
-                   : bench::load_closed_loop(file);
-  if (!file.empty() && !options.device.empty()) {
-    scenario.settings = text::load_settings_file(options.device);
-  }
+  const bench::ClosedLoopScenario scenario = simulated(options);
   const KeptSettings kept = keep_settings(options.settings, scenario.settings, true);
   if (!kept.faults.empty()) {
     files::complain("smaservod", kept.said);
@@ -78,8 +106,7 @@ int serve_simulation(const DaemonOptions& options) {
 
 int serve_replay(const DaemonOptions& options) {
   const std::string trace = after_equals(options.board);
-  const Settings<double> settings =
-      text::load_settings_file(options.device.empty() ? trace + ".toml" : options.device);
+  const Settings<double> settings = recorded(options);
   ServiceSetup setup = service_setup(options, settings);
   setup.settings_file.clear();
   setup.folder.clear();  // a replay leaves no mark, and takes no settings but the recording's
@@ -89,6 +116,33 @@ int serve_replay(const DaemonOptions& options) {
   LoopTiming timing = timing_of(settings, options.for_s);
   timing.from_zero = false;
   return serve(service, board, board, timing, false);
+}
+
+int check_simulation(const DaemonOptions& options) {
+  std::optional<bench::ClosedLoopScenario> scenario;
+  if (!options.device.empty()) {
+    report("settings file", [&] { text::load_settings_file(options.device); });
+  }
+  report("scenario", [&] {
+    scenario = simulated(options);
+    const Simulation board(*scenario);
+  });
+  report("settings", [&] { keep_settings(options.settings, scenario->settings, true); });
+  if (!options.bus.empty()) {
+    report("bus", [&] { hal::open_can(options.bus); });
+  }
+  return 0;
+}
+
+int check_replay(const DaemonOptions& options) {
+  std::optional<Settings<double>> settings;
+  report("settings", [&] { settings = recorded(options); });
+  report("trace", [&] {
+    LoopLinks links;
+    ParameterDesk desk(*settings, links);
+    const Replaying board(after_equals(options.board), *settings, desk);
+  });
+  return 0;
 }
 
 }  // namespace smaservo::daemon

@@ -35,6 +35,9 @@ int serve_simulation(const DaemonOptions& options);
 int serve_replay(const DaemonOptions& options);
 int serve_board(const DaemonOptions& options);
 int check_board(const DaemonOptions& options);
+/// Of a simulated wire or a recording: reads the files and opens the bus; runs nothing.
+int check_simulation(const DaemonOptions& options);
+int check_replay(const DaemonOptions& options);
 int switch_board_off(const DaemonOptions& options);
 /// 0: the board drives the device `options.owns`; 1: it does not.
 int tell_owned(const DaemonOptions& options);

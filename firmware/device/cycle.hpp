@@ -7,16 +7,10 @@
 #include <new>
 
 #include "firmware/command.hpp"
+#include "firmware/timing.hpp"
 #include "hal/board.hpp"
 
 namespace smaservo {
-
-/// Bounds of the time that one step of a device may cover.
-inline constexpr std::int64_t shortest_step_ns = 100'000;
-inline constexpr std::int64_t longest_step_ns = 20'000'000;
-
-/// Heat is a lease of so many periods: it ends when the loop stops, but not when one cycle is lost.
-inline constexpr std::int64_t leased_periods = 3;
 
 /// What a main hands to a cycle.
 template <class S>

@@ -38,7 +38,10 @@ struct Device {
   /// As after switching on.
   static State start() { return State{}; }
 
-  /// dt_s since the last step, 0.1 to 20 ms. Order: observe(), then decide().
+  /// dt_s since the last step, 0.1 to 20 ms, or longer where the loop stood still. A step after
+  /// more than the lease is a stall (timing.hpp): there is no current, the fault loop_stalled, and
+  /// the wire is as warm as if the last command had persisted. Order: observe(), then decide().
+  /// Cost: after a stall up to 64 steps of the observer.
   static Output<S> step(const Prepared<S>& p, State& s, const Inputs<S>& in,
                         const Command<S>& command, const S& dt_s) {
     const Measurement<S> m = observe(p, s, in, dt_s);
@@ -60,7 +63,12 @@ struct Device {
  private:
   using Verdict = typename Supervisor<S>::Verdict;
 
-  static void count_time(State& s, const Inputs<S>& in, const Command<S>& command, const S& dt_s);
+  static bool stalled(const Prepared<S>& p, const S& dt_s) {
+    return is_stall(dt_s, p.settings.timing.period_s);
+  }
+  static Measurement<S> after_stall(const Prepared<S>& p, State& s, const S& dt_s);
+  static void count_time(const Prepared<S>& p, State& s, const Inputs<S>& in,
+                         const Command<S>& command, const S& dt_s);
   static Verdict protect(const MonitorInputs<S>& seen, State& s);
   static void sense(const Prepared<S>& p, Output<S>& out);
   static void control(const MonitorInputs<S>& seen, State& s, const Demand<S>& demand,
@@ -71,6 +79,9 @@ struct Device {
 template <class S>
 Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S>& in,
                                   const S& dt_s) {
+  if (stalled(p, dt_s)) [[unlikely]] {
+    return after_stall(p, s, dt_s);
+  }
   const Measuring<S>& q = p.settings.measuring;
   Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
   sample.load_N =
@@ -96,11 +107,29 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
   return m;
 }
 
+/// What was measured last, and what is measured now, say nothing of the time between.
+template <class S>
+Measurement<S> Device<S>::after_stall(const Prepared<S>& p, State& s, const S& dt_s) {
+  const S given_A = s.given_before_A < s.last.current_A ? s.last.current_A : s.given_before_A;
+  Measurement<S> told{};
+  told.power_W = persisting_power_W(p, given_A, s.last.voltage_V);
+  told.power_valid = true;
+  told.stress_Pa = MultipleModelFilter<S>::likeliest(s.observer.observer).stress_Pa;
+  if (s.observing) {
+    const StalledTime<S> time(p, dt_s);
+    for (int i = 0; i < time.parts; ++i) {
+      MultipleModelFilter<S>::advance(p.observer, s.observer.observer, told, time.part_s);
+    }
+    s.observer.last = told;
+  }
+  return told;
+}
+
 template <class S>
 Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                             const Measurement<S>& m, const Estimate<S>& e,
                             const Command<S>& command, const S& dt_s) {
-  count_time(s, in, command, dt_s);
+  count_time(p, s, in, command, dt_s);
   const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
   const auto& filter = MultipleModelFilter<S>::likeliest(s.observer.observer);
   const MonitorInputs<S> seen{p,
@@ -119,7 +148,8 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                               s.since_command_s,
                               dt_s,
                               s.observing,
-                              s.monitor.zero.known()};
+                              s.monitor.zero.known(),
+                              stalled(p, dt_s)};
   const Verdict v = protect(seen, s);
   Output<S> out{.current_A = S(0),
                 .voltage_V = S(0),
@@ -153,6 +183,8 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
     if (v.limited) {
       limit(p, s, out);
     }
+  } else if (seen.stalled) [[unlikely]] {
+    Controller<S>::persist(p, s.controller, seen.max_given_A(), m.power_W, dt_s);
   } else {
     Controller<S>::rest(p, s.controller, dt_s);
   }
@@ -162,13 +194,16 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
 }
 
 template <class S>
-void Device<S>::count_time(State& s, const Inputs<S>& in, const Command<S>& command,
-                           const S& dt_s) {
+void Device<S>::count_time(const Prepared<S>& p, State& s, const Inputs<S>& in,
+                           const Command<S>& command, const S& dt_s) {
+  const S longest_s = S(longest_stall_s);
+  const S counted_s = dt_s < longest_s ? dt_s : longest_s;
   // A float that counts seconds would stand still after some hours.
-  s.time_us += static_cast<std::uint32_t>(static_cast<int>(dt_s * S(1e6) + S(0.5)));
+  s.time_us += static_cast<std::uint32_t>(static_cast<int>(counted_s * S(1e6) + S(0.5)));
   s.since_sample_s = in.fresh ? S(0) : s.since_sample_s + dt_s;
   s.since_command_s = command.fresh ? S(0) : s.since_command_s + dt_s;
-  s.off_s = s.last.current_A == S(0) ? s.off_s + dt_s : S(0);
+  const S off_s = stalled(p, dt_s) ? StalledTime<S>(p, dt_s).all_s : dt_s;
+  s.off_s = s.last.current_A == S(0) ? s.off_s + off_s : S(0);
 }
 
 template <class S>

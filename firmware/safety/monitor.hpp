@@ -10,6 +10,7 @@
 #include "firmware/safety/monitor/drive.hpp"
 #include "firmware/safety/monitor/estimate.hpp"
 #include "firmware/safety/monitor/machine.hpp"
+#include "firmware/safety/monitor/stall.hpp"
 #include "firmware/safety/monitor/wire.hpp"
 
 namespace smaservo {
@@ -27,6 +28,9 @@ struct Monitor {
 
   /// Conditions that have lasted for their deglitch time.
   static FaultSet step(const MonitorInputs<S>& seen, State& s) {
+    if (seen.stalled) [[unlikely]] {
+      return s.deglitch.step(after_stall(seen, s), seen.dt_s);
+    }
     if (seen.in.fresh && !(seen.off_s < ZeroCurrent<S>::settling_s) && seen.off()) {
       s.zero.take(seen.prepared, seen.in.sample);
     }
@@ -35,6 +39,42 @@ struct Monitor {
         EstimateMonitor<S>::detect(seen, s.estimate) | MachineMonitor<S>::detect(seen, s.machine);
     return s.deglitch.step(now, seen.dt_s);
   }
+
+ private:
+  static FaultSet after_stall(const MonitorInputs<S>& seen, State& s);
 };
+
+/// The sample after a stall is no answer to the last command: the guard or the one-shot may have
+/// ended that at any time. So nothing is concluded from it, not even an open wire. The heat goes on
+/// as seen.measurement tells it; it is never below what the observer makes of the same power.
+template <class S>
+FaultSet Monitor<S>::after_stall(const MonitorInputs<S>& seen, State& s) {
+  const StalledTime<S> time(seen.prepared, seen.dt_s);
+  if (seen.observing) {
+    OpenHeat<S>& heat = s.wire.heat;
+    const ThermalBody<S>& body = seen.prepared.observer.model.body;
+    const S smooth_s = S(0.125) * body.capacity_J_K / body.loss_W_K;
+    MonitorInputs<S> part = seen;
+    part.dt_s = smooth_s < S(0.25) ? smooth_s : S(0.25);
+    for (S left_s = time.all_s; S(0) < left_s; left_s -= part.dt_s) {
+      part.dt_s = left_s < part.dt_s ? left_s : part.dt_s;
+      heat.advance(part);
+    }
+    heat.heat_J = heat.heat_J < heat.observed_J ? heat.observed_J : heat.heat_J;
+  }
+  // Readings from before the stall are compared with none from after it.
+  s.wire.steady_ohm = S(0);
+  s.wire.unanswered_J = S(0);
+  s.wire.was_sure = false;
+  // Nor does a cooling tell anything whose beginning was not seen.
+  s.wire.cooling.hot = s.wire.cooling.probing = s.wire.cooling.confirmed = false;
+  s.machine.sampled = false;
+  s.machine.misses = S(0);
+  FaultSet now = seen.in.external;
+  now.add(Fault::loop_stalled, true);
+  now.add(Fault::emergency_stop, seen.in.emergency_stop);
+  now.add(Fault::driver_fault, seen.in.driver_fault);
+  return now;
+}
 
 }  // namespace smaservo

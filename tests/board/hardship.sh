@@ -31,10 +31,12 @@ expect 'by' "$(stopped_by)" program
 next_start_says 'crash'
 
 echo '-- SIGSTOP'
-servo 2.1 1.9 pid:/tmp/daemon 19
+servo 2.6 1.9 pid:/tmp/daemon 19 2.4 pid:/tmp/daemon 18
 row 'SIGSTOP'
 within 'off after SIGSTOP, us' "$(stop_us)" 1 $lease_us
 expect 'by' "$(stopped_by)" one-shot
+expect 'cause, when it goes on' "$(first_cause)" loop_stalled
+expect 'what it says' "$(grep -c 'loop_stalled: The loop stood still' /tmp/daemon.log)" 1
 
 echo '-- SIGTERM'
 servo 2.1 1.9 pid:/tmp/daemon 15
@@ -42,7 +44,52 @@ row 'SIGTERM'
 within 'off after SIGTERM, us' "$(stop_us)" 1 $lease_us
 expect 'exit code' "$daemon_code" 0
 
+echo '-- signals that end it'
+# SIGINT, SIGXCPU, SIGPWR; SIGTERM is above.
+for signal in 2 24 30; do
+  servo 1 0.9 pid:/tmp/daemon $signal
+  within "off after signal $signal, us" "$(stop_us)" 1 $lease_us
+  expect 'by' "$(stopped_by)" program
+  expect 'exit code' "$daemon_code" "$([ $signal = 24 ] && echo 1 || echo 0)"
+done
+
+echo '-- signals of mistakes'
+# SIGQUIT, SIGILL, SIGTRAP, SIGABRT, SIGBUS, SIGFPE, SIGSYS; SIGSEGV is above.
+for signal in 3 4 5 6 7 8 31; do
+  servo 1 0.9 pid:/tmp/daemon $signal
+  within "off after signal $signal, us" "$(stop_us)" 1 $lease_us
+  expect 'by' "$(stopped_by)" program
+  expect 'exit code' "$daemon_code" $((128 + signal))
+  rm /tmp/store/run # else the next run would not heat
+done
+
 missed() { sed -n 's/.*"missed":\([0-9]*\).*/\1/p' /tmp/figures.json; }
+
+echo '-- all other signals'
+happenings=''
+at=1000
+for signal in 1 10 12 13 14 16 17 18 20 21 22 23 25 26 27 28 29 $(seq 32 64); do
+  happenings="$happenings 1.$(printf %03d $((at - 1000))) pid:/tmp/daemon $signal"
+  at=$((at + 10))
+done
+# shellcheck disable=SC2086 # several arguments
+servo 1.6 $happenings
+expect 'signals that came' "$(grep -c '^HAPPENED' /tmp/plant.log)" 50
+expect 'of these without heat' "$(grep -c 'without heat' /tmp/plant.log)" 0
+expect 'off' "$(grep -c '^OFF' /tmp/plant.log)" 0
+expect 'no fault' "$(first_cause)" none
+expect 'ticks missed' "$(missed)" 0
+expect 'exit code' "$daemon_code" 0
+
+echo '-- ulimit -f'
+(
+  ulimit -f 200
+  daemon_arguments='--record /tmp/limited.csv'
+  servo 3.5
+)
+within 'strain held, %' "$(held_strain)" 1.9 2.1
+expect 'no fault' "$(first_cause)" none
+within 'it says why it does not record' "$(grep -c 'File too large' /tmp/figures.json)" 1 1
 
 echo '-- a second one'
 (

@@ -24,6 +24,10 @@ struct LoopTiming {
 template <class B>
 inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
 
+/// So long the loop of a simulated wire may stand still, whose time stands still with it: the
+/// scheduler of a PC is no fault of the device. On a real board it is the lease.
+inline constexpr std::int64_t longest_simulated_stall_ns = 1'000'000'000;
+
 template <hal::Board B, class Pacing>
 class Loop {
  public:
@@ -45,7 +49,8 @@ class Loop {
  private:
   void count_frame(hal::ReadStatus status);
   void count_setpoints(std::uint32_t come);
-  double advance_time();
+  bool stood_still(std::int64_t gone_ns) const;
+  double advance_time(std::int64_t gone_ns);
   void adopt_sets(Command<double>& command);
   void renew_lease(bool heated);
   void note_stop(const Output<double>& before, std::int64_t sampled_ns, std::int64_t driven_ns);
@@ -78,13 +83,20 @@ bool Loop<B, Pacing>::cycle() {
     board_.safe_off();
     return false;
   }
+  // Measured after the read: a device's driver that blocked counts as well.
+  const std::int64_t gone_ns = pacing_.gone_ns();
+  const bool stalled = stood_still(gone_ns);
+  if (in_monotonic_time<B> && stalled) {
+    board_.safe_off();  // before the device computes what the stall has done
+  }
   const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : hal::monotonic_ns();
   count_frame(status);
-  const double dt_s = advance_time();
+  const double dt_s = advance_time(gone_ns);
   text::Cycle& cycle = now_.cycle;
   Heard<double> heard = source_.listen(cycle.time_s);
-  heard.late = heard.late || (in_monotonic_time<B> && woke.missed > 0);
+  heard.late = heard.late || (in_monotonic_time<B> && (woke.missed > 0 || stalled));
   heard.external = heard.external | FaultSet::from_bits(links_.faults.load());
+  heard.external.add(Fault::loop_stalled, stalled);
   count_setpoints(heard.setpoints);
   adopt_sets(heard.command);
   const Output<double> before = cycle.output;
@@ -132,20 +144,30 @@ void Loop<B, Pacing>::count_setpoints(std::uint32_t come) {
   figures_.superseded.fetch_add(come > 1 ? come - 1 : 0, std::memory_order_relaxed);
 }
 
-/// A pause longer than the longest step of a device counts as that step only: the wire has then
-/// cooled further than the device believes, which is the safe side.
+/// Whether real time has gone on for longer than the lease since the last cycle.
 template <hal::Board B, class Pacing>
-double Loop<B, Pacing>::advance_time() {
+bool Loop<B, Pacing>::stood_still(std::int64_t gone_ns) const {
+  return in_monotonic_time<B> ? is_stall(gone_ns, timing_.period_ns)
+                              : longest_simulated_stall_ns < gone_ns;
+}
+
+/// The device steps over all of a stall, in one step; see Device::step(). A converter's buffer may
+/// give frames from before it, so the loop's own time counts then.
+template <hal::Board B, class Pacing>
+double Loop<B, Pacing>::advance_time(std::int64_t gone_ns) {
+  const bool by_frame = !in_monotonic_time<B> || !stood_still(gone_ns);
+  const std::int64_t longest_ns =
+      in_monotonic_time<B> && by_frame ? leased_periods * timing_.period_ns : longest_stall_ns;
+  const std::int64_t gone_by_ns = by_frame ? frame_.time_ns - last_ns_ : gone_ns;
   const std::int64_t step_ns =
-      began_ ? std::clamp(frame_.time_ns - last_ns_, shortest_step_ns, longest_step_ns)
-             : timing_.period_ns;
+      began_ ? std::clamp(gone_by_ns, shortest_step_ns, longest_ns) : timing_.period_ns;
   if (began_) {
     time_ns_ += step_ns;
   } else {
     time_ns_ = timing_.from_zero ? 0 : frame_.time_ns;
   }
   began_ = true;
-  last_ns_ = frame_.time_ns;
+  last_ns_ = by_frame ? frame_.time_ns : board_.now_ns();
   now_.cycle.time_s = static_cast<double>(time_ns_) / 1e9;
   return static_cast<double>(step_ns) * 1e-9;
 }
@@ -175,7 +197,9 @@ void Loop<B, Pacing>::adopt_sets(Command<double>& command) {
 /// there.
 template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::renew_lease(bool heated) {
-  const std::int64_t ends_ns = hal::monotonic_ns() + leased_periods * timing_.period_ns;
+  const std::int64_t leased_ns =
+      in_monotonic_time<B> ? leased_periods * timing_.period_ns : longest_simulated_stall_ns;
+  const std::int64_t ends_ns = hal::monotonic_ns() + leased_ns;
   links_.lease_ends_ns.store(heated ? ends_ns : 0, std::memory_order_relaxed);
   links_.heated.store(heated, std::memory_order_relaxed);
 }

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "hal/linux/system/clock.hpp"
+
 namespace smaservo::daemon {
 
 struct Woke {
@@ -11,7 +13,7 @@ struct Woke {
 };
 
 /// Cycles begin at multiples of the period after the first wait(). Missed cycles are counted and
-/// left out. A clock has now_ns() and sleep_until(ns), both monotonic.
+/// left out. A clock has now_ns() and sleep_until(ns), both monotonic, and boot_lead().
 template <class Clock>
 class Pace {
  public:
@@ -37,11 +39,24 @@ class Pace {
     return woke;
   }
 
+  /// Real time since the last call, that of a suspended machine included; 0 in the first one.
+  std::int64_t gone_ns() {
+    const std::int64_t now_ns = clock_.now_ns();
+    const std::int64_t suspended_ns = suspend_.suspended_ns(clock_.boot_lead());
+    const std::int64_t gone_ns = asked_ ? now_ns - asked_ns_ + suspended_ns : 0;
+    asked_ = true;
+    asked_ns_ = now_ns;
+    return gone_ns;
+  }
+
  private:
   Clock clock_;
   std::int64_t period_ns_;
   std::int64_t next_ns_ = 0;
   bool began_ = false;
+  hal::SuspendWatch suspend_;
+  std::int64_t asked_ns_ = 0;
+  bool asked_ = false;
 };
 
 /// For a recording, or a simulation in its own time: the next cycle begins at once.
@@ -49,6 +64,7 @@ struct NoPace {
   static constexpr bool in_time = false;  ///< the loop may wait for the recorder
 
   static Woke wait() { return {}; }
+  static std::int64_t gone_ns() { return 0; }
 };
 
 }  // namespace smaservo::daemon

@@ -13,13 +13,18 @@ std::atomic<const CrashGuard*> installed{nullptr};
 void set_handlers(void (*handler)(int)) {
   struct sigaction action{};
   action.sa_handler = handler;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_ONSTACK;
   for (const int signal : crash_signals) {
     sigaction(signal, &action, nullptr);
   }
 }
 
 }  // namespace
+
+void SignalStack::use() {
+  const stack_t stack{.ss_sp = memory_.data(), .ss_flags = 0, .ss_size = memory_.size()};
+  sigaltstack(&stack, nullptr);
+}
 
 CrashGuard::CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark,
                        const std::atomic<bool>& heated)
@@ -28,6 +33,8 @@ CrashGuard::CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark,
     blocks_.at(i) = {mark->crash_block(crash_signals.at(i), false),
                      mark->crash_block(crash_signals.at(i), true)};
   }
+  static SignalStack stack;
+  stack.use();
   installed.store(this);
   set_handlers(handle);
 }

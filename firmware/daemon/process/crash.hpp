@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstddef>
 #include <vector>
 
 #include "firmware/daemon/process/last_run.hpp"
@@ -11,15 +12,30 @@
 
 namespace smaservo::daemon {
 
-/// Signals that a mistake in the program raises.
-inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
+/// Signals that a mistake in the program raises, and SIGQUIT, which asks for a core dump.
+inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE,  SIGILL,
+                                          SIGABRT, SIGSYS, SIGTRAP, SIGQUIT};
+
+/// Memory for a crash handler where the thread's own stack is the reason of the crash.
+class SignalStack {
+ public:
+  SignalStack() : memory_(size) {}
+  /// The calling thread's handlers run on it from now on; it must outlive the thread.
+  void use();
+
+ private:
+  /// More than the registers of any processor need.
+  static constexpr std::size_t size = std::size_t{64} * 1024;
+  std::vector<std::byte> memory_;
+};
 
 /// While a CrashGuard lives, such a signal switches the outputs off, leaves a mark and then ends
 /// the program as it would without the guard. Only one may live at a time. The handler makes system
 /// calls only.
 class CrashGuard {
  public:
-  /// `mark` null: no mark is left. `heated` and the board must outlive the guard.
+  /// `mark` null: no mark is left. `heated` and the board must outlive the guard. The calling
+  /// thread gets a SignalStack.
   CrashGuard(std::vector<hal::OffAction> off, const RunMark* mark, const std::atomic<bool>& heated);
   ~CrashGuard();
   CrashGuard(const CrashGuard&) = delete;

@@ -10,6 +10,7 @@
 #include "firmware/daemon/process/crash.hpp"
 #include "firmware/daemon/process/notify.hpp"
 #include "firmware/daemon/process/sandbox.hpp"
+#include "firmware/daemon/process/signals.hpp"
 #include "firmware/daemon/service/guard.hpp"
 #include "firmware/daemon/status/recorder.hpp"
 #include "firmware/text/device_names.hpp"
@@ -23,23 +24,6 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t status_every_ns = 1000 * ms;
 constexpr std::int64_t look_every_ns = 20 * ms;
 constexpr double recorded_s = 16;  ///< time for which the recorder's ring has room
-
-sigset_t own_signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    sigaddset(&set, signal);
-  }
-  return set;
-}
-
-/// Waits for the next of the own signals; 0: none came in this time.
-int wait_for_signal(std::int64_t time_ns) {
-  const sigset_t set = own_signals();
-  const timespec time{0, static_cast<long>(time_ns)};
-  const int signal = sigtimedwait(&set, nullptr, &time);
-  return signal > 0 ? signal : 0;
-}
 
 std::string sentence(const DeviceState state, FaultSet latched) {
   return latched.empty() ? std::string(text::state_name(state))
@@ -55,8 +39,7 @@ Service::Service(ServiceSetup setup)
       device_(desk_.first()),
       status_(setup_.status, setup_.board, std::llround(setup_.settings.timing.period_s * 1e9),
               {links_, *figures_, usage_, mark_, recorder_}) {
-  const sigset_t set = own_signals();
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  take_signals();
   if (!setup_.folder.empty()) {
     mark_ = std::make_unique<RunMark>(setup_.folder, boot_id());
     if (mark_->last().unclean()) {
@@ -88,15 +71,23 @@ int Service::run(const Served& served) {
     const CrashGuard crash(served.off, mark_.get(), links_.heated);
     const std::jthread loop_thread([&] { loop(served); });
     std::optional<LeaseGuard> guard;
-    if (setup_.paced) {
-      guard.emplace(served.off, setup_.real_time ? std::optional(setup_.thread) : std::nullopt,
-                    links_.lease_ends_ns, figures_->guard_stops);
+    std::jthread record_thread;
+    try {
+      if (setup_.paced) {
+        guard.emplace(served.off, setup_.real_time ? std::optional(setup_.thread) : std::nullopt,
+                      links_.lease_ends_ns, figures_->guard_stops);
+      }
+      record_thread = std::jthread([&] { record(); });
+      manager.ready();
+      watch(manager);
+    } catch (...) {
+      // The threads are joined now, and the loop's ends only when it is told to.
+      links_.stop.store(true);
+      throw;
     }
-    const std::jthread record_thread([&] { record(); });
-    manager.ready();
-    watch(manager);
   }
   served.safe_off();
+  error_ = error_.empty() ? ended_by_ : error_;
   const bool anew = links_.restart.load() && !asked_to_end_ && error_.empty();
   if (anew) {
     end_mark();
@@ -107,6 +98,7 @@ int Service::run(const Served& served) {
 }
 
 void Service::loop(const Served& served) {
+  loop_signal_stack_.use();
   if (setup_.real_time) {
     thread_warnings_ = make_real_time(setup_.thread);
   }
@@ -171,6 +163,9 @@ void Service::answer(int signal, const Reloader& reloader, ServiceManager& manag
   if (signal == SIGHUP) {
     reloader.reload();
   } else if (signal != 0) {
+    if (signal == SIGXCPU) {
+      ended_by_ = "the limit of processor time is reached (SIGXCPU)";
+    }
     manager.stopping();
     asked_to_end_ = true;
     links_.stop.store(true);
@@ -186,11 +181,27 @@ void Service::look() {
     status_.warn("taken back, as the wire was heated when it should come into force: " + changes);
   }
   status_.look();
+  say_guard_stops();
   if (usage_.has_begun()) {
     for (const std::string& warning : std::exchange(thread_warnings_, {})) {
       status_.warn(warning);
     }
   }
+}
+
+/// At once, once a second at most.
+void Service::say_guard_stops() {
+  const std::uint64_t stops = figures_->guard_stops.load();
+  const std::int64_t now_ns = hal::monotonic_ns();
+  if (stops == said_stops_ || (said_stops_ != 0 && now_ns - said_stops_ns_ < status_every_ns)) {
+    return;
+  }
+  said_stops_ = stops;
+  said_stops_ns_ = now_ns;
+  files::complain("smaservod",
+                  fmt::format("the guard switched the outputs off, because the loop hung; {} times "
+                              "so far",
+                              stops));
 }
 
 void Service::end_mark() {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/daemon/process/crash.hpp"
 #include "firmware/daemon/process/last_run.hpp"
 #include "firmware/daemon/service/reloader.hpp"
 #include "firmware/daemon/status/status_writer.hpp"
@@ -46,7 +47,7 @@ class ServiceManager;
 
 class Service {
  public:
-  /// Handles SIGTERM, SIGINT and SIGHUP from now on. Throws UserError.
+  /// Takes the signals from now on (signals.hpp). Throws UserError.
   explicit Service(ServiceSetup setup);
   ~Service();
   Service(const Service&) = delete;
@@ -67,6 +68,7 @@ class Service {
   void watch(ServiceManager& manager);
   void answer(int signal, const Reloader& reloader, ServiceManager& manager);
   void look();
+  void say_guard_stops();
   void end_mark();
   void say_end();
 
@@ -79,6 +81,7 @@ class Service {
   std::unique_ptr<Ring<CycleRecord>> ring_;
   std::unique_ptr<Recorder> recorder_;
   LoopUsage usage_;
+  SignalStack loop_signal_stack_;
   // Written by the loop's thread.
   std::vector<std::string> thread_warnings_;  ///< complete once usage_ has begun
   std::string error_;                         ///< why the loop ended by itself
@@ -86,6 +89,9 @@ class Service {
   // Used by the main thread only.
   StatusWriter status_;
   bool asked_to_end_ = false;
+  std::string ended_by_;  ///< why it was told to end, if that is no usual end
+  std::uint64_t said_stops_ = 0;
+  std::int64_t said_stops_ns_ = 0;
 };
 
 }  // namespace smaservo::daemon

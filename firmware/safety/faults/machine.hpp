@@ -69,6 +69,13 @@ inline constexpr FaultRow machine_faults[] = {
      "Which values differ: the log at the start and 'host-sim can changes' say it. Set what is "
      "wrong, then store (1010h): that acknowledges it and makes the store whole. Or restore "
      "(1011h) and reset."},
+    {Fault::loop_stalled, FaultClass::F1, Clears::command, 0xFF47, "loop_stalled", 0,
+     "The loop stood still for longer than a command's lease of three periods, so nobody knows "
+     "what the output did meanwhile; the wire is taken to have been heated all the time.",
+     "The process was stopped or the machine suspended, another program on the same core, a driver "
+     "that blocks; on a microcontroller an erase of its flash.",
+     "missed and the longest wake_us in the status; what else ran at that time; that the one-shot "
+     "ended the heat."},
 };
 
 }  // namespace smaservo

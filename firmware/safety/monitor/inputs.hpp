@@ -25,6 +25,7 @@ struct MonitorInputs {
   S dt_s;
   bool observing;  ///< estimate and filter mean something
   bool zeroed;     ///< the zero-current offset is known
+  bool stalled;    ///< the loop stood still since the step before, see StalledTime
 
   bool off() const { return last.current_A == S(0) && given_before_A == S(0); }
   bool heated() const { return is_heated(last.state); }

@@ -22,15 +22,16 @@ struct Ended {
   bool exited_with(int code) const { return WIFEXITED(status) && WEXITSTATUS(status) == code; }
 };
 
-/// smaservod with these arguments, its output in files of a folder.
+/// smaservod with these arguments, its output in files of a folder; `errors_to`, where it is given,
+/// is its standard error output.
 class Program {
  public:
   Program(const TemporaryFolder& folder, std::vector<std::string> arguments,
-          const std::string& socket = "")
+          const std::string& socket = "", int errors_to = -1)
       : out_(folder / "out"), errors_(folder / "errors") {
     process_ = fork();
     if (process_ == 0) {
-      run(std::move(arguments), socket);
+      run(std::move(arguments), socket, errors_to);
     }
   }
   Program(const Program&) = delete;
@@ -52,7 +53,8 @@ class Program {
   }
 
  private:
-  [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket) const {
+  [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket,
+                        int errors_to) const {
     arguments.insert(arguments.begin(), SMASERVO_DAEMON);
     std::vector<char*> list;
     list.reserve(arguments.size() + 1);
@@ -65,7 +67,8 @@ class Program {
       setenv("WATCHDOG_USEC", "200000", 1);
     }
     if (std::freopen(out_.c_str(), "w", stdout) != nullptr &&
-        std::freopen(errors_.c_str(), "w", stderr) != nullptr) {
+        std::freopen(errors_.c_str(), "w", stderr) != nullptr &&
+        (errors_to < 0 || dup2(errors_to, STDERR_FILENO) >= 0)) {
       execv(list.front(), list.data());
     }
     _exit(127);

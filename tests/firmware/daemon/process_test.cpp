@@ -1,25 +1,32 @@
 // The real program, from outside: how it ends, and what the next one says of it.
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <sysexits.h>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include "daemon_program.hpp"
 #include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/canopen/node/communication.hpp"
 #include "firmware/daemon/bus/kept_settings.hpp"
+#include "firmware/daemon/process/crash.hpp"
 #include "firmware/daemon/process/last_run.hpp"
+#include "firmware/daemon/process/sandbox.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/linux/system/descriptor.hpp"
 #include "tests/firmware/daemon/bus/bus_client.hpp"
@@ -70,6 +77,206 @@ TEST(Process, SaysThatItCrashed) {
   const std::string said = after(SIGSEGV, true).at("last_run");
   EXPECT_TRUE(said.starts_with("the last run crashed with signal 11")) << said;
   EXPECT_TRUE(said.ends_with("while the wire was heated")) << said;
+}
+
+/// It heats, in simulated time.
+bool heats(const std::string& state) {
+  return becomes([&] { return file_text(state + "/run").starts_with("heated"); });
+}
+
+// Each signal that there is: its own end with the outputs off, a crash with a mark, or nothing.
+TEST(Process, NoSignalEndsItWithHeat) {
+  constexpr std::array crash{SIGQUIT, SIGILL, SIGTRAP, SIGABRT, SIGBUS, SIGFPE, SIGSEGV, SIGSYS};
+  constexpr std::array end{SIGINT, SIGTERM, SIGPWR, SIGXCPU};
+  constexpr std::array unstoppable{SIGKILL, SIGSTOP};
+  const auto is_in = [](const auto& list, int signal) {
+    return std::ranges::find(list, signal) != list.end();
+  };
+  const TemporaryFolder folder;
+  {
+    const std::string state = folder / "ignored";
+    Program program(folder, {"--board", "sim", "--at-once", "--settings", state});
+    ASSERT_TRUE(heats(state));
+    for (int signal = 1; signal <= 64; ++signal) {
+      if (!is_in(crash, signal) && !is_in(end, signal) && !is_in(unstoppable, signal)) {
+        program.kill(signal);
+      }
+    }
+    program.kill(SIGTERM);
+    const Ended ended = program.wait();
+    EXPECT_TRUE(ended.exited_with(0)) << "status " << ended.status << ": " << ended.errors;
+    EXPECT_TRUE(file_text(state + "/run").starts_with("ended"));
+  }
+  for (const int signal : end) {
+    const std::string state = folder / "end" + std::to_string(signal);
+    Program program(folder, {"--board", "sim", "--at-once", "--settings", state});
+    ASSERT_TRUE(heats(state));
+    program.kill(signal);
+    const Ended ended = program.wait();
+    EXPECT_TRUE(ended.exited_with(signal == SIGXCPU ? 1 : 0)) << signal << ": " << ended.errors;
+    EXPECT_TRUE(file_text(state + "/run").starts_with("ended")) << signal;
+  }
+  for (const int signal : crash) {
+    const std::string state = folder / "crash" + std::to_string(signal);
+    Program program(folder, {"--board", "sim", "--at-once", "--settings", state});
+    ASSERT_TRUE(heats(state));
+    program.kill(signal);
+    const Ended ended = program.wait();
+    EXPECT_TRUE(WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == signal) << signal;
+    EXPECT_TRUE(file_text(state + "/run").starts_with("crashed:" + std::to_string(signal) + ":"))
+        << signal << ": " << file_text(state + "/run");
+  }
+}
+
+/// The output of a board: a file that says "on" until it is switched off.
+struct FileOutput {
+  explicit FileOutput(const std::string& path) : file(open(path.c_str(), O_RDWR | O_CREAT, 0644)) {
+    EXPECT_EQ(pwrite(file.number(), "on ", 3, 0), 3);
+  }
+  hal::Descriptor file;
+  std::string off = "off";
+  std::vector<hal::OffAction> actions() { return {{file.number(), 0, off.data(), off.size()}}; }
+};
+
+/// Takes 4 KB of the stack for each level. Called by a pointer, so that no compiler makes a loop.
+int descend(int levels);
+int (*volatile const go_down)(int) = descend;
+int descend(int levels) {
+  volatile char room[4096];
+  room[levels % 4096] = 1;
+  return levels == 0 ? 0 : go_down(levels - 1) + room[0];
+}
+
+// A stack that has run over has no room for its handler.
+TEST(Process, ACrashOfTheStackSwitchesOffAsWell) {
+  const TemporaryFolder folder;
+  FileOutput output(folder / "output");
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::atomic<bool> heated{true};
+    const daemon::CrashGuard guard(output.actions(), nullptr, heated);
+    _exit(descend(1'000'000) == 0 ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSEGV) << status;
+  EXPECT_EQ(file_text(folder / "output"), "off");
+}
+
+#ifndef SMASERVO_SANITIZED  // sanitizers make calls of their own
+// What the sandbox forbids ends the program by a signal whose handler switches off.
+TEST(Process, AForbiddenCallSwitchesOff) {
+  const TemporaryFolder folder;
+  FileOutput output(folder / "output");
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::atomic<bool> heated{true};
+    const daemon::CrashGuard guard(output.actions(), nullptr, heated);
+    daemon::allow_loop_calls_only();
+    getppid();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS) << status;
+  EXPECT_EQ(file_text(folder / "output"), "off");
+}
+#endif
+
+// Whoever reads the log has gone: the run goes on, and so does its log for those who come.
+TEST(Process, ALogThatNobodyReadsEndsNothing) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  const std::string status = folder / "status.json";
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  close(ends[0]);
+  Program program(folder,
+                  {"--board", "sim", "--no-real-time", "--settings", state, "--status", status}, "",
+                  ends[1]);
+  close(ends[1]);
+  ASSERT_TRUE(heats(state));
+  program.kill(SIGHUP);  // is answered in the log
+  program.kill(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  program.kill(SIGCONT);
+  // So is the fault.
+  EXPECT_TRUE(becomes([&] {
+    return file_text(status).find("\"first_cause\":\"loop_stalled\"") != std::string::npos;
+  })) << file_text(status);
+  program.kill(SIGTERM);
+  EXPECT_TRUE(program.wait().exited_with(0));
+}
+
+// ulimit -f
+TEST(Process, AFullQuotaEndsTheRecordingOnly) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{100'000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  Program program(folder, {"--board", "sim", "--at-once", "--for", "3", "--settings", state,
+                           "--record", folder / "run.csv"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  const Ended ended = program.wait();
+  EXPECT_TRUE(ended.exited_with(1)) << "status " << ended.status << ": " << ended.errors;
+  EXPECT_NE(ended.out.find("File too large"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("3000 cycles"), std::string::npos) << ended.out;
+  EXPECT_TRUE(file_text(state + "/run").starts_with("ended"));
+}
+
+// A stopped program does not go on heating, on a simulated wire either; and it is said at once.
+TEST(Process, AStoppedProgramIsAStall) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  Program program(folder, in_time(state));
+  ASSERT_TRUE(heats(state));
+  program.kill(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  program.kill(SIGCONT);
+  const auto said = [&](const char* text) {
+    return becomes([&] { return file_text(folder / "errors").find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(said("loop_stalled: The loop stood still")) << file_text(folder / "errors");
+  EXPECT_TRUE(said("the guard switched the outputs off, because the loop hung"))
+      << file_text(folder / "errors");
+  program.kill(SIGTERM);
+  const Ended ended = program.wait();
+  EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+  EXPECT_NE(ended.out.find("state fault, first cause loop_stalled"), std::string::npos)
+      << ended.out;
+}
+
+// It opens what it would use, and runs nothing, however busy the machine is.
+TEST(Process, CheckOfASimulationJudgesItsFiles) {
+  const TemporaryFolder folder;
+  const std::string bad = folder / "bad.toml";
+  std::ofstream(bad) << "note = 1\n";
+  const std::string steps = SMASERVO_SOURCE_DIR "/host-sim/scenarios/steps.toml";
+  struct Case {
+    std::vector<std::string> arguments;
+    int code;
+    const char* says;
+  };
+  const Case cases[] = {
+      {{"--board", "sim", "--check"}, 0, "settings         ok\n"},
+      {{"--board", "sim=" + steps, "--check"}, 0, "scenario         ok\n"},
+      {{"--board", "sim=" + bad, "--check"}, EX_CONFIG, "bad.toml"},
+      {{"--board", "sim=" + folder / "none.toml", "--check"}, EX_CONFIG, "none.toml"},
+      {{"--board", "sim", "--device", bad, "--check"}, EX_CONFIG, "bad.toml"},
+      {{"--board", "sim", "--bus", "udp:1.2.3.4", "--check"}, EX_CONFIG, "is no multicast group"},
+      {{"--board", "sim", "--bus", "none0", "--check"}, 1, "bus              none0: "},
+      {{"--board", "replay=" + folder / "none.csv", "--check"}, EX_CONFIG, "none.csv"},
+  };
+  for (const Case& c : cases) {
+    const Ended ended = Program(folder, c.arguments).wait();
+    EXPECT_TRUE(ended.exited_with(c.code)) << c.says << ", status " << ended.status;
+    EXPECT_NE((ended.out + ended.errors).find(c.says), std::string::npos)
+        << c.says << " in:\n"
+        << ended.out << ended.errors;
+    EXPECT_EQ(ended.out.find("cycles"), std::string::npos) << ended.out;
+  }
 }
 
 TEST(Process, EndsCleanlyWhenItIsAskedTo) {

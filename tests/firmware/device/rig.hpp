@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "firmware/device/device.hpp"
 #include "model/wire/distributed.hpp"
@@ -150,12 +151,13 @@ class Rig {
     if (tamper_command) {
       tamper_command(command);
     }
-    const Measurement<double> m = Device<double>::observe(prepared, state, inputs, dt_s);
+    const double step_s = dt_s + std::exchange(stalled_s_, 0);
+    const Measurement<double> m = Device<double>::observe(prepared, state, inputs, step_s);
     Estimate<double> e = Device<double>::estimate(prepared, state);
     if (tamper_estimate) {
       tamper_estimate(e);
     }
-    out = Device<double>::decide(prepared, state, inputs, m, e, command, dt_s);
+    out = Device<double>::decide(prepared, state, inputs, m, e, command, step_s);
     flowing_A = tamper_drive ? tamper_drive(out.current_A) : out.current_A;
     wire->advance(flowing_A, stress_Pa, draught, dt_s);
     hottest_K = std::max(hottest_K, wire->hottest_K());
@@ -167,6 +169,17 @@ class Rig {
     for (int i = 0; i < n; ++i) {
       step();
     }
+  }
+  /// The loop stands still for so long before the next step. The output persists, and may be
+  /// cut off at the end.
+  void stall(double time_s, bool cut = false) {
+    const auto n = static_cast<int>(std::lround(time_s / dt_s));
+    for (int i = 0; i < n; ++i) {
+      wire->advance(flowing_A, stress_Pa, draught, dt_s);
+    }
+    hottest_K = std::max(hottest_K, wire->hottest_K());
+    flowing_A = cut ? 0 : flowing_A;
+    stalled_s_ = time_s;
   }
   /// From switching on into running, in this mode.
   void arm(Mode mode, double setpoint) {
@@ -223,6 +236,7 @@ class Rig {
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   std::uint32_t sequence_ = 0;
+  double stalled_s_ = 0;
 };
 
 /// A wire as its settings say, but for its noise.

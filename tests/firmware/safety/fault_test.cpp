@@ -145,7 +145,8 @@ TEST(Faults, KeepTheirNumbers) {
             "following_error power_balance ambient_range started_outside sensor_invalid "
             "sample_stale sample_frozen control_invalid deadline_missed command_timeout "
             "emergency_stop cooling_timeout bus_lost duplicate_node unclean_boot store_corrupt "
-            "bad_configuration not_configured store_outdated cooling_weak cooling_lost ");
+            "bad_configuration not_configured store_outdated cooling_weak cooling_lost "
+            "loop_stalled ");
 }
 
 std::vector<Fault> all(FaultSet set) {

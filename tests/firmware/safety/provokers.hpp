@@ -290,6 +290,7 @@ inline std::vector<Provoker> machine_provokers() {
       {Fault::bad_configuration, reported(Fault::bad_configuration)},
       {Fault::not_configured, reported(Fault::not_configured)},
       {Fault::store_outdated, reported(Fault::store_outdated)},
+      {Fault::loop_stalled, [](Rig& rig) { rig.stall(0.02); }},
   };
 }
 

@@ -180,6 +180,18 @@ TEST(DeviceReplay, NeedsTheCommandsAndSmallSteps) {
   EXPECT_THAT(run.refusal(), HasSubstr("a device steps every 0.0001 to 0.02 s"));
 }
 
+// Longer steps are those after a stall; what follows is the device's own.
+TEST(DeviceReplay, StepsOverAStallThatTheLogTells) {
+  Recorded run;
+  run.edit(800, "external_faults", "loop_stalled");
+  run.lines().erase(run.lines().begin() + 700, run.lines().begin() + 800);
+  const bench::DeviceReplayResult result = run.replay();
+  const auto latched =
+      std::ranges::find(result.differences, "latched_faults", &bench::OutputDifference::column);
+  ASSERT_NE(latched, result.differences.end());
+  EXPECT_EQ(latched->now, "loop_stalled");
+}
+
 TEST(ClosedLoop, SameScenarioSameTrace) {
   const TemporaryFolder folder;
   bench::ClosedLoopScenario scenario = shipped_scenario("pair");

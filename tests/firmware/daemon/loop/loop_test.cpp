@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <gtest/gtest.h>
 #include <random>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "firmware/bench/closed_loop.hpp"
@@ -117,8 +119,10 @@ struct FakeClock {
   struct Time {
     std::int64_t now_ns = 1'000'000'007;
     std::int64_t late_ns = 0;
+    std::int64_t suspended_ns = 0;  ///< in all, not in now_ns
   };
   Time* time;
+  hal::BootLead boot_lead() const { return {time->suspended_ns, time->suspended_ns}; }
   std::int64_t now_ns() const { return time->now_ns; }
   void sleep_until(std::int64_t until_ns) const {
     time->now_ns = std::max(time->now_ns, until_ns) + time->late_ns;
@@ -404,7 +408,7 @@ TEST(Loop, CountsSetpointsThatNewerOnesSupersede) {
   EXPECT_EQ(bench.figures.superseded.load(), 3U);
 }
 
-/// Frames at the times that a test gives; the device's time must stay what it can step over.
+/// Frames at the times that a test gives.
 class TimesBoard {
  public:
   std::deque<std::int64_t> times_ns;
@@ -424,7 +428,7 @@ class TimesBoard {
   int offs = 0, kicks = 0;
 };
 
-TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
+TEST(Loop, TheDeviceStepsOverAllOfAPause) {
   daemon::LoopLinks links;
   daemon::LoopFigures figures;
   const daemon::ParameterDesk desk(test_settings(), links);
@@ -435,7 +439,7 @@ TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
   daemon::Ring<daemon::CycleRecord> ring(16);
   links.record = &ring;
   daemon::Loop loop(board, daemon::NoPace{}, device, nobody, links, figures, {ms, true});
-  const double expected_s[] = {0, 0.001, 0.002, 0.022, 0.023, 0.0231};
+  const double expected_s[] = {0, 0.001, 0.002, 0.502, 0.503, 0.5031};
   for (const double time_s : expected_s) {
     ASSERT_TRUE(loop.cycle());
     daemon::CycleRecord record{};
@@ -445,6 +449,155 @@ TEST(Loop, TimeStandsStillInAPauseThatNoDeviceCanStepOver) {
   EXPECT_FALSE(loop.cycle());
   EXPECT_EQ(board.offs, 1);
   EXPECT_EQ(board.kicks, 0) << "a wire that is not heated needs no lease";
+}
+
+/// A simulated wire on a board in real time: its frames are those of the clock. The converter keeps
+/// frames from before a stall, as IIO's buffer does, and the wire's own time stands still.
+class RealTimeBoard {
+ public:
+  static constexpr bool in_monotonic_time = true;
+  RealTimeBoard(daemon::Simulation& wire, FakeClock::Time& time) : wire_(wire), time_(time) {}
+  hal::ReadStatus read(hal::Frame& frame) {
+    const hal::ReadStatus status = wire_.read(frame);
+    time_.now_ns += blocks_ns;
+    frame.time_ns = time_.now_ns - std::exchange(old_ns, 0);
+    blocks_ns = 0;
+    return status;
+  }
+  void drive(const hal::DriveCommand& command) {
+    commanded_A = command.current_A;
+    wire_.drive({command.current_A, command.voltage_V, wire_.now_ns() + 3 * ms});
+  }
+  void safe_off() {
+    ++offs;
+    wire_.safe_off();
+  }
+  void kick() {}
+  std::int64_t now_ns() const { return time_.now_ns; }
+
+  std::int64_t blocks_ns = 0;  ///< so long the next read() takes
+  std::int64_t old_ns = 0;     ///< so old is the next frame
+  double commanded_A = 0;
+  int offs = 0;
+
+ private:
+  daemon::Simulation& wire_;
+  FakeClock::Time& time_;
+};
+
+/// A wire that is heated, then something happens; a cycle more.
+struct Stalled {
+  explicit Stalled(const std::function<void(FakeClock::Time&, RealTimeBoard&)>& happens) {
+    daemon::LoopLinks links;
+    daemon::LoopFigures figures;
+    const bench::ClosedLoopScenario scenario = bench::standard_closed_loop(test_settings());
+    daemon::ParameterDesk desk(scenario.settings, links);
+    daemon::PreparedDevice device(desk.first());
+    daemon::Demonstration demonstration(scenario.settings);
+    daemon::Simulation wire(scenario);
+    FakeClock::Time time;
+    RealTimeBoard board(wire, time);
+    daemon::Ring<daemon::CycleRecord> ring(4);
+    daemon::CycleRecord record{};
+    links.record = &ring;
+    daemon::Loop loop(board, daemon::Pace<FakeClock>(ms, FakeClock{&time}), device, demonstration,
+                      links, figures, {ms, true});
+    const auto cycle = [&] {
+      EXPECT_TRUE(loop.cycle());
+      EXPECT_TRUE(ring.pop(record));
+    };
+    for (int i = 0; i < 1200; ++i) {
+      cycle();
+    }
+    EXPECT_GT(board.commanded_A, 0.01);
+    EXPECT_TRUE(record.cycle.output.latched.empty());
+    before = record.cycle;
+    happens(time, board);
+    cycle();
+    after = record.cycle;
+    commanded_A = board.commanded_A;
+    offs = board.offs;
+    for (int i = 0; i < 200; ++i) {
+      cycle();
+      EXPECT_FALSE(record.cycle.inputs.external.has(Fault::loop_stalled)) << "it is told once";
+    }
+    end = record.cycle;
+  }
+  text::Cycle before{}, after{}, end{};
+  double commanded_A = 0;
+  int offs = 0;
+};
+
+TEST(Loop, WhateverStopsItIsAStall) {
+  using Time = FakeClock::Time;
+  struct Case {
+    const char* name;
+    std::function<void(Time&, RealTimeBoard&)> happens;
+    double time_s;
+  };
+  const Case cases[] = {
+      {"a stopped process", [](Time& t, RealTimeBoard&) { t.now_ns += 5000 * ms; }, 5},
+      {"a driver that blocks", [](Time&, RealTimeBoard& b) { b.blocks_ns = 8 * ms; }, 0.008},
+      {"a suspended machine", [](Time& t, RealTimeBoard&) { t.suspended_ns += 3'600'000 * ms; },
+       1000},
+      {"a buffer of old frames",
+       [](Time& t, RealTimeBoard& b) {
+         t.now_ns += 400 * ms;
+         b.old_ns = 390 * ms;
+       },
+       0.4},
+  };
+  for (const Case& c : cases) {
+    const Stalled stalled(c.happens);
+    EXPECT_EQ(stalled.after.output.first_cause, Fault::loop_stalled) << c.name;
+    EXPECT_TRUE(stalled.after.inputs.deadline_missed) << c.name;
+    EXPECT_NEAR(stalled.after.time_s - stalled.before.time_s, c.time_s, 0.002) << c.name;
+    EXPECT_EQ(stalled.commanded_A, 0) << c.name;
+    EXPECT_GE(stalled.offs, 1) << c.name << ": before the step";
+    EXPECT_EQ(stalled.end.output.latched, FaultSet(Fault::loop_stalled)) << c.name;
+    EXPECT_EQ(stalled.end.output.state, DeviceState::fault) << c.name;
+  }
+}
+
+TEST(Loop, WithinTheLeaseIsNoStall) {
+  const Stalled late(
+      [](FakeClock::Time& time, RealTimeBoard& /*board*/) { time.now_ns += 2 * ms + ms / 2; });
+  EXPECT_TRUE(late.after.inputs.deadline_missed);
+  EXPECT_TRUE(late.end.output.latched.empty());
+  EXPECT_TRUE(is_heated(late.end.output.state));
+}
+
+// A wire whose time stands still with its loop: what a PC's scheduler does is no fault of the
+// device, a stopped program is.
+TEST(Loop, ASimulatedWireIsStalledAfterASecond) {
+  for (const std::int64_t gone_ms : {30, 900, 1500, 8000}) {
+    Bench bench(bench::standard_closed_loop(test_settings()));
+    FakeClock::Time time;
+    daemon::Loop loop(bench.simulation, daemon::Pace<FakeClock>(ms, FakeClock{&time}), bench.device,
+                      bench.demonstration, bench.links, bench.figures, {ms, true});
+    for (int i = 0; i < 1200; ++i) {
+      ASSERT_TRUE(loop.cycle());
+    }
+    time.now_ns += gone_ms * ms;
+    ASSERT_TRUE(loop.cycle());
+    const Output<double> now = bench.output();
+    EXPECT_EQ(now.latched, gone_ms < 1000 ? FaultSet{} : FaultSet(Fault::loop_stalled));
+    EXPECT_EQ(now.time_us, 1'201'000U) << "the wire's own time";
+  }
+}
+
+TEST(SuspendWatch, NeverSaysMoreThanItWas) {
+  hal::SuspendWatch watch;
+  // Another thread had the processor while the clocks were read.
+  EXPECT_EQ(watch.suspended_ns({1000, 9000}), 0);
+  EXPECT_EQ(watch.suspended_ns({5000, 5100}), 0);
+  EXPECT_EQ(watch.suspended_ns({4000, 9000}), 0);
+  EXPECT_EQ(watch.suspended_ns({5000, 5100}), 0);
+  EXPECT_EQ(watch.suspended_ns({7'005'000, 7'005'100}), 7'005'000 - 5100);
+  EXPECT_EQ(watch.suspended_ns({7'005'000, 7'005'100}), 0);
+  hal::SuspendWatch clock;
+  clock.suspended_ns(hal::boot_lead());
+  EXPECT_EQ(clock.suspended_ns(hal::boot_lead()), 0) << "this machine's, while it is awake";
 }
 
 }  // namespace
