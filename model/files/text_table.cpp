@@ -1,6 +1,7 @@
 #include "model/files/text_table.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -165,8 +166,11 @@ std::string markdown_line(const Line& line) {
   std::string text = "|";
   for (const auto& [cell, marked] : line) {
     text += marked ? " **" : " ";
-    for (const char c : cell) {
-      text.append(c == '|' ? "\\|" : c == '<' ? "&lt;" : std::string_view(&c, 1));
+    for (std::size_t i = 0; i < cell.size(); ++i) {
+      const char next = i + 1 < cell.size() ? cell[i + 1] : ' ';
+      const bool tag = std::isalpha(static_cast<unsigned char>(next)) != 0 || next == '/' ||
+                       next == '!' || next == '?';
+      text += cell[i] == '|' ? "\\|" : cell[i] == '<' && tag ? "&lt;" : std::string(1, cell[i]);
     }
     text += marked ? "** |" : " |";
   }
