@@ -55,8 +55,8 @@ struct Controller {
   /// A step without current. The loop starts afresh afterwards.
   static void rest(const Prepared<S>& p, State& s, const S& dt_s);
   /// The same, though the wire may have been given this current all the time.
-  static void persist(const Prepared<S>& p, State& s, const S& current_A, const S& power_W,
-                      const S& dt_s);
+  [[gnu::noinline]] static void persist(const Prepared<S>& p, State& s, const S& current_A,
+                                        const S& power_W, const S& dt_s);
 
   /// New settings are in force from the next step on.
   static void adopt(State& s) { s.rebase = true; }

@@ -66,7 +66,9 @@ struct Device {
   static bool stalled(const Prepared<S>& p, const S& dt_s) {
     return is_stall(dt_s, p.settings.timing.period_s);
   }
-  static Measurement<S> after_stall(const Prepared<S>& p, State& s, const S& dt_s);
+  // Out of line: its memory on the stack must not be a part of each step's.
+  [[gnu::noinline]] static Measurement<S> after_stall(const Prepared<S>& p, State& s,
+                                                      const S& dt_s);
   static void count_time(const Prepared<S>& p, State& s, const Inputs<S>& in,
                          const Command<S>& command, const S& dt_s);
   static Verdict protect(const MonitorInputs<S>& seen, State& s);

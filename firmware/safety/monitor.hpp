@@ -41,7 +41,7 @@ struct Monitor {
   }
 
  private:
-  static FaultSet after_stall(const MonitorInputs<S>& seen, State& s);
+  [[gnu::noinline]] static FaultSet after_stall(const MonitorInputs<S>& seen, State& s);
 };
 
 /// The sample after a stall is no answer to the last command: the guard or the one-shot may have

@@ -21,7 +21,7 @@ struct StalledTime {
   static constexpr int max_parts = 64;
   static constexpr S shortest_part_s = S(5e-3);
 
-  StalledTime(const Prepared<S>& p, const S& dt_s) {
+  [[gnu::noinline]] StalledTime(const Prepared<S>& p, const S& dt_s) {
     using std::ceil;
     const ThermalBody<S>& body = p.observer.model.body;
     // As MonitorInputs::cold(): time constants, and time for the latent heat.
