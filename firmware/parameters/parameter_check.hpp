@@ -40,7 +40,7 @@ enum class Relation : std::uint8_t {
 
 /// The minimum current flows whatever the limits of temperature and duty say, since without it the
 /// resistance is lost. So it must not heat the wire by more than this share of what its limit does.
-inline constexpr double max_idle_share = 0.05;
+inline constexpr double max_idle_share = 0.1;
 
 /// Parameters in a relation, as rows of `parameters`. The rule holds as long as one of its
 /// parameters is not set or not used. Relations of a process are checked at every stress up to
@@ -101,7 +101,7 @@ consteval auto all_rules() {
       rule("limits.min_current_A", idle_power, "limits.power_W",
            "the minimum current alone must not exceed the power"),
       rule("limits.min_current_A", idle_heat, "limits.temperature_K",
-           "the minimum current must take at most 5 % of the power that holds the wire at its "
+           "the minimum current must take at most 10 % of the power that holds the wire at its "
            "limit, "
            "since it is never reduced",
            1, "limits.hot_spot_K"),

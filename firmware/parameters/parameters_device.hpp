@@ -268,7 +268,8 @@ constexpr auto drive_rows() {
   constexpr auto g = &Settings<S>::drive;
   using G = DriveSettings<S>;
   constexpr auto when = Change::without_current;
-  return std::to_array<Parameter<S>>({
+  // The correction may exceed the wanted current by a tenth, which is a fifth more power.
+  return set_up(std::to_array<Parameter<S>>({
       choice<Member<S, g, &G::kind>>({0x2101, 1}, "drive.kind", drive_names, when,
                                      DriveKind::current,
                                      "quantity that the output stage is commanded in"),
@@ -284,7 +285,7 @@ constexpr auto drive_rows() {
       real<Member<S, g, &G::max_supply_V>>({0x2101, 5}, "drive.max_supply_V", kind::voltage, when,
                                            0, 30, 1000,
                                            "supply voltage above which supply_high is raised"),
-  });
+  }));
 }
 
 template <class S>

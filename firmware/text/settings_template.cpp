@@ -105,10 +105,14 @@ Settings<double> settings_for(const Wire<double>& wire) {
   const double current_A = wire.limits.current_A;
   const double ohm = cold_resistance_ohm(wire);
   s.limits.current_A = current_A;
-  s.limits.min_current_A = 0.1 * current_A;
+  s.limits.temperature_K = std::min(s.limits.temperature_K, wire.limits.temperature_K);
+  // A thick wire may take much more than it loses for the second that its maker rates it for.
+  const double held_W = thermal_body(wire.geometry, wire.heat)
+                            .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - 298.15);
+  const double idle_A = std::sqrt(0.5 * max_idle_share * held_W / ohm);
+  s.limits.min_current_A = std::min(0.1 * current_A, two_digits(idle_A));
   s.limits.power_W = two_digits(2 * current_A * current_A * ohm);
   s.limits.stress_Pa = std::min(s.limits.stress_Pa, 0.75 * wire.limits.stress_Pa);
-  s.limits.temperature_K = std::min(s.limits.temperature_K, wire.limits.temperature_K);
   s.trips.current_A = 1.5 * current_A;
   s.trips.current_offset_A = 0.02 * current_A;
   s.trips.stress_Pa = std::min(s.trips.stress_Pa, wire.limits.stress_Pa);

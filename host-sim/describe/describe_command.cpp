@@ -53,8 +53,12 @@ void describe(const DescribeArguments& a) {
       return;
     }
   }
+  std::string names;
+  for (const Topic& topic : topics) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", topic.name);
+  }
   throw files::UserError(
-      fmt::format("describe {}: no such topic; the topics are:{}", a.topic, list_of_topics()));
+      fmt::format("describe {}: no such topic; the topics are {}", a.topic, names));
 }
 
 }  // namespace

@@ -126,7 +126,7 @@ TEST(ParameterCheck, ContradictionsNameBothParameters) {
   }
 }
 
-/// 20 mA through 10 ohm are 4 mW; what holds the wire at its limit is computed here by hand from the
+/// What holds the wire at its limit is computed here by hand from the
 /// settings' own heat loss.
 TEST(ParameterCheck, TheMinimumCurrentHeatsNoMoreThanTheLimitsAllow) {
   Settings<double> s = reference_settings();
@@ -141,10 +141,10 @@ TEST(ParameterCheck, TheMinimumCurrentHeatsNoMoreThanTheLimitsAllow) {
   s.limits.power_W = 100;
   const double held_W = thermal_body(s.wire.geometry, s.wire.heat)
                             .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - 298.15);
-  s.limits.min_current_A = std::sqrt(0.0499 * held_W / ohm);
+  s.limits.min_current_A = std::sqrt(0.0999 * held_W / ohm);
   ASSERT_LT(s.limits.min_current_A, s.limits.current_A);
   EXPECT_EQ(problem(), Problem::none);
-  s.limits.min_current_A = std::sqrt(0.0501 * held_W / ohm);
+  s.limits.min_current_A = std::sqrt(0.1001 * held_W / ohm);
   EXPECT_EQ(problem(), Problem::contradiction);
 }
 

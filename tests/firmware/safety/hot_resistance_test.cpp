@@ -20,10 +20,7 @@ Settings<double> hot_settings() {
 /// Held at its temperature limit by all the power that it gets, 40 K beyond its last martensite.
 /// No tests of the cooling: each of them starts HotResistance anew.
 void hold_at_limit(Rig& rig) {
-  rig.tamper_command = [&rig](Command<double>&) {
-    rig.state.monitor.wire.cooling.confirmed = true;
-    rig.state.monitor.wire.cooling.since_s = 0;
-  };
+  rig.tamper_command = [&rig](Command<double>&) { rig.state.monitor.wire.cooling.confirm(); };
   rig.run(0.1);
   rig.arm(Mode::power, 10);
   rig.run(3);

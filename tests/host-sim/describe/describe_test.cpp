@@ -48,7 +48,7 @@ TEST(Describe, UnknownTopicsAndWiresEndWith1) {
   Program program;
   Finished f = program.run({"describe", "weather"});
   EXPECT_EQ(f.status, 1);
-  EXPECT_THAT(f.err, HasSubstr("describe weather: no such topic; the topics are:\n  dbc "));
+  EXPECT_THAT(f.err, HasSubstr("describe weather: no such topic; the topics are dbc, eds, "));
   f = program.run({"describe", "settings", "--wire", "copper"});
   EXPECT_EQ(f.status, 1);
   EXPECT_THAT(f.err, HasSubstr("copper: no such wire"));
