@@ -15,10 +15,10 @@ namespace smaservo::canopen {
 
 class CommandWatch {
  public:
-  /// Three PDOs in a row, none later than this after the one before, make a source that sends
-  /// cyclically.
+  /// So many PDOs in a row, none later than this after the one before, make a source that sends
+  /// cyclically. Fewer may be a source that sends on events and has just enabled the axis.
   static constexpr std::uint64_t cyclic_gap_us = 500'000;
-  static constexpr unsigned cyclic_pdos = 3;
+  static constexpr unsigned cyclic_pdos = 10;
   /// And this is the longest silence of such a source.
   static constexpr std::uint64_t cyclic_timeout_us = 1'000'000;
 

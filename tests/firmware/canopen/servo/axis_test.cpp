@@ -488,6 +488,19 @@ TEST(CommandSource, ThatSendsCyclicallyHasOneSecond) {
   EXPECT_FALSE(drive.command.fresh);
 }
 
+/// As a PLC does that sends on events: the frames that enable the axis and give a target.
+TEST(CommandSource, ThatSendsAFewFramesAtOnceIsNotCyclic) {
+  Drive drive;
+  drive.nmt(1);
+  drive.run(150);
+  for (const std::uint8_t word : Bytes{shutdown, switch_on, operate, operate}) {
+    drive.send(0x201, {word, 0, 1});
+    drive.run(10);
+  }
+  drive.run(4800);
+  EXPECT_TRUE(drive.command.fresh);
+}
+
 TEST(CommandSource, NeedNotBeThereWhereTheBoardSaysSo) {
   ServoConfig config;
   config.unattended = true;
