@@ -2,10 +2,10 @@
 // The part of the servo node that does not depend on the scalar type: objects beyond 1FFFh, the
 // drive, faults, recorder, change log. servo.hpp puts it between a device and the bus.
 
+#include "firmware/canopen/node/command_watch.hpp"
 #include "firmware/canopen/node/node.hpp"
 #include "firmware/canopen/servo/axis.hpp"
 #include "firmware/canopen/servo/change_log.hpp"
-#include "firmware/canopen/servo/command_watch.hpp"
 #include "firmware/canopen/servo/parameter_access.hpp"
 #include "firmware/canopen/servo/recorder.hpp"
 #include "firmware/canopen/servo/step_test.hpp"

@@ -107,6 +107,8 @@ struct CoolingGuard {
   void judge(const MonitorInputs<S>& seen, const S& transforms_K);
   void doubt(const MonitorInputs<S>& seen);
   void watch(const MonitorInputs<S>& seen);
+  void take(const MonitorInputs<S>& seen);
+  bool wants_test(const MonitorInputs<S>& seen) const;
 };
 
 template <class S>
@@ -147,13 +149,7 @@ void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
     return;
   }
   blind_s = S(0);
-  const S now = HotResistance<S>::share_of_austenite(seen);
-  const S within_s = seen.precise() ? filter_s : S(4) * filter_s;
-  resistance = S(0) < resistance
-                   ? resistance + (now - resistance) * (seen.dt_s / (seen.dt_s + within_s))
-                   : now;
-  noise += (magnitude(now - resistance) - noise) * (S(5) * seen.dt_s);
-  min = S(0) < min && min < resistance ? min : resistance;
+  take(seen);
   const S transforms_K = (a2r_K < a2m_K ? a2m_K : a2r_K) - below_start_K;
   if (min + rise * min + S(2) * noise < resistance) {
     judge(seen, transforms_K);
@@ -178,12 +174,32 @@ void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
     return;
   }
   watch(seen);
-  const bool could_be = seen.prepared.settings.limits.temperature_K + allowed_K <
-                        hottest_K(seen, temperature_K[least]);
+  probing = probing || wants_test(seen);
+}
+
+/// Filters the resistance, and keeps its lowest value.
+template <class S>
+void CoolingGuard<S>::take(const MonitorInputs<S>& seen) {
+  const S now = HotResistance<S>::share_of_austenite(seen);
+  const S within_s = seen.precise() ? filter_s : S(4) * filter_s;
+  resistance = S(0) < resistance
+                   ? resistance + (now - resistance) * (seen.dt_s / (seen.dt_s + within_s))
+                   : now;
+  noise += (magnitude(now - resistance) - noise) * (S(5) * seen.dt_s);
+  min = S(0) < min && min < resistance ? min : resistance;
+}
+
+template <class S>
+bool CoolingGuard<S>::wants_test(const MonitorInputs<S>& seen) const {
   const SoftLimits<S>& q = seen.prepared.settings.limits;
-  const bool pressed = q.temperature_K - q.hot_spot_K - pressed_K < temperature_K[whole];
-  probing =
-      probing || (weak ? again_s < since_s : (confirmed ? pressed && lease_s < since_s : could_be));
+  if (weak) {
+    return again_s < since_s;
+  }
+  if (confirmed) {
+    const bool pressed = q.temperature_K - q.hot_spot_K - pressed_K < temperature_K[whole];
+    return pressed && lease_s < since_s;
+  }
+  return q.temperature_K + allowed_K < hottest_K(seen, temperature_K[least]);
 }
 
 template <class S>

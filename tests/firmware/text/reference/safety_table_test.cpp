@@ -1,5 +1,5 @@
-// firmware/SAFETY.md names tests and faults; none of them may be one that is not there, and no fault
-// may be left out.
+// firmware/SAFETY.md names tests and faults; none of them may be one that is not there, and no
+// fault may be left out.
 
 #include <algorithm>
 #include <filesystem>
