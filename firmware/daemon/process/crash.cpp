@@ -19,9 +19,21 @@ void set_handlers(void (*handler)(int)) {
   }
 }
 
+// AddressSanitizer gives each thread such a stack, and frees whatever is one when the thread ends.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool has_own_stack = true;
+#elif defined(__has_feature)
+constexpr bool has_own_stack = __has_feature(address_sanitizer);
+#else
+constexpr bool has_own_stack = false;
+#endif
+
 }  // namespace
 
 void SignalStack::use() {
+  if (has_own_stack) {
+    return;
+  }
   const stack_t stack{.ss_sp = memory_.data(), .ss_flags = 0, .ss_size = memory_.size()};
   sigaltstack(&stack, nullptr);
 }
