@@ -20,7 +20,7 @@ void set_handlers(void (*handler)(int)) {
 }
 
 // AddressSanitizer gives each thread such a stack, and frees whatever is one when the thread ends.
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef __SANITIZE_ADDRESS__
 constexpr bool has_own_stack = true;
 #elif defined(__has_feature)
 constexpr bool has_own_stack = __has_feature(address_sanitizer);

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <toml++/toml.h>
+#include <vector>
 
 #include "model/files/text_table.hpp"
 #include "model/files/toml/toml_fields.hpp"
@@ -12,6 +14,11 @@
 namespace {
 
 using namespace smaservo;
+
+/// U+202E, which turns the direction of writing; byte by byte, so that this text stays readable.
+std::string turned() {
+  return {'\xE2', '\x80', '\xAE'};
+}
 
 TEST(Message, PrintableKeepsSymbolsAndNothingElse) {
   EXPECT_EQ(files::printable("µ ° ± Δ € 😀 ~ \\ '"), "µ ° ± Δ € 😀 ~ \\ '");
@@ -30,7 +37,7 @@ TEST(Message, PrintableKeepsSymbolsAndNothingElse) {
             "\\xC0\\x9B \\xE0\\x82\\x9B \\xF0\\x80\\x82\\x9B \\xF5\\x80\\x80\\x80")
       << "forms that are too long, and what lies beyond the last symbol";
   EXPECT_EQ(files::printable("\xED\xA0\x80"), "\\xED\\xA0\\x80") << "half a pair of UTF-16";
-  EXPECT_EQ(files::printable("a\u2028b\u202Ec\uFEFF"),
+  EXPECT_EQ(files::printable("a\u2028b" + turned() + "c\uFEFF"),
             "a\\xE2\\x80\\xA8b\\xE2\\x80\\xAEc\\xEF\\xBB\\xBF")
       << "breaks the line, turns the direction, has no width";
 }
@@ -73,8 +80,8 @@ TEST(Message, ATextOfLinesKeepsItsLines) {
 
 /// A document that a terminal may show is the same document.
 TEST(Message, JsonStaysJson) {
-  const std::string text = "\x1B\n\x7F\xC2\x9B\u202E\U000E0041µ";
-  nlohmann::ordered_json json{{text, text}};
+  const std::string text = "\x1B\n\x7F\xC2\x9B" + turned() + "\U000E0041µ";
+  const nlohmann::ordered_json json{{text, text}};
   for (const int indent : {-1, 2}) {
     const std::string document = files::json_text(json, indent);
     EXPECT_EQ(nlohmann::ordered_json::parse(document), json);
@@ -85,8 +92,17 @@ TEST(Message, JsonStaysJson) {
 
 /// No string ends its quotes or its line, as a value or as a key.
 TEST(Message, TomlStringsComeBack) {
-  for (const std::string text : {"a", "a\nb = 2", "\"", "\\", "\"\"\"\n", "'''", "\x1B\x7F\xC2\x9B",
-                                 "\u202E\U000E0041µ", "\r", "ends in \\"}) {
+  const std::vector<std::string> texts{"a",
+                                       "a\nb = 2",
+                                       "\"",
+                                       "\\",
+                                       "\"\"\"\n",
+                                       "'''",
+                                       "\x1B\x7F\xC2\x9B",
+                                       turned() + "\U000E0041µ",
+                                       "\r",
+                                       "ends in \\"};
+  for (const std::string& text : texts) {
     const std::string line = fmt::format("{0} = {0}\n", files::quoted(text));
     EXPECT_EQ(files::printable(line.substr(0, line.size() - 1)) + "\n", line);
     const toml::table table = toml::parse(line);

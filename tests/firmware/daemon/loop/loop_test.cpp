@@ -491,7 +491,7 @@ struct Stalled {
     daemon::LoopLinks links;
     daemon::LoopFigures figures;
     const bench::ClosedLoopScenario scenario = bench::standard_closed_loop(test_settings());
-    daemon::ParameterDesk desk(scenario.settings, links);
+    const daemon::ParameterDesk desk(scenario.settings, links);
     daemon::PreparedDevice device(desk.first());
     daemon::Demonstration demonstration(scenario.settings);
     daemon::Simulation wire(scenario);
