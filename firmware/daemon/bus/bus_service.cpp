@@ -169,6 +169,7 @@ void BusService::start() {
 
 void BusService::Parts::run(const std::stop_token& stop) {
   const auto now = [] { return static_cast<std::uint64_t>(hal::monotonic_ns() / 1000); };
+  name_thread("bus");
   // The warnings are not needed: the loop's thread warns of the same missing rights.
   if (setup.priority > 0) {
     make_real_time({.priority = setup.priority});

@@ -7,6 +7,7 @@
 #include <linux/capability.h>
 #include <linux/perf_event.h>
 #include <malloc.h>
+#include <pthread.h>
 #include <sched.h>
 #include <sstream>
 #include <sys/mman.h>
@@ -56,6 +57,8 @@ std::string why_no_priority(int error, int priority) {
 }
 
 }  // namespace
+
+void name_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 std::string lock_memory() {
   mallopt(M_TRIM_THRESHOLD, -1);

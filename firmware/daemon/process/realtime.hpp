@@ -15,6 +15,9 @@ struct RealTimeSettings {
   int processor = -1;  ///< the one to stay on; -1: any
 };
 
+/// The name of the calling thread in `top -H` and /proc, 15 characters at most. Before the sandbox.
+void name_thread(const char* name);
+
 /// Keeps all pages of the process in memory, and freed memory in the heap. Returns a warning, or an
 /// empty text.
 std::string lock_memory();

@@ -22,6 +22,7 @@ LeaseGuard::LeaseGuard(const std::vector<hal::OffAction>& off,
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void LeaseGuard::run(const std::stop_token& stop) const {
+  name_thread("guard");
   if (loop_) {
     make_real_time({std::min(loop_->priority + 1, 99), loop_->processor});
   }

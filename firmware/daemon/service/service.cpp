@@ -77,7 +77,10 @@ int Service::run(const Served& served) {
         guard.emplace(served.off, setup_.real_time ? std::optional(setup_.thread) : std::nullopt,
                       links_.lease_ends_ns, figures_->guard_stops);
       }
-      record_thread = std::jthread([&] { record(); });
+      record_thread = std::jthread([&] {
+        name_thread("recorder");
+        record();
+      });
       manager.ready();
       watch(manager);
     } catch (...) {
@@ -99,6 +102,7 @@ int Service::run(const Served& served) {
 
 void Service::loop(const Served& served) {
   loop_signal_stack_.use();
+  name_thread("loop");
   if (setup_.real_time) {
     thread_warnings_ = make_real_time(setup_.thread);
   }

@@ -42,6 +42,7 @@ class Program {
       waitpid(process_, nullptr, 0);
     }
   }
+  pid_t process() const { return process_; }
   void kill(int signal) const { ::kill(process_, signal); }
   Ended wait() {
     Ended ended{};

@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -147,39 +151,38 @@ int descend(int levels) {
   return levels == 0 ? 0 : go_down(levels - 1) + room[0];
 }
 
-// A stack that has run over has no room for its handler.
-TEST(Process, ACrashOfTheStackSwitchesOffAsWell) {
+/// The signal that ends a process with a CrashGuard which does this; its output has to be off then.
+template <class Misdeed>
+int signal_that_ends(Misdeed misdeed) {
   const TemporaryFolder folder;
   FileOutput output(folder / "output");
   const pid_t child = fork();
   if (child == 0) {
     const std::atomic<bool> heated{true};
     const daemon::CrashGuard guard(output.actions(), nullptr, heated);
-    _exit(descend(1'000'000) == 0 ? 0 : 1);
+    misdeed();
+    _exit(0);
   }
   int status = 0;
   waitpid(child, &status, 0);
-  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSEGV) << status;
+  EXPECT_TRUE(WIFSIGNALED(status)) << status;
   EXPECT_EQ(file_text(folder / "output"), "off");
+  return WTERMSIG(status);
+}
+
+// A stack that has run over has no room for its handler.
+TEST(Process, ACrashOfTheStackSwitchesOffAsWell) {
+  EXPECT_EQ(signal_that_ends([] { go_down(1'000'000); }), SIGSEGV);
 }
 
 #ifndef SMASERVO_SANITIZED  // sanitizers make calls of their own
 // What the sandbox forbids ends the program by a signal whose handler switches off.
 TEST(Process, AForbiddenCallSwitchesOff) {
-  const TemporaryFolder folder;
-  FileOutput output(folder / "output");
-  const pid_t child = fork();
-  if (child == 0) {
-    const std::atomic<bool> heated{true};
-    const daemon::CrashGuard guard(output.actions(), nullptr, heated);
-    daemon::allow_loop_calls_only();
-    getppid();
-    _exit(0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS) << status;
-  EXPECT_EQ(file_text(folder / "output"), "off");
+  EXPECT_EQ(signal_that_ends([] {
+              daemon::allow_loop_calls_only();
+              getppid();
+            }),
+            SIGSYS);
 }
 #endif
 
@@ -239,13 +242,58 @@ TEST(Process, AStoppedProgramIsAStall) {
     return becomes([&] { return file_text(folder / "errors").find(text) != std::string::npos; });
   };
   EXPECT_TRUE(said("loop_stalled: The loop stood still")) << file_text(folder / "errors");
-  EXPECT_TRUE(said("the guard switched the outputs off, because the loop hung"))
-      << file_text(folder / "errors");
   program.kill(SIGTERM);
   const Ended ended = program.wait();
   EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
   EXPECT_NE(ended.out.find("state fault, first cause loop_stalled"), std::string::npos)
       << ended.out;
+}
+
+/// One thread of a program stands still, the others go on.
+class HeldThread {
+ public:
+  HeldThread(pid_t process, const std::string& name) {
+    for (const auto& task :
+         std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process))) {
+      if (file_text(task.path() / "comm") == name + "\n") {
+        thread_ = std::stoi(task.path().filename());
+      }
+    }
+    held_ = thread_ > 0 && ptrace(PTRACE_SEIZE, thread_, nullptr, nullptr) == 0 &&
+            ptrace(PTRACE_INTERRUPT, thread_, nullptr, nullptr) == 0 &&
+            waitpid(thread_, nullptr, __WALL) == thread_;
+  }
+  HeldThread(const HeldThread&) = delete;
+  HeldThread& operator=(const HeldThread&) = delete;
+  ~HeldThread() { ptrace(PTRACE_DETACH, thread_, nullptr, nullptr); }
+
+  bool is_held() const { return held_; }
+
+ private:
+  pid_t thread_ = 0;
+  bool held_ = false;
+};
+
+// The loop hangs: while it does, the guard switches off and the log says so.
+TEST(Process, TheGuardSwitchesOffWhileTheLoopHangs) {
+  const TemporaryFolder folder;
+  const std::string state = folder / "state";
+  Program program(folder, in_time(state));
+  ASSERT_TRUE(heats(state));
+  {
+    const HeldThread loop(program.process(), "loop");
+    ASSERT_TRUE(loop.is_held()) << std::strerror(errno);
+    EXPECT_TRUE(becomes([&] {
+      return file_text(folder / "errors")
+                 .find("the guard switched the outputs off, because the loop hung") !=
+             std::string::npos;
+    })) << file_text(folder / "errors");
+  }
+  EXPECT_TRUE(becomes([&] {
+    return file_text(folder / "errors").find("loop_stalled") != std::string::npos;
+  })) << file_text(folder / "errors");
+  program.kill(SIGTERM);
+  EXPECT_TRUE(program.wait().exited_with(0));
 }
 
 // It opens what it would use, and runs nothing, however busy the machine is.
