@@ -38,7 +38,7 @@ struct Command {
   GainScale<S> scale{};
 };
 
-/// All readings of one instant. What a board can not read is NaN; what it can not tell is false.
+/// All readings of one instant. What a board cannot read is NaN; what it cannot tell is false.
 template <class S>
 struct Inputs {
   bool fresh = false;  ///< a new frame; otherwise the readings mean nothing
@@ -104,7 +104,7 @@ struct Output {
   FaultSet latched;             ///< faults that have not been cleared
   Fault first_cause;            ///< the fault that was latched first; Fault::none without one
   FaultSet warnings;
-  FaultSet blocks;        ///< all reasons why the device can not be armed; empty while it is armed
+  FaultSet blocks;        ///< all reasons why the device cannot be armed; empty while it is armed
   std::uint64_t time_us;  ///< of the loop: the sum of all dt_s since start()
   std::uint64_t first_cause_us;  ///< time of the first cause
   S cooling;  ///< as a share of the wire file's, by the last test; 1 where it is not weaker

@@ -10,7 +10,7 @@
 
 namespace smaservo::hal {
 
-/// All readings of one instant. A reading that failed, or that the board can not take, is NaN,
+/// All readings of one instant. A reading that failed, or that the board cannot take, is NaN,
 /// never an old or invented number. S is the board's own precision.
 template <class S>
 struct FrameOf {

@@ -37,7 +37,7 @@ struct KalmanTuning {
   S resistance_range = S(0.025);
   S hottest_K = S(550);  ///< the wire's temperature stays below this, and above the coldest air
   // The variance in the estimate is the filter's own times reported², since the filter has to be
-  // more careful than it is right, plus strain_model_sd², for what its model can not say.
+  // more careful than it is right, plus strain_model_sd², for what its model cannot say.
   S reported = S(0.33);
   S strain_model_sd = S(0.0003);
 };

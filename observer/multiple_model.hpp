@@ -294,7 +294,7 @@ void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
   const Loop at = loop(p, m.stress_Pa);
   const S martensite = matching_share(p, m, s.start_ambient_K, at.between_K, true);
   const S r_phase = matching_share(p, m, s.start_ambient_K, at.between_K, false);
-  // What the R-phase can not explain is martensite.
+  // What the R-phase cannot explain is martensite.
   const auto mixture = [&](const S& share) {
     const S r = min(share * r_phase, s.max_r_phase);
     return Phases<S>{S(0.03) + (S(1) - r / r_phase) * min(martensite, S(0.95)) * S(0.97), r};

@@ -9,11 +9,11 @@ template <class S>
 struct Trajectory {
   struct Result {
     S reference;
-    bool waits;  ///< for the wire: it can not cool any faster
+    bool waits;  ///< for the wire: it cannot cool any faster
   };
 
   /// How far, in strain, the reference may run ahead of a wire that cools: 2 % of a stroke of 4 %.
-  /// There it waits and the heat is off: cooling is passive and can not be made faster.
+  /// There it waits and the heat is off: cooling is passive and cannot be made faster.
   static constexpr S lead = S(8e-4);
 
   /// Moves the reference on from `before`, no faster than the rates allow. Only if the wire is more

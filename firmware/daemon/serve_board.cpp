@@ -119,7 +119,7 @@ bool settings_tried(const BoardFile& file) {
   return problem.empty();
 }
 
-/// Prints one line of the report; false: the device can not be opened.
+/// Prints one line of the report; false: the device cannot be opened.
 bool tried(const char* what, const std::function<void()>& open) {
   try {
     open();
@@ -149,7 +149,7 @@ bool line_tried(const char* what, const hal::LineSettings& line,
 
 /// A settings file with an impossible period is refused. Stored settings came over the bus and can
 /// only be mended there: with an impossible period, the daemon runs with another one, and the
-/// device can not be armed.
+/// device cannot be armed.
 KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options) {
   const bool configured = !options.device.empty();
   const Settings<double> given =
@@ -160,7 +160,7 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
   KeptSettings kept = keep_settings(options.settings, given, configured);
   files::complain("smaservod", kept.said);
   if (const std::string problem = board_problem(file, kept.settings); !problem.empty()) {
-    files::complain("smaservod", problem + "; the device can not be armed");
+    files::complain("smaservod", problem + "; the device cannot be armed");
     kept.faults.set(Fault::bad_configuration);
   }
   if (const std::string problem = period_problem(kept.settings); !problem.empty()) {

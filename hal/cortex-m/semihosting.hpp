@@ -1,6 +1,6 @@
 #pragma once
 // Arm's semihosting, version 2: files, texts and the exit of a program that runs in an emulator or
-// under a debugger. A program on a board alone can not use it.
+// under a debugger. A program on a board alone cannot use it.
 
 #include <cstddef>
 #include <cstdint>

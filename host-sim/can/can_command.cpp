@@ -128,7 +128,7 @@ std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
   for (const auto& [name, value] : settings) {
     const text::KnownObject object = text::find_object(name);
     if (!object.writable)
-      throw files::UserError(fmt::format("{} can not be written", text::title(object)));
+      throw files::UserError(fmt::format("{} cannot be written", text::title(object)));
     changes.emplace_back(object, text::value_bytes(object, value));
   }
   return changes;

@@ -53,7 +53,7 @@ struct Evaluation {
   std::vector<ObserverEvaluation> observers;
 };
 
-/// Throws UserError for options that are not allowed and for files that can not be
+/// Throws UserError for options that are not allowed and for files that cannot be
 /// read or written. A run takes about 0.3 s, the calibration of a unit about a minute, on one core.
 Evaluation evaluate(const EvaluateOptions& options);
 

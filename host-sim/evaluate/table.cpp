@@ -259,7 +259,7 @@ TableFile::TableFile(std::string path) : path_(std::move(path)) {
   std::stringstream content;
   content << input.rdbuf();
   if (!input) {
-    throw files::UserError(fmt::format("--markdown {}: can not be read", path_));
+    throw files::UserError(fmt::format("--markdown {}: cannot be read", path_));
   }
   const std::string text = content.str();
   const std::size_t head = text.find(begin);

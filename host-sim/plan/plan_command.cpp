@@ -216,7 +216,7 @@ void run(const PlanArguments& a) {
   require("--duration-s", a.duration_s, 10, 600);
   refuse_to_overwrite(a.out, a.report);
   if (a.out == "-" && a.report == "-") {
-    throw files::UserError("--out and --report can not both be standard output");
+    throw files::UserError("--out and --report cannot both be standard output");
   }
   if (a.wire.ends_with(".toml")) {
     refuse_to_overwrite(a.wire, a.out);

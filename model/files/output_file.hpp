@@ -34,7 +34,7 @@ class OutputFile {
 /// False: it fails, errno says why.
 bool sync_folder_of(const std::string& path);
 
-/// Makes the folder that an option names where it is missing. Throws UserError when files can not
+/// Makes the folder that an option names where it is missing. Throws UserError when files cannot
 /// be written there.
 void prepare_folder(const char* option, const std::string& folder);
 

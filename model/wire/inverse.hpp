@@ -22,7 +22,7 @@ struct Inverse {
   using Model = Plant<K>;
 
   /// Where heating brings the wire to `goal`, a strain not above its present one. For a goal
-  /// that heat can not reach: the end of the transformation, where 2 % is left. Exact for a wire
+  /// that heat cannot reach: the end of the transformation, where 2 % is left. Exact for a wire
   /// whose R2A shares M2A's surface; with a surface of its own up to 3 % of the stroke off under 50
   /// MPa, 1 % from 150 MPa on.
   static BranchPoint<S> heating(const typename Model::Params& p, const typename K::State& s,

@@ -58,7 +58,7 @@ void make_happen(const Happening& happening) {
   }
   std::ofstream file(happening.path);
   file << happening.value << std::flush;
-  if (!file) throw std::runtime_error("can not write: " + happening.path);
+  if (!file) throw std::runtime_error("cannot write: " + happening.path);
 }
 
 /// What it looked like in the last half second.
@@ -99,7 +99,7 @@ class Plant {
   /// One millisecond of the wire.
   void step() {
     if (read(file_, &output_, sizeof output_) != sizeof output_) {
-      throw std::runtime_error("can not read /dev/testboard");
+      throw std::runtime_error("cannot read /dev/testboard");
     }
     const double duty = output_.period_ns == 0 ? 0
                                                : static_cast<double>(output_.effective_ns) /
@@ -126,7 +126,7 @@ class Plant {
                             load.code(frame.load_N), supply.code(frame.supply_V),
                             ambient.code(ambient_K_), driver.code(frame.driver_K), 0, 0}};
     if (write(file_, &codes, sizeof codes) != sizeof codes) {
-      throw std::runtime_error("can not write /dev/testboard");
+      throw std::runtime_error("cannot write /dev/testboard");
     }
   }
 

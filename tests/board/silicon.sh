@@ -31,5 +31,5 @@ ends_at_once 'the device that goes' /sys/bus/platform/drivers/testboard-drive/un
 echo 7 >"$(iio_device)/in_voltage7_code"
 expect 'a code' "$(cat "$(iio_device)/in_voltage7_raw")" 7
 echo 5 >"$(iio_device)/in_voltage7_fault"
-expect 'a code that can not be read' "$(cat "$(iio_device)/in_voltage7_raw" 2>/dev/null)" ''
+expect 'a code that cannot be read' "$(cat "$(iio_device)/in_voltage7_raw" 2>/dev/null)" ''
 finish

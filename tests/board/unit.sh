@@ -33,7 +33,8 @@ off_by() {
   expect 'by' "$(by)" "$1"
 }
 
-# heats PATH VALUE [SECONDS]: the wire is moved over the bus, and at 8 s the value is written there.
+# heats PATH VALUE [SECONDS]: the wire is moved over the bus and held, and at 8 s the value is written
+# there.
 # $plant_in: what the plant runs in
 heats() {
   since=$(date +%s)
@@ -45,6 +46,7 @@ heats() {
   client reset-faults >/dev/null
   client enable && client move 800
   expect 'arms and moves over the bus' $? 0
+  client hold >/dev/null 2>&1 & # until the servo has gone
   before=$(unit NRestarts)
 }
 

@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     smaservo::mcu::WholeStepFile file(argv[i]);
     if (!smaservo::mcu::answer(file) || !file.save()) {
-      std::fprintf(stderr, "%s: is no step file, or can not be written\n", argv[i]);
+      std::fprintf(stderr, "%s: is no step file, or cannot be written\n", argv[i]);
       return 1;
     }
   }

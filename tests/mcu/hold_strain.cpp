@@ -78,7 +78,7 @@ class Board {
     std::vector<char*> arguments(command.begin(), command.end());
     arguments.push_back(nullptr);
     if (::posix_spawnp(&process_, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
-      throw files::UserError(fmt::format("{} can not be started", arguments[0]));
+      throw files::UserError(fmt::format("{} cannot be started", arguments[0]));
     }
   }
   ~Board() {

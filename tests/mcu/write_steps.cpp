@@ -57,7 +57,7 @@ class Recorder {
     put(image);
     put(std::as_bytes(std::span(records_)));
     if (!file.flush()) {
-      throw files::UserError(path.string() + ": can not be written");
+      throw files::UserError(path.string() + ": cannot be written");
     }
   }
 

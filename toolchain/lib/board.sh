@@ -150,7 +150,7 @@ show_guest() {
 
 # ---- the command ----
 
-# Why this machine can not run it; nothing when it can.
+# Why this machine cannot run it; nothing when it can.
 board_obstacle() {
   if [[ -z $(debian_codename) ]]; then
     printf 'kernels are taken from Debian 12 or 13 only\n'

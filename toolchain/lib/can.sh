@@ -18,7 +18,7 @@ install_clients() {
     [[ -d node_modules/socketcan/build ]])
 }
 
-# The kernel that clients and tests run on: where User-Mode Linux can not, that of the boards.
+# The kernel that clients and tests run on: where User-Mode Linux cannot, that of the boards.
 setup_guest() {
   [[ -f $board/amd64/RELEASE ]] || "$root/toolchain/can/uml" 60 true >/dev/null 2>&1 || setup_board
 }

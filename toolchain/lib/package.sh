@@ -46,7 +46,7 @@ run_package() {
   (($#)) || set -- $(package_targets | cut -d'|' -f1)
   for architecture in "$@"; do
     package_target "$architecture" >/dev/null ||
-      die "package: $architecture can not be made here ($(package_targets | cut -d'|' -f1 | xargs))"
+      die "package: $architecture cannot be made here ($(package_targets | cut -d'|' -f1 | xargs))"
   done
   run_setup
   for architecture in "$@"; do

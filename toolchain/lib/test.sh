@@ -38,7 +38,7 @@ test_preset() {
   ctest_preset "$1"
 }
 
-# With the first line of README.md, which a test of the tree can not run while others use the tree.
+# With the first line of README.md, which a test of the tree cannot run while others use the tree.
 test_release() {
   test_preset release && step replay "$root/toolchain/dev" replay
 }

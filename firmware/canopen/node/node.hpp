@@ -199,7 +199,7 @@ class Node final : public Dictionary {
   std::uint8_t lss_bit_rate_ = unconfigured;
   struct {
     std::uint8_t node_id, bit_rate;
-  } lss_before_{};          ///< of the two above, in case that they can not be stored
+  } lss_before_{};          ///< of the two above, in case that they cannot be stored
   bool lss_waits_ = false;  ///< the answer to store_lss
   std::uint8_t application_errors_ = 0;
   Nmt state_ = Nmt::initialising;

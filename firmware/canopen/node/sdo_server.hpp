@@ -2,7 +2,7 @@
 // SDO server of CiA 301: expedited, segmented and block transfers, one at a time.
 //
 // Frames go in by receive(), answers are made when take() asks for them: a block upload needs no
-// queue. A value that is longer than the buffer is read piece by piece and can not be written.
+// queue. A value that is longer than the buffer is read piece by piece and cannot be written.
 // Cost: one object access and at most 8 bytes of CRC per call; the end of a block download adds the
 // CRC over the whole buffer.
 

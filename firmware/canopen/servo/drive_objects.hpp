@@ -145,7 +145,7 @@ inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
     row({0x2202, 6}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 5),
         "faults.warnings_high", 0, "bit n: fault 32 + n"),
     row({0x2202, 7}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 6),
-        "faults.blocks_low", 0, "why the axis can not be enabled; bit n: fault n"),
+        "faults.blocks_low", 0, "why the axis cannot be enabled; bit n: fault n"),
     row({0x2202, 8}, Type::u32, sent, at_word(offsetof(DriveObjects, fault_bits), 7),
         "faults.blocks_high", 0, "bit n: fault 32 + n"),
     row({0x2202, 9}, Type::u8, sent, offsetof(DriveObjects, first_cause), "faults.first_cause", 0,

@@ -67,7 +67,7 @@ class ServoCore : public Application {
   void set_bus(std::uint32_t dropped, std::uint32_t off, std::uint32_t queue_full) {
     objects_.bus = {dropped, off, queue_full};
   }
-  /// While held, the loop can not take further settings: writes of parameters, and commands that
+  /// While held, the loop cannot take further settings: writes of parameters, and commands that
   /// would put settings in force, are refused.
   void hold_settings(bool held) { held_ = held; }
   bool holds_settings() const { return held_; }

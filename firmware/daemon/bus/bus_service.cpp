@@ -34,7 +34,7 @@ constexpr int round_ms = 1;
 constexpr double thread_lease_s = 0.1;
 constexpr std::size_t recorder_values = 65536;
 
-/// Empty: there is no such file. One that has nothing in it, or can not be read, is a damaged
+/// Empty: there is no such file. One that has nothing in it, or cannot be read, is a damaged
 /// image.
 Image read_image(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -119,7 +119,7 @@ struct BusService::Parts {
       files::complain("smaservod",
                       image_path() +
                           ": is damaged; the bus starts with its default settings, and "
-                          "the device can not be armed before they are stored (1010h) "
+                          "the device cannot be armed before they are stored (1010h) "
                           "or restored (1011h)");
     }
   }

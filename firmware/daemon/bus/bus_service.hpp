@@ -28,7 +28,7 @@ struct BusSetup {
 
 /// Takes the device's settings from the desk and gives changed ones back to it; as long as it lives
 /// nobody else changes them, and settings files that were read anew go through here. A reset of the
-/// node ends the loop, with LoopLinks::restart; from then on the bus is silent. LSS can not change
+/// node ends the loop, with LoopLinks::restart; from then on the bus is silent. LSS cannot change
 /// the bit rate, which is the interface's.
 class BusService {
  public:

@@ -41,7 +41,7 @@ std::string outdated_text(const std::string& folder, const Loaded<double>& loade
   const unsigned bad = 1 - loaded.slot;
   std::string text = fmt::format(
       "{}: slot {} is {}: what was stored last may be lost, and older settings are in force. The "
-      "device can not be armed before they are stored (1010h), or restored (1011h) and reset",
+      "device cannot be armed before they are stored (1010h), or restored (1011h) and reset",
       folder, bad, name_of(loaded.slots.at(bad)));
   for (const LostValue& value : lost) {
     const Parameter<double>& row = parameters<double>[find_parameter(value.key)];

@@ -24,7 +24,7 @@ struct KeptSettings {
 };
 
 /// Reads the settings from the store in this folder; where it has none, takes `otherwise`. A store
-/// that can not be read back whole is a fault, also where it still has older settings: then those
+/// that cannot be read back whole is a fault, also where it still has older settings: then those
 /// are in force, and `lost` has what a bad slot still says of newer ones. `configured` says that
 /// `otherwise` is meant for this wire.
 KeptSettings keep_settings(const std::string& folder, const Settings<double>& otherwise,

@@ -36,7 +36,7 @@ class RunMark {
   using Block = std::array<char, 128>;
 
   /// Reads the last run's mark and writes this one's. `boot` identifies the machine's start. Throws
-  /// UserError where the folder can not be written, or another process has its mark there.
+  /// UserError where the folder cannot be written, or another process has its mark there.
   RunMark(const std::string& folder, const std::string& boot);
 
   const LastRun& last() const { return last_; }

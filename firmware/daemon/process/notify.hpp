@@ -9,7 +9,7 @@
 namespace smaservo::daemon {
 
 /// Tells systemd the state of the service (sd_notify(3)) by datagrams to the socket that
-/// NOTIFY_SOCKET names. Does nothing where there is none. A message that can not be sent at once is
+/// NOTIFY_SOCKET names. Does nothing where there is none. A message that cannot be sent at once is
 /// lost.
 class ServiceManager {
  public:

@@ -58,7 +58,9 @@ std::string why_no_priority(int error, int priority) {
 
 }  // namespace
 
-void name_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
+void name_thread(const char* name) {
+  pthread_setname_np(pthread_self(), name);
+}
 
 std::string lock_memory() {
   mallopt(M_TRIM_THRESHOLD, -1);

@@ -6,7 +6,7 @@ namespace smaservo::daemon {
 
 /// From now on the calling thread may make only the system calls that a loop needs: sleep, clocks,
 /// reads, writes and ioctls of open descriptors, its end. Any other call ends the program with
-/// SIGSYS. Meant for tests (`smaservod --sandbox`); it can not be taken back. Returns why the
+/// SIGSYS. Meant for tests (`smaservod --sandbox`); it cannot be taken back. Returns why the
 /// kernel refuses; empty: it does not.
 std::string allow_loop_calls_only();
 

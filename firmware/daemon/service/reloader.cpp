@@ -36,7 +36,7 @@ Reloaded reloaded(const Settings<double>& before, const Reload& reload, bool hea
   result.settings = merged(before, reload, heated, result.said);
   const std::string problem =
       !check(result.settings).ok()
-          ? "the settings contradict each other or those that can not change now"
+          ? "the settings contradict each other or those that cannot change now"
       : reload.problem ? reload.problem(result.settings)
                        : "";
   if (!problem.empty()) {

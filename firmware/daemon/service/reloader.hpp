@@ -16,7 +16,7 @@ struct Reloaded {
   std::vector<std::string> said;  ///< what has changed, what has not, and why
 };
 
-/// Changes the settings as a whole or not at all. Parameters that can not change now, but only with
+/// Changes the settings as a whole or not at all. Parameters that cannot change now, but only with
 /// the next start or without heat, keep their values.
 Reloaded reloaded(const Settings<double>& before, const Reload& reload, bool heated);
 

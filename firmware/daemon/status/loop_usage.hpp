@@ -21,7 +21,7 @@ class LoopUsage {
 
   // Called by the loop's thread.
   void begin();
-  /// Reads the counters for the last time: those of a thread that has ended can not be read.
+  /// Reads the counters for the last time: those of a thread that has ended cannot be read.
   void end() { ask(); }
 
   // Called by one other thread.

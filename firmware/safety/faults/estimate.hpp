@@ -33,7 +33,7 @@ inline constexpr FaultRow estimate_faults[] = {
     {Fault::ambient_range, FaultClass::B, Clears::itself, 0x4110, "ambient_range", 1,
      "The ambient temperature is not between trips.min_ambient_K and trips.max_ambient_K.",
      "A hot or cold place, a sensor that is warmed by the board.",
-     "The air at the wire: if too warm, the wire can not stretch again; if too cold, it needs more "
+     "The air at the wire: if too warm, the wire cannot stretch again; if too cold, it needs more "
      "power."},
     {Fault::started_outside, FaultClass::B, Clears::itself, 0x8613, "started_outside", 0.02,
      "Before arming, the wire is already outside its limits of strain, stress or temperature.",

@@ -41,7 +41,7 @@ FaultSet EstimateMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   const Estimate<S>& e = seen.estimate;
   now.add(Fault::estimate_invalid,
           !isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
-  // Without heat the observer can not become sure, and that is no fault: a cold wire may wait for
+  // Without heat the observer cannot become sure, and that is no fault: a cold wire may wait for
   // its first command.
   const bool heated = S(2) * seen.prepared.settings.limits.min_current_A < seen.last.current_A;
   now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running && heated &&

@@ -1,6 +1,6 @@
 #pragma once
 // Temperature of austenite by the rise of its resistance: a second opinion for the case that air
-// and cooling are not what the observer believes, which the power can not show.
+// and cooling are not what the observer believes, which the power cannot show.
 //
 // While the wire is austenite, except for the ends that the clamps keep cold, only heat raises its
 // resistance; the last martensite lowers it by disappearing. So since the lowest resistance R the

@@ -6,7 +6,7 @@
 
 namespace smaservo::hal {
 
-/// A port can not be opened; the text names it and says why.
+/// A port cannot be opened; the text names it and says why.
 class CanError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -22,7 +22,7 @@ class LinuxCan {
   bool send(const CanFrame& frame) {
     return std::visit([&](auto& port) { return port.send(frame); }, port_);
   }
-  /// Only frames with these identifiers are wanted. A CanMulticast can not filter and returns all.
+  /// Only frames with these identifiers are wanted. A CanMulticast cannot filter and returns all.
   void accept(std::span<const std::uint32_t> ids) {
     if (auto* socket = std::get_if<CanSocket>(&port_)) socket->accept(ids);
   }

@@ -29,7 +29,7 @@ IioDac::IioDac(const LinuxRoots& roots, const IioDacSettings& settings)
       off_(std::to_string(dac_code(scale_, {}))) {
   take_output(file_.number(), settings.device + " " + settings.channel, roots);
   if (!off()) {
-    throw DeviceError(fmt::format("{} {}: the code for no output can not be written",
+    throw DeviceError(fmt::format("{} {}: the code for no output cannot be written",
                                   settings.device, settings.channel));
   }
 }
@@ -99,7 +99,7 @@ PwmDrive::PwmDrive(const LinuxRoots& roots, const PwmSettings& settings) : setti
   take_output(duty_.number(), folder + "/duty_cycle", roots);
   // The kernel refuses a period below the duty cycle, of which another program may have left one.
   if (!off()) {
-    throw DeviceError(folder + "/duty_cycle: 0 can not be written");
+    throw DeviceError(folder + "/duty_cycle: 0 cannot be written");
   }
   write_text(folder + "/period", std::to_string(settings.period_ns));
   write_text(folder + "/enable", "1");

@@ -34,7 +34,7 @@ struct Line {
                            request.get(), offset,
                            on ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE) == 0;
   }
-  /// A line that can not be read counts as active.
+  /// A line that cannot be read counts as active.
   bool active() const {
     return there() &&
            gpiod_line_request_get_value(request.get(), offset) != GPIOD_LINE_VALUE_INACTIVE;

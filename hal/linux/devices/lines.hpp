@@ -32,8 +32,8 @@ class Lines {
 
   // Each takes one system call, kick() two. Where the board has no such line, an input is false and
   // an output does nothing.
-  virtual bool emergency_stop() = 0;  ///< true also where the line can not be read
-  virtual bool driver_fault() = 0;    ///< true also where the line can not be read
+  virtual bool emergency_stop() = 0;  ///< true also where the line cannot be read
+  virtual bool driver_fault() = 0;    ///< true also where the line cannot be read
   virtual bool enable(bool on) = 0;   ///< false: the line was not set
   virtual bool kick() = 0;            ///< false: the line was not set
   virtual std::vector<OffAction> off_actions() = 0;

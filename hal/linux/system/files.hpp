@@ -11,7 +11,7 @@
 
 namespace smaservo::hal {
 
-/// A device can not be used; the text names the file and says why.
+/// A device cannot be used; the text names the file and says why.
 class DeviceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

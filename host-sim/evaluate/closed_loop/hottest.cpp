@@ -147,8 +147,8 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   std::string text = fmt::format(
       "True hottest point above `limits.temperature_K` in {} random scenarios of 20 to 600 s: "
       "{} above it by more than {:g} K, {:.1f} s in all, {} by more than {:g} K; {} of them in no "
-      "fault {:g} s later; median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. Of {} "
-      "scenarios in which nothing happens {} trip by anything but a following error.\n\n"
+      "fault {:g} s later; median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. In "
+      "{} scenarios without any disturbance {} ended with a fault other than `following_error`.\n\n"
       "{}",
       all.runs, all.violations, hottest_allowed_K, over_s, far, hottest_far_K, unanswered,
       hottest_answered_s, quantile(sorted, 0.5), quantile(sorted, 0.9), quantile(sorted, 0.99),

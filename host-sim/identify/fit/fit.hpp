@@ -77,7 +77,7 @@ struct FitResult {
   int iterations = 0;
 };
 
-/// Throws UserError when the runs can not determine anything.
+/// Throws UserError when the runs cannot determine anything.
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options);
 

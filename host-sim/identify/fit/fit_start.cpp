@@ -14,7 +14,7 @@ namespace smaservo::identify {
 namespace {
 
 /// The deviations that a single level of stress can determine. What heats and cools the wire is
-/// left to all levels together: one alone can not tell a warmer transition from a smaller loss.
+/// left to all levels together: one alone cannot tell a warmer transition from a smaller loss.
 bool of_level(const std::string& key) {
   return (is_of_process(key) && (key.ends_with(".temperature") || key.ends_with(".width"))) ||
          key == "wire.martensite.strain" || key == "wire.martensite.resistivity" ||

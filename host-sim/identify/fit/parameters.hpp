@@ -209,7 +209,7 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
       take({"wire.heat.specific_heat", "J/kgK", 1, Form::factor, h.specific_heat_J_kgK, 0.12});
   w.heat.latent_m2a_J_kg =
       take({"wire.heat.latent_m2a", "kJ/kg", 1e3, Form::factor, h.latent_m2a_J_kg, 0.25});
-  // R2M takes the difference, so it can not be more.
+  // R2M takes the difference, so it cannot be more.
   const double part = h.latent_m2a_J_kg > 0 ? h.latent_r2a_J_kg / h.latent_m2a_J_kg : 0;
   w.heat.latent_r2a_J_kg =
       w.heat.latent_m2a_J_kg * take({"wire.heat.latent_r2a_share", "", 1, Form::share, part, 0.4});

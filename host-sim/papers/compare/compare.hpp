@@ -41,7 +41,7 @@ struct Comparison {
   std::vector<Compared> systems;
 };
 
-/// A system that the training runs can not identify is listed with the reason. Where a test's
+/// A system that the training runs cannot identify is listed with the reason. Where a test's
 /// strain is a displacement, which has a zero of its own, every system's median error is taken off.
 /// A training run with such a strain is moved so that its longest wire is as long as `from` at rest
 /// under that load. Throws UserError for runs other than of Joule heating or in a bath, a training

@@ -58,7 +58,7 @@ void refuse_repeats(const char* option, const std::vector<std::string>& runs) {
   }
 }
 
-/// Finds out before minutes of work that a file can not be written.
+/// Finds out before minutes of work that a file cannot be written.
 void require_writable(const std::string& path) {
   std::error_code missing;
   const auto kind = std::filesystem::status(path, missing).type();

@@ -122,7 +122,7 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
     const toml::table table = parse_override({key, value});
     for (const char* text_key : {"name", "based_on", "sizes", "sources"}) {
       if (table.contains(text_key)) {
-        throw ConfigError(fmt::format("--set {} = {}: can not be changed by --set", key, value));
+        throw ConfigError(fmt::format("--set {} = {}: cannot be changed by --set", key, value));
       }
     }
     const Entries above = read_fields(wire_fields(), table, std::string(set_origin));

@@ -398,7 +398,8 @@ TEST(Process, AResetOfTheNodeIsANewStart) {
   EXPECT_FALSE(client.wait(0x701, 200)) << "once";
   EXPECT_EQ(client.get(gain), as_bits(9.F));
   EXPECT_EQ(canopen::as_real(client.get(current)), 0);
-  EXPECT_EQ(client.get({0x6041, 0}) & 0x4FU, 0x40U) << "Switch on disabled";
+  EXPECT_TRUE(becomes([&] { return (client.get({0x6041, 0}) & 0x4FU) == 0x40U; }))
+      << "Switch on disabled, when the new run has begun";
   // What was refused stands in the log beside what was changed.
   EXPECT_EQ(client.set(gain, as_bits(-1.F)), canopen::Abort::too_low);
   EXPECT_EQ(client.set(gain, 0, 2), canopen::Abort::too_short);

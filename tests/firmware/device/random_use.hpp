@@ -48,7 +48,7 @@ class RandomUse {
     idle_steps_ = 0;
   }
 
-  /// It can not be armed, for long: some faults last until it is switched off and on.
+  /// It cannot be armed, for long: some faults last until it is switched off and on.
   bool idle() const { return 1500 < idle_steps_; }
 
   double uniform() { return static_cast<double>(random_() >> 11U) * 0x1p-53; }

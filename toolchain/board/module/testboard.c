@@ -126,7 +126,7 @@ static size_t put(u8 *scan, size_t at, const struct iio_scan_type *t, s32 code)
 	return at + size;
 }
 
-/* One coherent scan; a channel that can not be read loses the whole of it, as drivers do. */
+/* One coherent scan; a channel that cannot be read loses the whole of it, as drivers do. */
 static irqreturn_t capture(int irq, void *p)
 {
 	struct iio_poll_func *poll = p;

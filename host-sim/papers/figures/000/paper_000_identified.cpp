@@ -60,7 +60,7 @@ PaperFigure figure_14() {
       14,
       "Transformation rates fitted to a calorimetry",
       fmt::format("Simulated wire without stress. The first stage of the fit leaves {:.1f} % of "
-                  "the greatest heat flow; it can not follow the grains of the simulated wire.",
+                  "the greatest heat flow; it cannot follow the grains of the simulated wire.",
                   100 * run.power.rms),
       {full_panel("heat flow with specific heat", "", temperature_axis, "heat flow in W/kg", data,
                   "set xrange [20:100]\n",

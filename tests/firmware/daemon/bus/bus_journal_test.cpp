@@ -46,7 +46,7 @@ TEST(BusJournal, SaysOldNewAndSource) {
   const std::string gain_stays = "strain.proportional_W (2100h:1): stays 0.5; ";
   const std::string not_allowed = " by SDO is refused: value not allowed (abort 06090030h)";
   const std::string device_name = "Manufacturer device name (1008h:0): stays smas; ";
-  const std::string read_only = " by SDO is refused: can not be written (abort 06010002h)";
+  const std::string read_only = " by SDO is refused: cannot be written (abort 06010002h)";
   const std::vector<std::string> expected{
       "strain.proportional_W (2100h:1): 0 -> 0.5, by SDO",
       gain_stays + "nan" + not_allowed,

@@ -145,7 +145,7 @@ TEST(Recorder, NeverOverwrites) {
       files::UserError);
 }
 
-/// Files of this process can not grow beyond this as long as it lives.
+/// Files of this process cannot grow beyond this as long as it lives.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) {
