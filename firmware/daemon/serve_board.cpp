@@ -264,8 +264,8 @@ int serve_board(const DaemonOptions& options) {
   std::unique_ptr<BusService> bus;
   if (file.bus) {
     bus = std::make_unique<BusService>(
-        BusSetup{file.bus->interface, file.bus->command_source_timeout_s, with.settings,
-                 file.ceilings, file.bus->keys, file.bus->unattended, file.name,
+        BusSetup{file.bus->interface, file.bus->lost_after_s, with.settings, file.ceilings,
+                 file.bus->keys, file.bus->unattended, file.name,
                  with.real_time ? bus_priority(file.thread) : 0, kept.lost},
         service.desk(), service.links(), service.figures());
     bus->start();

@@ -1,7 +1,7 @@
 #pragma once
 // A step there and back on the device (2400h), judged and drawn.
 
-#include "host-sim/can/bus/recording.hpp"
+#include "host-sim/can/bus/recorder.hpp"
 #include "host-sim/report/step_figures.hpp"
 
 namespace smaservo::can {

@@ -78,7 +78,7 @@ expect 'signals that came' "$(grep -c '^HAPPENED' /tmp/plant.log)" 50
 expect 'of these without heat' "$(grep -c 'without heat' /tmp/plant.log)" 0
 expect 'off' "$(grep -c '^OFF' /tmp/plant.log)" 0
 expect 'no fault' "$(first_cause)" none
-expect 'ticks missed' "$(missed)" 0
+expect 'cycles missed' "$(missed)" 0
 expect 'exit code' "$daemon_code" 0
 
 echo '-- ulimit -f'
@@ -106,7 +106,7 @@ expect 'what --check says' "$(grep -c 'duty_cycle: another smaservod drives it' 
 within 'strain held by the first, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
 expect 'frames lost' "$(sed -n 's/.*"lost_frames":\([0-9]*\).*/\1/p' /tmp/figures.json)" 0
-expect 'ticks missed' "$(missed)" 0
+expect 'cycles missed' "$(missed)" 0
 
 echo '-- slow disk'
 dd if=/dev/zero of=/tmp/disk bs=1M count=16 2>/dev/null
@@ -124,7 +124,7 @@ servo 3.5
 daemon_arguments=''
 within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
-expect 'ticks missed' "$(missed)" 0
+expect 'cycles missed' "$(missed)" 0
 cycles=$(sed -n 's/.*"cycles":\([0-9]*\).*/\1/p' /tmp/figures.json)
 expect 'rows of the recording, of all cycles' "$(($(wc -l </tmp/slow/trace.csv) - 1))" "$cycles"
 umount /tmp/slow
@@ -137,7 +137,7 @@ servo 3.5
 daemon_arguments=''
 within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
-expect 'ticks missed' "$(missed)" 0
+expect 'cycles missed' "$(missed)" 0
 within 'it says why it does not record' "$(grep -c 'No space left' /tmp/figures.json)" 1 1
 
 echo '-- memory pressure'
@@ -150,7 +150,7 @@ echo 1 >/proc/sys/vm/overcommit_memory
 servo 3.5
 within 'strain held, %' "$(held_strain)" 1.9 2.1
 expect 'no fault' "$(first_cause)" none
-expect 'ticks missed' "$(missed)" 0
+expect 'cycles missed' "$(missed)" 0
 # The hog has not made the kernel kill yet: this shows less than it should.
 echo "MEMORY kills: $(dmesg | grep -c 'Out of memory: Killed process')"
 

@@ -17,7 +17,7 @@ wait "$servo"
 figures=/tmp/figures.vcan0
 count() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" $figures; }
 figure() { sed -n "s/.*\"$1\":{[^}]*\"$2\":\([0-9.]*\).*/\1/p" $figures; }
-expect 'ticks of the loop that were missed' "$(count missed)" 0
+expect 'cycles of the loop that were missed' "$(count missed)" 0
 first() { sed -n "s/^LOAD $1 \([0-9]*\).*/\1/p" /tmp/load; }
 # The number after a word of that line.
 word() { sed -n "s/^LOAD $1 .* $2 \([0-9]*\).*/\1/p" /tmp/load; }
@@ -30,8 +30,8 @@ echo "TABLE | time of an answer, 50 / 99 / 99.9 % / greatest | $(spread answers)
 echo "TABLE | from SYNC to the second TPDO, 50 / 99 / 99.9 % / greatest | $(spread synced) |"
 echo "TABLE | data sheets read by blocks | $(first sheets), $(word sheets bytes) bytes |"
 echo "TABLE | set-points sent, lost | $(first setpoints), $(word setpoints lost) |"
-echo "TABLE | superseded by the next one before their tick | $(count superseded) |"
-echo "TABLE | ticks of the loop, missed | $(count cycles), $(count missed) |"
-echo "TABLE | execution of a tick, 50 / 99.9 % / greatest | $(figure execution_us p50) / $(figure execution_us p99_9) / $(figure execution_us max) us |"
+echo "TABLE | superseded by the next one before their cycle | $(count superseded) |"
+echo "TABLE | cycles of the loop, missed | $(count cycles), $(count missed) |"
+echo "TABLE | execution of a cycle, 50 / 99.9 % / greatest | $(figure execution_us p50) / $(figure execution_us p99_9) / $(figure execution_us max) us |"
 cat $figures /tmp/daemon.vcan0
 finish

@@ -14,7 +14,7 @@ cangen vcan0 -g 5 -I 181 -L 8 -D i &
 if [ -n "${1:-}" ]; then
   /busy "$1" &
 else
-  # Beside the daemon, half a period away from its ticks, in ns.
+  # Beside the daemon, half a period away from its cycles, in ns.
   cyclictest -m -q -N -p 81 -t 1 -i 1000 --secaligned 500 -l 3000 -h 99999 >/tmp/cyclictest &
   beside=$!
 fi
@@ -24,10 +24,10 @@ figure() { sed -n "s/.*\"$1\":{[^}]*\"$2\":\([0-9.]*\).*/\1/p" /tmp/figures.json
 count() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" /tmp/figures.json; }
 echo "MISSED $(count missed) of $(count cycles)"
 if [ -n "${1:-}" ]; then
-  within 'ticks missed' "$(count missed)" 100 100000
+  within 'cycles missed' "$(count missed)" 100 100000
   finish
 fi
-expect 'ticks missed' "$(count missed)" 0
+expect 'cycles missed' "$(count missed)" 0
 expect 'frames lost' "$(count lost_frames)" 0
 within 'strain held, %' "$(held_strain)" 1.94 2.06
 wait "$beside"
@@ -50,7 +50,7 @@ for what in wake_us execution_us sample_to_drive_us; do
 done
 # An instruction takes 2 ns here: those of the loop, of the kernel for it and of interrupts meanwhile.
 instructions() { awk "BEGIN { printf \"%.0f\", 500 * $(figure execution_us "$1") }"; }
-echo "TABLE | instructions of a tick | $(instructions p50) | $(instructions p99_9) | $(instructions max) |"
+echo "TABLE | instructions of a cycle | $(instructions p50) | $(instructions p99_9) | $(instructions max) |"
 cat /tmp/figures.json
 md5sum /tmp/trace.csv
 finish

@@ -1,5 +1,6 @@
 #include "readers.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -9,10 +10,12 @@
 #include "firmware/bench/scenario/closed_loop_scenario.hpp"
 #include "firmware/bench/scenario/scenario.hpp"
 #include "firmware/daemon/boards/board_file.hpp"
+#include "firmware/daemon/process/last_run.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "firmware/text/settings_text.hpp"
 #include "hal/linux/can/can_datagram.hpp"
 #include "hal/replay/trace.hpp"
+#include "host-sim/can/bus/recording.hpp"
 #include "model/files/error.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
@@ -153,6 +156,34 @@ void trace(Input input) {
       demand(reader.rows() + reader.skipped() <= input.size());
     });
   }
+}
+
+void recording(Input input) {
+  static const InputFile file("step.csv");
+  can::Recording first;
+  if (!accepted([&] { first = can::load_recording(file.with(input)); })) {
+    return;
+  }
+  const std::string written = can::to_csv(first);
+  // The times of a period that nine digits do not tell apart are refused.
+  if (first.period_s > 1e-6 && first.period_s < 1e6) {
+    const can::Recording again = can::load_recording(file.with(
+        {reinterpret_cast<const std::uint8_t*>(written.data()),  // NOLINT(*-reinterpret-cast)
+         written.size()}));
+    demand(again.signals == first.signals && again.rows.size() == first.rows.size());
+  }
+}
+
+void mark(Input input) {
+  static const InputFile file("run");
+  const std::filesystem::path folder = std::filesystem::path(file.with(input)).parent_path();
+  std::ofstream(folder / "service-result", std::ios::binary) << text_of(input);
+  {
+    const daemon::RunMark run(folder, "boot");
+    const std::string said = daemon::describe(run.last());
+    demand(std::ranges::none_of(said, [](unsigned char c) { return c < ' ' || c == 0x7F; }));
+  }
+  std::filesystem::remove(folder / "history");
 }
 
 void store(Input input) {

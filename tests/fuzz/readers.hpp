@@ -17,6 +17,9 @@ void board(Input input);
 void actuator(Input input);
 void trace(Input input);  ///< all rows of a CSV file, read strictly, leniently, and for a device
 
+void recording(Input input);  ///< of the recorder or a step test; written and read back likewise
+void mark(Input input);       ///< of the last run, and systemd's word on how it ended
+
 /// Edits of a store's two slots, which are read, and written anew. Of four bytes each: slot and
 /// whether its checksum is made right afterwards, position (two), value.
 void store(Input input);

@@ -4,7 +4,7 @@
 # The part of a log that tells why: from the first error on, and the last lines.
 show_end() {
   local log=$1 first
-  first=$(grep -nEm 1 'error: |CMake Error|FAILED|\*\*\*' "$log" | cut -d: -f1)
+  first=$(grep -nEm 1 'error: |CMake Error|FAILED|\*\*\*' "$log" | cut -d: -f1) || :
   {
     printf -- '--- from %s\n' "$log"
     if [[ -n $first ]] && (($(wc -l <"$log") - first > 50)); then

@@ -1,7 +1,10 @@
 # shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
 # Fuzzing what comes over the bus, and the readers of files. Sourced by toolchain/dev.
 
-fuzz_targets=(sdo pdo lss nmt eds datagram wire settings board scenario actuator trace store)
+fuzz_targets=(
+  sdo pdo lss nmt eds datagram wire settings board scenario actuator trace recording mark store
+  communication
+)
 
 # gather_seeds NAME: the project's own files that a reader takes, into build/fuzz/NAME.seeds.
 gather_seeds() {
@@ -57,7 +60,7 @@ fuzz_all() {
       'fuzz_one "$1" "$SECONDS_EACH" >"$logs/fuzz-$1.log" 2>&1 || touch "$logs/fuzz-$1.failed"' - {}
   for name in "${fuzz_targets[@]}"; do
     count=$(sed -nE 's/^stat::number_of_executed_units: *//p' "$logs/fuzz-$name.log")
-    printf '%-8s %s inputs\n' "$name" "$count"
+    printf '%-13s %s inputs\n' "$name" "$count"
     inputs=$((inputs + ${count:-0}))
     if [[ -e $logs/fuzz-$name.failed ]]; then
       rm -f "$logs/fuzz-$name.failed"
@@ -74,7 +77,7 @@ fuzz_all() {
 }
 
 run_fuzz() {
-  local seconds=${1:-20}
+  local seconds=${1:-30}
   [[ $seconds =~ ^[0-9]+$ && $seconds -gt 0 ]] || die "fuzz: seconds must be a whole number above 0: $seconds"
   run_setup
   fuzz_all "$seconds"

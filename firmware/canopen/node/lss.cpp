@@ -59,7 +59,7 @@ LssAction Lss::configure(Request request) {
   switch (request[0]) {
     case set_node_id: {
       const std::uint8_t id = request[1];
-      const bool possible = (1 <= id && id <= 127) || id == unconfigured;
+      const bool possible = may_be_node_id(id);
       pending_node_id_ = possible ? id : pending_node_id_;
       answer(set_node_id, possible ? 0 : out_of_range);
       return possible ? LssAction::node_id : LssAction::none;

@@ -11,6 +11,9 @@ namespace smaservo::canopen {
 inline constexpr std::uint16_t lss_request_id = 0x7E5;
 inline constexpr std::uint16_t lss_answer_id = 0x7E4;
 inline constexpr std::uint8_t unconfigured = 255;  ///< node-id of a node that has none
+constexpr bool may_be_node_id(std::uint8_t id) {
+  return (1 <= id && id <= 127) || id == unconfigured;
+}
 
 /// What the owner has to do after a request.
 enum class LssAction : std::uint8_t {

@@ -252,6 +252,7 @@ bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
   const bool good =
       min <= image.size() && (image.size() - min) % image_entry == 0 &&
       take_number(image.first(2)) == image_magic && image[2] == image_format &&
+      (image[3] == 0 || may_be_node_id(image[3])) &&
       crc16(image.first(image.size() - image_crc)) == take_number(image.last(image_crc));
   const bool by_lss = good && image[3] != 0;
   lss_bit_rate_ = good ? image[4] : unconfigured;

@@ -209,7 +209,7 @@ BusSettings read_bus(files::TomlTable table) {
   constexpr double max_key = 4294967295;
   const BusSettings bus{table.text("interface"),
                         whole(table, "node_id", 0, 127, 0),
-                        1e-3 * table.number("command_source_timeout_ms", 0, 6e4, 0),
+                        1e-3 * table.number("lost_after_ms", 0, 6e4, 0),
                         {.tune = whole(table, "tune_key", 0, max_key, 0),
                          .set_up = whole(table, "set_up_key", 0, max_key, 0)},
                         table.flag("unattended", false)};

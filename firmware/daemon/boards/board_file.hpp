@@ -23,9 +23,9 @@ struct Ads131m04FrontEnd {
 };
 
 struct BusSettings {
-  std::string interface;            ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  unsigned node_id;                 ///< 0: the settings' node-id
-  double command_source_timeout_s;  ///< time without a frame that raises bus_lost; 0: never
+  std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
+  unsigned node_id;       ///< 0: the settings' node-id
+  double lost_after_s;    ///< time without a frame that raises bus_lost; 0: never
   canopen::AccessKeys keys;
   bool unattended;  ///< heat may go on without anybody who commands
 };

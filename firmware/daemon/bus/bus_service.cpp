@@ -201,8 +201,7 @@ FaultSet BusService::Parts::faults(std::uint64_t now_us) {
   }
   const hal::CanState state = port.state();
   const bool silent =
-      setup.command_source_timeout_s > 0 &&
-      static_cast<double>(now_us - heard_us) * 1e-6 > setup.command_source_timeout_s;
+      setup.lost_after_s > 0 && static_cast<double>(now_us - heard_us) * 1e-6 > setup.lost_after_s;
   FaultSet set;
   set.add(Fault::store_outdated, image_lost);
   set.add(Fault::bus_lost, silent || state == hal::CanState::bus_off ||

@@ -14,7 +14,7 @@ namespace smaservo::daemon {
 
 struct BusSetup {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  double command_source_timeout_s = 0;
+  double lost_after_s = 0;
   std::string folder;  ///< folder of the store; empty: nothing can be stored
   canopen::Ceilings ceilings;
   canopen::AccessKeys keys;

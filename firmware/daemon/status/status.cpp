@@ -13,12 +13,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 double us(std::int64_t ns) {
-  return static_cast<double>(ns) * 1e-3;
+  return static_cast<double>(ns) / 1e3;
 }
 
 Json json_of(const Histogram& times) {
   return {{"count", times.count()},
-          {"mean", times.mean_ns() * 1e-3},
+          {"mean", times.mean_ns() / 1e3},
           {"p50", us(times.quantile_ns(0.5))},
           {"p99", us(times.quantile_ns(0.99))},
           {"p99_9", us(times.quantile_ns(0.999))},

@@ -9,51 +9,45 @@
 #include <limits>
 #include <sstream>
 
-#include "firmware/canopen/servo/drive_objects.hpp"
-#include "firmware/signals.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::can {
 namespace {
 
-enum class RecorderState : std::uint8_t { idle, armed, triggered, full };
+/// The device sends float, and so to_csv() writes it.
+constexpr auto max_number = static_cast<double>(std::numeric_limits<float>::max());
 
-constexpr std::int64_t poll_us = 20'000;
+/// Times are written with nine digits.
+constexpr double period_tolerance = 0.01;
 
-std::uint8_t sub_of_signal(const std::string& name) {
-  const auto& rows = signal_rows<double>;
-  const auto* const found = std::ranges::find(rows, name, &Signal<double>::name);
-  if (found == rows.end()) {
-    std::vector<std::string_view> names;
-    names.reserve(signal_count);
-    for (const Signal<double>& row : rows) names.push_back(row.name);
+/// An empty field is NaN. Otherwise the whole text must be a number.
+double field_number(const std::string& text, const std::string& path, unsigned line) {
+  if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool fits = std::abs(number) <= max_number;
+  if (error != std::errc{} || end != text.data() + text.size() || !fits) {
     throw files::UserError(
-        fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
+        fmt::format("{}:{}: {}: is not a number of at most {:.2g}", path, line, text, max_number));
   }
-  return sub_of(static_cast<std::size_t>(found - rows.begin()));
+  return number;
 }
 
-void set(Remote& remote, const std::string& name, auto value) {
-  remote.set(name, fmt::format("{}", value));
-}
-
-void set_trigger(Remote& remote, const std::string& trigger) {
-  const std::size_t sign = trigger.find_first_of("<>");
-  if (trigger.empty()) {
-    set(remote, "recorder.trigger_signal", 0);
-    return;
+/// Takes the time of a row, which lies a period after the one before: the first two rows say how
+/// long that is.
+void take_time(double time_s, Recording& recording, double& last_s, const std::string& where) {
+  const std::size_t rows = recording.rows.size();
+  const double step_s = time_s - last_s;
+  last_s = time_s;
+  if (rows == 1) recording.period_s = step_s;
+  if (std::isnan(time_s) || (rows > 0 && !(step_s > 0))) {
+    throw files::UserError(fmt::format("{}: time_s must increase", where));
   }
-  if (sign == std::string::npos) {
-    throw files::UserError(
-        fmt::format("--trigger {}: must be SIGNAL>LEVEL or SIGNAL<LEVEL", trigger));
+  if (rows > 1 && std::abs(step_s - recording.period_s) > period_tolerance * recording.period_s) {
+    throw files::UserError(fmt::format(
+        "{}: time_s is {:.9g} s later than before, must be {:.9g} s as in the first rows", where,
+        step_s, recording.period_s));
   }
-  set(remote, "recorder.trigger_signal", sub_of_signal(trigger.substr(0, sign)));
-  set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
-  remote.set("recorder.trigger_level", trigger.substr(sign + 1));
-}
-
-RecorderState state_of(Remote& remote) {
-  return static_cast<RecorderState>(remote.number("recorder.state"));
 }
 
 }  // namespace
@@ -68,93 +62,6 @@ std::vector<double> Recording::column(const std::string& signal) const {
   return values;
 }
 
-void arm_recorder(Remote& remote, const RecordingPlan& plan) {
-  if (plan.signals.empty() || plan.signals.size() > canopen::channel_count) {
-    throw files::UserError(
-        fmt::format("{} signals: must be 1 to {}", plan.signals.size(), canopen::channel_count));
-  }
-  if (plan.before_s > 0 && plan.trigger.empty()) {
-    throw files::UserError(fmt::format("--before {} s: needs a --trigger", plan.before_s));
-  }
-  if (plan.before_s >= plan.seconds) {
-    throw files::UserError(fmt::format("--before {} s: must be less than the {} s of the recording",
-                                       plan.before_s, plan.seconds));
-  }
-  set(remote, "recorder.command", 0);
-  for (std::size_t i = 0; i < canopen::channel_count; ++i) {
-    const unsigned sub = i < plan.signals.size() ? sub_of_signal(plan.signals[i]) : 0;
-    set(remote, fmt::format("recorder.channel_{}", i + 1), sub);
-  }
-  set_trigger(remote, plan.trigger);
-  // The recorder tells its capacity only after it has been armed.
-  set(remote, "recorder.divisor", 1);
-  set(remote, "recorder.pretrigger", 0);
-  try {
-    set(remote, "recorder.command", 1);
-  } catch (const SdoError& error) {
-    throw files::UserError(fmt::format("the device has no memory to record to: {}", error.what()));
-  }
-  const double step_s = remote.number("recorder.period_s");
-  const double capacity = remote.number("recorder.capacity");
-  set(remote, "recorder.command", 0);
-  const double divisor = std::max(1.0, std::ceil(plan.seconds / (step_s * capacity) - 1e-6));
-  if (divisor > 65535) {
-    throw files::UserError(fmt::format("{} s: too long, must be at most {} s", plan.seconds,
-                                       65535 * step_s * capacity));
-  }
-  set(remote, "recorder.divisor", divisor);
-  set(remote, "recorder.pretrigger", std::floor(plan.before_s / (step_s * divisor)));
-  set(remote, "recorder.command", 1);
-}
-
-void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s) {
-  Bus& bus = remote.bus();
-  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
-  const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
-  std::int64_t triggered_us = 0;
-  // The recording is complete with this many rows, even if the memory holds more. A loop that
-  // misses cycles takes longer to collect them.
-  const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
-  const std::int64_t longest_us = 10 * after_us + 5'000'000;
-  for (;;) {
-    const RecorderState state = state_of(remote);
-    const std::int64_t now_us = bus.now_us();
-    if (state == RecorderState::full || state == RecorderState::idle) return;
-    if (state == RecorderState::triggered && triggered_us == 0) triggered_us = now_us;
-    if (triggered_us != 0 && now_us >= triggered_us + after_us &&
-        (remote.number("recorder.samples") >= rows || now_us >= triggered_us + longest_us)) {
-      return;
-    }
-    if (triggered_us == 0 && now_us >= until_us) {
-      set(remote, "recorder.command", 0);
-      throw files::UserError(fmt::format("not triggered within {} s", patience_s));
-    }
-    hal::CanFrame passing;
-    while (bus.receive(passing, now_us + poll_us)) {
-    }
-  }
-}
-
-Recording read_recording(Remote& remote, const RecordingPlan& plan) {
-  Recording recording{plan.signals, remote.number("recorder.period_s"), {}};
-  set(remote, "recorder.command", 0);
-  const Bytes bytes = remote.client().upload_block(text::find_object("recorder.data").key);
-  const std::size_t width = 4 * plan.signals.size();
-  std::span<const std::uint8_t> rest(bytes);
-  for (; rest.size() >= width; rest = rest.subspan(width)) {
-    std::vector<double> row;
-    for (std::size_t i = 0; i < width; i += 4) {
-      const auto bits = static_cast<std::uint32_t>(canopen::take_number(rest.subspan(i, 4)));
-      row.push_back(static_cast<double>(canopen::as_real(bits)));
-    }
-    recording.rows.push_back(std::move(row));
-  }
-  // Rows that came between the end of the requested time and the stop are dropped.
-  const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
-  if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
-  return recording;
-}
-
 std::string to_csv(const Recording& recording) {
   std::string text = fmt::format("time_s,{}\n", fmt::join(recording.signals, ","));
   for (std::size_t i = 0; i < recording.rows.size(); ++i) {
@@ -167,21 +74,6 @@ std::string to_csv(const Recording& recording) {
   return text;
 }
 
-namespace {
-
-/// An empty field is NaN. Otherwise the whole text must be a number.
-double field_number(const std::string& text, const std::string& path, unsigned line) {
-  if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw files::UserError(fmt::format("{}:{}: {}: is not a number", path, line, text));
-  }
-  return number;
-}
-
-}  // namespace
-
 Recording load_recording(const std::string& path) {
   std::ifstream in(path);
   std::string line;
@@ -190,11 +82,14 @@ Recording load_recording(const std::string& path) {
         fmt::format("{}: is not a recording: its first line must begin with time_s,", path));
   }
   Recording recording;
-  std::istringstream header(line.substr(line.find(',') + 1));
+  // The additional comma keeps a last field that is empty.
+  std::istringstream header(line.substr(line.find(',') + 1) + ",");
   for (std::string name; std::getline(header, name, ',');) recording.signals.push_back(name);
+  if (std::ranges::count(recording.signals, "") != 0) {
+    throw files::UserError(fmt::format("{}: each column needs the name of a signal", path));
+  }
   double last_s = 0;
   for (unsigned number = 2; std::getline(in, line); ++number) {
-    // The additional comma keeps a last field that is empty.
     std::istringstream fields(line + ",");
     std::vector<double> row;
     for (std::string field; std::getline(fields, field, ',');) {
@@ -204,11 +99,7 @@ Recording load_recording(const std::string& path) {
       throw files::UserError(
           fmt::format("{}:{}: must have {} fields", path, number, recording.signals.size() + 1));
     }
-    recording.period_s = recording.rows.empty() ? 0 : row.front() - last_s;
-    if (!recording.rows.empty() && !(recording.period_s > 0)) {
-      throw files::UserError(fmt::format("{}:{}: time_s must increase", path, number));
-    }
-    last_s = row.front();
+    take_time(row.front(), recording, last_s, fmt::format("{}:{}", path, number));
     recording.rows.emplace_back(row.begin() + 1, row.end());
   }
   return recording;

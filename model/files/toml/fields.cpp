@@ -10,6 +10,8 @@ struct Renamed {
 };
 constexpr Renamed all_renamed[] = {
     {"limits.", "wire.limits."},
+    {"command_source_timeout_ms", "lost_after_ms"},
+    {"partner_timeout_ms", "lost_after_ms"},
     {"partner.", "command_source."},
     {"partner_", "command_source_"},
     {"kinetics.", "wire."},

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "host-sim/can/bus/network.hpp"
-#include "host-sim/can/bus/recording.hpp"
+#include "host-sim/can/bus/recorder.hpp"
 #include "host-sim/can/settings.hpp"
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"
@@ -188,6 +188,11 @@ TEST_F(CanClient, RefusesWhatIsNoRecording) {
   EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1\n"), HasSubstr(":3: must have 2 fields"));
   EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1,2x\n"), HasSubstr(":3: 2x: is not a number"));
   EXPECT_THAT(said("time_s,setpoint\n0,1\n0,2\n"), HasSubstr(":3: time_s must increase"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1\n,2\n"), HasSubstr(":3: time_s must increase"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1\n0.1,2\n0.3,2\n"),
+              HasSubstr(":4: time_s is 0.2 s later than before, must be 0.1 s"));
+  EXPECT_THAT(said("time_s,setpoint,\n0,1,2\n"), HasSubstr("needs the name of a signal"));
+  EXPECT_THAT(said("time_s,setpoint\n0,1e39\n"), HasSubstr(":2: 1e39: is not a number"));
 }
 
 TEST_F(CanClient, RefusesARecordingThatBeginsBeforeItself) {

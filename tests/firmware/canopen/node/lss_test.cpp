@@ -40,6 +40,18 @@ class LssRig : public ServoRig {
   std::array<std::uint32_t, 4> identity() { return servo.node().objects().identity; }
 };
 
+TEST(Lss, AnImageWithANodeIdThatThereIsNotIsDamaged) {
+  LssRig rig(127);
+  EXPECT_EQ(rig.node_id(), 127);
+  for (const std::uint8_t id : std::array<std::uint8_t, 3>{128, 200, 254}) {
+    rig.image[3] = id;
+    put_number(std::span(rig.image).last(2),
+               crc16(std::span(rig.image).first(rig.image.size() - 2)));
+    EXPECT_FALSE(rig.servo.start(rig.image, rig.now_us)) << int{id};
+    EXPECT_EQ(rig.node_id(), ServoRig::id);
+  }
+}
+
 TEST(Lss, ANodeWithoutIdIsFoundBitByBitAndNamed) {
   LssRig rig;
   rig.run(100);

@@ -32,7 +32,7 @@ struct Rig {
   static daemon::BusSetup setup(const canopen::Ceilings& ceilings, const canopen::AccessKeys& keys,
                                 const std::string& folder) {
     return {.interface = BusClient::name(),
-            .command_source_timeout_s = 0,
+            .lost_after_s = 0,
             .folder = folder,
             .ceilings = ceilings,
             .keys = keys,

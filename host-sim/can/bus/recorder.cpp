@@ -1,0 +1,144 @@
+#include "host-sim/can/bus/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "firmware/canopen/servo/drive_objects.hpp"
+#include "firmware/signals.hpp"
+#include "model/files/error.hpp"
+
+namespace smaservo::can {
+namespace {
+
+enum class RecorderState : std::uint8_t { idle, armed, triggered, full };
+
+constexpr std::int64_t poll_us = 20'000;
+
+std::uint8_t sub_of_signal(const std::string& name) {
+  const auto& rows = signal_rows<double>;
+  const auto* const found = std::ranges::find(rows, name, &Signal<double>::name);
+  if (found == rows.end()) {
+    std::vector<std::string_view> names;
+    names.reserve(signal_count);
+    for (const Signal<double>& row : rows) names.push_back(row.name);
+    throw files::UserError(
+        fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
+  }
+  return sub_of(static_cast<std::size_t>(found - rows.begin()));
+}
+
+void set(Remote& remote, const std::string& name, auto value) {
+  remote.set(name, fmt::format("{}", value));
+}
+
+void set_trigger(Remote& remote, const std::string& trigger) {
+  const std::size_t sign = trigger.find_first_of("<>");
+  if (trigger.empty()) {
+    set(remote, "recorder.trigger_signal", 0);
+    return;
+  }
+  if (sign == std::string::npos) {
+    throw files::UserError(
+        fmt::format("--trigger {}: must be SIGNAL>LEVEL or SIGNAL<LEVEL", trigger));
+  }
+  set(remote, "recorder.trigger_signal", sub_of_signal(trigger.substr(0, sign)));
+  set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
+  remote.set("recorder.trigger_level", trigger.substr(sign + 1));
+}
+
+RecorderState state_of(Remote& remote) {
+  return static_cast<RecorderState>(remote.number("recorder.state"));
+}
+
+}  // namespace
+
+void arm_recorder(Remote& remote, const RecordingPlan& plan) {
+  if (plan.signals.empty() || plan.signals.size() > canopen::channel_count) {
+    throw files::UserError(
+        fmt::format("{} signals: must be 1 to {}", plan.signals.size(), canopen::channel_count));
+  }
+  if (plan.before_s > 0 && plan.trigger.empty()) {
+    throw files::UserError(fmt::format("--before {} s: needs a --trigger", plan.before_s));
+  }
+  if (plan.before_s >= plan.seconds) {
+    throw files::UserError(fmt::format("--before {} s: must be less than the {} s of the recording",
+                                       plan.before_s, plan.seconds));
+  }
+  set(remote, "recorder.command", 0);
+  for (std::size_t i = 0; i < canopen::channel_count; ++i) {
+    const unsigned sub = i < plan.signals.size() ? sub_of_signal(plan.signals[i]) : 0;
+    set(remote, fmt::format("recorder.channel_{}", i + 1), sub);
+  }
+  set_trigger(remote, plan.trigger);
+  // The recorder tells its capacity only after it has been armed.
+  set(remote, "recorder.divisor", 1);
+  set(remote, "recorder.pretrigger", 0);
+  try {
+    set(remote, "recorder.command", 1);
+  } catch (const SdoError& error) {
+    throw files::UserError(fmt::format("the device has no memory to record to: {}", error.what()));
+  }
+  const double step_s = remote.number("recorder.period_s");
+  const double capacity = remote.number("recorder.capacity");
+  set(remote, "recorder.command", 0);
+  const double divisor = std::max(1.0, std::ceil(plan.seconds / (step_s * capacity) - 1e-6));
+  if (divisor > 65535) {
+    throw files::UserError(fmt::format("{} s: too long, must be at most {} s", plan.seconds,
+                                       65535 * step_s * capacity));
+  }
+  set(remote, "recorder.divisor", divisor);
+  set(remote, "recorder.pretrigger", std::floor(plan.before_s / (step_s * divisor)));
+  set(remote, "recorder.command", 1);
+}
+
+void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s) {
+  Bus& bus = remote.bus();
+  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
+  const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
+  std::int64_t triggered_us = 0;
+  // The recording is complete with this many rows, even if the memory holds more. A loop that
+  // misses cycles takes longer to collect them.
+  const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
+  const std::int64_t longest_us = 10 * after_us + 5'000'000;
+  for (;;) {
+    const RecorderState state = state_of(remote);
+    const std::int64_t now_us = bus.now_us();
+    if (state == RecorderState::full || state == RecorderState::idle) return;
+    if (state == RecorderState::triggered && triggered_us == 0) triggered_us = now_us;
+    if (triggered_us != 0 && now_us >= triggered_us + after_us &&
+        (remote.number("recorder.samples") >= rows || now_us >= triggered_us + longest_us)) {
+      return;
+    }
+    if (triggered_us == 0 && now_us >= until_us) {
+      set(remote, "recorder.command", 0);
+      throw files::UserError(fmt::format("not triggered within {} s", patience_s));
+    }
+    hal::CanFrame passing;
+    while (bus.receive(passing, now_us + poll_us)) {
+    }
+  }
+}
+
+Recording read_recording(Remote& remote, const RecordingPlan& plan) {
+  Recording recording{plan.signals, remote.number("recorder.period_s"), {}};
+  set(remote, "recorder.command", 0);
+  const Bytes bytes = remote.client().upload_block(text::find_object("recorder.data").key);
+  const std::size_t width = 4 * plan.signals.size();
+  std::span<const std::uint8_t> rest(bytes);
+  for (; rest.size() >= width; rest = rest.subspan(width)) {
+    std::vector<double> row;
+    for (std::size_t i = 0; i < width; i += 4) {
+      const auto bits = static_cast<std::uint32_t>(canopen::take_number(rest.subspan(i, 4)));
+      row.push_back(static_cast<double>(canopen::as_real(bits)));
+    }
+    recording.rows.push_back(std::move(row));
+  }
+  // Rows that came between the end of the requested time and the stop are dropped.
+  const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
+  if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
+  return recording;
+}
+
+}  // namespace smaservo::can

@@ -1,0 +1,26 @@
+#pragma once
+// The device's recorder (2300h): signals at the rate of the loop.
+
+#include "host-sim/can/bus/recording.hpp"
+#include "host-sim/can/remote.hpp"
+
+namespace smaservo::can {
+
+struct RecordingPlan {
+  std::vector<std::string> signals;  ///< names of firmware/signals.hpp, at most 8
+  double seconds = 1;
+  double before_s = 0;  ///< the part of `seconds` that lies before the trigger
+  std::string trigger;  ///< "temperature_K>350", "current_A<0.1"; empty: starts at once
+};
+
+/// Sets the recorder's signals, rate and trigger, and arms it. Throws UserError.
+void arm_recorder(Remote& remote, const RecordingPlan& plan);
+
+/// Waits until the recorder is full or has the rows of the requested time. Throws UserError when
+/// the trigger has not come within `patience_s`.
+void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s);
+
+/// Stops the recorder and reads what it has. Throws UserError.
+Recording read_recording(Remote& remote, const RecordingPlan& plan);
+
+}  // namespace smaservo::can
