@@ -81,7 +81,9 @@ int serve_simulation(const DaemonOptions& options) {
   const bench::ClosedLoopScenario scenario = simulated(options);
   const KeptSettings kept = keep_settings(options.settings, scenario.settings, true);
   if (!kept.faults.empty()) {
-    files::complain("smaservod", kept.said);
+    for (const std::string& line : kept.said) {
+      files::complain("smaservod", line);
+    }
   }
   ServiceSetup setup = service_setup(options, kept.settings);
   setup.real_time = options.real_time && !options.at_once;

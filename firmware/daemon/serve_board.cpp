@@ -158,7 +158,9 @@ KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options)
     throw files::ConfigError(fmt::format("{}: {}", options.device, problem));
   }
   KeptSettings kept = keep_settings(options.settings, given, configured);
-  files::complain("smaservod", kept.said);
+  for (const std::string& line : kept.said) {
+    files::complain("smaservod", line);
+  }
   if (const std::string problem = board_problem(file, kept.settings); !problem.empty()) {
     files::complain("smaservod", problem + "; the device cannot be armed");
     kept.faults.set(Fault::bad_configuration);

@@ -36,27 +36,29 @@ std::vector<LostValue> lost_values(hal::FileStore& store, unsigned slot,
   return lost;
 }
 
-std::string outdated_text(const std::string& folder, const Loaded<double>& loaded,
-                          const std::vector<LostValue>& lost) {
+void say_outdated(const std::string& folder, const Loaded<double>& loaded, KeptSettings& kept) {
   const unsigned bad = 1 - loaded.slot;
-  std::string text = fmt::format(
+  kept.said.push_back(fmt::format(
       "{}: slot {} is {}: what was stored last may be lost, and older settings are in force. The "
       "device cannot be armed before they are stored (1010h), or restored (1011h) and reset",
-      folder, bad, name_of(loaded.slots.at(bad)));
-  for (const LostValue& value : lost) {
+      folder, bad, name_of(loaded.slots.at(bad))));
+  for (const LostValue& value : kept.lost) {
     const Parameter<double>& row = parameters<double>[find_parameter(value.key)];
-    text += fmt::format("\n  {}: {} in force, {} in slot {}", row.path.text(),
-                        text::value_text(row, {value.in_force}),
-                        text::value_text(row, {value.stored}), bad);
+    kept.said.push_back(fmt::format("{}: {} in force, {} in slot {}", row.path.text(),
+                                    text::value_text(row, {value.in_force}),
+                                    text::value_text(row, {value.stored}), bad));
   }
-  return text + (lost.empty() ? "; no value that can still be read there differs" : "");
+  if (kept.lost.empty()) {
+    kept.said.push_back(
+        fmt::format("no value that can still be read in slot {} differs from those in force", bad));
+  }
 }
 
 }  // namespace
 
 KeptSettings keep_settings(const std::string& folder, const Settings<double>& otherwise,
                            bool configured) {
-  KeptSettings kept{otherwise, {}, "settings as given, nothing is stored", {}};
+  KeptSettings kept{otherwise, {}, {"settings as given, nothing is stored"}, {}};
   kept.faults.set(Fault::not_configured, !configured);
   if (folder.empty()) {
     return kept;
@@ -67,20 +69,20 @@ KeptSettings keep_settings(const std::string& folder, const Settings<double>& ot
   if (loaded.reason == LoadReason::none) {
     if (a.state != SlotState::empty || b.state != SlotState::empty) {
       kept.faults.set(Fault::store_corrupt);
-      kept.said = fmt::format("{}: no stored settings could be read: slot 0 is {}, slot 1 is {}",
-                              folder, name_of(a), name_of(b));
+      kept.said = {fmt::format("{}: no stored settings could be read: slot 0 is {}, slot 1 is {}",
+                               folder, name_of(a), name_of(b))};
     }
     return kept;
   }
   kept.settings = loaded.settings;
   kept.faults.set(Fault::not_configured, false);
-  kept.said =
-      fmt::format("settings from {}, slot {}, number {}; the other slot is {}", folder, loaded.slot,
-                  loaded.slots.at(loaded.slot).sequence, name_of(loaded.slots.at(1 - loaded.slot)));
+  kept.said = {fmt::format("settings from {}, slot {}, number {}; the other slot is {}", folder,
+                           loaded.slot, loaded.slots.at(loaded.slot).sequence,
+                           name_of(loaded.slots.at(1 - loaded.slot)))};
   if (loaded.may_be_older) {
     kept.faults.set(Fault::store_outdated);
     kept.lost = lost_values(store, 1 - loaded.slot, kept.settings);
-    kept.said += "\nsmaservod: " + outdated_text(folder, loaded, kept.lost);
+    say_outdated(folder, loaded, kept);
   }
   return kept;
 }

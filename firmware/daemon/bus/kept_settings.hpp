@@ -18,8 +18,8 @@ struct LostValue {
 /// Which settings a run begins with, and why.
 struct KeptSettings {
   Settings<double> settings;
-  FaultSet faults;   ///< not_configured, store_corrupt, store_outdated
-  std::string said;  ///< for the log: one sentence, or more where there is a fault of the store
+  FaultSet faults;                ///< not_configured, store_corrupt, store_outdated
+  std::vector<std::string> said;  ///< lines for the log; more than one if the store has a fault
   std::vector<LostValue> lost;
 };
 
