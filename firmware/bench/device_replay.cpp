@@ -260,8 +260,8 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
   files::TextTable table({{"output"},
                           {"rows", "{}"},
                           {"first at s", "{:.6g}"},
-                          {"greatest", "{:.4g}"},
-                          {"first one: in the trace, now"}});
+                          {"max difference", "{:.4g}"},
+                          {"first difference: in the trace, now"}});
   for (const OutputDifference& d : result.differences) {
     table.add({d.column, d.rows, d.first_s, d.max,
                fmt::format("'{}', '{}'{}", d.recorded, d.now, d.tolerated ? ", tolerated" : "")});

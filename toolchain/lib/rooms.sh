@@ -82,7 +82,7 @@ check_rooms() {
   found=$(includes_upward) || return
   [[ -z $found ]] || {
     printf '%s\n' "$found" >&2
-    say '^ includes go downwards only: README.md, "The house"'
+    say '^ includes go downwards only: README.md, "Folders"'
     return 1
   }
   found=$(namespaces_astray) || return

@@ -15,7 +15,7 @@ inline std::int64_t monotonic_ns() {
 /// By how much CLOCK_BOOTTIME is ahead of CLOCK_MONOTONIC, which stands still while the machine is
 /// suspended: between these two bounds, since the clocks are read one after the other.
 struct BootLead {
-  std::int64_t least_ns, most_ns;
+  std::int64_t min_ns, max_ns;
 };
 
 inline BootLead boot_lead() {
@@ -32,9 +32,9 @@ class SuspendWatch {
  public:
   /// Since the last call; 0 in the first one. Never more than it really was.
   std::int64_t suspended_ns(const BootLead& now) {
-    const std::int64_t gone_ns = began_ ? now.least_ns - before_ns_ : 0;
+    const std::int64_t gone_ns = began_ ? now.min_ns - before_ns_ : 0;
     began_ = true;
-    before_ns_ = now.most_ns;
+    before_ns_ = now.max_ns;
     return gone_ns > 0 ? gone_ns : 0;
   }
 

@@ -1,10 +1,10 @@
 #include "host-sim/evaluate/closed_loop/loop_bench.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "firmware/device/cycle.hpp"
 #include "firmware/parameters/parameters.hpp"
+#include "host-sim/evaluate/runs/electronics.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -16,28 +16,17 @@ hal::SimSetup setup(const bench::WireUnit& unit, const LoopConditions& condition
   hal::SimSurroundings around;
   around.ambient_K = conditions.ambient_K;
   around.draught = conditions.draught;
-  const double area_m2 = unit.wire.wire.geometry.area_m2();
-  return {.period_ns = period_ns,
-          .converter = {.voltage_drive = false,
-                        .max_A = 0.5,
-                        .slew_A_s = std::numeric_limits<double>::infinity(),
-                        .lead_ohm = 0.1},
-          .sensors = {.bits = 16,
-                      .current_full_scale_A = 0.5,
-                      .voltage_full_scale_V = 20,
-                      .load_full_scale_N = 5,
-                      .current_noise_A = 10e-6,
-                      .voltage_noise_V = 0.3e-3,
-                      .load_noise_N = 0.5e6 * area_m2,
-                      .load_gain = conditions.load_gain,
-                      .resistance_gain = conditions.resistance_gain},
-          .load = conditions.load,
-          .geometry = unit.wire.wire.geometry,
-          .surroundings = around,
-          .reads_supply = true,
-          .reads_ambient = false,
-          .reads_driver = false,
-          .seed = seed};
+  return {
+      .period_ns = period_ns,
+      .converter = converter(false),
+      .sensors = sensors(unit.wire.wire.geometry, conditions.load_gain, conditions.resistance_gain),
+      .load = conditions.load,
+      .geometry = unit.wire.wire.geometry,
+      .surroundings = around,
+      .reads_supply = true,
+      .reads_ambient = false,
+      .reads_driver = false,
+      .seed = seed};
 }
 
 std::unique_ptr<hal::SimulatedWire> wire(const bench::WireUnit& unit, std::uint64_t seed) {

@@ -3,13 +3,13 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <utility>
 
 #include "firmware/bench/dice.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/evaluate/runs/electronics.hpp"
 #include "host-sim/evaluate/runs/runs.hpp"
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
@@ -116,23 +116,12 @@ class Draw {
   }
 
   void board() {
-    const double area_m2 = loop().plant.wire.wire.geometry.area_m2();
     hal::SimSetup& b = loop().board;
     b.period_ns = 1'000'000;
-    b.converter = {.voltage_drive = device().drive.kind == DriveKind::voltage,
-                   .max_A = 0.5,
-                   .slew_A_s = std::numeric_limits<double>::infinity(),
-                   .lead_ohm = 0.1};
-    b.sensors = {.bits = 16,
-                 .current_full_scale_A = 0.5,
-                 .voltage_full_scale_V = 20,
-                 .load_full_scale_N = 5,
-                 .current_noise_A = 10e-6,
-                 .voltage_noise_V = 0.3e-3,
-                 .load_noise_N = 0.5 * MPa * area_m2,
-                 .load_gain = 1 + dice_.uniform(-0.02, 0.02),
-                 .resistance_gain = 1 + dice_.uniform(-0.005, 0.005)};
+    b.converter = converter(device().drive.kind == DriveKind::voltage);
     b.geometry = loop().plant.wire.wire.geometry;
+    const double load_gain = 1 + dice_.uniform(-0.02, 0.02);
+    b.sensors = sensors(b.geometry, load_gain, 1 + dice_.uniform(-0.005, 0.005));
     b.reads_supply = true;
     b.reads_ambient = dice_.coin();
     b.reads_driver = false;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/bench/dice.hpp"
+#include "host-sim/evaluate/runs/electronics.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -60,7 +61,6 @@ double overheat_K(const Wire<double>& wire, const bench::JouleScenario& joule) {
 }
 
 bench::JouleScenario still_room(const Wire<double>& wire, hal::Load load) {
-  const double noise_N = 0.5 * MPa * wire.geometry.area_m2();
   return {.ambient_K = 298.15,
           .draught = 1,
           .overheat_K = 12,
@@ -69,15 +69,7 @@ bench::JouleScenario still_room(const Wire<double>& wire, hal::Load load) {
           .record_from_s = 0,
           .drive = {},
           .load = load,
-          .sensors = {.bits = 16,
-                      .current_full_scale_A = 0.5,
-                      .voltage_full_scale_V = 20,
-                      .load_full_scale_N = 5,
-                      .current_noise_A = 10e-6,
-                      .voltage_noise_V = 0.3e-3,
-                      .load_noise_N = noise_N,
-                      .load_gain = 1,
-                      .resistance_gain = 1}};
+          .sensors = sensors(wire.geometry, 1, 1)};
 }
 
 bench::Scenario scenario(const bench::WireUnit& unit, std::string note, std::uint64_t seed,
