@@ -4,6 +4,7 @@
 
 #include "model/files/wire/wire_file.hpp"
 #include "model/three_phase/three_phase.hpp"
+#include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
 // A wire of one temperature that transforms by the three-phase model, computed in double.
@@ -25,7 +26,7 @@ int main() {
     const double ohm = Model::resistance_ohm(wire, state, ambient_K);
     if (i % 250 == 0) {
       fmt::print("{:6.2f}  {:9.2f}  {:16.1f}  {:8.2f}  {:14.2f}\n", i * dt_s, current_A,
-                 Model::temperature_K(state) - 273.15, 100 * Model::strain(wire, state), ohm);
+                 Model::temperature_K(state) - zero_degC_K, 100 * Model::strain(wire, state), ohm);
     }
     Model::advance(wire, state, {current_A * current_A * ohm, stress_Pa, ambient_K}, dt_s);
   }

@@ -1,6 +1,5 @@
-// The whole device as the main of a microcontroller calls it: in float, without heap or exceptions,
-// one step each millisecond. Only the simulated wire, the settings' file and the printing are a
-// PC's.
+// The whole device as a microcontroller's main calls it: in float, without heap or exceptions, one
+// step each millisecond. Only the simulated wire, the settings' file and the printing are a PC's.
 
 #include <cmath>
 #include <fmt/format.h>
@@ -54,7 +53,8 @@ int main() {
     hardware.drive(out.current_A);
     if (i % 250 == 0) {
       fmt::print("{:6.2f}  {:9.3f}  {:8.2f}  {:16.1f}\n", i * 1e-3, out.current_A,
-                 100 * out.estimate.strain, out.estimate.temperature_K - 273.15F);
+                 100 * out.estimate.strain,
+                 out.estimate.temperature_K - static_cast<float>(zero_degC_K));
     }
   }
 }

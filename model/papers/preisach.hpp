@@ -58,7 +58,7 @@ struct Staircase {
     const bool turns_here = heats() ? to < input : input < to;
     if (turns_here) {
       if (count == depth) {
-        forget_smallest(weight);
+        forget_least(weight);
       }
       turns[count++] = input;
     }
@@ -86,7 +86,7 @@ struct Staircase {
   constexpr bool passes(const S& turn) const { return heats() ? !(input < turn) : !(turn < input); }
 
   template <class Weight>
-  constexpr void forget_smallest(Weight weight) {
+  constexpr void forget_least(Weight weight) {
     std::size_t min = 1;
     S min_weight = S(0);
     for (std::size_t i = 1; i + 1 < depth; ++i) {

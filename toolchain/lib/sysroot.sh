@@ -97,10 +97,14 @@ sysroot() {
     sysroot_packages
     cat "$root/toolchain/lib/sysroot.sh"
   } | sha256sum)
-  if [[ -f $folder/made-from && $(<"$folder/made-from") == "$key" ]]; then
-    return
-  fi
-  say "unpacking libraries for $1"
-  step "sysroot-$1" unpack_sysroot "$1" "$2" "$folder" || return
-  printf '%s\n' "$key" >"$folder/made-from"
+  mkdir -p "$root/build"
+  {
+    flock 9
+    if [[ -f $folder/made-from && $(<"$folder/made-from") == "$key" ]]; then
+      return
+    fi
+    say "unpacking libraries for $1"
+    step "sysroot-$1" unpack_sysroot "$1" "$2" "$folder" || return
+    printf '%s\n' "$key" >"$folder/made-from"
+  } 9>"$root/build/sysroot-$1.lock"
 }

@@ -78,16 +78,14 @@ behind() (
   test_parts "$@"
 )
 
-# Guests keep one processor each, whatever the machine has, and fuzzers a time each: what compiles
-# runs behind them. The packages come when no guest takes one.
+# Two rows side by side: a part uses one processor only while it configures, links, boots a guest or
+# ends with its longest test, and the other row has work for the second one. Guests have time limits,
+# so their row goes first. Fuzzers have a time each, so nothing runs beside them.
 test_all() {
-  test_part release
-  test_parts board can mcu &
-  behind sanitize tsan check arm64
+  test_parts release board can mcu package &
+  behind sanitize check tsan arm64
   wait
-  behind package &
   test_part fuzz
-  wait
 }
 
 # dearest_in STEP: what was compiled or tested in it, with seconds of the clock.
