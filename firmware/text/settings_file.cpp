@@ -53,41 +53,42 @@ Value value_of(const Row& row, double number) {
                                      : Value::number(static_cast<std::uint32_t>(number));
 }
 
-struct Wanted {
+/// What a file and the overrides after it set.
+struct GivenSettings {
   files::Entries values;
   std::string wire;        ///< preset or path of a file; empty: none is named
   std::string wire_where;  ///< "FILE:LINE: KEY = VALUE"
 };
 
-/// Adds the keys of a file or an override to `wanted`, replacing earlier ones. A wire file is
+/// Adds the keys of a file or an override to `gathered`, replacing earlier ones. A wire file is
 /// looked for in `folder`.
 void read_settings(const toml::table& table, const std::string& origin,
-                   const std::filesystem::path& folder, Wanted& wanted) {
+                   const std::filesystem::path& folder, GivenSettings& gathered) {
   const auto take_wire = [&](const std::string& key, const toml::node& node) {
     if (key != "wire.based_on" && (key != "wire" || node.is_table())) {
       return false;
     }
     const auto name = node.value<std::string>();
-    wanted.wire_where = files::place(origin, key, node);
+    gathered.wire_where = files::place(origin, key, node);
     if (!name) {
-      throw files::ConfigError(wanted.wire_where + ": must be a string: a preset or a wire file");
+      throw files::ConfigError(gathered.wire_where + ": must be a string: a preset or a wire file");
     }
-    wanted.wire = name->ends_with(".toml") ? (folder / *name).string() : *name;
+    gathered.wire = name->ends_with(".toml") ? (folder / *name).string() : *name;
     return true;
   };
-  files::overlay(wanted.values, files::read_fields(settings_fields(), table, origin, take_wire));
+  files::overlay(gathered.values, files::read_fields(settings_fields(), table, origin, take_wire));
 }
 
 /// The named wire with the replaced numbers; no other number follows from these.
-Wire<double> wire_of(const Wanted& wanted, const std::string& origin) {
+Wire<double> wire_of(const GivenSettings& gathered, const std::string& origin) {
   files::Entries entries;
   try {
-    entries = wanted.wire.empty() ? files::Entries()
-                                  : files::describe_wire(files::load_wire(wanted.wire).wire);
+    entries = gathered.wire.empty() ? files::Entries()
+                                    : files::describe_wire(files::load_wire(gathered.wire).wire);
   } catch (const files::ConfigError& error) {
-    throw files::ConfigError(fmt::format("{}: {}", wanted.wire_where, error.what()));
+    throw files::ConfigError(fmt::format("{}: {}", gathered.wire_where, error.what()));
   }
-  files::overlay(entries, wanted.values);
+  files::overlay(entries, gathered.values);
   return files::build_wire(entries, [&](std::string_view path, const std::string& reason) {
     throw files::ConfigError(
         fmt::format("{}: {} {}; [wire] needs based_on = \"PRESET or FILE.toml\", or every number "
@@ -98,19 +99,19 @@ Wire<double> wire_of(const Wanted& wanted, const std::string& origin) {
 
 /// Where the value of a parameter comes from: "FILE:LINE: KEY = VALUE", or for one that no key has
 /// given, the wire or "default".
-std::string origin_of(const Wanted& wanted, const std::string& origin, std::size_t i,
+std::string origin_of(const GivenSettings& gathered, const std::string& origin, std::size_t i,
                       const Settings<double>& settings) {
-  if (const auto given = wanted.values.find(slot_of(i)); given != wanted.values.end()) {
+  if (const auto given = gathered.values.find(slot_of(i)); given != gathered.values.end()) {
     return given->second.where;
   }
   const Row& row = parameters<double>[i];
-  const bool of_wire = row.path.text().starts_with("wire.") && !wanted.wire.empty();
+  const bool of_wire = row.path.text().starts_with("wire.") && !gathered.wire.empty();
   return fmt::format("{}: {} = {} ({})", origin, row.path.text(),
-                     value_text(row, row.get(settings)), of_wire ? wanted.wire : "default");
+                     value_text(row, row.get(settings)), of_wire ? gathered.wire : "default");
 }
 
-std::string contradiction(const Wanted& wanted, const std::string& origin, const Rule& rule,
-                          const Settings<double>& settings) {
+std::string contradiction(const GivenSettings& gathered, const std::string& origin,
+                          const Rule& rule, const Settings<double>& settings) {
   const std::string_view a = parameters<double>[rule.a].path.text();
   const std::string_view b = parameters<double>[rule.b].path.text();
   std::string relation = fmt::format("contradicts {}", b);
@@ -122,20 +123,20 @@ std::string contradiction(const Wanted& wanted, const std::string& origin, const
     relation = fmt::format("{} must {} {}", left,
                            rule.relation == Relation::below ? "be below" : "not be above", b);
   }
-  return fmt::format("{}: {}: {}; {}", origin_of(wanted, origin, rule.a, settings), relation,
-                     rule.meaning, origin_of(wanted, origin, rule.b, settings));
+  return fmt::format("{}: {}: {}; {}", origin_of(gathered, origin, rule.a, settings), relation,
+                     rule.meaning, origin_of(gathered, origin, rule.b, settings));
 }
 
-void require_sound(const Wanted& wanted, const std::string& origin,
+void require_sound(const GivenSettings& gathered, const std::string& origin,
                    const Settings<double>& settings) {
   const Finding finding = check(settings);
   if (finding.problem == Problem::contradiction) {
     throw files::ConfigError(
-        contradiction(wanted, origin, parameter_rules[finding.rule], settings));
+        contradiction(gathered, origin, parameter_rules[finding.rule], settings));
   }
   if (!finding.ok()) {
     throw files::ConfigError(fmt::format("{}: must be {}",
-                                         origin_of(wanted, origin, finding.parameter, settings),
+                                         origin_of(gathered, origin, finding.parameter, settings),
                                          range_text(parameters<double>[finding.parameter])));
   }
 }
@@ -145,21 +146,21 @@ void require_sound(const Wanted& wanted, const std::string& origin,
 Settings<double> parse_settings_file(std::string_view text, const std::string& origin,
                                      const std::vector<files::Override>& overrides,
                                      const std::filesystem::path& folder) {
-  Wanted wanted;
-  read_settings(files::parse_toml(text, origin), origin, folder, wanted);
+  GivenSettings gathered;
+  read_settings(files::parse_toml(text, origin), origin, folder, gathered);
   for (const files::Override& setting : overrides) {
-    read_settings(files::parse_override(setting), std::string(files::set_origin), "", wanted);
+    read_settings(files::parse_override(setting), std::string(files::set_origin), "", gathered);
   }
   Settings<double> settings = default_settings<double>();
   for (std::size_t i = 0; i < device_rows; ++i) {
-    if (const auto given = wanted.values.find(slot_of(i)); given != wanted.values.end()) {
+    if (const auto given = gathered.values.find(slot_of(i)); given != gathered.values.end()) {
       const Row& row = parameters<double>[i];
       row.set(settings, value_of(row, given->second.number));
     }
   }
-  settings.wire = wire_of(wanted, origin);
+  settings.wire = wire_of(gathered, origin);
   settings = stored_settings<double>(settings);
-  require_sound(wanted, origin, settings);
+  require_sound(gathered, origin, settings);
   return settings;
 }
 

@@ -120,28 +120,28 @@ Run read_run(const std::string& path, const RunOptions& options) {
   hal::TraceReader trace(path, trace_options);
   Run run{path == "-" ? "standard input" : path, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   std::vector<double> load_N, displacement_m;
-  struct Wanted {
+  struct ColumnValues {
     hal::Column column;
     std::vector<double>& values;
   };
-  const Wanted columns[] = {{hal::Column::current, run.current_A},
-                            {hal::Column::voltage, run.voltage_V},
-                            {hal::Column::load, load_N},
-                            {hal::Column::stress, run.stress_Pa},
-                            {hal::Column::temperature, run.temperature_K},
-                            {hal::Column::ambient, run.ambient_K},
-                            {hal::Column::strain_ref, run.strain},
-                            {hal::Column::displacement, displacement_m},
-                            {hal::Column::resistance, run.resistance_ohm},
-                            {hal::Column::power, run.power_W_kg}};
+  const ColumnValues columns[] = {{hal::Column::current, run.current_A},
+                                  {hal::Column::voltage, run.voltage_V},
+                                  {hal::Column::load, load_N},
+                                  {hal::Column::stress, run.stress_Pa},
+                                  {hal::Column::temperature, run.temperature_K},
+                                  {hal::Column::ambient, run.ambient_K},
+                                  {hal::Column::strain_ref, run.strain},
+                                  {hal::Column::displacement, displacement_m},
+                                  {hal::Column::resistance, run.resistance_ohm},
+                                  {hal::Column::power, run.power_W_kg}};
   hal::TraceRow row{};
   while (trace.next(row)) {
     if (trace.timed()) {
       run.time_s.push_back(row[hal::Column::time]);
     }
-    for (const Wanted& wanted : columns) {
-      if (trace.has(wanted.column)) {
-        wanted.values.push_back(row[wanted.column]);
+    for (const ColumnValues& channel : columns) {
+      if (trace.has(channel.column)) {
+        channel.values.push_back(row[channel.column]);
       }
     }
   }
