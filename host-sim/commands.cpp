@@ -47,6 +47,7 @@ int run_host_sim(int argc, char** argv) {
   smaservo::plan::add_calibrate_plan_command(app);
   smaservo::can::add_can_command(app);
   smaservo::compare::add_compare_command(app);
+  smaservo::convert::add_convert_command(app);
   smaservo::describe::add_describe_command(app);
   smaservo::evaluate::add_evaluate_command(app);
   smaservo::describe::add_explain_command(app);

@@ -18,6 +18,10 @@ namespace smaservo::compare {
 void add_compare_command(CLI::App& app);
 }  // namespace smaservo::compare
 
+namespace smaservo::convert {
+void add_convert_command(CLI::App& app);
+}  // namespace smaservo::convert
+
 namespace smaservo::describe {
 void add_describe_command(CLI::App& app);
 void add_explain_command(CLI::App& app);

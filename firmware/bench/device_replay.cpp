@@ -119,7 +119,7 @@ class Comparison {
 /// The file that the replay writes: the log and the outputs, then the trace's other columns.
 class ReplayFile {
  public:
-  ReplayFile(const std::string& path, const hal::TraceReader& trace) {
+  ReplayFile(const std::string& path, const std::string& source, const hal::TraceReader& trace) {
     std::vector<text::DeviceColumn> columns =
         text::log_columns(trace.has(hal::Column::supply), trace.has(hal::Column::ambient),
                           trace.has(hal::Column::driver));
@@ -132,7 +132,8 @@ class ReplayFile {
         further.push_back(name);
       }
     }
-    file_ = std::make_unique<text::DeviceTraceFile>(path, std::move(columns), further);
+    file_ = std::make_unique<text::DeviceTraceFile>(
+        path, files::mcap::Origin{"host-sim replay --device", source}, std::move(columns), further);
   }
 
   void add(const text::Cycle& cycle, const std::vector<std::string_view>& fields) {
@@ -187,7 +188,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   Comparison comparison(names, options.tolerance);
   std::unique_ptr<ReplayFile> file;
   if (!options.out.empty()) {
-    file = std::make_unique<ReplayFile>(options.out, reader);
+    file = std::make_unique<ReplayFile>(options.out, options.trace, reader);
   }
   files::Progress progress("replay", reader.file_size());
   hal::ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),

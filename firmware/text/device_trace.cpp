@@ -38,8 +38,8 @@ constexpr DeviceColumn signal_column{
 constexpr std::array outputs{
     signal_column<traced("drive_current_A")>,
     signal_column<traced("drive_voltage_V")>,
-    DeviceColumn{"state", text<[](T t) { return state_name(t.output.state); }>},
-    DeviceColumn{"mode", text<[](T t) { return mode_name(t.output.mode); }>},
+    DeviceColumn{"state", text<[](T t) { return state_name(t.output.state); }>, true},
+    DeviceColumn{"mode", text<[](T t) { return mode_name(t.output.mode); }>, true},
     signal_column<traced("setpoint")>,
     signal_column<traced("reference")>,
     signal_column<traced("power_W")>,
@@ -48,16 +48,16 @@ constexpr std::array outputs{
     signal_column<traced("wire_K")>,
     signal_column<traced("martensite")>,
     signal_column<traced("r_phase")>,
-    DeviceColumn{"health", text<[](T t) { return health_name(t.output.estimate.health); }>},
+    DeviceColumn{"health", text<[](T t) { return health_name(t.output.estimate.health); }>, true},
     signal_column<traced("hot_spot_K")>,
     signal_column<traced("believed_ambient_K")>,
     DeviceColumn{"limit_reasons",
-                 text<[](T t) { return limit_reason_names(t.output.limit_reasons); }>},
-    DeviceColumn{"active_faults", text<[](T t) { return names_of(t.output.active); }>},
-    DeviceColumn{"latched_faults", text<[](T t) { return names_of(t.output.latched); }>},
-    DeviceColumn{"first_cause", text<[](T t) { return fault_name(t.output.first_cause); }>},
-    DeviceColumn{"warnings", text<[](T t) { return names_of(t.output.warnings); }>},
-    DeviceColumn{"blocks", text<[](T t) { return names_of(t.output.blocks); }>},
+                 text<[](T t) { return limit_reason_names(t.output.limit_reasons); }>, true},
+    DeviceColumn{"active_faults", text<[](T t) { return names_of(t.output.active); }>, true},
+    DeviceColumn{"latched_faults", text<[](T t) { return names_of(t.output.latched); }>, true},
+    DeviceColumn{"first_cause", text<[](T t) { return fault_name(t.output.first_cause); }>, true},
+    DeviceColumn{"warnings", text<[](T t) { return names_of(t.output.warnings); }>, true},
+    DeviceColumn{"blocks", text<[](T t) { return names_of(t.output.blocks); }>, true},
 };
 
 constexpr std::array truths{
@@ -100,11 +100,11 @@ Columns log_columns(bool supply, bool ambient, bool driver) {
       {"emergency_stop", flag<[](T t) { return t.inputs.emergency_stop; }>},
       {"driver_fault", flag<[](T t) { return t.inputs.driver_fault; }>},
       {"deadline_missed", flag<[](T t) { return t.inputs.deadline_missed; }>},
-      {"external_faults", text<[](T t) { return names_of(t.inputs.external); }>},
+      {"external_faults", text<[](T t) { return names_of(t.inputs.external); }>, true},
       {"command_fresh", flag<[](T t) { return t.command.fresh; }>},
       {"command_arm", flag<[](T t) { return t.command.arm; }>},
       {"command_clear", flag<[](T t) { return t.command.clear_faults; }>},
-      {"command_mode", text<[](T t) { return mode_name(t.command.mode); }>},
+      {"command_mode", text<[](T t) { return mode_name(t.command.mode); }>, true},
       {"command_setpoint", number<[](T t) { return t.command.setpoint; }>},
       {"command_proportional", number<[](T t) { return t.command.scale.proportional; }>},
       {"command_integral", number<[](T t) { return t.command.scale.integral; }>},
@@ -146,9 +146,20 @@ void DeviceRows::append(std::string& to, const Cycle& cycle, std::string_view fu
   to += '\n';
 }
 
-DeviceTraceFile::DeviceTraceFile(const std::string& path, Columns columns,
-                                 const std::vector<std::string>& further)
-    : file_(path), rows_(std::move(columns), further), buffer_(rows_.header()) {
+std::vector<files::mcap::Kind> DeviceRows::kinds() const {
+  std::vector<files::mcap::Kind> all;
+  all.reserve(columns_.size());
+  for (const DeviceColumn& column : columns_) {
+    all.push_back(column.is_text ? files::mcap::Kind::text : files::mcap::Kind::number);
+  }
+  return all;
+}
+
+DeviceTraceFile::DeviceTraceFile(const std::string& path, const files::mcap::Origin& origin,
+                                 Columns columns, const std::vector<std::string>& further)
+    : rows_(std::move(columns), further),
+      file_(path, origin, rows_.kinds()),
+      buffer_(rows_.header()) {
   buffer_.reserve(2 * buffer_size);
 }
 

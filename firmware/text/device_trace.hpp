@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware/text/cycle.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/trace_file.hpp"
 
 namespace smaservo::text {
 
@@ -17,6 +17,7 @@ namespace smaservo::text {
 struct DeviceColumn {
   std::string_view name;
   void (*write)(std::string& to, const Cycle& cycle);
+  bool is_text = false;  ///< not a number
 };
 
 /// The columns of the log: readings and command. The arguments say which of the optional readings
@@ -36,6 +37,8 @@ class DeviceRows {
   DeviceRows(std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
 
   const std::string& header() const { return header_; }
+  /// Of all columns but the further ones.
+  std::vector<files::mcap::Kind> kinds() const;
   void append(std::string& to, const Cycle& cycle, std::string_view further) const;
 
  private:
@@ -43,18 +46,18 @@ class DeviceRows {
   std::string header_;
 };
 
-/// Writes such rows to a file.
+/// Writes such rows to a file, as CSV or MCAP.
 class DeviceTraceFile {
  public:
-  DeviceTraceFile(const std::string& path, std::vector<DeviceColumn> columns,
-                  const std::vector<std::string>& further);
+  DeviceTraceFile(const std::string& path, const files::mcap::Origin& origin,
+                  std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
 
   void add(const Cycle& cycle, std::string_view further);
   void commit();
 
  private:
-  files::OutputFile file_;
   DeviceRows rows_;
+  files::TraceFile file_;
   std::string buffer_;
 };
 

@@ -1,18 +1,16 @@
 #include "hal/replay/trace.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
 #include <span>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "hal/replay/trace_text.hpp"
+#include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/units.hpp"
 
@@ -130,45 +128,32 @@ struct TraceReader::Impl {
 
   std::string path;
   TraceOptions options;
-  int file = -1;
-  std::uint64_t size = 0;
+  std::optional<TraceText> source;
   std::vector<char> buffer = std::vector<char>(buffer_size);
   std::size_t begin = 0, end = 0;  ///< unread bytes in the buffer
   bool at_end = false;
-  std::uint64_t line = 0, rows = 0, skipped = 0, bytes = 0;
+  std::uint64_t line = 0, rows = 0, skipped = 0;
   std::vector<std::string> names;
   std::vector<Target> targets;
   std::vector<std::size_t> unknown;
   std::array<bool, column_count> has{};
   double last_time_s = -std::numeric_limits<double>::infinity();
   std::vector<std::string> complaints;
-
-  ~Impl() {
-    if (file > STDIN_FILENO) {
-      close(file);
-    }
-  }
+  bool said_cut_off = false;
 
   [[noreturn]] void fail(const std::string& reason) const {
     throw TraceError(fmt::format("{}: {}", path, reason));
   }
 
   void open_file() {
+    const std::string name = path;
     if (path == "-") {
       path = "standard input";
-      file = STDIN_FILENO;
-      return;
     }
-    file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file < 0) {
-      fail(std::strerror(errno));
-    }
-    struct stat status{};
-    if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
-      size = static_cast<std::uint64_t>(status.st_size);
-    }
-    if (S_ISDIR(status.st_mode)) {
-      fail("is a folder, not a trace");
+    try {
+      source.emplace(name);
+    } catch (const files::UserError& problem) {
+      fail(problem.what());
     }
   }
 
@@ -179,20 +164,19 @@ struct TraceReader::Impl {
       begin = 0;
     }
     if (end == buffer.size()) {
-      fail(fmt::format("line {}: longer than {} bytes; is this a CSV file?", line + 1,
-                       buffer.size()));
+      fail(fmt::format("{}: longer than {} bytes{}", place(line + 1), buffer.size(),
+                       source->is_mcap() ? "" : "; is this a CSV file?"));
     }
-    ssize_t got = 0;
-    do {
-      got = read(file, buffer.data() + end, buffer.size() - end);
-    } while (got < 0 && errno == EINTR);
-    if (got < 0) {
-      fail(fmt::format("line {}: {}", line + 1, std::strerror(errno)));
+    try {
+      const std::size_t got = source->read(buffer.data() + end, buffer.size() - end);
+      at_end = got == 0;
+      end += got;
+    } catch (const files::UserError& problem) {
+      fail(source->is_mcap() ? problem.what() : place(line + 1) + ": " + problem.what());
     }
-    at_end = got == 0;
-    end += static_cast<std::size_t>(got);
-    bytes += static_cast<std::uint64_t>(got);
   }
+
+  std::string place(std::uint64_t number) const { return source->place(number); }
 
   /// Reads the next line, without its end; `complete` says whether it had an end.
   bool next_line(std::string_view& text, bool& complete) {
@@ -309,8 +293,8 @@ struct TraceReader::Impl {
       }
       if (const auto unit = unit_of(name, column.base, column.kind)) {
         if (has[k]) {
-          fail(fmt::format("line 1, column {} ({}): there is another column for {}", i + 1, name,
-                           column.base));
+          fail(fmt::format("{}, column {} ({}): there is another column for {}", place(1), i + 1,
+                           name, column.base));
         }
         has[k] = true;
         targets[i].value = k;
@@ -323,8 +307,8 @@ struct TraceReader::Impl {
           (name == column.base ||
            (name.starts_with(column.base) && name[column.base.size()] == '_' &&
             looks_like_unit(name.substr(column.base.size() + 1))))) {
-        fail(fmt::format("line 1, column {} ({}): {} has an unknown unit; known are: {}", i + 1,
-                         name, column.base, known_names()));
+        fail(fmt::format("{}, column {} ({}): {} has an unknown unit; known are: {}", place(1),
+                         i + 1, name, column.base, known_names()));
       }
     }
   }
@@ -441,16 +425,25 @@ struct TraceReader::Impl {
         return true;
       }
       const std::string complaint = files::printable(fmt::format(
-          "line {}, column {} ({}): {}", line, bad->column + 1, names[bad->column], bad->reason));
+          "{}, column {} ({}): {}", place(line), bad->column + 1, names[bad->column], bad->reason));
       if (!options.lenient) {
         fail(complaint);
       }
-      ++skipped;
-      if (complaints.size() < max_complaints) {
-        complaints.push_back(complaint);
-      }
+      complain(complaint);
+    }
+    // What an MCAP file has before it is cut off is whole: only the rest is lost.
+    if (!source->cut_off().empty() && !said_cut_off) {
+      said_cut_off = true;
+      complain(source->cut_off());
     }
     return false;
+  }
+
+  void complain(const std::string& complaint) {
+    ++skipped;
+    if (complaints.size() < max_complaints) {
+      complaints.push_back(complaint);
+    }
   }
 };
 
@@ -487,10 +480,10 @@ std::uint64_t TraceReader::skipped() const {
   return impl_->skipped;
 }
 std::uint64_t TraceReader::bytes() const {
-  return impl_->bytes;
+  return impl_->source->bytes();
 }
 std::uint64_t TraceReader::file_size() const {
-  return impl_->size;
+  return impl_->source->size();
 }
 const std::vector<std::string>& TraceReader::complaints() const {
   return impl_->complaints;

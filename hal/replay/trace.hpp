@@ -1,6 +1,6 @@
 #pragma once
-// Recorded traces: CSV with one header row, read in one pass and constant memory.
-// hal/replay/README.md has the format.
+// Recorded traces: CSV with one header row, or MCAP, read in one pass and constant memory.
+// hal/replay/README.md has the formats.
 
 #include <array>
 #include <cstddef>
@@ -59,14 +59,15 @@ struct TraceOptions {
 /// One row, in SI; NaN where the trace has no such column.
 struct TraceRow {
   std::array<double, column_count> values;
-  std::string_view text;  ///< the row as read, without the line's end; valid until the next row
+  std::string_view text;  ///< the row as CSV, without the line's end; valid until the next row
 
   double operator[](Column column) const { return values[static_cast<std::size_t>(column)]; }
 };
 
 class TraceReader {
  public:
-  /// `path` "-" is standard input. Reads and checks the header. Throws TraceError.
+  /// `path` "-" is standard input. Reads and checks the header. A file that begins with MCAP's
+  /// magic bytes is MCAP, and one whose name ends in .mcap must be. Throws TraceError.
   TraceReader(const std::string& path, TraceOptions options);
   ~TraceReader();
   TraceReader(const TraceReader&) = delete;
@@ -85,8 +86,9 @@ class TraceReader {
   /// Reads the next row; false at the end. Throws TraceError for a bad row, unless lenient.
   bool next(TraceRow& row);
 
-  std::uint64_t rows() const;       ///< good rows so far
-  std::uint64_t skipped() const;    ///< bad rows so far, when lenient
+  std::uint64_t rows() const;  ///< good rows so far
+  /// Bad rows so far, when lenient; and 1 for the rest of an MCAP file that was not finished.
+  std::uint64_t skipped() const;
   std::uint64_t bytes() const;      ///< read so far
   std::uint64_t file_size() const;  ///< 0 where it is not known
   /// Why the first few skipped rows were bad.

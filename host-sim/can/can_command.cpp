@@ -19,6 +19,7 @@
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/text_table.hpp"
+#include "model/files/trace_file.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -206,7 +207,10 @@ void record(Remote& remote, const can::RecordingPlan& plan, const std::string& o
             double patience_s) {
   can::arm_recorder(remote, plan);
   can::wait_for_recorder(remote, plan, patience_s);
-  files::OutputFile file(out);
+  files::TraceFile file(
+      out,
+      {"host-sim can record", fmt::format("node {} on {}", remote.node(), remote.bus().name())},
+      std::vector(1 + plan.signals.size(), files::mcap::Kind::number));
   file.write(can::to_csv(can::read_recording(remote, plan)));
   file.commit();
 }
@@ -319,7 +323,7 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   auto patience_s = std::make_shared<double>(60);
   record_plan->signals = {"position_m", "setpoint", "temperature_K", "current_A", "resistance_ohm"};
   CLI::App* record_command =
-      add(can, "record", "Records signals at the rate of the loop into a CSV file.", [=] {
+      add(can, "record", "Records signals at the rate of the loop into a CSV or MCAP file.", [=] {
         Session session(*common);
         record(session.remote(), *record_plan, *out, *patience_s);
       });
@@ -336,7 +340,10 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   record_command->add_option("--patience", *patience_s, "longest wait for the trigger, s")
       ->capture_default_str()
       ->check(seconds_of(0, 1e6));
-  record_command->add_option("--out", *out, "CSV file; - is standard output")->required();
+  record_command
+      ->add_option("--out", *out,
+                   "CSV file, or MCAP if the name ends in .mcap; - is standard output")
+      ->required();
 }
 
 void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {

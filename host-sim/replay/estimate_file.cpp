@@ -51,10 +51,11 @@ char* append_fixed(char* to, double value, int decimals) {
   return to + decimals + 1;
 }
 
-EstimateFile::EstimateFile(std::string path, bool has_reference,
+EstimateFile::EstimateFile(const std::string& path, const std::string& source, bool has_reference,
                            const std::vector<std::string>& passed,
                            std::vector<std::size_t> positions)
-    : file_(std::move(path)),
+    : file_(path, {"host-sim replay", source},
+            std::vector(own_columns.size() + (has_reference ? 1 : 0), files::mcap::Kind::number)),
       has_reference_(has_reference),
       positions_(std::move(positions)),
       buffer_(estimate_buffer_size) {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/files/output_file.hpp"
+#include "model/files/trace_file.hpp"
 
 namespace smaservo::replay {
 
@@ -24,18 +24,19 @@ struct EstimateRow {
 /// A tenth of the time of the standard's formatting, which would be most of a replay's.
 char* append_fixed(char* to, double value, int decimals);
 
-/// The CSV file that a replay writes.
+/// The file that a replay writes, as CSV or MCAP.
 class EstimateFile {
  public:
-  /// `passed` are names of further columns, whose texts add() takes over from the trace's row.
-  EstimateFile(std::string path, bool has_reference, const std::vector<std::string>& passed,
-               std::vector<std::size_t> positions);
+  /// `source` is the trace's name. `passed` are names of further columns, whose texts add() takes
+  /// over from the trace's row.
+  EstimateFile(const std::string& path, const std::string& source, bool has_reference,
+               const std::vector<std::string>& passed, std::vector<std::size_t> positions);
 
   void add(const EstimateRow& row, std::string_view trace_row);
   void commit();
 
  private:
-  files::OutputFile file_;
+  files::TraceFile file_;
   bool has_reference_;
   std::vector<std::size_t> positions_;
   std::vector<char> buffer_;

@@ -69,8 +69,8 @@ class Sink {
       for (const std::size_t position : trace.unknown()) {
         passed.push_back(trace.names()[position]);
       }
-      file_ =
-          std::make_unique<EstimateFile>(options.out, reference_.known(), passed, trace.unknown());
+      file_ = std::make_unique<EstimateFile>(options.out, options.trace, reference_.known(), passed,
+                                             trace.unknown());
     }
   }
 

@@ -96,7 +96,8 @@ void add_replay_command(CLI::App& app) {
     observers.emplace_back(kind.name);
   }
   a->options.observers = observers;
-  command->add_option("TRACE", a->options.trace, "CSV file, - for standard input")->required();
+  command->add_option("TRACE", a->options.trace, "CSV or MCAP file, - for standard input")
+      ->required();
   command->add_option("--wire", a->wire, "preset or file that ends in .toml")
       ->capture_default_str();
   command
@@ -109,7 +110,9 @@ void add_replay_command(CLI::App& app) {
   command
       ->add_option("--set", a->settings, "key=value of wire, observer or measurement; repeatable")
       ->allow_extra_args(false);
-  command->add_option("--out", a->options.out, "estimate as CSV, - for standard output");
+  command->add_option(
+      "--out", a->options.out,
+      "estimate as CSV, or as MCAP if the name ends in .mcap; - for standard output");
   command->add_option("--report", a->report, "report as one HTML file");
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->add_flag("--lenient", a->options.trace_options.lenient,

@@ -156,7 +156,7 @@ class Judge {
 class LoopFile {
  public:
   LoopFile(const std::string& path, const bench::ClosedLoopScenario& scenario)
-      : file_(path, columns(scenario.board),
+      : file_(path, {"host-sim simulate", scenario.name}, columns(scenario.board),
               scenario.pair ? std::vector<std::string>{"other_strain_ref", "other_current_A",
                                                        "other_hottest_K"}
                             : std::vector<std::string>{}) {}

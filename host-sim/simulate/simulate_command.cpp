@@ -7,7 +7,7 @@
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
-#include "model/files/output_file.hpp"
+#include "model/files/trace_file.hpp"
 
 namespace smaservo::simulate {
 namespace {
@@ -43,7 +43,7 @@ void run(const SimulateArguments& a) {
                     a.scenario));
   }
   const bench::Scenario scenario = bench::load_scenario(a.scenario);
-  files::OutputFile file(a.out.empty() ? "-" : a.out);
+  files::TraceFile file(a.out.empty() ? "-" : a.out, {"host-sim simulate", a.scenario});
   simulate(scenario, file);
   file.commit();
 }
@@ -59,7 +59,8 @@ void add_simulate_command(CLI::App& app) {
                    "TOML file; its keys are in host-sim/simulate/README.md")
       ->required();
   command->add_option("--out", a->out,
-                      "trace as CSV; - is standard output, the default without a [device]");
+                      "trace as CSV, or as MCAP if the name ends in .mcap; - is standard output, "
+                      "the default without a [device]");
   command->add_option("--report", a->report, "report as one HTML file; needs a [device]");
   command->callback([a] { run(*a); });
 }

@@ -1,4 +1,5 @@
-// Throughput of a replay with all columns written, beside a bare read of the same file.
+// Throughput of a replay with all columns written, beside a bare read of the same file; of traces
+// as CSV and as MCAP, and how large they are.
 
 #include <array>
 #include <benchmark/benchmark.h>
@@ -7,12 +8,16 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
 
+#include "hal/replay/trace.hpp"
 #include "host-sim/replay/replay.hpp"
+#include "model/files/trace_file.hpp"
 #include "model/wire/plant.hpp"
 #include "tests/bench/main.hpp"
 
@@ -108,6 +113,32 @@ void time_read(benchmark::State& state, const std::string& path) {
   state.SetBytesProcessed(bytes);
 }
 
+/// The rows of the text as a file, in pieces as programs write them.
+void time_writing(benchmark::State& state, const std::string& text, const std::string& path) {
+  constexpr std::size_t piece = std::size_t{1} << 18U;
+  for ([[maybe_unused]] auto _ : state) {
+    files::TraceFile file(path, {"bench", "bench"});
+    for (std::size_t at = 0; at < text.size(); at += piece) {
+      file.write(std::string_view(text).substr(at, piece));
+    }
+    file.commit();
+  }
+  state.SetItemsProcessed(state.iterations() * rows);
+  state.counters["file_bytes"] = static_cast<double>(std::filesystem::file_size(path));
+}
+
+void time_reading(benchmark::State& state, const std::string& path) {
+  for ([[maybe_unused]] auto _ : state) {
+    hal::TraceReader reader(path, {});
+    for (hal::TraceRow row; reader.next(row);) {
+    }
+    if (reader.rows() != rows) {
+      state.SkipWithError("rows are missing");
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * rows);
+}
+
 }  // namespace
 
 void register_benchmarks() {
@@ -125,6 +156,18 @@ void register_benchmarks() {
     add((std::string("replay/") + observer).c_str(),
         [options](benchmark::State& state) { time_replay(state, options); });
   }
+  std::ifstream in(options.trace, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (const char* kind : {"csv", "mcap"}) {
+    const std::string path = folder.file("written.") + kind;
+    add((std::string("write/") + kind).c_str(),
+        [text, path](benchmark::State& state) { time_writing(state, text, path); });
+    add((std::string("read/") + kind).c_str(),
+        [path](benchmark::State& state) { time_reading(state, path); });
+  }
+  options.observers = {"kalman"};
+  options.out = folder.file("estimate.mcap");
+  add("replay/mcap", [options](benchmark::State& state) { time_replay(state, options); });
   add("bare_read", [path = options.trace](benchmark::State& state) { time_read(state, path); });
 }
 

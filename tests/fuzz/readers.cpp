@@ -20,6 +20,7 @@
 #include "model/files/wire/wire_file.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
 #include "tests/firmware/parameters/store/memory_storage.hpp"
+#include "tests/model/files/mcap/files.hpp"
 
 namespace smaservo::fuzz {
 namespace {
@@ -155,6 +156,40 @@ void trace(Input input) {
       }
       demand(reader.rows() + reader.skipped() <= input.size());
     });
+  }
+}
+
+void mcap(Input input) {
+  std::string bytes(text_of(input));
+  if (!input.empty() && input[0] % 2 == 1) {
+    files::mcap::Writer writer("fuzz", false);
+    std::string_view lines = text_of(input.subspan(1));
+    bool has_schema = false;
+    while (!lines.empty()) {
+      const std::string_view line = lines.substr(0, lines.find('\n'));
+      lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+      if (has_schema) {
+        writer.message(0, line);
+      } else {
+        writer.stream({"fuzz", std::string(line), "/trace"});
+      }
+      has_schema = true;
+    }
+    writer.finish();
+    bytes = writer.take();
+  }
+  test::Read first = test::read_mcap(bytes);
+  if (!first.problem.empty() || first.csv.find('\r') != std::string::npos ||
+      first.csv.starts_with("\xEF\xBB\xBF")) {
+    return;
+  }
+  std::string written;
+  if (accepted([&] { written = test::to_mcap(first.csv); })) {
+    const test::Read again = test::read_mcap(written);
+    demand(again.problem.empty() && again.cut_off.empty());
+    // Rows without a value are empty lines, which a trace does not have; names lose their spaces.
+    demand(std::ranges::count(again.csv, '\n') <= std::ranges::count(first.csv, '\n'));
+    demand(test::read_mcap(test::to_mcap(again.csv)) == again);
   }
 }
 

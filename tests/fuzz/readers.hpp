@@ -17,6 +17,10 @@ void board(Input input);
 void actuator(Input input);
 void trace(Input input);  ///< all rows of a CSV file, read strictly, leniently, and for a device
 
+/// A file of records; or, behind a first byte that is odd, the lines of a good one: schema, then
+/// messages. What is accepted is written and read back to the same rows.
+void mcap(Input input);
+
 void recording(Input input);  ///< of the recorder or a step test; written and read back likewise
 void mark(Input input);       ///< of the last run, and systemd's word on how it ended
 

@@ -62,7 +62,7 @@ count_all() {
 bench_fields() {
   awk -F'": ' '
     /^ *"name": / { name = $2; gsub(/[",]/, "", name); sub(/\/(iterations|real_time).*/, "", name) }
-    /^ *"(real_time|cpu_time|items_per_second|bytes_per_second|worst_relative_error|times_real_time)": / {
+    /^ *"(real_time|cpu_time|items_per_second|bytes_per_second|worst_relative_error|times_real_time|file_bytes)": / {
       field = $1; gsub(/[ "]/, "", field); value = $2; sub(/,.*/, "", value)
       print name, field, value
     }' "$@"
@@ -129,12 +129,28 @@ replay_table() {
       print "| 1 000 000 rows | rows/s | MB/s | target |"
       print "|---|--:|--:|--:|"
       row("replay, Kalman filter, all columns written", "replay/kalman", ">= 1.5 M rows/s")
+      row("the same, written as MCAP", "replay/mcap", "")
       row("replay, straight line, all columns written", "replay/line", "")
       row("bare read of the same file", "bare_read", "")
     }
     function row(title, name, target) {
       printf "| %s | %.2f M | %.0f | %s |\n", title, value[name, "items_per_second"] / 1e6,
         value[name, "bytes_per_second"] / 1e6, target
+    }' "$1/fields"
+}
+
+trace_table() {
+  awk '
+    { value[$1, $2] = $3 }
+    END {
+      print "| 1 000 000 rows of five columns | written, rows/s | read, rows/s | file, MB |"
+      print "|---|--:|--:|--:|"
+      row("CSV", "csv")
+      row("MCAP", "mcap")
+    }
+    function row(title, name) {
+      printf "| %s | %.2f M | %.2f M | %.1f |\n", title, value["write/" name, "items_per_second"] / 1e6,
+        value["read/" name, "items_per_second"] / 1e6, value["write/" name, "file_bytes"] / 1e6
     }' "$1/fields"
 }
 
@@ -211,6 +227,8 @@ run_bench() {
   error_table "$out"
   printf '\n'
   replay_table "$out"
+  printf '\n'
+  trace_table "$out"
   printf '\n'
   loop_table "$out"
   printf '\n'

@@ -18,6 +18,19 @@ install_clients() {
     [[ -d node_modules/socketcan/build ]])
 }
 
+# npm's MCAP library, likewise; a release test without it says SKIPPED.
+install_mcap_library() {
+  local library=$root/build/mcap-library wanted=$root/tests/host-sim/mcap
+  command -v npm >/dev/null || apt_get install --no-install-recommends npm || return
+  if [[ -d $library/node_modules/@mcap/core ]] &&
+    cmp -s "$wanted/package-lock.json" "$library/package-lock.json"; then
+    return
+  fi
+  mkdir -p "$library"
+  cp "$wanted/package.json" "$wanted/package-lock.json" "$library/"
+  (cd "$library" && npm ci --no-audit --no-fund --ignore-scripts)
+}
+
 # The kernel that clients and tests run on: where User-Mode Linux cannot, that of the boards.
 setup_guest() {
   [[ -f $board/amd64/RELEASE ]] || "$root/toolchain/can/uml" 60 true >/dev/null 2>&1 || setup_board

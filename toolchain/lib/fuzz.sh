@@ -2,8 +2,8 @@
 # Fuzzing what comes over the bus, and the readers of files. Sourced by toolchain/dev.
 
 fuzz_targets=(
-  sdo pdo lss nmt eds datagram wire settings board scenario actuator trace recording mark store
-  communication
+  sdo pdo lss nmt eds datagram wire settings board scenario actuator trace mcap recording mark
+  store communication
 )
 
 # gather_seeds NAME: the project's own files that a reader takes, into build/fuzz/NAME.seeds.

@@ -40,6 +40,7 @@ test_preset() {
 
 # With the first line of README.md, which a test of the tree cannot run while others use the tree.
 test_release() {
+  step mcap-library install_mcap_library || return
   test_preset release && step replay "$root/toolchain/dev" replay
 }
 

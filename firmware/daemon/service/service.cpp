@@ -52,7 +52,8 @@ Service::Service(ServiceSetup setup)
   if (!setup_.record.empty()) {
     const double cycles = recorded_s / setup_.settings.timing.period_s;
     ring_ = std::make_unique<Ring<CycleRecord>>(static_cast<std::size_t>(cycles));
-    recorder_ = std::make_unique<Recorder>(setup_.record, setup_.settings, *ring_, desk_);
+    recorder_ =
+        std::make_unique<Recorder>(setup_.record, setup_.settings, *ring_, desk_, setup_.board);
     links_.record = ring_.get();
   }
   if (setup_.real_time) {

@@ -13,6 +13,7 @@
 #include "hal/linux/system/clock.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/trace_file.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -35,7 +36,7 @@ std::string file_for(const std::string& path) {
 }  // namespace
 
 Recorder::Recorder(const std::string& path, const Settings<double>& settings,
-                   Ring<CycleRecord>& ring, ParameterDesk& desk)
+                   Ring<CycleRecord>& ring, ParameterDesk& desk, const std::string& board)
     : path_(file_for(path)),
       ring_(ring),
       desk_(desk),
@@ -48,6 +49,11 @@ Recorder::Recorder(const std::string& path, const Settings<double>& settings,
   }
   if (file_.number() < 0) {
     throw files::UserError(fmt::format("--record {}: {}", path_, std::strerror(errno)));
+  }
+  if (files::is_mcap_name(path_)) {
+    std::vector<files::mcap::Kind> kinds = format_.kinds();
+    kinds.push_back(files::mcap::Kind::text);  // parameter_changes
+    mcap_.emplace(files::mcap::Origin{"smaservod --record", board}, std::move(kinds));
   }
   files::OutputFile beside(path_ + ".toml");
   beside.write(text::to_toml(settings));
@@ -75,6 +81,7 @@ void Recorder::finish() {
   if (!ended_) {
     make_durable();
   }
+  write_end();
 }
 
 std::string Recorder::problem() const {
@@ -88,6 +95,7 @@ void Recorder::add(const CycleRecord& record) {
   }
   if (record.number != last_ + 1) {
     write();
+    write_end();
     end(fmt::format("the disk was too slow: {} cycles are missing", record.number - last_ - 1));
     return;
   }
@@ -100,10 +108,45 @@ void Recorder::add(const CycleRecord& record) {
   }
 }
 
+/// Takes the rows to the file; those of an MCAP file may wait for their chunk.
 void Recorder::write() {
+  if (ended_) {
+    buffer_.clear();
+    return;
+  }
+  if (mcap_) {
+    if (encode(Then::wait)) {
+      write_encoded();
+    }
+  } else {
+    encoded_.swap(buffer_);
+    write_encoded();
+  }
+  buffer_.clear();
+}
+
+/// Makes MCAP of the rows; false where that fails, which ends the recording.
+bool Recorder::encode(Then then) {
+  try {
+    mcap_->add(buffer_);
+    buffer_.clear();
+    if (then == Then::close_chunk) {
+      mcap_->flush();
+    } else if (then == Then::finish) {
+      mcap_->finish();
+    }
+    encoded_ = mcap_->take();
+    return true;
+  } catch (const files::UserError& error) {
+    end(error.what());
+    return false;
+  }
+}
+
+void Recorder::write_encoded() {
   std::size_t done = 0;
-  while (!ended_ && done < buffer_.size()) {
-    const ssize_t n = ::write(file_.number(), buffer_.data() + done, buffer_.size() - done);
+  while (!ended_ && done < encoded_.size()) {
+    const ssize_t n = ::write(file_.number(), encoded_.data() + done, encoded_.size() - done);
     if (n < 0 && errno == EINTR) {
       continue;
     }
@@ -114,15 +157,29 @@ void Recorder::write() {
     done += static_cast<std::size_t>(n);
   }
   if (!ended_) {
-    written_ += static_cast<std::int64_t>(buffer_.size());
-    rows_.fetch_add(buffered_, std::memory_order_relaxed);
+    written_ += static_cast<std::int64_t>(encoded_.size());
+    rows_.store(mcap_ ? mcap_->closed() : buffered_, std::memory_order_relaxed);
   }
-  buffer_.clear();
-  buffered_ = 0;
+  encoded_.clear();
+}
+
+/// Writes what an MCAP file has behind its rows.
+void Recorder::write_end() {
+  if (mcap_ && !ended_ && encode(Then::finish)) {
+    write_encoded();
+    mcap_.reset();
+    make_durable();
+  }
 }
 
 void Recorder::make_durable() {
   durable_at_ns_ = hal::monotonic_ns();
+  if (mcap_ && !ended_ && encode(Then::close_chunk)) {
+    write_encoded();
+  }
+  if (ended_) {
+    return;
+  }
   if (fdatasync(file_.number()) != 0 && errno != EINVAL) {  // EINVAL: it is a pipe or a device
     end(std::strerror(errno));
   }

@@ -2,24 +2,27 @@
 // Writes the trace of a run beside the loop, for `host-sim replay --device`.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "firmware/daemon/loop/desk.hpp"
 #include "firmware/text/device_trace.hpp"
 #include "hal/linux/system/descriptor.hpp"
+#include "model/files/mcap/rows_writer.hpp"
 
 namespace smaservo::daemon {
 
 /// Appends whole rows and makes them durable once a second: a power cut costs the last second. A
 /// full disk ends the recording; so does a missing cycle, when the disk is too slow for the ring,
 /// because what follows a gap could not be replayed. FILE.csv.toml beside it has the settings at
-/// its beginning.
+/// its beginning. FILE.mcap is MCAP: its rows become a chunk once a second, and its summary is
+/// written at the end; without that it is read as far as it goes.
 class Recorder {
  public:
   /// An existing file is not overwritten. Where `path` is a folder, the file in it is named by the
   /// time. Throws UserError.
   Recorder(const std::string& path, const Settings<double>& settings, Ring<CycleRecord>& ring,
-           ParameterDesk& desk);
+           ParameterDesk& desk, const std::string& board = "");
 
   /// Writes the rows that have come since the last call. One thread calls it several times a
   /// second.
@@ -28,6 +31,7 @@ class Recorder {
   void finish();
 
   const std::string& path() const { return path_; }
+  /// Those that are written.
   std::uint64_t rows() const { return rows_.load(std::memory_order_relaxed); }
   /// Why it has ended before its time; empty while it goes on.
   std::string problem() const;
@@ -35,18 +39,24 @@ class Recorder {
  private:
   void add(const CycleRecord& record);
   void write();
+  enum class Then : unsigned char { wait, close_chunk, finish };
+  bool encode(Then then);
+  void write_encoded();
   void make_durable();
+  void write_end();
   void end(const std::string& why);
 
   std::string path_;
   Ring<CycleRecord>& ring_;
   ParameterDesk& desk_;
   text::DeviceRows format_;
+  std::optional<files::mcap::RowsWriter> mcap_;
   hal::Descriptor file_;
-  std::string buffer_;
+  std::string buffer_;          ///< rows as CSV
+  std::string encoded_;         ///< what they are in the file
   std::uint64_t last_ = 0;      ///< number of the last cycle
   std::int64_t written_ = 0;    ///< bytes of whole rows
-  std::uint64_t buffered_ = 0;  ///< rows in buffer_
+  std::uint64_t buffered_ = 0;  ///< rows that have been in buffer_
   std::int64_t durable_at_ns_ = 0;
   std::atomic<std::uint64_t> rows_{0};
   mutable std::mutex problem_mutex_;

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "tests/hal/replay/traces.hpp"
+#include "tests/model/files/mcap/files.hpp"
 
 namespace smaservo::test::trace_stream_test {
 namespace {
@@ -275,6 +276,67 @@ TEST(TraceStream, DamagedTracesNeverCrash) {
   }
   EXPECT_GT(refused, 400);
   EXPECT_EQ(refused, skipped);
+}
+
+// MCAP: the same rows, whatever the file is called and wherever it comes from.
+
+constexpr const char* rows_text =
+    "time_s,current_A,voltage_V,load_N,note\n0.000,0.1,2.5,,at rest\n0.010,0.2,5.0,1.5,\n";
+
+hal::TraceOptions of_a_device() {
+  hal::TraceOptions options;
+  options.device = true;
+  return options;
+}
+
+TEST(TraceMcap, HasTheRowsOfTheText) {
+  const TemporaryFolder folder;
+  const std::string bytes = to_mcap(rows_text);
+  for (const char* name : {"t.mcap", "t.csv"}) {
+    hal::TraceReader mcap(folder.write(name, bytes), of_a_device());
+    EXPECT_EQ(mcap.names(),
+              (std::vector<std::string>{"time_s", "current_A", "voltage_V", "load_N", "note"}));
+    EXPECT_EQ(mcap.file_size(), bytes.size());
+    const TraceContents read = read_all(mcap);
+    EXPECT_EQ(mcap.bytes(), bytes.size());
+    EXPECT_EQ(read.texts, read_trace(rows_text, of_a_device()).texts);
+    EXPECT_EQ(read.at(1, hal::Column::load), 1.5);
+    EXPECT_TRUE(std::isnan(read.at(0, hal::Column::load)));
+    EXPECT_EQ(read.skipped, 0U);
+  }
+}
+
+TEST(TraceMcap, MessagesNameTheMessage) {
+  EXPECT_EQ(refusal(to_mcap("time_s,current_A\n0,1\n1,x\n")),
+            "message 2, column 2 (current_A): 'x' is not a finite number");
+  EXPECT_EQ(refusal(to_mcap("time_s,time_ms\n0,1\n")),
+            "schema, column 2 (time_ms): there is another column for time");
+}
+
+TEST(TraceMcap, ARecordingWithoutItsEndIsReadAndSaysSo) {
+  const std::string bytes = to_mcap(rows_text);
+  // The last 100 bytes are summary and end.
+  const TraceContents read =
+      read_trace(std::string_view(bytes).substr(0, bytes.size() - 100), of_a_device());
+  EXPECT_EQ(read.rows.size(), 2U);
+  EXPECT_EQ(read.skipped, 1U);
+  ASSERT_EQ(read.complaints.size(), 1U);
+  EXPECT_TRUE(read.complaints[0].ends_with("it was not finished, or is cut off"));
+}
+
+TEST(TraceMcap, DamageAndOtherFilesOfThisNameAreRefused) {
+  std::string bytes = to_mcap(rows_text);
+  bytes[bytes.size() / 4] = static_cast<char>(bytes[bytes.size() / 4] ^ 1);
+  EXPECT_TRUE(refusal(bytes).starts_with("byte ")) << refusal(bytes);
+  const TemporaryFolder folder;
+  try {
+    hal::TraceReader(folder.write("t.mcap", rows_text), {});
+    FAIL();
+  } catch (const hal::TraceError& error) {
+    EXPECT_EQ(
+        error.what(),
+        folder / "t.mcap" + ": byte 0: is no MCAP file: must begin with 89 4D 43 41 50 30 0D 0A");
+  }
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ constexpr const char* own_header =
 
 TEST(EstimateFile, HasTheColumnsOfTheFormat) {
   const TemporaryFolder folder;
-  replay::EstimateFile file(folder / "e.csv", false, {}, {});
+  replay::EstimateFile file(folder / "e.csv", "t.csv", false, {}, {});
   file.add(plain_row(), "ignored");
   file.commit();
   EXPECT_EQ(file_text(folder / "e.csv"),
@@ -109,7 +109,7 @@ TEST(EstimateFile, HasTheColumnsOfTheFormat) {
 
 TEST(EstimateFile, WhatIsNotKnownIsEmpty) {
   const TemporaryFolder folder;
-  replay::EstimateFile file(folder / "e.csv", true, {}, {});
+  replay::EstimateFile file(folder / "e.csv", "t.csv", true, {}, {});
   file.add({nan, nan, nan, nan, nan, nan, nan, nan, false, nan}, "");
   file.commit();
   EXPECT_EQ(file_text(folder / "e.csv"), std::string(own_header) + ",strain_ref\n,,,,,,,,,0,\n");
@@ -117,8 +117,8 @@ TEST(EstimateFile, WhatIsNotKnownIsEmpty) {
 
 TEST(EstimateFile, PassesColumnsOnUnderAFreeName) {
   const TemporaryFolder folder;
-  replay::EstimateFile file(folder / "e.csv", true, {"note", "strain", "strain_ref", "strain_high"},
-                            {0, 2, 3, 5});
+  replay::EstimateFile file(folder / "e.csv", "t.csv", true,
+                            {"note", "strain", "strain_ref", "strain_high"}, {0, 2, 3, 5});
   file.add(plain_row(), "a b,1,,\"x\",4,<&>");
   file.add(plain_row(), ",1,2,,4,");
   file.commit();
@@ -133,7 +133,7 @@ TEST(EstimateFile, PassesColumnsOnUnderAFreeName) {
 
 TEST(EstimateFile, KeepsItsNameWhereThereIsNoReference) {
   const TemporaryFolder folder;
-  replay::EstimateFile file(folder / "e.csv", false, {"strain_ref", "valid"}, {0, 1});
+  replay::EstimateFile file(folder / "e.csv", "t.csv", false, {"strain_ref", "valid"}, {0, 1});
   file.commit();
   EXPECT_EQ(file_text(folder / "e.csv"), std::string(own_header) + ",strain_ref,trace_valid\n");
 }
@@ -142,7 +142,7 @@ TEST(EstimateFile, TakesRowsOfAnyLengthInAnyOrder) {
   const TemporaryFolder folder;
   std::mt19937_64 random(3);
   std::vector<std::string> notes;
-  replay::EstimateFile file(folder / "e.csv", false, {"note"}, {1});
+  replay::EstimateFile file(folder / "e.csv", "t.csv", false, {"note"}, {1});
   for (int i = 0; i < 200; ++i) {
     const std::size_t max = i % 20 == 0 ? 700'000 : 5000;
     notes.emplace_back(random() % max, static_cast<char>('a' + i % 26));

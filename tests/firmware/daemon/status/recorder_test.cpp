@@ -14,6 +14,7 @@
 #include "firmware/text/settings_file.hpp"
 #include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/model/files/mcap/files.hpp"
 
 namespace smaservo::test::recorder_test {
 namespace {
@@ -133,18 +134,6 @@ TEST(Recorder, ReplaysToTheSameBitsWithItsParameterChanges) {
   EXPECT_GT(replayed(path).differing_rows, 100U);
 }
 
-TEST(Recorder, NeverOverwrites) {
-  const TemporaryFolder folder;
-  const std::string path = folder / "run.csv";
-  std::ofstream(path) << "precious\n";
-  EXPECT_THROW(Recorded<daemon::Simulation>(path, test_settings(), simulated(), true),
-               files::UserError);
-  EXPECT_EQ(file_text(path), "precious\n");
-  EXPECT_THROW(
-      Recorded<daemon::Simulation>(folder / "no/run.csv", test_settings(), simulated(), true),
-      files::UserError);
-}
-
 /// Files of this process cannot grow beyond this as long as it lives.
 class FullDisk {
  public:
@@ -161,6 +150,80 @@ class FullDisk {
  private:
   rlimit before_{};
 };
+
+TEST(Recorder, AsMcapItIsTheSameTrace) {
+  const TemporaryFolder folder;
+  record(folder / "run.csv");
+  record(folder / "run.mcap");
+  EXPECT_EQ(file_text(folder / "run.mcap.toml"), file_text(folder / "run.csv.toml"));
+  const Read read = read_mcap(file_text(folder / "run.mcap"));
+  EXPECT_EQ(read.problem, "");
+  EXPECT_EQ(read.cut_off, "");
+  EXPECT_TRUE(read.csv == file_text(folder / "run.csv"));
+  const bench::DeviceReplayResult result = replayed(folder / "run.mcap");
+  EXPECT_EQ(result.rows, 4000U);
+  EXPECT_EQ(result.differing_rows, 0U);
+}
+
+TEST(Recorder, AnMcapFileWithoutItsEndHasTheRowsThatAreWritten) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.mcap";
+  std::uint64_t written = 0;
+  {
+    Recorded<daemon::Simulation> run(path, test_settings(), simulated(), true);
+    // Chunks are closed once a second of the clock, or when they are full.
+    for (int i = 0; i < 20'000; ++i) {
+      ASSERT_TRUE(run.cycle());
+      if (i % 500 == 0) {
+        run.recorder.pump();
+      }
+    }
+    written = run.recorder.rows();
+    EXPECT_EQ(run.recorder.problem(), "");
+  }
+  EXPECT_GT(written, 0U);
+  EXPECT_LT(written, 20'000U);
+  const bench::DeviceReplayResult result = replayed(path);
+  EXPECT_EQ(result.rows, written);
+  EXPECT_EQ(result.skipped, 1U);
+  EXPECT_EQ(result.differing_rows, 0U);
+}
+
+TEST(Recorder, AFullDiskLeavesWholeChunks) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.mcap";
+  std::uint64_t rows = 0;
+  {
+    Recorded<daemon::Simulation> run(path, test_settings(), simulated(), true);
+    const FullDisk full(200'000);
+    for (int i = 0; i < 20'000; ++i) {
+      ASSERT_TRUE(run.cycle());
+      if (i % 500 == 0) {
+        run.recorder.pump();
+      }
+    }
+    run.recorder.finish();
+    EXPECT_NE(run.recorder.problem(), "");
+    rows = run.recorder.rows();
+  }
+  EXPECT_GT(rows, 100U);
+  EXPECT_LT(rows, 20'000U);
+  const bench::DeviceReplayResult result = replayed(path);
+  EXPECT_EQ(result.rows, rows);
+  EXPECT_EQ(result.differing_rows, 0U);
+}
+
+TEST(Recorder, NeverOverwrites) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.csv";
+  std::ofstream(path) << "precious\n";
+  EXPECT_THROW(Recorded<daemon::Simulation>(path, test_settings(), simulated(), true),
+               files::UserError);
+  EXPECT_EQ(file_text(path), "precious\n");
+  EXPECT_THROW(
+      Recorded<daemon::Simulation>(folder / "no/run.csv", test_settings(), simulated(), true),
+      files::UserError);
+}
 
 TEST(Recorder, AFullDiskLeavesWholeRowsAndARunningLoop) {
   const TemporaryFolder folder;

@@ -1,0 +1,95 @@
+#include "hal/replay/trace_text.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "model/files/error.hpp"
+#include "model/files/trace_file.hpp"
+
+namespace smaservo::hal {
+
+TraceText::TraceText(const std::string& path) {
+  open_file(path);
+  try {
+    read_head();
+    if (head_.starts_with(files::mcap::magic) || files::is_mcap_name(path)) {
+      mcap_ = std::make_unique<files::mcap::CsvOfRows>(
+          [this](char* to, std::size_t room) { return read_file(to, room); });
+    }
+  } catch (...) {
+    if (file_ > STDIN_FILENO) {
+      close(file_);
+    }
+    throw;
+  }
+}
+
+TraceText::~TraceText() {
+  if (file_ > STDIN_FILENO) {
+    close(file_);
+  }
+}
+
+void TraceText::open_file(const std::string& path) {
+  if (path == "-") {
+    file_ = STDIN_FILENO;
+    return;
+  }
+  file_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file_ < 0) {
+    throw files::UserError(std::strerror(errno));
+  }
+  struct stat status{};
+  if (fstat(file_, &status) == 0 && S_ISREG(status.st_mode)) {
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  }
+  if (S_ISDIR(status.st_mode)) {
+    close(file_);
+    throw files::UserError("is a folder, not a trace");
+  }
+}
+
+/// Reads until the first bytes are there; a large block, as a socket of packets gives each only
+/// once.
+void TraceText::read_head() {
+  std::string block(std::size_t{1} << 20U, '\0');
+  std::size_t used = 0;
+  for (std::size_t got = 1; got > 0 && used < files::mcap::magic.size(); used += got) {
+    got = read_file(block.data() + used, block.size() - used);
+  }
+  head_ = block.substr(0, used);
+}
+
+std::size_t TraceText::read_file(char* to, std::size_t room) {
+  if (!head_.empty()) {
+    const std::size_t part = head_.copy(to, room);
+    head_.erase(0, part);
+    return part;
+  }
+  ssize_t got = 0;
+  do {
+    got = ::read(file_, to, room);
+  } while (got < 0 && errno == EINTR);
+  if (got < 0) {
+    throw files::UserError(std::strerror(errno));
+  }
+  bytes_ += static_cast<std::uint64_t>(got);
+  return static_cast<std::size_t>(got);
+}
+
+std::size_t TraceText::read(char* to, std::size_t room) {
+  return mcap_ ? mcap_->read(to, room) : read_file(to, room);
+}
+
+std::string TraceText::place(std::uint64_t line) const {
+  if (!mcap_) {
+    return fmt::format("line {}", line);
+  }
+  return line == 1 ? "schema" : fmt::format("message {}", line - 1);
+}
+
+}  // namespace smaservo::hal

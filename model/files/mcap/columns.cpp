@@ -1,0 +1,116 @@
+#include "model/files/mcap/columns.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "model/files/error.hpp"
+#include "model/files/mcap/row_object.hpp"
+
+namespace smaservo::files::mcap {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t from = text.find_first_not_of(" \t");
+  return from == std::string_view::npos
+             ? ""
+             : text.substr(from, text.find_last_not_of(" \t") + 1 - from);
+}
+
+Kind kind_of(const nlohmann::ordered_json& property) {
+  const auto type = property.is_object() ? property.find("type") : property.end();
+  if (!property.is_object() || type == property.end()) {
+    return Kind::unknown;
+  }
+  return *type == "number" || *type == "integer" || *type == "boolean" ? Kind::number : Kind::text;
+}
+
+}  // namespace
+
+std::vector<std::string> header_names(std::string_view header) {
+  std::vector<std::string> names;
+  for (std::size_t from = 0; from <= header.size();) {
+    const std::size_t comma = std::min(header.find(',', from), header.size());
+    names.emplace_back(trimmed(header.substr(from, comma - from)));
+    from = comma + 1;
+  }
+  return names;
+}
+
+bool split_row(std::string_view row, std::size_t count, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (std::size_t from = 0; from <= row.size() && fields.size() <= count;) {
+    const std::size_t comma = std::min(row.find(',', from), row.size());
+    fields.push_back(row.substr(from, comma - from));
+    from = comma + 1;
+  }
+  return fields.size() == count;
+}
+
+std::string_view as_number(std::string_view field, std::string& room) {
+  if (is_json_number(field)) {
+    return field;
+  }
+  const std::string_view digits = field.substr(field.starts_with('-') ? 1 : 0);
+  const char* const stop = field.data() + field.size();
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), stop, value);
+  if (field.empty() || error != std::errc{} || end != stop || !std::isfinite(value) ||
+      (digits.size() > 1 && digits[0] == '0' && digits[1] >= '0' && digits[1] <= '9')) {
+    return "";
+  }
+  std::array<char, 32> shortest{};
+  room.assign(shortest.data(),
+              std::to_chars(shortest.data(), shortest.data() + shortest.size(), value).ptr);
+  return room;
+}
+
+void learn(TraceColumns& columns, const std::vector<std::string_view>& fields) {
+  std::string room;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (!fields[i].empty() && columns[i].kind != Kind::text) {
+      columns[i].kind = as_number(fields[i], room).empty() ? Kind::text : Kind::number;
+    }
+  }
+}
+
+std::string schema_of(const TraceColumns& columns) {
+  std::string schema = R"({"type":"object","title":"smaservo.Trace","properties":{)";
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string& name = columns[i].name;
+    if (!names.insert(name).second) {
+      throw UserError(
+          fmt::format("column {} ({}): another one has this name; in an MCAP file each "
+                      "must have its own",
+                      i + 1, name));
+    }
+    schema += i == 0 ? "" : ",";
+    if (!put_json_text(schema, name)) {
+      throw UserError(fmt::format("column {}: its name is no UTF-8", i + 1));
+    }
+    schema += columns[i].kind == Kind::number ? R"(:{"type":"number"})" : R"(:{"type":"string"})";
+  }
+  return schema + "}}";
+}
+
+TraceColumns columns_of(std::string_view schema) {
+  const auto json = nlohmann::ordered_json::parse(schema, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) {
+    throw UserError("the schema is no JSON object");
+  }
+  TraceColumns columns;
+  const auto properties = json.find("properties");
+  if (properties != json.end() && properties->is_object()) {
+    for (const auto& [name, property] : properties->items()) {
+      columns.push_back({name, kind_of(property)});
+    }
+  }
+  return columns;
+}
+
+}  // namespace smaservo::files::mcap

@@ -1,0 +1,40 @@
+#pragma once
+// The columns of a trace, as the schema of its messages says them.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace smaservo::files::mcap {
+
+enum class Kind : unsigned char { unknown, number, text };
+
+struct TraceColumn {
+  std::string name;
+  Kind kind = Kind::unknown;
+  bool operator==(const TraceColumn&) const = default;
+};
+using TraceColumns = std::vector<TraceColumn>;
+
+/// The names of a header, without spaces around them.
+std::vector<std::string> header_names(std::string_view header);
+/// Splits a row; false where it has not `count` fields.
+bool split_row(std::string_view row, std::size_t count, std::vector<std::string_view>& fields);
+
+/// The field as a number of JSON: as it stands where that is one, else in the shortest form
+/// (".5": 0.5) in `room`. Empty where it is none, or not finite, or begins with zeros: 007 is a
+/// name.
+std::string_view as_number(std::string_view field, std::string& room);
+
+/// Says of the columns of unknown kind what these fields say: a text where one is no number.
+void learn(TraceColumns& columns, const std::vector<std::string_view>& fields);
+
+/// JSON Schema of a row. Members that are missing have no value: the type of a number has no null,
+/// and Foxglove opens no channel whose schema has lists of types. Unknown kinds are texts.
+/// Throws UserError where two columns have one name, or a name is no UTF-8.
+std::string schema_of(const TraceColumns& columns);
+/// The columns of such a schema; none where it says nothing of members. Throws UserError where it
+/// is no JSON.
+TraceColumns columns_of(std::string_view schema);
+
+}  // namespace smaservo::files::mcap

@@ -1,0 +1,52 @@
+#pragma once
+// A row as a JSON object, and back. Numbers stay the texts that they are, so that each comes back
+// to the last digit; nlohmann's parser would make numbers of them, and takes the sign from -0.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace smaservo::files::mcap {
+
+/// Whether this is a number as JSON writes it.
+bool is_json_number(std::string_view text);
+/// Appends a text in quotes; false: it is no UTF-8.
+bool put_json_text(std::string& to, std::string_view text);
+
+/// One "name": value of an object.
+struct Member {
+  std::string_view name;
+  /// Of a number as it stands there; of a string what it says; of true and false 1 and 0; of null
+  /// nothing. Valid until the next member.
+  std::string_view value;
+};
+
+/// Reads an object of numbers, strings, true, false and null.
+class RowObject {
+ public:
+  explicit RowObject(std::string_view json) : json_(json) {}
+  /// False at the end, or where problem() says what is wrong.
+  bool next(Member& member);
+  /// Empty where nothing is wrong; else what, and where: "at 12: ...".
+  const std::string& problem() const { return problem_; }
+
+ private:
+  bool fail(std::string_view what);
+  void skip_spaces();
+  bool accept(char wanted);
+  bool begin_member();
+  bool value(std::string_view& to);
+  bool number(std::string_view& to);
+  bool word(std::string_view wanted);
+  bool text(std::string_view& to, std::string& room);
+  bool escape(std::string& to);
+  bool four_digits(std::uint32_t& to);
+
+  std::string_view json_;
+  std::size_t at_ = 0;
+  bool began_ = false;
+  std::string name_, text_;  ///< room for texts with escapes
+  std::string problem_;
+};
+
+}  // namespace smaservo::files::mcap
