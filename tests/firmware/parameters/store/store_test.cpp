@@ -200,9 +200,9 @@ TEST(Store, ALostSlotIsEitherACopyOrSaid) {
       ASSERT_TRUE(save_settings(storage, last).ok());
       EXPECT_FALSE(load_settings<float>(storage).may_be_older);
       for (unsigned slot = 0; slot < slot_count; ++slot) {
-        for (const unsigned char rest : {0xFF, 0}) {
+        for (const std::byte rest : {std::byte{0xFF}, std::byte{0}}) {
           MemoryStorage lost = storage;
-          std::ranges::fill(lost.slots[slot], std::byte{rest});
+          std::ranges::fill(lost.slots[slot], rest);
           const Loaded<float> loaded = load_settings<float>(lost);
           EXPECT_EQ(loaded.reason, LoadReason::only_one);
           EXPECT_TRUE(loaded.may_be_older || same_settings(loaded.settings, last))
