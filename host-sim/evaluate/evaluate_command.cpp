@@ -28,7 +28,7 @@ struct EvaluateArguments {
   bool json = false;
   bool closed_loop = false;
   int random = 1000;
-  std::optional<std::uint64_t> random_seed;
+  std::optional<std::uint64_t> random_seed, random_from;
 };
 
 /// Where `out` is a folder, the file in it gets its default name.
@@ -92,6 +92,7 @@ void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
   options.threads = a.options.threads;
   options.wires = a.options.wires;
   options.random = a.random;
+  options.random_from = a.random_from;
   Stages stages;
   options.progress = [&](std::string_view stage, std::size_t done, std::size_t total) {
     stages.update(stage, done, total);
@@ -117,7 +118,7 @@ void run(EvaluateArguments& a) {
     destination.json.emplace(out);
   }
   if (!a.markdown.empty()) {
-    destination.table.emplace(a.markdown);
+    destination.table.emplace(a.markdown, a.random_from ? "random scenarios" : "evaluate");
   }
   if (a.closed_loop) {
     run_closed_loop(a, destination);
@@ -188,6 +189,10 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--random", a->random, "number of random scenarios of --closed-loop")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
+  command
+      ->add_option("--random-from", a->random_from,
+                   "of --closed-loop: only the random scenarios, of this seed and the next ones")
+      ->needs("--closed-loop");
   command->add_option("--random-seed", a->random_seed,
                       "runs only the random scenario of this seed; --out is its trace");
   command->callback([a] { run(*a); });

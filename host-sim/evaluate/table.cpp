@@ -252,9 +252,9 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   report::write_html(path, "Evaluation of observers", html + "</ul>\n");
 }
 
-TableFile::TableFile(std::string path) : path_(std::move(path)) {
-  constexpr std::string_view begin = "<!-- evaluate:";
-  constexpr std::string_view end = "<!-- end of evaluate -->";
+TableFile::TableFile(std::string path, std::string_view mark) : path_(std::move(path)) {
+  const std::string begin = fmt::format("<!-- {}:", mark);
+  const std::string end = fmt::format("<!-- end of {} -->", mark);
   const std::ifstream input(path_, std::ios::binary);
   std::stringstream content;
   content << input.rdbuf();

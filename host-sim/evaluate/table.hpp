@@ -2,6 +2,7 @@
 // The table of an evaluation as text, JSON, Markdown and HTML.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host-sim/evaluate/evaluate.hpp"
@@ -15,12 +16,12 @@ std::string table_markdown(const Evaluation& evaluation);
 /// Throws UserError.
 void write_table_report(const std::string& path, const Evaluation& evaluation);
 
-/// A Markdown file with a table between the lines that begin with "<!-- evaluate:" and
-/// "<!-- end of evaluate -->".
+/// A Markdown file with a table between the lines that begin with "<!-- MARK:" and
+/// "<!-- end of MARK -->".
 class TableFile {
  public:
   /// Throws UserError when there is no such file, or no such line in it.
-  explicit TableFile(std::string path);
+  explicit TableFile(std::string path, std::string_view mark = "evaluate");
   void rewrite(const std::string& markdown) const;
 
  private:

@@ -15,7 +15,10 @@
 #include "firmware/text/settings_text.hpp"
 #include "hal/linux/can/can_datagram.hpp"
 #include "hal/replay/trace.hpp"
+#include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/recording.hpp"
+#include "host-sim/can/remote.hpp"
+#include "host-sim/can/status.hpp"
 #include "model/files/error.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
@@ -88,6 +91,34 @@ const Settings<double>& good_settings() {
       text::settings_for(files::load_wire(std::string(files::default_wire)).wire);
   return settings;
 }
+
+/// A bus on which only what the input says is heard.
+class AnsweringBus : public can::Bus {
+ public:
+  explicit AnsweringBus(Input input) : left_(input) {}
+  void send(const hal::CanFrame& /*frame*/) override { now_us_ += 1; }
+  bool receive(hal::CanFrame& frame, std::int64_t until_us) override {
+    if (until_us <= now_us_ || left_.size() < 9) {
+      now_us_ = std::max(now_us_, until_us);
+      return false;
+    }
+    constexpr std::array<std::uint32_t, 8> ids{0x581, 0x581, 0x581, 0x701, 0x7E4, 0x81, 0x80, 0};
+    frame = {.id = ids.at(left_[0] % ids.size()), .length = 8};
+    if (frame.id == 0x701 || frame.id == 0) {
+      frame.length = frame.id == 0 ? 2 : 1;
+    }
+    std::copy_n(left_.begin() + 1, 8, frame.data.begin());
+    left_ = left_.subspan(9);
+    now_us_ += 1;
+    return true;
+  }
+  std::int64_t now_us() const override { return now_us_; }
+  std::string name() const override { return "fuzz"; }
+
+ private:
+  Input left_;
+  std::int64_t now_us_ = 0;
+};
 
 /// Makes the checksum behind a slot's entries that of what stands before it.
 void sign(std::vector<std::byte>& slot) {
@@ -252,6 +283,29 @@ void store(Input input) {
   const Loaded<double> back = load_settings<double>(storage);
   demand(back.reason != LoadReason::none &&
          same_settings(back.settings, stored_settings<double>(good_settings())));
+}
+
+void client(Input input) {
+  const std::array<std::uint8_t, 20> value{1, 2, 3};
+  constexpr Key key{0x2220, 2};
+  const auto ask = [&](const auto& what) {
+    AnsweringBus bus(input);
+    can::Remote remote(can::SdoClient(bus, 1));
+    accepted([&] { what(remote); });
+  };
+  ask([&](can::Remote& r) { r.client().upload(key); });
+  ask([&](can::Remote& r) { r.client().upload_block(key); });
+  ask([&](can::Remote& r) { r.client().download(key, value); });
+  ask([&](can::Remote& r) { r.client().download_block(key, value); });
+  ask([](can::Remote& r) { can::changes_text(r); });
+  ask([](can::Remote& r) { can::faults_text(r); });
+  ask([](can::Remote& r) { can::info_text(r); });
+  ask([](can::Remote& r) { r.enable(); });
+  ask([](can::Remote& r) { can::scan(r.bus(), 1000); });
+  AnsweringBus bus(input);
+  for (hal::CanFrame frame; bus.receive(frame, bus.now_us() + 1);) {
+    can::frame_text(frame);
+  }
 }
 
 void datagram(Input input) {

@@ -28,6 +28,10 @@ void mark(Input input);       ///< of the last run, and systemd's word on how it
 /// whether its checksum is made right afterwards, position (two), value.
 void store(Input input);
 
+/// What nodes answer to host-sim's client: frames of nine bytes each, whose first chooses the
+/// identifier. They come as fast as the client asks, then never more.
+void client(Input input);
+
 /// A datagram of the bus; or, behind a first byte that is odd, edits of a good one.
 void datagram(Input input);
 

@@ -2,7 +2,7 @@
 # Fuzzing what comes over the bus, and the readers of files. Sourced by toolchain/dev.
 
 fuzz_targets=(
-  sdo pdo lss nmt eds datagram wire settings board scenario actuator trace mcap recording mark
+  sdo pdo lss nmt eds datagram client wire settings board scenario actuator trace mcap recording mark
   store communication
 )
 

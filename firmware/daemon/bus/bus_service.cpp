@@ -185,7 +185,7 @@ void BusService::Parts::run(const std::stop_token& stop) {
     poll(&readable, 1, pump.has_more() ? 0 : round_ms);
     const std::uint64_t now_us = now();
     show_figures();
-    settings.before_round();
+    settings.before_round(requests.is_busy());
     pump.round(now_us, faults(now_us), [&] { return settings.give_to_desk(); });
     tell_changes();
     carry_out(requests.round([this] { return staging.configured(); },
@@ -245,7 +245,11 @@ void BusService::Parts::stored(const StoreResult& result) {
   using enum Request;
   const Request r = result.request;
   if (r == store_all || r == store_application) {
+    settings.note_stored(true);
     links.faults.fetch_and(~FaultSet(Fault::store_outdated).bits());
+  }
+  if (r == restore_all || r == restore_application) {
+    settings.note_stored(false);
   }
   image_lost = image_lost && (r == store_application || r == restore_application);
 }

@@ -88,6 +88,9 @@ class RequestDesk {
     return none;
   }
 
+  /// Something is being stored, or its result has not been seen.
+  bool is_busy() const { return busy_; }
+
  private:
   Node& node_;
   Store& store_;

@@ -17,11 +17,15 @@ class SettingsLink {
                const LoopLinks& links)
       : servo_(servo), staging_(staging), desk_(desk), links_(links) {}
 
-  /// Before each round of the bus.
-  void before_round() {
+  /// Before each round of the bus. A file waits while something is being stored.
+  void before_round(bool is_storing) {
     follow_desk();
-    take_reload();
+    if (!is_storing) {
+      take_reload();
+    }
   }
+  /// The store has what was in force; or it has been emptied.
+  void note_stored(bool has_settings) { stored_ = has_settings; }
   /// For BusPump: gives what the node has put in force to the loop. False: again in the next round.
   bool give_to_desk() {
     const std::optional<std::uint32_t> number = desk_.change(staging_.active(), followed_);
@@ -49,6 +53,11 @@ class SettingsLink {
     if (!reload) {
       return;
     }
+    if (stored_) {
+      desk_.reloads().say(
+          {reload->file + ": nothing is changed: settings were stored meanwhile, which go first"});
+      return;
+    }
     const bool heated = servo_.axis().may_heat() || links_.heated.load();
     const Reloaded read = reloaded(staging_.active(), *reload, heated);
     if (read.taken) {
@@ -61,6 +70,7 @@ class SettingsLink {
   const Staging<double>& staging_;
   ParameterDesk& desk_;
   const LoopLinks& links_;
+  bool stored_ = false;         ///< in this run: whoever read a file did not see it
   std::uint32_t followed_ = 0;  ///< number of the desk's last change that the node has
 };
 

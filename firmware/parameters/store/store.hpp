@@ -139,8 +139,8 @@ SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
 }
 
 /// Whether settings stored later than those of the valid slot may have been lost with the other
-/// one. A damaged slot does not tell its number. A store that has been written twice has two slots:
-/// only the first save leaves the other one empty.
+/// one. A damaged slot does not tell its number. Each save leaves two slots: an empty one was lost,
+/// but beside number 1, which has the same settings as number 2.
 constexpr bool may_have_lost_newer(const SlotReport& valid, const SlotReport& other) {
   switch (other.state) {
     case SlotState::valid:
@@ -209,11 +209,47 @@ constexpr std::uint32_t next_sequence(const SlotReport& kept, const SlotReport& 
   return kept.intact() ? kept.sequence + 1 : replaced.intact() ? replaced.sequence + 1 : 1;
 }
 
+/// Erases a slot, writes an image into it, reads it back and compares.
+template <class S, Storage T>
+SaveProblem write_slot(T& storage, unsigned slot, const Settings<S>& settings,
+                       std::uint32_t sequence, const StoreSchema<S>& schema) {
+  if (!storage.erase(slot)) {
+    return SaveProblem::erase;
+  }
+  std::size_t at = 0;
+  const bool written =
+      image::write(schema, settings, sequence, [&](std::span<const std::byte> chunk) {
+        const bool ok = storage.write(slot, at, chunk);
+        at += chunk.size();
+        return ok;
+      });
+  if (!written) {
+    return SaveProblem::write;
+  }
+  if (!storage.sync()) {
+    return SaveProblem::sync;
+  }
+  at = 0;
+  bool readable = true;
+  const bool same = image::write(schema, settings, sequence, [&](std::span<const std::byte> chunk) {
+    std::array<std::byte, image::chunk_size> back{};
+    const auto kept = std::span(back).first(chunk.size());
+    readable = storage.read(slot, at, kept);
+    at += chunk.size();
+    return readable && std::ranges::equal(kept, chunk);
+  });
+  return same ? SaveProblem::none : readable ? SaveProblem::differs : SaveProblem::read_back;
+}
+
 }  // namespace detail
 
 /// Writes into the slot that load_settings() would not take, reads it back and compares. Whatever
 /// fails, and wherever power is cut, load_settings() gives either the former settings or these. Not
 /// for the loop.
+///
+/// The first save writes both slots. So a slot that is empty later was lost, and the other one is
+/// older, but for number 1, which the first save has written before its copy, number 2. Where
+/// number 1 would stay beside other settings, it is overwritten, too.
 template <class S, Storage T>
 Saved save_settings(T& storage, const Settings<S>& settings,
                     const StoreSchema<S>& schema = own_schema<S>) {
@@ -225,38 +261,16 @@ Saved save_settings(T& storage, const Settings<S>& settings,
   }
   const Loaded<S> before = load_settings(storage, schema);
   saved.slot = before.reason == LoadReason::none ? 0 : 1 - before.slot;
-  saved.sequence = detail::next_sequence(before.slots[1 - saved.slot], before.slots[saved.slot]);
-  const auto fail = [&](SaveProblem problem) {
-    saved.problem = problem;
-    return saved;
-  };
-  if (!storage.erase(saved.slot)) {
-    return fail(SaveProblem::erase);
+  const SlotReport& kept = before.slots[1 - saved.slot];
+  const bool copies = before.reason == LoadReason::none || kept.sequence < 2;
+  saved.sequence = detail::next_sequence(kept, before.slots[saved.slot]);
+  saved.problem = detail::write_slot(storage, saved.slot, settings, saved.sequence, schema);
+  if (saved.ok() && copies) {
+    saved.slot = 1 - saved.slot;
+    ++saved.sequence;
+    saved.problem = detail::write_slot(storage, saved.slot, settings, saved.sequence, schema);
   }
-  std::size_t at = 0;
-  const bool written =
-      image::write(schema, settings, saved.sequence, [&](std::span<const std::byte> chunk) {
-        const bool ok = storage.write(saved.slot, at, chunk);
-        at += chunk.size();
-        return ok;
-      });
-  if (!written) {
-    return fail(SaveProblem::write);
-  }
-  if (!storage.sync()) {
-    return fail(SaveProblem::sync);
-  }
-  at = 0;
-  bool readable = true;
-  const bool same =
-      image::write(schema, settings, saved.sequence, [&](std::span<const std::byte> chunk) {
-        std::array<std::byte, image::chunk_size> back{};
-        const auto kept = std::span(back).first(chunk.size());
-        readable = storage.read(saved.slot, at, kept);
-        at += chunk.size();
-        return readable && std::ranges::equal(kept, chunk);
-      });
-  return same ? saved : fail(readable ? SaveProblem::differs : SaveProblem::read_back);
+  return saved;
 }
 
 }  // namespace smaservo

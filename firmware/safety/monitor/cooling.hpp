@@ -13,8 +13,12 @@
 //
 // Once the file's cooling is confirmed the wire may be held for any time: while power, load and
 // resistance stay as they are, the cooling mostly does, too. A resistance that moves by itself
-// takes the confirmation back; so does time, where the wire is held close to its limit, since there
-// are loads under which the resistance of a wire that gets hotter does not move.
+// takes the confirmation back; so does time, where the wire is pressed against its limit, since
+// there are loads under which the resistance of a wire that gets hotter does not move. It is
+// pressed while the temperature limit acts, and where it is close to it and wholly austenite. A
+// strain that can be reached leaves some martensite, whose loss the loop sees and answers with less
+// power: there a test would cost 10 to 20 % of the stroke. But where the power has fallen far, and
+// neither load nor phases have changed, cooling may have fallen with it: that is tested.
 
 #include <array>
 #include <cstdint>
@@ -47,7 +51,9 @@ struct CoolingGuard {
   S steady;            ///< reference of `resistance`; 0: none
   S steady_K;          ///< temperature with the whole cooling, there
   S steady_Pa;         ///< stress, there
-  S lease_s;           ///< for which the last test counts where the wire is held at its limit
+  S held_K;            ///< highest steady_K under this load since the last test
+  S lease_s;           ///< for which the last test counts where the wire is pressed
+  S free_s;            ///< for so long the temperature limit has not acted
   S lowest;            ///< resistance since the last test, while not hotter than top_K
   S top_K;
   std::uint8_t doubts;  ///< tests in a row that told too little
@@ -90,14 +96,17 @@ struct CoolingGuard {
   static constexpr S told_apart_K = S(20);  ///< by the coldest and the hottest share
   static constexpr S max_test = S(16);      ///< time constants of the wire in still air
   static constexpr S max_blind_s = S(0.03);
-  static constexpr S pressed_K = S(12);  ///< below the limit
+  static constexpr S pressed_K = S(12);       ///< below the limit
+  static constexpr S pressed_s = S(0.5);      ///< after the limit has acted
+  static constexpr S pressed_cold = S(0.05);  ///< martensite and R-phase
   static constexpr S first_lease_s = S(1), last_lease_s = S(20);
   static constexpr S allowed_K = S(3);    ///< above the limit
   static constexpr S hot_spot = S(0.33);  ///< of limits.hot_spot_K: what a healthy wire has
   static constexpr S close_K = S(20);     ///< to the limit: no time is to be lost
   static constexpr S moved = S(1e-3);     ///< resistance that has moved by itself
   static constexpr S moved_1_K = S(3e-4);
-  static constexpr S again_s = S(5);  ///< between tests of weak cooling
+  static constexpr S fallen_K = S(20);  ///< by less power
+  static constexpr S again_s = S(5);    ///< between tests of weak cooling
 
   S hottest_K(const MonitorInputs<S>& seen, const S& wire_K) const {
     return wire_K + hot_spot * seen.prepared.settings.limits.hot_spot_K;
@@ -107,7 +116,9 @@ struct CoolingGuard {
   void judge(const MonitorInputs<S>& seen, const S& transforms_K);
   void doubt(const MonitorInputs<S>& seen);
   void watch(const MonitorInputs<S>& seen);
+  void settle(const MonitorInputs<S>& seen, bool loaded);
   void take(const MonitorInputs<S>& seen);
+  bool is_pressed(const MonitorInputs<S>& seen) const;
   bool wants_test(const MonitorInputs<S>& seen) const;
 };
 
@@ -115,6 +126,8 @@ template <class S>
 void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
   const Estimate<S>& e = seen.estimate;
   since_s = since_s < S(1000) ? since_s + seen.dt_s : since_s;
+  const bool limited = seen.last.limited_by(LimitReason::temperature);
+  free_s = limited ? S(0) : free_s < S(1000) ? free_s + seen.dt_s : free_s;
   if (seen.off() && seen.cold()) {
     forget();  // a fan may have stopped meanwhile
     return;
@@ -136,7 +149,7 @@ void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
     temperature_K.fill(e.temperature_K);
     peak_K = temperature_K;
     slow_K = e.temperature_K;
-    resistance = min = steady = lowest = settled_s = S(0);
+    resistance = min = steady = lowest = settled_s = held_K = S(0);
     overheated = false;
     tested_s = blind_s = noise = S(0);
   }
@@ -190,14 +203,21 @@ void CoolingGuard<S>::take(const MonitorInputs<S>& seen) {
 }
 
 template <class S>
+bool CoolingGuard<S>::is_pressed(const MonitorInputs<S>& seen) const {
+  const SoftLimits<S>& q = seen.prepared.settings.limits;
+  const Estimate<S>& e = seen.estimate;
+  const bool close = q.temperature_K - q.hot_spot_K - pressed_K < temperature_K[whole];
+  return close && (free_s < pressed_s || e.martensite + e.r_phase < pressed_cold);
+}
+
+template <class S>
 bool CoolingGuard<S>::wants_test(const MonitorInputs<S>& seen) const {
   const SoftLimits<S>& q = seen.prepared.settings.limits;
   if (weak) {
     return again_s < since_s;
   }
   if (confirmed) {
-    const bool pressed = q.temperature_K - q.hot_spot_K - pressed_K < temperature_K[whole];
-    return pressed && lease_s < since_s;
+    return lease_s < since_s && is_pressed(seen);
   }
   return q.temperature_K + allowed_K < hottest_K(seen, temperature_K[least]);
 }
@@ -278,6 +298,25 @@ void CoolingGuard<S>::doubt(const MonitorInputs<S>& seen) {
   steady = lowest = lease_s = S(0);
 }
 
+/// The wire is held at another temperature than before. With less power under the same load it is
+/// colder, but has stayed austenite; or it is as hot as it was, and is cooled less.
+template <class S>
+void CoolingGuard<S>::settle(const MonitorInputs<S>& seen, bool loaded) {
+  const SoftLimits<S>& q = seen.prepared.settings.limits;
+  const S T = temperature_K[whole];
+  const bool fallen = loaded && T < held_K - fallen_K;
+  held_K = loaded && T < held_K ? held_K : T;
+  steady = resistance;
+  steady_K = T;
+  steady_Pa = seen.filter.stress_Pa;
+  settled_s = S(0);
+  if (fallen && confirmed && q.temperature_K + allowed_K < hottest_K(seen, temperature_K[0])) {
+    confirmed = false;
+    probing = true;
+    least = 0;
+  }
+}
+
 /// While the wire is held, whether its resistance has moved though its power and load have not.
 template <class S>
 void CoolingGuard<S>::watch(const MonitorInputs<S>& seen) {
@@ -303,10 +342,7 @@ void CoolingGuard<S>::watch(const MonitorInputs<S>& seen) {
     settled_s = moves_K < S(1.5) ? settled_s + seen.dt_s : S(0);
     steady = loaded ? steady : S(0);
     if (S(0.3) < settled_s) {
-      steady = resistance;
-      steady_K = T;
-      steady_Pa = sigma;
-      settled_s = S(0);
+      settle(seen, loaded);
     }
     return;
   }

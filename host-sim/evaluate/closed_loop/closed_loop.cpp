@@ -111,21 +111,9 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
   return result;
 }
 
-}  // namespace
-
-double LoopFigures::quantile_s(bool heats, double share) const {
-  const std::vector<double>& all = heats ? heating_s : cooling_s;
-  if (all.empty()) {
-    return std::nan("");
-  }
-  const double place = std::ceil(share * static_cast<double>(all.size()));
-  return all[static_cast<std::size_t>(std::max(place, 1.0)) - 1];
-}
-
-ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
-  const std::vector<KnownUnit> units = known_units(options);
-  ClosedLoopEvaluation result{
-      options.units, options.seed, units.front().wire.nominal_stroke, {}, {}, {}};
+/// Steps and sines of every controller.
+void judge_loops(ClosedLoopEvaluation& result, const std::vector<KnownUnit>& units,
+                 const ClosedLoopOptions& options) {
   for (const LoopRow row : closed_loop_rows) {
     result.rows.push_back(evaluate_row(row, units, options));
   }
@@ -141,14 +129,35 @@ ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
             loop_kinds.at(i % loop_kinds.size()), units[i / loop_kinds.size()], at, options.seed);
       },
       reporting(options, "sines", total));
+}
+
+}  // namespace
+
+double LoopFigures::quantile_s(bool heats, double share) const {
+  const std::vector<double>& all = heats ? heating_s : cooling_s;
+  if (all.empty()) {
+    return std::nan("");
+  }
+  const double place = std::ceil(share * static_cast<double>(all.size()));
+  return all[static_cast<std::size_t>(std::max(place, 1.0)) - 1];
+}
+
+ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options) {
+  const std::vector<KnownUnit> units = known_units(options);
+  ClosedLoopEvaluation result{
+      options.units, options.seed, units.front().wire.nominal_stroke, {}, {}, {}};
+  if (!options.random_from) {
+    judge_loops(result, units, options);
+  }
   std::vector<CalibratedUnit> calibrated;
   calibrated.reserve(units.size());
   for (const KnownUnit& known : units) {
     calibrated.push_back({known.unit, known.wire});
   }
   const auto scenarios = static_cast<std::size_t>(options.random);
-  result.hottest = run_hottest(calibrated, 100'000 * options.seed, options.random, options.threads,
-                               reporting(options, "random scenarios", scenarios));
+  result.hottest =
+      run_hottest(calibrated, options.random_from.value_or(100'000 * options.seed), options.random,
+                  options.threads, reporting(options, "random scenarios", scenarios));
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,8 @@ struct ClosedLoopOptions {
   int runs = 108;     ///< of each row
   int steps = 27;     ///< of each run
   int random = 1000;  ///< scenarios, see hottest.hpp
+  /// Where it is set, only the random scenarios are run, with seeds from here on.
+  std::optional<std::uint64_t> random_from;
   std::uint64_t seed = 1000;
   int threads = 1;    ///< the result does not depend on them
   std::string wires;  ///< folder of the calibrated wires, as EvaluateOptions has it

@@ -110,6 +110,9 @@ files::TextTable bandwidths(const ClosedLoopEvaluation& e) {
 }  // namespace
 
 std::string closed_loop_markdown(const ClosedLoopEvaluation& e) {
+  if (e.rows.empty()) {
+    return e.hottest.empty() ? "" : hottest_markdown(e.hottest);
+  }
   const std::string text = fmt::format(
       "Steps between random strains, held for {:g} s, of units {} to {} of each family; errors in "
       "% of the nominal stroke ({:g} % strain) over the last half second. Settled: within ±{:g} %. "
@@ -125,7 +128,7 @@ std::string closed_loop_markdown(const ClosedLoopEvaluation& e) {
 std::string closed_loop_json(const ClosedLoopEvaluation& e) {
   nlohmann::ordered_json json{{"units", e.units}, {"seed", e.seed}, {"stroke", e.stroke}};
   json["rows"] = steps(e).json();
-  for (std::size_t i = 0; i < loop_kinds.size(); ++i) {
+  for (std::size_t i = 0; i < loop_kinds.size() && !e.rows.empty(); ++i) {
     json["bandwidth_Hz"][std::string(loop_kind_name(loop_kinds.at(i)))] = e.bandwidth_Hz.at(i);
   }
   for (const HottestRun& run : e.hottest) {
@@ -134,8 +137,11 @@ std::string closed_loop_json(const ClosedLoopEvaluation& e) {
                               {"air", random_air_name(run.air)},
                               {"trouble", random_trouble_name(run.trouble)},
                               {"beyond", run.beyond},
+                              {"duration_s", run.duration_s},
                               {"above_limit_K", run.above_limit_K},
                               {"at_s", run.at_s},
+                              {"over_s", run.over_s},
+                              {"unanswered", run.unanswered},
                               {"first_cause", fault_name(run.first_cause)}});
   }
   return files::json_text(json);

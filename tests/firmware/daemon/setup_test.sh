@@ -130,14 +130,30 @@ test_others() {
 test_escaped() {
   local tree=$work/escaped
   make_pi "$tree" 4 /boot/firmware
-  printf 'Raspberry Pi 4 \033[2J' >"$tree/proc/device-tree/model"
-  printf 'a=\033[2J\n' >"$tree/boot/firmware/config.txt"
+  printf 'Raspberry Pi 4 \033[2J\302\2332J' >"$tree/proc/device-tree/model"
+  printf 'a=\033[2J\302\2332J\n' >"$tree/boot/firmware/config.txt"
   check 'with escapes' code_of 3 "$setup" --root "$tree"
-  check 'shows them' said 'Raspberry Pi 4 ?[2J'
-  check 'in the diff' said ' a=?[2J'
+  check 'shows them' said 'Raspberry Pi 4 ?[2J??2J'
+  check 'in the diff' said ' a=?[2J??2J'
   check 'none is left' test -z "$(tr -d '\n\t -\176' <"$work/out")"
   check 'an argument' code_of 2 "$setup" $'--\033[2J\nsmaservo-setup: ok'
   check 'is one line' said 'unknown option: --?[2J?smaservo-setup: ok'
+}
+
+# Nothing is read through a link that leads out of the root, either.
+test_reads() {
+  local tree=$work/reads
+  make_pi "$tree" 4 /boot/firmware
+  mkdir -p "$work/elsewhere" "$tree/sys/devices/system/cpu/cpufreq/policy0"
+  printf 'secret\n' >"$work/elsewhere/governor"
+  printf '0-1\n' >"$work/elsewhere/present"
+  ln -s "$work/elsewhere/governor" "$tree/sys/devices/system/cpu/cpufreq/policy0/scaling_governor"
+  ln -sf "$work/elsewhere/present" "$tree/sys/devices/system/cpu/present"
+  mv "$tree/etc/passwd" "$work/elsewhere"
+  ln -s "$work/elsewhere/passwd" "$tree/etc/passwd"
+  check 'with links' code_of 3 "$setup" --root "$tree"
+  check 'no governor' said 'the kernel has none'
+  check 'no user' said 'smaservo is missing'
 }
 
 # A number that begins with 0 is no octal one, here or in what reads the files.
@@ -295,6 +311,7 @@ test_killed() {
 test_boards
 test_others
 test_escaped
+test_reads
 test_numbers
 test_governors
 test_network

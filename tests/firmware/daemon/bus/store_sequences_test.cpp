@@ -299,7 +299,11 @@ class World {
     say({0x17});
   }
 
+  /// Whoever reads a file looks first whether something is stored.
   void reload() {
+    if (disk_.settings) {
+      return;
+    }
     Settings<double> settings = reference_settings();
     const float limit_A = default_A_ * (0.5F + 0.001F * static_cast<float>(random_() % 500));
     settings.limits.current_A = static_cast<double>(limit_A);
@@ -371,11 +375,23 @@ class World {
     }
   }
 
+  void note(const daemon::StoreResult& result) {
+    using enum Request;
+    const Request r = result.request;
+    const bool stores = r == store_all || r == store_application;
+    if (result.problem.empty() && (stores || r == restore_all || r == restore_application)) {
+      run_->settings.note_stored(stores);
+    }
+  }
+
   /// A round of the bus's thread.
   void step() {
-    run_->settings.before_round();
+    run_->settings.before_round(requests_.is_busy());
     for (const std::string& said : run_->desk.reloads().take_said()) {
-      if (said.find("read once more") == std::string::npos) {
+      if (said.find("were stored meanwhile") != std::string::npos) {
+        EXPECT_TRUE(disk_.settings);
+      } else if (said.find("read once more") == std::string::npos) {
+        EXPECT_FALSE(disk_.settings) << "the store goes first";
         EXPECT_EQ(said.find("nothing is changed"), std::string::npos) << said;
         set_limit(file_A_);
       }
@@ -389,8 +405,8 @@ class World {
     }
     read_log();
     refused_ += static_cast<int>(run_->desk.take_refused().size());
-    const Request reset =
-        requests_.round([&] { return rig_.staging.configured(); }, [](const auto&) {});
+    const Request reset = requests_.round([&] { return rig_.staging.configured(); },
+                                          [&](const daemon::StoreResult& result) { note(result); });
     rig_.send(0x7FF, {});  // nobody's: what is to be sent is collected
     hear();
     if (reset == Request::reset_node) {

@@ -60,7 +60,7 @@ TEST(SafetyTable, EveryTestThatItNamesExists) {
     if (std::regex_match(name, test)) {
       EXPECT_TRUE(all.contains(name)) << name << " is no test";
       ++checked;
-    } else if (std::regex_match(name, std::regex("[a-z]+"))) {
+    } else if (std::regex_match(name, std::regex("[a-z]+(_[a-z]+)*"))) {
       const bool is_fault =
           std::ranges::any_of(fault_rows, [&](const FaultRow& row) { return row.name == name; });
       const bool is_check = std::filesystem::exists(root / "tests/board" / (name + ".sh"));

@@ -377,18 +377,18 @@ TEST(FileStore, KeepsOneOfTwoSettingsWhateverIsLost) {
   hal::FileStore store(folder / "");
   const Loaded<double> loaded = load_settings<double>(store);
   EXPECT_EQ(loaded.reason, LoadReason::newer);
-  EXPECT_EQ(loaded.slot, 1U);
+  EXPECT_EQ(loaded.slot, 0U) << "the first save has written both";
   EXPECT_TRUE(same_settings(loaded.settings, settings));
-  EXPECT_FALSE(fs::exists(folder / "settings.1.part"));
+  EXPECT_FALSE(fs::exists(folder / "settings.0.part"));
   // Erased and written without sync(), as where power goes: the slot is what it was.
-  ASSERT_TRUE(store.erase(0));
+  ASSERT_TRUE(store.erase(1));
   hal::FileStore after(folder / "");
-  EXPECT_EQ(load_settings<double>(after).slots[0].state, SlotState::valid);
+  EXPECT_EQ(load_settings<double>(after).slots[1].state, SlotState::valid);
   for (const std::uintmax_t size : {100U, 10U, 0U}) {
-    fs::resize_file(folder / "settings.1", size);
+    fs::resize_file(folder / "settings.0", size);
     hal::FileStore damaged(folder / "");
     const Loaded<double> other = load_settings<double>(damaged);
-    EXPECT_EQ(other.slot, 0U);
+    EXPECT_EQ(other.slot, 1U);
     EXPECT_EQ(other.reason, LoadReason::other_bad) << size;
   }
   hal::FileStore nowhere(folder / "no");
@@ -422,19 +422,19 @@ TEST(FileStore, APowerCutAtAnyByteLeavesOneOfTheTwo) {
   hal::FileStore store(folder / "");
   ASSERT_TRUE(save_settings(store, old).ok());
   ASSERT_TRUE(save_settings(store, next).ok());
-  const std::string bytes = file_text(folder / "settings.1");
+  const std::string bytes = file_text(folder / "settings.0");
   const auto loaded = [&] {
     hal::FileStore after(folder / "");
     return load_settings<double>(after);
   };
   for (std::size_t n = 0; n <= bytes.size(); n += 61) {
-    std::ofstream(folder / "settings.0.part", std::ios::trunc) << bytes.substr(0, n);
+    std::ofstream(folder / "settings.1.part", std::ios::trunc) << bytes.substr(0, n);
     ASSERT_TRUE(same_settings(loaded().settings, next)) << n;
   }
   for (std::size_t n = bytes.size(); n-- > 0;) {
-    fs::resize_file(folder / "settings.1", n);
+    fs::resize_file(folder / "settings.0", n);
     const Loaded<double> then = loaded();
-    ASSERT_EQ(then.slot, 0U) << n;
+    ASSERT_EQ(then.slot, 1U) << n;
     ASSERT_TRUE(same_settings(then.settings, old)) << n;
   }
   hal::FileStore after(folder / "");
