@@ -51,8 +51,6 @@ export class SampleRing implements Samples {
 
   private add(key: string): void {
     if (this.columns.size >= most_columns) return;
-    const column = new RangedColumn(new Float32Array(this.capacity));
-    column.fill(NaN);
-    this.columns.set(key, column);
+    this.columns.set(key, new RangedColumn(new Float32Array(this.capacity), this.capacity, this.end));
   }
 }

@@ -9,13 +9,16 @@ export type Numbers = Float32Array | Float64Array;
 
 /**
  * A ring of `capacity` numbers (a multiple of 1024). Rows are counted without end; row r is at r modulo the
- * capacity, and asking for a row that has been overwritten gives another one's number.
+ * capacity, and asking for a row that has been overwritten gives another one's number. Rows before `start`
+ * are NaN without being written: memory that nobody touches is not taken from the machine.
  */
 export class RangedColumn implements Column {
   private readonly lows: Numbers[];
   private readonly highs: Numbers[];
 
-  constructor(private readonly values: Numbers, private readonly capacity = values.length) {
+  constructor(
+    private readonly values: Numbers, private readonly capacity = values.length, private readonly start = 0,
+  ) {
     const make = (size: number): Numbers =>
       (values instanceof Float32Array ? new Float32Array(size) : new Float64Array(size));
     this.lows = bits.map((b) => make(Math.ceil(capacity / (1 << b))));
@@ -23,15 +26,10 @@ export class RangedColumn implements Column {
   }
 
   at(row: number): number {
-    return this.values[row % this.capacity]!;
+    return row < this.start ? NaN : this.values[row % this.capacity]!;
   }
 
-  /** All rows at once. */
-  fill(value: number): void {
-    for (const numbers of [this.values, ...this.lows, ...this.highs]) numbers.fill(value);
-  }
-
-  /** Rows must be set in order. */
+  /** All rows from `start` on must be set, in order. */
   set(row: number, value: number): void {
     const place = row % this.capacity;
     this.values[place] = value;
@@ -40,7 +38,7 @@ export class RangedColumn implements Column {
       const block = place >> b;
       const lows = this.lows[level]!;
       const highs = this.highs[level]!;
-      if ((place & ((1 << b) - 1)) === 0) {
+      if ((place & ((1 << b) - 1)) === 0 || row === this.start) {
         lows[block] = highs[block] = value;
         continue;
       }
@@ -53,7 +51,7 @@ export class RangedColumn implements Column {
   range(from: number, to: number, result: Range): void {
     result.low = NaN;
     result.high = NaN;
-    let row = from;
+    let row = Math.max(from, this.start);
     while (row < to) {
       const place = row % this.capacity;
       const level = this.levelAt(place, to - row);
