@@ -29,5 +29,5 @@ export default defineConfig(({ mode }) => ({
   ...(mode === 'report' ? report : page),
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
   // A bridge that runs already, for `npm run dev`.
-  server: { proxy: { '/ws': { target: process.env['SMASERVO_BRIDGE'] ?? 'http://127.0.0.1:8437', ws: true } } },
+  server: { proxy: { '/ws': { target: process.env['SMASERVO_BRIDGE'] ?? 'http://127.0.0.1:8765', ws: true } } },
 }));

@@ -84,7 +84,14 @@ export function roleOf(signal: string, n = 0): Role {
 }
 
 /** A name of the bus as words: `resistance_model_ohm` is `resistance model`. */
+const words: Record<string, string> = {
+  measured_A: 'current reading', measured_V: 'voltage reading', r_phase: 'R-phase', strain_sd: 'strain σ', setpoint: 'set-point',
+  supply_V: 'supply', resistance_model_ohm: 'expected resistance',
+};
+
 export function plain(signal: string): string {
+  const known = words[signal];
+  if (known) return known;
   const unit = unitOf(signal);
   const bare = signal.replace(/^[a-z]+:/, '');
   return (unit ? bare.replace(new RegExp(`_${unit}$`), '') : bare).replaceAll('_', ' ');

@@ -20,7 +20,7 @@ export function niceStep(value: number): number {
 /** A range around the data that ends at round numbers; at least `smallest` wide, so that noise is not all. */
 export function niceRange(low: number, high: number, smallest = 0): [number, number] {
   if (!Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
-  const least = Math.max(smallest, 1e-6 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
+  const least = Math.max(smallest, 2e-4 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
   if (high - low < least) {
     const middle = (low + high) / 2;
     low = middle - least / 2;

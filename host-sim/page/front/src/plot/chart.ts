@@ -53,7 +53,7 @@ export abstract class Chart implements Drawn, GestureTarget {
   private readonly tag = element('div', 'plot-tag');
   private readonly ends: (() => void)[] = [];
   private onScreen = true;
-  private drawn = false;
+  private drawnAt = -Infinity;
   private rightShown: boolean;
   protected scales: Scales = { x: [0, 1], y: [0, 1] };
 
@@ -91,10 +91,9 @@ export abstract class Chart implements Drawn, GestureTarget {
     requestDraw(this);
   }
 
-  /** Off screen it waits until it is seen, but for the first time. */
+  /** Off screen it is drawn once a second only: enough for whoever prints the page. */
   draw(): void {
-    if (!this.onScreen && this.drawn) return;
-    this.drawNow();
+    if (this.onScreen || performance.now() - this.drawnAt > 1000) this.drawNow();
   }
 
   drawNow(): void {
@@ -110,8 +109,8 @@ export abstract class Chart implements Drawn, GestureTarget {
       this.u.setData([x], false);
       this.u.setScale('x', { min: x[0], max: x[1] });
     });
-    if (!this.drawn) this.root.dataset['drawn'] = 'true';
-    this.drawn = true;
+    this.root.dataset['drawn'] = 'true';
+    this.drawnAt = performance.now();
   }
 
   destroy(): void {

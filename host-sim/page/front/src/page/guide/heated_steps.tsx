@@ -61,7 +61,7 @@ export function ResistorStep() {
       <p>A resistor in the place of the wire shows whether the readings are right before anything can be overheated.
         It must bear the current, and be between {formatNumber(low, 3)} and {formatNumber(high, 3)} Ω, or the servo refuses
         it as a wrong wire. Enabled, it gets the minimum current.</p>
-      <div class="bar wrap">
+      <div class="bar wrap ends">
         <NumberField title="Resistor, by an ohmmeter" unit="Ω" value={ohm} set={setOhm} testid="resistor-ohm" />
         <EnableButton />
         <button type="button" disabled={!enabled} data-testid="measure" onClick={() => void measure()}>Measure for 1 s</button>

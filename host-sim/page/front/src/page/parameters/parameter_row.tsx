@@ -22,7 +22,7 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
       <div class="parameter-name">
         <button type="button" class="star" aria-pressed={star} data-testid={`star-${info.name}`}
           aria-label={`${info.name}: favourite`} onClick={() => toggleFavourite(info.name)}>{star ? '★' : '☆'}</button>
-        <label for={id} title={info.meaning}>{compact ? info.name : info.name.slice(info.name.lastIndexOf('.') + 1)}</label>
+        <label for={id} title={`${info.name}: ${info.meaning}`}>{compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}</label>
         {changed && <span class="mark" title={`default: ${valueText(info.default)} ${info.unit}`} data-testid={`changed-${info.name}`}>changed</span>}
         {info.change !== 'live' && !compact && <span class="mark quiet" title={changeTitle[info.change]}>{info.change}</span>}
       </div>
@@ -44,6 +44,11 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
       {refused && <p class="refused" role="alert" id={`${id}-why`}>{refused}</p>}
     </div>
   );
+}
+
+/** Without the unit, which stands behind the value. */
+function shortName(name: string): string {
+  return name.replace(/_(A|V|N|K|W|s|m|Pa|ohm|1_s|W_K|W_ohm|W_N)$/, '').replace('.', ': ').replaceAll('_', ' ');
 }
 
 const changeTitle = {

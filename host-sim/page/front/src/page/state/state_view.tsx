@@ -103,7 +103,7 @@ function Fault({ name, tags, open: openFirst = false }: { name: string; tags: st
         <span class="spring" />
         <span class="soft">{info?.code} {info?.class}</span>
       </button>
-      <p>{info?.text}</p>
+      {(!open || explained === null) && <p>{info?.text}</p>}
       {open && explained !== null && <pre class="explained">{explained}</pre>}
     </article>
   );

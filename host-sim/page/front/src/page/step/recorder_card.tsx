@@ -56,7 +56,7 @@ export function RecorderCard() {
             onClick={() => toggle(name)}>{plain(name)}</button>
         ))}
       </div>
-      <div class="bar wrap">
+      <div class="bar wrap ends">
         <NumberField title="Duration" unit="s" value={seconds.value} testid="record-seconds" set={(value) => { seconds.value = value; }} />
         <label class="field narrow"><span>Trigger</span>
           <select value={triggerSignal.value} data-testid="trigger" onChange={(event) => { triggerSignal.value = event.currentTarget.value; }}>

@@ -59,7 +59,7 @@ function Form() {
       <h2>Step test</h2>
       <p class="soft">A step of the set-point there and back, from where the wire is. A servo that is off is enabled for
         the time of the test, and heated.</p>
-      <div class="bar wrap">
+      <div class="bar wrap ends">
         <NumberField title="Amplitude" unit="µm" value={amplitude.value} testid="step-amplitude"
           set={(value) => { amplitude.value = value; }} />
         <NumberField title="Time of each step" unit="s" value={seconds.value} testid="step-seconds"
@@ -157,7 +157,7 @@ function Table() {
             <tr>
               <th>Run</th><th>At</th><th>Step<small>µm</small></th><th>Rise<small>ms</small></th><th>Settling<small>ms</small></th>
               <th>Overshoot<small>%</small></th><th>Error<small>%</small></th><th>Hottest<small>°C</small></th>
-              {gains.map((name) => <th key={name}>{name}<small>{''}</small></th>)}
+              {gains.map((name) => <th key={name} title={name}>{name.slice(name.lastIndexOf('.') + 1)}</th>)}
               <th><span class="hidden">Save, remove</span></th>
             </tr>
           </thead>
