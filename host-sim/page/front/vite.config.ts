@@ -1,4 +1,4 @@
-import { defineConfig, type UserConfig } from 'vite';
+import { defineConfig, type UserConfig } from 'vitest/config';
 import { viteSingleFile } from 'vite-plugin-singlefile';
 
 // Where the two files go: CMake gives its build folder.
@@ -27,6 +27,8 @@ const report: UserConfig = {
 
 export default defineConfig(({ mode }) => ({
   ...(mode === 'report' ? report : page),
+  // No test is judged by its time: a machine may be busy.
+  test: { testTimeout: 120_000, environment: 'node', include: ['tests/**/*.test.ts'] },
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
   // A bridge that runs already, for `npm run dev`.
   server: { proxy: { '/ws': { target: process.env['SMASERVO_BRIDGE'] ?? 'http://127.0.0.1:8765', ws: true } } },

@@ -65,7 +65,7 @@ export function xAxis(options: GroupOptions): uPlot.Axis {
     ...common(),
     scale: 'x',
     size: 24,
-    space: options.x === 'clock' ? 90 : 64,
+    space: options.x === 'clock' ? 72 : 64,
     ...(options.x === 'number' ? {} : { incrs: seconds }),
     values: (_u, ticks, _axis, _space, step) =>
       (options.log ? ticks.map((tick) => (tick === null ? '' : formatNumber(tick))) : written(step, ticks)),

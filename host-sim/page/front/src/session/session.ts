@@ -1,6 +1,6 @@
 // The one connection of the page and what it has brought: bridge, servos, descriptions.
 
-import { batch, computed, effect, signal } from '@preact/signals';
+import { batch, computed, effect, signal, untracked } from '@preact/signals';
 import { Feed } from '../live/feed';
 import { PlotGroup } from '../plot/group';
 import type { Bridge, Description, NodeInfo, State, Value } from '../protocol/bridge';
@@ -107,7 +107,11 @@ export function start(): void {
       bridge.value = bridge.value && { ...bridge.value, control: null, activity: null };
     }),
     services: () => {
-      if (connection?.hasService('describe')) ready.value = ready.peek() + 1;
+      if (!connection?.hasService('describe')) return;
+      ready.value = ready.peek() + 1;
+      setTimeout(() => {
+        patient.value = false;
+      }, patience_ms);
     },
     parameters: take,
     status: (level, text) => say(text, level >= 1 ? 'error' : 'info'),
@@ -153,17 +157,23 @@ function watchStates(): void {
   }
 }
 
+/** Mode and geometry say what set-points mean: samples wait for them, but not for ever. */
+const understood = computed(() => state.value !== null && description.value !== null && Object.keys(own.value).length > 0);
+const patient = signal(true);
+const patience_ms = 3000;
+
 let followed: string | null = null;
 
 /** The chosen servo's samples; before the first of them, what the bridge remembers. */
 function follow(): void {
   const which = node.value;
-  const connected = ready.value > 0 && link.value === 'open';
+  const connected = ready.value > 0 && link.value === 'open' && (understood.value || !patient.value);
   const topic = which === null || !connected ? null : `/node${which}/live`;
   if (topic === followed) return;
   if (followed !== null) connection?.on(followed, null);
   followed = topic;
   if (topic === null || which === null) return;
+  untracked(configureFeed);
   const target = feedOf(which);
   let early: [Uint8Array, number][] | null = [];
   const settled = (): void => {

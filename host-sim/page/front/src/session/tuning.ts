@@ -1,6 +1,6 @@
 // Edits of parameters: drafts, trials, writes, and the history that takes them back.
 
-import { computed, effect, signal } from '@preact/signals';
+import { computed, effect, signal, untracked } from '@preact/signals';
 import { sameValue } from '../parameters/tree';
 import { UndoHistory } from '../parameters/undo';
 import { parseValue } from '../parameters/values';
@@ -162,15 +162,18 @@ export function toggleFavourite(name: string): void {
     ? favourites.value.filter((one) => one !== name) : [...favourites.value, name];
 }
 
+function ended(): void {
+  if (trial.value === null || trial.value.node !== node.value) return;
+  trial.value = null;
+  say('The trial has ended: the values before it are back.');
+}
+
 /** Says it when a trial ends that nobody kept. */
 export function watchTrials(): void {
   let was = false;
   effect(() => {
     const now = trying.value;
-    if (was && !now && trial.peek() && trial.peek()?.node === node.peek()) {
-      trial.value = null;
-      say('The trial has ended: the values before it are back.');
-    }
+    if (was && !now) untracked(ended);
     was = now;
   });
   let last = node.peek();
