@@ -127,7 +127,7 @@ std::string plotted(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "NaN";
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string all = "'";
   for (const char c : files::printable(text)) {
     all.append(c == '\'' ? "''" : std::string_view(&c, 1));
@@ -136,7 +136,7 @@ std::string quoted(std::string_view text) {
 }
 
 std::string plotted_text(std::string_view text) {
-  return quoted(text) + " noenhanced";
+  return in_quotes(text) + " noenhanced";
 }
 
 std::string plotted_row(std::span<const double> values) {

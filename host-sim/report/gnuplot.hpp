@@ -26,7 +26,7 @@ std::string draw_surface(const Axes& axes, const std::string& data, const std::s
 /// The number as gnuplot reads it; one that is not finite leaves a gap.
 std::string plotted(double value);
 /// A text from outside in gnuplot's quotes.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 /// The same as a title or label, without gnuplot's markup.
 std::string plotted_text(std::string_view text);
 /// The numbers as a row of a data block.

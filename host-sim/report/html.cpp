@@ -46,7 +46,7 @@ p { margin: .25rem 0; }
 table { border-collapse: collapse; margin: .75rem 0; font-variant-numeric: tabular-nums; }
 th, td { padding: .2rem .9rem .2rem 0; text-align: right; border-bottom: 1px solid var(--line); }
 th:first-child, td:first-child { text-align: left; }
-.lost { color: var(--fault); font-weight: bold; }
+.lost { color: var(--plot-fault); font-weight: bold; }
 img { display: block; width: 100%; aspect-ratio: var(--shape); background: #fff; }
 .plots { display: flex; flex-wrap: wrap; gap: 0 2%; }
 .plots section { width: 100%; break-inside: avoid; min-width: 0; }
@@ -66,10 +66,10 @@ pre { background: var(--sheet); padding: .75rem; overflow-x: auto; font-size: .8
 std::string colours_css() {
   std::string light = "--text: #222; --soft: #555; --page: #fff; --sheet: #f6f6f6; --line: #ddd; ";
   std::string dark =
-      "--text: #e4e6e8; --soft: #a5abb2; --page: #15181c; --sheet: #1f2429; --line: #363c43; ";
+      "--text: #e8edf3; --soft: #9aa7b5; --page: #161c23; --sheet: #1e262f; --line: #2f3945; ";
   for (const Role& role : colours()) {
-    light += fmt::format("--{}: {}; ", role.name, role.light);
-    dark += fmt::format("--{}: {}; ", role.name, role.dark);
+    light += fmt::format("--plot-{}: {}; ", role.name, role.light);
+    dark += fmt::format("--plot-{}: {}; ", role.name, role.dark);
   }
   return fmt::format(
       "<style>\n:root {{ {}}}\n@media screen and (prefers-color-scheme: dark) {{ :root {{ {}}} "

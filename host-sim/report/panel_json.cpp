@@ -18,7 +18,7 @@ constexpr std::size_t max_rows = 20'000;
 constexpr std::size_t max_numbers = 300'000;
 
 /// The columns of a page. Those of one series are thinned together: each row stays a row.
-class Columns {
+class PageColumns {
  public:
   std::size_t place_of(const Column& values, bool along_x) {
     const auto [known, fresh] = places_.try_emplace(values.get(), all_.size());
@@ -113,7 +113,7 @@ Json axis_json(const Axis& axis) {
   return json;
 }
 
-Json series_json(const Series& series, Columns& columns) {
+Json series_json(const Series& series, PageColumns& columns) {
   Json json{{"kind", kind_names[static_cast<std::size_t>(series.kind)]}};
   put(json, "name", series.name);
   put(json, "colour", series.colour);
@@ -135,7 +135,7 @@ Json series_json(const Series& series, Columns& columns) {
   return json;
 }
 
-Json panel_json(const Panel& panel, Columns& columns) {
+Json panel_json(const Panel& panel, PageColumns& columns) {
   if (!panel.svg.empty()) {
     return nullptr;
   }
@@ -172,7 +172,7 @@ Json panel_json(const Panel& panel, Columns& columns) {
 }  // namespace
 
 std::string panels_json(std::span<const Panel> panels) {
-  Columns columns;
+  PageColumns columns;
   Json all = Json::array();
   for (const Panel& panel : panels) {
     all.push_back(panel_json(panel, columns));

@@ -12,12 +12,12 @@ namespace smaservo::report {
 namespace {
 
 /// Rows of a series in a picture, which is a thousand points wide.
-constexpr std::size_t max_rows = 4000;
+constexpr std::size_t max_drawn_rows = 4000;
 
-using Columns = std::vector<const std::vector<double>*>;
+using Drawn = std::vector<const std::vector<double>*>;
 
-Columns columns_of(const Series& series) {
-  Columns all{series.x.get()};
+Drawn drawn_columns(const Series& series) {
+  Drawn all{series.x.get()};
   if (series.low != nullptr) {
     all.push_back(series.low.get());
   }
@@ -32,11 +32,11 @@ Columns columns_of(const Series& series) {
 
 /// The series as gnuplot's data block. An undefined row ends a filled area only where it is blank.
 std::string data_block(std::size_t number, const Series& series) {
-  const Columns columns = columns_of(series);
+  const Drawn columns = drawn_columns(series);
   const bool filled = series.low != nullptr;
   std::string text = fmt::format("$s{} << EOD\n", number);
   std::vector<double> values(columns.size());
-  for (const std::size_t row : rows_to_show(columns, max_rows)) {
+  for (const std::size_t row : rows_to_show(columns, max_drawn_rows)) {
     std::ranges::transform(columns, values.begin(), [&](const auto* one) { return (*one)[row]; });
     const bool gap = std::ranges::any_of(values, [](double v) { return !std::isfinite(v); });
     text += filled && gap ? "\n" : plotted_row(values);
@@ -85,7 +85,7 @@ bool has_spans(const Panel& panel) {
 std::string ticks_of(const char* axis, const Axis& a) {
   std::string text;
   for (const auto& [at, name] : a.ticks) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quoted(name), at);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", in_quotes(name), at);
   }
   return text.empty() ? "" : fmt::format("set {}tics ({}) noenhanced\n", axis, text);
 }

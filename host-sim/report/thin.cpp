@@ -7,10 +7,10 @@
 namespace smaservo::report {
 namespace {
 
-using Columns = std::span<const std::vector<double>* const>;
+using ThinColumns = std::span<const std::vector<double>* const>;
 
 /// Appends the peaks and first gaps of the rows [from, to), in order and each once.
-void append_peaks(Columns columns, std::size_t from, std::size_t to,
+void append_peaks(ThinColumns columns, std::size_t from, std::size_t to,
                   std::vector<std::size_t>& rows) {
   const auto first = static_cast<std::ptrdiff_t>(rows.size());
   for (const std::vector<double>* column : columns) {
@@ -38,7 +38,7 @@ void append_peaks(Columns columns, std::size_t from, std::size_t to,
 
 }  // namespace
 
-std::vector<std::size_t> rows_to_show(Columns columns, std::size_t max_rows) {
+std::vector<std::size_t> rows_to_show(ThinColumns columns, std::size_t max_rows) {
   const std::size_t count = columns.empty() ? 0 : columns.front()->size();
   std::vector<std::size_t> rows(count);
   if (count <= max_rows) {

@@ -214,7 +214,7 @@ PaperFigure figure_10() {
                    {"A2R", "#a8dcae"},
                    {"R-phase", r_phase_colour},
                    {"R2M", "#5fc7c7"}},
-                  axis(temperature_axis, 75, 36), [](const CoolingBar& b) {
+                  axis(temperature_axis, 36, 75), [](const CoolingBar& b) {
                     return Column{b.martensite, b.a2m,     b.either, b.austenite,
                                   b.a2r,        b.r_phase, b.r2m};
                   })}};
