@@ -26,6 +26,11 @@ export class RangedColumn implements Column {
     return this.values[row % this.capacity]!;
   }
 
+  /** All rows at once. */
+  fill(value: number): void {
+    for (const numbers of [this.values, ...this.lows, ...this.highs]) numbers.fill(value);
+  }
+
   /** Rows must be set in order. */
   set(row: number, value: number): void {
     const place = row % this.capacity;

@@ -43,6 +43,7 @@ export interface ChartOptions {
   axes?: { x?: Partial<uPlot.Axis>; y?: Partial<uPlot.Axis> };  ///< what is unusual of them
   drag: { x: boolean; y: boolean };
   legend: LegendItem[];
+  onToggle?: (key: string, hidden: boolean) => void;
 }
 
 export abstract class Chart implements Drawn, GestureTarget {
@@ -64,7 +65,10 @@ export abstract class Chart implements Drawn, GestureTarget {
     this.root.setAttribute('role', 'group');
     this.root.setAttribute('aria-label', `${options.title}: plot. Arrow keys move the cursor, plus and ` +
       'minus zoom, Shift and arrows move, 0 shows all.');
-    this.legend = new Legend(options.title, options.unit, options.legend, () => this.changed());
+    this.legend = new Legend(options.title, options.unit, options.legend, (key, hidden) => {
+      options.onToggle?.(key, hidden);
+      this.changed();
+    });
     if (options.height) this.body.style.height = `${options.height}px`;
     this.root.append(this.legend.root, this.body);
     if (options.xLabel) this.root.append(element('div', 'plot-x-label', options.xLabel));

@@ -16,6 +16,8 @@ export interface LegendItem {
   hidden?: boolean;
 }
 
+export type Toggled = (key: string, hidden: boolean) => void;
+
 export function element<K extends keyof HTMLElementTagNameMap>(
   tag: K, className: string, text = '',
 ): HTMLElementTagNameMap[K] {
@@ -31,7 +33,7 @@ export class Legend {
   private readonly values = new Map<string, HTMLElement>();
   private readonly swatches: [HTMLElement, LegendItem][] = [];
 
-  constructor(title: string, unit: string | undefined, items: LegendItem[], toggled: () => void) {
+  constructor(title: string, unit: string | undefined, items: LegendItem[], toggled: Toggled) {
     const heading = element('div', 'plot-title', title);
     if (unit) heading.append(element('span', 'plot-unit', unit));
     const keys = element('div', 'plot-keys');
@@ -58,7 +60,7 @@ export class Legend {
     }
   }
 
-  private button(item: LegendItem, toggled: () => void): HTMLElement {
+  private button(item: LegendItem, toggled: Toggled): HTMLElement {
     const button = element('button', 'plot-key');
     button.type = 'button';
     button.dataset['key'] = item.key;
@@ -77,7 +79,7 @@ export class Legend {
     set(item.hidden ?? false);
     button.addEventListener('click', () => {
       set(!this.hidden.has(item.key));
-      toggled();
+      toggled(item.key, this.hidden.has(item.key));
     });
     return button;
   }

@@ -54,6 +54,14 @@ export interface TimePlotSpec {
   smallest?: number;  ///< shortest range of the left axis
   yLog?: boolean;
   xLabel?: string;
+  /** Columns that are above 0 while something is so: strips along the upper edge, with their names. */
+  flags?: () => Flag[];
+  onToggle?: (key: string, hidden: boolean) => void;  ///< a series was switched off or on
+}
+
+export interface Flag {
+  column: string;
+  label: string;
 }
 
 export class TimePlot extends Chart implements Member {
@@ -61,6 +69,7 @@ export class TimePlot extends Chart implements Member {
   private readonly wants: Want[] = [];
   private readonly areas = { low: new Float64Array(0), high: new Float64Array(0) };
   private shownAt = 0;
+  private flags: Flag[] = [];
   /** Lines across the plot may change at any time. */
   lines: Line[];
 
@@ -78,6 +87,7 @@ export class TimePlot extends Chart implements Member {
       right: spec.series.some((series) => series.axis === 'right'),
       drag: { x: true, y: false },
       legend: spec.series.map((series) => ({ ...series, style: series.style ?? 'line' })),
+      ...(spec.onToggle === undefined ? {} : { onToggle: spec.onToggle }),
     });
     this.lines = spec.lines ?? [];
     group.add(this);
@@ -136,6 +146,7 @@ export class TimePlot extends Chart implements Member {
       }
       ++column;
     }
+    this.paintFlags(view, column);
     this.paintLines(view);
     const now = performance.now();
     if (this.group.cursor !== null || now - this.shownAt > 120) {
@@ -180,6 +191,8 @@ export class TimePlot extends Chart implements Member {
         this.wants.push({ key: series.column ?? series.key, keep });
       }
     }
+    this.flags = this.spec.flags?.() ?? [];
+    for (const flag of this.flags) this.wants.push({ key: flag.column, keep: 'high' });
   }
 
   private convert(): void {
@@ -265,6 +278,33 @@ export class TimePlot extends Chart implements Member {
     }
     const fill = translucent(theme()[series.role], 0.75);
     drawArea(view.ctx, this.reduced, areas.low, areas.high, view.toX, toY, fill);
+  }
+
+  private paintFlags(view: View, column: number): void {
+    const { ctx, ratio } = view;
+    const height = 15 * ratio;
+    let top = view.top;
+    const rows = this.reduced;
+    for (const flag of this.flags) {
+      const set = rows.y[column++]!;
+      let start = NaN;
+      let first = NaN;
+      ctx.fillStyle = translucent(theme().limit, 0.16);
+      for (let row = 0; row < rows.count; ++row) {
+        const on = set[row]! > 0;
+        const x = view.toX(rows.x[row]!);
+        if (on && Number.isNaN(start)) start = x;
+        if (Number.isNaN(first) && on) first = Math.max(view.left, x);
+        if (!Number.isNaN(start) && (!on || row === rows.count - 1)) {
+          ctx.fillRect(start, top, Math.max(ratio, x - start), height - ratio);
+          start = NaN;
+        }
+      }
+      if (Number.isNaN(first) || first > view.left + view.width) continue;
+      const text = Math.min(first, view.left + view.width - 90 * ratio) + 5 * ratio;
+      label(view, flag.label, text, top + height - 2 * ratio, theme().limit);
+      top += height;
+    }
   }
 
   private paintLines(view: View): void {
