@@ -43,9 +43,7 @@ if ! cmp -s package-lock.json node_modules/.package-lock-built.json; then
   cp package-lock.json node_modules/.package-lock-built.json
 fi
 # What does not compile is a mistake, not a missing tool.
-parts=(run build)
-[[ -f page.html ]] || parts=(exec -- vite build --mode report)
-if ! "$npm" "${parts[@]}" >"$log" 2>&1; then
+if ! "$npm" run build >"$log" 2>&1; then
   cat "$log" >&2
   exit 1
 fi

@@ -41,11 +41,12 @@ Panel everything() {
               .y = {.label = "y"},
               .right = {.label = "right"},
               .link = "time"};
-  panel.series = {{.name = "band", .colour = "band", .kind = Kind::band, .x = x, .y = y, .low = low},
-                  {.name = "area", .colour = "r_phase", .kind = Kind::area, .x = x, .y = y, .low = low},
-                  {.name = nasty, .colour = "estimate", .x = x, .y = y, .dashed = true},
-                  {.name = "steps", .colour = "#123456", .kind = Kind::steps, .x = x, .y = y},
-                  {.name = "points", .colour = "fault", .kind = Kind::points, .x = x, .y = y, .right = true}};
+  panel.series = {
+      {.name = "band", .colour = "band", .kind = Kind::band, .x = x, .y = y, .low = low},
+      {.name = "area", .colour = "r_phase", .kind = Kind::area, .x = x, .y = y, .low = low},
+      {.name = nasty, .colour = "estimate", .x = x, .y = y, .dashed = true},
+      {.name = "steps", .colour = "#123456", .kind = Kind::steps, .x = x, .y = y},
+      {.name = "points", .colour = "fault", .kind = Kind::points, .x = x, .y = y, .right = true}};
   panel.rules = {{1.5, "limit", "fault"}, {3, "", "ink", true}};
   panel.notes = {{2, 1, nasty}};
   return panel;
@@ -54,8 +55,11 @@ Panel everything() {
 Panel spans() {
   return {.title = "spans",
           .x = {.min = 0, .max = 10},
-          .series = {{.name = "wire_open'\"", .colour = "fault", .kind = Kind::spans,
-                      .x = report::column({1, 5}), .y = report::column({1, 8})}}};
+          .series = {{.name = "wire_open'\"",
+                      .colour = "fault",
+                      .kind = Kind::spans,
+                      .x = report::column({1, 5}),
+                      .y = report::column({1, 8})}}};
 }
 
 nlohmann::json json_of(const std::vector<Panel>& panels) {
@@ -110,9 +114,10 @@ TEST(PanelsJson, HasNoMarkup) {
 }
 
 TEST(PanelsJson, WritesNumbersAsAPersonDoes) {
-  const report::Column values = report::column({0.1 + 0.2, 7.599999999999999e-05, 1.0 / 3, 1e300, -0.5});
-  const std::string text = report::panels_json(std::vector{
-      Panel{.title = "", .series = {{.colour = "ink", .x = ramp(5), .y = values}}}});
+  const report::Column values =
+      report::column({0.1 + 0.2, 7.599999999999999e-05, 1.0 / 3, 1e300, -0.5});
+  const std::string text = report::panels_json(
+      std::vector{Panel{.title = "", .series = {{.colour = "ink", .x = ramp(5), .y = values}}}});
   EXPECT_THAT(text, HasSubstr("[0.3,7.6e-05,0.333333,1e+300,-0.5]"));
 }
 
@@ -127,8 +132,8 @@ TEST(PanelsJson, IsBoundedAndKeepsPeaks) {
   for (int k = 0; k < 20; ++k) {
     panel.series.push_back(
         {.colour = "ink", .x = time, .y = report::column_of(*time, [k](double t) {
-           return std::sin(t * (0.01 + k));
-         })});
+                                       return std::sin(t * (0.01 + k));
+                                     })});
   }
   const std::string text = report::panels_json(std::vector{panel});
   EXPECT_LT(text.size(), 4'000'000U);

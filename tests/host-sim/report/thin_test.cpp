@@ -50,8 +50,8 @@ TEST(Thin, KeepsTheBoundAndThePeaksOfEveryColumn) {
       for (const auto& column : data) {
         const auto [low, high] = std::ranges::minmax_element(column);
         for (const auto peak : {low, high}) {
-          EXPECT_TRUE(std::ranges::binary_search(
-              kept, static_cast<std::size_t>(peak - column.begin())));
+          EXPECT_TRUE(
+              std::ranges::binary_search(kept, static_cast<std::size_t>(peak - column.begin())));
         }
       }
     }

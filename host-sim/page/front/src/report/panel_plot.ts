@@ -11,8 +11,8 @@ import { Panel, Series } from './data';
 export type Rows = [from: number, to: number];
 
 function styleOf(series: Series): Style {
-  if (series.kind === 'area') return 'stack';
-  if (series.kind === 'band') return 'band';
+  // A band's colour is pale by itself.
+  if (series.kind === 'area' || series.kind === 'band') return 'stack';
   if (series.kind === 'points') return 'points';
   return series.dashed ? 'dashed' : 'line';
 }
@@ -45,7 +45,7 @@ export abstract class PanelPlot extends Chart implements Member {
       right: panel.series.some((series) => series.right),
       axes: {
         ...(panel.x.ticks ? { x: named(panel.x.ticks) } : {}),
-        ...(panel.y.ticks ? { y: named(panel.y.ticks) } : {}),
+        ...(panel.y.ticks ? { y: { ...named(panel.y.ticks), ...(panel.y.ticks.length > 0 ? { size: 80 } : {}) } } : {}),
       },
       drag,
       legend: legendOf(panel),
@@ -199,7 +199,6 @@ function named(ticks: [number, string][]): object {
   return {
     splits: () => ticks.map(([at]) => at),
     values: (_u: unknown, splits: number[]) => splits.map((at) => text.get(at) ?? ''),
-    size: 80,
   };
 }
 
