@@ -7,7 +7,6 @@ namespace smaservo::replay {
 namespace {
 
 using report::Column;
-using report::Kind;
 using report::Panel;
 using report::PlotPoint;
 using report::Series;
@@ -59,7 +58,7 @@ class Drawing {
     panel.series.push_back(
         {.name = "two standard deviations",
          .colour = "band",
-         .kind = Kind::band,
+         .kind = report::Kind::band,
          .x = time_,
          .y = of([&](const PlotPoint& p) { return p.strain_percent + band(p); }),
          .low = of([&](const PlotPoint& p) { return p.strain_percent - band(p); })});
@@ -118,8 +117,12 @@ class Drawing {
     const Column one = of([](const PlotPoint&) { return 1.0; });
     const auto area = [&](const char* name, const char* colour, const Column& low,
                           const Column& high) {
-      panel.series.push_back(
-          {.name = name, .colour = colour, .kind = Kind::area, .x = time_, .y = high, .low = low});
+      panel.series.push_back({.name = name,
+                              .colour = colour,
+                              .kind = report::Kind::area,
+                              .x = time_,
+                              .y = high,
+                              .low = low});
     };
     area("martensite", "martensite", zero, martensite);
     area("R-phase", "r_phase", martensite, both);
