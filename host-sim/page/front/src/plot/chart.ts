@@ -40,6 +40,7 @@ export interface ChartOptions {
   x: GroupOptions;
   yLog?: boolean;
   right?: boolean;
+  axes?: { x?: Partial<uPlot.Axis>; y?: Partial<uPlot.Axis> };  ///< what is unusual of them
   drag: { x: boolean; y: boolean };
   legend: LegendItem[];
   onToggle?: (key: string, hidden: boolean) => void;
@@ -177,8 +178,8 @@ export abstract class Chart implements Drawn, GestureTarget {
         right: { range: range('right') },
       },
       axes: [
-        xAxis(options.x),
-        yAxis('left', options.yLog ?? false),
+        { ...xAxis(options.x), ...options.axes?.x },
+        { ...yAxis('left', options.yLog ?? false), ...options.axes?.y },
         { ...yAxis('right', false, !options.right), show: this.rightShown },
       ],
       series: [{}],

@@ -10,6 +10,7 @@ export interface LegendItem {
   key: string;
   label: string;
   role: Role;
+  colour?: () => string;  ///< instead of the role's
   style: Style;
   unit?: string;
   hidden?: boolean;
@@ -42,16 +43,16 @@ export class Legend {
   }
 
   /** Writes a value; NaN as nothing. */
-  show(key: string, value: number): void {
+  show(key: string, value: number | string): void {
     const place = this.values.get(key);
     if (!place) return;
-    const text = Number.isNaN(value) ? '' : formatNumber(value);
+    const text = typeof value === 'string' ? value : Number.isNaN(value) ? '' : formatNumber(value);
     if (place.textContent !== text) place.textContent = text;
   }
 
   colour(): void {
     for (const [swatch, item] of this.swatches) {
-      const colour = theme()[item.role];
+      const colour = item.colour?.() ?? theme()[item.role];
       const area = item.style === 'band' || item.style === 'stack';
       swatch.style.background = item.style === 'dashed'
         ? `repeating-linear-gradient(90deg, ${colour} 0 4px, transparent 4px 6px)`
