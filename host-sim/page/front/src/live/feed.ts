@@ -30,6 +30,7 @@ export class Feed {
   mode = 0;
   geometry: Geometry = { zero_strain: NaN, length_m: NaN };
   received = 0;
+  private held: Row = {};
   private bits: string[] = [];
   private rate = { since_ms: 0, count: 0, value: 0 };
 
@@ -52,7 +53,12 @@ export class Feed {
     if (!row) return;
     ++this.received;
     this.count();
-    this.push(time_s, row);
+    const last = this.ring.last_s;
+    if (last !== null && time_s - last > gap_s) this.interrupt();
+    // A signal that a message lacks keeps its value: not all come at the full rate.
+    Object.assign(this.held, row);
+    this.derive(this.held);
+    this.ring.push(time_s, this.held);
   }
 
   /** Rows of the service `history`; they must come before the first message. */
@@ -62,7 +68,8 @@ export class Feed {
     for (let i = 0; i < times.length; ++i) {
       const row: Row = {};
       for (const name in signals) row[name] = signals[name]?.[i] ?? null;
-      this.push(Number(times[i]) / 1e9, row);
+      this.derive(row);
+      this.ring.push(Number(times[i]) / 1e9, row);
     }
   }
 
@@ -70,13 +77,7 @@ export class Feed {
   interrupt(): void {
     const last = this.ring.last_s;
     if (last !== null) this.ring.push(last + 1e-6, {});
-  }
-
-  private push(time_s: number, row: Row): void {
-    const last = this.ring.last_s;
-    if (last !== null && time_s - last > gap_s) this.interrupt();
-    this.derive(row);
-    this.ring.push(time_s, row);
+    this.held = {};
   }
 
   private derive(row: Row): void {

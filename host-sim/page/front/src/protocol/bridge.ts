@@ -34,11 +34,12 @@ export interface State {
   target_reached: boolean;
   active: string[];
   latched: string[];
+  warnings?: string[];
   blocking: string[];
-  first_cause: string;
+  first_cause: string | null;
   limits: string[];
   freeze_frame: Record<string, number | null> | null;
-  transaction: { state: 'none' | 'open' | 'trying'; seconds_left: number };
+  transaction: { state: 'none' | 'open' | 'trying'; seconds_left: number | null };
   unsaved: boolean;
   rate_hz: number;
   gaps: number;
@@ -88,6 +89,7 @@ export interface Description {
 }
 
 export interface Recording {
+  id?: number;  ///< under which the bridge keeps it
   period_s: number;
   signals: string[];
   rows: (number | null)[][];

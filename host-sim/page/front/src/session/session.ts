@@ -232,6 +232,16 @@ export async function act(service: string, request: Record<string, unknown> = {}
   }
 }
 
+/** Looks for devices; new ones appear by themselves. */
+export async function scan(): Promise<void> {
+  try {
+    const answer = await call('scan');
+    if (answer['without_id']) say('A device without a node-id is on the bus: give it one by LSS.');
+  } catch (error) {
+    sayError(error, 'Scan');
+  }
+}
+
 /** Everything off. Where that is not confirmed, the person must know at once. */
 export async function stop(): Promise<void> {
   try {

@@ -65,6 +65,15 @@ describe('Feed', () => {
     expect(feed.ring.column('limit:min_current')).toBeUndefined();
   });
 
+  it('keeps the value of a signal that a message lacks, but not over a gap', () => {
+    const feed = new Feed(1024);
+    feed.message(message({ strain: 0.01, supply_V: 12 }), 1);
+    feed.message(message({ strain: 0.02 }), 1.1);
+    feed.message(message({ strain: 0.03 }), 5);
+    const supply = feed.ring.column('supply_V')!;
+    expect([0, 1, 2, 3].map((row) => supply.at(row))).toEqual([12, 12, NaN, NaN]);
+  });
+
   it('makes no line over a silence, and none over a lost connection', () => {
     const feed = new Feed(1024);
     feed.message(message({ strain: 0.01 }), 10);

@@ -1,7 +1,7 @@
 // The steps of the guide that heat nothing.
 
 import { formatNumber } from '../../numbers/format';
-import { act, bridge, call, feed, mayWrite, node, nodes, own, state } from '../../session/session';
+import { bridge, call, feed, mayWrite, node, nodes, own, scan, state } from '../../session/session';
 import { restore, store } from '../../session/tuning';
 import { sayError } from '../../session/notices';
 import { saveText } from '../download';
@@ -24,7 +24,7 @@ export function BusStep() {
       <div class="bar">
         <button type="button" class="primary" disabled={!good} data-testid="guide-bus-done"
           onClick={() => found('bus', `Node ${info!.node} (${info!.name}) answers on ${bridge.value!.bus}.`)}>It is this one</button>
-        <button type="button" onClick={() => void act('scan')}>Scan again</button>
+        <button type="button" onClick={() => void scan()}>Scan again</button>
       </div>
     </>
   );

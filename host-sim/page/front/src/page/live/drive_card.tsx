@@ -121,6 +121,7 @@ function boundsOf(mode: number): Bounds | null {
   }
 }
 
+const homing = 6;  // mode of operation
 const pause_ms = 60;  // between the targets of a slider that is moved
 
 function Target({ now }: { now: State }) {
@@ -132,6 +133,12 @@ function Target({ now }: { now: State }) {
     setTyped(null);
     setDragged(null);
   }, [now.mode, now.node]);
+  if (now.mode === homing) {
+    return (
+      <button type="button" data-testid="home" disabled={!mayWrite.value || now.drive !== 'operation_enabled'}
+        onClick={() => void act('target', { node: now.node, value: 0 })}>Begin homing</button>
+    );
+  }
   if (!bounds) return null;
   const send = (value: number): void => {
     sent.current = Date.now();

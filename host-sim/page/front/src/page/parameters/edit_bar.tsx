@@ -22,15 +22,15 @@ export function EditBar() {
           <span class="spring" />
           <button type="button" class="primary" data-testid="try" disabled={!may || count === 0 || wrong > 0}
             title="In force at once; reverts by itself. Key: Enter" onClick={() => void tryDrafts()}>Try {trySeconds.value} s</button>
-          <button type="button" data-testid="write" disabled={!may || count === 0 || wrong > 0}
+          <button type="button" data-testid="write" disabled={!may || trying.value || count === 0 || wrong > 0}
             title="In force at once, until it is changed again. Key: Ctrl Enter" onClick={() => void writeDrafts()}>Write</button>
           <button type="button" data-testid="discard" onClick={discard}>Discard</button>
         </div>
       )}
       <div class="bar">
-        <button type="button" class="small" data-testid="undo" disabled={!may || !history.value.canUndo}
+        <button type="button" class="small" data-testid="undo" disabled={!may || trying.value || !history.value.canUndo}
           onClick={() => void undo()}>Undo</button>
-        <button type="button" class="small" data-testid="redo" disabled={!may || !history.value.canRedo}
+        <button type="button" class="small" data-testid="redo" disabled={!may || trying.value || !history.value.canRedo}
           onClick={() => void redo()}>Redo</button>
         <span class="spring" />
         {state.value?.unsaved

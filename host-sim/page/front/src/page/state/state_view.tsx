@@ -2,7 +2,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { plain, shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import type { State } from '../../protocol/bridge';
-import { act, bridge, call, client, description, mayWrite, node, state } from '../../session/session';
+import { act, bridge, call, client, description, mayWrite, node, scan, state } from '../../session/session';
 import { allowed, driveNames } from './drive';
 import { Machine } from './machine';
 
@@ -54,7 +54,7 @@ function Buttons({ now }: { now: State | null }) {
 function Faults({ now }: { now: State }) {
   const latched = [...now.latched].sort((a, b) => Number(b === now.first_cause) - Number(a === now.first_cause));
   const blocking = now.blocking.filter((name) => !now.latched.includes(name));
-  const active = now.active.filter((name) => !now.latched.includes(name) && !now.blocking.includes(name));
+  const active = [...new Set([...now.active, ...now.warnings ?? []])].filter((name) => !now.latched.includes(name) && !now.blocking.includes(name));
   return (
     <>
       <section class="card" data-testid="blocking">
@@ -109,11 +109,11 @@ function Fault({ name, tags, open: openFirst = false }: { name: string; tags: st
   );
 }
 
-function FreezeFrame({ values, cause }: { values: Record<string, number | null>; cause: string }) {
+function FreezeFrame({ values, cause }: { values: Record<string, number | null>; cause: string | null }) {
   return (
     <section class="card" data-testid="freeze-frame">
       <h2>Freeze frame</h2>
-      <p class="soft">Values of the cycle in which {cause || 'the first cause'} was found.</p>
+      <p class="soft">The last values that were read before {cause || 'the first cause'} was seen.</p>
       <dl class="frame">
         {Object.entries(values).map(([name, value]) => {
           const shown = shownAs(name);
@@ -155,7 +155,7 @@ function Bus() {
       </table>
       <button type="button" data-testid="scan" disabled={scanning} onClick={async () => {
         setScanning(true);
-        await act('scan');
+        await scan();
         setScanning(false);
       }}>{scanning ? 'Scanning …' : 'Scan'}</button>
     </section>

@@ -10,12 +10,13 @@ import { TimePlot } from '../../plot/time_plot';
 import type { Recording } from '../../protocol/bridge';
 import { sayError } from '../../session/notices';
 import { isNumber, isString, isStrings, saved } from '../../session/saved';
-import { bridge, call, description, link, node } from '../../session/session';
+import { bridge, call, description, link, node, readOnly } from '../../session/session';
 import { column } from './runs';
 import { SaveButtons } from './save_buttons';
 import { NumberField } from './step_view';
 
 const most = 8;
+const patience_s = 60;  // for the trigger
 const chosen = saved<string[]>('record', ['position_m', 'setpoint', 'current_A', 'temperature_K'], isStrings);
 const seconds = saved<number>('record_s', 2, isNumber);
 const before = saved<number>('record_before_s', 0.2, isNumber);
@@ -31,6 +32,7 @@ async function record(): Promise<void> {
     const trigger = triggerSignal.value === '' ? '' : `${triggerSignal.value}${triggerSign.value}${triggerValue.value}`;
     const answer = await call('record', {
       node: node.value, signals: chosen.value, seconds: seconds.value, before_s: trigger === '' ? 0 : before.value, trigger,
+      patience_s,
     });
     recording.value = answer['recording'] as Recording;
   } catch (error) {
@@ -76,7 +78,7 @@ export function RecorderCard() {
           </>
         )}
         <button type="button" class="big" data-testid="record" onClick={() => void record()}
-          disabled={link.value !== 'open' || waiting.value || chosen.value.length === 0 || !!activity}>
+          disabled={link.value !== 'open' || readOnly.value || waiting.value || chosen.value.length === 0 || !!activity}>
           {waiting.value ? (triggerSignal.value === '' ? 'Recording …' : 'Waiting for the trigger …') : 'Record'}
         </button>
       </div>

@@ -12,7 +12,7 @@ interface SaveButtonsProps {
 export function SaveButtons({ recording, disabled = false }: SaveButtonsProps) {
   const save = async (as: 'csv' | 'mcap'): Promise<void> => {
     try {
-      const answer = await call('export', { recording, as });
+      const answer = await call('export', { recording: recording.id ?? recording, as });
       saveBase64(String(answer['name']), String(answer['base64']));
     } catch (error) {
       sayError(error);
