@@ -83,6 +83,14 @@ export abstract class Chart implements Drawn, GestureTarget {
     return this.u.over;
   }
 
+  /** Inside the axes, in pixels of CSS; known without asking the browser for its lay-out. */
+  protected get width(): number {
+    return Math.max(1, this.u.bbox.width / uPlot.pxRatio);
+  }
+  protected get height(): number {
+    return Math.max(1, this.u.bbox.height / uPlot.pxRatio);
+  }
+
   active(): boolean {
     return this.root.contains(document.activeElement);
   }
@@ -98,13 +106,12 @@ export abstract class Chart implements Drawn, GestureTarget {
   }
 
   drawNow(): void {
-    const width = this.u.over.clientWidth || 1;
     const right = this.wantsRight();
     if (right !== this.rightShown) {
       this.rightShown = right;
       this.remake();
     }
-    this.scales = this.measure(Math.max(50, width));
+    this.scales = this.measure(Math.max(50, this.width));
     const { x } = this.scales;
     this.u.batch(() => {
       this.u.setData([x], false);
@@ -138,14 +145,14 @@ export abstract class Chart implements Drawn, GestureTarget {
   /** Puts the vertical line of the cursor, and a text at its foot; null takes both away. */
   protected placeCursor(x: number | null, text = ''): void {
     const left = x === null ? -10 : this.u.valToPos(x, 'x');
-    const inside = left >= 0 && left <= this.u.over.clientWidth;
+    const inside = left >= 0 && left <= this.width;
     if (Math.abs((this.u.cursor.left ?? -10) - left) > 0.5) {
       this.u.setCursor({ left: inside ? left : -10, top: inside ? 0 : -10 }, false);
     }
     this.tag.hidden = !inside || text === '';
     if (!this.tag.hidden) {
       this.tag.textContent = text;
-      this.tag.style.left = `${Math.max(28, Math.min(this.u.over.clientWidth - 28, left))}px`;
+      this.tag.style.left = `${Math.max(28, Math.min(this.width - 28, left))}px`;
     }
   }
 

@@ -159,7 +159,7 @@ export class TimePlot extends Chart implements Member {
     this.group.zoom(x[0], x[1]);
   }
   pan(dx: number): void {
-    this.group.pan(-dx / Math.max(1, this.over.clientWidth));
+    this.group.pan(-dx / this.width);
   }
   zoomAt(left: number, _top: number, factor: number): void {
     this.group.zoomAt(this.u.posToVal(left, 'x'), factor);

@@ -114,8 +114,8 @@ export class XYPlot extends Chart implements Member {
       return [span[0] + by, span[1] + by];
     };
     this.zoomed = {
-      x: moved(x, -dx / Math.max(1, this.over.clientWidth)),
-      y: moved(y, dy / Math.max(1, this.over.clientHeight)),
+      x: moved(x, -dx / this.width),
+      y: moved(y, dy / this.height),
     };
     this.changed();
   }
@@ -179,13 +179,13 @@ export class XYPlot extends Chart implements Member {
   /** Widens the shorter axis until a unit is as long in both. */
   private equalised({ x, y }: { x: Span; y: Span }): Scales {
     const unit = Math.max(
-      (x[1] - x[0]) / Math.max(1, this.over.clientWidth), (y[1] - y[0]) / Math.max(1, this.over.clientHeight),
+      (x[1] - x[0]) / this.width, (y[1] - y[0]) / this.height,
     );
     const around = (span: Span, pixels: number): Span => {
       const middle = (span[0] + span[1]) / 2;
       return [middle - unit * pixels / 2, middle + unit * pixels / 2];
     };
-    return { x: around(x, this.over.clientWidth), y: around(y, this.over.clientHeight) };
+    return { x: around(x, this.width), y: around(y, this.height) };
   }
 
   private paintLoop(view: View, loop: LoopSpec): void {
