@@ -93,30 +93,39 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   set(remote, "recorder.command", 1);
 }
 
+RecorderWatch::RecorderWatch(Remote& remote, const RecordingPlan& plan, double patience_s)
+    : remote_(remote),
+      patience_s_(patience_s),
+      until_us_(remote.bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6)),
+      after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)),
+      // The recording is complete with this many rows, even if the memory holds more. A loop that
+      // misses cycles takes longer to collect them.
+      rows_(std::ceil(plan.seconds / remote.number("recorder.period_s"))) {}
+
+bool RecorderWatch::is_complete() {
+  const std::int64_t longest_us = 10 * after_us_ + 5'000'000;
+  const RecorderState state = state_of(remote_);
+  const std::int64_t now_us = remote_.bus().now_us();
+  if (state == RecorderState::full || state == RecorderState::idle) return true;
+  if (state == RecorderState::triggered && triggered_us_ == 0) triggered_us_ = now_us;
+  if (triggered_us_ != 0) {
+    return now_us >= triggered_us_ + after_us_ &&
+           (remote_.number("recorder.samples") >= rows_ || now_us >= triggered_us_ + longest_us);
+  }
+  if (now_us >= until_us_) {
+    set(remote_, "recorder.command", 0);
+    throw files::UserError(fmt::format("not triggered within {} s", patience_s_));
+  }
+  return false;
+}
+
 void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s) {
   Bus& bus = remote.bus();
-  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
-  const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
-  std::int64_t triggered_us = 0;
-  // The recording is complete with this many rows, even if the memory holds more. A loop that
-  // misses cycles takes longer to collect them.
-  const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
-  const std::int64_t longest_us = 10 * after_us + 5'000'000;
-  for (;;) {
-    const RecorderState state = state_of(remote);
-    const std::int64_t now_us = bus.now_us();
-    if (state == RecorderState::full || state == RecorderState::idle) return;
-    if (state == RecorderState::triggered && triggered_us == 0) triggered_us = now_us;
-    if (triggered_us != 0 && now_us >= triggered_us + after_us &&
-        (remote.number("recorder.samples") >= rows || now_us >= triggered_us + longest_us)) {
-      return;
-    }
-    if (triggered_us == 0 && now_us >= until_us) {
-      set(remote, "recorder.command", 0);
-      throw files::UserError(fmt::format("not triggered within {} s", patience_s));
-    }
+  RecorderWatch watch(remote, plan, patience_s);
+  while (!watch.is_complete()) {
+    const std::int64_t next_us = bus.now_us() + poll_us;
     hal::CanFrame passing;
-    while (bus.receive(passing, now_us + poll_us)) {
+    while (bus.receive(passing, next_us)) {
     }
   }
 }
