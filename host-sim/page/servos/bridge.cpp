@@ -83,6 +83,7 @@ void Bridge::client_left(std::uint32_t client) {
 
 /// Asks each servo that was switched off whether it is, and does it again where it is not.
 bool Bridge::check_off() {
+  bus_.forget_interrupt();
   NodeSet nodes;
   {
     const std::scoped_lock lock(mutex_);
@@ -350,6 +351,7 @@ void Bridge::round() {
     run_next();
   } catch (const Interrupted&) {
     // Somebody is switched off: the next round checks that.
+    check_us_ = 0;
   } catch (const UserError& error) {
     trouble(error.what());
     publish_bridge(port_->now_us());

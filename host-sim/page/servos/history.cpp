@@ -108,25 +108,25 @@ HistoryRows History::last(std::int64_t span_us, std::size_t points) const {
 }
 
 HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
-  HistoryRows all{{}, has, {}};
-  std::vector<std::size_t> order;
-  std::vector<std::vector<float>> rows;
+  const std::size_t width = has.count();
+  std::vector<std::int64_t> times_us;
+  std::vector<float> values;  // row by row
   for_each_row(from_us, [&](const Chunk& chunk, std::size_t row) {
-    all.time_us.push_back(chunk.times_us[row]);
-    std::vector<float>& values = rows.emplace_back();
+    times_us.push_back(chunk.times_us[row]);
     std::size_t at = row * chunk.has.count();
     for (std::size_t i = 0; i < signal_count; ++i) {
       if (has[i]) values.push_back(chunk.has[i] ? chunk.values[at] : absent);
       at += chunk.has[i] ? 1U : 0U;
     }
   });
-  order.resize(rows.size());
+  // Chunks of different signals overlap in time.
+  std::vector<std::size_t> order(times_us.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return all.time_us[i]; });
-  std::ranges::sort(all.time_us);
-  all.columns.assign(has.count(), {});
+  std::ranges::stable_sort(order, {}, [&](std::size_t row) { return times_us[row]; });
+  HistoryRows all{{}, has, std::vector<std::vector<float>>(width)};
   for (const std::size_t row : order) {
-    for (std::size_t k = 0; k < all.columns.size(); ++k) all.columns[k].push_back(rows[row][k]);
+    all.time_us.push_back(times_us[row]);
+    for (std::size_t k = 0; k < width; ++k) all.columns[k].push_back(values[row * width + k]);
   }
   return all;
 }

@@ -125,6 +125,8 @@ void SyncStream::map(can::Remote& remote) {
   nodes_[remote.node()] = node;
   for (std::size_t i = 0; i < pdos; ++i) write_pdo(remote, node.pdos[i], i * signals_per_pdo);
   remote.nmt(can::NmtCommand::start);
+  // What was sent while only some of the PDOs were there does not count.
+  nodes_[remote.node()] = std::move(node);
 }
 
 void SyncStream::put_back(can::Remote& remote) {

@@ -46,7 +46,8 @@ class ServoBus {
 
   bool down = false;                                  ///< the interface
   std::function<bool(const hal::CanFrame&)> loses;    ///< frames of servos that do not arrive
-  std::function<void()> before_receive;               ///< of the bridge
+  std::function<void()> before_receive;               ///< of `hooked`
+  const can::Bus* hooked = nullptr;
 
   struct Port final : can::Bus {
     explicit Port(ServoBus& bus_) : bus(bus_) { bus.ports_.push_back(this); }
@@ -56,7 +57,7 @@ class ServoBus {
       bus.deliver(frame, this, nullptr);
     }
     bool receive(hal::CanFrame& frame, std::int64_t until_us) override {
-      if (bus.before_receive && this == bus.ports_.front()) bus.before_receive();
+      if (bus.before_receive && this == bus.hooked) bus.before_receive();
       while (frames.empty() && bus.now_us_ < until_us) bus.step();
       if (frames.empty()) return false;
       frame = frames.front();
@@ -139,12 +140,17 @@ class BridgeBench {
  public:
   explicit BridgeBench(const std::vector<unsigned>& nodes, page::BridgePlan plan = usual_plan(),
                        const canopen::ServoConfig& config = {})
-      : bus(nodes, config), bridge(std::move(plan), bus.port(), bus.port()) {
+      : bus(nodes, config), bridge(std::move(plan), hooked_port(), bus.port()) {
     for (const unsigned client : {1U, 2U, 3U, 9U}) {
       told.present.push_back({client, "127.0.0.1", 0, 0, client == 9});
     }
     bridge.start(told);
     bridge.subscribed(1, 1);
+  }
+  std::unique_ptr<can::Bus> hooked_port() {
+    auto port = bus.port();
+    bus.hooked = port.get();
+    return port;
   }
   static page::BridgePlan usual_plan() {
     page::BridgePlan plan;
