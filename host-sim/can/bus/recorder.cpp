@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -46,6 +47,24 @@ void set_trigger(Remote& remote, const std::string& trigger) {
   set(remote, "recorder.trigger_signal", sub_of_signal(trigger.substr(0, sign)));
   set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
   remote.set("recorder.trigger_level", trigger.substr(sign + 1));
+}
+
+/// The first row of the requested time. A memory that was not full holds all since the recorder was
+/// armed; where the trigger's signal has been recorded, the trigger is found as the device does. 0
+/// where it is not.
+std::size_t first_row(const Recording& recording, const RecordingPlan& plan) {
+  const std::size_t sign = plan.trigger.find_first_of("<>");
+  const auto found = std::ranges::find(plan.signals, plan.trigger.substr(0, sign));
+  if (sign == std::string::npos || found == plan.signals.end()) return 0;
+  const std::vector<double> values = recording.column(*found);
+  const double level = std::strtod(plan.trigger.c_str() + sign + 1, nullptr);
+  const bool rises = plan.trigger[sign] == '>';
+  const auto before = static_cast<std::size_t>(plan.before_s / recording.period_s);
+  for (std::size_t i = std::max<std::size_t>(before, 1); i < values.size(); ++i) {
+    const bool was_below = values[i - 1] < level;
+    if (was_below == rises && (values[i] < level) != was_below) return i - before;
+  }
+  return 0;
 }
 
 RecorderState state_of(Remote& remote) {
@@ -144,9 +163,14 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
     }
     recording.rows.push_back(std::move(row));
   }
-  // Rows that came between the end of the requested time and the stop are dropped.
+  // Rows that came between the end of the requested time and the stop are dropped, and those of
+  // before.
   const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
-  if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
+  const std::size_t first = first_row(recording, plan);
+  auto& rows = recording.rows;
+  rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(first));
+  const bool has_begin = plan.trigger.empty() || first != 0;
+  if (has_begin && rows.size() > max) rows.resize(max);
   return recording;
 }
 

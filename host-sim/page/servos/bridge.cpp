@@ -494,8 +494,7 @@ bool Bridge::read_recording() {
       } else if (!running.recording.is_complete()) {
         continue;
       } else {
-        running.reply(
-            {true, json_text({{"recording", recording_message(running.recording.read())}})});
+        running.reply({true, json_text({{"recording", kept(running.recording.read())}})});
       }
     } catch (const UserError& error) {
       running.reply({false, error.what()});

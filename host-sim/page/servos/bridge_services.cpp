@@ -71,6 +71,7 @@ constexpr auto exports = std::to_array<Export>({
     {"csv", "recording.csv", can::to_csv},
 });
 
+constexpr std::size_t kept_recordings = 8;
 constexpr std::size_t most_points = 200'000;
 constexpr double longest_recording_s = 3600;
 constexpr double usual_patience_s = 60;
@@ -97,21 +98,6 @@ json explained(const json& request) {
                                 fmt::join(text::similar_faults(name), ", ")));
   }
   return {{"text", text::explain_fault(fault)}};
-}
-
-json exported(const json& request) {
-  const std::string as = text_in(request, "as");
-  std::vector<std::string> known;
-  for (const Export& row : exports) {
-    if (as == row.as) {
-      const can::Recording recording =
-          recording_of(request.contains("recording") ? request["recording"] : json());
-      return {{"name", row.file}, {"base64", base64(row.bytes(recording))}};
-    }
-    known.emplace_back(row.as);
-  }
-  throw UserError(
-      fmt::format("as = {}: must be {}", files::printable(as), fmt::join(known, ", ")));
 }
 
 can::RecordingPlan recording_plan(const json& request) {
@@ -332,7 +318,10 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
   try {
     json answer = json::object();
     if (service == "step") {
-      answer = operations_.step(servo, job.ticket, amplitude_um, seconds);
+      const Operations::Step step = operations_.step(servo, job.ticket, amplitude_um, seconds);
+      answer = {{"recording", kept(step.recording)},
+                {"figures", step.figures},
+                {"gains", step.gains}};
     } else {
       operations_.enable(servo, job.ticket);
     }
@@ -356,6 +345,44 @@ json Bridge::scan() {
     traffic_.probe(node.node);
   }
   return {{"nodes", nodes}, {"without_id", found.without_id}};
+}
+
+/// The message of a recording, by whose `id` it can be exported: whole, it may be too long for a
+/// request.
+json Bridge::kept(const can::Recording& recording) {
+  json message = recording_message(recording);
+  const std::scoped_lock lock(mutex_);
+  recordings_.emplace_back(++recording_count_, recording);
+  if (recordings_.size() > kept_recordings) recordings_.pop_front();
+  message["id"] = recording_count_;
+  return message;
+}
+
+json Bridge::exported(const json& request) {
+  const std::string as = text_in(request, "as");
+  const auto* const row = std::ranges::find(exports, as, &Export::as);
+  if (row == exports.end()) {
+    std::vector<std::string> known;
+    for (const Export& other : exports) known.emplace_back(other.as);
+    throw UserError(
+        fmt::format("as = {}: must be {}", files::printable(as), fmt::join(known, ", ")));
+  }
+  can::Recording recording;
+  const auto given = request.find("recording");
+  if (given != request.end() && given->is_number_unsigned()) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::ranges::find_if(recordings_, [&](const auto& kept_one) {
+      return kept_one.first == given->get<std::uint64_t>();
+    });
+    if (found == recordings_.end()) {
+      throw UserError(fmt::format("recording {}: is not kept any more; only the last {} are",
+                                  json_text(*given), kept_recordings));
+    }
+    recording = found->second;
+  } else {
+    recording = recording_of(given == request.end() ? json() : *given);
+  }
+  return {{"name", row->file}, {"base64", base64(row->bytes(recording))}};
 }
 
 void Bridge::begin_recording(const Caller& caller, const json& request, const Reply& reply) {

@@ -370,30 +370,29 @@ json Operations::restore(Servo& servo, const std::string& toml) {
 
 // Measuring.
 
-json Operations::step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um,
-                      double seconds) {
+Operations::Step Operations::step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um,
+                                  double seconds) {
   can::Remote remote = this->remote(servo);
   const bool was_enabled =
       control_.heated()[servo.node] && (static_cast<unsigned>(remote.number("6041")) & 0x6FU) == 0x27;
   if (!was_enabled) enable(servo, ticket);
   const can::StepRun run = can::run_step(remote, {amplitude_um, std::min(seconds, longest_step_s)});
   if (!was_enabled) disable(servo);
-  json answer{{"recording", recording_message(run.recording)}};
   const can::StepResult result = can::judge(run);
+  Step answer{run.recording, json::object(), json::object()};
   const auto number = [](double value) { return json_number(static_cast<float>(value)); };
-  answer["figures"] = {{"rise_s", number(result.figures.rise_s)},
+  answer.figures = {{"rise_s", number(result.figures.rise_s)},
                        {"settling_s", number(result.figures.settling_s)},
                        {"overshoot_percent", number(result.figures.overshoot_percent)},
                        {"error_percent", number(result.figures.error_percent)},
                        {"peak_K", number(result.peak_K)}};
-  answer["gains"] = json::object();
   for (std::size_t row = 0; row < parameter_count; ++row) {
     const std::string_view path = parameters<double>[row].path.text();
     const bool shapes = std::ranges::any_of(
         groups_of_gains, [&](const char* group) { return path.starts_with(group); });
     const std::optional<Value> value = servo.parameters->get(row);
     if (!shapes || !value) continue;
-    answer["gains"][std::string(path)] =
+    answer.gains[std::string(path)] =
         json::parse(parameter_json(parameters<double>[row], *value));
   }
   return answer;

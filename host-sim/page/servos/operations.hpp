@@ -2,7 +2,7 @@
 // What clients ask of a servo, over SDO: each function is a whole operation, which waits for the
 // bus. All throw UserError, and Interrupted when the servo is to be switched off meanwhile.
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "host-sim/can/bus/recorder.hpp"
 #include "host-sim/can/remote.hpp"
@@ -54,8 +54,11 @@ class Operations {
   std::string dump(Servo& servo, const std::string& as);
   nlohmann::json diff(Servo& servo, const std::string& toml);
   nlohmann::json restore(Servo& servo, const std::string& toml);
-  nlohmann::json step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um,
-                      double seconds);
+  struct Step {
+    can::Recording recording;
+    nlohmann::json figures, gains;  ///< as PROTOCOL.md has them
+  };
+  Step step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um, double seconds);
 
  private:
   void shorten_watch(Servo& servo, can::Remote& remote);

@@ -33,7 +33,10 @@ class SyncStream {
   /// A frame that may be a PDO of the stream. True: `sample` is complete.
   bool heard(const hal::CanFrame& frame, std::int64_t now_us, unsigned& node, Sample& sample);
   /// Somebody else sends SYNC: the bridge does not.
-  void foreign_sync(std::int64_t now_us) { foreign_us_ = now_us; }
+  void foreign_sync(std::int64_t now_us) {
+    foreign_us_ = now_us;
+    for (auto& [number, node] : nodes_) ++node.sent;
+  }
   bool is_foreign(std::int64_t now_us) const { return now_us - foreign_us_ < 1'000'000; }
 
   /// Samples that are known to be missing.
