@@ -17,17 +17,21 @@ namespace {
 
 std::string lower(std::string_view text) {
   std::string all(text);
-  std::ranges::transform(
-      all, all.begin(), [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  std::ranges::transform(all, all.begin(), [](char c) {
+    return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  });
   return all;
 }
 
 /// Signs of a host with a port: no others can stand in a header or in a Content-Security-Policy.
 bool is_host(std::string_view text) {
-  return !text.empty() && text.size() < 256 && std::ranges::all_of(text, [](char c) {
-    return ('0' <= c && c <= '9') || ('a' <= c && c <= 'z') || c == '.' || c == '-' || c == ':' ||
-           c == '[' || c == ']';
-  });
+  return !text.empty() && text.size() < 256 &&
+         std::ranges::all_of(
+             text,
+             [](char c) {
+               return ('0' <= c && c <= '9') || ('a' <= c && c <= 'z') || c == '.' || c == '-' ||
+                      c == ':' || c == '[' || c == ']';
+             });
 }
 
 /// The name without the port: "[::1]" of "[::1]:8765".
@@ -85,15 +89,13 @@ Listen parse_listen(std::string_view text) {
     address = address.substr(1, address.size() - 2);
   }
   Listen listen{.address = address == "localhost" ? "127.0.0.1" : std::string(address)};
-  const auto [end, error] =
-      std::from_chars(port.data(), port.data() + port.size(), listen.port);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), listen.port);
   const int is = family(listen.address);
   if (error != std::errc{} || end != port.data() + port.size() || is == 0 ||
       bracketed != (is == 6)) {
     refuse_listen(text);
   }
-  listen.loopback =
-      is == 4 ? listen.address.starts_with("127.") : listen.address == "::1";
+  listen.loopback = is == 4 ? listen.address.starts_with("127.") : listen.address == "::1";
   return listen;
 }
 
@@ -126,8 +128,8 @@ bool equal_in_constant_time(std::string_view given, std::string_view secret) {
   }
   volatile unsigned char differing = 0;
   for (std::size_t i = 0; i < given.size(); ++i) {
-    differing = static_cast<unsigned char>(
-        differing | static_cast<unsigned char>(given[i] ^ secret[i]));
+    differing =
+        static_cast<unsigned char>(differing | static_cast<unsigned char>(given[i] ^ secret[i]));
   }
   return differing == 0;
 }

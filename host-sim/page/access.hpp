@@ -2,8 +2,8 @@
 // Who may connect: rules on one request's headers, as a pure function.
 //
 // A page of any origin can make a browser send requests to this machine, so on a loopback address
-// it is the Host that tells a foreign name which resolves to it (DNS rebinding), and the Origin that
-// tells a foreign page. On any other address whoever connects needs the token.
+// it is the Host that tells a foreign name which resolves to it (DNS rebinding), and the Origin
+// that tells a foreign page. On any other address whoever connects needs the token.
 
 #include <cstdint>
 #include <optional>

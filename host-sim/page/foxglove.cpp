@@ -155,15 +155,14 @@ class Complaints {
   std::size_t count_ = 0;
 };
 
-Frame text_frame(const json& document) { return {.head = text_of(document), .body = {}}; }
+Frame text_frame(const json& document) {
+  return {.head = text_of(document), .body = {}};
+}
 
 json channel_json(const Channel& channel) {
-  return {{"id", channel.id},
-          {"topic", channel.topic},
-          {"encoding", encoding},
-          {"schemaName", channel.schema_name},
-          {"schema", channel.schema},
-          {"schemaEncoding", "jsonschema"}};
+  return {{"id", channel.id},         {"topic", channel.topic},
+          {"encoding", encoding},     {"schemaName", channel.schema_name},
+          {"schema", channel.schema}, {"schemaEncoding", "jsonschema"}};
 }
 
 json service_json(const Service& service) {
@@ -483,8 +482,8 @@ void Conversation::answer(std::uint32_t service, std::uint32_t call, const Answe
 }
 
 void Conversation::status(Level level, std::string_view message) {
-  desk_.send(text_frame(
-      {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
+  desk_.send(
+      text_frame({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
 }
 
 bool Conversation::may_ask(const char* what) {

@@ -1,7 +1,8 @@
 #pragma once
 // One client's side of the Foxglove WebSocket protocol (foxglove.websocket.v1), without a socket:
-// texts and bytes come in, frames go out. Nothing that comes in makes it throw; what is malformed is
-// answered by a status message and changes nothing. foxglove.sdk.v1 is the same under another name.
+// texts and bytes come in, frames go out. Nothing that comes in makes it throw; what is malformed
+// is answered by a status message and changes nothing. foxglove.sdk.v1 is the same under another
+// name.
 //
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 
@@ -18,8 +19,9 @@ namespace smaservo::page {
 
 /// What a client may ask for in one message, and keep open.
 namespace limits {
-inline constexpr std::size_t message_bytes = std::size_t{256} << 10U;  ///< a settings file has 30 kB
-inline constexpr int depth = 32;                                       ///< of a JSON document
+inline constexpr std::size_t message_bytes = std::size_t{256}
+                                             << 10U;  ///< a settings file has 30 kB
+inline constexpr int depth = 32;                      ///< of a JSON document
 inline constexpr std::size_t subscriptions = 1024;
 inline constexpr std::size_t names = 8192;  ///< of parameters
 inline constexpr std::size_t calls = 64;    ///< services and parameters that are not answered yet
@@ -89,8 +91,8 @@ class Conversation {
   std::map<std::uint32_t, std::uint32_t> by_channel_;       ///< subscription of each channel
   std::map<std::uint32_t, std::uint32_t> by_subscription_;  ///< channel of each subscription
   std::set<std::string, std::less<>> named_;  ///< parameters that are wanted; or not, of all
-  bool wants_all_ = false;  ///< parameters, but those that are named
-  std::size_t open_ = 0;  ///< requests that are not answered yet
+  bool wants_all_ = false;                    ///< parameters, but those that are named
+  std::size_t open_ = 0;                      ///< requests that are not answered yet
 };
 
 }  // namespace smaservo::page

@@ -1,8 +1,8 @@
 #include "host-sim/page/server.hpp"
 
 #include <algorithm>
-#include <array>
 #include <arpa/inet.h>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -42,7 +42,13 @@ constexpr std::string_view no_page =
     "(Foxglove WebSocket) to this address, with ws in the place of http.\n"
     "For the page: toolchain/dev setup, then build anew.\n";
 
-enum HttpStatus : int { ok = 200, bad_request = 400, not_found = 404, not_allowed = 405, unavailable = 503 };
+enum HttpStatus : int {
+  ok = 200,
+  bad_request = 400,
+  not_found = 404,
+  not_allowed = 405,
+  unavailable = 503
+};
 
 /// What libwebsockets has last said, where it fails.
 std::string& last_complaint() {
@@ -115,16 +121,15 @@ bool write_headers(lws* wsi, int status, const char* type, std::size_t length,
   unsigned char* const start = buffer.data() + LWS_PRE;
   unsigned char* at = start;
   unsigned char* const end = buffer.data() + buffer.size() - 1;
-  const bool fits =
-      lws_add_http_common_headers(wsi, static_cast<unsigned>(status), type, length, &at, end) ==
-          0 &&
-      add_header(wsi, "content-security-policy:", policy, &at, end) &&
-      add_header(wsi, "x-content-type-options:", "nosniff", &at, end) &&
-      add_header(wsi, "x-frame-options:", "DENY", &at, end) &&
-      add_header(wsi, "referrer-policy:", "no-referrer", &at, end) &&
-      add_header(wsi, "cross-origin-opener-policy:", "same-origin", &at, end) &&
-      add_header(wsi, "cross-origin-resource-policy:", "same-origin", &at, end) &&
-      add_header(wsi, "cache-control:", "no-store", &at, end);
+  const bool fits = lws_add_http_common_headers(wsi, static_cast<unsigned>(status), type, length,
+                                                &at, end) == 0 &&
+                    add_header(wsi, "content-security-policy:", policy, &at, end) &&
+                    add_header(wsi, "x-content-type-options:", "nosniff", &at, end) &&
+                    add_header(wsi, "x-frame-options:", "DENY", &at, end) &&
+                    add_header(wsi, "referrer-policy:", "no-referrer", &at, end) &&
+                    add_header(wsi, "cross-origin-opener-policy:", "same-origin", &at, end) &&
+                    add_header(wsi, "cross-origin-resource-policy:", "same-origin", &at, end) &&
+                    add_header(wsi, "cache-control:", "no-store", &at, end);
   return fits && lws_finalize_write_http_header(wsi, start, &at, end) == 0;
 }
 
@@ -139,7 +144,8 @@ bool say(lws* wsi, int status, std::string_view text) {
 
 /// Whether one could listen there; libwebsockets does not say why it cannot.
 void check_address(const Listen& listen) {
-  sockaddr_in v4{.sin_family = AF_INET, .sin_port = htons(listen.port), .sin_addr = {}, .sin_zero = {}};
+  sockaddr_in v4{
+      .sin_family = AF_INET, .sin_port = htons(listen.port), .sin_addr = {}, .sin_zero = {}};
   sockaddr_in6 v6{.sin6_family = AF_INET6,
                   .sin6_port = htons(listen.port),
                   .sin6_flowinfo = 0,
@@ -157,12 +163,12 @@ void check_address(const Listen& listen) {
   const int error = errno;
   close(fd);
   if (failed == 0) return;
-  throw files::UserError(fmt::format(
-      "--listen {}: {}", listen.text(),
-      error == EADDRINUSE      ? "another program listens there; choose another port"
-      : error == EADDRNOTAVAIL ? "is no address of this machine"
-      : error == EACCES        ? "ports below 1024 are root's; choose another"
-                               : std::strerror(error)));
+  throw files::UserError(
+      fmt::format("--listen {}: {}", listen.text(),
+                  error == EADDRINUSE      ? "another program listens there; choose another port"
+                  : error == EADDRNOTAVAIL ? "is no address of this machine"
+                  : error == EACCES        ? "ports below 1024 are root's; choose another"
+                                           : std::strerror(error)));
 }
 
 void check_readable(const char* option, const std::string& path) {
@@ -213,7 +219,8 @@ class Server::Body final : public Sink {
     std::size_t sent;  ///< of the page
   };
 
-  static int on_event(lws* wsi, lws_callback_reasons reason, void* user, void* in, std::size_t length);
+  static int on_event(lws* wsi, lws_callback_reasons reason, void* user, void* in,
+                      std::size_t length);
   int handle(lws* wsi, lws_callback_reasons reason, Session* session, std::string_view in);
   int serve_http(lws* wsi, std::string_view path);
   int serve_page(lws* wsi, Session& session);
@@ -330,10 +337,9 @@ void Server::Body::Client::set_parameters(std::vector<NamedValue> values,
                                           std::optional<std::string> id) {
   body_.source_.set_parameters(
       caller(), std::move(values),
-      body_.to_client(id_, [id](Conversation& to, const std::vector<NamedValue>& in_force,
-                                const std::string& refusal) {
-        to.parameter_values(in_force, id, refusal);
-      }));
+      body_.to_client(
+          id_, [id](Conversation& to, const std::vector<NamedValue>& in_force,
+                    const std::string& refusal) { to.parameter_values(in_force, id, refusal); }));
 }
 
 void Server::Body::Client::call(std::uint32_t service, std::uint32_t call, std::string request) {
@@ -417,8 +423,7 @@ void Server::Body::join(lws* wsi, Session& session) {
 void Server::Body::leave(Session& session) {
   if (session.client == nullptr) return;
   const std::uint32_t id = session.client->id();
-  const std::vector<std::uint32_t> channels =
-      session.client->conversation().subscribed_channels();
+  const std::vector<std::uint32_t> channels = session.client->conversation().subscribed_channels();
   session.client = nullptr;
   clients_.erase(id);
   {
@@ -482,8 +487,8 @@ int Server::Body::may_upgrade(lws* wsi) {
     verdict = {bad_request, "Sec-WebSocket-Protocol must name foxglove.websocket.v1"};
   }
   if (verdict.status == ok && clients_.size() >= settings_.clients) {
-    verdict = {unavailable, fmt::format("{} clients are connected; --clients allows more",
-                                        clients_.size())};
+    verdict = {unavailable,
+               fmt::format("{} clients are connected; --clients allows more", clients_.size())};
   }
   if (verdict.status == ok) return 0;
   return say(wsi, verdict.status, verdict.why + "\n") ? 1 : -1;
@@ -662,8 +667,14 @@ void Server::Body::stop() {
 Server::Server(ServerSettings settings, Source& source)
     : body_(std::make_unique<Body>(std::move(settings), source)) {}
 Server::~Server() = default;
-std::uint16_t Server::port() const { return body_->port(); }
-void Server::run() { body_->run(); }
-void Server::stop() { body_->stop(); }
+std::uint16_t Server::port() const {
+  return body_->port();
+}
+void Server::run() {
+  body_->run();
+}
+void Server::stop() {
+  body_->stop();
+}
 
 }  // namespace smaservo::page

@@ -26,7 +26,9 @@ constexpr std::size_t shortest = 32, longest = 256;
   throw files::UserError(fmt::format("token file {}: {}", files::printable(path), what));
 }
 
-[[noreturn]] void fail_by_errno(const std::string& path) { fail(path, std::strerror(errno)); }
+[[noreturn]] void fail_by_errno(const std::string& path) {
+  fail(path, std::strerror(errno));
+}
 
 class File {
  public:
@@ -51,9 +53,10 @@ std::string checked(const std::string& path, std::string token) {
            c == '_';
   });
   if (token.size() < shortest || token.size() > longest || !plain) {
-    fail(path, fmt::format("must have one line of {} to {} letters, digits, - and _; delete it, and "
-                           "a new one will be made",
-                           shortest, longest));
+    fail(path,
+         fmt::format("must have one line of {} to {} letters, digits, - and _; delete it, and "
+                     "a new one will be made",
+                     shortest, longest));
   }
   return token;
 }
@@ -65,7 +68,7 @@ std::optional<std::string> read_token(const std::string& path) {
     if (errno == ENOENT) return std::nullopt;
     fail_by_errno(path);
   }
-  struct stat status {};
+  struct stat status{};
   if (fstat(file.get(), &status) != 0) fail_by_errno(path);
   if (!S_ISREG(status.st_mode)) fail(path, "is no file");
   if ((status.st_mode & 0077U) != 0) {
@@ -90,11 +93,10 @@ void make_token(const std::string& path) {
   const File file(mkostemp(beside.data(), O_CLOEXEC));
   if (file.get() < 0) fail_by_errno(path);
   const std::string line = random_token() + "\n";
-  const bool written = write(file.get(), line.data(), line.size()) ==
-                           static_cast<ssize_t>(line.size()) &&
-                       fsync(file.get()) == 0;
-  const bool linked =
-      written && (link(beside.c_str(), path.c_str()) == 0 || errno == EEXIST);
+  const bool written =
+      write(file.get(), line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
+      fsync(file.get()) == 0;
+  const bool linked = written && (link(beside.c_str(), path.c_str()) == 0 || errno == EEXIST);
   const int error = errno;
   unlink(beside.c_str());
   errno = error;

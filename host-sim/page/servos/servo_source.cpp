@@ -1,0 +1,11 @@
+#include "host-sim/page/servos/servo_source.hpp"
+
+#include "model/files/error.hpp"
+
+namespace smaservo::page {
+
+std::unique_ptr<Source> make_servo_source(const std::string& can) {
+  throw files::UserError("--can " + can + ": this build has no source for servos");
+}
+
+}  // namespace smaservo::page
