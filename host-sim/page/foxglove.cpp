@@ -202,7 +202,8 @@ struct Conversation::Reading {
     Complaints wrong;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted;
     for (const json& one : list(message, "subscriptions", limits::subscriptions)) {
-      wanted.emplace_back(number_in(one, "id"), number_in(one, "channelId"));
+      const std::uint32_t id = number_in(one, "id");
+      wanted.emplace_back(id, number_in(one, "channelId"));
     }
     for (const auto& [id, channel] : wanted) {
       if (!self.channels_.contains(channel)) {

@@ -22,9 +22,10 @@ struct Frame {
 
 class SendQueue {
  public:
-  /// 256 messages are a quarter of a second at 1 kHz. The longest answers are exported recordings.
+  /// Live messages of a second at 1 kHz: 256 were too few where other programs kept both sides from
+  /// running for longer than that. The longest answers are exported recordings.
   struct Bounds {
-    std::size_t live_messages = 256, live_bytes = std::size_t{1} << 20U;
+    std::size_t live_messages = 1024, live_bytes = std::size_t{1} << 20U;
     std::size_t answers = 1024, answer_bytes = std::size_t{32} << 20U;
   };
 

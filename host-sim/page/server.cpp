@@ -605,6 +605,7 @@ void Server::Body::open_vhost() {
     info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
   }
   if (tls()) {
+    info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
     info.ssl_cert_filepath = settings_.certificate.c_str();
     info.ssl_private_key_filepath = settings_.key.c_str();
     info.alpn = "http/1.1";

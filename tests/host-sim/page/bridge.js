@@ -147,7 +147,7 @@ class Client {
 // The status of a plain request, its headers and its text.
 function get(bridge, path, headers = {}, method = 'GET') {
   return new Promise((done, failed) => {
-    const request = http.request({host: '127.0.0.1', port: bridge.port, path, method, headers}, (answer) => {
+    const request = http.request({host: '127.0.0.1', port: bridge.port, path, method, headers, agent: false}, (answer) => {
       let body = '';
       answer.setEncoding('utf8');
       answer.on('data', (part) => (body += part));
@@ -162,7 +162,7 @@ function get(bridge, path, headers = {}, method = 'GET') {
 function upgrade(bridge, path, headers = {}) {
   return new Promise((done) => {
     const request = http.request({
-      host: '127.0.0.1', port: bridge.port, path,
+      host: '127.0.0.1', port: bridge.port, path, agent: false,
       headers: {'Connection': 'Upgrade', 'Upgrade': 'websocket', 'Sec-WebSocket-Version': '13',
                 'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ==', 'Sec-WebSocket-Protocol': protocol,
                 ...headers},
@@ -184,7 +184,7 @@ function upgrade(bridge, path, headers = {}) {
 async function rawSocket(bridge) {
   const socket = net.connect(bridge.port, '127.0.0.1');
   socket.on('error', () => {});
-  socket.closed = new Promise((done) => socket.on('close', done));
+  socket.gone = new Promise((done) => socket.on('close', done));
   socket.write(`GET /ws HTTP/1.1\r\nHost: 127.0.0.1:${bridge.port}\r\nConnection: Upgrade\r\n` +
     'Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n' +
     `Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: ${protocol}\r\n\r\n`);

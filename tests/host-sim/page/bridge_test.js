@@ -271,7 +271,7 @@ const tests = {
       socket.write(frame);
       // What the server waits for more of, it is not sent.
       socket.end();
-      await socket.closed;
+      await socket.gone;
       assert.deepEqual(await good.call('echo', {name}), {name});
     }
     for (const [code, send] of [

@@ -11,7 +11,8 @@
 
 int main(int argc, char** argv) {
   using namespace smaservo;
-  page::BridgeSettings settings{.version = "test", .page = ""};
+  page::BridgeSettings settings;
+  settings.version = "test";
   double rate_Hz = 1000;
   std::string page;
   const std::vector<std::string> words(argv + 1, argv + argc);
