@@ -4,8 +4,8 @@
 
 namespace smaservo::page {
 
-std::unique_ptr<Source> make_servo_source(const std::string& can) {
-  throw files::UserError("--can " + can + ": this build has no source for servos");
+std::unique_ptr<Source> make_servo_source(const ServoOptions& options) {
+  throw files::UserError("--can " + options.can + ": this build has no source for servos");
 }
 
 }  // namespace smaservo::page

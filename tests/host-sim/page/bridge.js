@@ -12,15 +12,24 @@ const net = require('node:net');
 const protocol = FoxgloveClient.SUPPORTED_SUBPROTOCOL;
 const text = (bytes) => new TextDecoder().decode(bytes);
 
+const running = new Set();
+process.on('exit', () => {
+  for (const one of running) one.kill('SIGKILL');
+});
+
 class Bridge {
   // The first line that it prints is its address.
   static async start(program, ...options) {
     const bridge = new Bridge();
     bridge.process = spawn(program, ['--listen', '127.0.0.1:0', ...options]);
+    running.add(bridge.process);
     bridge.said = '';
     bridge.process.stderr.on('data', (bytes) => (bridge.said += bytes));
     bridge.ended = new Promise((done) => {
-      bridge.process.on('exit', (code, signal) => done(code ?? signal));
+      bridge.process.on('exit', (code, signal) => {
+        running.delete(bridge.process);
+        done(code ?? signal);
+      });
     });
     const line = await Promise.race([once(bridge.process.stdout, 'data'), bridge.ended]);
     if (!Array.isArray(line)) {

@@ -287,6 +287,7 @@ const tests = {
     for (const bytes of ['\x16\x03\x01\x02\x00\x01', 'GET / HT', 'GET / HTTP/1.1\r\nX: ' + 'x'.repeat(100000)]) {
       const socket = net.connect(bridge.port, '127.0.0.1');
       socket.on('error', () => {});
+      socket.resume();
       socket.end(bytes);
       await new Promise((done) => socket.on('close', done));
     }
@@ -387,7 +388,10 @@ async function main() {
     if (only && !name.includes(only)) continue;
     const began = Date.now();
     try {
-      await test();
+      const late = new Promise((done, failed) => {
+        setTimeout(() => failed(new Error('does not end')), 60000).unref();
+      });
+      await Promise.race([test(), late]);
       console.log(`ok      ${name}, ${Date.now() - began} ms`);
     } catch (error) {
       ++failed;
