@@ -7,10 +7,10 @@ locked=$1
 folder=$2
 shift 2
 
-command -v node >/dev/null && command -v npm >/dev/null || {
+if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
   echo 'node or npm is missing'
   exit 77
-}
+fi
 mkdir -p "$folder"
 (
   # Tests that begin at the same time share the folder.
