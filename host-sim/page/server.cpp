@@ -127,8 +127,7 @@ bool write_headers(lws* wsi, int status, const char* type, std::size_t length,
                     add_header(wsi, "x-content-type-options:", "nosniff", &at, end) &&
                     add_header(wsi, "x-frame-options:", "DENY", &at, end) &&
                     add_header(wsi, "referrer-policy:", "no-referrer", &at, end) &&
-                    add_header(wsi, "cross-origin-opener-policy:", "same-origin", &at, end) &&
-                    add_header(wsi, "cross-origin-resource-policy:", "same-origin", &at, end) &&
+                                  add_header(wsi, "cross-origin-resource-policy:", "same-origin", &at, end) &&
                     add_header(wsi, "cache-control:", "no-store", &at, end);
   return fits && lws_finalize_write_http_header(wsi, start, &at, end) == 0;
 }

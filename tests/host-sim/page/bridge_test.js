@@ -127,6 +127,13 @@ const tests = {
     assert.deepEqual(await slow, {slow: true});
     client.services.set('nothing', {id: 99});
     await assert.rejects(client.call('nothing'), /there is no service 99/);
+    // A request that comes in many pieces, and one in several frames.
+    const text = 'ü'.repeat(100000);
+    assert.deepEqual(await client.call('echo', {text}), {text});
+    const parts = ['{"op":"getPara', 'meters","para', 'meterNames":[]}'];
+    const whole = client.heard('parameterValues');
+    parts.forEach((part, i) => client.ws.send(part, {fin: i === parts.length - 1}));
+    assert.equal((await whole).parameters.length, 3);
     // A long answer, in the middle of live messages.
     const numbers = collect(client, 1500);
     const long = await client.call('big', {bytes: 5e6});
