@@ -46,8 +46,8 @@ Settings<double> file_settings(const std::string& path, const Settings<double>& 
 Settings<double> text_settings(const std::string& toml, const std::string& origin,
                                const Settings<double>& of_node) {
   const toml::table table = files::parse_toml(toml, origin);
-  for (const auto& name : {table["wire"].value<std::string>(),
-                           table["wire"]["based_on"].value<std::string>()}) {
+  for (const auto& name :
+       {table["wire"].value<std::string>(), table["wire"]["based_on"].value<std::string>()}) {
     if (name && name->ends_with(".toml")) {
       throw files::ConfigError(fmt::format(
           "{}: wire {}: must be a preset or the whole wire, not a file", origin, *name));

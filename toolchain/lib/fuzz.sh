@@ -3,7 +3,7 @@
 
 fuzz_targets=(
   sdo pdo lss nmt eds datagram wire settings board scenario actuator trace recording mark store
-  communication
+  communication conversation
 )
 
 # gather_seeds NAME: the project's own files that a reader takes, into build/fuzz/NAME.seeds.

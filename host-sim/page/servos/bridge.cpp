@@ -459,8 +459,8 @@ bool Bridge::look_after(Servo& servo, std::int64_t now_us) {
 /// A servo sends by SYNC while its live values are wanted.
 bool Bridge::look_after_stream(Servo& servo) {
   const auto until = live_until_us_.find(servo.node);
-  const bool wanted = stream_.wanted() && until != live_until_us_.end() &&
-                      bus_.now_us() < until->second;
+  const bool wanted =
+      stream_.wanted() && until != live_until_us_.end() && bus_.now_us() < until->second;
   if (wanted == stream_.is_mapped(servo.node)) return false;
   can::Remote remote = operations_.remote(servo);
   if (wanted) {

@@ -51,7 +51,7 @@ class Bridge final : public Source, private TrafficEvents {
   struct Job {
     std::string service;
     std::uint32_t client = 0;
-    Control::Ticket ticket = 0;  ///< 0: it writes nothing
+    Control::Ticket ticket = 0;        ///< 0: it writes nothing
     std::function<std::string()> run;  ///< returns the answer
     Reply reply;
   };
@@ -89,8 +89,8 @@ class Bridge final : public Source, private TrafficEvents {
   void ticked(std::int64_t now_us) override;
 
   // bridge_services.cpp
-  bool call_at_once(const Caller& caller, const std::string& service,
-                    const nlohmann::json& request, const Reply& reply);
+  bool call_at_once(const Caller& caller, const std::string& service, const nlohmann::json& request,
+                    const Reply& reply);
   void queue(const Caller& caller, const std::string& service, const nlohmann::json& request,
              Reply reply);
   nlohmann::json work(const std::string& service, const nlohmann::json& request, const Job& job);

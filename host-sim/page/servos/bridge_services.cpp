@@ -125,8 +125,8 @@ can::RecordingPlan recording_plan(const json& request) {
 std::vector<Service> Bridge::services() {
   std::vector<Service> all;
   for (std::uint32_t i = 0; i < service_rows.size(); ++i) {
-    all.push_back({i + 1, service_rows[i].name, request_schema(service_rows[i]),
-                   R"({"type":"object"})"});
+    all.push_back(
+        {i + 1, service_rows[i].name, request_schema(service_rows[i]), R"({"type":"object"})"});
   }
   return all;
 }
@@ -207,9 +207,9 @@ json Bridge::history(const json& request) {
     if (found == shown_.end()) throw UserError(fmt::format("node {}: no such servo", node));
     history = found->second.history;
   }
-  return history_message(history->last(static_cast<std::int64_t>(seconds * 1e6),
-                                       static_cast<std::size_t>(points)),
-                         wall_ns(0));
+  return history_message(
+      history->last(static_cast<std::int64_t>(seconds * 1e6), static_cast<std::size_t>(points)),
+      wall_ns(0));
 }
 
 void Bridge::queue(const Caller& caller, const std::string& service, const json& request,
@@ -319,9 +319,8 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
     json answer = json::object();
     if (service == "step") {
       const Operations::Step step = operations_.step(servo, job.ticket, amplitude_um, seconds);
-      answer = {{"recording", kept(step.recording)},
-                {"figures", step.figures},
-                {"gains", step.gains}};
+      answer = {
+          {"recording", kept(step.recording)}, {"figures", step.figures}, {"gains", step.gains}};
     } else {
       operations_.enable(servo, job.ticket);
     }
@@ -339,9 +338,10 @@ json Bridge::scan() {
   const can::FoundNodes found = can::scan(bus_, scan_listen_us);
   json nodes = json::array();
   for (const can::FoundNode& node : found.nodes) {
-    nodes.push_back({{"node", node.node},
-                     {"answers", node.answers},
-                     {"nmt", node.nmt_state ? json(can::nmt_state_text(*node.nmt_state)) : json()}});
+    nodes.push_back(
+        {{"node", node.node},
+         {"answers", node.answers},
+         {"nmt", node.nmt_state ? json(can::nmt_state_text(*node.nmt_state)) : json()}});
     traffic_.probe(node.node);
   }
   return {{"nodes", nodes}, {"without_id", found.without_id}};
@@ -389,8 +389,8 @@ void Bridge::begin_recording(const Caller& caller, const json& request, const Re
   Servo& servo = operations_.servo(node_in(request));
   for (Recorded& running : recorded_) {
     if (running.recording.node() == servo.node) {
-      throw UserError(fmt::format("{}: its recorder is at work for client {}", servo.title(),
-                                  running.client));
+      throw UserError(
+          fmt::format("{}: its recorder is at work for client {}", servo.title(), running.client));
     }
   }
   const double patience_s = request.contains("patience_s")

@@ -131,8 +131,7 @@ HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
   return all;
 }
 
-HistoryRows History::thinned(std::int64_t from_us, const SignalSet& has,
-                             std::size_t points) const {
+HistoryRows History::thinned(std::int64_t from_us, const SignalSet& has, std::size_t points) const {
   const std::size_t parts = std::max<std::size_t>(points / 2, 1);
   const std::size_t width = has.count();
   // The span that has rows is divided, which may be shorter than what was asked for.
@@ -159,8 +158,7 @@ HistoryRows History::thinned(std::int64_t from_us, const SignalSet& has,
   HistoryRows all{{}, has, std::vector<std::vector<float>>(width)};
   for (std::size_t part = 0; part < parts; ++part) {
     if (filled[part] == 0) continue;
-    const auto begin_us =
-        first_us + static_cast<std::int64_t>(part_us * static_cast<double>(part));
+    const auto begin_us = first_us + static_cast<std::int64_t>(part_us * static_cast<double>(part));
     all.time_us.push_back(begin_us);
     all.time_us.push_back(begin_us + static_cast<std::int64_t>(part_us / 2));
     for (std::size_t k = 0; k < width; ++k) {

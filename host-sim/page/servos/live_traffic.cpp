@@ -112,7 +112,8 @@ void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
   } else if (function == 3 && frame.length == 5) {
     // TPDO1 as it is by default: statusword, mode, error code.
     Servo* const servo = servo_of(node);
-    if (servo != nullptr && servo->statusword() != canopen::take_number(std::span(frame.data).first(2))) {
+    if (servo != nullptr &&
+        servo->statusword() != canopen::take_number(std::span(frame.data).first(2))) {
       refresh(node);
     }
   }
@@ -120,9 +121,9 @@ void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
 
 void LiveTraffic::answered(unsigned node, const hal::CanFrame& frame, std::int64_t now_us) {
   Link& link = links_[node];
-  const Key key{static_cast<std::uint16_t>(
-                    canopen::take_number(std::span(frame.data).subspan(1, 2))),
-                frame.data[3]};
+  const Key key{
+      static_cast<std::uint16_t>(canopen::take_number(std::span(frame.data).subspan(1, 2))),
+      frame.data[3]};
   const unsigned command = frame.data[0] & 0xE0U;
   const bool keyed = command == 0x40 || command == 0x60 || command == 0x80;
   if (!link.waits || !keyed || key != link.key) {
@@ -157,8 +158,7 @@ void LiveTraffic::surplus_answer(unsigned node, Link& link, std::int64_t now_us)
   }
 }
 
-void LiveTraffic::take(Servo& servo, Link& link, const hal::CanFrame& frame,
-                       std::int64_t now_us) {
+void LiveTraffic::take(Servo& servo, Link& link, const hal::CanFrame& frame, std::int64_t now_us) {
   const bool expedited = (frame.data[0] & 0xE2U) == 0x42;
   const auto value = [&] {
     const std::size_t unused = (frame.data[0] & 1U) != 0 ? (frame.data[0] >> 2U) & 3U : 0;
@@ -230,12 +230,12 @@ void LiveTraffic::said(const hal::CanFrame& frame, std::int64_t now_us) {
   }
   Servo* const servo = servo_of(frame.id - request_id);
   if (servo == nullptr) return;
-  const Key key{static_cast<std::uint16_t>(
-                    canopen::take_number(std::span(frame.data).subspan(1, 2))),
-                frame.data[3]};
+  const Key key{
+      static_cast<std::uint16_t>(canopen::take_number(std::span(frame.data).subspan(1, 2))),
+      frame.data[3]};
   if (key == Key{0x6040, 0}) {
-    servo->commanded.word = static_cast<std::uint16_t>(
-        canopen::take_number(std::span(frame.data).subspan(4, 2)));
+    servo->commanded.word =
+        static_cast<std::uint16_t>(canopen::take_number(std::span(frame.data).subspan(4, 2)));
     servo->commanded.time_us = now_us;
   } else if (key == Key{0x6060, 0}) {
     servo->commanded.mode = static_cast<std::int8_t>(frame.data[4]);
@@ -289,8 +289,8 @@ void LiveTraffic::renew(std::int64_t now_us) {
     if (last.by_pdo && operational) {
       hal::CanFrame frame{.id = 0x200 + node, .length = 3, .data = {}};
       canopen::put_number(std::span(frame.data).first(2), *last.word);
-      frame.data[2] = static_cast<std::uint8_t>(last.mode.value_or(
-          static_cast<std::int8_t>(servo->mode())));
+      frame.data[2] =
+          static_cast<std::uint8_t>(last.mode.value_or(static_cast<std::int8_t>(servo->mode())));
       bus_.send(frame);
     } else if (!is_busy(node) && !links_[node].waits) {
       ask(node, {0x6040, 0}, Reason::renewal, now_us, *last.word);
@@ -319,8 +319,8 @@ void LiveTraffic::begin_round(unsigned node, Link& link) {
   const auto servos = static_cast<double>(std::max<std::size_t>(live_.count(), 1));
   const double state_per_s = 1e6 / state_period_us * static_cast<double>(state_objects().size());
   const double room = (plan_.requests_per_s / servos - state_per_s) / 55;
-  const auto first = static_cast<std::size_t>(
-      std::clamp(room - 1, 4.0, static_cast<double>(signal_count)));
+  const auto first =
+      static_cast<std::size_t>(std::clamp(room - 1, 4.0, static_cast<double>(signal_count)));
   const bool mapped = stream_.is_mapped(node);
   link.fast.clear();
   link.slow.clear();

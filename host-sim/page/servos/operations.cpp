@@ -82,8 +82,9 @@ Servo& Operations::servo(unsigned node) {
   if (found == traffic_.servos().end()) {
     std::vector<unsigned> nodes;
     for (const auto& [number, servo] : traffic_.servos()) nodes.push_back(number);
-    throw UserError(fmt::format("node {}: no such servo on {}; there are: {}", node, bus_.name(),
-                                nodes.empty() ? "none" : fmt::format("{}", fmt::join(nodes, ", "))));
+    throw UserError(
+        fmt::format("node {}: no such servo on {}; there are: {}", node, bus_.name(),
+                    nodes.empty() ? "none" : fmt::format("{}", fmt::join(nodes, ", "))));
   }
   Servo& servo = found->second;
   if (servo.duplicate) {
@@ -125,10 +126,10 @@ bool Operations::join(Servo& servo) {
 /// the end of a long transfer.
 void Operations::read_pdo(Servo& servo, can::Remote& remote) {
   servo.commanded = {};
-  servo.commanded.by_pdo =
-      whole(remote, {0x1400, 1}) == 0x200U + servo.node && whole(remote, {0x1400, 2}) >= 254 &&
-      whole(remote, {0x1600, 0}) == 2 && whole(remote, {0x1600, 1}) == 0x6040'0010 &&
-      whole(remote, {0x1600, 2}) == 0x6060'0008;
+  servo.commanded.by_pdo = whole(remote, {0x1400, 1}) == 0x200U + servo.node &&
+                           whole(remote, {0x1400, 2}) >= 254 && whole(remote, {0x1600, 0}) == 2 &&
+                           whole(remote, {0x1600, 1}) == 0x6040'0010 &&
+                           whole(remote, {0x1600, 2}) == 0x6060'0008;
 }
 
 std::vector<std::size_t> Operations::read_parameters(Servo& servo) {
@@ -251,8 +252,7 @@ void Operations::set_target(Servo& servo, double value) {
   const int mode = static_cast<int>(remote.number("6061"));
   const auto within = [&](double low, double high, const char* unit) {
     if (!(low <= value && value <= high)) {
-      throw UserError(
-          fmt::format("target = {}: must be {} to {}{}", value, low, high, unit));
+      throw UserError(fmt::format("target = {}: must be {} to {}{}", value, low, high, unit));
     }
   };
   switch (mode) {
@@ -278,7 +278,8 @@ void Operations::set_target(Servo& servo, double value) {
       remote.set(fmt::format("2201:{}", -mode), fmt::format("{}", value));
       break;
     default:
-      throw UserError(fmt::format("{}: mode {} has no target; set a mode first", servo.title(), mode));
+      throw UserError(
+          fmt::format("{}: mode {} has no target; set a mode first", servo.title(), mode));
   }
   traffic_.refresh(servo.node);
 }
@@ -336,12 +337,12 @@ std::string Operations::dump(Servo& servo, const std::string& as) {
                        files::printable(bus_.name())) +
            text::to_toml(settings);
   }
-  if (as != "can") throw UserError(fmt::format("as = {}: must be toml or can", files::printable(as)));
+  if (as != "can")
+    throw UserError(fmt::format("as = {}: must be toml or can", files::printable(as)));
   std::string text = fmt::format("host-sim can --can {} --node {} set", bus_.name(), servo.node);
   for (const Parameter<double>& row : parameters<double>) {
     if (!row.is_used(settings) || row.path.text().starts_with("identity.")) continue;
-    text += fmt::format(" \\\n  {}={}", row.path.text(),
-                        text::value_text(row, row.get(settings)));
+    text += fmt::format(" \\\n  {}={}", row.path.text(), text::value_text(row, row.get(settings)));
   }
   return text + "\n";
 }
@@ -373,8 +374,8 @@ json Operations::restore(Servo& servo, const std::string& toml) {
 Operations::Step Operations::step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um,
                                   double seconds) {
   can::Remote remote = this->remote(servo);
-  const bool was_enabled =
-      control_.heated()[servo.node] && (static_cast<unsigned>(remote.number("6041")) & 0x6FU) == 0x27;
+  const bool was_enabled = control_.heated()[servo.node] &&
+                           (static_cast<unsigned>(remote.number("6041")) & 0x6FU) == 0x27;
   if (!was_enabled) enable(servo, ticket);
   const can::StepRun run = can::run_step(remote, {amplitude_um, std::min(seconds, longest_step_s)});
   if (!was_enabled) disable(servo);
@@ -382,18 +383,17 @@ Operations::Step Operations::step(Servo& servo, Control::Ticket ticket, std::int
   Step answer{run.recording, json::object(), json::object()};
   const auto number = [](double value) { return json_number(static_cast<float>(value)); };
   answer.figures = {{"rise_s", number(result.figures.rise_s)},
-                       {"settling_s", number(result.figures.settling_s)},
-                       {"overshoot_percent", number(result.figures.overshoot_percent)},
-                       {"error_percent", number(result.figures.error_percent)},
-                       {"peak_K", number(result.peak_K)}};
+                    {"settling_s", number(result.figures.settling_s)},
+                    {"overshoot_percent", number(result.figures.overshoot_percent)},
+                    {"error_percent", number(result.figures.error_percent)},
+                    {"peak_K", number(result.peak_K)}};
   for (std::size_t row = 0; row < parameter_count; ++row) {
     const std::string_view path = parameters<double>[row].path.text();
     const bool shapes = std::ranges::any_of(
         groups_of_gains, [&](const char* group) { return path.starts_with(group); });
     const std::optional<Value> value = servo.parameters->get(row);
     if (!shapes || !value) continue;
-    answer.gains[std::string(path)] =
-        json::parse(parameter_json(parameters<double>[row], *value));
+    answer.gains[std::string(path)] = json::parse(parameter_json(parameters<double>[row], *value));
   }
   return answer;
 }

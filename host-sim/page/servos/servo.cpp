@@ -25,21 +25,23 @@ const char* drive_name(unsigned statusword) {
     unsigned bits, mask;
     const char* name;
   };
-  static constexpr State states[] = {
-      {0x00, 0x4F, "not_ready"},         {0x40, 0x4F, "switch_on_disabled"},
-      {0x21, 0x6F, "ready"},             {0x23, 0x6F, "switched_on"},
-      {0x27, 0x6F, "operation_enabled"}, {0x07, 0x6F, "quick_stop"},
-      {0x0F, 0x4F, "fault_reaction"},    {0x08, 0x4F, "fault"}};
-  const auto* const found = std::ranges::find_if(
-      states, [&](const State& s) { return (statusword & s.mask) == s.bits; });
+  static constexpr State states[] = {{0x00, 0x4F, "not_ready"},
+                                     {0x40, 0x4F, "switch_on_disabled"},
+                                     {0x21, 0x6F, "ready"},
+                                     {0x23, 0x6F, "switched_on"},
+                                     {0x27, 0x6F, "operation_enabled"},
+                                     {0x07, 0x6F, "quick_stop"},
+                                     {0x0F, 0x4F, "fault_reaction"},
+                                     {0x08, 0x4F, "fault"}};
+  const auto* const found =
+      std::ranges::find_if(states, [&](const State& s) { return (statusword & s.mask) == s.bits; });
   return found == std::end(states) ? "not_ready" : found->name;
 }
 
 FaultSet fault_set_at(const Servo& servo, std::uint8_t sub) {
-  return FaultSet::from_bits(static_cast<std::uint64_t>(servo.value({0x2202, sub})) |
-                             static_cast<std::uint64_t>(
-                                 servo.value({0x2202, static_cast<std::uint8_t>(sub + 1)}))
-                                 << 32U);
+  return FaultSet::from_bits(
+      static_cast<std::uint64_t>(servo.value({0x2202, sub})) |
+      static_cast<std::uint64_t>(servo.value({0x2202, static_cast<std::uint8_t>(sub + 1)})) << 32U);
 }
 
 json fault_names(FaultSet set) {
@@ -57,7 +59,8 @@ json limit_names_of(std::uint32_t bits) {
 }
 
 std::string nmt_of(const Servo& servo) {
-  if (!servo.online) return servo.heartbeat_state ? can::nmt_state_text(*servo.heartbeat_state) : "";
+  if (!servo.online)
+    return servo.heartbeat_state ? can::nmt_state_text(*servo.heartbeat_state) : "";
   return (servo.statusword() & remote_bit_of_status) != 0 ? "operational" : "pre-operational";
 }
 
@@ -72,8 +75,8 @@ json target_of(const Servo& servo) {
     case -1:
     case -2:
     case -3:
-      return json_number(canopen::as_real(
-          servo.value({0x2201, static_cast<std::uint8_t>(-servo.mode())})));
+      return json_number(
+          canopen::as_real(servo.value({0x2201, static_cast<std::uint8_t>(-servo.mode())})));
     default:
       return nullptr;
   }
@@ -92,7 +95,9 @@ json frame_of(const std::optional<Sample>& sample) {
 
 json transaction_of(const Servo& servo) {
   const unsigned state = servo.value({0x2102, 2});
-  return {{"state", state == 2 ? "trying" : state == 1 ? "open" : "none"},
+  return {{"state", state == 2   ? "trying"
+                    : state == 1 ? "open"
+                                 : "none"},
           {"seconds_left",
            state == 2 ? json_number(canopen::as_real(servo.value({0x2102, 5}))) : json(nullptr)}};
 }
@@ -101,11 +106,10 @@ json transaction_of(const Servo& servo) {
 
 const std::vector<StateObject>& state_objects() {
   static const std::vector<StateObject> all = [] {
-    std::vector<StateObject> objects{{{0x6041, 0}, true},  {{0x6061, 0}, false},
-                                     {{0x6064, 0}, false}, {{0x607A, 0}, false},
-                                     {{0x6071, 0}, false}, {{0x605A, 0}, false},
-                                     {{0x605E, 0}, false}, {{0x2102, 2}, false},
-                                     {{0x2102, 5}, false}, {{0x2220, 1}, false}};
+    std::vector<StateObject> objects{
+        {{0x6041, 0}, true},  {{0x6061, 0}, false}, {{0x6064, 0}, false}, {{0x607A, 0}, false},
+        {{0x6071, 0}, false}, {{0x605A, 0}, false}, {{0x605E, 0}, false}, {{0x2102, 2}, false},
+        {{0x2102, 5}, false}, {{0x2220, 1}, false}};
     for (std::uint8_t sub = 1; sub <= 11; ++sub) objects.push_back({{0x2202, sub}, false});
     for (std::uint8_t sub = 1; sub <= 3; ++sub) objects.push_back({{0x2201, sub}, false});
     return objects;

@@ -100,9 +100,8 @@ void SyncStream::write_pdo(can::Remote& remote, const Pdo& pdo, std::size_t firs
   write_whole(remote, {map, 0}, 0, 1);
   const std::size_t count = std::min(signals_per_pdo, order_.size() - first);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t object =
-        static_cast<std::uint32_t>(live_values) << 16U |
-        static_cast<std::uint32_t>(sub_of(order_[first + i])) << 8U | 32U;
+    const std::uint32_t object = static_cast<std::uint32_t>(live_values) << 16U |
+                                 static_cast<std::uint32_t>(sub_of(order_[first + i])) << 8U | 32U;
     write_whole(remote, {map, static_cast<std::uint8_t>(i + 1)}, object, 4);
   }
   write_whole(remote, {map, 0}, static_cast<std::uint32_t>(count), 1);
@@ -113,7 +112,8 @@ void SyncStream::write_pdo(can::Remote& remote, const Pdo& pdo, std::size_t firs
 }
 
 void SyncStream::map(can::Remote& remote) {
-  if (read_whole(remote, {0x1019, 0}) != 0 || (read_whole(remote, {0x1005, 0}) & id_mask) != sync_id) {
+  if (read_whole(remote, {0x1019, 0}) != 0 ||
+      (read_whole(remote, {0x1005, 0}) & id_mask) != sync_id) {
     throw files::UserError(
         fmt::format("node {}: its SYNC has a counter or another identifier than 80h; live values "
                     "are polled",
@@ -170,8 +170,8 @@ bool SyncStream::heard(const hal::CanFrame& frame, std::int64_t now_us, unsigned
       const std::size_t at = place * signals_per_pdo + i;
       if (at >= order_.size()) break;
       state.sample.has.set(order_[at]);
-      state.sample.values[order_[at]] = canopen::as_real(static_cast<std::uint32_t>(
-          take_number(std::span(frame.data).subspan(4 * i, 4))));
+      state.sample.values[order_[at]] = canopen::as_real(
+          static_cast<std::uint32_t>(take_number(std::span(frame.data).subspan(4 * i, 4))));
     }
     if (state.filled + 1 != std::size_t{1} << state.pdos.size()) return false;
     node = number;

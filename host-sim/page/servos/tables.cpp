@@ -41,8 +41,8 @@ json value_json(const Parameter<double>& row, Value value) {
 json parameter_description(const Parameter<double>& row) {
   static constexpr const char* changes[] = {"live", "not enabled", "after reset"};
   static constexpr const char* types[] = {"number", "integer", "choice", "boolean"};
-  const auto type = static_cast<std::size_t>(row.type == ValueType::real      ? 0
-                                             : row.type == ValueType::number  ? 1
+  const auto type = static_cast<std::size_t>(row.type == ValueType::real     ? 0
+                                             : row.type == ValueType::number ? 1
                                              : row.type == ValueType::choice ? 2
                                                                              : 3);
   json described{{"name", row.path.text()},
@@ -164,8 +164,8 @@ can::Recording recording_of(const json& message) {
     const std::string name = signal.is_string() ? signal.get<std::string>() : "";
     const auto& rows = signal_rows<float>;
     if (std::ranges::find(rows, name, &Signal<float>::name) == rows.end()) {
-      throw UserError(
-          fmt::format("recording: signals: {}: no such signal", files::printable(json_text(signal))));
+      throw UserError(fmt::format("recording: signals: {}: no such signal",
+                                  files::printable(json_text(signal))));
     }
     recording.signals.push_back(name);
   }
@@ -251,11 +251,10 @@ double number_in(const json& request, const char* name, double low, double high)
   const bool good = found != request.end() && found->is_number();
   const double value = good ? found->get<double>() : std::nan("");
   if (!(low <= value && value <= high)) {
-    throw UserError(fmt::format("{}{}: must be a number from {} to {}", name,
-                                found == request.end()
-                                    ? " is missing"
-                                    : " = " + files::printable(json_text(*found)),
-                                low, high));
+    throw UserError(fmt::format(
+        "{}{}: must be a number from {} to {}", name,
+        found == request.end() ? " is missing" : " = " + files::printable(json_text(*found)), low,
+        high));
   }
   return value;
 }
@@ -342,8 +341,8 @@ std::string state_schema() {
   properties["target"] = {{"type", {"number", "null"}}};
   properties["first_cause"] = {{"type", {"string", "null"}}};
   properties["freeze_frame"] = {{"type", {"object", "null"}}};
-  properties["transaction"] = object_schema(
-      {{"state", typed("string")}, {"seconds_left", {{"type", {"number", "null"}}}}});
+  properties["transaction"] =
+      object_schema({{"state", typed("string")}, {"seconds_left", {{"type", {"number", "null"}}}}});
   return json_text(object_schema(properties));
 }
 

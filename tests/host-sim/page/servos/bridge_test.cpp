@@ -2,14 +2,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "tests/host-sim/page/servo_bench.hpp"
+#include "tests/host-sim/page/servos/servo_bench.hpp"
 
 namespace smaservo::page {
 namespace {
 
+using nlohmann::json;
 using test::BridgeBench;
 using testing::HasSubstr;
-using nlohmann::json;
 
 /// A current that warms: the least that a running device gives is below that.
 constexpr double some_A = 0.02;
@@ -264,17 +264,17 @@ TEST_F(PageServos, StepsAndRecordsAndExports) {
   EXPECT_GT(answer["figures"]["peak_K"].get<double>(), 320);
   EXPECT_TRUE(answer["gains"].contains("strain.proportional_W"));
   EXPECT_EQ(flowing_A(), 0) << "it was off before";
-  const BridgeBench::Got file = bench.call(
-      9, "export", json({{"recording", answer["recording"]}, {"as", "csv"}}).dump());
+  const BridgeBench::Got file =
+      bench.call(9, "export", json({{"recording", answer["recording"]}, {"as", "csv"}}).dump());
   EXPECT_EQ(file.json()["name"], "recording.csv");
   EXPECT_THAT(file.json()["base64"].get<std::string>(), testing::StartsWith("dGltZV9z"));
   const std::string by_id =
       fmt::format(R"({{"recording":{},"as":"csv"}})", answer["recording"]["id"].get<int>());
   EXPECT_EQ(bench.call(9, "export", by_id).text, file.text);
   // Others go on while a recording waits for its trigger.
-  const auto recorded = bench.ask(
-      2, "record",
-      R"({"node":5,"signals":["temperature_K","current_A"],"seconds":0.5,"before_s":0.1,
+  const auto recorded =
+      bench.ask(2, "record",
+                R"({"node":5,"signals":["temperature_K","current_A"],"seconds":0.5,"before_s":0.1,
           "trigger":"temperature_K>310"})");
   bench.run(1);
   EXPECT_FALSE(recorded->done);
@@ -414,9 +414,9 @@ TEST(PageServosOfABus, NoRequestRaisesACeiling) {
   BridgeBench bench({5}, BridgeBench::usual_plan(), config);
   bench.run(1);
   EXPECT_THAT(bench.set(1, {{"node5.limits.current_A", "0.5"}}), HasSubstr("too high"));
-  EXPECT_THAT(bench.call(1, "try",
-                         R"({"node":5,"values":{"limits.current_A":0.5},"seconds":9})").text,
-              HasSubstr("too high"));
+  EXPECT_THAT(
+      bench.call(1, "try", R"({"node":5,"values":{"limits.current_A":0.5},"seconds":9})").text,
+      HasSubstr("too high"));
   EXPECT_FLOAT_EQ(float(bench.bus.servo(0).servo().settings().limits.current_A), 0.4F);
 }
 
@@ -502,7 +502,8 @@ TEST(PageServosOfABus, ObeyTheRulesOfControlInAnySequence) {
             answer = bench.call(client, "mode", at + ",\"mode\":1}").text;
             break;
           case 2:
-            answer = bench.call(client, "target", fmt::format("{},\"value\":{}}}", at, pick(900))).text;
+            answer =
+                bench.call(client, "target", fmt::format("{},\"value\":{}}}", at, pick(900))).text;
             break;
           case 3:
             answer = bench.call(client, "disable", at + "}").text;
@@ -511,12 +512,13 @@ TEST(PageServosOfABus, ObeyTheRulesOfControlInAnySequence) {
             answer = bench.set(client, {{fmt::format("node{}.strain.proportional_W", node),
                                          fmt::format("{}", 1 + pick(5))}});
         }
-        const bool refused_for_control =
-            answer.find("has control") != std::string::npos || answer.find("read-only") != std::string::npos;
+        const bool refused_for_control = answer.find("has control") != std::string::npos ||
+                                         answer.find("read-only") != std::string::npos;
         ASSERT_EQ(refused_for_control, !may) << context << answer;
         if (may && client != 9) control = client;
         if (!may) {
-          ASSERT_TRUE(same_settings(before, bench.bus.servo(node - 5).servo().settings())) << context;
+          ASSERT_TRUE(same_settings(before, bench.bus.servo(node - 5).servo().settings()))
+              << context;
         }
       } else {
         switch (pick(4)) {

@@ -41,12 +41,13 @@ class ServoBus {
   }
   std::int64_t now_us() const { return now_us_; }
   void run(double seconds) {
-    for (const std::int64_t end_us = now_us_ + std::int64_t(seconds * 1e6); now_us_ < end_us;) step();
+    for (const std::int64_t end_us = now_us_ + std::int64_t(seconds * 1e6); now_us_ < end_us;)
+      step();
   }
 
-  bool down = false;                                  ///< the interface
-  std::function<bool(const hal::CanFrame&)> loses;    ///< frames of servos that do not arrive
-  std::function<void()> before_receive;               ///< of `hooked`
+  bool down = false;                                ///< the interface
+  std::function<bool(const hal::CanFrame&)> loses;  ///< frames of servos that do not arrive
+  std::function<void()> before_receive;             ///< of `hooked`
   const can::Bus* hooked = nullptr;
 
   struct Port final : can::Bus {
@@ -172,11 +173,11 @@ class BridgeBench {
     std::string text;
     nlohmann::json json() const { return nlohmann::json::parse(text); }
   };
-  std::shared_ptr<Got> ask(unsigned client, const std::string& service, const std::string& request) {
+  std::shared_ptr<Got> ask(unsigned client, const std::string& service,
+                           const std::string& request) {
     auto got = std::make_shared<Got>();
-    bridge.call({client, client == 9}, id_of(service), request, [got](const page::Answer& answer) {
-      *got = {true, answer.ok, answer.text};
-    });
+    bridge.call({client, client == 9}, id_of(service), request,
+                [got](const page::Answer& answer) { *got = {true, answer.ok, answer.text}; });
     return got;
   }
   Got call(unsigned client, const std::string& service, const std::string& request = "{}",

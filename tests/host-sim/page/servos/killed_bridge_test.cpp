@@ -1,9 +1,9 @@
 // The bridge as a process of its own, killed, beside the real daemon on a simulated wire.
 
+#include <atomic>
 #include <chrono>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <atomic>
 #include <unistd.h>
 
 #include "firmware/canopen/node/object.hpp"
@@ -46,9 +46,8 @@ std::uint32_t service_id(Source& source, const std::string& name) {
   source->subscribed(1001, 1);
   const auto succeeds = [&](const char* service, const char* request) {
     std::atomic<int> result = -1;
-    source->call({1, false}, service_id(*source, service), request, [&](const Answer& answer) {
-      result = answer.ok ? 1 : 0;
-    });
+    source->call({1, false}, service_id(*source, service), request,
+                 [&](const Answer& answer) { result = answer.ok ? 1 : 0; });
     while (result < 0) usleep(1000);
     return result == 1;
   };
@@ -69,8 +68,8 @@ TEST(PageBridge, KilledLeavesNoHeat) {
   constexpr double heated_A = 0.02, off_A = 0.002;
   const std::string bus = own_bus();
   const test::TemporaryFolder folder;
-  const test::Program daemon(folder, {"--board", "sim", "--bus", bus, "--no-real-time",
-                                      "--settings", folder / "store"});
+  const test::Program daemon(
+      folder, {"--board", "sim", "--bus", bus, "--no-real-time", "--settings", folder / "store"});
   const pid_t bridge = fork();
   if (bridge == 0) be_a_bridge(bus);
   can::PortBus port(bus);

@@ -1,13 +1,14 @@
+#include "host-sim/page/servos/history.hpp"
+
 #include <algorithm>
 #include <gmock/gmock.h>
 #include <random>
 
-#include "host-sim/page/servos/history.hpp"
-
 namespace smaservo::page {
 namespace {
 
-Sample sample_at(std::int64_t time_us, std::initializer_list<std::pair<std::size_t, float>> values) {
+Sample sample_at(std::int64_t time_us,
+                 std::initializer_list<std::pair<std::size_t, float>> values) {
   Sample sample;
   sample.time_us = time_us;
   for (const auto& [signal, value] : values) {
@@ -54,8 +55,10 @@ TEST(PageHistory, ThinningKeepsEveryPeak) {
     EXPECT_EQ(*greatest, 100);
     EXPECT_EQ(std::ranges::min(thin.columns[1]), -100);
     EXPECT_EQ(std::ranges::min(thin.columns[0]), std::ranges::min(all));
-    const std::int64_t time_us = thin.time_us[static_cast<std::size_t>(greatest - thin.columns[0].begin())];
-    EXPECT_LE(std::abs(time_us - peak_at * 1000), 2 * rows * 1000 / static_cast<std::int64_t>(points) + 1);
+    const std::int64_t time_us =
+        thin.time_us[static_cast<std::size_t>(greatest - thin.columns[0].begin())];
+    EXPECT_LE(std::abs(time_us - peak_at * 1000),
+              2 * rows * 1000 / static_cast<std::int64_t>(points) + 1);
   }
 }
 
