@@ -28,6 +28,8 @@ constexpr std::int64_t retry_us = 1'000'000;
 constexpr std::int64_t linger_us = 60'000'000;
 /// A message of trouble with the bus stands at least so long.
 constexpr std::int64_t shortest_trouble_us = 1'000'000;
+/// A servo that has been away for so long has ended its heat by its own watch, however long that is.
+constexpr std::int64_t longest_watch_us = 10'000'000;
 constexpr std::int64_t recorder_poll_us = 50'000;
 constexpr std::int64_t rest_us = 10'000;
 
@@ -107,6 +109,8 @@ bool Bridge::check_off() {
     try {
       if (servo.online) {
         operations_.disable(servo);
+        done.set(node);
+      } else if (now_us - servo.left_us > longest_watch_us) {
         done.set(node);
       } else {
         hot.push_back(servo.title());
@@ -241,6 +245,7 @@ void Bridge::came(unsigned node) {
 }
 
 void Bridge::left(Servo& servo) {
+  servo.left_us = bus_.now_us();
   if (control_.heated()[servo.node]) {
     control_.cooled(servo.node);
     // It may only be the bus: its watch ends the heat, and it is asked when it is back.

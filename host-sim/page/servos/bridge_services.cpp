@@ -72,7 +72,7 @@ constexpr auto exports = std::to_array<Export>({
 });
 
 constexpr std::size_t kept_recordings = 8;
-constexpr std::size_t most_points = 200'000;
+constexpr std::size_t most_points = 20'000;
 constexpr double longest_recording_s = 3600;
 constexpr double usual_patience_s = 60;
 constexpr std::int64_t scan_listen_us = 300'000;

@@ -106,9 +106,23 @@ can::Remote Operations::remote(const Servo& servo) {
 
 // What a servo is.
 
+namespace {
+
+/// A device of another kind may have no such object.
+bool is_servo(can::Remote& remote) {
+  try {
+    return whole(remote, {0x1018, 2}) == canopen::servo_product;
+  } catch (const can::SdoError& error) {
+    if (error.code() == 0) throw;
+    return false;
+  }
+}
+
+}  // namespace
+
 bool Operations::join(Servo& servo) {
   can::Remote remote = this->remote(servo);
-  if (whole(remote, {0x1018, 2}) != canopen::servo_product) return false;
+  if (!is_servo(remote)) return false;
   servo.name = remote.text("1008");
   if (plan_.key) remote.set("access.key", std::to_string(*plan_.key));
   read_pdo(servo, remote);

@@ -47,6 +47,7 @@ struct Servo {
   unsigned node;
   std::string name;
   bool online = false;
+  std::int64_t left_us = -1'000'000'000;  ///< when it was missed
   bool joined = false;  ///< its parameters have been read since it came or restarted
   bool duplicate = false;
   std::optional<unsigned> heartbeat_state;

@@ -354,6 +354,9 @@ TEST_F(PageServos, OneThatDisappearsInATransferIsMissedAndFoundAgain) {
   EXPECT_EQ(flowing_A(), 0) << "its watch";
   EXPECT_EQ(bridge()["nodes"][0]["online"], false);
   EXPECT_THAT(bench.call(1, "enable", R"({"node":5})").text, HasSubstr("does not answer"));
+  EXPECT_FALSE(bench.call(9, "stop").ok) << "nobody knows yet";
+  bench.run(12);
+  EXPECT_TRUE(bench.call(9, "stop").ok) << "its own watch has ended its heat long ago";
   bench.bus.connect(0, true);
   bench.run(2);
   EXPECT_EQ(bridge()["nodes"][0]["online"], true);
