@@ -49,6 +49,12 @@ void set_trigger(Remote& remote, const std::string& trigger) {
   remote.set("recorder.trigger_level", trigger.substr(sign + 1));
 }
 
+/// Whole periods. The device says its period as a float, which may be a little more than the number
+/// that people mean.
+double rows_within(double time_s, double period_s) {
+  return std::floor(time_s / period_s + 1e-3);
+}
+
 /// The first row of the requested time. A memory that was not full holds all since the recorder was
 /// armed; where the trigger's signal has been recorded, the trigger is found as the device does. 0
 /// where it is not.
@@ -59,7 +65,7 @@ std::size_t first_row(const Recording& recording, const RecordingPlan& plan) {
   const std::vector<double> values = recording.column(*found);
   const double level = std::strtod(plan.trigger.c_str() + sign + 1, nullptr);
   const bool rises = plan.trigger[sign] == '>';
-  const auto before = static_cast<std::size_t>(plan.before_s / recording.period_s);
+  const auto before = static_cast<std::size_t>(rows_within(plan.before_s, recording.period_s));
   for (std::size_t i = std::max<std::size_t>(before, 1); i < values.size(); ++i) {
     const bool was_below = values[i - 1] < level;
     if (was_below == rises && (values[i] < level) != was_below) return i - before;
@@ -108,7 +114,7 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
                                        65535 * step_s * capacity));
   }
   set(remote, "recorder.divisor", divisor);
-  set(remote, "recorder.pretrigger", std::floor(plan.before_s / (step_s * divisor)));
+  set(remote, "recorder.pretrigger", rows_within(plan.before_s, step_s * divisor));
   set(remote, "recorder.command", 1);
 }
 

@@ -28,7 +28,8 @@ constexpr std::int64_t retry_us = 1'000'000;
 constexpr std::int64_t linger_us = 60'000'000;
 /// A message of trouble with the bus stands at least so long.
 constexpr std::int64_t shortest_trouble_us = 1'000'000;
-/// A servo that has been away for so long has ended its heat by its own watch, however long that is.
+/// A servo that has been away for so long has ended its heat by its own watch, however long that
+/// is.
 constexpr std::int64_t longest_watch_us = 10'000'000;
 constexpr std::int64_t recorder_poll_us = 50'000;
 constexpr std::int64_t rest_us = 10'000;

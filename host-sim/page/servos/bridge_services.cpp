@@ -353,6 +353,7 @@ json Bridge::kept(const can::Recording& recording) {
   json message = recording_message(recording);
   const std::scoped_lock lock(mutex_);
   recordings_.emplace_back(++recording_count_, recording);
+  recordings_.back().second.period_s = message["period_s"].get<double>();
   if (recordings_.size() > kept_recordings) recordings_.pop_front();
   message["id"] = recording_count_;
   return message;
