@@ -469,11 +469,14 @@ bool Bridge::look_after_stream(Servo& servo) {
       stream_.wanted() && until != live_until_us_.end() && bus_.now_us() < until->second;
   if (wanted == stream_.is_mapped(servo.node)) return false;
   can::Remote remote = operations_.remote(servo);
+  operations_.read_changes(servo);
   if (wanted) {
     stream_.map(remote);
   } else {
     stream_.put_back(remote);
   }
+  // The log has the bridge's own changes now, which are no news.
+  operations_.skip_changes(servo);
   return true;
 }
 

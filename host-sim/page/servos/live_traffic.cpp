@@ -25,6 +25,9 @@ constexpr std::int64_t renewal_period_us = 250'000;
 /// Between two node-ids that are tried in search of new servos.
 constexpr std::int64_t search_period_us = 100'000;
 constexpr std::int64_t pause_us = 500'000;
+/// A servo has one SDO transfer at a time. After a request or an answer of another master's it is
+/// left alone for so long, or that one's transfer would be dropped.
+constexpr std::int64_t courtesy_us = 30'000;
 
 // Two devices with one node-id: so many second answers, the first no longer ago than that.
 constexpr unsigned surplus_of_two = 3;
@@ -101,6 +104,7 @@ void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
     answered(node, frame, now_us);
   } else if (function == 12) {
     links_[node].foreign_us = now_us;
+    links_[node].hold_until_us = now_us + courtesy_us;
   } else if (function == 14 && frame.length == 1) {
     Servo* const servo = servo_of(node);
     candidates_.set(node, servo == nullptr || !servo->online);
@@ -128,6 +132,7 @@ void LiveTraffic::answered(unsigned node, const hal::CanFrame& frame, std::int64
   const bool keyed = command == 0x40 || command == 0x60 || command == 0x80;
   if (!link.waits || !keyed || key != link.key) {
     if (keyed && key == link.answered && !is_busy(node)) surplus_answer(node, link, now_us);
+    if (now_us < link.hold_until_us) link.hold_until_us = now_us + courtesy_us;
     return;
   }
   link.waits = false;
@@ -356,7 +361,7 @@ bool LiveTraffic::poll_live(Servo& servo, Link& link, std::int64_t now_us) {
 void LiveTraffic::poll(unsigned node, std::int64_t now_us) {
   Link& link = links_[node];
   look_for_silence(node, now_us);
-  if (link.waits || is_busy(node) || allowed_ < 1) return;
+  if (link.waits || is_busy(node) || allowed_ < 1 || now_us < link.hold_until_us) return;
   Servo* const servo = servo_of(node);
   if (servo == nullptr || !servo->online) {
     const bool is_due = link.next_try_us <= now_us;

@@ -65,7 +65,7 @@ class LiveTraffic final : public Traffic {
     unsigned silences = 0;
     unsigned surplus = 0;
     std::int64_t surplus_us = -1'000'000'000;
-    std::int64_t next_try_us = 0;
+    std::int64_t next_try_us = 0, hold_until_us = 0;
     // The round of the state, and that of the live values.
     std::size_t state_at = 0;
     std::int64_t state_due_us = 0;

@@ -189,6 +189,11 @@ std::vector<std::size_t> Operations::read_changes(Servo& servo) {
   return all ? read_parameters(servo) : read_parameters(servo, rows);
 }
 
+void Operations::skip_changes(Servo& servo) {
+  can::Remote remote = this->remote(servo);
+  servo.changes_seen = whole(remote, {0x2220, 1});
+}
+
 // Motion.
 
 /// The level of the bridge may not suffice. Then the servo's own time stays.
@@ -338,7 +343,7 @@ void Operations::store(Servo& servo) {
   // The short time is the bridge's, and not to be stored.
   put_back_watch(servo);
   remote.store();
-  servo.changes_seen = whole(remote, {0x2220, 1});
+  skip_changes(servo);
   servo.unsaved = false;
   traffic_.refresh(servo.node);
 }

@@ -29,6 +29,8 @@ class Operations {
   bool join(Servo& servo);
   /// Reads the change log after it has grown. Returns the rows of parameters that have changed.
   std::vector<std::size_t> read_changes(Servo& servo);
+  /// What the change log has now is known.
+  void skip_changes(Servo& servo);
   std::vector<std::size_t> read_parameters(Servo& servo);
   std::vector<std::size_t> read_parameters(Servo& servo, const std::vector<std::size_t>& rows);
 

@@ -453,6 +453,7 @@ TEST(PageServosOfABus, ComeBySyncAtTheFullRateAndKeepTheirMapping) {
   EXPECT_NEAR(bench.told.of(2005)["rate_hz"].get<double>(), 1000, 1);
   EXPECT_NEAR(bench.told.of(2006)["rate_hz"].get<double>(), 1000, 1);
   EXPECT_EQ(bench.told.of(2005)["gaps"], 0);
+  EXPECT_EQ(bench.told.of(2005)["unsaved"], false);
   // A long transfer of the same servo costs no sample.
   ASSERT_TRUE(bench.call(1, "dump", R"({"node":5,"as":"toml"})").ok);
   bench.run(1);
