@@ -28,6 +28,8 @@ constexpr std::int64_t pause_us = 500'000;
 /// A servo has one SDO transfer at a time. After a request or an answer of another master's it is
 /// left alone for so long, or that one's transfer would be dropped.
 constexpr std::int64_t courtesy_us = 30'000;
+/// One that never pauses does not keep the bridge from knowing the servo.
+constexpr std::int64_t longest_courtesy_us = 5'000'000;
 
 // Two devices with one node-id: so many second answers, the first no longer ago than that.
 constexpr unsigned surplus_of_two = 3;
@@ -361,7 +363,8 @@ bool LiveTraffic::poll_live(Servo& servo, Link& link, std::int64_t now_us) {
 void LiveTraffic::poll(unsigned node, std::int64_t now_us) {
   Link& link = links_[node];
   look_for_silence(node, now_us);
-  if (link.waits || is_busy(node) || allowed_ < 1 || now_us < link.hold_until_us) return;
+  const bool holds = now_us < link.hold_until_us && now_us - link.answered_us < longest_courtesy_us;
+  if (link.waits || is_busy(node) || allowed_ < 1 || holds) return;
   Servo* const servo = servo_of(node);
   if (servo == nullptr || !servo->online) {
     const bool is_due = link.next_try_us <= now_us;
