@@ -2,6 +2,8 @@
 
 namespace smaservo::report {
 
-std::string_view page_html() { return {}; }
+std::string_view page_html() {
+  return {};
+}
 
 }  // namespace smaservo::report
