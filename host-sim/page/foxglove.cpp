@@ -465,7 +465,7 @@ void Conversation::parameters_changed(std::span<const NamedValue> values) {
   }
 }
 
-void Conversation::answer(std::uint32_t service, std::uint32_t call, const Answer& answer) {
+void Conversation::answer(std::uint32_t service, std::uint32_t call, Answer answer) {
   --open_;
   if (!answer.ok) {
     return desk_.send(text_frame({{"op", "serviceCallFailure"},
@@ -473,7 +473,8 @@ void Conversation::answer(std::uint32_t service, std::uint32_t call, const Answe
                                   {"callId", call},
                                   {"message", answer.text}}));
   }
-  Frame frame{.binary = true, .head = {}, .body = std::make_shared<std::string>(answer.text)};
+  Frame frame{
+      .binary = true, .head = {}, .body = std::make_shared<std::string>(std::move(answer.text))};
   frame.head.push_back(service_response);
   append(frame.head, service);
   append(frame.head, call);

@@ -71,7 +71,7 @@ class Conversation {
                         std::string_view refusal);
   /// Values that have changed; those go out that the client has subscribed.
   void parameters_changed(std::span<const NamedValue> values);
-  void answer(std::uint32_t service, std::uint32_t call, const Answer& answer);
+  void answer(std::uint32_t service, std::uint32_t call, Answer answer);
 
   enum class Level { info, warning, error };
   void status(Level level, std::string_view message);

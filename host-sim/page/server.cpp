@@ -22,8 +22,10 @@
 namespace smaservo::page {
 namespace {
 
-/// Bytes of a page that are written at once.
+/// Bytes that are written at once.
 constexpr std::size_t chunk = 16384;
+/// Messages that are written to one client before the others have their turn.
+constexpr int burst = 16;
 /// Small, so that what a client has not read is in its queue, where the oldest can be dropped, and
 /// a ping does not wait behind a second of messages.
 constexpr int kernel_buffer = 65536;
@@ -127,7 +129,7 @@ bool write_headers(lws* wsi, int status, const char* type, std::size_t length,
                     add_header(wsi, "x-content-type-options:", "nosniff", &at, end) &&
                     add_header(wsi, "x-frame-options:", "DENY", &at, end) &&
                     add_header(wsi, "referrer-policy:", "no-referrer", &at, end) &&
-                                  add_header(wsi, "cross-origin-resource-policy:", "same-origin", &at, end) &&
+                    add_header(wsi, "cross-origin-resource-policy:", "same-origin", &at, end) &&
                     add_header(wsi, "cache-control:", "no-store", &at, end);
   return fits && lws_finalize_write_http_header(wsi, start, &at, end) == 0;
 }
@@ -283,6 +285,7 @@ class Server::Body::Client final : public Desk {
 
   /// Some bytes of a message; what closes the connection is negative.
   int hear(std::string_view bytes);
+  /// When there is room for something.
   int write();
   void lost(std::uint64_t messages) {
     queue_.count_dropped(messages);
@@ -290,6 +293,8 @@ class Server::Body::Client final : public Desk {
   }
 
  private:
+  std::size_t fill(const Frame& frame);
+  int write_piece();
   Caller caller() const { return {id_, body_.settings_.read_only}; }
   void show() const {
     shown_->queued = queue_.size();
@@ -302,6 +307,9 @@ class Server::Body::Client final : public Desk {
   std::shared_ptr<Shown> shown_;
   Conversation conversation_;
   SendQueue queue_;
+  /// In pieces, so that a long answer to one client takes no time from the others.
+  std::optional<Frame> going_out_;
+  std::size_t sent_ = 0;  ///< of it
   std::string heard_;
   std::vector<unsigned char> buffer_;
   bool doomed_ = false;
@@ -315,9 +323,9 @@ template <class Deliver>
 auto Server::Body::to_client(std::uint32_t client, Deliver deliver) {
   // The mailbox, unlike the server, may be outlived by nothing that calls this.
   return [this, mailbox = mailbox_, client, deliver](auto... what) {
-    mailbox->post([this, client, deliver, what...] {
+    mailbox->post([this, client, deliver, ... what = std::move(what)]() mutable {
       if (const auto found = clients_.find(client); found != clients_.end()) {
-        deliver(found->second->conversation(), what...);
+        deliver(found->second->conversation(), std::move(what)...);
       }
     });
   };
@@ -343,8 +351,8 @@ void Server::Body::Client::set_parameters(std::vector<NamedValue> values,
 
 void Server::Body::Client::call(std::uint32_t service, std::uint32_t call, std::string request) {
   body_.source_.call(caller(), service, std::move(request),
-                     body_.to_client(id_, [service, call](Conversation& to, const Answer& answer) {
-                       to.answer(service, call, answer);
+                     body_.to_client(id_, [service, call](Conversation& to, Answer answer) {
+                       to.answer(service, call, std::move(answer));
                      }));
 }
 
@@ -371,19 +379,46 @@ int Server::Body::Client::hear(std::string_view bytes) {
   return 0;
 }
 
+/// The next piece of the message that goes out.
+std::size_t Server::Body::Client::fill(const Frame& frame) {
+  const std::size_t length = std::min(chunk, frame.size() - sent_);
+  buffer_.resize(LWS_PRE + length);
+  const auto from_head =
+      std::string_view(frame.head).substr(std::min(sent_, frame.head.size()), length);
+  auto at = std::ranges::copy(from_head, buffer_.begin() + LWS_PRE).out;
+  if (from_head.size() < length) {
+    const std::size_t start = sent_ + from_head.size() - frame.head.size();
+    std::ranges::copy(std::string_view(*frame.body).substr(start, length - from_head.size()), at);
+  }
+  return length;
+}
+
+/// Negative: the connection has failed.
+int Server::Body::Client::write_piece() {
+  const std::size_t length = fill(*going_out_);
+  const bool last = sent_ + length == going_out_->size();
+  const int flags = lws_write_ws_flags(going_out_->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT,
+                                       static_cast<int>(sent_ == 0), static_cast<int>(last));
+  sent_ += length;
+  if (last) going_out_.reset();
+  return lws_write(wsi_, buffer_.data() + LWS_PRE, length, static_cast<lws_write_protocol>(flags));
+}
+
 int Server::Body::Client::write() {
-  const std::optional<Frame> frame = queue_.pop();
   if (doomed_) return -1;
-  if (!frame) return 0;
-  buffer_.resize(LWS_PRE + frame->size());
-  auto at = std::ranges::copy(frame->head, buffer_.begin() + LWS_PRE).out;
-  if (frame->body) std::ranges::copy(*frame->body, at);
-  const int written = lws_write(wsi_, buffer_.data() + LWS_PRE, frame->size(),
-                                frame->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT);
-  if (written < 0) return -1;
-  if (buffer_.capacity() > (std::size_t{1} << 20U)) buffer_ = {};
+  // Several small ones at once, for who has not run for a while; never more than the socket takes.
+  for (int i = 0; i < burst && lws_partial_buffered(wsi_) == 0; ++i) {
+    if (!going_out_) {
+      going_out_ = queue_.pop();
+      sent_ = 0;
+    }
+    if (!going_out_) break;
+    const bool small = going_out_->size() < chunk;
+    if (write_piece() < 0) return -1;
+    if (!small) break;
+  }
   show();
-  if (!queue_.empty()) lws_callback_on_writable(wsi_);
+  if (going_out_ || !queue_.empty()) lws_callback_on_writable(wsi_);
   return 0;
 }
 

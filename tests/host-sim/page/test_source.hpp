@@ -96,7 +96,9 @@ class TestSource final : public Source {
         reply({true, R"({"slow":true})"});
       });
     } else if (service == big) {
-      reply({true, R"({"base64":")" + std::string(asked.value("bytes", 1000U), 'A') + R"("})"});
+      std::string text = R"({"base64":")";
+      text.append(asked.value("bytes", 1000U), 'A').append(R"("})");
+      reply({true, std::move(text)});
     } else if (service == second_servo) {
       has_second_ = asked.value("there", false);
       sink_->channels_changed();
