@@ -82,6 +82,9 @@ export class Feed {
 
   private derive(row: Row): void {
     const number = (key: string): number => row[key] ?? NaN;
+    // Without a current there is no resistance to measure, and no set-point in force: 0 is not a reading.
+    if (row['resistance_ohm'] === 0) row['resistance_ohm'] = null;
+    if (row['current_A'] === 0) row['setpoint'] = row['reference'] = null;
     const strain = number('strain');
     const sd = number('strain_sd');
     row['strain_low'] = strain - 2 * sd;

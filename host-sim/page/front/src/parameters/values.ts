@@ -10,11 +10,16 @@ export function valueText(value: Value | null | undefined): string {
   return typeof value === 'number' ? formatExact(value) : String(value);
 }
 
+/** A unit as it is written: 1/s where names have 1_s, Ω m where they have ohm_m. */
+export function unitText(unit: string): string {
+  return unit.replace(/^ohm_m(?=_|$)/, 'Ω m').replace(/ohm/g, 'Ω').replaceAll('_', '/').replace(/([A-Za-z])2$/, '$1²');
+}
+
 export function rangeText(parameter: ParameterInfo): string {
   if (parameter.type === 'boolean') return 'true, false';
   if (parameter.type === 'choice') return (parameter.choices ?? []).join(', ');
   const { min, max, unit } = parameter;
-  const behind = unit ? ` ${unit}` : '';
+  const behind = unit ? ` ${unitText(unit)}` : '';
   if (min !== null && max !== null) return `${valueText(min)} to ${valueText(max)}${behind}`;
   if (min !== null) return `at least ${valueText(min)}${behind}`;
   return max === null ? '' : `at most ${valueText(max)}${behind}`;

@@ -20,7 +20,7 @@ export interface Member extends Drawn {
   hasRightAxis(): boolean;
 }
 
-export class PlotGroup {
+export class PlotGroup implements Drawn {
   readonly members = new Set<Member>();
   cursor: number | null = null;
   private shown: [number, number] | null = null;
@@ -129,7 +129,11 @@ export class PlotGroup {
 
   /** There are new samples, or the picture is another one. */
   invalidate(): void {
-    for (const member of this.members) requestDraw(member);
+    requestDraw(this);
+  }
+
+  draw(): void {
+    for (const member of this.members) member.draw();
   }
 
   /** All plots keep room for a right axis when one has it: their x axes stay in line. */

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { countOf, find, Group, isChanged, sameValue, treeOf } from '../../src/parameters/tree';
 import { Change, UndoHistory } from '../../src/parameters/undo';
-import { alsoText, parseValue, rangeText, valueText } from '../../src/parameters/values';
+import { alsoText, parseValue, rangeText, unitText, valueText } from '../../src/parameters/values';
 import type { ParameterInfo, Value } from '../../src/protocol/bridge';
 import { randomFrom } from '../random';
 
@@ -97,6 +97,11 @@ describe('values', () => {
     expect(parseValue(choice, 'on')).toEqual({ refused: '"on" is no choice; allowed: off, hold' });
     expect(parseValue(info('a', { type: 'boolean' }), 'true')).toEqual({ value: true });
     expect(parseValue(info('a', { type: 'boolean' }), '1')).toHaveProperty('refused');
+  });
+
+  it('have units as a person writes them', () => {
+    expect(['W', '1_s', 'ohm', 'ohm_m', 'ohm_m_K', 'K_Pa2', ''].map(unitText))
+      .toEqual(['W', '1/s', 'Ω', 'Ω m', 'Ω m/K', 'K/Pa²', '']);
   });
 
   it('have a range in words, and a second reading', () => {

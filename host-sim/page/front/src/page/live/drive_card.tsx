@@ -139,7 +139,7 @@ function Target({ now }: { now: State }) {
         onClick={() => void act('target', { node: now.node, value: 0 })}>Begin homing</button>
     );
   }
-  if (!bounds) return null;
+  if (!bounds) return <p class="soft small-text" data-testid="no-target">This mode takes no target. Profile position moves the wire by µm.</p>;
   const send = (value: number): void => {
     sent.current = Date.now();
     call('target', { node: now.node, value }).catch((error) => sayError(error));

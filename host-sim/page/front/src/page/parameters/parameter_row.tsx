@@ -1,7 +1,7 @@
 // One parameter: its value to edit, unit, range, meaning, and how it differs from default or file.
 
 import { isChanged } from '../../parameters/tree';
-import { alsoText, rangeText, valueText } from '../../parameters/values';
+import { alsoText, rangeText, unitText, valueText } from '../../parameters/values';
 import type { ParameterInfo } from '../../protocol/bridge';
 import { mayWrite, own, state } from '../../session/session';
 import { draft, drafted, drafts, favourites, toggleFavourite, tryDrafts, writeDrafts } from '../../session/tuning';
@@ -28,7 +28,7 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
       </div>
       <div class="parameter-value">
         <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} />
-        <span class="unit">{info.unit}</span>
+        <span class="unit">{unitText(info.unit)}</span>
       </div>
       {!compact && (
         <div class="parameter-text">

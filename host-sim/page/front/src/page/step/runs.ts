@@ -70,7 +70,7 @@ export function edge_s(run: Run): number {
 
 const overlaid = ['position_m', 'temperature_K', 'current_A', 'setpoint'] as const;
 
-/** All runs over the time since their step, position and set-point from where they began. */
+/** All runs over the time since their step, position and set-point from where the set-point began. */
 export function overlay(shown: readonly Run[]): ArraySamples {
   const period_s = Math.min(...shown.map((run) => run.recording.period_s));
   const from = Math.max(-0.2, -Math.max(...shown.map(edge_s)));
@@ -80,9 +80,10 @@ export function overlay(shown: readonly Run[]): ArraySamples {
   const ys: Record<string, number[]> = {};
   for (const run of shown) {
     const start = edge_s(run);
+    const begin = column(run.recording, 'setpoint')[0] ?? column(run.recording, 'position_m')[0] ?? 0;
     for (const name of overlaid) {
       const values = column(run.recording, name);
-      const zero = name === 'position_m' || name === 'setpoint' ? values[0] ?? 0 : 0;
+      const zero = name === 'position_m' || name === 'setpoint' ? begin : 0;
       ys[`${run.id}/${name}`] = times.map((time) => {
         const row = Math.round((time + start) / run.recording.period_s);
         return (values[row] ?? NaN) - zero;
@@ -100,6 +101,6 @@ export function tellingGains(all: readonly Run[]): string[] {
   }
   return names.filter((name) => {
     const info = infos.value.get(name);
-    return info !== undefined && isChanged(info, all[0]?.gains[name]);
+    return info?.level === 'tune' && isChanged(info, all[0]?.gains[name]);
   });
 }
