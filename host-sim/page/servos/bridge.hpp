@@ -7,8 +7,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 
-#include "host-sim/page/servos/off_switch.hpp"
 #include "host-sim/page/servos/operations.hpp"
+#include "host-sim/page/servos/traffic/off_switch.hpp"
 
 namespace smaservo::page {
 

@@ -6,7 +6,7 @@
 
 #include "host-sim/can/bus/recorder.hpp"
 #include "host-sim/can/remote.hpp"
-#include "host-sim/page/servos/live_traffic.hpp"
+#include "host-sim/page/servos/traffic/live_traffic.hpp"
 
 namespace smaservo::page {
 

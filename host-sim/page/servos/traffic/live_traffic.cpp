@@ -1,4 +1,4 @@
-#include "host-sim/page/servos/live_traffic.hpp"
+#include "host-sim/page/servos/traffic/live_traffic.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host-sim/page/servos/shared_bus.hpp"
+#include "host-sim/page/servos/traffic/shared_bus.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "host-sim/page/servos/off_switch.hpp"
+#include "host-sim/page/servos/traffic/off_switch.hpp"
 
 #include <span>
 

@@ -1,4 +1,4 @@
-#include "host-sim/page/servos/sync_stream.hpp"
+#include "host-sim/page/servos/traffic/sync_stream.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "host-sim/page/servos/servo.hpp"
-#include "host-sim/page/servos/shared_bus.hpp"
-#include "host-sim/page/servos/sync_stream.hpp"
+#include "host-sim/page/servos/traffic/shared_bus.hpp"
+#include "host-sim/page/servos/traffic/sync_stream.hpp"
 
 namespace smaservo::page {
 
