@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -125,10 +126,11 @@ struct TraceReader::Impl {
   Impl() = default;
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
+  ~Impl() = default;
 
   std::string path;
   TraceOptions options;
-  std::optional<TraceText> source;
+  std::unique_ptr<TraceText> source;
   std::vector<char> buffer = std::vector<char>(buffer_size);
   std::size_t begin = 0, end = 0;  ///< unread bytes in the buffer
   bool at_end = false;
@@ -151,7 +153,7 @@ struct TraceReader::Impl {
       path = "standard input";
     }
     try {
-      source.emplace(name);
+      source = std::make_unique<TraceText>(name);
     } catch (const files::UserError& problem) {
       fail(problem.what());
     }

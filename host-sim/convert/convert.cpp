@@ -47,7 +47,9 @@ class Input {
   /// Whether it can be read twice.
   bool rewinds() const { return rewinds_; }
   void rewind() {
-    std::rewind(file_.get());
+    if (std::fseek(file_.get(), 0, SEEK_SET) != 0) {
+      throw UserError(std::strerror(errno));
+    }
     head_.clear();
   }
   /// 0 at the end.

@@ -53,7 +53,8 @@ Recorder::Recorder(const std::string& path, const Settings<double>& settings,
   if (files::is_mcap_name(path_)) {
     std::vector<files::mcap::Kind> kinds = format_.kinds();
     kinds.push_back(files::mcap::Kind::text);  // parameter_changes
-    mcap_.emplace(files::mcap::Origin{"smaservod --record", board}, std::move(kinds));
+    mcap_ = std::make_unique<files::mcap::RowsWriter>(
+        files::mcap::Origin{"smaservod --record", board}, std::move(kinds));
   }
   files::OutputFile beside(path_ + ".toml");
   beside.write(text::to_toml(settings));

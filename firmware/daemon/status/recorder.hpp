@@ -2,7 +2,7 @@
 // Writes the trace of a run beside the loop, for `host-sim replay --device`.
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "firmware/daemon/loop/desk.hpp"
@@ -50,7 +50,7 @@ class Recorder {
   Ring<CycleRecord>& ring_;
   ParameterDesk& desk_;
   text::DeviceRows format_;
-  std::optional<files::mcap::RowsWriter> mcap_;
+  std::unique_ptr<files::mcap::RowsWriter> mcap_;
   hal::Descriptor file_;
   std::string buffer_;          ///< rows as CSV
   std::string encoded_;         ///< what they are in the file

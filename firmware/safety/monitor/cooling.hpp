@@ -72,7 +72,7 @@ struct CoolingGuard {
   /// tests would only disturb.
   void confirm() {
     confirmed = true;
-    since_s = S(0);
+    since_s = held_K = S(0);
   }
   /// Cost: 120 operations while the wire is hot, three divisions among them; else next to none.
   void advance(const MonitorInputs<S>& seen);

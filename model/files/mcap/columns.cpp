@@ -56,9 +56,10 @@ std::string_view as_number(std::string_view field, std::string& room) {
     return field;
   }
   const std::string_view digits = field.substr(field.starts_with('-') ? 1 : 0);
-  const char* const stop = field.data() + field.size();
+  const char* const start = field.data();
+  const char* const stop = start + field.size();
   double value = 0;
-  const auto [end, error] = std::from_chars(field.data(), stop, value);
+  const auto [end, error] = std::from_chars(start, stop, value);
   if (field.empty() || error != std::errc{} || end != stop || !std::isfinite(value) ||
       (digits.size() > 1 && digits[0] == '0' && digits[1] >= '0' && digits[1] <= '9')) {
     return "";

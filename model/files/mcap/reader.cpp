@@ -152,7 +152,7 @@ bool Reader::next_record(Message& message) {
   Content head(peek(record_head), offset_, "the head of a record");
   const auto op = static_cast<Op>(head.number<std::uint8_t>());
   const auto length = head.number<std::uint64_t>();
-  if (op == Op{}) {
+  if (op == Op::none) {
     throw Malformed(offset_, "a record of kind 0, which there is not");
   }
   if (!is_read(op)) {
@@ -236,7 +236,8 @@ bool Reader::take_in_chunk(Message& message) {
     const auto op = static_cast<Op>(rest.number<std::uint8_t>());
     const auto length = rest.number<std::uint64_t>();
     const Content content(rest.take(length), in_chunk_ + record_head, name_of(op));
-    if (op == Op{} || (is_read(op) && op != Op::schema && op != Op::channel && op != Op::message)) {
+    if (op == Op::none ||
+        (is_read(op) && op != Op::schema && op != Op::channel && op != Op::message)) {
       throw Malformed(in_chunk_, fmt::format("{} cannot be in a chunk", name_of(op)));
     }
     message.offset = record_;

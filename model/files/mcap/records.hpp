@@ -13,6 +13,7 @@ namespace smaservo::files::mcap {
 inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
 
 enum class Op : std::uint8_t {
+  none = 0x00,  ///< no record has it
   header = 0x01,
   footer = 0x02,
   schema = 0x03,

@@ -297,8 +297,9 @@ bool RowObject::escape(std::string& to) {
 /// Reads uXXXX.
 bool RowObject::four_digits(std::uint32_t& to) {
   const std::string_view digits = json_.substr(at_).substr(1, 4);
-  const char* const stop = digits.data() + digits.size();
-  const auto [end, error] = std::from_chars(digits.data(), stop, to, 16);
+  const char* const start = digits.data();
+  const char* const stop = start + digits.size();
+  const auto [end, error] = std::from_chars(start, stop, to, 16);
   if (digits.size() != 4 || error != std::errc{} || end != stop || digits[0] == '-') {
     return fail("four hexadecimal digits are missing");
   }

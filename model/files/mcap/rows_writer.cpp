@@ -18,12 +18,12 @@ constexpr std::uint64_t step_ns = 1'000'000;
 constexpr std::size_t longest_line = std::size_t{1} << 20U;
 constexpr double latest_ns = 1.8e19;
 
-constexpr std::string_view library = "smaservo " SMASERVO_VERSION;
+constexpr std::string_view written_by = "smaservo " SMASERVO_VERSION;
 
 }  // namespace
 
 RowsWriter::RowsWriter(const Origin& origin, std::vector<Kind> kinds, bool compressed)
-    : origin_(origin), kinds_(std::move(kinds)), writer_(library, compressed) {}
+    : origin_(origin), kinds_(std::move(kinds)), writer_(written_by, compressed) {}
 
 void RowsWriter::fail(std::uint64_t line, std::string_view what) {
   throw UserError(fmt::format("line {}: {}", line, what));

@@ -330,7 +330,7 @@ TEST(TraceMcap, DamageAndOtherFilesOfThisNameAreRefused) {
   EXPECT_TRUE(refusal(bytes).starts_with("byte ")) << refusal(bytes);
   const TemporaryFolder folder;
   try {
-    hal::TraceReader(folder.write("t.mcap", rows_text), {});
+    const hal::TraceReader reader(folder.write("t.mcap", rows_text), {});
     FAIL();
   } catch (const hal::TraceError& error) {
     EXPECT_EQ(
