@@ -294,7 +294,7 @@ bool RowObject::escape(std::string& to) {
   return true;
 }
 
-/// Reads uXXXX.
+/// Reads u and four hexadecimal digits.
 bool RowObject::four_digits(std::uint32_t& to) {
   const std::string_view digits = json_.substr(at_).substr(1, 4);
   const char* const start = digits.data();
