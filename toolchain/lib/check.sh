@@ -48,6 +48,7 @@ check_rules() {
     'hal/linux/*.?pp' 'hal/replay/*.?pp' 'hal/sim/*.?pp' 'firmware/*.?pp' 'host-sim/*.?pp' \
     ':!firmware/mcu' ':!host-sim/examples' ':!model/files/message.cpp' ':!model/files/output_file.cpp'
   rule '^ *# *define +[[:alnum:]_]+ +\(?[-+]?[0-9]' 'a number as a macro' '*.cpp' '*.hpp'
+  rule '\btypedef\b' 'a typedef; using says the same' '*.cpp' '*.hpp'
   return "$broken"
 }
 

@@ -60,7 +60,7 @@ test_part() {
     can) timed can-test can_test ;;
     board) timed board-test board_all ;;
     package) timed package test_package ;;
-    fuzz) timed fuzz fuzz_all 30 ;;
+    fuzz) timed fuzz fuzz_all 20 ;;
     check) timed check run_check ;;
     *) timed "$1" test_preset "$1" ;;
   esac
