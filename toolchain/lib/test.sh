@@ -26,9 +26,22 @@ ctest_preset() {
     ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1 \
       UBSAN_OPTIONS=print_stacktrace=1 \
       step "$1-test" ctest --preset "$1" --parallel "$(nproc)") || return
-  counted=$(sed -nE 's/^100% tests passed, .* out of ([0-9]+)$/\1 tests/p' "$logs/$1-test.log")
+  counted=$(sed -nE 's/^100% tests passed, .* out of ([0-9]+)$/\1/p' "$logs/$1-test.log")
   skipped=$(grep -cE '\(Skipped\)$' "$logs/$1-test.log" || true)
+  if [[ $1 == sanitize || $1 == tsan ]]; then
+    # One entry of ctest is many tests.
+    counted=$(ended_tests "$1" OK | wc -l)
+    skipped=$(ended_tests "$1" SKIPPED | wc -l)
+    ((counted > 0)) || return
+  fi
+  counted+=' tests'
   [[ $skipped == 0 ]] || counted+=", $skipped skipped"
+}
+
+# ended_tests PRESET HOW: tests of GoogleTest that ended so, with seconds: "2 s  Suite.Test".
+ended_tests() {
+  sed -nE "s/^\[ +$2 \] ([^ ]+) \(([0-9]+) ms\)\$/\2 \1/p" \
+    "$root/build/$1/Testing/Temporary/LastTest.log" | awk '{ printf "%d s  %s\n", $1 / 1000, $2 }'
 }
 
 test_preset() {
@@ -98,6 +111,7 @@ dearest_in() {
         printf "%.0f s  %s\n", ($2 - $1) / 1000, $4
       }' "$root/build/${1%-build}/.ninja_log"
       ;;
+    sanitize-test | tsan-test) ended_tests "${1%-test}" OK ;;
     *-test) sed -nE 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: ([^ ]+) .* ([0-9]+)\.[0-9]+ sec.*$/\2 s  \1/p' "$logs/$1.log" ;;
   esac | sort -rn | sed -n 1,3p
 }
