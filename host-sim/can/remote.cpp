@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 #include "firmware/text/device_names.hpp"
 #include "model/files/error.hpp"
@@ -121,6 +123,18 @@ double Remote::number(const std::string& name) {
   return text::value_number(object, read(object));
 }
 
+std::uint32_t Remote::whole(const std::string& name) {
+  const double value = number(name);
+  if (!(value >= 0 && value <= std::numeric_limits<std::uint32_t>::max()) ||
+      value != std::floor(value)) {
+    throw files::UserError(fmt::format(
+        "node {}: {}: the answer must be a whole number from 0 to {} in the object's own type: is "
+        "this a smaservo of this version?",
+        node(), text::title(text::find_object(name)), std::numeric_limits<std::uint32_t>::max()));
+  }
+  return static_cast<std::uint32_t>(value);
+}
+
 void Remote::set(const std::string& name, const std::string& value) {
   const text::KnownObject object = text::find_object(name);
   write(object, text::value_bytes(object, value));
@@ -169,7 +183,7 @@ void Remote::revert() {
 /// Says which parameters of a refused set contradict each other.
 void Remote::explain_refusal(const SdoError& error) {
   const auto named = [&](const char* object) {
-    const auto bits = static_cast<std::uint32_t>(number(object));
+    const auto bits = whole(object);
     return text::find_object(fmt::format("{:04X}:{}", bits >> 16U, bits >> 8U & 0xFFU));
   };
   const text::KnownObject one = named("tuning.refused");
@@ -203,8 +217,7 @@ bool Remote::wait_for(const std::function<bool(unsigned)>& reached, double patie
 
 std::string Remote::reasons() {
   const auto set_of = [&](const char* low, const char* high) {
-    return FaultSet::from_bits(static_cast<std::uint64_t>(number(low)) |
-                               static_cast<std::uint64_t>(number(high)) << 32U);
+    return FaultSet::from_bits(whole(low) | static_cast<std::uint64_t>(whole(high)) << 32U);
   };
   const FaultSet all = set_of("faults.blocks_low", "faults.blocks_high") |
                        set_of("faults.latched_low", "faults.latched_high");
@@ -290,18 +303,18 @@ void Remote::renew() {
   const std::int64_t now_us = bus().now_us();
   if (now_us - renewed_us_ < renewal_us) return;
   renewed_us_ = now_us;
-  control(static_cast<unsigned>(number("6040")));
+  control(whole("6040"));
 }
 
 void Remote::hold(double for_s) {
   const std::int64_t until_us = bus().now_us() + static_cast<std::int64_t>(for_s * 1e6);
-  const auto word = static_cast<unsigned>(number("6040"));
+  const auto word = whole("6040");
   while (bus().now_us() < until_us) {
     if ((status() & state_mask) != enabled_state) {
       throw files::UserError(fmt::format("node {} is not enabled: \"{}\"{}", node(),
                                          drive_state_text(status()), reasons()));
     }
-    if (static_cast<unsigned>(number("6040")) != word) {
+    if (whole("6040") != word) {
       throw files::UserError(fmt::format(
           "node {} is commanded by somebody else: its controlword has changed", node()));
     }

@@ -45,6 +45,9 @@ class Remote {
   Bytes read(const std::string& name) { return read(text::find_object(name)); }
   std::string text(const std::string& name);
   double number(const std::string& name);
+  /// Of an object that counts, numbers states or has bits. Throws UserError where the node answers
+  /// with none, as a node of another make may.
+  std::uint32_t whole(const std::string& name);
   void set(const std::string& name, const std::string& value);
 
   /// Writes changes of parameters as one set: they take effect in the same step of the loop, or
@@ -76,7 +79,7 @@ class Remote {
   [[noreturn]] void explain_refusal(const SdoError& error);
   bool wait_for(const std::function<bool(unsigned)>& reached, double patience_s);
   void control(unsigned word) { set("6040", std::to_string(word)); }
-  unsigned status() { return static_cast<unsigned>(number("6041")); }
+  unsigned status() { return whole("6041"); }
   std::string reasons();
 
   static constexpr std::int64_t renewal_us = 500'000;

@@ -12,8 +12,8 @@ namespace smaservo::can {
 namespace {
 
 FaultSet fault_set(Remote& remote, const std::string& name) {
-  return FaultSet::from_bits(static_cast<std::uint64_t>(remote.number("faults." + name + "_low")) |
-                             static_cast<std::uint64_t>(remote.number("faults." + name + "_high"))
+  return FaultSet::from_bits(remote.whole("faults." + name + "_low") |
+                             static_cast<std::uint64_t>(remote.whole("faults." + name + "_high"))
                                  << 32U);
 }
 
@@ -22,7 +22,7 @@ std::string or_none(const std::string& text) {
 }
 
 std::string device_state(Remote& remote) {
-  const auto state = static_cast<unsigned>(remote.number("device.state"));
+  const auto state = remote.whole("device.state");
   return state < device_state_count ? std::string(text::state_name(static_cast<DeviceState>(state)))
                                     : fmt::format("{}", state);
 }
@@ -37,7 +37,7 @@ std::string info_text(Remote& remote) {
   table.add({"identity", fmt::format("vendor {}, product {}, revision {}, serial number {}",
                                      remote.text("1018:1"), remote.text("1018:2"),
                                      remote.text("1018:3"), remote.number("1018:4"))});
-  const auto status = static_cast<unsigned>(remote.number("6041"));
+  const auto status = remote.whole("6041");
   table.add({"drive", fmt::format("{} ({:04X}h), mode {}", drive_state_text(status), status,
                                   remote.text("6061"))});
   table.add({"wire", device_state(remote)});
@@ -71,7 +71,7 @@ std::string changes_text(Remote& remote) {
 }
 
 Fault first_cause(Remote& remote) {
-  const auto number = static_cast<std::size_t>(remote.number("faults.first_cause"));
+  const auto number = remote.whole("faults.first_cause");
   return number < fault_count ? static_cast<Fault>(number) : Fault::none;
 }
 
@@ -84,11 +84,11 @@ std::string faults_text(Remote& remote) {
   table.add({"active", or_none(text::names_of(fault_set(remote, "active")))});
   table.add({"warnings", or_none(text::names_of(fault_set(remote, "warnings")))});
   table.add({"blocked by", or_none(text::names_of(fault_set(remote, "blocks")))});
-  const auto reasons = static_cast<std::uint32_t>(remote.number("device.limit_reasons"));
+  const auto reasons = remote.whole("device.limit_reasons");
   table.add({"limited by", or_none(text::limit_reason_names(reasons))});
-  const auto count = static_cast<unsigned>(remote.number("1003:0"));
+  const auto count = remote.whole("1003:0");
   for (unsigned i = 1; i <= count; ++i) {
-    const auto entry = static_cast<std::uint32_t>(remote.number(fmt::format("1003:{}", i)));
+    const auto entry = remote.whole(fmt::format("1003:{}", i));
     table.add({i == 1 ? "history" : "", fmt::format("{:04X}h", entry & 0xFFFFU)});
   }
   return table.text();

@@ -21,7 +21,7 @@ constexpr std::int64_t step_poll_us = 20'000;
 enum class StepState : std::uint8_t { none, running, done, broken_off };
 
 bool is_enabled(Remote& remote) {
-  return (static_cast<unsigned>(remote.number("6041")) & 0x6FU) == 0x27;
+  return (remote.whole("6041") & 0x6FU) == 0x27;
 }
 
 void wait_until_done(Remote& remote, const StepPlan& plan) {
@@ -29,12 +29,12 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
   const double patience_s = 2 * plan.seconds + 5;
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   for (;;) {
-    const auto state = static_cast<StepState>(remote.number("step.state"));
+    const auto state = static_cast<StepState>(remote.whole("step.state"));
     if (state == StepState::done) return;
     if (state == StepState::broken_off || state == StepState::none) {
       throw files::UserError(
           fmt::format("the step was broken off: \"{}\"; `host-sim can faults` says more",
-                      drive_state_text(static_cast<unsigned>(remote.number("6041")))));
+                      drive_state_text(remote.whole("6041"))));
     }
     remote.renew();
     const std::int64_t now_us = bus.now_us();

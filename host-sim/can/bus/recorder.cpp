@@ -49,7 +49,16 @@ void set_trigger(Remote& remote, const std::string& trigger) {
 }
 
 RecorderState state_of(Remote& remote) {
-  return static_cast<RecorderState>(remote.number("recorder.state"));
+  return static_cast<RecorderState>(remote.whole("recorder.state"));
+}
+
+double period_of(Remote& remote) {
+  const double period_s = remote.number("recorder.period_s");
+  if (!(period_s >= 1e-6 && period_s <= 1e4)) {
+    throw files::UserError(fmt::format(
+        "node {}: recorder.period_s is {} s: must be 1e-06 to 10000 s", remote.node(), period_s));
+  }
+  return period_s;
 }
 
 }  // namespace
@@ -80,7 +89,7 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   } catch (const SdoError& error) {
     throw files::UserError(fmt::format("the device has no memory to record to: {}", error.what()));
   }
-  const double step_s = remote.number("recorder.period_s");
+  const double step_s = period_of(remote);
   const double capacity = remote.number("recorder.capacity");
   set(remote, "recorder.command", 0);
   const double divisor = std::max(1.0, std::ceil(plan.seconds / (step_s * capacity) - 1e-6));
@@ -100,7 +109,7 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
   std::int64_t triggered_us = 0;
   // The recording is complete with this many rows, even if the memory holds more. A loop that
   // misses cycles takes longer to collect them.
-  const double rows = std::ceil(plan.seconds / remote.number("recorder.period_s"));
+  const double rows = std::ceil(plan.seconds / period_of(remote));
   const std::int64_t longest_us = 10 * after_us + 5'000'000;
   for (;;) {
     const RecorderState state = state_of(remote);
@@ -122,7 +131,7 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
 }
 
 Recording read_recording(Remote& remote, const RecordingPlan& plan) {
-  Recording recording{plan.signals, remote.number("recorder.period_s"), {}};
+  Recording recording{plan.signals, period_of(remote), {}};
   set(remote, "recorder.command", 0);
   const Bytes bytes = remote.client().upload_block(text::find_object("recorder.data").key);
   const std::size_t width = 4 * plan.signals.size();

@@ -1,5 +1,8 @@
+#include <array>
 #include <cmath>
 #include <gmock/gmock.h>
+#include <random>
+#include <utility>
 
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/recorder.hpp"
@@ -40,6 +43,35 @@ struct CanClient : testing::Test {
     }
     return "";
   }
+};
+
+/// A node that has every object, with random values of random lengths.
+class AnyNode final : public Bus {
+ public:
+  explicit AnyNode(unsigned seed) : random_(seed) {}
+  void send(const hal::CanFrame& frame) override {
+    if (frame.id != 0x601 || frame.data[0] != 0x40) return;
+    const auto length = static_cast<unsigned>(random_() % 4 + 1);
+    answer_ = {.id = 0x581, .length = 8, .data = frame.data};
+    answer_.data[0] = static_cast<std::uint8_t>(0x43U | (4 - length) << 2U);
+    constexpr std::array<std::uint64_t, 6> values{0, 3, 0xFF, 0x7FC00000, 0xFF800000, 0x71000000};
+    const std::uint64_t value = random_() % 2 == 0 ? values.at(random_() % 6) : random_();
+    canopen::put_number(std::span(answer_.data).subspan(4, length), value);
+    waits_ = true;
+  }
+  bool receive(hal::CanFrame& frame, std::int64_t until_us) override {
+    frame = answer_;
+    now_us_ = waits_ ? now_us_ : std::max(now_us_, until_us);
+    return std::exchange(waits_, false);
+  }
+  std::int64_t now_us() const override { return now_us_; }
+  std::string name() const override { return "any"; }
+
+ private:
+  std::mt19937 random_;
+  hal::CanFrame answer_;
+  bool waits_ = false;
+  std::int64_t now_us_ = 0;
 };
 
 Bytes real_bytes(float value) {
@@ -120,6 +152,43 @@ TEST_F(CanClient, SettingsComeBackFromAFile) {
   EXPECT_EQ(all[0].row->path.text(), "limits.power_W");
   restore(remote, all);
   EXPECT_TRUE(differences(before, read_settings(remote)).empty());
+}
+
+// What is a state, a count or bits is one in the answer, or the answer is refused in words. The
+// undefined-behaviour sanitizer sees a conversion of what is none.
+TEST_F(CanClient, ANodeMayAnswerAnything) {
+  int told = 0;
+  int not_whole = 0;
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    AnyNode any(seed);
+    Remote other(SdoClient(any, 1));
+    const std::string refused = refusal([&] {
+      switch (seed % 6) {
+        case 0:
+          info_text(other);
+          break;
+        case 1:
+          faults_text(other);
+          break;
+        case 2:
+          other.enable();
+          break;
+        case 3:
+          other.hold(0.1);
+          break;
+        case 4:
+          read_recording(other, {{"strain"}, 1, 0, ""});
+          break;
+        default:
+          first_cause(other);
+          break;
+      }
+    });
+    told += refused.empty() ? 1 : 0;
+    not_whole += refused.find("must be a whole number") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GT(told, 20);
+  EXPECT_GT(not_whole, 500);
 }
 
 TEST_F(CanClient, TellsWhatWasWrittenAndRefused) {
