@@ -111,6 +111,7 @@ void SdoClient::abort(Key key, std::uint32_t code) {
 }
 
 Bytes SdoClient::upload(Key key) {
+  const Transfer transfer(*this);
   const Data first = request(key, {start_upload});
   if (command_of(first[0]) != upload_answer) abort(key, 0x05040001);
   if ((first[0] & expedited_bit) == 0) return receive_segments(key, first);
@@ -141,6 +142,7 @@ void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
     download_segmented(key, value);
     return;
   }
+  const Transfer transfer(*this);
   Data data{static_cast<std::uint8_t>(start_download | (4 - value.size()) << 2U | expedited_bit |
                                       size_bit)};
   std::ranges::copy(value, data.begin() + 4);
@@ -148,6 +150,7 @@ void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
 }
 
 void SdoClient::download_segmented(Key key, std::span<const std::uint8_t> value) {
+  const Transfer transfer(*this);
   Data data{start_download | size_bit};
   put_number(std::span(data).subspan(4), value.size());
   if (command_of(request(key, data)[0]) != download_answer) abort(key, 0x05040001);
@@ -190,6 +193,7 @@ constexpr std::uint8_t max_segments = 127;
 }  // namespace
 
 Bytes SdoClient::upload_block(Key key) {
+  const Transfer transfer(*this);
   const Data first =
       request(key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, max_segments, 0});
   if (command_of(first[0]) != block_upload_answer) abort(key, 0x05040001);
@@ -239,6 +243,7 @@ void SdoClient::receive_blocks(Key key, Bytes& value) {
 }
 
 void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
+  const Transfer transfer(*this);
   Data data{static_cast<std::uint8_t>(block_download | with_crc | with_size)};
   put_number(std::span(data).subspan(4), value.size());
   const Data first = request(key, data);

@@ -55,6 +55,20 @@ class SdoClient {
  private:
   using Data = std::array<std::uint8_t, 8>;
 
+  /// Tells the bus that a transfer goes on.
+  class Transfer {
+   public:
+    explicit Transfer(const SdoClient& client) : client_(client) {
+      client_.bus_.transfer(client_.node_, true);
+    }
+    ~Transfer() { client_.bus_.transfer(client_.node_, false); }
+    Transfer(const Transfer&) = delete;
+    Transfer& operator=(const Transfer&) = delete;
+
+   private:
+    const SdoClient& client_;
+  };
+
   Data request(Key key, const Data& data);
   Data answer(Key key);
   bool next_answer(Data& data, std::int64_t until_us);
