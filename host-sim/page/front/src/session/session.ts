@@ -88,7 +88,7 @@ function open(): Socket {
 }
 
 let connection: Connection | null = null;
-const ready = signal(0);  // how often services have come
+const ready = signal(0);  // how often this connection has told of services
 
 export function start(): void {
   connection = new Connection(open, {
@@ -102,6 +102,7 @@ export function start(): void {
     lost: (reason) => batch(() => {
       if (link.value === 'open') for (const one of feeds.values()) one.interrupt();
       link.value = 'lost';
+      ready.value = 0;
       lostReason.value = reason;
       client.value = null;
       bridge.value = bridge.value && { ...bridge.value, control: null, activity: null };
