@@ -36,13 +36,59 @@ export class Reduced {
   count = 0;
   x = new Float64Array(0);
   y: Float64Array[] = [];
+  /**
+   * So many rows were there after the last reduce() already, and what has been made of their y since is kept:
+   * who scales rows must scale only those from here on.
+   */
+  kept = 0;
+  /** Where the pixels begin, as samples and as rows here; of the last reduce() that put samples together. */
+  readonly starts: number[] = [];
+  readonly places: number[] = [];
+  private of: { samples: Samples; width: number; wants: string } | null = null;
 
   reserve(rows: number, columns: number): void {
     if (this.x.length < rows) {
       this.x = new Float64Array(rows);
       this.y = [];
+      this.of = null;
     }
     while (this.y.length < columns) this.y.push(new Float64Array(this.x.length));
+  }
+
+  /** No row is kept. */
+  clear(): void {
+    this.count = this.kept = this.starts.length = this.places.length = 0;
+    this.of = null;
+  }
+
+  /**
+   * Keeps the rows of the whole pixels between two samples, if they are of the same samples and wants; says
+   * which sample is the first that is missing.
+   */
+  keep(samples: Samples, width: number, wants: readonly Want[], begin: number, end: number): number {
+    const { of, starts, places } = this;
+    const text = wants.map((want) => `${want.keep} ${want.key}`).join('\n');
+    let first = 0;
+    let last = starts.length - 1;  // may get more samples, so it is made anew
+    while (last > 0 && starts[last]! > end) --last;
+    while (first < last && starts[first + 1]! <= begin) ++first;
+    const same = of !== null && of.samples === samples && of.width === width && of.wants === text;
+    if (!same || !(first < last) || starts[first]! > begin) {
+      this.clear();
+      this.of = { samples, width, wants: text };
+      return begin;
+    }
+    const [from, to] = [places[first]!, places[last]!];
+    const next = starts[last]!;
+    this.x.copyWithin(0, from, to);
+    for (const y of this.y) y.copyWithin(0, from, to);
+    starts.splice(last);
+    places.splice(last);
+    starts.splice(0, first);
+    places.splice(0, first);
+    for (let pixel = 0; pixel < places.length; ++pixel) places[pixel]! -= from;
+    this.count = this.kept = to - from;
+    return next;
   }
 }
 
@@ -78,8 +124,9 @@ export function valueAt(samples: Samples, key: string, x: number, reach = Infini
 /**
  * The rows between two x, and one beyond each end so that lines reach the edge. Samples that share one of
  * `pixels` columns become at most four rows: the extremes, and gaps at either end. Columns are multiples of
- * their width, not parts of the window, so that a picture that scrolls does not flicker.
- * Cost: about 40 comparisons for each pixel and want, whatever the number of samples.
+ * their width, not parts of the window, so that a picture that scrolls does not flicker; the leftmost of them
+ * is a whole one. A window that moves on keeps the rows that `out` has already.
+ * Cost: about 40 comparisons for each new pixel and want, whatever the number of samples.
  */
 export function reduce(
   samples: Samples, from: number, to: number, pixels: number, wants: readonly Want[], out: Reduced,
@@ -89,6 +136,7 @@ export function reduce(
   const columns = wants.map((want) => samples.column(want.key));
   const rows = Math.max(0, end - begin);
   if (rows <= 2 * pixels) {
+    out.clear();
     out.reserve(Math.max(rows, 2 * pixels), wants.length);
     out.count = rows;
     for (let row = begin; row < end; ++row) out.x[row - begin] = samples.x(row);
@@ -99,12 +147,14 @@ export function reduce(
     return;
   }
   out.reserve(4 * (Math.ceil(pixels) + 4), wants.length);
-  out.count = 0;
   // Six digits: the ends of a window that scrolls are rounded, and with them its length.
   const width = Number(((to - from) / pixels).toPrecision(6));
-  for (let row = begin; row < end;) {
+  const whole = lowerBound(samples, Math.floor(samples.x(begin) / width) * width, samples.first, begin);
+  for (let row = out.keep(samples, width, wants, whole, end); row < end;) {
     const edge = (Math.floor(samples.x(row) / width) + 1) * width;
     const next = Math.max(row + 1, gallop(samples, edge, row + 1, end));
+    out.starts.push(row);
+    out.places.push(out.count);
     put(samples, columns, wants, row, next, out);
     row = next;
   }

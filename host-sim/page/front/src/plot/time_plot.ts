@@ -18,6 +18,7 @@ import { reduce, Reduced, Samples, valueAt, Want } from '../numbers/samples';
 import type { Member, PlotGroup } from './group';
 import type { Style } from './legend';
 import { drawArea, drawLine, drawPoints, drawSteps, Pen, Project } from './pens';
+import { Raster } from './raster';
 import { Role, theme, translucent } from './theme';
 
 export interface SeriesSpec {
@@ -66,6 +67,7 @@ export interface Flag {
 
 export class TimePlot extends Chart implements Member {
   private readonly reduced = new Reduced();
+  private readonly raster = new Raster();
   private readonly wants: Want[] = [];
   private readonly areas = { low: new Float64Array(0), high: new Float64Array(0) };
   private shownAt = 0;
@@ -135,8 +137,7 @@ export class TimePlot extends Chart implements Member {
       const y = this.reduced.y[column]!;
       const toY = series.axis === 'right' ? view.toRight : view.toY;
       if (series.style === 'band') {
-        const fill = translucent(theme()[series.role], 0.2);
-        drawArea(view.ctx, this.reduced, y, this.reduced.y[column + 1]!, view.toX, toY, fill);
+        this.paintArea(view, series, y, this.reduced.y[column + 1]!, toY, 0.2);
         ++column;
       } else if (series.style === 'stack') {
         this.paintStack(view, series, y, toY, !stacked);
@@ -146,6 +147,7 @@ export class TimePlot extends Chart implements Member {
       }
       ++column;
     }
+    this.raster.finish(view);
     this.paintFlags(view, column);
     this.paintLines(view);
     const now = performance.now();
@@ -195,6 +197,7 @@ export class TimePlot extends Chart implements Member {
     for (const flag of this.flags) this.wants.push({ key: flag.column, keep: 'high' });
   }
 
+  /** Rows that were there for the last picture are converted already. */
   private convert(): void {
     let column = 0;
     for (const series of this.visible()) {
@@ -202,7 +205,7 @@ export class TimePlot extends Chart implements Member {
         const { factor = 1, offset = 0 } = series;
         if (factor === 1 && offset === 0) continue;
         const y = this.reduced.y[column]!;
-        for (let row = 0; row < this.reduced.count; ++row) y[row] = factor * y[row]! + offset;
+        for (let row = this.reduced.kept; row < this.reduced.count; ++row) y[row] = factor * y[row]! + offset;
       }
     }
   }
@@ -260,6 +263,11 @@ export class TimePlot extends Chart implements Member {
       width: (series.width ?? 1.6) * view.ratio,
       dash: dashed ? [5 * view.ratio, 4 * view.ratio] : [],
     };
+    if (series.style !== 'points' && this.dense(view)) {
+      this.raster.line(view, this.reduced, y, view.toX, toY, pen, series.style === 'steps');
+      return;
+    }
+    this.raster.finish(view);
     const draw = series.style === 'steps' ? drawSteps : series.style === 'points' ? drawPoints : drawLine;
     draw(view.ctx, this.reduced, y, view.toX, toY, pen);
   }
@@ -276,8 +284,20 @@ export class TimePlot extends Chart implements Member {
       areas.low[row] = first ? 0 : areas.high[row]!;
       areas.high[row] = areas.low[row]! + y[row]!;
     }
-    const fill = translucent(theme()[series.role], 0.75);
-    drawArea(view.ctx, this.reduced, areas.low, areas.high, view.toX, toY, fill);
+    this.paintArea(view, series, areas.low, areas.high, toY, 0.75);
+  }
+
+  private paintArea(
+    view: View, series: SeriesSpec, low: Float64Array, high: Float64Array, toY: Project, opacity: number,
+  ): void {
+    const colour = theme()[series.role];
+    if (this.dense(view)) this.raster.area(view, this.reduced, low, high, view.toX, toY, colour, opacity);
+    else drawArea(view.ctx, this.reduced, low, high, view.toX, toY, translucent(colour, opacity));
+  }
+
+  /** Whether there are more rows than columns of pixels. */
+  private dense(view: View): boolean {
+    return this.reduced.starts.length > 0 || this.reduced.count > view.width;
   }
 
   private paintFlags(view: View, column: number): void {

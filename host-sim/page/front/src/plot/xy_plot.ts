@@ -218,11 +218,17 @@ export class XYPlot extends Chart implements Member {
   ): void {
     const { ctx } = view;
     let down = false;
+    let lastX = 0;
+    let lastY = 0;
+    const near = 0.7 * view.ratio;  // what is nearer to the last point cannot be seen
     ctx.beginPath();
     for (let row = from; row <= to; row += stride) {
       const px = view.toX(this.xOf(x.at(row)));
       const py = view.toY(this.yOf(y.at(row)));
       const there = !Number.isNaN(px) && !Number.isNaN(py);
+      if (down && there && row + stride <= to && Math.abs(px - lastX) < near && Math.abs(py - lastY) < near) continue;
+      lastX = px;
+      lastY = py;
       if (there && loop.style === 'points') {
         ctx.rect(px - 1.5 * view.ratio, py - 1.5 * view.ratio, 3 * view.ratio, 3 * view.ratio);
       } else if (there) {

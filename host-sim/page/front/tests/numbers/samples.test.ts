@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { ArraySamples, RangedColumn } from '../../src/numbers/columns';
 import { lowerBound, nearestRow, reduce, Reduced, valueAt } from '../../src/numbers/samples';
+import { SampleRing } from '../../src/live/ring';
 import { randomFrom } from '../random';
 
 interface Series {
@@ -109,6 +110,49 @@ describe('reduce', () => {
       const lost = [...one].filter((row) => !other.has(row));
       expect(lost.length).toBeLessThanOrEqual(12);  // those of the outermost pixels
       expect(one.size).toBeGreaterThan(100);
+    }
+  });
+
+  it('gives the same rows with those of the last window as without', () => {
+    const random = randomFrom(13);
+    const { x, y } = randomSeries(random, 30000);
+    const samples = new ArraySamples(x, { y });
+    const wants = [{ key: 'y', keep: 'both' as const }, { key: 'y', keep: 'ends' as const }];
+    const again = new Reduced();
+    let keptAny = 0;
+    let from = x[1000]!;
+    let span = 40;
+    for (let round = 0; round < 400; ++round) {
+      if (random() < 0.05) span = 20 + 40 * random();
+      // Mostly on by little, sometimes back or far; the samples end in some of the windows.
+      from += random() < 0.1 ? 60 * (random() - 0.5) : 0.2 * random();
+      from = Math.min(Math.max(from, x[0]! - 5), x[x.length - 1]! - 20);
+      const fresh = new Reduced();
+      reduce(samples, from, from + span, 300, wants, fresh);
+      reduce(samples, from, from + span, 300, wants, again);
+      keptAny += again.kept;
+      expect(again.kept).toBeLessThanOrEqual(again.count);
+      expect(again.x.subarray(0, again.count)).toEqual(fresh.x.subarray(0, fresh.count));
+      for (const c of [0, 1]) expect(again.y[c]!.subarray(0, again.count)).toEqual(fresh.y[c]!.subarray(0, fresh.count));
+    }
+    expect(keptAny).toBeGreaterThan(400 * 300);
+  });
+
+  it('keeps rows while samples are added to a ring that overwrites the oldest', () => {
+    const ring = new SampleRing(4096);
+    const again = new Reduced();
+    const wants = [{ key: 'y', keep: 'both' as const }];
+    const random = randomFrom(14);
+    for (let at = 0; at < 20000; ++at) {
+      ring.push(at * 0.001, { y: random() });
+      if (at % 37 !== 0 || at < 1000) continue;
+      const fresh = new Reduced();
+      reduce(ring, at * 0.001 - 4, at * 0.001, 100, wants, fresh);
+      reduce(ring, at * 0.001 - 4, at * 0.001, 100, wants, again);
+      // The first pixel may have samples that the ring has no more.
+      const after = (rows: Reduced): [number, number][] => Array.from({ length: rows.count },
+        (_, row): [number, number] => [rows.x[row]!, rows.y[0]![row]!]).filter(([x]) => x > at * 0.001 - 3.95);
+      expect(after(again)).toEqual(after(fresh));
     }
   });
 
