@@ -67,7 +67,7 @@ async function main() {
     };
     localStorage.setItem('smaservo.span_s', JSON.stringify(seconds));
   }, Number(window_s));
-  await view.goto(address);
+  await view.goto(address + (process.env.MEASURE_VIEW ?? ''));
   await view.waitForFunction('Number(document.querySelector("[data-testid=rate]")?.dataset.received) > 2000', null,
     {timeout: 120_000});
   const tab = await view.context().newCDPSession(view);

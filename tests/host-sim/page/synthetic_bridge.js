@@ -90,7 +90,7 @@ class Client {
     json({op: 'advertiseServices', services: services.map((name, k) => ({
       id: k + 1, name, type: name, requestSchema: '{}', responseSchema: '{}'}))});
     socket.on('message', (data, binary) => (binary ? this.call(data) : this.text(JSON.parse(data))));
-    this.sent = past.rows;
+    this.sent = this.due();
     this.timer = setInterval(() => this.tick(), 5);
     socket.on('close', () => clearInterval(this.timer));
   }
@@ -116,9 +116,13 @@ class Client {
     this.socket.send(Buffer.concat([head, payload]));
   }
 
+  due() {
+    return Math.floor((Date.now() - this.past.began_ms) * rate_Hz / 1000);
+  }
+
   // Sends all samples up to now, each as a message of its own, as the bridge does.
   tick() {
-    const due = Math.floor((Date.now() - this.past.began_ms) * rate_Hz / 1000);
+    const due = this.due();
     for (; this.sent < due; ++this.sent) {
       const time_ms = this.past.began_ms + this.sent * 1000 / rate_Hz;
       this.say('/node1/live', this.sent % 200 ? fast(this.sent) : {...slow(this.sent), ...fast(this.sent)}, time_ms);

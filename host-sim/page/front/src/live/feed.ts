@@ -31,7 +31,7 @@ export class Feed {
   geometry: Geometry = { zero_strain: NaN, length_m: NaN };
   received = 0;
   private held: Row = {};
-  private bits: string[] = [];
+  private limits: string[] = [];  // columns of the bits of limit_reasons
   private rate = { since_ms: 0, count: 0, value: 0 };
 
   constructor(capacity?: number) {
@@ -40,7 +40,7 @@ export class Feed {
 
   /** Names of the bits of limit_reasons. */
   setLimitNames(names: string[]): void {
-    this.bits = names;
+    this.limits = names.map((name) => `limit:${name}`);
   }
 
   /** Messages a second, over about a second. */
@@ -99,9 +99,9 @@ export class Feed {
     row['setpoint_strain'] = moves ? this.strainOf(setpoint) : NaN;
     row['reference_strain'] = moves ? this.strainOf(number('reference')) : NaN;
     const reasons = number('limit_reasons');
-    for (let bit = 0; bit < this.bits.length; ++bit) {
+    for (let bit = 0; bit < this.limits.length; ++bit) {
       const acts = Number.isNaN(reasons) ? NaN : (reasons >>> bit) & 1;
-      const key = `limit:${this.bits[bit]}`;
+      const key = this.limits[bit]!;
       if (acts !== 0 || this.ring.column(key)) row[key] = acts;
     }
   }

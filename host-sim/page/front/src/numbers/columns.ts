@@ -33,19 +33,23 @@ export class RangedColumn implements Column {
   set(row: number, value: number): void {
     const place = row % this.capacity;
     this.values[place] = value;
-    for (let level = 0; level < bits.length; ++level) {
-      const b = bits[level]!;
-      const block = place >> b;
-      const lows = this.lows[level]!;
-      const highs = this.highs[level]!;
-      if ((place & ((1 << b) - 1)) === 0 || row === this.start) {
-        lows[block] = highs[block] = value;
-        continue;
-      }
-      // The comparisons are false where either is NaN.
-      if (value < lows[block]! || Number.isNaN(lows[block]!)) lows[block] = value;
-      if (value > highs[block]! || Number.isNaN(highs[block]!)) highs[block] = value;
-    }
+    // Only whole blocks are ever asked for.
+    if ((place & 31) === 31) this.fold(place);
+  }
+
+  /** The extremes of the blocks that end at a place. */
+  private fold(place: number): void {
+    const block = place >> bits[0];
+    const range = { low: NaN, high: NaN };
+    for (let at = block << bits[0]; at <= place; ++at) include(range, this.values[at]!, this.values[at]!);
+    this.lows[0]![block] = range.low;
+    this.highs[0]![block] = range.high;
+    if ((place & 1023) !== 1023) return;
+    const large = place >> bits[1];
+    range.low = range.high = NaN;
+    for (let at = large << 5; at <= block; ++at) include(range, this.lows[0]![at]!, this.highs[0]![at]!);
+    this.lows[1]![large] = range.low;
+    this.highs[1]![large] = range.high;
   }
 
   range(from: number, to: number, result: Range): void {

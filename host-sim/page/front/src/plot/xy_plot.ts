@@ -45,9 +45,27 @@ export interface XYPlotSpec {
 
 const most = 4000;  // points of a loop
 const fades = 24;
+const old_ms = 250;
+
+interface Shown {
+  samples: Samples;
+  from: number;
+  to: number;
+  x: Column;
+  y: Column;
+}
+
+/** A trail as it was painted a moment ago. */
+interface Trail {
+  canvas: HTMLCanvasElement;
+  of: string;  // scales, size and colour
+  at_ms: number;
+  to: number;  // its last row
+}
 
 export class XYPlot extends Chart implements Member {
   private zoomed: { x: Span; y: Span } | null;
+  private readonly trails = new Map<string, Trail>();
 
   /** In a group it shows the rows of the group's stretch and the place of the group's cursor. */
   constructor(
@@ -134,7 +152,7 @@ export class XYPlot extends Chart implements Member {
   pointAt(): void {}
   step(): void {}
 
-  private shown(loop: LoopSpec): { samples: Samples; from: number; to: number; x: Column; y: Column } | null {
+  private shown(loop: LoopSpec): Shown | null {
     const samples = loop.samples ?? this.samples;
     const x = samples.column(loop.x);
     const y = samples.column(loop.y);
@@ -194,23 +212,60 @@ export class XYPlot extends Chart implements Member {
     // Every k-th row by its number in the ring: a trail that grows does not flicker.
     const stride = Math.max(1, Math.ceil((rows.to - rows.from) / most));
     const first = Math.ceil(rows.from / stride) * stride;
-    const { ctx } = view;
-    ctx.strokeStyle = ctx.fillStyle = theme()[loop.role];
-    ctx.lineWidth = 1.6 * view.ratio;
-    ctx.lineJoin = 'bevel';
-    ctx.setLineDash(loop.style === 'dashed' ? [5 * view.ratio, 4 * view.ratio] : []);
-    const parts = this.spec.trail_s === undefined ? 1 : fades;
-    const count = Math.max(1, Math.ceil((rows.to - first) / stride));
-    for (let part = 0; part < parts; ++part) {
-      const from = first + Math.floor((count * part) / parts) * stride;
-      const to = first + Math.floor((count * (part + 1)) / parts) * stride;
-      ctx.globalAlpha = parts === 1 ? 1 : 0.05 + 0.95 * ((part + 1) / parts) ** 2;
-      this.paintRows(view, loop, rows.x, rows.y, from, Math.min(to, rows.to - 1), stride);
+    if (this.spec.trail_s === undefined) {
+      this.pen(view, loop);
+      this.paintRows(view, loop, rows.x, rows.y, first, rows.to - 1, stride);
+    } else {
+      this.paintTrail(view, loop, rows, first, stride);
     }
-    ctx.globalAlpha = 1;
     const cursor = this.group?.cursor ?? null;
-    const marked = cursor !== null ? nearestRow(rows.samples, cursor) : parts > 1 ? rows.to - 1 : -1;
+    const marked = cursor !== null ? nearestRow(rows.samples, cursor) : this.spec.trail_s !== undefined ? rows.to - 1 : -1;
     if (marked >= 0) this.mark(view, rows.x.at(marked), rows.y.at(marked));
+  }
+
+  private pen({ ctx, ratio }: View, loop: LoopSpec): void {
+    ctx.strokeStyle = ctx.fillStyle = theme()[loop.role];
+    ctx.lineWidth = 1.6 * ratio;
+    ctx.lineJoin = 'bevel';
+    ctx.setLineDash(loop.style === 'dashed' ? [5 * ratio, 4 * ratio] : []);
+  }
+
+  /** Stroking twenty seconds takes longer than all else of a frame: they are kept for a while, and only what is
+   * new is added to them. */
+  private paintTrail(view: View, loop: LoopSpec, rows: Shown, first: number, stride: number): void {
+    const of = [this.scales.x, this.scales.y, view.left, view.top, view.width, view.height, theme()[loop.role]].join();
+    const now = performance.now();
+    let trail = this.trails.get(loop.key);
+    if (!trail || trail.of !== of || now - trail.at_ms > old_ms || trail.to > rows.to - 1 || trail.to < first) {
+      trail = { canvas: trail?.canvas ?? document.createElement('canvas'), of, at_ms: now, to: rows.to - 1 };
+      this.trails.set(loop.key, trail);
+      this.fade(trail.canvas, view, loop, rows, first, stride);
+    }
+    const left = Math.round(view.left);
+    const top = Math.round(view.top);
+    view.ctx.drawImage(trail.canvas, left, top);
+    this.pen(view, loop);
+    if (trail.to < rows.to - 1) this.paintRows(view, loop, rows.x, rows.y, trail.to, rows.to - 1, stride);
+  }
+
+  private fade(canvas: HTMLCanvasElement, view: View, loop: LoopSpec, rows: Shown, first: number, stride: number): void {
+    const left = Math.round(view.left);
+    const top = Math.round(view.top);
+    // Also clears it.
+    canvas.width = Math.max(1, Math.round(view.width));
+    canvas.height = Math.max(1, Math.round(view.height));
+    const ctx = canvas.getContext('2d');
+    if (!ctx) return;
+    ctx.translate(-left, -top);
+    const there = { ...view, ctx };
+    this.pen(there, loop);
+    const count = Math.max(1, Math.ceil((rows.to - first) / stride));
+    for (let part = 0; part < fades; ++part) {
+      const from = first + Math.floor((count * part) / fades) * stride;
+      const to = first + Math.floor((count * (part + 1)) / fades) * stride;
+      ctx.globalAlpha = 0.05 + 0.95 * ((part + 1) / fades) ** 2;
+      this.paintRows(there, loop, rows.x, rows.y, from, Math.min(to, rows.to - 1), stride);
+    }
   }
 
   private paintRows(
