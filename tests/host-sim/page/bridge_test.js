@@ -40,12 +40,14 @@ const tests = {
     for (let i = 0; i < 3; ++i) clients.push(await Client.connect(bridge));
     assert.equal(new Set(clients.map((one) => one.info.metadata.client)).size, 3);
     let last = 0n;
-    clients[0].subscribe('/bridge', (value, message) => {
+    const watched = clients[0].subscribe('/bridge', (value, message) => {
       assert.ok(message.timestamp >= last);
       last = message.timestamp;
     });
-    await Promise.all(clients.map(async (one) => assertNoneUncounted(one, await collect(one, 3000))));
+    const collected = await Promise.all(clients.map((one) => collect(one, 3000)));
     assert.ok(last > 0n);
+    clients[0].fox.unsubscribe(watched);
+    await Promise.all(clients.map((one, i) => assertNoneUncounted(one, collected[i])));
     await Promise.all(clients.map((one) => one.call('echo')));
     assert.equal((await clients[0].call('counts')).live, 0);
     await bridge.stop();
