@@ -9,7 +9,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "host-sim/page/server.hpp"
+#include "host-sim/page/server/server.hpp"
 #include "host-sim/page/token_file.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "host-sim/page/foxglove.hpp"
+#include "host-sim/page/protocol/foxglove.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "host-sim/page/servos/tables.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
@@ -297,7 +297,8 @@ bool Bridge::read_recording() {
       } else if (!running.recording.is_complete()) {
         continue;
       } else {
-        running.reply({true, json_text({{"recording", kept(running.recording.read())}})});
+        running.reply(
+            {true, json_text({{"recording", recordings_.kept(running.recording.read())}})});
       }
     } catch (const UserError& error) {
       running.reply({false, error.what()});

@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 
+#include "host-sim/page/servos/messages/exports.hpp"
 #include "host-sim/page/servos/operations.hpp"
 #include "host-sim/page/servos/traffic/off_switch.hpp"
 
@@ -99,8 +100,6 @@ class Bridge final : public Source, private TrafficEvents {
   nlohmann::json heat(Servo& servo, const std::string& service, const nlohmann::json& request,
                       const Job& job);
   nlohmann::json history(const nlohmann::json& request);
-  nlohmann::json kept(const can::Recording& recording);
-  nlohmann::json exported(const nlohmann::json& request);
   void begin_recording(const Caller& caller, const nlohmann::json& request, const Reply& reply);
   void write_parameters(unsigned node, const std::vector<Operations::NewValue>& values);
   std::vector<Operations::NewValue> values_in(const nlohmann::json& request) const;
@@ -150,6 +149,7 @@ class Bridge final : public Source, private TrafficEvents {
   std::map<unsigned, std::int64_t> live_until_us_;
 
   // Of all threads.
+  KeptRecordings recordings_;
   mutable std::mutex mutex_;
   std::deque<Job> jobs_;
   NodeSet to_check_;
@@ -158,8 +158,6 @@ class Bridge final : public Source, private TrafficEvents {
   std::map<std::uint32_t, unsigned> wanted_;  ///< channel, clients
   std::set<std::uint32_t> gone_clients_;
   NodeSet all_nodes_;
-  std::deque<std::pair<unsigned, can::Recording>> recordings_;  ///< the last ones, for `export`
-  unsigned recording_count_ = 0;
 };
 
 }  // namespace smaservo::page

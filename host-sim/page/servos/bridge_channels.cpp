@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host-sim/page/servos/bridge.hpp"
-#include "host-sim/page/servos/tables.hpp"
+#include "host-sim/page/servos/messages/schemas.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 
 namespace smaservo::page {
 namespace {

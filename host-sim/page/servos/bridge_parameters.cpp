@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host-sim/page/servos/bridge.hpp"
-#include "host-sim/page/servos/tables.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::page {

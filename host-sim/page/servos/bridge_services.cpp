@@ -12,7 +12,9 @@
 #include "firmware/text/reference/fault_reference.hpp"
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/page/servos/bridge.hpp"
-#include "host-sim/page/servos/tables.hpp"
+#include "host-sim/page/servos/messages/requests.hpp"
+#include "host-sim/page/servos/messages/schemas.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
@@ -33,62 +35,40 @@ enum class Kind : std::uint8_t {
 struct ServiceRow {
   const char* name;
   Kind kind;
-  const char* request;  ///< the members that a request must have
+  const char* request;  ///< its members, as request_schema() takes them
 };
 
 constexpr auto service_rows = std::to_array<ServiceRow>({
     {"describe", Kind::at_once, ""},
-    {"history", Kind::at_once, "node seconds points"},
-    {"explain", Kind::at_once, "fault"},
-    {"export", Kind::at_once, "recording as"},
+    {"history", Kind::at_once, "node:integer seconds:number points:integer"},
+    {"explain", Kind::at_once, "fault:string"},
+    {"export", Kind::at_once, "recording:integer as:string"},
     {"take_control", Kind::rights, ""},
     {"release_control", Kind::rights, ""},
     {"stop", Kind::rights, ""},
     {"scan", Kind::reading, ""},
-    {"dump", Kind::reading, "node as"},
-    {"diff", Kind::reading, "node toml"},
-    {"record", Kind::changing, "node signals seconds"},
-    {"enable", Kind::writing, "node"},
-    {"disable", Kind::writing, "node"},
-    {"reset_faults", Kind::writing, "node"},
-    {"mode", Kind::writing, "node mode"},
-    {"target", Kind::writing, "node value"},
-    {"try", Kind::writing, "node values seconds"},
-    {"commit", Kind::writing, "node"},
-    {"revert", Kind::writing, "node"},
-    {"store", Kind::writing, "node"},
-    {"restore", Kind::writing, "node toml"},
-    {"step", Kind::writing, "node amplitude_um seconds"},
+    {"dump", Kind::reading, "node:integer as:string"},
+    {"diff", Kind::reading, "node:integer toml:string"},
+    {"record", Kind::changing,
+     "node:integer signals:strings seconds:number before_s?:number trigger?:string "
+     "patience_s?:number"},
+    {"enable", Kind::writing, "node:integer"},
+    {"disable", Kind::writing, "node:integer"},
+    {"reset_faults", Kind::writing, "node:integer"},
+    {"mode", Kind::writing, "node:integer mode:integer"},
+    {"target", Kind::writing, "node:integer value:number"},
+    {"try", Kind::writing, "node:integer values:object seconds:number"},
+    {"commit", Kind::writing, "node:integer"},
+    {"revert", Kind::writing, "node:integer"},
+    {"store", Kind::writing, "node:integer"},
+    {"restore", Kind::writing, "node:integer toml:string"},
+    {"step", Kind::writing, "node:integer amplitude_um:number seconds:number"},
 });
 
-/// What a recording can be exported as: a further format is a further row.
-struct Export {
-  const char* as;
-  const char* file;
-  std::string (*bytes)(const can::Recording& recording);
-};
-constexpr auto exports = std::to_array<Export>({
-    {"csv", "recording.csv", can::to_csv},
-});
-
-constexpr std::size_t kept_recordings = 8;
 constexpr std::size_t most_points = 20'000;
 constexpr double longest_recording_s = 3600;
 constexpr double usual_patience_s = 60;
 constexpr std::int64_t scan_listen_us = 300'000;
-
-std::string request_schema(const ServiceRow& row) {
-  json properties = json::object();
-  json required = json::array();
-  const std::string_view members = row.request;
-  for (std::size_t at = 0; at < members.size();) {
-    const std::size_t end = std::min(members.find(' ', at), members.size());
-    properties[std::string(members.substr(at, end - at))] = json::object();
-    required.push_back(members.substr(at, end - at));
-    at = end + 1;
-  }
-  return json_text({{"type", "object"}, {"properties", properties}, {"required", required}});
-}
 
 json explained(const json& request) {
   const std::string name = text_in(request, "fault");
@@ -100,33 +80,13 @@ json explained(const json& request) {
   return {{"text", text::explain_fault(fault)}};
 }
 
-can::RecordingPlan recording_plan(const json& request) {
-  can::RecordingPlan plan;
-  plan.seconds = number_in(request, "seconds", 0.001, longest_recording_s);
-  if (request.contains("before_s")) {
-    plan.before_s = number_in(request, "before_s", 0, longest_recording_s);
-  }
-  if (request.contains("trigger") && !request["trigger"].is_null()) {
-    plan.trigger = text_in(request, "trigger");
-  }
-  const auto signals = request.find("signals");
-  if (signals == request.end() || !signals->is_array()) {
-    throw UserError("signals: must be a list of names");
-  }
-  for (const json& signal : *signals) {
-    if (!signal.is_string()) throw UserError("signals: must be a list of names");
-    plan.signals.push_back(signal.get<std::string>());
-  }
-  return plan;
-}
-
 }  // namespace
 
 std::vector<Service> Bridge::services() {
   std::vector<Service> all;
   for (std::uint32_t i = 0; i < service_rows.size(); ++i) {
     all.push_back(
-        {i + 1, service_rows[i].name, request_schema(service_rows[i]), R"({"type":"object"})"});
+        {i + 1, service_rows[i].name, request_schema(service_rows[i].request), answer_schema()});
   }
   return all;
 }
@@ -181,7 +141,7 @@ bool Bridge::call_at_once(const Caller& caller, const std::string& service, cons
   } else if (service == "explain") {
     answer = explained(request);
   } else if (service == "export") {
-    answer = exported(request);
+    answer = recordings_.exported(request);
   } else if (service == "take_control") {
     if (caller.read_only) throw UserError("this client is read-only");
     switch_off(control_.take(caller.client));
@@ -319,8 +279,9 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
     json answer = json::object();
     if (service == "step") {
       const Operations::Step step = operations_.step(servo, job.ticket, amplitude_um, seconds);
-      answer = {
-          {"recording", kept(step.recording)}, {"figures", step.figures}, {"gains", step.gains}};
+      answer = {{"recording", recordings_.kept(step.recording)},
+                {"figures", step.figures},
+                {"gains", step.gains}};
     } else {
       operations_.enable(servo, job.ticket);
     }
@@ -347,45 +308,6 @@ json Bridge::scan() {
   return {{"nodes", nodes}, {"without_id", found.without_id}};
 }
 
-/// The message of a recording, by whose `id` it can be exported: whole, it may be too long for a
-/// request.
-json Bridge::kept(const can::Recording& recording) {
-  json message = recording_message(recording);
-  const std::scoped_lock lock(mutex_);
-  recordings_.emplace_back(++recording_count_, recording);
-  recordings_.back().second.period_s = message["period_s"].get<double>();
-  if (recordings_.size() > kept_recordings) recordings_.pop_front();
-  message["id"] = recording_count_;
-  return message;
-}
-
-json Bridge::exported(const json& request) {
-  const std::string as = text_in(request, "as");
-  const auto* const row = std::ranges::find(exports, as, &Export::as);
-  if (row == exports.end()) {
-    std::vector<std::string> known;
-    for (const Export& other : exports) known.emplace_back(other.as);
-    throw UserError(
-        fmt::format("as = {}: must be {}", files::printable(as), fmt::join(known, ", ")));
-  }
-  can::Recording recording;
-  const auto given = request.find("recording");
-  if (given != request.end() && given->is_number_unsigned()) {
-    const std::scoped_lock lock(mutex_);
-    const auto found = std::ranges::find_if(recordings_, [&](const auto& kept_one) {
-      return kept_one.first == given->get<std::uint64_t>();
-    });
-    if (found == recordings_.end()) {
-      throw UserError(fmt::format("recording {}: is not kept any more; only the last {} are",
-                                  json_text(*given), kept_recordings));
-    }
-    recording = found->second;
-  } else {
-    recording = recording_of(given == request.end() ? json() : *given);
-  }
-  return {{"name", row->file}, {"base64", base64(row->bytes(recording))}};
-}
-
 void Bridge::begin_recording(const Caller& caller, const json& request, const Reply& reply) {
   Servo& servo = operations_.servo(node_in(request));
   for (Recorded& running : recorded_) {
@@ -398,8 +320,8 @@ void Bridge::begin_recording(const Caller& caller, const json& request, const Re
                                 ? number_in(request, "patience_s", 0, longest_recording_s)
                                 : usual_patience_s;
   // It is made in its place, since it refers to itself.
-  recorded_.emplace_back(operations_.remote(servo), recording_plan(request), patience_s,
-                         caller.client, reply);
+  recorded_.emplace_back(operations_.remote(servo), recording_plan(request, longest_recording_s),
+                         patience_s, caller.client, reply);
 }
 
 }  // namespace smaservo::page

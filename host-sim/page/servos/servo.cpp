@@ -9,7 +9,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/device_names.hpp"
 #include "host-sim/can/remote.hpp"
-#include "host-sim/page/servos/tables.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 
 namespace smaservo::page {
 namespace {

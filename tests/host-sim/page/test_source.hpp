@@ -1,6 +1,6 @@
 #pragma once
 // A source without a bus: one servo that sends at a fixed rate, parameters with a range, services
-// that answer, refuse, and take their time.
+// that answer, refuse, and wait for another one before they answer.
 
 #include <atomic>
 #include <chrono>
@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "host-sim/page/source.hpp"
 
@@ -19,7 +20,16 @@ namespace smaservo::page {
 class TestSource final : public Source {
  public:
   enum ChannelId : std::uint32_t { bridge = 1, live = 2, second = 3 };
-  enum ServiceId : std::uint32_t { echo = 1, refuse, slow, big, second_servo, counts, end_sending };
+  enum ServiceId : std::uint32_t {
+    echo = 1,
+    refuse,
+    hold,
+    release,  ///< answers all that is held, from a thread of its own
+    big,
+    second_servo,
+    counts,
+    end_sending
+  };
 
   explicit TestSource(double rate_Hz) : rate_Hz_(rate_Hz) {}
   ~TestSource() override { stop(); }
@@ -33,7 +43,7 @@ class TestSource final : public Source {
   void stop() override {
     ending_ = true;
     if (sender_.joinable()) sender_.join();
-    for (std::thread& thread : slow_) {
+    for (std::thread& thread : releasing_) {
       if (thread.joinable()) thread.join();
     }
   }
@@ -49,7 +59,7 @@ class TestSource final : public Source {
     const std::string schema = R"({"type":"object"})";
     std::vector<Service> all;
     for (const char* name :
-         {"echo", "refuse", "slow", "big", "second_servo", "counts", "end_sending"}) {
+         {"echo", "refuse", "hold", "release", "big", "second_servo", "counts", "end_sending"}) {
       all.push_back({static_cast<std::uint32_t>(all.size() + 1), name, schema, schema});
     }
     return all;
@@ -90,11 +100,13 @@ class TestSource final : public Source {
       reply({true, request});
     } else if (service == refuse) {
       reply({false, "blocked by wire_open"});
-    } else if (service == slow) {
-      slow_.emplace_back([=, seconds = asked.value("seconds", 0.2)] {
-        std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-        reply({true, R"({"slow":true})"});
+    } else if (service == hold) {
+      held_.push_back(std::move(reply));
+    } else if (service == release) {
+      releasing_.emplace_back([held = std::exchange(held_, {})] {
+        for (const auto& answer : held) answer({true, R"({"held":true})"});
       });
+      reply({true, "{}"});
     } else if (service == big) {
       std::string text = R"({"base64":")";
       text.append(asked.value("bytes", 1000U), 'A').append(R"("})");
@@ -174,7 +186,8 @@ class TestSource final : public Source {
   double rate_Hz_;
   Sink* sink_ = nullptr;
   std::thread sender_;
-  std::vector<std::thread> slow_;
+  std::vector<std::thread> releasing_;
+  std::vector<std::function<void(Answer)>> held_;
   std::atomic<bool> ending_ = false, sending_ = true;
   std::atomic<std::uint64_t> sent_ = 0;
   bool has_second_ = false;

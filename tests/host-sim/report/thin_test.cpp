@@ -9,7 +9,8 @@
 namespace smaservo::test {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+/// A value that is missing.
+constexpr double not_there = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> noise(std::size_t rows, unsigned seed) {
   std::mt19937_64 random(seed);
@@ -62,7 +63,7 @@ TEST(Thin, KeepsTheBoundAndThePeaksOfEveryColumn) {
 TEST(Thin, KeepsAGapOfOneRow) {
   std::vector<double> values = noise(50'000, 7);
   for (std::size_t i = 999; i < values.size(); i += 1000) {
-    values[i] = nan;
+    values[i] = not_there;
   }
   const std::vector<const std::vector<double>*> columns{&values};
   const std::vector<std::size_t> kept = report::rows_to_show(columns, 4000);

@@ -36,25 +36,6 @@ constexpr unsigned surplus_of_two = 3;
 constexpr std::int64_t second_answer_us = 50'000;
 constexpr std::int64_t surplus_memory_us = 5'000'000;
 
-/// The signals in the order of what a page shows first. Where the bus has no room for all in each
-/// round, the later ones come in turn, one in each round.
-constexpr std::array<std::size_t, signal_count> by_importance = [] {
-  std::array<std::size_t, signal_count> order{
-      signal_index("strain"),        signal_index("position_m"),
-      signal_index("setpoint"),      signal_index("temperature_K"),
-      signal_index("current_A"),     signal_index("resistance_ohm"),
-      signal_index("power_W"),       signal_index("stress_Pa"),
-      signal_index("hot_spot_K"),    signal_index("resistance_model_ohm"),
-      signal_index("limit_reasons"), signal_index("reference"),
-      signal_index("strain_sd"),     signal_index("wanted_power_W"),
-      signal_index("martensite"),    signal_index("r_phase")};
-  std::size_t n = 16;
-  for (std::size_t i = 0; i < signal_count; ++i) {
-    if (std::find(order.begin(), order.begin() + n, i) == order.begin() + n) order.at(n++) = i;
-  }
-  return order;
-}();
-
 std::optional<std::size_t> signal_of(Key key) {
   if (key.index != live_values || key.sub == 0 || key.sub > signal_count) return std::nullopt;
   return std::size_t{key.sub} - 1;
@@ -198,12 +179,12 @@ void LiveTraffic::take_live(Servo& servo, Link& link, std::optional<float> value
                             std::int64_t now_us) {
   const std::optional<std::size_t> signal = signal_of(link.key);
   if (signal && value) {
-    Sample& sample = link.live_at <= link.fast.size() ? link.sample : link.slow_sample;
+    Sample& sample = link.live_at <= link.round.fast.size() ? link.sample : link.slow_sample;
     sample.has.set(*signal);
     sample.values[*signal] = *value;
     sample.time_us = now_us;
   }
-  if (link.live_at == link.fast.size() && link.live_at != 0) {
+  if (link.live_at == link.round.fast.size() && link.live_at != 0) {
     const std::int64_t since_us = now_us - link.live_last_us;
     if (link.live_last_us != 0 && since_us >= 2 * promised_us) {
       link.polled_gaps += static_cast<std::uint64_t>(since_us / promised_us - 1);
@@ -211,9 +192,9 @@ void LiveTraffic::take_live(Servo& servo, Link& link, std::optional<float> value
     link.live_last_us = now_us;
     if (link.sample.has.any()) sample(servo, link, link.sample, now_us);
   }
-  if (link.live_at < link.fast.size() + (link.slow.empty() ? 0 : 1)) return;
+  if (link.live_at < link.round.fast.size() + (link.round.slow.empty() ? 0 : 1)) return;
   link.in_round = false;
-  if (++link.slow_at < link.slow.size()) return;
+  if (++link.slow_at < link.round.slow.size()) return;
   link.slow_at = 0;
   if (link.slow_sample.has.any()) events_.sampled(servo, link.slow_sample);
   link.slow_sample = {};
@@ -320,24 +301,14 @@ bool LiveTraffic::poll_state(Servo& servo, Link& link, std::int64_t now_us) {
   return true;
 }
 
-/// All signals where the bus has room for them at the promised rate, else the first ones and one of
-/// the others in turn, which make a sample of their own. What comes by SYNC is not polled.
 void LiveTraffic::begin_round(unsigned node, Link& link) {
   const auto servos = static_cast<double>(std::max<std::size_t>(live_.count(), 1));
   const double state_per_s = 1e6 / state_period_us * static_cast<double>(state_objects().size());
-  const double room = (plan_.requests_per_s / servos - state_per_s) / 55;
-  const auto first =
-      static_cast<std::size_t>(std::clamp(room - 1, 4.0, static_cast<double>(signal_count)));
-  const bool mapped = stream_.is_mapped(node);
-  link.fast.clear();
-  link.slow.clear();
-  for (const std::size_t signal : by_importance) {
-    if (mapped && stream_.signals()[signal]) continue;
-    (!mapped && link.fast.size() < first ? link.fast : link.slow).push_back(signal);
-  }
+  link.round = live_round(plan_.requests_per_s / servos - state_per_s,
+                          stream_.is_mapped(node) ? &stream_.signals() : nullptr);
   link.sample = {};
   link.live_at = 0;
-  link.in_round = !link.fast.empty() || !link.slow.empty();
+  link.in_round = !link.round.fast.empty() || !link.round.slow.empty();
 }
 
 bool LiveTraffic::poll_live(Servo& servo, Link& link, std::int64_t now_us) {
@@ -353,9 +324,10 @@ bool LiveTraffic::poll_live(Servo& servo, Link& link, std::int64_t now_us) {
     if (!link.in_round) return false;
   }
   const std::size_t at = link.live_at++;
-  const std::size_t signal = at < link.fast.size()
-                                 ? link.fast[at]
-                                 : link.slow[std::min(link.slow_at, link.slow.size() - 1)];
+  const std::size_t signal =
+      at < link.round.fast.size()
+          ? link.round.fast[at]
+          : link.round.slow[std::min(link.slow_at, link.round.slow.size() - 1)];
   ask(servo.node, {live_values, sub_of(signal)}, Reason::live, now_us);
   return true;
 }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "host-sim/page/servos/servo.hpp"
+#include "host-sim/page/servos/traffic/live_round.hpp"
 #include "host-sim/page/servos/traffic/shared_bus.hpp"
 #include "host-sim/page/servos/traffic/sync_stream.hpp"
 
@@ -72,7 +73,7 @@ class LiveTraffic final : public Traffic {
     std::size_t live_at = 0, slow_at = 0;  ///< in the round; among the slow ones
     std::int64_t live_due_us = 0, live_last_us = 0;
     bool in_round = false;
-    std::vector<std::size_t> fast, slow;  ///< signals of each round; one of these in each
+    LiveRound round;
     Sample sample, slow_sample;
     std::uint64_t polled_gaps = 0;
     std::int64_t rate_since_us = 0;

@@ -1,7 +1,6 @@
 // The bridge as a process of its own, killed, beside the real daemon on a simulated wire.
 
 #include <atomic>
-#include <chrono>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -14,8 +13,6 @@
 
 namespace smaservo::page {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Tests run beside each other.
 std::string own_bus() {
@@ -87,11 +84,8 @@ TEST(PageBridge, KilledLeavesNoHeat) {
   EXPECT_TRUE(test::becomes(flows));
   kill(bridge, SIGKILL);
   waitpid(bridge, nullptr, 0);
-  const Clock::time_point killed = Clock::now();
-  EXPECT_EQ(real_at(servo, watch), 1);
+  EXPECT_EQ(real_at(servo, watch), 1) << "the bridge's time, not the usual one of 5 s";
   EXPECT_TRUE(test::becomes([&] { return real_at(servo, measured_current) < off_A; }));
-  // The usual time of the servo's watch is 5 s.
-  EXPECT_LT(Clock::now() - killed, std::chrono::seconds(4));
   daemon.kill(SIGTERM);
 }
 

@@ -1,4 +1,4 @@
-#include "host-sim/page/send_queue.hpp"
+#include "host-sim/page/protocol/send_queue.hpp"
 
 #include <gmock/gmock.h>
 #include <random>

@@ -1,4 +1,4 @@
-#include "host-sim/page/foxglove.hpp"
+#include "host-sim/page/protocol/foxglove.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,18 +7,24 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "model/files/message.hpp"
+#include "host-sim/page/protocol/client_text.hpp"
 
 namespace smaservo::page {
 namespace {
 
 using nlohmann::json;
-
-/// What a client says wrongly; becomes a status message.
-class Malformed : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using said::Complaints;
+using said::in_words;
+using said::list;
+using said::Malformed;
+using said::names_in;
+using said::number;
+using said::number_in;
+using said::parsed;
+using said::request_id;
+using said::text_in;
+using said::text_of;
+using said::values_in;
 
 enum ClientOpcode : std::uint8_t { client_message = 1, service_request = 2 };
 enum ServerOpcode : std::uint8_t { message_data = 1, service_response = 3 };
@@ -40,120 +46,6 @@ std::uint32_t take_u32(std::string_view& bytes) {
   bytes.remove_prefix(4);
   return number;
 }
-
-/// A text of a client within a message to a person.
-std::string in_words(std::string_view text) {
-  constexpr std::size_t longest = 80;
-  return text.size() <= longest ? files::printable(text)
-                                : files::printable(text.substr(0, longest)) + "...";
-}
-
-std::string text_of(const json& document) {
-  return document.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-json parsed(std::string_view text) {
-  const auto shallow = [](int depth, json::parse_event_t, const json&) {
-    if (depth > limits::depth) {
-      throw Malformed(fmt::format("nested deeper than {}", limits::depth));
-    }
-    return true;
-  };
-  json document;
-  try {
-    document = json::parse(text, shallow);
-  } catch (const json::exception& error) {
-    throw Malformed(fmt::format("no JSON: {}", in_words(error.what())));
-  }
-  if (!document.is_object()) {
-    throw Malformed("not a JSON object");
-  }
-  return document;
-}
-
-/// The array under a key, of at most so many elements.
-const json& list(const json& object, const char* key, std::size_t longest) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_array()) {
-    throw Malformed(fmt::format("{}: an array is missing", key));
-  }
-  if (found->size() > longest) {
-    throw Malformed(fmt::format("{}: {} elements, at most {}", key, found->size(), longest));
-  }
-  return *found;
-}
-
-std::uint32_t number(const json& value, const char* key) {
-  if (!value.is_number_unsigned() ||
-      value.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
-    throw Malformed(fmt::format("{}: a whole number of 32 bits is missing", key));
-  }
-  return value.get<std::uint32_t>();
-}
-
-std::uint32_t number_in(const json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key)) {
-    throw Malformed(fmt::format("{}: a whole number of 32 bits is missing", key));
-  }
-  return number(object[key], key);
-}
-
-std::string text_in(const json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key) || !object[key].is_string()) {
-    throw Malformed(fmt::format("{}: a text is missing", key));
-  }
-  return object[key].get<std::string>();
-}
-
-std::vector<std::string> names_in(const json& object) {
-  std::vector<std::string> names;
-  for (const json& name : list(object, "parameterNames", limits::names)) {
-    if (!name.is_string()) {
-      throw Malformed("parameterNames: not a text");
-    }
-    names.push_back(name.get<std::string>());
-  }
-  return names;
-}
-
-std::optional<std::string> request_id(const json& object) {
-  if (!object.contains("id")) {
-    return std::nullopt;
-  }
-  return text_in(object, "id");
-}
-
-std::vector<NamedValue> values_in(const json& object) {
-  std::vector<NamedValue> values;
-  std::set<std::string> seen;
-  for (const json& parameter : list(object, "parameters", limits::names)) {
-    std::string name = text_in(parameter, "name");
-    const auto value = parameter.find("value");
-    if (value == parameter.end() || value->is_null()) {
-      throw Malformed(fmt::format("{}: has no value; no parameter can be removed", in_words(name)));
-    }
-    if (!seen.insert(name).second) {
-      throw Malformed(fmt::format("{}: stands there twice", in_words(name)));
-    }
-    values.push_back({std::move(name), text_of(*value)});
-  }
-  return values;
-}
-
-/// What is wrong with some elements of a list, as one sentence.
-class Complaints {
- public:
-  void add(std::string text) {
-    if (count_++ == 0) first_ = std::move(text);
-  }
-  std::string text() const {
-    return count_ < 2 ? first_ : fmt::format("{}; and {} more", first_, count_ - 1);
-  }
-
- private:
-  std::string first_;
-  std::size_t count_ = 0;
-};
 
 Frame text_frame(const json& document) {
   return {.head = text_of(document), .body = {}};

@@ -1,4 +1,4 @@
-#include "host-sim/page/foxglove.hpp"
+#include "host-sim/page/protocol/foxglove.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "host-sim/page/servos/tables.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 
 #include <algorithm>
 #include <array>
@@ -153,35 +153,6 @@ json recording_message(const can::Recording& recording) {
           {"rows", std::move(rows)}};
 }
 
-can::Recording recording_of(const json& message) {
-  if (!message.is_object() || !message.contains("signals") || !message["signals"].is_array() ||
-      !message.contains("rows") || !message["rows"].is_array()) {
-    throw UserError("recording: must be what `record` or `step` has answered");
-  }
-  can::Recording recording;
-  recording.period_s = number_in(message, "period_s", 1e-6, 1e6);
-  for (const json& signal : message["signals"]) {
-    const std::string name = signal.is_string() ? signal.get<std::string>() : "";
-    const auto& rows = signal_rows<float>;
-    if (std::ranges::find(rows, name, &Signal<float>::name) == rows.end()) {
-      throw UserError(fmt::format("recording: signals: {}: no such signal",
-                                  files::printable(json_text(signal))));
-    }
-    recording.signals.push_back(name);
-  }
-  for (const json& values : message["rows"]) {
-    std::vector<double>& row = recording.rows.emplace_back();
-    for (const json& value : values) {
-      row.push_back(value.is_number() ? value.get<double>() : std::nan(""));
-    }
-    if (!values.is_array() || row.size() != recording.signals.size()) {
-      throw UserError(fmt::format("recording: row {}: must have {} values", recording.rows.size(),
-                                  recording.signals.size()));
-    }
-  }
-  return recording;
-}
-
 std::string parameter_json(const Parameter<double>& row, Value value) {
   return json_text(value_json(row, value));
 }
@@ -232,118 +203,6 @@ ParameterName parameter_of(const std::string& name) {
                                 files::printable(name)));
   }
   return {node, parameter_row(name.substr(dot + 1))};
-}
-
-json parsed_request(const std::string& text) {
-  json request = json::parse(text, nullptr, false);
-  if (!request.is_object()) throw UserError("the request must be a JSON object");
-  return request;
-}
-
-unsigned node_in(const json& request) {
-  const double node = number_in(request, "node", 1, 127);
-  if (node != std::floor(node)) throw UserError("node: must be a whole number from 1 to 127");
-  return static_cast<unsigned>(node);
-}
-
-double number_in(const json& request, const char* name, double low, double high) {
-  const auto found = request.find(name);
-  const bool good = found != request.end() && found->is_number();
-  const double value = good ? found->get<double>() : std::nan("");
-  if (!(low <= value && value <= high)) {
-    throw UserError(fmt::format(
-        "{}{}: must be a number from {} to {}", name,
-        found == request.end() ? " is missing" : " = " + files::printable(json_text(*found)), low,
-        high));
-  }
-  return value;
-}
-
-std::string text_in(const json& request, const char* name) {
-  const auto found = request.find(name);
-  if (found == request.end() || !found->is_string()) {
-    throw UserError(fmt::format("{}: must be a text", name));
-  }
-  return found->get<std::string>();
-}
-
-std::string base64(const std::string& bytes) {
-  static constexpr std::string_view digits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      three = three << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k > bytes.size() ? '=' : digits[three >> (18U - 6 * k) & 63U];
-    }
-  }
-  return text;
-}
-
-namespace {
-
-json object_schema(const json& properties) {
-  return {{"type", "object"}, {"properties", properties}};
-}
-json typed(const char* type) {
-  return {{"type", type}};
-}
-json list_of(const json& items) {
-  return {{"type", "array"}, {"items", items}};
-}
-
-}  // namespace
-
-std::string bridge_schema() {
-  const json node = object_schema({{"node", typed("integer")},
-                                   {"name", typed("string")},
-                                   {"online", typed("boolean")},
-                                   {"duplicate", typed("boolean")}});
-  const json client = object_schema({{"client", typed("integer")},
-                                     {"address", typed("string")},
-                                     {"queued", typed("integer")},
-                                     {"dropped", typed("integer")},
-                                     {"read_only", typed("boolean")}});
-  return json_text(object_schema({{"bus", typed("string")},
-                                  {"read_only", typed("boolean")},
-                                  {"nodes", list_of(node)},
-                                  {"control", {{"type", {"integer", "null"}}}},
-                                  {"clients", list_of(client)},
-                                  {"activity", {{"type", {"object", "null"}}}},
-                                  {"trouble", typed("string")}}));
-}
-
-std::string live_schema() {
-  json properties;
-  for (const Signal<float>& row : signal_rows<float>) {
-    properties[std::string(row.name)] = {{"type", "number"}, {"description", row.meaning}};
-  }
-  return json_text(object_schema(properties));
-}
-
-std::string state_schema() {
-  json properties;
-  for (const char* name : {"node", "statusword", "mode", "position_um", "gaps"}) {
-    properties[name] = typed("integer");
-  }
-  for (const char* name : {"online", "target_reached", "unsaved"}) {
-    properties[name] = typed("boolean");
-  }
-  for (const char* name : {"nmt", "drive", "mode_name"}) properties[name] = typed("string");
-  for (const char* name : {"active", "latched", "warnings", "blocking", "limits"}) {
-    properties[name] = list_of(typed("string"));
-  }
-  properties["rate_hz"] = typed("number");
-  properties["target"] = {{"type", {"number", "null"}}};
-  properties["first_cause"] = {{"type", {"string", "null"}}};
-  properties["freeze_frame"] = {{"type", {"object", "null"}}};
-  properties["transaction"] =
-      object_schema({{"state", typed("string")}, {"seconds_left", {{"type", {"number", "null"}}}}});
-  return json_text(object_schema(properties));
 }
 
 }  // namespace smaservo::page

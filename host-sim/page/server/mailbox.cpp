@@ -1,4 +1,4 @@
-#include "host-sim/page/mailbox.hpp"
+#include "host-sim/page/server/mailbox.hpp"
 
 #include <utility>
 
