@@ -1,12 +1,13 @@
 #!/usr/bin/python3
-"""panels.py HOST_SIM SMASERVOD SOURCES [KIND ...]: every panel of every kind of report is drawn, and can
+"""panels.py NPM HOST_SIM SMASERVOD SOURCES [KIND ...]: every panel of every kind of report is drawn, and can
 be explored.
 
-Writes the reports into a folder of its own and opens each in headless Chromium, with and without its
-script. Either way each panel has to have drawn pixels on screen, of the curves' colours too; in print the
-texts of every picture have to be in the PDF. Of one report the mouse is moved: cursor, zoom of linked
-panels, and curves that are taken off. A program that was built without npm has pictures only; then the
-parts about the script are left out, which the last line says.
+Writes the reports into a folder of its own and opens each in Chromium and, where it is installed, in Firefox,
+with and without its script (open_reports.js, whose packages of npm are kept in NPM). Either way each panel has to have drawn pixels on
+screen, of the curves' colours too; in print the texts of every picture have to be in the PDF. Of one report
+the mouse is moved: cursor, zoom of linked panels, and curves that are taken off. A program that was built
+without npm has pictures only; then the parts about the script are left out, which the last line says.
+77: neither a browser nor node.
 """
 
 import base64
@@ -14,6 +15,7 @@ import html
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -21,57 +23,7 @@ import tempfile
 from PIL import Image
 
 WIDTH = 1100
-# Writes into the page where its panels are: their canvas, or the picture where there is none.
-WHERE = """<script>addEventListener("load", () => setTimeout(() => {
-  const shown = section => section.querySelector("canvas") ?? section.querySelector("img");
-  const boxes = [...document.querySelectorAll(".plots section")].map(section => {
-    const box = shown(section).getBoundingClientRect();
-    return [box.left + scrollX, box.top + scrollY, box.width, box.height];
-  });
-  const live = document.querySelectorAll(".plots section.live").length;
-  const all = JSON.stringify([document.documentElement.scrollWidth, live, boxes]);
-  document.documentElement.setAttribute("data-panels", all);
-}, 1000));</script>"""
-# Moves the mouse over the first panel, and writes what the others have made of it.
-EXPLORE = """<script>addEventListener("load", async () => {
-  const pause = ms => new Promise(done => setTimeout(done, ms));
-  const plots = [...document.querySelectorAll(".plot")];
-  const pixels = () => plots.map(plot => plot.querySelector("canvas").toDataURL());
-  const differ = (a, b) => a.map((one, k) => one !== b[k]);
-  const send = (plot, type, x, y, more) => {
-    const over = plot.querySelector(".u-over");
-    const box = over.getBoundingClientRect();
-    over.dispatchEvent(new MouseEvent(type, {bubbles: true, cancelable: true, button: 0,
-      clientX: box.left + x * box.width, clientY: box.top + y * box.height, ...more}));
-  };
-  const values = () => plots.map(plot =>
-    [...plot.querySelectorAll(".plot-value")].map(value => value.textContent));
-  await pause(1000);
-  const result = {before: values()};
-  const first = pixels();
-  send(plots[0], "mouseenter", 0.5, 0.5);
-  send(plots[0], "mousemove", 0.5, 0.5);
-  await pause(500);
-  result.values = values();
-  result.cursor = differ(first, pixels());
-  send(plots[0], "mousedown", 0.3, 0.5);
-  for (let step = 0; step <= 10; ++step) send(plots[0], "mousemove", 0.3 + 0.02 * step, 0.5);
-  send(plots[0], "mouseup", 0.5, 0.5);
-  await pause(500);
-  result.zoomed = differ(first, pixels());
-  send(plots[0], "mouseleave", 0.5, 0.5);
-  send(plots[0], "dblclick", 0.5, 0.5);
-  await pause(500);
-  result.reset = differ(first, pixels());
-  const key = plots[0].querySelector(".plot-key:last-child");
-  key.click();
-  await pause(500);
-  result.off = [key.getAttribute("aria-pressed"), differ(first, pixels())];
-  key.click();
-  await pause(500);
-  result.on = [key.getAttribute("aria-pressed"), differ(first, pixels())];
-  document.documentElement.setAttribute("data-explored", JSON.stringify(result));
-});</script>"""
+BROWSERS = {"chromium": "chromium", "firefox": "firefox-esr"}
 SCRIPT = re.compile(r"<script>.*?</script>\n(?=</body>)", re.DOTALL)
 
 
@@ -134,24 +86,29 @@ def reports(host_sim, smaservod, sources, folder, wanted):
         yield "figures", folder / "figures/index.html"
 
 
-def chromium(folder, page, *arguments):
-    """What the page has become when its scripts have run."""
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-               "--no-first-run", "--disable-background-networking", "--disable-component-update",
-               "--disable-sync", f"--user-data-dir={folder / 'profile'}",
-               "--virtual-time-budget=6000", "--dump-dom", *arguments, page.as_uri()]
-    return subprocess.run(command, check=True, timeout=300, stdout=subprocess.PIPE,
-                          stderr=subprocess.DEVNULL).stdout.decode()
+class Browser:
+    """Opens reports, one after the other."""
 
+    def __init__(self, name, sources, packages):
+        here = sources / "tests/host-sim"
+        command = [sources / "tests/npm.sh", here / "page/node", packages, "node",
+                   here / "report/open_reports.js", name]
+        self.name = name
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        text=True)
 
-def attribute(dom, name):
-    return json.loads(html.unescape(re.search(f'{name}="([^"]*)"', dom).group(1)))
+    def open(self, **job):
+        self.process.stdin.write(json.dumps(job) + "\n")
+        self.process.stdin.flush()
+        for line in self.process.stdout:
+            # npm may have said something before.
+            if line.startswith("{"):
+                return json.loads(line)
+        raise SystemExit(f"{self.name} has ended: {self.process.wait()}")
 
-
-def variant(page, name, text):
-    copy = page.with_suffix(f".{name}.html")
-    copy.write_text(text)
-    return copy
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
 
 
 def is_drawn(picture):
@@ -187,71 +144,62 @@ def unprinted(text, pdf):
     return [k for k, these in enumerate(wanted) if not these or not these <= found]
 
 
-def problems(folder, page, with_script):
-    """What is wrong with the page on screen, and in print where its script runs; the number of panels."""
+def problems(browser, folder, page, with_script, explore):
+    """What is wrong with the page on screen and in print; the number of panels."""
     text = page.read_text()
-    shown = text if with_script else SCRIPT.sub("", text)
-    name = "live" if with_script else "still"
-    copy = variant(page, name, shown.replace("</head>", WHERE + "</head>"))
-    shot, pdf = page.with_suffix(f".{name}.png"), page.with_suffix(f".{name}.pdf")
-    height = 1500 + 620 * text.count("<section")
-    dom = chromium(folder, copy, f"--window-size={WIDTH},{height}", f"--screenshot={shot}",
-                   f"--print-to-pdf={pdf}")
-    width, live, boxes = attribute(dom, "data-panels")
-    screen = Image.open(shot).convert("RGB")
-    found = []
-    blank = [k for k, (x, y, w, h) in enumerate(boxes)
-             if w < 100 or not is_drawn(screen.crop((int(x), int(y), int(x + w), int(y + h))))]
-    if blank or not boxes:
-        found.append(f"blank on screen: {blank} of {len(boxes)}")
-    if width > WIDTH:
-        found.append(f"wider than the screen: {width}")
-    missing = unprinted(text, pdf)
+    name = f"{page.stem}-{browser.name}-{'live' if with_script else 'still'}"
+    copy = folder / f"{name}.html"
+    copy.write_text(text if with_script else SCRIPT.sub("", text))
+    did = browser.open(page=str(copy), folder=str(folder), name=name, explore=explore)
+    pictures_there = [Image.open(file).convert("RGB") for file in did["pictures"]]
+    found = [f"missing: {what}" for what in did["unexplored"]]
+    found += [f"error: {error}" for error in did["errors"]]
+    blank = [k for k, picture in enumerate(pictures_there)
+             if picture.width < 100 or not is_drawn(picture)]
+    if blank or not pictures_there:
+        found.append(f"blank on screen: {blank} of {len(pictures_there)}")
+    if did["width"] > WIDTH:
+        found.append(f"wider than the screen: {did['width']}")
+    missing = unprinted(text, folder / f"{name}.pdf")
     if missing:
         found.append(f"not in print: {missing}")
     # Surfaces and colours of points stay pictures; none of the papers' that are opened here has such.
-    if live != (len(boxes) if with_script else 0):
-        found.append(f"{live} of {len(boxes)} panels are interactive")
-    return found, len(boxes)
+    if did["live"] != (len(pictures_there) if with_script else 0):
+        found.append(f"{did['live']} of {len(pictures_there)} panels are interactive")
+    return found, len(pictures_there)
 
 
-def unexplored(folder, page):
-    """What the mouse does not do that it should. The first panels of a replay are linked by time, its
-    last two are loops over the same time."""
-    text = page.read_text().replace("</head>", EXPLORE + "</head>")
-    dom = chromium(folder, variant(page, "explored", text), f"--window-size={WIDTH},6000")
-    did = attribute(dom, "data-explored")
-    panels = len(did["before"])
-    expected = {
-        "no values before": not any(any(values) for values in did["before"]),
-        "values of all linked panels under the cursor":
-            all(all(value for value in values) for values in did["values"][:-2]),
-        "a dot on the loops under the cursor": did["cursor"][-2:] == [True, True],
-        "zoom of all panels": did["zoomed"] == [True] * panels,
-        "all again by a double click": did["reset"] == [False] * panels,
-        "a curve is off, in its panel only": did["off"] == ["false", [True] + [False] * (panels - 1)],
-        "and on again": did["on"] == ["true", [False] * panels],
-    }
-    return [f"missing: {what}" for what, done in expected.items() if not done]
+def check(browsers, folder, kind, page):
+    """Whether all of a report is well; says what is not."""
+    has_script = SCRIPT.search(page.read_text()) is not None
+    well = True
+    for browser in browsers:
+        for with_script in (True, False) if has_script else (False,):
+            explore = with_script and kind == "replay"
+            found, panels = problems(browser, folder, page, with_script, explore)
+            how = "with" if with_script else "without"
+            print(f"{kind}, {browser.name}, {how} its script: {panels} panels: "
+                  f"{'; '.join(found) or 'good'}", flush=True)
+            well = well and not found
+    return well, has_script
 
 
-def main(host_sim, smaservod, sources, *wanted):
-    failed = False
-    scripted = False
+def main(packages, host_sim, smaservod, sources, *wanted):
+    there = [name for name, program in BROWSERS.items() if shutil.which(program)]
+    if not there or not shutil.which("node") or not shutil.which("npm"):
+        print("SKIPPED: there is no browser, or no npm")
+        return 77
+    failed = scripted = False
+    programs = [pathlib.Path(program).absolute() for program in (host_sim, smaservod, sources)]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        programs = [pathlib.Path(program).absolute() for program in (host_sim, smaservod, sources)]
+        browsers = [Browser(name, programs[2], packages) for name in there]
         for kind, page in reports(*programs, folder, wanted):
-            has_script = SCRIPT.search(page.read_text()) is not None
+            well, has_script = check(browsers, folder, kind, page)
+            failed = failed or not well
             scripted = scripted or has_script
-            for with_script in (True, False) if has_script else (False,):
-                found, panels = problems(folder, page, with_script)
-                if with_script and kind == "replay":
-                    found += unexplored(folder, page)
-                how = "with" if with_script else "without"
-                print(f"{kind}, {how} its script: {panels} panels: {'; '.join(found) or 'good'}",
-                      flush=True)
-                failed = failed or bool(found)
+        for browser in browsers:
+            browser.close()
     if not scripted:
         print("SKIPPED: built without npm, so no report has a script")
     return 1 if failed else 0
