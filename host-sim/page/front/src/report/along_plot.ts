@@ -53,6 +53,8 @@ export class AlongPlot extends PanelPlot {
 
   protected measure(): Scales {
     const x = this.group.range();
+    // rowsOf() is to find the rows of the new window, not of the last one.
+    this.scales = { ...this.scales, x };
     if (this.spans?.length) return { x, y: [-this.spans.length, 0] };
     const { y, right } = this.panel;
     return {
