@@ -251,7 +251,8 @@ void SdoClient::receive_blocks(Key key, Bytes& value, std::size_t longest) {
     vain = value.size() > before ? 0 : vain + 1;
     if (vain == max_vain_blocks && heard == 0) silent(key);
     if (vain == max_vain_blocks) abort(key, 0x05040003);
-    if (value.size() >= longest + max_in_segment) abort(key, 0x06070012);
+    // The last segment is filled up; nothing is one segment, too.
+    if (value.size() >= std::max<std::size_t>(longest, 1) + max_in_segment) abort(key, 0x06070012);
     send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, max_segments});
   }
 }
@@ -259,8 +260,8 @@ void SdoClient::receive_blocks(Key key, Bytes& value, std::size_t longest) {
 /// Appends the segments of a block up to the first that is missing; returns how many.
 std::uint8_t SdoClient::receive_block(Key key, Bytes& value, bool& last, unsigned& heard) {
   std::uint8_t good = 0;
-  for (Data data{}; heard < max_segments; ++heard) {
-    if (!next_answer(data, bus_.now_us() + timeout_us_)) break;
+  for (Data data{}; heard < max_segments && next_answer(data, bus_.now_us() + timeout_us_);) {
+    ++heard;
     if (data[0] == aborted) refused(key, size_in(data));
     const std::uint8_t number = data[0] & static_cast<std::uint8_t>(~last_segment);
     const bool ends = (data[0] & last_segment) != 0;
