@@ -67,7 +67,7 @@ const tests = {
     const [before, samples] = [await picture(view, 'plot-strain'), await received(view)];
     await until(async () => await picture(view, 'plot-strain') !== before, 'another picture', view);
     await until(async () => await received(view) > samples, 'more samples', view);
-    await by(view, 'disable').click();
+    await by(view, 'stop').click();
     await drive(view, (words) => !/Enabled/.test(words));
   },
 
