@@ -145,7 +145,7 @@ void Remote::change(const std::vector<Change>& changes) {
                         return change.first.parameter != nullptr;
                       });
   if (as_set) {
-    stage(changes, "3");
+    commit(changes);
     return;
   }
   for (const auto& [object, value] : changes) {
@@ -153,15 +153,14 @@ void Remote::change(const std::vector<Change>& changes) {
   }
 }
 
-/// `command` is 3, commit, or 2, try.
-void Remote::stage(const std::vector<Change>& changes, const char* command) {
+void Remote::commit(const std::vector<Change>& changes) {
   set("tuning.command", "1");
   try {
     for (const auto& [object, value] : changes) {
       write(object, value);
     }
     try {
-      set("tuning.command", command);
+      set("tuning.command", "3");
     } catch (const SdoError& error) {
       explain_refusal(error);
     }
@@ -169,23 +168,6 @@ void Remote::stage(const std::vector<Change>& changes, const char* command) {
     revert();
     throw;
   }
-}
-
-void Remote::try_for(const std::vector<Change>& changes, double seconds) {
-  set("tuning.trial_s", fmt::format("{}", seconds));
-  stage(changes, "2");
-}
-
-void Remote::keep_trial() {
-  try {
-    set("tuning.command", "3");
-  } catch (const SdoError& error) {
-    explain_refusal(error);
-  }
-}
-
-void Remote::revert_trial() {
-  set("tuning.command", "4");
 }
 
 /// Takes back the changes of a set. When the node does not answer, it takes them back by itself
@@ -283,24 +265,13 @@ void Remote::reset_faults() {
   control(0);
 }
 
-void Remote::set_mode(int mode) {
-  set("6060", std::to_string(mode));
+void Remote::set_profile_position() {
+  set("6060", "1");
   // The mode is in force once 6061h (mode of operation display) shows it.
-  const auto shown = [&](unsigned) { return number("6061") == mode; };
+  const auto shown = [this](unsigned) { return number("6061") == 1; };
   if (!wait_for(shown, state_patience_s)) {
-    throw files::UserError(fmt::format("node {} does not change to mode {}", node(), mode));
+    throw files::UserError(fmt::format("node {} does not change to Profile position", node()));
   }
-}
-
-void Remote::start_move(std::int32_t target_um) {
-  set("607A", std::to_string(target_um));
-  control(enable_operation);
-  control(enable_operation | new_setpoint_at_once);
-  const auto taken = [](unsigned status) { return (status & acknowledged_bit) != 0; };
-  if (!wait_for(taken, state_patience_s)) {
-    throw files::UserError(fmt::format("node {} does not take the set-point{}", node(), reasons()));
-  }
-  control(enable_operation);
 }
 
 void Remote::move(std::int32_t target_um, double patience_s) {
@@ -309,7 +280,14 @@ void Remote::move(std::int32_t target_um, double patience_s) {
         fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
   }
   set_profile_position();
-  start_move(target_um);
+  set("607A", std::to_string(target_um));
+  control(enable_operation);
+  control(enable_operation | new_setpoint_at_once);
+  const auto taken = [](unsigned status) { return (status & acknowledged_bit) != 0; };
+  if (!wait_for(taken, state_patience_s)) {
+    throw files::UserError(fmt::format("node {} does not take the set-point{}", node(), reasons()));
+  }
+  control(enable_operation);
   const auto there = [](unsigned status) {
     return (status & reached_bit) != 0 || (status & state_mask) != enabled_state;
   };

@@ -1,13 +1,14 @@
 #pragma once
-// The panels of a replay's report.
+// The pictures of a replay's report, drawn by gnuplot.
 
 #include <vector>
 
 #include "host-sim/replay/replay.hpp"
-#include "host-sim/report/panel.hpp"
+#include "host-sim/report/gnuplot.hpp"
 
 namespace smaservo::replay {
 
-std::vector<report::Panel> panels_of(const ReplayResult& result);
+/// Throws UserError when gnuplot is missing or fails.
+std::vector<report::Plot> draw_plots(const ReplayResult& result);
 
 }  // namespace smaservo::replay
