@@ -40,6 +40,10 @@ namespace smaservo::identify {
 void add_identify_command(CLI::App& app);
 }  // namespace smaservo::identify
 
+namespace smaservo::page {
+void add_page_command(CLI::App& app);
+}  // namespace smaservo::page
+
 namespace smaservo::plan {
 void add_calibrate_plan_command(CLI::App& app);
 }  // namespace smaservo::plan

@@ -145,7 +145,7 @@ void Remote::change(const std::vector<Change>& changes) {
                         return change.first.parameter != nullptr;
                       });
   if (as_set) {
-    commit(changes);
+    stage(changes, "3");
     return;
   }
   for (const auto& [object, value] : changes) {
@@ -153,14 +153,15 @@ void Remote::change(const std::vector<Change>& changes) {
   }
 }
 
-void Remote::commit(const std::vector<Change>& changes) {
+/// `command` is 3, commit, or 2, try.
+void Remote::stage(const std::vector<Change>& changes, const char* command) {
   set("tuning.command", "1");
   try {
     for (const auto& [object, value] : changes) {
       write(object, value);
     }
     try {
-      set("tuning.command", "3");
+      set("tuning.command", command);
     } catch (const SdoError& error) {
       explain_refusal(error);
     }
@@ -168,6 +169,23 @@ void Remote::commit(const std::vector<Change>& changes) {
     revert();
     throw;
   }
+}
+
+void Remote::try_for(const std::vector<Change>& changes, double seconds) {
+  set("tuning.trial_s", fmt::format("{}", seconds));
+  stage(changes, "2");
+}
+
+void Remote::keep_trial() {
+  try {
+    set("tuning.command", "3");
+  } catch (const SdoError& error) {
+    explain_refusal(error);
+  }
+}
+
+void Remote::revert_trial() {
+  set("tuning.command", "4");
 }
 
 /// Takes back the changes of a set. When the node does not answer, it takes them back by itself
@@ -265,21 +283,16 @@ void Remote::reset_faults() {
   control(0);
 }
 
-void Remote::set_profile_position() {
-  set("6060", "1");
+void Remote::set_mode(int mode) {
+  set("6060", std::to_string(mode));
   // The mode is in force once 6061h (mode of operation display) shows it.
-  const auto shown = [this](unsigned) { return number("6061") == 1; };
+  const auto shown = [&](unsigned) { return number("6061") == mode; };
   if (!wait_for(shown, state_patience_s)) {
-    throw files::UserError(fmt::format("node {} does not change to Profile position", node()));
+    throw files::UserError(fmt::format("node {} does not change to mode {}", node(), mode));
   }
 }
 
-void Remote::move(std::int32_t target_um, double patience_s) {
-  if ((status() & state_mask) != enabled_state) {
-    throw files::UserError(
-        fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
-  }
-  set_profile_position();
+void Remote::start_move(std::int32_t target_um) {
   set("607A", std::to_string(target_um));
   control(enable_operation);
   control(enable_operation | new_setpoint_at_once);
@@ -288,6 +301,15 @@ void Remote::move(std::int32_t target_um, double patience_s) {
     throw files::UserError(fmt::format("node {} does not take the set-point{}", node(), reasons()));
   }
   control(enable_operation);
+}
+
+void Remote::move(std::int32_t target_um, double patience_s) {
+  if ((status() & state_mask) != enabled_state) {
+    throw files::UserError(
+        fmt::format("node {} is not enabled: `host-sim can enable` first", node()));
+  }
+  set_profile_position();
+  start_move(target_um);
   const auto there = [](unsigned status) {
     return (status & reached_bit) != 0 || (status & state_mask) != enabled_state;
   };

@@ -54,14 +54,24 @@ class Remote {
   /// none does. A single change, or one of another object, is written directly.
   void change(const std::vector<Change>& changes);
 
+  /// Puts changes of parameters in force as one set for so long; then the node takes them back,
+  /// unless they are kept. When it throws, nothing has changed.
+  void try_for(const std::vector<Change>& changes, double seconds);
+  void keep_trial();
+  void revert_trial();
+
   void nmt(NmtCommand command);
   /// Goes through the states of CiA 402 until current may flow. The error says why it may not.
   void enable();
   void disable();
   /// Acknowledges faults. Throws when one remains.
   void reset_faults();
+  /// Sets a mode of CiA 402 and waits until it is in force.
+  void set_mode(int mode);
   /// Sets mode 1 of CiA 402 and waits until it is in force.
-  void set_profile_position();
+  void set_profile_position() { set_mode(1); }
+  /// Gives an enabled axis a new target of mode Profile position, and waits until it is taken.
+  void start_move(std::int32_t target_um);
   /// Sets mode Profile position and the target, and waits up to `patience_s` until it is reached.
   void move(std::int32_t target_um, double patience_s);
   /// Keeps an enabled axis enabled for so long, by commanding what it was commanded last. Ends with
@@ -74,7 +84,7 @@ class Remote {
   void store();
 
  private:
-  void commit(const std::vector<Change>& changes);
+  void stage(const std::vector<Change>& changes, const char* command);
   void revert();
   [[noreturn]] void explain_refusal(const SdoError& error);
   bool wait_for(const std::function<bool(unsigned)>& reached, double patience_s);

@@ -17,6 +17,15 @@ constexpr std::uint32_t request_base = 0x600;
 constexpr std::uint32_t answer_base = 0x580;
 constexpr std::size_t max_in_segment = 7;
 
+// What a node can be asked for without that it keeps its client for ever.
+/// The longest value. The longest known, a daemon's recorder, has 256 kB.
+constexpr std::size_t max_value = std::size_t{1} << 20U;
+/// A node may use its whole time for each seven bytes, and this many times more; one that sends its
+/// value byte by byte so slowly is given up.
+constexpr std::int64_t spare_timeouts = 16;
+/// Times that a block may bring nothing before the transfer is given up.
+constexpr unsigned max_vain_blocks = 3;
+
 // Commands of the first byte, its three highest bits (CiA 301, 7.2.4.3).
 constexpr std::uint8_t start_download = 0x20;
 constexpr std::uint8_t start_upload = 0x40;
@@ -55,6 +64,8 @@ bool SdoClient::next_answer(Data& data, std::int64_t until_us) {
       data = frame.data;
       return true;
     }
+    // On a bus that is never quiet there is always a frame.
+    if (bus_.now_us() >= until_us) return false;
   }
   return false;
 }
@@ -111,6 +122,7 @@ void SdoClient::abort(Key key, std::uint32_t code) {
 }
 
 Bytes SdoClient::upload(Key key) {
+  const Transfer transfer(*this);
   const Data first = request(key, {start_upload});
   if (command_of(first[0]) != upload_answer) abort(key, 0x05040001);
   if ((first[0] & expedited_bit) == 0) return receive_segments(key, first);
@@ -119,7 +131,16 @@ Bytes SdoClient::upload(Key key) {
   return {value.begin(), value.end()};
 }
 
+/// How long a value may be: as long as it was announced.
+std::size_t SdoClient::expected_size(Key key, bool announced, std::size_t size) {
+  if (!announced) return max_value;
+  if (size > max_value) abort(key, 0x05040005);
+  return size;
+}
+
 Bytes SdoClient::receive_segments(Key key, const Data& first) {
+  const std::size_t longest = expected_size(key, (first[0] & size_bit) != 0, size_in(first));
+  const std::int64_t start_us = bus_.now_us();
   Bytes value;
   std::uint8_t toggle = 0;
   for (bool last = false; !last; toggle ^= toggle_bit) {
@@ -131,6 +152,11 @@ Bytes SdoClient::receive_segments(Key key, const Data& first) {
     const auto part = std::span(data).subspan(1, max_in_segment - unused);
     value.insert(value.end(), part.begin(), part.end());
     last = (data[0] & last_bit) != 0;
+    if (value.size() > longest) abort(key, 0x06070012);
+    const auto timeouts = spare_timeouts + static_cast<std::int64_t>(value.size() / max_in_segment);
+    if (!last && (part.empty() || bus_.now_us() - start_us > timeouts * timeout_us_)) {
+      abort(key, 0x05040000);
+    }
   }
   if ((first[0] & size_bit) != 0 && size_in(first) != value.size()) abort(key, 0x06070010);
   return value;
@@ -141,6 +167,7 @@ void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
     download_segmented(key, value);
     return;
   }
+  const Transfer transfer(*this);
   Data data{static_cast<std::uint8_t>(start_download | (4 - value.size()) << 2U | expedited_bit |
                                       size_bit)};
   std::ranges::copy(value, data.begin() + 4);
@@ -148,6 +175,7 @@ void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
 }
 
 void SdoClient::download_segmented(Key key, std::span<const std::uint8_t> value) {
+  const Transfer transfer(*this);
   Data data{start_download | size_bit};
   put_number(std::span(data).subspan(4), value.size());
   if (command_of(request(key, data)[0]) != download_answer) abort(key, 0x05040001);
@@ -190,12 +218,14 @@ constexpr std::uint8_t max_segments = 127;
 }  // namespace
 
 Bytes SdoClient::upload_block(Key key) {
+  const Transfer transfer(*this);
   const Data first =
       request(key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, max_segments, 0});
   if (command_of(first[0]) != block_upload_answer) abort(key, 0x05040001);
   send({block_upload | part_start});
+  const std::size_t longest = expected_size(key, (first[0] & with_size) != 0, size_in(first));
   Bytes value;
-  receive_blocks(key, value);
+  receive_blocks(key, value, longest);
   const Data end = answer(key);
   if (command_of(end[0]) != block_upload_answer || (end[0] & part_mask) != part_end) {
     abort(key, 0x05040001);
@@ -212,33 +242,41 @@ Bytes SdoClient::upload_block(Key key) {
 
 /// Appends whole segments to `value`, the last one with its padding. A lost segment is requested
 /// again.
-void SdoClient::receive_blocks(Key key, Bytes& value) {
-  unsigned silences = 0;
+void SdoClient::receive_blocks(Key key, Bytes& value, std::size_t longest) {
+  unsigned vain = 0;
   for (bool last = false; !last;) {
-    std::uint8_t good = 0;
-    std::uint8_t number = 0;
-    bool ends = false;
-    while (number < max_segments && !ends) {
-      Data data{};
-      if (!next_answer(data, bus_.now_us() + timeout_us_)) {
-        if (++silences > 2) silent(key);
-        break;
-      }
-      if (data[0] == aborted) refused(key, size_in(data));
-      number = data[0] & static_cast<std::uint8_t>(~last_segment);
-      ends = (data[0] & last_segment) != 0;
-      if (number == good + 1) {
-        good = number;
-        value.insert(value.end(), data.begin() + 1, data.end());
-        last = ends;
-        silences = 0;
-      }
-    }
+    const std::size_t before = value.size();
+    unsigned heard = 0;
+    const std::uint8_t good = receive_block(key, value, last, heard);
+    vain = value.size() > before ? 0 : vain + 1;
+    if (vain == max_vain_blocks && heard == 0) silent(key);
+    if (vain == max_vain_blocks) abort(key, 0x05040003);
+    // The last segment is filled up; nothing is one segment, too.
+    if (value.size() >= std::max<std::size_t>(longest, 1) + max_in_segment) abort(key, 0x06070012);
     send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, max_segments});
   }
 }
 
+/// Appends the segments of a block up to the first that is missing; returns how many.
+std::uint8_t SdoClient::receive_block(Key key, Bytes& value, bool& last, unsigned& heard) {
+  std::uint8_t good = 0;
+  for (Data data{}; heard < max_segments && next_answer(data, bus_.now_us() + timeout_us_);) {
+    ++heard;
+    if (data[0] == aborted) refused(key, size_in(data));
+    const std::uint8_t number = data[0] & static_cast<std::uint8_t>(~last_segment);
+    const bool ends = (data[0] & last_segment) != 0;
+    if (number == good + 1) {
+      good = number;
+      value.insert(value.end(), data.begin() + 1, data.end());
+      last = ends;
+    }
+    if (ends || number >= max_segments) break;
+  }
+  return good;
+}
+
 void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
+  const Transfer transfer(*this);
   Data data{static_cast<std::uint8_t>(block_download | with_crc | with_size)};
   put_number(std::span(data).subspan(4), value.size());
   const Data first = request(key, data);
@@ -256,6 +294,7 @@ void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
 }
 
 void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsigned block_size) {
+  unsigned vain = 0;
   while (!value.empty()) {
     const std::size_t segments =
         std::min<std::size_t>((value.size() + max_in_segment - 1) / max_in_segment, block_size);
@@ -272,6 +311,8 @@ void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsign
         got[1] > segments) {
       abort(key, 0x05040001);
     }
+    vain = got[1] > 0 ? 0 : vain + 1;
+    if (vain == max_vain_blocks) abort(key, 0x05040003);
     // Segments behind the first one that the node missed are sent again.
     value = value.subspan(std::min(value.size(), got[1] * max_in_segment));
     block_size = got[2];

@@ -29,7 +29,8 @@ class SdoError : public files::UserError {
 /// "2100h:1"
 std::string key_text(Key key);
 
-/// All calls throw SdoError.
+/// All calls throw SdoError, also for a node that would keep them for ever: one that sends without
+/// end, or nothing new again and again.
 class SdoClient {
  public:
   static constexpr std::int64_t usual_timeout_us = 500'000;
@@ -55,6 +56,20 @@ class SdoClient {
  private:
   using Data = std::array<std::uint8_t, 8>;
 
+  /// Tells the bus that a transfer goes on.
+  class Transfer {
+   public:
+    explicit Transfer(const SdoClient& client) : client_(client) {
+      client_.bus_.transfer(client_.node_, true);
+    }
+    ~Transfer() { client_.bus_.transfer(client_.node_, false); }
+    Transfer(const Transfer&) = delete;
+    Transfer& operator=(const Transfer&) = delete;
+
+   private:
+    const SdoClient& client_;
+  };
+
   Data request(Key key, const Data& data);
   Data answer(Key key);
   bool next_answer(Data& data, std::int64_t until_us);
@@ -62,7 +77,9 @@ class SdoClient {
   void send_segments(Key key, std::span<const std::uint8_t> value);
   void send_blocks(Key key, std::span<const std::uint8_t> value, unsigned block_size);
   Bytes receive_segments(Key key, const Data& first);
-  void receive_blocks(Key key, Bytes& value);
+  void receive_blocks(Key key, Bytes& value, std::size_t longest);
+  std::uint8_t receive_block(Key key, Bytes& value, bool& last, unsigned& heard);
+  std::size_t expected_size(Key key, bool announced, std::size_t size);
   [[noreturn]] void abort(Key key, std::uint32_t code);
   [[noreturn]] void refused(Key key, std::uint32_t code) const;
   [[noreturn]] void silent(Key key) const;

@@ -6,6 +6,7 @@
 #include "firmware/text/settings_text.hpp"
 #include "model/files/error.hpp"
 #include "model/files/text_table.hpp"
+#include "model/files/toml/toml_fields.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -38,6 +39,21 @@ Settings<double> read_settings(Remote& remote) {
 
 Settings<double> file_settings(const std::string& path, const Settings<double>& of_node) {
   Settings<double> settings = text::load_settings_file(path);
+  settings.identity = of_node.identity;
+  return settings;
+}
+
+Settings<double> text_settings(const std::string& toml, const std::string& origin,
+                               const Settings<double>& of_node) {
+  const toml::table table = files::parse_toml(toml, origin);
+  for (const auto& name :
+       {table["wire"].value<std::string>(), table["wire"]["based_on"].value<std::string>()}) {
+    if (name && name->ends_with(".toml")) {
+      throw files::ConfigError(fmt::format(
+          "{}: wire {}: must be a preset or the whole wire, not a file", origin, *name));
+    }
+  }
+  Settings<double> settings = text::parse_settings_file(toml, origin);
   settings.identity = of_node.identity;
   return settings;
 }

@@ -11,6 +11,11 @@ Settings<double> read_settings(Remote& remote);
 /// The settings of a file for this node; serial number and node-id stay the node's own.
 Settings<double> file_settings(const std::string& path, const Settings<double>& of_node);
 
+/// The same from a text, which messages call `origin`. Throws UserError where it names a file: the
+/// text comes from somebody who may not read those of this machine.
+Settings<double> text_settings(const std::string& toml, const std::string& origin,
+                               const Settings<double>& of_node);
+
 struct Difference {
   const Parameter<double>* row;
   Value here, there;  ///< in the file, in the node

@@ -129,23 +129,26 @@ double amplitude_of(const std::vector<double>& setpoints) {
   return amplitude;
 }
 
-/// A data block of gnuplot: time since the step, contraction and set-point from their first values,
-/// temperature, current.
-std::string data_block(const StepRun& run, std::size_t number) {
+/// Time since the step, contraction and set-point from their first values, temperature, current.
+struct StepColumns {
+  report::Column time_s, way_um, setpoint_um, temperature_degC, current_mA;
+};
+StepColumns columns_of(const StepRun& run) {
   const auto setpoints = run.recording.column("setpoint");
   const auto positions = run.recording.column("position_m");
-  const auto temperatures = run.recording.column("temperature_K");
-  const auto currents = run.recording.column("current_A");
   const Edges edges = edges_of(setpoints, amplitude_of(setpoints));
-  std::string text = fmt::format("$run{} << EOD\n", number);
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const double time_s =
+  std::vector<double> time_s(positions.size());
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    time_s[i] =
         (static_cast<double>(i) - static_cast<double>(edges.there)) * run.recording.period_s;
-    text += report::plotted_row(std::array{time_s, 1e6 * (positions[i] - positions.front()),
-                                           1e6 * (setpoints[i] - setpoints.front()),
-                                           temperatures[i] - zero_degC_K, 1e3 * currents[i]});
   }
-  return text + "EOD\n";
+  const auto um = [](const std::vector<double>& metres) {
+    return report::column_of(metres, [&](double m) { return 1e6 * (m - metres.front()); });
+  };
+  return {report::column(std::move(time_s)), um(positions), um(setpoints),
+          report::column_of(run.recording.column("temperature_K"),
+                            [](double K) { return K - zero_degC_K; }),
+          report::column_of(run.recording.column("current_A"), [](double A) { return 1e3 * A; })};
 }
 
 /// The time axis of a text plot; 0 is where the set-point leaves its first value.
@@ -258,32 +261,36 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
 
 void write_step_report(const std::string& path, const std::vector<StepRun>& runs,
                        const std::vector<std::string>& names) {
-  std::string data;
-  std::vector<std::string> positions{
-      "$run0 using 1:3 with lines lc rgb reference title 'set-point'"};
-  std::vector<std::string> temperatures;
-  std::vector<std::string> currents;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    data += data_block(runs[i], i);
+  const auto panel = [](const char* title, const char* caption, bool half, const char* label) {
+    return report::Panel{.title = title,
+                         .caption = caption,
+                         .half_width = half,
+                         .height = half ? 300 : 380,
+                         .x = {.label = "time in s"},
+                         .y = {.label = label},
+                         .link = "time"};
+  };
+  std::vector<report::Panel> panels{
+      panel("Contraction", "The newest run in blue, earlier ones in grey.", false,
+            "contraction in µm"),
+      panel("Temperature", "As the device estimates it.", true, "temperature in °C"),
+      panel("Current", "As the device gives it.", true, "current in mA")};
+  for (std::size_t i = runs.size(); i-- > 0;) {
+    const StepColumns c = columns_of(runs[i]);
     const char* colour = i == 0 ? "estimate" : "measured";
-    const auto curve = [&](int column) {
-      return fmt::format("$run{} using 1:{} with lines lc rgb {} title {}", i, column, colour,
-                         report::plotted_text(names[i]));
-    };
-    positions.push_back(curve(2));
-    temperatures.push_back(curve(4));
-    currents.push_back(curve(5));
+    if (i == 0) {
+      panels[0].series.push_back(
+          {.name = "set-point", .colour = "reference", .x = c.time_s, .y = c.setpoint_um});
+    }
+    const report::Column values[] = {c.way_um, c.temperature_degC, c.current_mA};
+    for (std::size_t k = 0; k < panels.size(); ++k) {
+      panels[k].series.push_back(
+          {.name = names[i], .colour = colour, .x = c.time_s, .y = values[k]});
+    }
   }
-  const std::vector<report::Plot> plots{
-      {"Contraction", "The newest run in blue, earlier ones in grey.", false,
-       report::draw({960, 380, "time / s", "contraction / um"}, data, "", positions)},
-      {"Temperature", "As the device estimates it.", true,
-       report::draw({480, 300, "time / s", "temperature / degC"}, data, "", temperatures)},
-      {"Current", "As the device gives it.", true,
-       report::draw({480, 300, "time / s", "current / mA"}, data, "", currents)}};
   report::write_html(
       path, "Step test",
-      report::plots_html(plots) + report::listing_html("Figures", step_text(runs, names)));
+      report::plots_html(panels) + report::listing_html("Figures", step_text(runs, names)));
 }
 
 }  // namespace smaservo::can

@@ -1,5 +1,6 @@
 #include "host-sim/identify/fit_plots.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <limits>
 #include <utility>
@@ -25,59 +26,71 @@ std::vector<double> places(const Run& run) {
   return all;
 }
 
-/// All comparisons as a data block, "NaN" for what a run does not have.
-std::string data_block(const FittedRun& run, const std::vector<double>& place,
-                       double nominal_stroke) {
+/// All comparisons of a run as columns; of what a run does not have, NaN.
+struct FitColumns {
+  report::Column place, temperature, measured, model, residual, resistance, resistance_model;
+};
+
+FitColumns columns_of(const FittedRun& run, const std::vector<double>& place,
+                      double nominal_stroke) {
   const bool heat = run.kind == RunKind::calorimetry;
-  const auto at = [](const std::vector<double>& column, std::size_t i) {
-    return column.empty() ? std::numeric_limits<double>::quiet_NaN() : column[i];
+  const double factor = heat ? 1 : 100;
+  const auto scaled = [&](const std::vector<double>& column, double by, double offset = 0) {
+    std::vector<double> all(place.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < std::min(column.size(), all.size()); ++i) {
+      all[i] = by * column[i] - offset;
+    }
+    return all;
   };
-  std::string text = "$data << EOD\n# place T strain strain_model residual R R_model\n";
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    const double measured = at(run.strain_measured, i);
-    const double model = at(run.strain_model, i);
-    text += fmt::format(
-        "{} {} {} {} {} {} {}\n", report::plotted(place[i]),
-        report::plotted(at(run.temperature_K, i) - zero_degC_K),
-        report::plotted(heat ? measured : 100 * measured),
-        report::plotted(heat ? model : 100 * model),
-        report::plotted(heat ? model - measured : 100 * (model - measured) / nominal_stroke),
-        report::plotted(at(run.resistance_measured, i)),
-        report::plotted(at(run.resistance_model, i)));
+  std::vector<double> residual = scaled(run.strain_model, factor);
+  for (std::size_t i = 0; i < residual.size() && i < run.strain_measured.size(); ++i) {
+    residual[i] = (residual[i] - factor * run.strain_measured[i]) / (heat ? 1 : nominal_stroke);
   }
-  return text + "EOD\n";
+  return {report::column(place),
+          report::column(scaled(run.temperature_K, 1, zero_degC_K)),
+          report::column(scaled(run.strain_measured, factor)),
+          report::column(scaled(run.strain_model, factor)),
+          report::column(std::move(residual)),
+          report::column(scaled(run.resistance_measured, 1)),
+          report::column(scaled(run.resistance_model, 1))};
 }
 
 class RunDrawing {
  public:
-  RunDrawing(const FittedRun& fitted, const Run& run, double nominal_stroke)
+  RunDrawing(const FittedRun& fitted, const Run& run, std::size_t number, double nominal_stroke)
       : run_(fitted),
         name_(file_name(fitted.name)),
-        data_(data_block(fitted, places(run), nominal_stroke)) {}
+        link_(fmt::format("run {}", number)),
+        columns_(columns_of(fitted, places(run), nominal_stroke)) {}
 
-  std::vector<report::Plot> all() const {
-    std::vector<report::Plot> plots;
+  std::vector<report::Panel> all() const {
+    const FitColumns& c = columns_;
+    std::vector<report::Panel> plots;
     const bool strain = run_.strain.count > 0;
     const bool resistance = run_.resistance.count > 0;
     switch (run_.kind) {
       case RunKind::calorimetry:
-        return {curve("heat flow", "temperature", "heat flow in W/kg", 2, 3, 4, true),
-                residual("temperature", 2, "model - measured in W/kg")};
+        return {curve("heat flow", "temperature", "heat flow in W/kg", c.temperature, c.measured,
+                      c.model),
+                residual("temperature", c.temperature, "model - measured in W/kg")};
       case RunKind::bath:
         if (strain) {
-          plots.push_back(curve("strain", "temperature", "strain in %", 2, 3, 4, true));
-          plots.push_back(residual("temperature", 2, residual_label));
+          plots.push_back(
+              curve("strain", "temperature", "strain in %", c.temperature, c.measured, c.model));
+          plots.push_back(residual("temperature", c.temperature, residual_label));
         }
         if (resistance) {
-          plots.push_back(curve("resistance", "temperature", "resistance in Ω", 2, 6, 7, true));
+          plots.push_back(curve("resistance", "temperature", "resistance in Ω", c.temperature,
+                                c.resistance, c.resistance_model));
         }
         break;
       case RunKind::joule:
       case RunKind::settled: {
         const char* over = run_.kind == RunKind::joule ? "time" : "number of the state";
-        plots.push_back(curve("strain", over, "strain in %", 1, 3, 4, false));
-        plots.push_back(curve("resistance", over, "resistance in Ω", 1, 6, 7, false));
-        plots.push_back(residual(over, 1, residual_label));
+        plots.push_back(curve("strain", over, "strain in %", c.place, c.measured, c.model));
+        plots.push_back(curve("resistance", over, "resistance in Ω", c.place, c.resistance,
+                              c.resistance_model));
+        plots.push_back(residual(over, c.place, residual_label));
         break;
       }
     }
@@ -111,51 +124,77 @@ class RunDrawing {
     return over + (over == "temperature" ? " in °C" : over == "time" ? " in s" : "");
   }
 
-  report::Plot curve(const char* what, const char* over, const char* label, int x, int measured,
-                     int model, bool half) const {
-    const std::vector<std::string> curves{
-        fmt::format("$data using {}:{} with lines lc rgb reference lw 2.5 title 'measured'", x,
-                    measured),
-        fmt::format("$data using {}:{} with lines lc rgb estimate title 'model'", x, model)};
-    return plot(fmt::format("{}: {} over {}", name_, what, over),
-                std::string_view(what) == "strain" ? circumstances() : "", unit(over), label, half,
-                "", curves);
+  static report::Series measured_series(const report::Column& x, const report::Column& y) {
+    return {.name = "measured", .colour = "reference", .x = x, .y = y, .width = 2.5};
+  }
+  static report::Series model_series(const report::Column& x, const report::Column& y) {
+    return {.name = "model", .colour = "estimate", .x = x, .y = y};
   }
 
-  report::Plot residual(const char* over, int x, const char* label) const {
-    return plot(fmt::format("{}: what is left", name_), "What the model does not explain.",
-                unit(over), label, true, "set xzeroaxis lt 1 lc rgb '#666666'\n",
-                {fmt::format("$data using {}:5 with lines lc rgb estimate notitle", x)});
+  report::Panel curve(const char* what, const char* over, const char* label,
+                      const report::Column& x, const report::Column& measured,
+                      const report::Column& model) const {
+    report::Panel panel =
+        plot(fmt::format("{}: {} over {}", name_, what, over),
+             std::string_view(what) == "strain" ? circumstances() : "", unit(over), label, x);
+    panel.series = {measured_series(x, measured), model_series(x, model)};
+    return panel;
   }
 
-  report::Plot loop() const {
-    return plot(fmt::format("{}: strain over resistance", name_),
-                "The relation that an observer uses.", "resistance in Ω", "strain in %", true, "",
-                {"$data using 6:3 with lines lc rgb reference lw 2.5 title 'measured'",
-                 "$data using 7:4 with lines lc rgb estimate title 'model'"});
+  report::Panel residual(const char* over, const report::Column& x, const char* label) const {
+    report::Panel panel = plot(fmt::format("{}: what is left", name_),
+                               "What the model does not explain.", unit(over), label, x);
+    panel.height = panel.half_width ? panel.height : 220;
+    panel.series = {model_series(x, columns_.residual)};
+    panel.series.front().name = "model - measured";
+    panel.rules = {{0, "", "measured"}};
+    return panel;
   }
 
-  report::Plot plot(std::string title, std::string caption, const std::string& x_label,
-                    const char* y_label, bool half, const std::string& more,
-                    const std::vector<std::string>& curves) const {
-    const report::Axes axes =
-        half ? report::Axes{500, 400, x_label, y_label} : report::Axes{1000, 320, x_label, y_label};
-    return {std::move(title), std::move(caption), half, report::draw(axes, data_, more, curves)};
+  report::Panel loop() const {
+    const FitColumns& c = columns_;
+    report::Panel panel{.title = fmt::format("{}: strain over resistance", name_),
+                        .caption = "The relation that an observer uses.",
+                        .half_width = true,
+                        .height = 400,
+                        .x = {.label = "resistance in Ω"},
+                        .y = {.label = "strain in %"},
+                        .follows = link_,
+                        .series = {measured_series(c.resistance, c.measured),
+                                   model_series(c.resistance_model, c.model)}};
+    for (report::Series& series : panel.series) {
+      series.at = run_.kind == RunKind::bath ? c.temperature : c.place;
+    }
+    return panel;
+  }
+
+  /// Over the temperature half as wide as over the time.
+  report::Panel plot(std::string title, std::string caption, std::string x_label,
+                     const char* y_label, const report::Column& x) const {
+    const bool half = x == columns_.temperature;
+    return {.title = std::move(title),
+            .caption = std::move(caption),
+            .half_width = half,
+            .height = half ? 400 : 320,
+            .x = {.label = std::move(x_label)},
+            .y = {.label = y_label},
+            .link = link_};
   }
 
   const FittedRun& run_;
   std::string name_;
-  std::string data_;
+  std::string link_;
+  FitColumns columns_;
 };
 
 }  // namespace
 
-std::vector<report::Plot> draw_fit(const FitResult& fit, const std::vector<Run>& runs) {
-  std::vector<report::Plot> all;
+std::vector<report::Panel> fit_panels(const FitResult& fit, const std::vector<Run>& runs) {
+  std::vector<report::Panel> all;
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
-    const RunDrawing drawing(fit.runs[i], runs[i], fit.wire.nominal_stroke);
-    for (report::Plot& plot : drawing.all()) {
-      all.push_back(std::move(plot));
+    const RunDrawing drawing(fit.runs[i], runs[i], i, fit.wire.nominal_stroke);
+    for (report::Panel& panel : drawing.all()) {
+      all.push_back(std::move(panel));
     }
   }
   return all;

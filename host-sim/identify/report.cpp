@@ -276,7 +276,7 @@ void write_fit_report(const std::string& path, const Identification& all) {
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
   }
-  html += report::plots_html(draw_fit(all.fit, all.runs));
+  html += report::plots_html(fit_panels(all.fit, all.runs));
   html += parameters_html(all.fit);
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {

@@ -162,30 +162,32 @@ std::string json(const Planned& p) {
   return files::json_text(all);
 }
 
-std::vector<report::Plot> plots(const Plan& plan) {
-  std::vector<report::Plot> all;
+std::vector<report::Panel> plots(const Plan& plan) {
+  std::vector<report::Panel> all;
   for (const PlannedRun& run : plan.runs) {
-    std::string data = "$data << EOD\n";
-    for (std::size_t i = 0; i < run.current_A.size(); ++i) {
-      data +=
-          fmt::format("{} {} {} {}\n", report::plotted(static_cast<double>(i + 1) * plan.step_s),
-                      report::plotted(1e3 * run.current_A[i]),
-                      report::plotted(run.temperature_K[i] - zero_degC_K),
-                      report::plotted(100 * run.strain[i]));
-    }
-    data += "EOD\n";
     const std::string name = name_of(run);
-    const auto curve = [&](const char* label, int column) {
-      return report::draw({1000, 260, "time in s", label}, data, "unset key\n",
-                          {fmt::format("$data using 1:{} with lines lc rgb estimate", column)});
+    std::vector<double> time_s(run.current_A.size());
+    for (std::size_t i = 0; i < time_s.size(); ++i) {
+      time_s[i] = static_cast<double>(i + 1) * plan.step_s;
+    }
+    const report::Column time = report::column(std::move(time_s));
+    const auto add = [&](const char* what, const char* label, report::Column values) {
+      const bool half = !all.empty() && all.back().link == name;
+      all.push_back(
+          {.title = fmt::format("{}: {}", name, what),
+           .caption = half ? "as the wire's own model expects it" : "",
+           .half_width = half,
+           .height = 260,
+           .x = {.label = "time in s"},
+           .y = {.label = label},
+           .link = name,
+           .series = {{.name = what, .colour = "estimate", .x = time, .y = std::move(values)}}});
     };
-    all.push_back({name + ": current", "", false, curve("current in mA", 2)});
-    all.push_back({name + ": temperature", "as the wire's own model expects it", true,
-                   report::draw({490, 260, "time in s", "temperature in °C"}, data, "unset key\n",
-                                {"$data using 1:3 with lines lc rgb estimate"})});
-    all.push_back({name + ": strain", "as the wire's own model expects it", true,
-                   report::draw({490, 260, "time in s", "strain in %"}, data, "unset key\n",
-                                {"$data using 1:4 with lines lc rgb estimate"})});
+    add("current", "current in mA",
+        report::column_of(run.current_A, [](double A) { return 1e3 * A; }));
+    add("temperature", "temperature in °C",
+        report::column_of(run.temperature_K, [](double K) { return K - zero_degC_K; }));
+    add("strain", "strain in %", report::column_of(run.strain, [](double e) { return 100 * e; }));
   }
   return all;
 }

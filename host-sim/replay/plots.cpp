@@ -1,164 +1,202 @@
 #include "host-sim/replay/plots.hpp"
 
 #include <cmath>
-#include <fmt/format.h>
+#include <utility>
 
 namespace smaservo::replay {
 namespace {
 
-constexpr const char* data_columns =
-    "# time strain low high reference R R_model T T_reference M M+R I stress\n";
+using report::Column;
+using report::Panel;
+using report::PlotPoint;
+using report::Series;
 
-/// All points as a data block; time counts from the first one.
-std::string data_block(const std::vector<report::PlotPoint>& points) {
-  std::string text = fmt::format("$data << EOD\n{}", data_columns);
-  for (const report::PlotPoint& p : points) {
-    const double band = std::isnan(p.strain_sd_percent) ? 0 : 2 * p.strain_sd_percent;
-    const double columns[] = {p.time_s - points.front().time_s,
-                              p.strain_percent,
-                              p.strain_percent - band,
-                              p.strain_percent + band,
-                              p.strain_ref_percent,
-                              p.resistance_ohm,
-                              p.resistance_model_ohm,
-                              p.temperature_degC,
-                              p.temperature_ref_degC,
-                              p.martensite,
-                              p.martensite + p.r_phase,
-                              p.current_A,
-                              p.stress_MPa};
-    text += report::plotted_row(columns);
-  }
-  return text + "EOD\n";
-}
-
-/// Which of the optional curves have anything to show.
-struct Shown {
-  bool time, reference, resistance, temperature_ref, current;
-};
-Shown shown(const ReplayResult& result, const std::vector<report::PlotPoint>& points) {
-  Shown s{result.timed, result.has_reference, false, false, false};
-  for (const report::PlotPoint& p : points) {
-    s.resistance = s.resistance || std::isfinite(p.resistance_ohm);
-    s.temperature_ref = s.temperature_ref || std::isfinite(p.temperature_ref_degC);
-    s.current = s.current || std::isfinite(p.current_A);
-  }
-  s.temperature_ref = s.temperature_ref && !result.open_loop;
-  return s;
-}
+constexpr const char* in_time = "time";
 
 class Drawing {
  public:
   explicit Drawing(const ReplayResult& result)
       : points_(result.series.points()),
-        shown_(shown(result, points_)),
-        data_(data_block(points_)),
-        x_label_(shown_.time ? "time in s" : "row") {}
+        x_label_(result.timed ? "time in s" : "row"),
+        time_(of([&](const PlotPoint& p) { return p.time_s - points_.front().time_s; })),
+        strain_(of(&PlotPoint::strain_percent)),
+        reference_(of(&PlotPoint::strain_ref_percent)),
+        resistance_(of(&PlotPoint::resistance_ohm)),
+        resistance_model_(of(&PlotPoint::resistance_model_ohm)),
+        temperature_(of(&PlotPoint::temperature_degC)),
+        has_reference_(result.has_reference),
+        has_temperature_ref_(!result.open_loop) {}
 
-  report::Plot strain() const {
-    std::vector<std::string> curves{
-        "$data using 1:3:4 with filledcurves lc rgb band title 'two standard deviations'"};
-    if (shown_.reference) {
-      curves.emplace_back("$data using 1:5 with lines lc rgb reference lw 2.5 title 'reference'");
+  std::vector<Panel> all() const {
+    std::vector<Panel> panels{strain()};
+    if (has_reference_) {
+      panels.push_back(error());
     }
-    curves.emplace_back("$data using 1:2 with lines lc rgb estimate title 'estimate'");
-    return wide("Strain", "Elongation of the whole wire: long is martensite, short is austenite.",
-                "strain in %", 320, "", curves);
-  }
-
-  report::Plot resistance() const {
-    std::vector<std::string> curves;
-    if (shown_.resistance) {
-      curves.emplace_back("$data using 1:6 with lines lc rgb measured title 'measured'");
+    for (Panel panel : {resistance(), temperature(), phases(), inputs(), strain_resistance(),
+                        strain_temperature()}) {
+      panels.push_back(std::move(panel));
     }
-    curves.emplace_back("$data using 1:7 with lines lc rgb estimate title 'expected by the model'");
-    return wide("Resistance", "The measured one is what corrects the estimate.", "resistance in Ω",
-                260, "", curves);
-  }
-
-  report::Plot temperature() const {
-    std::vector<std::string> curves;
-    if (shown_.temperature_ref) {
-      curves.emplace_back("$data using 1:9 with lines lc rgb reference title 'reference'");
-    }
-    curves.emplace_back("$data using 1:8 with lines lc rgb estimate title 'wire'");
-    return wide("Temperature", "Of the wire away from its clamps.", "temperature in °C", 260, "",
-                curves);
-  }
-
-  report::Plot phases() const {
-    return wide("Phases", "Fractions of the whole wire, stacked.", "fraction", 260,
-                "set yrange [0:1]\n",
-                {"$data using 1:(0):10 with filledcurves lc rgb '#4477aa' title 'martensite'",
-                 "$data using 1:10:11 with filledcurves lc rgb '#ddaa33' title 'R-phase'",
-                 "$data using 1:11:(1) with filledcurves lc rgb '#dd99a0' title 'austenite'"});
-  }
-
-  report::Plot inputs() const {
-    std::vector<std::string> curves{
-        "$data using 1:13 axes x1y2 with lines lc rgb reference title 'stress'"};
-    std::string more =
-        "set y2label 'stress in MPa'\nset y2tics\nset y2range [0:*]\nset yrange [0:*]\nset border "
-        "11\n";
-    const char* label = "";
-    if (shown_.current) {
-      label = "current in A";
-      curves.emplace_back("$data using 1:12 with lines lc rgb estimate title 'current'");
-    } else {
-      more += "unset ytics\n";
-    }
-    return wide("Inputs", "What drives the wire.", label, 220, more, curves);
-  }
-
-  report::Plot strain_resistance() const {
-    const char* ohm = shown_.resistance ? "6" : "7";
-    return square("Strain over resistance",
-                  "One resistance, several strains: what a straight line misses.",
-                  "resistance in Ω", loop(ohm));
-  }
-
-  report::Plot strain_temperature() const {
-    return square("Strain over temperature", "The hysteresis between heating and cooling.",
-                  "temperature in °C", loop("8"));
+    return panels;
   }
 
  private:
-  std::vector<std::string> loop(const char* x) const {
-    std::vector<std::string> curves;
-    if (shown_.reference) {
-      curves.push_back(
-          fmt::format("$data using {}:5 with lines lc rgb reference lw 2.5 title 'reference'", x));
+  Column of(double PlotPoint::* value) const {
+    return report::column_of(points_, [value](const PlotPoint& p) { return p.*value; });
+  }
+  template <class Value>
+  Column of(Value value) const {
+    return report::column_of(points_, value);
+  }
+
+  Panel strain() const {
+    const auto band = [](const PlotPoint& p) {
+      return std::isnan(p.strain_sd_percent) ? 0 : 2 * p.strain_sd_percent;
+    };
+    Panel panel =
+        wide("Strain", "Elongation of the whole wire: long is martensite, short is austenite.",
+             "strain in %", 320);
+    panel.series.push_back(
+        {.name = "two standard deviations",
+         .colour = "band",
+         .kind = report::Kind::band,
+         .x = time_,
+         .y = of([&](const PlotPoint& p) { return p.strain_percent + band(p); }),
+         .low = of([&](const PlotPoint& p) { return p.strain_percent - band(p); })});
+    if (has_reference_) {
+      panel.series.push_back(
+          {.name = "reference", .colour = "reference", .x = time_, .y = reference_, .width = 2.5});
     }
-    curves.push_back(
-        fmt::format("$data using {}:2 with lines lc rgb estimate title 'estimate'", x));
-    return curves;
+    panel.series.push_back({.name = "estimate", .colour = "estimate", .x = time_, .y = strain_});
+    return panel;
   }
 
-  report::Plot wide(const char* title, const char* caption, const char* y_label, int height,
-                    const std::string& more, const std::vector<std::string>& curves) const {
-    return {title, caption, false,
-            report::draw({1000, height, x_label_, y_label}, data_,
-                         "set rmargin at screen 0.93\n" + more, curves)};
-  }
-  report::Plot square(const char* title, const char* caption, const char* x_label,
-                      const std::vector<std::string>& curves) const {
-    return {title, caption, true,
-            report::draw({500, 400, x_label, "strain in %"}, data_, "", curves)};
+  Panel error() const {
+    Panel panel = wide("Error", "Estimate less reference, of the nominal stroke.",
+                       "error in % of the stroke", 220);
+    panel.series.push_back({.name = "estimate less reference",
+                            .colour = "estimate",
+                            .x = time_,
+                            .y = of(&PlotPoint::error_percent)});
+    panel.rules.push_back({.at = 0, .name = "", .colour = "measured"});
+    return panel;
   }
 
-  std::vector<report::PlotPoint> points_;
-  Shown shown_;
-  std::string data_;
+  Panel resistance() const {
+    Panel panel = wide("Resistance", "The measured one is what corrects the estimate.",
+                       "resistance in Ω", 260);
+    if (report::shows(resistance_)) {
+      panel.series.push_back(
+          {.name = "measured", .colour = "measured", .x = time_, .y = resistance_});
+    }
+    panel.series.push_back({.name = "expected by the model",
+                            .colour = "estimate",
+                            .x = time_,
+                            .y = resistance_model_});
+    return panel;
+  }
+
+  Panel temperature() const {
+    Panel panel =
+        wide("Temperature", "Of the wire away from its clamps.", "temperature in °C", 260);
+    const Column measured = of(&PlotPoint::temperature_ref_degC);
+    if (has_temperature_ref_ && report::shows(measured)) {
+      panel.series.push_back(
+          {.name = "reference", .colour = "reference", .x = time_, .y = measured});
+    }
+    panel.series.push_back({.name = "wire", .colour = "estimate", .x = time_, .y = temperature_});
+    return panel;
+  }
+
+  Panel phases() const {
+    Panel panel = wide("Phases", "Fractions of the whole wire, stacked.", "fraction", 260);
+    panel.y.min = 0;
+    panel.y.max = 1;
+    const Column zero = of([](const PlotPoint&) { return 0.0; });
+    const Column martensite = of(&PlotPoint::martensite);
+    const Column both = of([](const PlotPoint& p) { return p.martensite + p.r_phase; });
+    const Column one = of([](const PlotPoint&) { return 1.0; });
+    const auto area = [&](const char* name, const char* colour, const Column& low,
+                          const Column& high) {
+      panel.series.push_back({.name = name,
+                              .colour = colour,
+                              .kind = report::Kind::area,
+                              .x = time_,
+                              .y = high,
+                              .low = low});
+    };
+    area("martensite", "martensite", zero, martensite);
+    area("R-phase", "r_phase", martensite, both);
+    area("austenite", "austenite", both, one);
+    return panel;
+  }
+
+  Panel inputs() const {
+    Panel panel = wide("Inputs", "What drives the wire.", "", 220);
+    panel.right = {.label = "stress in MPa", .min = 0};
+    panel.series.push_back({.name = "stress",
+                            .colour = "reference",
+                            .x = time_,
+                            .y = of(&PlotPoint::stress_MPa),
+                            .right = true});
+    const Column current = of(&PlotPoint::current_A);
+    if (report::shows(current)) {
+      panel.y = {.label = "current in A", .min = 0};
+      panel.series.push_back({.name = "current", .colour = "estimate", .x = time_, .y = current});
+    }
+    return panel;
+  }
+
+  Panel strain_resistance() const {
+    return loop("Strain over resistance",
+                "One resistance, several strains: what a straight line misses.", "resistance in Ω",
+                report::shows(resistance_) ? resistance_ : resistance_model_);
+  }
+
+  Panel strain_temperature() const {
+    return loop("Strain over temperature", "The hysteresis between heating and cooling.",
+                "temperature in °C", temperature_);
+  }
+
+  Panel loop(const char* title, const char* caption, const char* x_label, const Column& x) const {
+    Panel panel{.title = title,
+                .caption = caption,
+                .half_width = true,
+                .height = 400,
+                .x = {.label = x_label},
+                .y = {.label = "strain in %"},
+                .follows = in_time};
+    if (has_reference_) {
+      panel.series.push_back({.name = "reference",
+                              .colour = "reference",
+                              .x = x,
+                              .y = reference_,
+                              .at = time_,
+                              .width = 2.5});
+    }
+    panel.series.push_back(
+        {.name = "estimate", .colour = "estimate", .x = x, .y = strain_, .at = time_});
+    return panel;
+  }
+
+  Panel wide(const char* title, const char* caption, const char* y_label, int height) const {
+    return {.title = title,
+            .caption = caption,
+            .height = height,
+            .x = {.label = x_label_},
+            .y = {.label = y_label},
+            .link = in_time};
+  }
+
+  std::vector<PlotPoint> points_;
   const char* x_label_;
+  Column time_, strain_, reference_, resistance_, resistance_model_, temperature_;
+  bool has_reference_, has_temperature_ref_;
 };
 
 }  // namespace
 
-std::vector<report::Plot> draw_plots(const ReplayResult& result) {
-  const Drawing drawing(result);
-  return {
-      drawing.strain(), drawing.resistance(),        drawing.temperature(),       drawing.phases(),
-      drawing.inputs(), drawing.strain_resistance(), drawing.strain_temperature()};
+std::vector<report::Panel> panels_of(const ReplayResult& result) {
+  return Drawing(result).all();
 }
 
 }  // namespace smaservo::replay

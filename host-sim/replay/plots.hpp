@@ -1,14 +1,13 @@
 #pragma once
-// The pictures of a replay's report, drawn by gnuplot.
+// The panels of a replay's report.
 
 #include <vector>
 
 #include "host-sim/replay/replay.hpp"
-#include "host-sim/report/gnuplot.hpp"
+#include "host-sim/report/panel.hpp"
 
 namespace smaservo::replay {
 
-/// Throws UserError when gnuplot is missing or fails.
-std::vector<report::Plot> draw_plots(const ReplayResult& result);
+std::vector<report::Panel> panels_of(const ReplayResult& result);
 
 }  // namespace smaservo::replay

@@ -86,6 +86,7 @@ class Sink {
     point.strain_percent = 100 * row.strain;
     point.strain_sd_percent = 100 * row.strain_sd;
     point.strain_ref_percent = 100 * row.strain_ref;
+    point.error_percent = 100 * (row.strain - row.strain_ref) / stroke_;
     point.resistance_ohm = row.resistance_ohm;
     point.resistance_model_ohm = row.resistance_model_ohm;
     point.temperature_degC = row.temperature_K - zero_degC_K;

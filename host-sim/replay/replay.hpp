@@ -46,7 +46,7 @@ struct ReplayResult {
   std::vector<std::string> complaints;
   double duration_s = 0;
   double elapsed_s = 0;
-  report::Series series;
+  report::ReplaySeries series;
 };
 
 /// Throws UserError, TraceError.

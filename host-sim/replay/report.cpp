@@ -99,7 +99,7 @@ void write_report(const std::string& path, const ReplayOptions& options,
                   const ReplayResult& result) {
   std::string html = fmt::format("<p>{}</p>\n", files::escaped(reading(options, result)));
   html += errors_html(options, result);
-  html += report::plots_html(draw_plots(result));
+  html += report::plots_html(panels_of(result));
   if (!result.complaints.empty()) {
     html += report::listing_html("Skipped rows",
                                  fmt::format("{}\n", fmt::join(result.complaints, "\n")));

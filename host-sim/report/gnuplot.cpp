@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host-sim/report/panel.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
@@ -85,26 +86,29 @@ std::string gnuplot(const std::string& script) {
   return svg;
 }
 
-// Colours that stay apart for colour-blind readers and in grey print.
 constexpr const char* style = R"(set encoding utf8
 set border 3 lc rgb '#666666'
 set tics nomirror textcolor rgb '#333333'
 set grid lc rgb '#dddddd' lw 0.5
 set key outside top center horizontal
 set style fill solid 1 noborder
-estimate = 0x0059b3
-reference = 0xd95f02
-band = 0xbfd7ee
-measured = 0x999999
 )";
+
+std::string colour_names() {
+  std::string text;
+  for (const Role& role : colours()) {
+    text += fmt::format("{} = 0x{}\n", role.name, role.light.substr(1));
+  }
+  return text;
+}
 
 std::string drawn(const char* command, const Axes& axes, const std::string& data,
                   const std::string& more, const std::vector<std::string>& curves) {
   return gnuplot(
-      fmt::format("set terminal svg size {},{} dynamic font 'sans-serif,13' lw 1.2\n{}"
-                  "set xlabel \"{}\"\nset ylabel \"{}\"\n{}{}{} {}\n",
-                  axes.width, axes.height, style, axes.x_label, axes.y_label, more, data, command,
-                  fmt::join(curves, ", ")));
+      fmt::format("set terminal svg size {},{} dynamic font 'sans-serif,13' lw 1.2\n{}{}"
+                  "set xlabel {}\nset ylabel {}\n{}{}{} {}\n",
+                  axes.width, axes.height, style, colour_names(), plotted_text(axes.x_label),
+                  plotted_text(axes.y_label), more, data, command, fmt::join(curves, ", ")));
 }
 
 }  // namespace
@@ -123,12 +127,16 @@ std::string plotted(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "NaN";
 }
 
-std::string plotted_text(std::string_view text) {
-  std::string quoted = "'";
+std::string in_quotes(std::string_view text) {
+  std::string all = "'";
   for (const char c : files::printable(text)) {
-    quoted.append(c == '\'' ? "''" : std::string_view(&c, 1));
+    all.append(c == '\'' ? "''" : std::string_view(&c, 1));
   }
-  return quoted + "' noenhanced";
+  return all + "'";
+}
+
+std::string plotted_text(std::string_view text) {
+  return in_quotes(text) + " noenhanced";
 }
 
 std::string plotted_row(std::span<const double> values) {

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures by gnuplot.
+// Pictures by gnuplot. Panels that panel.hpp can describe are drawn through picture.hpp.
 
 #include <span>
 #include <string>
@@ -8,21 +8,14 @@
 
 namespace smaservo::report {
 
-struct Plot {
-  std::string title;
-  std::string caption;
-  bool half_width;  ///< two of these stand side by side
-  std::string svg;  ///< a document that needs nothing else and runs no script
-};
-
 struct Axes {
   int width, height;
   std::string x_label, y_label;
 };
 
 /// The SVG of curves over a data block; `more` are gnuplot's settings before the plot command.
-/// Colours have names: estimate, reference, band, measured. Throws UserError when gnuplot is
-/// missing or fails.
+/// Colours have the names of colours() in panel.hpp. Throws UserError when gnuplot is missing or
+/// fails.
 std::string draw(const Axes& axes, const std::string& data, const std::string& more,
                  const std::vector<std::string>& curves);
 
@@ -32,7 +25,9 @@ std::string draw_surface(const Axes& axes, const std::string& data, const std::s
 
 /// The number as gnuplot reads it; one that is not finite leaves a gap.
 std::string plotted(double value);
-/// A text from outside as the title of a curve, in gnuplot's quotes and without its markup.
+/// A text from outside in gnuplot's quotes.
+std::string in_quotes(std::string_view text);
+/// The same as a title or label, without gnuplot's markup.
 std::string plotted_text(std::string_view text);
 /// The numbers as a row of a data block.
 std::string plotted_row(std::span<const double> values);

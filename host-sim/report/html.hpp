@@ -5,13 +5,18 @@
 #include <string_view>
 #include <vector>
 
-#include "host-sim/report/gnuplot.hpp"
+#include "host-sim/report/panel.hpp"
 #include "model/files/text_table.hpp"
 
 namespace smaservo::report {
 
-/// All plots, those of half the width side by side.
-std::string plots_html(const std::vector<Plot>& plots);
+/// All panels as pictures, those of half the width side by side, and the data from which a browser
+/// draws them again to be explored (assets.hpp), if the program has what draws them. Throws
+/// UserError when gnuplot is missing or fails.
+std::string plots_html(const std::vector<Panel>& panels);
+/// The same with pictures that have been drawn, and titles of this level.
+std::string plots_html(const std::vector<Panel>& panels, const std::vector<std::string>& svg,
+                       int heading);
 
 /// A text as it stands, under a heading.
 std::string listing_html(std::string_view heading, std::string_view text);

@@ -1,80 +1,162 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace smaservo::report {
 
-/// A whole run in a few thousand points, each with a time_s: of each stretch of rows the ones with
-/// the smallest and the greatest `key`. When it is full, stretches become twice as long.
-template <class Point, double Point::* key>
+/// A run of any length in some thousand points, as it comes: of each stretch of rows those in which
+/// one of the `values` is smallest or greatest, so that no peak of any of them is lost. When it is
+/// full, stretches become twice as long. The first and the last point stay as well. A value that is
+/// not finite is no peak; a stretch of nothing else keeps its first point.
+template <class Point, double Point::*... values>
 class SeriesOf {
  public:
-  explicit SeriesOf(std::size_t max_points = 4096) : max_(max_points / 4 * 4) {}
+  explicit SeriesOf(std::size_t max_points = 20'000) : max_(max_points) {}
 
   void add(const Point& point) {
-    const Stretch single{point, point, true};
-    open_ = rows_ == 0 ? single : merged(open_, single);
-    if (++rows_ < rows_per_stretch_) {
+    open_.push_back({rows_, point});
+    last_ = point;
+    ++rows_;
+    if (++rows_in_open_ < rows_per_stretch_) {
+      if (open_.size() >= crowded) {
+        keep_peaks(open_);
+      }
       return;
     }
-    rows_ = 0;
-    stretches_.push_back(open_);
-    if (2 * stretches_.size() >= max_) {
-      for (std::size_t i = 0; i + 1 < stretches_.size(); i += 2) {
-        stretches_[i / 2] = merged(stretches_[i], stretches_[i + 1]);
-      }
-      stretches_.resize(stretches_.size() / 2);
-      rows_per_stretch_ *= 2;
-    }
+    close();
   }
 
-  /// All points in order, with the stretch that is not finished yet.
+  /// All points in order: `max_points` at most, and those of the stretch that is not finished yet.
   std::vector<Point> points() const {
     std::vector<Point> all;
-    const auto put = [&](const Stretch& s) {
-      const bool same = s.low.time_s == s.high.time_s;
-      all.push_back(s.low_first ? s.low : s.high);
-      if (!same) {
-        all.push_back(s.low_first ? s.high : s.low);
+    const auto put = [&](const Stretch& stretch) {
+      for (const Row& row : stretch) {
+        all.push_back(row.point);
       }
     };
     for (const Stretch& stretch : stretches_) {
       put(stretch);
     }
-    if (rows_ > 0) {
-      put(open_);
+    put(open_);
+    const Stretch* const end = !open_.empty()       ? &open_
+                               : stretches_.empty() ? nullptr
+                                                    : &stretches_.back();
+    if (end != nullptr && end->back().number + 1 < rows_) {
+      all.push_back(last_);
     }
     return all;
   }
 
  private:
-  struct Stretch {
-    Point low, high;
-    bool low_first;
+  struct Row {
+    std::uint64_t number;
+    Point point;
   };
-  static Stretch merged(const Stretch& a, const Stretch& b) {
-    const Point& low = b.low.*key < a.low.*key ? b.low : a.low;
-    const Point& high = b.high.*key > a.high.*key ? b.high : a.high;
-    return {low, high, low.time_s <= high.time_s};
+  using Stretch = std::vector<Row>;
+  static constexpr std::size_t peaks = 2 * sizeof...(values);
+  static constexpr std::size_t crowded =
+      2 * peaks + 64;  ///< rows of a stretch, before it is thinned
+
+  /// Ends the open stretch; makes all twice as long as long as there are too many points.
+  void close() {
+    keep_peaks(open_);
+    total_ += open_.size();
+    stretches_.push_back(std::move(open_));
+    open_.clear();
+    rows_in_open_ = 0;
+    if (total_ <= max_) {
+      return;
+    }
+    // Down to three quarters, so that it is not done for every stretch.
+    while (4 * total_ > 3 * max_ && stretches_.size() > 1) {
+      halve();
+    }
+  }
+
+  void halve() {
+    rows_per_stretch_ *= 2;
+    total_ = 0;
+    std::vector<Stretch> fewer;
+    for (std::size_t i = 0; i < stretches_.size(); i += 2) {
+      Stretch& both = fewer.emplace_back(std::move(stretches_[i]));
+      if (i + 1 < stretches_.size()) {
+        both.insert(both.end(), stretches_[i + 1].begin(), stretches_[i + 1].end());
+        keep_peaks(both);
+        total_ += both.size();
+      } else {
+        // Half a stretch, which goes on.
+        both.insert(both.end(), open_.begin(), open_.end());
+        open_ = std::move(both);
+        rows_in_open_ += rows_per_stretch_ / 2;
+        fewer.pop_back();
+      }
+    }
+    stretches_ = std::move(fewer);
+  }
+
+  static void keep_peaks(Stretch& rows) {
+    if (rows.size() <= 1) {
+      return;
+    }
+    std::vector<bool> kept(rows.size(), false);
+    (keep(rows, values, kept), ...);
+    if (std::ranges::find(kept, true) == kept.end() || rows.front().number == 0) {
+      kept.front() = true;
+    }
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (kept[i]) {
+        rows[to++] = rows[i];
+      }
+    }
+    rows.resize(to);
+  }
+
+  static void keep(const Stretch& rows, double Point::* value, std::vector<bool>& kept) {
+    std::size_t low = rows.size();
+    std::size_t high = rows.size();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double here = rows[i].point.*value;
+      if (std::isfinite(here)) {
+        low = low == rows.size() || here < rows[low].point.*value ? i : low;
+        high = high == rows.size() || here > rows[high].point.*value ? i : high;
+      }
+    }
+    if (low != rows.size()) {
+      kept[low] = kept[high] = true;
+    }
   }
 
   std::size_t max_;
-  std::size_t rows_per_stretch_ = 1;
-  std::size_t rows_ = 0;  ///< in the open stretch
-  Stretch open_{};
+  std::uint64_t rows_per_stretch_ = 1;
+  std::uint64_t rows_ = 0;
+  std::uint64_t rows_in_open_ = 0;
+  std::size_t total_ = 0;  ///< points of all finished stretches
+  Stretch open_;
   std::vector<Stretch> stretches_;
+  Point last_{};  ///< of all
 };
 
 /// One point of a replay's plots, in the units of their axes. NaN leaves a gap.
 struct PlotPoint {
   double time_s;
   double strain_percent, strain_sd_percent, strain_ref_percent;
+  double error_percent;  ///< of the nominal stroke
   double resistance_ohm, resistance_model_ohm;
   double temperature_degC, temperature_ref_degC;
   double martensite, r_phase;
   double current_A, stress_MPa;
 };
-using Series = SeriesOf<PlotPoint, &PlotPoint::strain_percent>;
+using ReplaySeries =
+    SeriesOf<PlotPoint, &PlotPoint::strain_percent, &PlotPoint::strain_sd_percent,
+             &PlotPoint::strain_ref_percent, &PlotPoint::error_percent, &PlotPoint::resistance_ohm,
+             &PlotPoint::resistance_model_ohm, &PlotPoint::temperature_degC,
+             &PlotPoint::temperature_ref_degC, &PlotPoint::martensite, &PlotPoint::r_phase,
+             &PlotPoint::current_A, &PlotPoint::stress_MPa>;
 
 }  // namespace smaservo::report

@@ -1,8 +1,5 @@
 #include "host-sim/simulate/closed_loop_report.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
@@ -13,20 +10,11 @@
 namespace smaservo::simulate {
 namespace {
 
-constexpr const char* data_columns =
-    "# time setpoint reference strain estimate I P wire hot_spot hottest stress other measured\n";
+using report::Column;
+using report::Panel;
+using report::Series;
 
-std::string data_block(const std::vector<LoopPoint>& points) {
-  std::string text = fmt::format("$data << EOD\n{}", data_columns);
-  for (const LoopPoint& p : points) {
-    const std::array columns{
-        p.time_s,     p.setpoint_percent, p.reference_percent, p.strain_percent, p.estimate_percent,
-        p.current_A,  p.power_W,          p.wire_degC,         p.hot_spot_degC,  p.hottest_degC,
-        p.stress_MPa, p.other_setpoint,   p.other_measured};
-    text += report::plotted_row(columns);
-  }
-  return text + "EOD\n";
-}
+constexpr const char* in_time = "time";
 
 /// One line of the picture of states and faults: a name and the spans in which it held.
 struct Row {
@@ -44,130 +32,175 @@ std::vector<Row> time_table(const LoopRecord& record) {
   };
   add(record.states, text::state_name, "measured");
   add(record.limits, text::limit_reason_name, "estimate");
-  add(record.warnings, fault_name, "0xddaa33");
-  add(record.latched, fault_name, "0xb00020");
+  add(record.warnings, fault_name, "warning");
+  add(record.latched, fault_name, "fault");
   return rows;
 }
+
+/// A member of all points as a column of the report.
+class LoopColumns {
+ public:
+  explicit LoopColumns(std::vector<LoopPoint> points) : points_(std::move(points)) {}
+
+  Column operator()(double LoopPoint::* value) const {
+    return report::column_of(points_, [value](const LoopPoint& p) { return p.*value; });
+  }
+
+ private:
+  std::vector<LoopPoint> points_;
+};
 
 class LoopPlots {
  public:
   LoopPlots(const bench::ClosedLoopScenario& scenario, const LoopRecord& record)
       : scenario_(scenario),
         record_(record),
-        points_(record.series.points()),
-        data_(data_block(points_)) {}
+        of_(record.series.points()),
+        time_(of_(&LoopPoint::time_s)),
+        strain_(of_(&LoopPoint::strain_percent)),
+        estimate_(of_(&LoopPoint::estimate_percent)) {}
 
-  std::vector<report::Plot> all() const {
-    std::vector<report::Plot> plots{strain()};
-    if (shows(&LoopPoint::other_measured)) {
-      plots.push_back(other());
+  std::vector<Panel> all() const {
+    std::vector<Panel> panels{strain(), error()};
+    if (report::shows(of_(&LoopPoint::other_measured))) {
+      panels.push_back(other());
     }
-    for (report::Plot plot : {drive(), temperature(), stress(), times()}) {
-      plots.push_back(std::move(plot));
+    for (Panel panel :
+         {drive(), temperature(), stress(), times(),
+          loop("Strain over resistance", "As the device measures the resistance.",
+               "resistance in Ω", &LoopPoint::resistance_ohm),
+          loop("Strain over temperature", "Over the temperature that the device estimates.",
+               "temperature in °C", &LoopPoint::wire_degC)}) {
+      panels.push_back(std::move(panel));
     }
-    return plots;
+    return panels;
   }
 
  private:
-  bool shows(double LoopPoint::* value) const {
-    return std::ranges::any_of(points_,
-                               [&](const LoopPoint& p) { return std::isfinite(p.*value); });
+  Panel strain() const {
+    Panel panel =
+        wide("Strain", "Set-point, true strain and the observer's estimate.", "strain in %", 340);
+    add(panel, &LoopPoint::setpoint_percent,
+        {.name = "set-point", .colour = "measured", .kind = report::Kind::steps, .width = 2});
+    add(panel, &LoopPoint::reference_percent,
+        {.name = "reference of the planner", .colour = "planned", .dashed = true});
+    panel.series.push_back(
+        {.name = "true strain", .colour = "reference", .x = time_, .y = strain_, .width = 2});
+    panel.series.push_back({.name = "estimate", .colour = "estimate", .x = time_, .y = estimate_});
+    return panel;
   }
 
-  report::Plot strain() const {
-    std::vector<std::string> curves;
-    if (shows(&LoopPoint::setpoint_percent)) {
-      curves.emplace_back("$data using 1:2 with steps lc rgb measured lw 2 title 'set-point'");
-    }
-    if (shows(&LoopPoint::reference_percent)) {
-      curves.emplace_back(
-          "$data using 1:3 with lines lc rgb '#228833' dt 2 title 'reference of the planner'");
-    }
-    curves.emplace_back("$data using 1:4 with lines lc rgb reference lw 2 title 'true strain'");
-    curves.emplace_back("$data using 1:5 with lines lc rgb estimate title 'estimate'");
-    return wide("Strain", "Set-point, true strain and the observer's estimate.", "strain in %", 340,
-                "", curves);
+  Panel error() const {
+    Panel panel =
+        wide("Errors", "Of the estimate, and of the wire against the planner's reference.",
+             "error in % of the stroke", 220);
+    add(panel, &LoopPoint::control_error_percent,
+        {.name = "true strain less reference", .colour = "reference"});
+    add(panel, &LoopPoint::estimate_error_percent,
+        {.name = "estimate less true strain", .colour = "estimate"});
+    panel.rules.push_back({.at = 0, .name = "", .colour = "measured"});
+    return panel;
   }
 
-  report::Plot other() const {
-    return wide("Other modes", "Modes that do not control the length, in SI units of the mode.", "",
-                240, "",
-                {"$data using 1:12 with lines lc rgb measured lw 2 title 'set-point'",
-                 "$data using 1:13 with lines lc rgb estimate title 'as the device measures it'"});
+  Panel other() const {
+    Panel panel = wide("Other modes",
+                       "Modes that do not control the length, in SI units of the mode.", "", 240);
+    add(panel, &LoopPoint::other_setpoint, {.name = "set-point", .colour = "measured", .width = 2});
+    add(panel, &LoopPoint::other_measured,
+        {.name = "as the device measures it", .colour = "estimate"});
+    return panel;
   }
 
-  report::Plot drive() const {
-    return wide("Current and power",
-                "The current that flows, and the power that the controller asks for.",
-                "current in A", 240,
-                "set y2label 'power in W'\nset y2tics\nset y2range [0:*]\nset yrange [0:*]\n"
-                "set border 11\n",
-                {"$data using 1:7 axes x1y2 with lines lc rgb band lw 2 title 'power'",
-                 "$data using 1:6 with lines lc rgb estimate title 'current'"});
+  Panel drive() const {
+    Panel panel = wide("Current and power",
+                       "The current that flows, and the power that the controller asks for.",
+                       "current in A", 240);
+    panel.y.min = 0;
+    panel.right = {.label = "power in W", .min = 0};
+    add(panel, &LoopPoint::power_W, {.name = "power", .colour = "band", .right = true, .width = 2});
+    add(panel, &LoopPoint::current_A, {.name = "current", .colour = "estimate"});
+    return panel;
   }
 
-  report::Plot temperature() const {
-    std::vector<std::string> curves{
-        "$data using 1:10 with lines lc rgb reference lw 2 title 'hottest point, true'"};
-    if (shows(&LoopPoint::hot_spot_degC)) {
-      curves.emplace_back(
-          "$data using 1:9 with lines lc rgb measured title 'hottest point, as the device "
-          "assumes'");
-    }
-    curves.emplace_back("$data using 1:8 with lines lc rgb estimate title 'wire, estimated'");
-    curves.push_back(fmt::format("{} with lines lc rgb '#b00020' dt 2 title 'limit'",
-                                 scenario_.settings.limits.temperature_K - zero_degC_K));
-    return wide("Temperature", "The hottest point must stay below the limit.", "temperature in °C",
-                280, "", curves);
+  Panel temperature() const {
+    Panel panel = wide("Temperature", "The hottest point must stay below the limit.",
+                       "temperature in °C", 280);
+    add(panel, &LoopPoint::hottest_degC,
+        {.name = "hottest point, true", .colour = "reference", .width = 2});
+    add(panel, &LoopPoint::hot_spot_degC,
+        {.name = "hottest point, as the device assumes", .colour = "measured"});
+    add(panel, &LoopPoint::wire_degC, {.name = "wire, estimated", .colour = "estimate"});
+    panel.rules.push_back(
+        {scenario_.settings.limits.temperature_K - zero_degC_K, "limit", "fault"});
+    return panel;
   }
 
-  report::Plot stress() const {
-    return wide("Stress", "The true stress of the wire.", "stress in MPa", 200,
-                "set yrange [0:*]\n", {"$data using 1:11 with lines lc rgb reference notitle"});
+  Panel stress() const {
+    Panel panel = wide("Stress", "The true stress of the wire.", "stress in MPa", 200);
+    panel.y.min = 0;
+    add(panel, &LoopPoint::stress_MPa, {.name = "true stress", .colour = "reference"});
+    return panel;
   }
 
   /// States, limit reasons, warnings and faults as bars.
-  report::Plot times() const {
-    const std::vector<Row> rows = time_table(record_);
-    std::string more =
-        fmt::format("set yrange [{}:0.5]\nset ytics (", 0.5 - static_cast<double>(rows.size()));
-    std::string data;
-    std::vector<std::string> curves;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const auto y = -static_cast<double>(i);
-      more += fmt::format("{}'{}' {}", i == 0 ? "" : ", ", rows[i].name, y);
-      data += fmt::format("$row{} << EOD\n", i);
-      for (const auto& [from_s, to_s] : *rows[i].spans) {
-        data += fmt::format("{:.6g} {} {:.6g} 0\n", from_s, y,
-                            std::max(to_s - from_s, scenario_.duration_s / 1000));
-      }
-      data += "EOD\n";
-      curves.push_back(fmt::format(
-          "$row{} using 1:2:3:4 with vectors nohead lw 7 lc rgb {} notitle", i, rows[i].colour));
-    }
-    more += ") noenhanced\n" + fmt::format("set xrange [0:{}]\n", scenario_.duration_s);
-    report::Plot plot{
+  Panel times() const {
+    Panel panel = wide(
         "States, limits, faults",
-        "Grey: state. Blue: what limits the output. Amber: warnings. Red: latched faults.", false,
-        report::draw({1000, 90 + 18 * static_cast<int>(rows.size()), "time in s", ""}, data,
-                     margins + more, curves)};
-    return plot;
+        "Grey: state. Blue: what limits the output. Amber: warnings. Red: latched faults.", "", 0);
+    for (const Row& row : time_table(record_)) {
+      panel.series.push_back(
+          {.name = row.name,
+           .colour = row.colour,
+           .kind = report::Kind::spans,
+           .x = report::column_of(*row.spans, [](const auto& span) { return span.first; }),
+           .y = report::column_of(*row.spans, [](const auto& span) { return span.second; })});
+    }
+    panel.height = 90 + 18 * static_cast<int>(panel.series.size());
+    return panel;
   }
 
-  static constexpr const char* margins = "set lmargin at screen 0.14\nset rmargin at screen 0.91\n";
+  Panel loop(const char* title, const char* caption, const char* x_label,
+             double LoopPoint::* over) const {
+    const Column x = of_(over);
+    return {.title = title,
+            .caption = caption,
+            .half_width = true,
+            .height = 400,
+            .x = {.label = x_label},
+            .y = {.label = "strain in %"},
+            .follows = in_time,
+            .series = {
+                {.name = "true strain",
+                 .colour = "reference",
+                 .x = x,
+                 .y = strain_,
+                 .at = time_,
+                 .width = 2},
+                {.name = "estimate", .colour = "estimate", .x = x, .y = estimate_, .at = time_}}};
+  }
 
-  report::Plot wide(const char* title, const char* caption, const char* y_label, int height,
-                    const std::string& more, const std::vector<std::string>& curves) const {
-    return {title, caption, false,
-            report::draw({1000, height, "time in s", y_label}, data_,
-                         margins + fmt::format("set xrange [0:{}]\n", scenario_.duration_s) + more,
-                         curves)};
+  /// Leaves out what has nothing to show.
+  void add(Panel& panel, double LoopPoint::* value, Series series) const {
+    series.x = time_;
+    series.y = of_(value);
+    if (report::shows(series.y)) {
+      panel.series.push_back(std::move(series));
+    }
+  }
+
+  Panel wide(const char* title, const char* caption, const char* y_label, int height) const {
+    return {.title = title,
+            .caption = caption,
+            .height = height,
+            .x = {.label = "time in s", .min = 0, .max = scenario_.duration_s},
+            .y = {.label = y_label},
+            .link = in_time};
   }
 
   const bench::ClosedLoopScenario& scenario_;
   const LoopRecord& record_;
-  std::vector<LoopPoint> points_;
-  std::string data_;
+  LoopColumns of_;
+  Column time_, strain_, estimate_;
 };
 
 std::string numbers_html(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result) {

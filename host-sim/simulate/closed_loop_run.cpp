@@ -64,21 +64,26 @@ class Recorder {
     const bool length = out.mode == Mode::strain || out.mode == Mode::position;
     const double controlled_now = controlled(cycle);
     const bool other = !std::isnan(controlled_now);
-    record_.series.add({.time_s = cycle.time_s,
-                        .setpoint_percent = 100 * wanted_strain(settings_, cycle.command.mode,
-                                                                cycle.command.setpoint),
-                        .reference_percent =
-                            length ? 100 * wanted_strain(settings_, out.mode, out.reference) : nan,
-                        .strain_percent = 100 * cycle.truth.strain,
-                        .estimate_percent = 100 * out.estimate.strain,
-                        .current_A = cycle.truth.current_A,
-                        .power_W = out.power_W,
-                        .wire_degC = out.estimate.temperature_K - zero_degC_K,
-                        .hot_spot_degC = out.hot_spot_K > 0 ? out.hot_spot_K - zero_degC_K : nan,
-                        .hottest_degC = cycle.truth.hottest_K - zero_degC_K,
-                        .stress_MPa = cycle.truth.stress_Pa * 1e-6,
-                        .other_setpoint = other ? out.setpoint : nan,
-                        .other_measured = controlled_now});
+    const double stroke = settings_.wire.nominal_stroke;
+    const double reference = length ? wanted_strain(settings_, out.mode, out.reference) : nan;
+    record_.series.add(
+        {.time_s = cycle.time_s,
+         .setpoint_percent =
+             100 * wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint),
+         .reference_percent = 100 * reference,
+         .strain_percent = 100 * cycle.truth.strain,
+         .estimate_percent = 100 * out.estimate.strain,
+         .estimate_error_percent = 100 * (out.estimate.strain - cycle.truth.strain) / stroke,
+         .control_error_percent = 100 * (cycle.truth.strain - reference) / stroke,
+         .current_A = cycle.truth.current_A,
+         .power_W = out.power_W,
+         .wire_degC = out.estimate.temperature_K - zero_degC_K,
+         .hot_spot_degC = out.hot_spot_K > 0 ? out.hot_spot_K - zero_degC_K : nan,
+         .hottest_degC = cycle.truth.hottest_K - zero_degC_K,
+         .stress_MPa = cycle.truth.stress_Pa * 1e-6,
+         .resistance_ohm = out.measurement.resistance_valid ? out.measurement.resistance_ohm : nan,
+         .other_setpoint = other ? out.setpoint : nan,
+         .other_measured = controlled_now});
     held(record_.states, out.state, cycle.time_s);
     for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
       if ((out.limit_reasons >> i & 1U) != 0) {

@@ -19,18 +19,28 @@ namespace smaservo::simulate {
 struct LoopPoint {
   double time_s;
   double setpoint_percent, reference_percent, strain_percent, estimate_percent;
+  double estimate_error_percent, control_error_percent;  ///< of the nominal stroke
   double current_A, power_W;
   double wire_degC, hot_spot_degC, hottest_degC;
-  double stress_MPa;
+  double stress_MPa, resistance_ohm;
   double other_setpoint, other_measured;  ///< of modes that do not control the length, in SI
 };
+
+using LoopSeries =
+    report::SeriesOf<LoopPoint, &LoopPoint::setpoint_percent, &LoopPoint::reference_percent,
+                     &LoopPoint::strain_percent, &LoopPoint::estimate_percent,
+                     &LoopPoint::estimate_error_percent, &LoopPoint::control_error_percent,
+                     &LoopPoint::current_A, &LoopPoint::power_W, &LoopPoint::wire_degC,
+                     &LoopPoint::hot_spot_degC, &LoopPoint::hottest_degC, &LoopPoint::stress_MPa,
+                     &LoopPoint::resistance_ohm, &LoopPoint::other_setpoint,
+                     &LoopPoint::other_measured>;
 
 /// Spans of time, as from and to.
 using Spans = std::vector<std::pair<double, double>>;
 
 /// The part of a run that a report shows.
 struct LoopRecord {
-  report::SeriesOf<LoopPoint, &LoopPoint::strain_percent> series;
+  LoopSeries series;
   std::map<LimitReason, Spans> limits;
   std::map<Fault, Spans> latched, warnings;
   std::map<DeviceState, Spans> states;

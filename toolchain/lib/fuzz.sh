@@ -3,7 +3,7 @@
 
 fuzz_targets=(
   sdo pdo lss nmt eds datagram client wire settings board scenario actuator trace mcap recording mark
-  store communication
+  store communication conversation
 )
 
 # gather_seeds NAME: the project's own files that a reader takes, into build/fuzz/NAME.seeds.

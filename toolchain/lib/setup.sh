@@ -50,9 +50,11 @@ missing_packages() {
   done
 }
 
-# is_installed PACKAGE [SUITE]: an older version of a package from backports does not count.
+# is_installed PACKAGE [SUITE]: an older version of a package from backports does not count. Another
+# vendor's node brings npm along, and Debian's npm would not go with it.
 is_installed() {
   local status
+  if [[ $1 == npm ]] && command -v npm >/dev/null; then return; fi
   status=$(dpkg-query -W -f='${db:Status-Status} ${Version}' "$1" 2>/dev/null) || return
   [[ $status == 'installed '* && (${2:-} != *-backports || $status == *~bpo*) ]]
 }

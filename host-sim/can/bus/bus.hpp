@@ -18,6 +18,8 @@ class Bus {
   virtual bool receive(hal::CanFrame& frame, std::int64_t until_us) = 0;
   virtual std::int64_t now_us() const = 0;
   virtual std::string name() const = 0;
+  /// A transfer with a node begins or has ended: meanwhile nobody else may send it requests.
+  virtual void transfer(unsigned /*node*/, bool /*goes_on*/) {}
 };
 
 }  // namespace smaservo::can

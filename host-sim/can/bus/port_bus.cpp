@@ -53,7 +53,10 @@ bool PortBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
                       name(), name()));
     }
     pollfd waiting{port_.descriptor(), POLLIN, 0};
-    poll(&waiting, 1, static_cast<int>(std::min<std::int64_t>((left_us + 999) / 1000, 1000)));
+    // Not poll(): its milliseconds are too long for whoever sends SYNC each millisecond.
+    const std::int64_t wait_us = std::min<std::int64_t>(left_us, 1'000'000);
+    const timespec wait{wait_us / 1'000'000, wait_us % 1'000'000 * 1000};
+    ppoll(&waiting, 1, &wait, nullptr);
   }
 }
 

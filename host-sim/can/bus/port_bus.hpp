@@ -15,6 +15,7 @@ class PortBus final : public Bus {
   bool receive(hal::CanFrame& frame, std::int64_t until_us) override;
   std::int64_t now_us() const override;
   std::string name() const override { return port_.name(); }
+  hal::CanState state() const { return port_.state(); }
 
  private:
   hal::LinuxCan port_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -46,6 +47,30 @@ void set_trigger(Remote& remote, const std::string& trigger) {
   set(remote, "recorder.trigger_signal", sub_of_signal(trigger.substr(0, sign)));
   set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
   remote.set("recorder.trigger_level", trigger.substr(sign + 1));
+}
+
+/// Whole periods. The device says its period as a float, which may be a little more than the number
+/// that people mean.
+double rows_within(double time_s, double period_s) {
+  return std::floor(time_s / period_s + 1e-3);
+}
+
+/// The first row of the requested time. A memory that was not full holds all since the recorder was
+/// armed; where the trigger's signal has been recorded, the trigger is found as the device does. 0
+/// where it is not.
+std::size_t first_row(const Recording& recording, const RecordingPlan& plan) {
+  const std::size_t sign = plan.trigger.find_first_of("<>");
+  const auto found = std::ranges::find(plan.signals, plan.trigger.substr(0, sign));
+  if (sign == std::string::npos || found == plan.signals.end()) return 0;
+  const std::vector<double> values = recording.column(*found);
+  const double level = std::strtod(plan.trigger.c_str() + sign + 1, nullptr);
+  const bool rises = plan.trigger[sign] == '>';
+  const auto before = static_cast<std::size_t>(rows_within(plan.before_s, recording.period_s));
+  for (std::size_t i = std::max<std::size_t>(before, 1); i < values.size(); ++i) {
+    const bool was_below = values[i - 1] < level;
+    if (was_below == rises && (values[i] < level) != was_below) return i - before;
+  }
+  return 0;
 }
 
 RecorderState state_of(Remote& remote) {
@@ -98,34 +123,43 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
                                        65535 * step_s * capacity));
   }
   set(remote, "recorder.divisor", divisor);
-  set(remote, "recorder.pretrigger", std::floor(plan.before_s / (step_s * divisor)));
+  set(remote, "recorder.pretrigger", rows_within(plan.before_s, step_s * divisor));
   set(remote, "recorder.command", 1);
+}
+
+RecorderWatch::RecorderWatch(Remote& remote, const RecordingPlan& plan, double patience_s)
+    : remote_(remote),
+      patience_s_(patience_s),
+      until_us_(remote.bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6)),
+      after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)),
+      // The recording is complete with this many rows, even if the memory holds more. A loop that
+      // misses cycles takes longer to collect them.
+      rows_(std::ceil(plan.seconds / period_of(remote))) {}
+
+bool RecorderWatch::is_complete() {
+  const std::int64_t longest_us = 10 * after_us_ + 5'000'000;
+  const RecorderState state = state_of(remote_);
+  const std::int64_t now_us = remote_.bus().now_us();
+  if (state == RecorderState::full || state == RecorderState::idle) return true;
+  if (state == RecorderState::triggered && triggered_us_ == 0) triggered_us_ = now_us;
+  if (triggered_us_ != 0) {
+    return now_us >= triggered_us_ + after_us_ &&
+           (remote_.number("recorder.samples") >= rows_ || now_us >= triggered_us_ + longest_us);
+  }
+  if (now_us >= until_us_) {
+    set(remote_, "recorder.command", 0);
+    throw files::UserError(fmt::format("not triggered within {} s", patience_s_));
+  }
+  return false;
 }
 
 void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s) {
   Bus& bus = remote.bus();
-  const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
-  const auto after_us = static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6);
-  std::int64_t triggered_us = 0;
-  // The recording is complete with this many rows, even if the memory holds more. A loop that
-  // misses cycles takes longer to collect them.
-  const double rows = std::ceil(plan.seconds / period_of(remote));
-  const std::int64_t longest_us = 10 * after_us + 5'000'000;
-  for (;;) {
-    const RecorderState state = state_of(remote);
-    const std::int64_t now_us = bus.now_us();
-    if (state == RecorderState::full || state == RecorderState::idle) return;
-    if (state == RecorderState::triggered && triggered_us == 0) triggered_us = now_us;
-    if (triggered_us != 0 && now_us >= triggered_us + after_us &&
-        (remote.number("recorder.samples") >= rows || now_us >= triggered_us + longest_us)) {
-      return;
-    }
-    if (triggered_us == 0 && now_us >= until_us) {
-      set(remote, "recorder.command", 0);
-      throw files::UserError(fmt::format("not triggered within {} s", patience_s));
-    }
+  RecorderWatch watch(remote, plan, patience_s);
+  while (!watch.is_complete()) {
+    const std::int64_t next_us = bus.now_us() + poll_us;
     hal::CanFrame passing;
-    while (bus.receive(passing, now_us + poll_us)) {
+    while (bus.receive(passing, next_us)) {
     }
   }
 }
@@ -144,9 +178,14 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
     }
     recording.rows.push_back(std::move(row));
   }
-  // Rows that came between the end of the requested time and the stop are dropped.
+  // Rows that came between the end of the requested time and the stop are dropped, and those of
+  // before.
   const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
-  if (plan.trigger.empty() && recording.rows.size() > max) recording.rows.resize(max);
+  const std::size_t first = first_row(recording, plan);
+  auto& rows = recording.rows;
+  rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(first));
+  const bool has_begin = plan.trigger.empty() || first != 0;
+  if (has_begin && rows.size() > max) rows.resize(max);
   return recording;
 }
 

@@ -16,6 +16,21 @@ struct RecordingPlan {
 /// Sets the recorder's signals, rate and trigger, and arms it. Throws UserError.
 void arm_recorder(Remote& remote, const RecordingPlan& plan);
 
+/// Asks an armed recorder whether it is full or has the rows of the requested time.
+class RecorderWatch {
+ public:
+  RecorderWatch(Remote& remote, const RecordingPlan& plan, double patience_s);
+
+  /// Throws UserError, and stops the recorder, when the trigger has not come within `patience_s`.
+  bool is_complete();
+
+ private:
+  Remote& remote_;
+  double patience_s_;
+  std::int64_t until_us_, after_us_, triggered_us_ = 0;
+  double rows_;
+};
+
 /// Waits until the recorder is full or has the rows of the requested time. Throws UserError when
 /// the trigger has not come within `patience_s`.
 void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s);

@@ -12,9 +12,6 @@
 namespace smaservo::compare {
 namespace {
 
-/// Points of a plotted curve at most.
-constexpr std::size_t max_points = 3000;
-
 std::string percent(double value) {
   return fmt::format("{:.2f}", value);
 }
@@ -125,40 +122,102 @@ std::string remarks_html(const Comparison& comparison) {
   return html + "</p>\n";
 }
 
-/// The quantity over which the loops of a run are drawn.
-struct Abscissa {
-  const char* label;
-  std::vector<double> values;
-};
-Abscissa abscissa(const identify::Run& run) {
-  if (run.kind == identify::RunKind::bath) {
-    std::vector<double> degC;
-    degC.reserve(run.temperature_K.size());
-    for (const double T : run.temperature_K) {
-      degC.push_back(T - zero_degC_K);
-    }
-    return {"temperature in °C", degC};
-  }
-  return {"resistance in Ω", run.resistance_ohm};
+report::Column percent_of(const std::vector<double>& strain, double stroke = 1) {
+  return report::column_of(strain, [&](double e) { return 100 * e / stroke; });
 }
 
-report::Plot loop_plot(const Comparison& comparison, std::size_t t, const Compared& one) {
-  const identify::Run& run = comparison.tests[t];
-  const Abscissa x = abscissa(run);
-  std::string data = "$data << EOD\n";
-  const std::size_t every = 1 + run.strain.size() / max_points;
-  for (std::size_t i = 0; i < run.strain.size(); i += every) {
-    data += fmt::format("{} {} {}\n", report::plotted(x.values[i]),
-                        report::plotted(100 * run.strain[i]),
-                        report::plotted(100 * one.runs[t].strain[i]));
+/// One test: the errors of all systems over time, and what each of them says.
+class TestPanels {
+ public:
+  TestPanels(const Comparison& comparison, std::size_t test)
+      : comparison_(comparison),
+        test_(test),
+        run_(comparison.tests[test]),
+        link_(fmt::format("test {}", test)),
+        bath_(run_.kind == identify::RunKind::bath),
+        over_(bath_
+                  ? report::column_of(run_.temperature_K, [](double K) { return K - zero_degC_K; })
+                  : report::column(run_.resistance_ohm)),
+        time_(time()),
+        strain_(percent_of(run_.strain)) {}
+
+  std::vector<report::Panel> all() const {
+    std::vector<report::Panel> panels;
+    for (const Compared& one : comparison_.systems) {
+      if (!one.runs.empty() && one.runs[test_].error.count() > 0) {
+        if (panels.empty()) {
+          panels.push_back(errors());
+        }
+        add_error(panels.front(), one);
+        panels.push_back(loop(one));
+      }
+    }
+    return panels;
   }
-  data += "EOD\n";
-  return {fmt::format("{}: {}", identify::file_name(run.name), one.system.name),
-          figures(one.runs[t].error), true,
-          report::draw({500, 360, x.label, "strain in %"}, data, "",
-                       {"$data using 1:2 with lines lc rgb reference lw 2.5 title 'reference'",
-                        "$data using 1:3 with lines lc rgb estimate title 'estimate'"})};
-}
+
+ private:
+  /// A run without time in its rows.
+  report::Column time() const {
+    std::vector<double> all = run_.time_s;
+    for (std::size_t i = all.size(); i < run_.strain.size(); ++i) {
+      all.push_back(static_cast<double>(i));
+    }
+    return report::column(std::move(all));
+  }
+
+  report::Panel errors() const {
+    return {.title = fmt::format("{}: errors", identify::file_name(run_.name)),
+            .caption = "Estimate less reference, of the nominal stroke.",
+            .height = 360,
+            .x = {.label = run_.time_s.empty() ? "row" : "time in s"},
+            .y = {.label = "error in % of the stroke"},
+            .link = link_,
+            .rules = {{0, "", "ink"}}};
+  }
+
+  void add_error(report::Panel& panel, const Compared& one) const {
+    static constexpr const char* colours[] = {"#0059b3", "#d95f02", "#228833", "#aa3377",
+                                              "#ddaa33", "#66ccee", "#882255", "#8c8c8c",
+                                              "#117733", "#ee6677", "#44aa99", "#4477aa"};
+    std::vector<double> error(run_.strain.size());
+    for (std::size_t i = 0; i < error.size(); ++i) {
+      error[i] = one.runs[test_].strain[i] - run_.strain[i];
+    }
+    panel.series.push_back({.name = one.system.name,
+                            .colour = colours[panel.series.size() % std::size(colours)],
+                            .x = time_,
+                            .y = percent_of(error, comparison_.nominal_stroke),
+                            .dashed = panel.series.size() >= std::size(colours)});
+  }
+
+  report::Panel loop(const Compared& one) const {
+    return {.title = fmt::format("{}: {}", identify::file_name(run_.name), one.system.name),
+            .caption = figures(one.runs[test_].error),
+            .half_width = true,
+            .height = 360,
+            .x = {.label = bath_ ? "temperature in °C" : "resistance in Ω"},
+            .y = {.label = "strain in %"},
+            .follows = link_,
+            .series = {{.name = "reference",
+                        .colour = "reference",
+                        .x = over_,
+                        .y = strain_,
+                        .at = time_,
+                        .width = 2.5},
+                       {.name = "estimate",
+                        .colour = "estimate",
+                        .x = over_,
+                        .y = percent_of(one.runs[test_].strain),
+                        .at = time_}}};
+  }
+
+  const Comparison& comparison_;
+  std::size_t test_;
+  const identify::Run& run_;
+  std::string link_;
+  bool bath_;
+  report::Column over_, time_, strain_;
+};
 
 }  // namespace
 
@@ -206,12 +265,10 @@ std::string comparison_json(const Comparison& comparison) {
 }
 
 void write_comparison_report(const std::string& path, const Comparison& comparison) {
-  std::vector<report::Plot> plots;
+  std::vector<report::Panel> plots;
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
-    for (const Compared& one : comparison.systems) {
-      if (!one.runs.empty() && one.runs[t].error.count() > 0) {
-        plots.push_back(loop_plot(comparison, t, one));
-      }
+    for (report::Panel& panel : TestPanels(comparison, t).all()) {
+      plots.push_back(std::move(panel));
     }
   }
   report::write_html(path, "Systems compared",

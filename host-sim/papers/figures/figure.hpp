@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host-sim/report/gnuplot.hpp"
+#include "host-sim/report/panel.hpp"
 
 namespace smaservo::figures {
 
@@ -13,7 +13,7 @@ struct PaperFigure {
   int number;           ///< in its paper
   std::string title;    ///< what the paper's figure shows
   std::string caption;  ///< one line that says what there is to see
-  std::vector<report::Plot> panels;
+  std::vector<report::Panel> panels;
 };
 
 struct Paper {
@@ -23,7 +23,7 @@ struct Paper {
   std::vector<PaperFigure> (*figures)();
 };
 
-// Each throws UserError when gnuplot is missing or fails.
+// Each throws UserError when gnuplot, which draws surfaces, is missing or fails.
 std::vector<PaperFigure> figures_000();  ///< some ten seconds
 std::vector<PaperFigure> figures_001();
 std::vector<PaperFigure> figures_002();

@@ -5,6 +5,7 @@
 
 #include "host-sim/papers/figures/figure.hpp"
 #include "host-sim/report/html.hpp"
+#include "host-sim/report/picture.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 
@@ -24,10 +25,11 @@ std::string file_name(const Paper& paper, const PaperFigure& figure, std::size_t
   return fmt::format("{}-{:02}{}.svg", paper.number, figure.number, letter);
 }
 
-std::string figure_html(const Paper& paper, const PaperFigure& figure) {
+std::string figure_html(const Paper& paper, const PaperFigure& figure,
+                        const std::vector<std::string>& svg) {
   return fmt::format("<h3>{}, figure {}: {}</h3>\n<p class=\"caption\">{}</p>\n{}", paper.number,
                      figure.number, files::escaped(figure.title), files::escaped(figure.caption),
-                     report::plots_html(figure.panels));
+                     report::plots_html(figure.panels, svg, 4));
 }
 
 }  // namespace
@@ -76,11 +78,11 @@ void write_figures(const std::string& folder, const std::vector<std::string>& pa
     html += fmt::format("<h2>Paper {}: {}</h2>\n<p>{}</p>\n", paper.number,
                         files::escaped(paper.title), files::escaped(paper.left_out));
     for (const PaperFigure& figure : paper.figures()) {
-      for (std::size_t panel = 0; panel < figure.panels.size(); ++panel) {
-        write_file(std::filesystem::path(folder) / file_name(paper, figure, panel),
-                   figure.panels[panel].svg);
+      const std::vector<std::string> svg = report::pictures(figure.panels);
+      for (std::size_t panel = 0; panel < svg.size(); ++panel) {
+        write_file(std::filesystem::path(folder) / file_name(paper, figure, panel), svg[panel]);
       }
-      html += figure_html(paper, figure);
+      html += figure_html(paper, figure, svg);
     }
   }
   report::write_html((std::filesystem::path(folder) / "index.html").string(), "The papers' figures",

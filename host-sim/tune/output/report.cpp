@@ -26,9 +26,21 @@ std::vector<double> frequencies(double period_s) {
   return all;
 }
 
-/// Every loop as a block of rows: Hz, real, imaginary, dB, degrees.
-std::string locus(const char* name, const std::vector<LinearLoop>& loops, std::size_t each) {
-  std::string text = fmt::format("${} << EOD\n", name);
+/// Open loops over the frequency, one behind the other with a gap between them.
+struct Loci {
+  std::vector<double> Hz, real, imaginary, dB, degrees;
+
+  void add(double frequency_Hz, const std::complex<double>& L, double phase) {
+    Hz.push_back(frequency_Hz);
+    real.push_back(L.real());
+    imaginary.push_back(L.imag());
+    dB.push_back(20 * std::log10(std::abs(L)));
+    degrees.push_back(phase);
+  }
+};
+
+Loci loci(const std::vector<LinearLoop>& loops, std::size_t each) {
+  Loci all;
   for (std::size_t i = 0; i < loops.size(); i += each) {
     double before = -90;
     for (const double omega : frequencies(loops[i].period_s)) {
@@ -36,98 +48,127 @@ std::string locus(const char* name, const std::vector<LinearLoop>& loops, std::s
       double phase = std::arg(L) * 180 / std::numbers::pi;
       phase += 360 * std::round((before - phase) / 360);
       before = phase;
-      text += fmt::format("{} {} {} {} {}\n", report::plotted(omega / (2 * std::numbers::pi)),
-                          report::plotted(L.real()), report::plotted(L.imag()),
-                          report::plotted(20 * std::log10(std::abs(L))), report::plotted(phase));
+      all.add(omega / (2 * std::numbers::pi), L, phase);
     }
-    text += '\n';
+    all.add(nan, {nan, nan}, nan);
   }
-  return text + "EOD\n";
-}
-
-std::string loci(const DesignedLoop& loop) {
-  const std::size_t each = std::max<std::size_t>(1, loop.loops.size() / 50);
-  return locus("all", loop.loops, each) + locus("file", loop.nominal_loops, 2);
+  return all;
 }
 
 /// The circle that M_s must stay out of.
-std::string circle() {
-  std::string text = "$circle << EOD\n";
+report::Series circle() {
+  std::vector<double> x, y;
   for (int i = 0; i <= 120; ++i) {
     const double angle = 2 * std::numbers::pi * i / 120;
     const double radius = 1 / AskedMargins{}.sensitivity;
-    text += fmt::format("{} {}\n", report::plotted(-1 + radius * std::cos(angle)),
-                        report::plotted(radius * std::sin(angle)));
+    x.push_back(-1 + radius * std::cos(angle));
+    y.push_back(radius * std::sin(angle));
   }
-  return text + "EOD\n";
+  return {.name = "Ms = 2",
+          .colour = "reference",
+          .x = report::column(std::move(x)),
+          .y = report::column(std::move(y)),
+          .width = 2};
 }
 
-report::Plot nyquist(const DesignedLoop& loop) {
-  return {fmt::format("Loop of the {}: Nyquist", loop_text(loop.name)),
-          "Every state of every wire; none may enter the circle of Ms = 2 about -1.", true,
-          report::draw({500, 400, "real part", "imaginary part"}, loci(loop) + circle(),
-                       "set xrange [-2:1]\nset yrange [-2:0.5]\n",
-                       {"$all using 2:3 with lines lc rgb band title 'uncertain wires'",
-                        "$file using 2:3 with lines lc rgb estimate title 'the file’s wire'",
-                        "$circle using 1:2 with lines lc rgb reference lw 2 title 'Ms = 2'"})};
+constexpr const char* of_all = "uncertain wires";
+constexpr const char* of_file = "the file’s wire";
+
+/// Nyquist and Bode.
+std::vector<report::Panel> loop_panels(const DesignedLoop& loop) {
+  const std::string name = fmt::format("Loop of the {}: ", loop_text(loop.name));
+  report::Panel nyquist{
+      .title = name + "Nyquist",
+      .caption = "Every state of every wire; none may enter the circle of Ms = 2 about -1.",
+      .half_width = true,
+      .height = 400,
+      .x = {.label = "real part", .min = -2, .max = 1},
+      .y = {.label = "imaginary part", .min = -2, .max = 0.5},
+      .equal = true};
+  report::Panel bode{.title = name + "Bode",
+                     .caption = "Magnitude and phase of the open loop.",
+                     .half_width = true,
+                     .height = 400,
+                     .x = {.label = "frequency in Hz", .log = true},
+                     .y = {.label = "magnitude in dB", .min = -40, .max = 40},
+                     .right = {.label = "phase in °", .min = -270, .max = -60}};
+  const std::size_t each = std::max<std::size_t>(1, loop.loops.size() / 50);
+  for (const bool file : {false, true}) {
+    Loci all = file ? loci(loop.nominal_loops, 2) : loci(loop.loops, each);
+    const report::Column Hz = report::column(std::move(all.Hz));
+    const char* of = file ? of_file : of_all;
+    nyquist.series.push_back({.name = of,
+                              .colour = file ? "estimate" : "band",
+                              .x = report::column(std::move(all.real)),
+                              .y = report::column(std::move(all.imaginary)),
+                              .at = Hz});
+    bode.series.push_back({.name = fmt::format("magnitude, {}", of),
+                           .colour = file ? "estimate" : "band",
+                           .x = Hz,
+                           .y = report::column(std::move(all.dB))});
+    bode.series.push_back({.name = fmt::format("phase, {}", of),
+                           .colour = file ? "reference" : "reference_band",
+                           .x = Hz,
+                           .y = report::column(std::move(all.degrees)),
+                           .right = true});
+  }
+  nyquist.series.push_back(circle());
+  bode.link = nyquist.follows = name;
+  return {std::move(nyquist), std::move(bode)};
 }
 
-report::Plot bode(const DesignedLoop& loop) {
-  return {fmt::format("Loop of the {}: Bode", loop_text(loop.name)),
-          "Magnitude and phase of the open loop.", true,
-          report::draw(
-              {500, 400, "frequency in Hz", "magnitude in dB"}, loci(loop),
-              "set logscale x\nset yrange [-40:40]\nset y2range [-270:-60]\nset y2tics -270,45\n"
-              "set y2label 'phase in °'\nset border 11\nset format x '%g'\n",
-              {"$all using 1:4 with lines lc rgb band title 'magnitude'",
-               "$file using 1:4 with lines lc rgb estimate notitle",
-               "$all using 1:5 axes x1y2 with lines lc rgb '#f6d5bd' title 'phase'",
-               "$file using 1:5 axes x1y2 with lines lc rgb reference notitle"})};
-}
-
-/// A column for each run, thinned to what a picture shows.
-std::string step_data(const Tuned& t) {
-  const ExpectedSteps& e = t.expected;
-  const std::size_t each = std::max<std::size_t>(1, e.setpoint.size() / 2500);
-  std::string text = "$data << EOD\n";
-  for (std::size_t i = 0; i < e.setpoint.size(); i += each) {
-    text += fmt::format("{} {}", report::plotted(static_cast<double>(i) * e.period_s),
-                        report::plotted(100 * e.setpoint[i]));
-    for (const ExpectedRun& r : e.runs) {
-      text += fmt::format(" {} {} {}", report::plotted(100 * r.strain[i]),
-                          report::plotted(r.temperature_K[i] - zero_degC_K),
-                          report::plotted(1e3 * r.current_A[i]));
+/// The steps of all runs over time, the file's wire on top.
+class StepPanels {
+ public:
+  explicit StepPanels(const ExpectedSteps& expected) : expected_(expected) {
+    std::vector<double> time_s(expected.setpoint.size());
+    for (std::size_t i = 0; i < time_s.size(); ++i) {
+      time_s[i] = static_cast<double>(i) * expected.period_s;
     }
-    text += '\n';
+    time_ = report::column(std::move(time_s));
   }
-  return text + "EOD\n";
-}
 
-/// One of the three columns of all runs, the file's wire on top.
-report::Plot step_plot(const Tuned& t, const std::string& data, int column, const char* title,
-                       const char* label, int height) {
-  std::vector<std::string> curves;
-  for (std::size_t i = t.expected.runs.size(); i-- > 1;) {
-    curves.push_back(fmt::format("$data using 1:{} with lines lc rgb band {}",
-                                 3 + 3 * i + static_cast<std::size_t>(column),
-                                 i == 1 ? "title 'uncertain wires'" : "notitle"));
+  /// value(a number of this column) of every run.
+  template <class Value>
+  report::Panel panel(const char* title, const char* label, int height,
+                      std::vector<double> ExpectedRun::* column, Value value) const {
+    report::Panel panel{.title = title,
+                        .height = height,
+                        .x = {.label = "time in s"},
+                        .y = {.label = label},
+                        .link = "time"};
+    for (std::size_t i = expected_.runs.size(); i-- > 0;) {
+      if (i == 0 && column == &ExpectedRun::strain) {
+        panel.series.push_back({.name = "set-point",
+                                .colour = "reference",
+                                .kind = report::Kind::steps,
+                                .x = time_,
+                                .y = report::column_of(expected_.setpoint, value),
+                                .width = 2});
+      }
+      panel.series.push_back({.name = i == 0 ? of_file : of_all,
+                              .colour = i == 0 ? "estimate" : "band",
+                              .x = time_,
+                              .y = report::column_of(expected_.runs[i].*column, value)});
+    }
+    return panel;
   }
-  if (column == 0) {
-    curves.emplace_back("$data using 1:2 with steps lc rgb reference lw 2 title 'set-point'");
-  }
-  curves.push_back(fmt::format(
-      "$data using 1:{} with lines lc rgb estimate title 'the file’s wire'", 3 + column));
-  return {title, column == 0 ? "The device's own step, closed on wires of one temperature." : "",
-          false, report::draw({1000, height, "time in s", label}, data, "", curves)};
-}
+
+ private:
+  const ExpectedSteps& expected_;
+  report::Column time_;
+};
 
 /// Each step from its own beginning: heating over cooling.
-report::Plot overlay(const Tuned& t, bool heating) {
-  std::string data = "$steps << EOD\n";
+report::Panel overlay(const Tuned& t, bool heating) {
   double longest_s = 0;
   const double period_s = t.expected.period_s;
+  struct Curves {
+    std::vector<double> time_s, share;
+  } all[2];
   for (std::size_t k = t.expected.runs.size(); k-- > 0;) {
     const ExpectedRun& r = t.expected.runs[k];
+    Curves& curves = all[k == 0 ? 1 : 0];
     for (const StepResponse& s : r.steps) {
       if ((s.to < s.from) != heating) {
         continue;
@@ -141,38 +182,47 @@ report::Plot overlay(const Tuned& t, bool heating) {
         const double at_s = shown_s * static_cast<double>(i) / 500;
         const auto row =
             std::min(first + static_cast<std::size_t>(at_s / period_s), r.strain.size() - 1);
-        data +=
-            fmt::format("{} {} {}\n", report::plotted(at_s),
-                        report::plotted((r.strain[row] - begin) / (s.to - begin)), k == 0 ? 0 : 1);
+        curves.time_s.push_back(at_s);
+        curves.share.push_back((r.strain[row] - begin) / (s.to - begin));
       }
-      data += fmt::format("{} {} 0\n\n", report::plotted(nan), report::plotted(nan));
+      curves.time_s.push_back(nan);
+      curves.share.push_back(nan);
     }
   }
-  data += "EOD\n";
-  return {heating ? "Steps by heating" : "Steps by cooling",
-          "Share of the way to the set-point, from the moment it is given.", true,
-          report::draw(
-              {500, 400, "time in s", "share of the way"}, data,
-              fmt::format("set xrange [0:{}]\nset yrange [0:1.2]\n", report::plotted(longest_s)),
-              {"$steps using 1:($3==1?$2:NaN) with lines lc rgb band title 'uncertain wires'",
-               "$steps using 1:($3==0?$2:NaN) with lines lc rgb estimate title 'the file’s wire'",
-               "1 with lines lc rgb reference notitle"})};
+  report::Panel panel{.title = heating ? "Steps by heating" : "Steps by cooling",
+                      .caption = "Share of the way to the set-point, from the moment it is given.",
+                      .half_width = true,
+                      .height = 400,
+                      .x = {.label = "time in s", .min = 0, .max = longest_s},
+                      .y = {.label = "share of the way", .min = 0, .max = 1.2},
+                      .rules = {{1, "", "reference"}}};
+  for (const std::size_t file : {0U, 1U}) {
+    panel.series.push_back({.name = file == 1 ? of_file : of_all,
+                            .colour = file == 1 ? "estimate" : "band",
+                            .x = report::column(std::move(all[file].time_s)),
+                            .y = report::column(std::move(all[file].share))});
+  }
+  return panel;
 }
 
 }  // namespace
 
 void write_tune_report(const std::string& path, const Tuned& t) {
-  std::vector<report::Plot> plots;
-  const std::string data = step_data(t);
-  plots.push_back(step_plot(t, data, 0, "Steps of the strain", "strain in %", 360));
-  plots.push_back(step_plot(t, data, 1, "Temperature", "temperature in °C", 260));
-  plots.push_back(step_plot(t, data, 2, "Current", "current in mA", 220));
-  plots.push_back(overlay(t, true));
-  plots.push_back(overlay(t, false));
+  const StepPanels steps(t.expected);
+  std::vector<report::Panel> plots{
+      steps.panel("Steps of the strain", "strain in %", 360, &ExpectedRun::strain,
+                  [](double e) { return 100 * e; }),
+      steps.panel("Temperature", "temperature in °C", 260, &ExpectedRun::temperature_K,
+                  [](double K) { return K - zero_degC_K; }),
+      steps.panel("Current", "current in mA", 220, &ExpectedRun::current_A,
+                  [](double A) { return 1e3 * A; }),
+      overlay(t, true), overlay(t, false)};
+  plots.front().caption = "The device's own step, closed on wires of one temperature.";
   for (const DesignedLoop& loop : t.proposal.loops) {
     if (loop.possible) {
-      plots.push_back(nyquist(loop));
-      plots.push_back(bode(loop));
+      for (report::Panel& panel : loop_panels(loop)) {
+        plots.push_back(std::move(panel));
+      }
     }
   }
   report::write_html(path, "tune " + t.wire,

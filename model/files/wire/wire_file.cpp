@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 #include <optional>
 
 #include "model/files/error.hpp"
@@ -141,6 +142,29 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
   return description;
 }
 
+/// The number of the fewest digits that reads back to the same bits in this unit; nothing where it
+/// would have as many digits as a double can have.
+std::optional<double> short_number(const Unit& unit, double si) {
+  for (int digits = 1; digits < std::numeric_limits<double>::digits10; ++digits) {
+    const double value = std::stod(fmt::format("{:.{}g}", unit.from_si(si), digits));
+    if (unit.to_si(value) == si) {
+      return value;
+    }
+  }
+  return std::nullopt;
+}
+
+/// "diameter_um = 76": what has been given in another unit may have no short text in SI's
+/// (7.599999999999999e-05 m).
+std::string number_line(const Field& field, const std::string& name, double si) {
+  for (const KeyUnit& unit : key_units(field)) {
+    if (const std::optional<double> number = short_number(unit.value, si)) {
+      return fmt::format("{} = {}\n", key_with(name, unit.suffix), *number);
+    }
+  }
+  return fmt::format("{} = {}\n", key_with(name, key_units(field).front().suffix), si);
+}
+
 /// "key = value" as it stands in its table.
 std::string line_of(const Field& field, const Wire<double>& wire) {
   const std::vector<double> numbers = wire_numbers(field, wire);
@@ -148,6 +172,9 @@ std::string line_of(const Field& field, const Wire<double>& wire) {
   const std::string key = key_with(name, key_units(field).front().suffix);
   if (field.type == FieldType::choice) {
     return fmt::format("{} = \"{}\"\n", key, field.choices[static_cast<std::size_t>(numbers[0])]);
+  }
+  if (field.type == FieldType::number) {
+    return number_line(field, name, numbers[0]);
   }
   return field.type == FieldType::polynomial
              ? fmt::format("{} = [{}]\n", key, fmt::join(numbers, ", "))

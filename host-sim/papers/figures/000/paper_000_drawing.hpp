@@ -11,12 +11,11 @@
 namespace smaservo::figures::paper_000 {
 
 // The paper's colours.
-inline constexpr const char* heating_colour = "'#c8102e'";
-inline constexpr const char* cooling_colour = "'#0059b3'";
-inline constexpr const char* martensite_colour = "'#0059b3'";
-inline constexpr const char* austenite_colour = "'#c8102e'";
-inline constexpr const char* r_phase_colour = "'#2e8b3d'";
-inline constexpr const char* model_colour = "'#111111'";
+inline constexpr const char* heating_colour = "heating";
+inline constexpr const char* cooling_colour = "cooling";
+inline constexpr const char* martensite_colour = "cooling";
+inline constexpr const char* austenite_colour = "heating";
+inline constexpr const char* r_phase_colour = "planned";
 
 inline constexpr const char* temperature_axis = "temperature in °C";
 inline constexpr const char* stress_axis = "stress in MPa";
@@ -28,31 +27,30 @@ using Column = std::vector<double>;
 Column degC(const Column& kelvin);
 Column times(double factor, const Column& column);
 
-/// Columns of one length as gnuplot's data block `$name`.
-std::string block(std::string_view name, const std::vector<Column>& columns);
+/// The rows of a cycle with this hottest row that heat or cool.
+Column heating_part(const Column& all, std::size_t hottest);
+Column cooling_part(const Column& all, std::size_t hottest);
 
-/// `$name` with the columns T in °C, strain in %, resistivity in µΩm, resistance in Ω, red, green
-/// and blue (0 to 255) by fractions of austenite, R-phase and martensite.
-std::string bath_block(std::string_view name, const BathRun& run);
+report::Series line(Column x, Column y, std::string colour, std::string name, double width = 1.8);
+report::Series dashed(report::Series line);
 
-/// The rows of a block that heat or cool, for a cycle with this hottest row.
-std::string heating_rows(std::size_t hottest);
-std::string cooling_rows(std::size_t hottest);
-
-/// "$name using 1:2 ... with lines ..."
-std::string line(std::string_view data, std::string_view columns, std::string_view colour,
-                 std::string_view title, std::string_view more = "");
+/// Heating and cooling of a cycle, in the paper's colours and with these names.
+std::vector<report::Series> cycle(const Column& x, const Column& y, std::size_t hottest,
+                                  const std::string& heating = "heating",
+                                  const std::string& cooling = "cooling", double width = 1.8);
 
 /// A dashed vertical line at this temperature.
-std::string marker(double temperature_K);
+report::Rule marker(double temperature_K);
+
+/// From `min` to `max`.
+report::Axis axis(const char* label, double min = report::as_the_data,
+                  double max = report::as_the_data);
 
 /// Two of these stand side by side.
-report::Plot half_panel(std::string title, std::string caption, const char* x_label,
-                        const char* y_label, const std::string& data, const std::string& more,
-                        const std::vector<std::string>& curves, int height = 360);
-report::Plot full_panel(std::string title, std::string caption, const char* x_label,
-                        const char* y_label, const std::string& data, const std::string& more,
-                        const std::vector<std::string>& curves, int height = 420);
+report::Panel half_panel(std::string title, report::Axis x, report::Axis y,
+                         std::vector<report::Series> series, int height = 360);
+report::Panel full_panel(std::string title, report::Axis x, report::Axis y,
+                         std::vector<report::Series> series, int height = 420);
 
 /// Figures 13 to 20.
 std::vector<PaperFigure> identified_figures();

@@ -5,10 +5,24 @@
 #include <utility>
 
 #include "host-sim/papers/figures/000/paper_000_drawing.hpp"
+#include "host-sim/report/gnuplot.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::figures::paper_000 {
 namespace {
+
+/// Columns of one length as gnuplot's data block `$name`.
+std::string block(std::string_view name, const std::vector<Column>& columns) {
+  std::string text = fmt::format("${} << EOD\n", name);
+  for (std::size_t row = 0; row < columns.front().size(); ++row) {
+    Column values;
+    for (const Column& column : columns) {
+      values.push_back(column[row]);
+    }
+    text += report::plotted_row(values);
+  }
+  return text + "EOD\n";
+}
 
 PaperFigure figure_13() {
   Column T[2];
@@ -38,12 +52,16 @@ PaperFigure figure_13() {
   const char* const names[] = {"heating", "cooling"};
   for (const bool of_strain : {true, false}) {
     for (std::size_t k = 0; k < 2; ++k) {
-      figure.panels.push_back(half_panel(
-          fmt::format("{}, {}", of_strain ? "strain" : "specific resistance", names[k]), "",
-          temperature_axis, stress_axis,
+      // A colour for each point: gnuplot's picture.
+      report::Panel panel =
+          half_panel(fmt::format("{}, {}", of_strain ? "strain" : "specific resistance", names[k]),
+                     {}, {}, {});
+      panel.svg = report::draw(
+          {500, panel.height, temperature_axis, stress_axis},
           block("run", {T[k], sigma[k], of_strain ? eps[k] : rho[k]}),
           settings + fmt::format("set cblabel '{}'\n", of_strain ? strain_axis : resistivity_axis),
-          {"$run using 1:2:3 with points pt 5 ps 0.45 lc palette notitle"}));
+          {"$run using 1:2:3 with points pt 5 ps 0.45 lc palette notitle"});
+      figure.panels.push_back(std::move(panel));
     }
   }
   return figure;
@@ -53,45 +71,54 @@ PaperFigure figure_14() {
   const identify::FittedRun& run = fitted_without_stress().runs.front();
   // Both heat flows contain the specific heat. The row with the wire's earlier temperature is not
   // drawn.
-  const std::string data =
-      block("run", {degC(run.temperature_K), run.strain_measured, run.strain_model});
   const std::size_t hottest = run.temperature_K.size() / 2;
+  const auto heating = [&](const Column& all) {
+    const Column part = heating_part(all, hottest);
+    return Column(part.begin() + 2, part.end());
+  };
+  const auto cooling = [&](const Column& all) { return cooling_part(all, hottest + 1); };
+  const Column T = degC(run.temperature_K);
   return {
       14,
       "Transformation rates fitted to a calorimetry",
       fmt::format("Simulated wire without stress. The first stage of the fit leaves {:.1f} % of "
                   "the greatest heat flow; it cannot follow the grains of the simulated wire.",
                   100 * run.power.rms),
-      {full_panel("heat flow with specific heat", "", temperature_axis, "heat flow in W/kg", data,
-                  "set xrange [20:100]\n",
-                  {line("run", "1:2 every ::2::" + std::to_string(hottest), heating_colour,
+      {full_panel("heat flow with specific heat", axis(temperature_axis, 20, 100),
+                  axis("heat flow in W/kg"),
+                  {line(heating(T), heating(run.strain_measured), heating_colour,
                         "simulated wire, heating"),
-                   line("run", "1:2 " + cooling_rows(hottest + 1), cooling_colour, "cooling"),
-                   line("run", "1:3 every ::2::" + std::to_string(hottest), model_colour, "model",
-                        "lw 1.4"),
-                   line("run", "1:3 " + cooling_rows(hottest + 1), model_colour, "", "lw 1.4")})}};
+                   line(cooling(T), cooling(run.strain_measured), cooling_colour, "cooling"),
+                   line(heating(T), heating(run.strain_model), "ink", "model", 1.4),
+                   line(cooling(T), cooling(run.strain_model), "ink", "model", 1.4)})}};
 }
 
-/// A pure phase over temperature, as gnuplot's function.
-std::string pure_strain(const Phase<double>& phase, double stress_Pa) {
-  return fmt::format("{:.6g}", 100 * (phase.strain + stress_Pa / phase.modulus_Pa));
+/// A pure phase from 20 to 150 °C.
+report::Series pure(const char* name, const char* colour, double at_0_degC, double per_K) {
+  const Column ends{20, 150};
+  return dashed(line(ends, {at_0_degC + 20 * per_K, at_0_degC + 150 * per_K}, colour, name, 1));
 }
-std::string pure_resistivity(const Phase<double>& phase, double reference_K, double stress_Pa) {
+report::Series pure_strain(const char* name, const char* colour, const Phase<double>& phase,
+                           double stress_Pa) {
+  return pure(name, colour, 100 * (phase.strain + stress_Pa / phase.modulus_Pa), 0);
+}
+report::Series pure_resistivity(const char* name, const char* colour, const Phase<double>& phase,
+                                double reference_K, double stress_Pa) {
   const double at_0_degC = phase.resistivity_ohm_m + stress_Pa * phase.resistivity_ohm_m_Pa -
                            (reference_K - zero_degC_K) * phase.resistivity_ohm_m_K;
-  return fmt::format("{:.8g} + {:.6g}*x", 1e6 * at_0_degC, 1e6 * phase.resistivity_ohm_m_K);
+  return pure(name, colour, 1e6 * at_0_degC, 1e6 * phase.resistivity_ohm_m_K);
 }
 
 PaperFigure figure_15() {
   const Level& level = fitted_levels()[1];
   const double stress_Pa = 1e6 * level.stress_MPa;
   const Material<double>& m = level.wire.material;
-  const std::string data = bath_block("wire", simulated_bath_run(level.stress_MPa)) +
-                           bath_block("model", model_bath_run(level.wire, level.stress_MPa));
+  const BathRun wire = simulated_bath_run(level.stress_MPa);
+  const BathRun model = model_bath_run(level.wire, level.stress_MPa);
   const std::pair<const Phase<double>*, std::pair<const char*, const char*>> phases[] = {
       {&m.martensite, {martensite_colour, "martensite"}},
       {&m.austenite, {austenite_colour, "austenite"}},
-      {&m.r_phase, {"'#8a6d00'", "R-phase"}}};
+      {&m.r_phase, {"#8a6d00", "R-phase"}}};
   PaperFigure figure{
       15,
       fmt::format("Fit to one level of stress, {:.0f} MPa", level.stress_MPa),
@@ -99,18 +126,22 @@ PaperFigure figure_15() {
       "what each phase would have by itself.",
       {}};
   for (const bool of_strain : {true, false}) {
-    const char* columns = of_strain ? "1:2" : "1:3";
-    std::vector<std::string> curves{line("wire", columns, r_phase_colour, "simulated wire", "lw 4"),
-                                    line("model", columns, model_colour, "model", "lw 1.4")};
+    const auto curve = [&](const BathRun& run, const char* colour, const char* name, double width) {
+      return line(degC(run.temperature_K),
+                  of_strain ? times(100, run.strain) : times(1e6, run.resistivity_ohm_m), colour,
+                  name, width);
+    };
+    std::vector<report::Series> curves{curve(wire, r_phase_colour, "simulated wire", 4),
+                                       curve(model, "ink", "model", 1.4)};
     for (const auto& [phase, look] : phases) {
-      curves.push_back(fmt::format("{} with lines dt 2 lc rgb {} title '{}'",
-                                   of_strain ? pure_strain(*phase, stress_Pa)
-                                             : pure_resistivity(*phase, m.reference_K, stress_Pa),
-                                   look.first, look.second));
+      const auto& [colour, name] = look;
+      curves.push_back(of_strain
+                           ? pure_strain(name, colour, *phase, stress_Pa)
+                           : pure_resistivity(name, colour, *phase, m.reference_K, stress_Pa));
     }
-    figure.panels.push_back(half_panel(of_strain ? "strain" : "specific resistance", "",
-                                       temperature_axis, of_strain ? strain_axis : resistivity_axis,
-                                       data, "set xrange [20:150]\n", curves, 400));
+    figure.panels.push_back(
+        half_panel(of_strain ? "strain" : "specific resistance", axis(temperature_axis, 20, 150),
+                   axis(of_strain ? strain_axis : resistivity_axis), std::move(curves), 400));
   }
   return figure;
 }
@@ -119,18 +150,16 @@ PaperFigure figure_15() {
 struct OverStress {
   const char* name;
   const char* colour;
-  const char* look;  ///< of the line
-  double max_MPa;    ///< up to which single levels determine it
+  bool dashed;
+  double max_MPa;  ///< up to which single levels determine it
   std::function<double(const Wire<double>&, double stress_Pa)> of;
 };
 
-report::Plot over_stress(const char* title, const char* label,
-                         const std::vector<OverStress>& values, std::size_t first_level) {
+report::Panel over_stress(const char* title, const char* label,
+                          const std::vector<OverStress>& values, std::size_t first_level) {
   const std::vector<Level>& levels = fitted_levels();
-  std::string data;
-  std::vector<std::string> curves;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const OverStress& value = values[i];
+  std::vector<report::Series> curves;
+  for (const OverStress& value : values) {
     Column at;
     Column found;
     for (std::size_t k = first_level; k < levels.size(); ++k) {
@@ -145,14 +174,12 @@ report::Plot over_stress(const char* title, const char* label,
       along.push_back(s);
       all.push_back(value.of(fitted_model(), 1e6 * s));
     }
-    data += block(fmt::format("points{}", i), {at, found});
-    data += block(fmt::format("line{}", i), {along, all});
-    curves.push_back(fmt::format("$points{} using 1:2 with points pt {} ps 0.7 lc rgb {} notitle",
-                                 i, value.look[0] == 'd' ? 6 : 7, value.colour));
-    curves.push_back(line(fmt::format("line{}", i), "1:2", value.colour, value.name, value.look));
+    const report::Series curve = line(along, all, value.colour, value.name);
+    curves.push_back(value.dashed ? dashed(curve) : curve);
+    curves.push_back(line(at, found, value.colour, value.name));
+    curves.back().kind = report::Kind::points;
   }
-  return half_panel(title, "", stress_axis, label, data, "set xrange [0:410]\nset key samplen 2\n",
-                    curves, 420);
+  return half_panel(title, axis(stress_axis, 0, 410), axis(label), std::move(curves), 420);
 }
 
 enum class Process : unsigned char { m2a, a2m, a2r };
@@ -165,48 +192,45 @@ Isobar<double> isobar_of(const Wire<double>& wire, Process process, double stres
                 stress_Pa);
 }
 
-OverStress of_process(Process process, const char* name, const char* look,
+OverStress of_process(Process process, const char* name, bool dashed,
                       const std::function<double(const Isobar<double>&)>& take) {
   const bool a2r = process == Process::a2r;
   return {name,
           a2r                       ? r_phase_colour
           : process == Process::m2a ? heating_colour
                                     : cooling_colour,
-          look, a2r ? max_a2r_MPa : 400, [=](const Wire<double>& wire, double stress_Pa) {
+          dashed, a2r ? max_a2r_MPa : 400, [=](const Wire<double>& wire, double stress_Pa) {
             return take(isobar_of(wire, process, stress_Pa));
           }};
 }
-
-constexpr const char* solid = "lw 1.8";
-constexpr const char* dashed = "dt 2 lw 1.8";
 
 PaperFigure figure_16() {
   const auto start = [](const Isobar<double>& at) { return at.start_K - zero_degC_K; };
   const auto finish = [](const Isobar<double>& at) {
     return at.start_K + 1 / at.per_K - zero_degC_K;
   };
-  report::Plot plot = over_stress("transition temperatures", temperature_axis,
-                                  {of_process(Process::m2a, "M2A/R2A start", solid, start),
-                                   of_process(Process::m2a, "M2A/R2A finish", dashed, finish),
-                                   of_process(Process::a2m, "A2M/R2M start", solid, start),
-                                   of_process(Process::a2m, "A2M/R2M finish", dashed, finish),
-                                   of_process(Process::a2r, "A2R start", solid, start),
-                                   of_process(Process::a2r, "A2R finish", dashed, finish)},
-                                  0);
+  report::Panel panel = over_stress("transition temperatures", temperature_axis,
+                                    {of_process(Process::m2a, "M2A/R2A start", false, start),
+                                     of_process(Process::m2a, "M2A/R2A finish", true, finish),
+                                     of_process(Process::a2m, "A2M/R2M start", false, start),
+                                     of_process(Process::a2m, "A2M/R2M finish", true, finish),
+                                     of_process(Process::a2r, "A2R start", false, start),
+                                     of_process(Process::a2r, "A2R finish", true, finish)},
+                                    0);
   return {16,
           "Transition temperatures over stress",
           "Points: each level of stress by itself, that without stress from calorimetry. Lines: "
           "all levels together. A2R is known from levels up to 100 MPa.",
-          {std::move(plot)}};
+          {std::move(panel)}};
 }
 
 PaperFigure figure_17() {
   const auto curvature = [](const Isobar<double>& at) { return at.shape.curvature; };
   const auto turning = [](const Isobar<double>& at) { return at.shape.turning; };
   const auto both = [&](const auto& take) {
-    return std::vector<OverStress>{of_process(Process::m2a, "M2A/R2A", solid, take),
-                                   of_process(Process::a2m, "A2M/R2M", solid, take),
-                                   of_process(Process::a2r, "A2R", solid, take)};
+    return std::vector<OverStress>{of_process(Process::m2a, "M2A/R2A", false, take),
+                                   of_process(Process::a2m, "A2M/R2M", false, take),
+                                   of_process(Process::a2r, "A2R", false, take)};
   };
   return {
       17,
@@ -229,12 +253,12 @@ PaperFigure figure_18() {
     const Of phase = which;
     const double max_MPa = phase == &Material<double>::r_phase ? max_a2r_MPa : 400;
     strains.push_back(
-        {look.second, look.first, solid, max_MPa, [=](const Wire<double>& wire, double stress_Pa) {
+        {look.second, look.first, false, max_MPa, [=](const Wire<double>& wire, double stress_Pa) {
            const Phase<double>& p = wire.material.*phase;
            return 100 * (p.strain + stress_Pa / p.modulus_Pa);
          }});
     resistivities.push_back(
-        {look.second, look.first, solid, max_MPa, [=](const Wire<double>& wire, double stress_Pa) {
+        {look.second, look.first, false, max_MPa, [=](const Wire<double>& wire, double stress_Pa) {
            const Phase<double>& p = wire.material.*phase;
            return 1e6 * (p.resistivity_ohm_m + stress_Pa * p.resistivity_ohm_m_Pa);
          }});
@@ -249,75 +273,92 @@ PaperFigure figure_18() {
 }
 
 PaperFigure figure_19() {
-  std::string data;
-  std::vector<std::string> curves[2];
+  std::vector<report::Series> curves[2];
   for (int stress_MPa = 50; stress_MPa <= 400; stress_MPa += 50) {
     const BathRun run = simulated_bath_run(stress_MPa);
-    const std::string wire = fmt::format("wire{}", stress_MPa);
-    const std::string model = fmt::format("model{}", stress_MPa);
-    data += bath_block(wire, run) + bath_block(model, model_bath_run(fitted_model(), stress_MPa));
-    const bool first = stress_MPa == 50;
-    for (const int k : {0, 1}) {
-      const std::string columns = fmt::format("1:{} ", k + 2);
-      curves[k].push_back(line(wire, columns + heating_rows(run.hottest()), heating_colour,
-                               first ? "simulated wire, heating" : "", "lw 2.6"));
-      curves[k].push_back(line(wire, columns + cooling_rows(run.hottest()), cooling_colour,
-                               first ? "cooling" : "", "lw 2.6"));
-      curves[k].push_back(line(model, columns, model_colour, first ? "model" : "", "lw 0.9"));
+    const BathRun model = model_bath_run(fitted_model(), stress_MPa);
+    for (const bool of_strain : {true, false}) {
+      const auto values = [&](const BathRun& of) {
+        return of_strain ? times(100, of.strain) : times(1e6, of.resistivity_ohm_m);
+      };
+      std::vector<report::Series>& all = curves[of_strain ? 0 : 1];
+      for (report::Series& series : cycle(degC(run.temperature_K), values(run), run.hottest(),
+                                          "simulated wire, heating", "cooling", 2.6)) {
+        all.push_back(std::move(series));
+      }
+      all.push_back(line(degC(model.temperature_K), values(model), "ink", "model", 0.9));
     }
   }
   return {19,
           "Simulated wire and model",
           "50 to 400 MPa in steps of 50 MPa, from left to right. The model was fitted to six of "
           "the fifteen levels; 150, 250 and 350 MPa are not among them.",
-          {full_panel("strain", "", temperature_axis, strain_axis, data, "set xrange [20:150]\n",
-                      curves[0]),
-           full_panel("specific resistance", "", temperature_axis, resistivity_axis, data,
-                      "set xrange [20:150]\n", curves[1])}};
+          {full_panel("strain", axis(temperature_axis, 20, 150), axis(strain_axis),
+                      std::move(curves[0])),
+           full_panel("specific resistance", axis(temperature_axis, 20, 150),
+                      axis(resistivity_axis), std::move(curves[1]))}};
+}
+
+/// `run` as gnuplot's block: resistance in Ω, strain in %, and red, green and blue (0 to 255) by
+/// fractions of austenite, R-phase and martensite.
+std::string coloured_block(std::string_view name, const BathRun& run) {
+  Column red;
+  Column green;
+  Column blue;
+  for (const Phases<double>& z : run.phases) {
+    red.push_back(255 * z.austenite());
+    green.push_back(255 * z.r_phase);
+    blue.push_back(255 * z.martensite);
+  }
+  return block(name, {resistances_ohm(run), times(100, run.strain), red, green, blue});
 }
 
 PaperFigure figure_20() {
   const double levels[] = {10, 50, 100, 150, 200, 250, 300, 400};
   const double raised = 2;  // per cent of strain from level to level
   std::string data;
-  std::string labels;
-  std::vector<std::string> left;
-  std::vector<std::string> right;
+  std::vector<std::string> coloured;
   std::string gaps;
+  report::Panel left = half_panel("simulated wire", axis("resistance of 100 mm in Ω"),
+                                  axis("strain, one division is 2 %", 0, 20), {}, 620);
+  std::string labels;
   for (std::size_t i = 0; i < std::size(levels); ++i) {
     const BathRun run = simulated_bath_run(levels[i]);
     const BathRun model = model_bath_run(fitted_model(), levels[i]);
-    data +=
-        bath_block(fmt::format("wire{}", i), run) + bath_block(fmt::format("model{}", i), model);
     const double up = raised * static_cast<double>(i);
-    const std::string columns = fmt::format("4:($2+{})", up);
-    left.push_back(line(fmt::format("wire{}", i), columns + " " + heating_rows(run.hottest()),
-                        heating_colour, i == 0 ? "heating" : ""));
-    left.push_back(line(fmt::format("wire{}", i), columns + " " + cooling_rows(run.hottest()),
-                        cooling_colour, i == 0 ? "cooling" : ""));
-    right.push_back(fmt::format(
-        "$model{} using {}:(int($5)*65536+int($6)*256+int($7)) with lines lc rgb variable lw 2.5 "
-        "notitle",
-        i, columns));
-    labels += fmt::format("set label '{:.0f} MPa' at graph 1.01, first {} font ',11'\n", levels[i],
-                          100 * run.strain.front() + up);
+    Column strain = times(100, run.strain);
+    for (double& value : strain) {
+      value += up;
+    }
+    const Column ohm = resistances_ohm(run);
+    for (report::Series& series : cycle(ohm, strain, run.hottest())) {
+      left.series.push_back(std::move(series));
+    }
+    const std::string name = fmt::format("{:.0f} MPa", levels[i]);
+    left.notes.push_back({ohm.front(), strain.front() + 0.3, name});
+    data += coloured_block(fmt::format("model{}", i), model);
+    labels += fmt::format("set label '{}' at graph 1.01, first {} font ',11'\n", name,
+                          100 * model.strain.front() + up);
+    coloured.push_back(fmt::format(
+        "$model{} using 1:($2+{}):(int($3)*65536+int($4)*256+int($5)) with lines lc rgb variable "
+        "lw 2.5 notitle",
+        i, up));
     gaps += fmt::format("{}{:.0f}", i == 0 ? "" : ", ", 100 * self_sensing(model).gap);
   }
-  const std::string settings =
-      labels +
-      "set rmargin 9\nset tmargin at screen 0.93\nset yrange [0:20]\nset ytics format ''\n"
-      "set ytics 2\n";
-  const char* label = "strain, one division is 2 %";
-  return {
-      20,
-      "Strain over resistance",
-      fmt::format("Each level stands 2 % above the last. Colour of the model: martensite blue, "
-                  "R-phase green, austenite red. Gap of the model from heating to cooling in "
-                  "% of the resistance's span: {}.",
-                  gaps),
-      {half_panel("simulated wire", "", "resistance of 100 mm in Ω", label, data, settings, left,
-                  620),
-       half_panel("model", "", "resistance of 100 mm in Ω", label, data, settings, right, 620)}};
+  // A colour for each point: gnuplot's picture.
+  report::Panel right = half_panel("model", {}, {}, {}, left.height);
+  right.svg = report::draw({500, left.height, left.x.label, left.y.label}, data,
+                           labels +
+                               "set rmargin 9\nset tmargin at screen 0.93\nset yrange [0:20]\n"
+                               "set ytics format ''\nset ytics 2\n",
+                           coloured);
+  return {20,
+          "Strain over resistance",
+          fmt::format("Each level stands 2 % above the last. Colour of the model: martensite blue, "
+                      "R-phase green, austenite red. Gap of the model from heating to cooling in "
+                      "% of the resistance's span: {}.",
+                      gaps),
+          {std::move(left), std::move(right)}};
 }
 
 }  // namespace

@@ -14,153 +14,210 @@ namespace {
 
 using Params = papers::DuhemActuator<double>::Params;
 
-constexpr const char* colours_001 = "heating = 0xb2182b\ncooling = 0x2166ac\n";
+using report::Column;
+using report::Panel;
+using report::Series;
 
-/// A curve in the colours_001 of its direction; column 8 is 1 while heating.
-std::vector<std::string> by_direction(int x, int y) {
-  return {fmt::format("$data using {}:($8 == 1 ? ${} : NaN) with lines lc rgb heating "
-                      "title 'heating'",
-                      x, y),
-          fmt::format("$data using {}:($8 == 0 ? ${} : NaN) with lines lc rgb cooling "
-                      "title 'cooling'",
-                      x, y)};
-}
+/// A run as columns; `heats` is 1 while the temperature rises.
+struct RunColumns {
+  Column time, voltage, temperature, martensite, strain, resistance;
+  std::vector<bool> heats;
+};
 
-std::string data_block(const std::vector<ActuatorSample>& run) {
-  std::string text = "$data << EOD\n# t V T R_m strain stress R heating\n";
+RunColumns columns_of(const std::vector<ActuatorSample>& run) {
+  const auto of = [&](auto value) { return report::column_of(run, value); };
+  RunColumns all{of([](const ActuatorSample& s) { return s.time_s; }),
+                 of([](const ActuatorSample& s) { return s.voltage_V; }),
+                 of([](const ActuatorSample& s) { return s.output.temperature_K - zero_degC_K; }),
+                 of([](const ActuatorSample& s) { return s.output.martensite; }),
+                 of([](const ActuatorSample& s) { return 100 * s.output.transformation_strain; }),
+                 of([](const ActuatorSample& s) { return s.output.resistance_ohm; }),
+                 {}};
   for (std::size_t i = 0; i < run.size(); ++i) {
-    const auto& out = run[i].output;
     const std::size_t next = std::min(i + 1, run.size() - 1);
-    const bool heating = run[next].output.temperature_K > run[next - 1].output.temperature_K;
-    text += fmt::format(
-        "{} {} {} {} {} {} {} {}\n", report::plotted(run[i].time_s),
-        report::plotted(run[i].voltage_V), report::plotted(out.temperature_K - zero_degC_K),
-        report::plotted(out.martensite), report::plotted(100 * out.transformation_strain),
-        report::plotted(out.stress_Pa / 1e6), report::plotted(out.resistance_ohm), heating ? 1 : 0);
+    all.heats.push_back(run[next].output.temperature_K > run[next - 1].output.temperature_K);
   }
-  return text + "EOD\n";
+  return all;
 }
 
-PaperFigure single(int number, const char* title, const char* caption, const report::Axes& axes,
-                   const std::string& data, const std::string& more,
-                   const std::vector<std::string>& curves) {
-  const bool half = axes.width <= 500;
-  return {number,
-          title,
-          caption,
-          {{title, "", half, report::draw(axes, data, colours_001 + more, curves)}}};
+/// A curve in the colours of its direction.
+std::vector<Series> by_direction(const RunColumns& run, const Column& x, const Column& y) {
+  std::vector<Series> both;
+  for (const bool heats : {true, false}) {
+    std::vector<double> part = *y;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      part[i] = run.heats[i] == heats ? part[i] : report::as_the_data;
+    }
+    both.push_back({.name = heats ? "heating" : "cooling",
+                    .colour = heats ? "heating" : "cooling",
+                    .x = x,
+                    .y = report::column(std::move(part)),
+                    .at = run.time});
+  }
+  return both;
+}
+
+PaperFigure single(int number, const char* title, const char* caption, Panel panel) {
+  panel.title = title;
+  return {number, title, caption, {std::move(panel)}};
+}
+
+Panel square(const char* x_label, const char* y_label, std::vector<Series> series) {
+  return {.title = "",
+          .half_width = true,
+          .height = 400,
+          .x = {.label = x_label},
+          .y = {.label = y_label},
+          .series = std::move(series)};
 }
 
 /// Temperature over time with something else on an axis of its own.
-PaperFigure over_time(int number, const char* title, const char* caption, const std::string& data,
-                      const char* other_label, int other, const char* other_title) {
-  const std::string more = fmt::format(
-      "set border 11\nset y2tics nomirror\nset y2label \"{}\"\nset yrange [20:110]\n"
-      "set arrow from graph 0, first 58 to graph 1, first 58 nohead dt 3 lc rgb '#666666'\n"
-      "set arrow from graph 0, first 48 to graph 1, first 48 nohead dt 3 lc rgb '#666666'\n"
-      "set label 'A_s' at graph 0.995, first 61 right\n"
-      "set label 'M_s' at graph 0.995, first 45 right\n",
-      other_label);
+PaperFigure over_time(int number, const char* title, const char* caption, const RunColumns& run,
+                      const char* other_label, const Column& other, const char* other_title) {
   return single(
-      number, title, caption, {1000, 400, "time in s", "temperature in °C"}, data, more,
-      {"$data using 1:3 with lines lc rgb heating title 'temperature'",
-       fmt::format("$data using 1:{} axes x1y2 with lines dt 2 lc rgb measured title '{}'", other,
-                   other_title)});
+      number, title, caption,
+      {.title = "",
+       .height = 400,
+       .x = {.label = "time in s"},
+       .y = {.label = "temperature in °C", .min = 20, .max = 110},
+       .right = {.label = other_label},
+       .link = "time",
+       .series = {{.name = "temperature", .colour = "heating", .x = run.time, .y = run.temperature},
+                  {.name = other_title,
+                   .colour = "measured",
+                   .x = run.time,
+                   .y = other,
+                   .right = true,
+                   .dashed = true}},
+       .rules = {{58, "A_s = 58 °C", "ink"}, {48, "M_s = 48 °C", "faint"}}});
 }
 
 PaperFigure slopes_integrated(const Params& p) {
-  std::string data = "$data << EOD\n";
+  std::vector<double> T, cooling, heating;
   for (const MinorLoop& loop : minor_loops(p.kinetics)) {
-    for (std::size_t i = 0; i < loop.cooling.size(); ++i) {
-      data += fmt::format("{} {} {}\n", report::plotted(loop.temperature_K[i] - zero_degC_K),
-                          report::plotted(loop.cooling[i]), report::plotted(loop.heating[i]));
+    for (const double K : loop.temperature_K) {
+      T.push_back(K - zero_degC_K);
     }
-    data += "\n";
+    cooling.insert(cooling.end(), loop.cooling.begin(), loop.cooling.end());
+    heating.insert(heating.end(), loop.heating.begin(), loop.heating.end());
+    for (std::vector<double>* column : {&T, &cooling, &heating}) {
+      column->push_back(report::as_the_data);  // a gap
+    }
   }
+  const Column x = report::column(std::move(T));
+  Panel panel = square(
+      "temperature in °C", "austenite fraction",
+      {{.name = "increasing", .colour = "heating", .x = x, .y = report::column(std::move(heating))},
+       {.name = "decreasing",
+        .colour = "cooling",
+        .x = x,
+        .y = report::column(std::move(cooling))}});
+  panel.y.min = 0;
+  panel.y.max = 1.02;
   return single(7, "Integrals of Gaussians yield hysteresis loops",
                 "The major loop and three minor ones, which turn at a quarter, half and three "
                 "quarters: each cools down a scaled copy of the major curve and stays within.",
-                {500, 400, "temperature in °C", "austenite fraction"}, data + "EOD\n",
-                "set yrange [0:1.02]\n",
-                {"$data using 1:3 with lines lc rgb heating title 'increasing'",
-                 "$data using 1:2 with lines lc rgb cooling title 'decreasing'"});
+                std::move(panel));
 }
 
 PaperFigure strain_over_martensite(const Params& p) {
-  std::string data = "$data << EOD\n";
+  std::vector<double> martensite;
   for (int i = 0; i <= 200; ++i) {
-    const double martensite = i / 200.0;
-    data += fmt::format("{} {} {}\n", report::plotted(martensite),
-                        report::plotted(100 * p.bias.balanced_strain(martensite)),
-                        report::plotted(100 * p.bias.smooth_strain(martensite)));
+    martensite.push_back(i / 200.0);
   }
+  const Column x = report::column(martensite);
+  const auto strain = [&](auto of) {
+    return report::column_of(martensite, [&](double z) { return 100 * of(z); });
+  };
   return single(11, "Strain over martensite fraction",
                 "The branches of eq. 17 and the polynomial of eq. 18 lie on each other within "
                 "0.035 % of strain; martensite yields near the right end.",
-                {500, 400, "martensite fraction", "strain in %"}, data + "EOD\n",
-                "set key inside left top vertical\n",
-                {"$data using 1:2 with lines lc rgb reference lw 3 title 'balance, eq. 17'",
-                 "$data using 1:3 with lines dt 2 lc rgb estimate title 'polynomial, eq. 18'"});
+                square("martensite fraction", "strain in %",
+                       {{.name = "balance, eq. 17",
+                         .colour = "reference",
+                         .x = x,
+                         .y = strain([&](double z) { return p.bias.balanced_strain(z); }),
+                         .width = 3},
+                        {.name = "polynomial, eq. 18",
+                         .colour = "estimate",
+                         .x = x,
+                         .y = strain([&](double z) { return p.bias.smooth_strain(z); }),
+                         .dashed = true}}));
 }
 
 PaperFigure resistivities(const Params& p) {
   // Table I to the digits that it prints; the file says why they are not these.
   const Params printed = printed_resistivity(p);
-  std::string data = "$data << EOD\n";
+  std::vector<double> kelvin;
   for (double T = p.resistivity.lowest_K; T <= p.resistivity.highest_K; T += 0.5) {
-    data += fmt::format("{} {} {} {}\n", report::plotted(T - zero_degC_K),
-                        report::plotted(1e6 * p.resistivity.austenite(T, p.ambient_K)),
-                        report::plotted(1e6 * p.resistivity.martensite(T, p.ambient_K)),
-                        report::plotted(1e6 * printed.resistivity.martensite(T, p.ambient_K)));
+    kelvin.push_back(T);
   }
+  const Column x = report::column_of(kelvin, [](double T) { return T - zero_degC_K; });
+  const auto micro = [&](auto of) {
+    return report::column_of(kelvin, [&](double T) { return 1e6 * of(T); });
+  };
+  Panel panel =
+      square("temperature in °C", "resistivity in µΩm",
+             {{.name = "austenite", .colour = "heating", .x = x, .y = micro([&](double T) {
+                                                                   return p.resistivity.austenite(
+                                                                       T, p.ambient_K);
+                                                                 })},
+              {.name = "martensite", .colour = "cooling", .x = x, .y = micro([&](double T) {
+                                                                    return p.resistivity.martensite(
+                                                                        T, p.ambient_K);
+                                                                  })},
+              {.name = "printed α",
+               .colour = "measured",
+               .x = x,
+               .y = micro([&](double T) { return printed.resistivity.martensite(T, p.ambient_K); }),
+               .dashed = true}});
+  panel.y.min = 0.6;
+  panel.y.max = 1.8;
   return single(12, "Electrical resistivity of both phases over temperature",
                 "Both are near 1 µΩm. With the polynomial's coefficients as printed, two digits "
-                "each, martensite's would run away above 45 °C (dotted).",
-                {500, 400, "temperature in °C", "resistivity in µΩm"}, data + "EOD\n",
-                "set yrange [0.6:1.8]\nset key samplen 2\n",
-                {"$data using 1:2 with lines lc rgb heating title 'austenite'",
-                 "$data using 1:3 with lines lc rgb cooling title 'martensite'",
-                 "$data using 1:4 with lines dt 3 lc rgb measured title 'printed α'"});
+                "each, martensite's would run away above 45 °C (dashed).",
+                std::move(panel));
 }
 
 }  // namespace
 
 std::vector<PaperFigure> figures_001() {
   const Params p = papers::load_actuator(std::string(papers::paper_001_actuator));
-  const std::string data = data_block(run_actuator(p, paper_001_voltage));
+  const RunColumns run = columns_of(run_actuator(p, paper_001_voltage));
   const auto loops = [&](int number, const char* title, const char* caption, const char* x_label,
-                         const char* y_label, int x, int y) {
-    return single(number, title, caption, {500, 400, x_label, y_label}, data, "",
-                  by_direction(x, y));
+                         const char* y_label, const Column& x, const Column& y) {
+    Panel panel = square(x_label, y_label, by_direction(run, x, y));
+    panel.follows = "time";
+    return single(number, title, caption, std::move(panel));
   };
   return {
       over_time(4, "Input voltage and temperature",
                 "Above A_s (58 °C, where the heat capacity grows sixfold) the temperature's slope "
                 "falls; cooling, it falls below M_s (48 °C, with the convection).",
-                data, "voltage in V", 2, "voltage"),
+                run, "voltage in V", run.voltage, "voltage"),
       over_time(5, "Temperature and transformation strain",
                 "Strain falls only while the temperature rises and stands while it goes through "
                 "the dead zone. Simulated here; the paper shows the measured strain.",
-                data, "transformation strain in %", 5, "strain"),
+                run, "transformation strain in %", run.strain, "strain"),
       slopes_integrated(p),
       loops(9, "Martensite fraction over temperature",
             "The first swing goes around the major loop, from 1 on; at 24 °C a cooled wire is "
             "back at 0.91 only. Later swings turn within it.",
-            "temperature in °C", "martensite fraction", 3, 4),
+            "temperature in °C", "martensite fraction", run.temperature, run.martensite),
       strain_over_martensite(p),
       resistivities(p),
       loops(13, "Electrical resistance over temperature",
             "Austenite has the lower resistance. Cold, resistance rises steeply: austenite's "
             "resistivity does so near the ambient temperature.",
-            "temperature in °C", "resistance in Ω", 3, 7),
+            "temperature in °C", "resistance in Ω", run.temperature, run.resistance),
       loops(14, "Transformation strain over temperature",
             "As martensite (figure 9), bent by figure 11.", "temperature in °C",
-            "transformation strain in %", 3, 5),
+            "transformation strain in %", run.temperature, run.strain),
       loops(15, "Transformation strain over resistance",
             "Heating and cooling lie a fifth of the stroke apart at one resistance, and "
             "where the "
             "strain stands, resistance still follows the temperature.",
-            "resistance in Ω", "transformation strain in %", 7, 5)};
+            "resistance in Ω", "transformation strain in %", run.resistance, run.strain)};
 }
 
 }  // namespace smaservo::figures

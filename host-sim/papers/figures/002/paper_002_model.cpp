@@ -2,7 +2,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 #include "host-sim/papers/figures/002/liang_rogers_002.hpp"
@@ -12,7 +11,7 @@
 namespace smaservo::figures::bench_002 {
 namespace {
 
-using Rows = std::vector<std::vector<double>>;
+using report::Series;
 using Observer = papers::StrainResistance<double>;
 
 /// The four coefficients of the lines as figures 8 and 23 show them.
@@ -27,75 +26,83 @@ Coefficients coefficients(const papers::ResistanceLine<double>& heating,
           displacement_mm(cooling.slope) / martensite_ohm, displacement_mm(cooling.offset)};
 }
 
-std::vector<double> row(double stress_Pa, const Coefficients& c) {
-  return {1e-6 * stress_Pa, c.heating_slope, c.heating_offset, c.cooling_slope, c.cooling_offset};
-}
+/// The coefficients over stress.
+struct OverStress {
+  std::vector<double> stresses_MPa;
+  std::vector<Coefficients> lines;
 
-std::string fitted_block(const fits::StrainResistanceFit& fit) {
-  Rows rows;
-  for (const fits::LoadLevel& level : fit.levels) {
-    rows.push_back(row(level.stress_Pa,
-                       coefficients(level.heating, level.cooling, fit.params.martensite_ohm)));
+  Series series(double Coefficients::* value, std::string name, const char* colour) const {
+    return {.name = std::move(name),
+            .colour = colour,
+            .x = report::column(stresses_MPa),
+            .y = report::column_of(lines, [&](const Coefficients& c) { return c.*value; })};
   }
-  return data_block("fitted", rows);
+};
+
+OverStress fitted(const fits::StrainResistanceFit& fit) {
+  OverStress all;
+  for (const fits::LoadLevel& level : fit.levels) {
+    all.stresses_MPa.push_back(1e-6 * level.stress_Pa);
+    all.lines.push_back(coefficients(level.heating, level.cooling, fit.params.martensite_ohm));
+  }
+  return all;
 }
 
 template <class Lines>
-std::string over_stress_block(const std::string& name, const fits::StrainResistanceFit& fit,
-                              Lines lines) {
-  Rows rows;
+OverStress over_stress(const fits::StrainResistanceFit& fit, Lines lines) {
+  OverStress all;
   constexpr int steps = 100;
   const double low_Pa = fit.params.min_stress_Pa;
   for (int i = 0; i <= steps; ++i) {
     const double stress_Pa = low_Pa + (fit.params.max_stress_Pa - low_Pa) * i / steps;
-    rows.push_back(row(stress_Pa, lines(stress_Pa)));
+    all.stresses_MPa.push_back(1e-6 * stress_Pa);
+    all.lines.push_back(lines(stress_Pa));
   }
-  return data_block(name, rows);
+  return all;
 }
 
-std::string polynomial_block(const fits::StrainResistanceFit& fit) {
+OverStress polynomial(const fits::StrainResistanceFit& fit) {
   const Observer::Params& p = fit.params;
-  return over_stress_block("polynomial", fit, [&](double stress_Pa) {
+  return over_stress(fit, [&](double stress_Pa) {
     return coefficients(Observer::line(p.heating, p, stress_Pa),
                         Observer::line(p.cooling, p, stress_Pa), p.martensite_ohm);
   });
 }
 
-std::string analytic_block(const fits::StrainResistanceFit& fit) {
+OverStress analytic(const fits::StrainResistanceFit& fit) {
   const Wire<double> w = wire().wire;
   const papers::LiangRogers<double>::Params kinetics = liang_rogers(w);
   const double ohm = w.material.martensite.resistivity_ohm_m * w.length_per_area_1_m();
-  return over_stress_block("analytic", fit, [&](double stress_Pa) {
+  return over_stress(fit, [&](double stress_Pa) {
     const auto lines = papers::ResistanceLines<double>::at(kinetics, w.material, stress_Pa);
     return coefficients(lines.heating.line, lines.cooling.line, ohm);
   });
 }
 
 /// Two panels side by side: slopes and offsets.
-std::vector<report::Plot> coefficient_panels(const std::string& data, bool analytic) {
-  struct Panel {
+std::vector<report::Panel> coefficient_panels(const fits::StrainResistanceFit& fit,
+                                              bool with_analytic) {
+  struct Shown {
     const char* title;
     const char* y;
-    int heating, cooling;
+    double Coefficients::*heating, Coefficients::*cooling;
   };
-  std::vector<report::Plot> panels;
-  for (const Panel& panel :
-       {Panel{"Slope", "slope in mm/Ω", 2, 4}, {"Offset", "offset in mm", 3, 5}}) {
-    std::vector<std::string> curves;
-    for (const auto& [column, name, colour] :
-         {std::tuple{panel.heating, "heating", red}, {panel.cooling, "cooling", blue}}) {
-      curves.push_back(
-          fmt::format("$fitted using 1:{} with points pt 7 lc rgb {} title '{}, fitted'", column,
-                      colour, name));
-      curves.push_back(fmt::format("$polynomial using 1:{} with lines lc rgb {} title 'polynomial'",
-                                   column, colour));
-      if (analytic) {
-        curves.push_back(fmt::format(
-            "$analytic using 1:{} with lines dt 2 lc rgb {} title 'analytic'", column, colour));
+  std::vector<report::Panel> panels;
+  for (const Shown& shown :
+       {Shown{"Slope", "slope in mm/Ω", &Coefficients::heating_slope, &Coefficients::cooling_slope},
+        {"Offset", "offset in mm", &Coefficients::heating_offset, &Coefficients::cooling_offset}}) {
+    std::vector<Series> all;
+    for (const auto& [value, name] :
+         {std::pair{shown.heating, "heating"}, {shown.cooling, "cooling"}}) {
+      all.push_back(fitted(fit).series(value, fmt::format("{}, fitted", name), name));
+      all.back().kind = report::Kind::points;
+      all.push_back(polynomial(fit).series(value, fmt::format("{}, polynomial", name), name));
+      if (with_analytic) {
+        all.push_back(analytic(fit).series(value, fmt::format("{}, analytic", name), name));
+        all.back().dashed = true;
       }
     }
-    panels.push_back(
-        half(panel.title, "stress in MPa", panel.y, data, curves, "set key maxrows 3\n"));
+    panels.push_back(half(shown.title, "stress in MPa", shown.y, std::move(all)));
   }
   return panels;
 }
@@ -115,76 +122,77 @@ Simulation simulation(const fits::StrainResistanceFit& fit, identify::Run run) {
 /// Displacement over time, and over resistance: two of the paper's figures.
 std::vector<PaperFigure> simulation_figures(const Simulation& s, int over_time, int over_ohm,
                                             const std::string& what, const std::string& caption) {
-  Rows rows;
-  for (std::size_t i = 0; i < s.strain.size(); ++i) {
-    rows.push_back({s.run.time_s[i], s.run.resistance_ohm[i], displacement_mm(s.run.strain[i]),
-                    displacement_mm(s.strain[i])});
-  }
-  const std::string data = data_block("data", rows);
-  const auto curves = [](int x) {
-    return std::vector<std::string>{
-        fmt::format("$data using {}:3 with lines lc rgb reference lw 2 title 'simulated wire'", x),
-        fmt::format("$data using {}:4 with lines lc rgb estimate title 'model'", x)};
+  const auto mm = [](const std::vector<double>& of) {
+    return report::column_of(of, displacement_mm);
+  };
+  const auto series = [&](const std::vector<double>& over) {
+    const report::Column x = report::column(over);
+    return std::vector<Series>{{.name = "simulated wire",
+                                .colour = "reference",
+                                .x = x,
+                                .y = mm(s.run.strain),
+                                .width = 2},
+                               {.name = "model", .colour = "estimate", .x = x, .y = mm(s.strain)}};
   };
   const std::string error = fmt::format("Mean error {:.1f} % of 4 %. {}", s.error_percent, caption);
-  return {{over_time,
-           "Simulation under " + what,
-           error,
-           {wide("Displacement over time", "time in s", mm_label, data, curves(1))}},
-          {over_ohm,
-           "Displacement over resistance under " + what,
-           caption,
-           {wide("Displacement over resistance", ohm_label, mm_label, data, curves(2))}}};
+  return {
+      {over_time,
+       "Simulation under " + what,
+       error,
+       {wide("Displacement over time", "time in s", mm_label, series(s.run.time_s))}},
+      {over_ohm,
+       "Displacement over resistance under " + what,
+       caption,
+       {wide("Displacement over resistance", ohm_label, mm_label, series(s.run.resistance_ohm))}}};
 }
 
 PaperFigure figure_21(const fits::StrainResistanceFit& fit) {
   const std::vector<LoopRow> loop = position_loop(shown_family, fit.params, 10, 1);
-  Rows rows;
   double error = 0;
   for (const LoopRow& r : loop) {
-    rows.push_back({r.time_s, displacement_mm(r.goal), displacement_mm(r.strain),
-                    displacement_mm(r.estimate), 1e-6 * r.stress_Pa});
     error += 100 * std::abs(r.estimate - r.strain) / 0.04 / static_cast<double>(loop.size());
   }
-  const std::string data = data_block("data", rows);
+  const auto of = [&](auto value) { return report::column_of(loop, value); };
+  const report::Column time = of([](const LoopRow& r) { return r.time_s; });
+  const auto mm = [&](double LoopRow::* value) {
+    return of([&](const LoopRow& r) { return displacement_mm(r.*value); });
+  };
+  report::Panel position = wide(
+      "Position", "time in s", mm_label,
+      {{.name = "desired", .colour = "measured", .x = time, .y = mm(&LoopRow::goal), .width = 2},
+       {.name = "actual", .colour = "reference", .x = time, .y = mm(&LoopRow::strain), .width = 2},
+       {.name = "estimated", .colour = "estimate", .x = time, .y = mm(&LoopRow::estimate)}});
+  report::Panel load =
+      wide("Load", "time in s", "stress in MPa",
+           {{.name = "stress", .colour = "estimate", .x = time, .y = of([](const LoopRow& r) {
+                                                                  return 1e-6 * r.stress_Pa;
+                                                                })}});
+  position.link = load.link = "time";
   return {21,
           "Position control on the estimate, with a bias spring",
           fmt::format("The loop holds the estimate; the estimate's mean error is {:.1f} % of 4 %.",
                       error),
-          {wide("Position", "time in s", mm_label, data,
-                {"$data using 1:2 with lines lc rgb measured lw 2 title 'desired'",
-                 "$data using 1:3 with lines lc rgb reference lw 2 title 'actual'",
-                 "$data using 1:4 with lines lc rgb estimate title 'estimated'"}),
-           wide("Load", "time in s", "stress in MPa", data,
-                {"$data using 1:5 with lines lc rgb estimate notitle"})}};
+          {std::move(position), std::move(load)}};
 }
 
 PaperFigure figure_22() {
   const Wire<double> w = wire().wire;
-  std::string data;
-  std::vector<std::string> curves;
+  std::vector<Series> series;
   for (const double stress_MPa : {15.0, 55.0, 95.0, 135.0, 175.0}) {
     for (const bool heats : {true, false}) {
-      Rows rows;
-      for (const papers::ResistancePoint<double>& point :
-           liang_rogers_loop(w, 1e6 * stress_MPa, heats)) {
-        rows.push_back({point.resistance, displacement_mm(point.strain)});
-      }
-      const std::string name = fmt::format("{}{:.0f}", heats ? "h" : "c", stress_MPa);
-      data += data_block(name, rows);
-      const auto shade = static_cast<int>(225 - stress_MPa);
-      curves.push_back(
-          heats
-              ? fmt::format("${} using 1:2 with lines lc rgb '#{:02x}3020' notitle", name,
-                            255 - shade / 2)
-              : fmt::format("${} using 1:2 with lines lc rgb '#{:02x}{:02x}ff' title '{:.0f} MPa'",
-                            name, shade, shade, stress_MPa));
+      const auto loop = liang_rogers_loop(w, 1e6 * stress_MPa, heats);
+      using Point = papers::ResistancePoint<double>;
+      series.push_back(
+          {.name = fmt::format("{:.0f} MPa", stress_MPa),
+           .colour = shade_of(stress_MPa, heats),
+           .x = report::column_of(loop, [](const Point& p) { return p.resistance; }),
+           .y = report::column_of(loop, [](const Point& p) { return displacement_mm(p.strain); })});
     }
   }
   return {22,
           "Loops by the augmented Liang-Rogers model",
           "The same family as in figure 5, from cosines; heating red, cooling blue.",
-          {wide("Resistance and displacement", ohm_label, mm_label, data, curves)}};
+          {wide("Resistance and displacement", ohm_label, mm_label, std::move(series))}};
 }
 
 }  // namespace
@@ -193,13 +201,13 @@ std::vector<PaperFigure> model_figures(const fits::StrainResistanceFit& fit) {
   std::vector<PaperFigure> all{
       {8, "Slope and offset of the lines over stress",
        "Cooling changes with the stress, heating hardly; polynomials of fourth order.",
-       coefficient_panels(fitted_block(fit) + polynomial_block(fit), false)},
+       coefficient_panels(fit, false)},
       figure_21(fit),
       figure_22(),
       {23, "Coefficients of the lines: fitted, polynomials, analytic",
        "The analytic lines have the same trends from the wire's own temperatures and "
        "resistivities.",
-       coefficient_panels(fitted_block(fit) + polynomial_block(fit) + analytic_block(fit), true)}};
+       coefficient_panels(fit, true)}};
   const auto add = [&](identify::Run run, int over_time, int over_ohm, const char* what,
                        const char* caption) {
     const Simulation s = simulation(fit, std::move(run));

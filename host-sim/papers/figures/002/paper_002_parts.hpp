@@ -19,19 +19,14 @@ inline constexpr hal::Family shown_family = hal::Family::ihyp;
 /// Elongation, as displacement of the wire's end.
 double displacement_mm(double strain);
 
-/// A named data block of gnuplot; each row's numbers, and empty rows as gaps.
-std::string data_block(const std::string& name, const std::vector<std::vector<double>>& rows);
+report::Panel wide(std::string title, const char* x, const char* y,
+                   std::vector<report::Series> series);
+report::Panel half(std::string title, const char* x, const char* y,
+                   std::vector<report::Series> series);
 
-report::Plot wide(std::string title, const std::string& x, const std::string& y,
-                  const std::string& data, const std::vector<std::string>& curves,
-                  const std::string& more = "");
-report::Plot half(std::string title, const std::string& x, const std::string& y,
-                  const std::string& data, const std::vector<std::string>& curves,
-                  const std::string& more = "");
+/// Loops under several loads: heating red, cooling blue, dark under heavy loads.
+std::string shade_of(double stress_MPa, bool heats);
 
 inline constexpr const char* ohm_label = "resistance in Ω";
 inline constexpr const char* mm_label = "displacement in mm";
-inline constexpr const char* red = "'#c0392b'";
-inline constexpr const char* blue = "'#2471a3'";
-
 }  // namespace smaservo::figures::bench_002

@@ -6,65 +6,93 @@
 #include <limits>
 
 #include "host-sim/papers/figures/figure.hpp"
+#include "host-sim/report/gnuplot.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::figures {
 namespace {
 
-using Lines = std::vector<std::string>;
-
-constexpr const char* colours_003 = "heating = 0xcc0000\ncooling = 0x0044cc\n";
+using report::Column;
+using report::Panel;
+using report::Series;
 
 // Figure 2
 
-/// The corners of a wire's staircase: from 120 °C down, up, and down again.
-std::string staircase_data() {
-  const double top = 120;
-  auto path = papers::Staircase<double, 16>::cooled(top, top);
+/// The corners of a wire's staircase, as (β, α): from 120 °C down, up, and down again.
+constexpr double staircase_top = 120;
+std::vector<std::pair<double, double>> staircase_corners() {
+  auto path = papers::Staircase<double, 16>::cooled(staircase_top, staircase_top);
   for (const double to : {48.0, 100.0, 62.0, 90.0, 72.0}) {
     path.move(to, [](double, double, double, double) { return 0.0; });
   }
-  // (β, α), along the border of what is martensite
-  std::string corners;
-  const auto corner = [&](double beta, double alpha) {
-    corners += fmt::format("{} {}\n", beta, alpha);
+  std::vector<std::pair<double, double>> corners;
+  path.each_settled(
+      [&](double /*sign*/, double hot, double cold) { corners.emplace_back(cold, hot); });
+  corners.emplace_back(path.input, path.newest());
+  corners.emplace_back(path.input, path.input);
+  return corners;
+}
+
+Series polyline(const char* name, const char* colour, std::vector<double> x,
+                std::vector<double> y) {
+  return {.name = name,
+          .colour = colour,
+          .x = report::column(std::move(x)),
+          .y = report::column(std::move(y)),
+          .width = 2};
+}
+
+Panel relay_panel() {
+  return {
+      .title = "one relay",
+      .caption = "Austenite from α on, on heating; martensite again from β on, on cooling.",
+      .half_width = true,
+      .height = 400,
+      .x = {.label = "temperature", .ticks = {{50, "β"}, {90, "α"}}},
+      .y = {.label = "", .min = -0.2, .max = 1.3, .ticks = {{0, "martensite"}, {1, "austenite"}}},
+      .series = {polyline("heating", "heating", {30, 90, 90, 110}, {0, 0, 1, 1}),
+                 polyline("cooling", "cooling", {110, 50, 50, 30}, {1, 1, 0, 0})}};
+}
+
+/// Martensite lies between the staircase and the top.
+Panel plane_panel() {
+  std::vector<double> beta, alpha;
+  for (const auto& [cold, hot] : staircase_corners()) {
+    beta.push_back(cold);
+    alpha.push_back(hot);
+  }
+  std::vector<double> martensite_beta = beta;
+  std::vector<double> martensite_alpha = alpha;
+  martensite_beta.push_back(staircase_top);
+  martensite_alpha.push_back(staircase_top);
+  const auto flat = [](std::size_t rows, double value) {
+    return report::column(std::vector<double>(rows, value));
   };
-  path.each_settled([&](double /*sign*/, double hot, double cold) { corner(cold, hot); });
-  corner(path.input, path.newest());
-  corner(path.input, path.input);
-  return fmt::format(
-      "$martensite << EOD\n{}{} {}\nEOD\n$all << EOD\n30 30\n30 120\n120 120\nEOD\n"
-      "$staircase << EOD\n{}EOD\n",
-      corners, top, top, corners);
-}
-
-report::Plot relay_plot() {
-  const std::string data =
-      "$on << EOD\n30 0\n90 0\n90 1\n110 1\nEOD\n$off << EOD\n110 1\n50 1\n50 0\n30 0\nEOD\n";
-  const std::string settings =
-      "set yrange [-0.2:1.3]\nset ytics ('martensite' 0, 'austenite' 1)\n"
-      "set xtics ('β' 50, 'α' 90)\nset arrow from 90,0.4 to 90,0.6 lc rgb heating lw 2\n"
-      "set arrow from 50,0.6 to 50,0.4 lc rgb cooling lw 2\n";
-  return {"one relay", "Austenite from α on, on heating; martensite again from β on, on cooling.",
-          true,
-          report::draw({500, 400, "temperature", ""}, data, colours_003 + settings,
-                       {"$on with lines lc rgb heating lw 2 title 'heating'",
-                        "$off with lines lc rgb cooling lw 2 title 'cooling'"})};
-}
-
-report::Plot plane_plot() {
-  const std::string settings =
-      "set xrange [30:120]\nset yrange [30:120]\nset size ratio 1\nset grid front\n"
-      "set label 'martensite' at 68,108 front\n"
-      "set label 'austenite' at 34,70 front\n";
-  return {"all relays",
-          "After 120, 48, 100, 62, 90 and 72 °C: the staircase between the two is the memory.",
-          true,
-          report::draw({500, 400, "β in °C", "α in °C"}, staircase_data(), colours_003 + settings,
-                       {"$all with filledcurves closed lc rgb '#f5d0c0' notitle",
-                        "$martensite with filledcurves closed lc rgb band notitle",
-                        "$staircase with lines lc rgb estimate lw 2 notitle",
-                        "x with lines lc rgb '#666666' title 'α = β'"})};
+  const Column all_x = report::column({30, 120});
+  return {.title = "all relays",
+          .caption =
+              "After 120, 48, 100, 62, 90 and 72 °C: the staircase between the two is the "
+              "memory.",
+          .half_width = true,
+          .height = 400,
+          .x = {.label = "β in °C", .min = 30, .max = 120},
+          .y = {.label = "α in °C", .min = 30, .max = 120},
+          .equal = true,
+          .series = {{.name = "",
+                      .colour = "#f5d0c0",
+                      .kind = report::Kind::area,
+                      .x = all_x,
+                      .y = flat(2, staircase_top),
+                      .low = all_x},
+                     {.name = "",
+                      .colour = "band",
+                      .kind = report::Kind::area,
+                      .x = report::column(martensite_beta),
+                      .y = flat(martensite_beta.size(), staircase_top),
+                      .low = report::column(martensite_alpha)},
+                     polyline("staircase", "estimate", beta, alpha),
+                     {.name = "α = β", .colour = "measured", .x = all_x, .y = all_x}},
+          .notes = {{68, 108, "martensite"}, {34, 70, "austenite"}}};
 }
 
 PaperFigure relay_figure() {
@@ -72,7 +100,7 @@ PaperFigure relay_figure() {
           "The relay, and the plane of all relays",
           "What the wire remembers are the corners of the staircase: the turning points that are "
           "still open.",
-          {relay_plot(), plane_plot()}};
+          {relay_panel(), plane_panel()}};
 }
 
 // Figure 3
@@ -85,42 +113,56 @@ PaperFigure loop_figure() {
   FixedController best(loop_design(setup), 0.025);
   const auto initial = run_loop(setup, fixed, references);
   const auto final_ = run_loop(setup, adaptive, references);
-  std::string data = "$data << EOD\n# time reference initial final\n";
-  for (std::size_t i = 0; i < initial.size(); i += 4) {
-    data += fmt::format("{} {} {} {}\n", report::plotted(initial[i].time_s),
-                        report::plotted(initial[i].reference.temperature_K - zero_degC_K),
-                        report::plotted(initial[i].truth.temperature_K - zero_degC_K),
-                        report::plotted(final_[i].truth.temperature_K - zero_degC_K));
+  std::vector<double> time_s, reference, first, last, first_error, last_error;
+  for (std::size_t i = 0; i < initial.size(); ++i) {
+    time_s.push_back(initial[i].time_s);
+    reference.push_back(initial[i].reference.temperature_K - zero_degC_K);
+    first.push_back(initial[i].truth.temperature_K - zero_degC_K);
+    last.push_back(final_[i].truth.temperature_K - zero_degC_K);
+    first_error.push_back(first.back() - reference.back());
+    last_error.push_back(last.back() - reference.back());
   }
-  data += "EOD\n";
+  const Column time = report::column(std::move(time_s));
+  const auto line = [&](const char* name, const char* colour, std::vector<double> y,
+                        double width = 1) {
+    return Series{.name = name,
+                  .colour = colour,
+                  .x = time,
+                  .y = report::column(std::move(y)),
+                  .width = width};
+  };
   const auto error = [](const std::vector<LoopRow>& rows) { return tracking_error_K(rows, 2); };
-  const report::Plot tracking{
-      "temperature", "Reference and both runs, whose lines cover each other.", false,
-      report::draw({1000, 320, "time in s", "temperature in °C"}, data, "",
-                   {"$data using 1:2 with lines lc rgb measured lw 4 title 'reference'",
-                    "$data using 1:3 with lines lc rgb reference title 'initial'",
-                    "$data using 1:4 with lines lc rgb estimate title 'final'"})};
-  const report::Plot errors{
-      "tracking error",
-      fmt::format(
+  Panel tracking{.title = "temperature",
+                 .caption = "Reference and both runs, whose lines cover each other.",
+                 .height = 320,
+                 .x = {.label = "time in s"},
+                 .y = {.label = "temperature in °C"},
+                 .link = "time",
+                 .series = {line("reference", "measured", std::move(reference), 4),
+                            line("initial", "reference", std::move(first)),
+                            line("final", "estimate", std::move(last))}};
+  Panel errors{
+      .title = "tracking error",
+      .caption = fmt::format(
           "Root mean square: initial {:.2f} K, final {:.2f} K; the fixed controller with the "
           "best gain for this very run {:.2f} K.",
           error(initial), error(final_), error(run_loop(setup, best, references))),
-      false,
-      report::draw({1000, 320, "time in s", "true less reference in K"}, data,
-                   "set yrange [-2.5:2.5]\n",
-                   {"$data using 1:($3-$2) with lines lc rgb reference title 'initial'",
-                    "$data using 1:($4-$2) with lines lc rgb estimate title 'final'"})};
+      .height = 320,
+      .x = {.label = "time in s"},
+      .y = {.label = "true less reference in K", .min = -2.5, .max = 2.5},
+      .link = "time",
+      .series = {line("initial", "reference", std::move(first_error)),
+                 line("final", "estimate", std::move(last_error))}};
   return {3,
           "Temperature tracking: initial and final controller",
           "A fixed PID lags where the wire takes up or gives off latent heat; the adaptive "
           "minimum-variance controller with gain scheduling does not. Same thermocouple for both.",
-          {tracking, errors}};
+          {std::move(tracking), std::move(errors)}};
 }
 
 // Figure 4
 
-report::Plot slice_plot(const fits::PreisachWire& wire, double stress_Pa) {
+Panel slice_panel(const fits::PreisachWire& wire, double stress_Pa) {
   std::string data = "$data << EOD\n";
   for (int hot = 25; hot <= 125; hot += 2) {
     for (int cold = 25; cold <= 125; cold += 2) {
@@ -137,16 +179,19 @@ report::Plot slice_plot(const fits::PreisachWire& wire, double stress_Pa) {
       "set label 'F in %' at screen 0.02,0.82\nset palette defined (0 '#f2f6fa', 2 '#7fb2de', 4 "
       "'#0059b3')\n"
       "unset colorbox\nset xtics 50,25,125 offset 0,-0.3\nset ytics 50,25,125 offset 0,-0.3\n";
-  return {fmt::format("{:.0f} MPa", stress_Pa * 1e-6), "", true,
-          report::draw_surface({500, 400, "β in °C", "α in °C"}, data, settings,
-                               {"$data using 1:2:3 with pm3d notitle"})};
+  return {.title = fmt::format("{:.0f} MPa", stress_Pa * 1e-6),
+          .half_width = true,
+          .height = 400,
+          .x = {},
+          .svg = report::draw_surface({500, 400, "β in °C", "α in °C"}, data, settings,
+                                      {"$data using 1:2:3 with pm3d notitle"})};
 }
 
 PaperFigure slices_figure() {
   const fits::PreisachFit fit = fit_003(hal::Family::ihyp, fits::StressShift::none);
-  std::vector<report::Plot> panels;
+  std::vector<Panel> panels;
   for (const double stress_MPa : {100.0, 125.0, 150.0, 175.0, 200.0}) {
-    panels.push_back(slice_plot(fit.wire, 1e6 * stress_MPa));
+    panels.push_back(slice_panel(fit.wire, 1e6 * stress_MPa));
   }
   return {4, "Slices of the identified F at 100 to 200 MPa",
           "Strain that comes back on cooling from α to β. Its flanks, where the wire converts on "
@@ -156,54 +201,69 @@ PaperFigure slices_figure() {
 
 // Figure 5
 
-std::string validation_data(const Validation& v, const Validation& of_003) {
-  std::string data = "$data << EOD\n# time RT TT RS TS strain model model_of_003\n";
-  for (std::size_t i = 0; i < v.rows.size(); i += 5) {
-    const LoopRow& row = v.rows[i];
-    data +=
-        fmt::format("{} {} {} {} {} {} {} {}\n", report::plotted(row.time_s),
-                    report::plotted(row.reference.temperature_K - zero_degC_K),
-                    report::plotted(row.truth.temperature_K - zero_degC_K),
-                    report::plotted(1e-6 * row.reference.stress_Pa),
-                    report::plotted(1e-6 * row.truth.stress_Pa), report::plotted(100 * v.strain[i]),
-                    report::plotted(100 * v.model[i]), report::plotted(100 * of_003.model[i]));
-  }
-  return data + "EOD\n";
-}
-
 /// The left and the right panel of one row of 003's figure.
-std::vector<report::Plot> validation_plots(const fits::PreisachWire& wire,
-                                           const fits::PreisachWire& wire_of_003, bool dynamic) {
+std::vector<Panel> validation_panels(const fits::PreisachWire& wire,
+                                     const fits::PreisachWire& wire_of_003, bool dynamic) {
   const Validation v = validation_003(hal::Family::ihyp, wire, dynamic);
   const Validation of_003 = validation_003(hal::Family::ihyp, wire_of_003, dynamic);
-  const std::string data = validation_data(v, of_003);
   const std::string name = dynamic ? "dynamic load" : "static load";
-  const std::string settings =
-      "set y2label 'stress in MPa'\nset y2tics\nset border 11\nset y2range [0:220]\n"
-      "set yrange [20:170]\n";
-  return {{name + ": temperature and stress", "RT, RS: reference; TT, TS: true.", true,
-           report::draw({500, 400, "time in s", "temperature in °C"}, data, settings,
-                        {"$data using 1:2 with lines lc rgb measured lw 3 title 'RT'",
-                         "$data using 1:3 with lines lc rgb reference title 'TT'",
-                         "$data using 1:4 axes x1y2 with lines lc rgb '#bbbbbb' lw 3 title 'RS'",
-                         "$data using 1:5 axes x1y2 with lines lc rgb estimate title 'TS'"})},
-          {name + ": strain",
-           fmt::format("Root mean square: {:.1f} % of a 4 % stroke where stress switches relays, "
-                       "{:.1f} % where it only weighs them anew (003 eq. 2).",
-                       100 * v.rms, 100 * of_003.rms),
-           true,
-           report::draw({500, 400, "time in s", "strain in %"}, data, "",
-                        {"$data using 1:6 with lines lc rgb reference lw 3 title 'simulated wire'",
-                         "$data using 1:8 with lines lc rgb measured dt 2 title 'eq. 2'",
-                         "$data using 1:7 with lines lc rgb estimate title 'model'"})}};
+  const auto of = [&](auto value) { return report::column_of(v.rows, value); };
+  const auto percent = [](const std::vector<double>& strain) {
+    return report::column_of(strain, [](double e) { return 100 * e; });
+  };
+  const Column time = of([](const LoopRow& r) { return r.time_s; });
+  Panel drive{.title = name + ": temperature and stress",
+              .caption = "RT, RS: reference; TT, TS: true.",
+              .half_width = true,
+              .height = 400,
+              .x = {.label = "time in s"},
+              .y = {.label = "temperature in °C", .min = 20, .max = 170},
+              .right = {.label = "stress in MPa", .min = 0, .max = 220},
+              .link = name};
+  const auto add = [&](const char* label, const char* colour, Column y, double width, bool right) {
+    drive.series.push_back({.name = label,
+                            .colour = colour,
+                            .x = time,
+                            .y = std::move(y),
+                            .right = right,
+                            .width = width});
+  };
+  add("RT", "measured",
+      of([](const LoopRow& r) { return r.reference.temperature_K - zero_degC_K; }), 3, false);
+  add("TT", "reference", of([](const LoopRow& r) { return r.truth.temperature_K - zero_degC_K; }),
+      1, false);
+  add("RS", "faint", of([](const LoopRow& r) { return 1e-6 * r.reference.stress_Pa; }), 3, true);
+  add("TS", "estimate", of([](const LoopRow& r) { return 1e-6 * r.truth.stress_Pa; }), 1, true);
+  Panel strain{
+      .title = name + ": strain",
+      .caption = fmt::format("Root mean square: {:.1f} % of a 4 % stroke where stress switches "
+                             "relays, {:.1f} % where it only weighs them anew (003 eq. 2).",
+                             100 * v.rms, 100 * of_003.rms),
+      .half_width = true,
+      .height = 400,
+      .x = {.label = "time in s"},
+      .y = {.label = "strain in %"},
+      .link = name,
+      .series = {{.name = "simulated wire",
+                  .colour = "reference",
+                  .x = time,
+                  .y = percent(v.strain),
+                  .width = 3},
+                 {.name = "eq. 2",
+                  .colour = "measured",
+                  .x = time,
+                  .y = percent(of_003.model),
+                  .dashed = true},
+                 {.name = "model", .colour = "estimate", .x = time, .y = percent(v.model)}}};
+  return {std::move(drive), std::move(strain)};
 }
 
 PaperFigure validation_figure() {
   const fits::PreisachFit fit = fit_003(hal::Family::ihyp, fits::StressShift::fitted);
   const fits::PreisachFit of_003 = fit_003(hal::Family::ihyp, fits::StressShift::none);
-  std::vector<report::Plot> panels = validation_plots(fit.wire, of_003.wire, false);
-  for (report::Plot& plot : validation_plots(fit.wire, of_003.wire, true)) {
-    panels.push_back(std::move(plot));
+  std::vector<Panel> panels = validation_panels(fit.wire, of_003.wire, false);
+  for (Panel& panel : validation_panels(fit.wire, of_003.wire, true)) {
+    panels.push_back(std::move(panel));
   }
   return {
       5, "Validation: static and dynamic load",

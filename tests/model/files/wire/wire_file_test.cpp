@@ -111,6 +111,18 @@ TEST(WireFile, WritesWhatItReadsBackToTheSameBits) {
   }
 }
 
+TEST(WireFile, WritesNumbersAsPeopleGiveThem) {
+  const std::string text = to_toml(load_wire(std::string(default_wire)));
+  // 76 um and 0.1 1/GPa are no short numbers of SI; 0.1 m is one.
+  EXPECT_THAT(text, testing::HasSubstr("\ndiameter_um = 76\n"));
+  EXPECT_THAT(text, testing::HasSubstr("\nresistivity_stress_1_GPa = 0.1\n"));
+  EXPECT_THAT(text, testing::HasSubstr("\nlength_m = 0.1\n"));
+  WireDescription fitted = load_wire(std::string(default_wire));
+  fitted.wire.geometry.length_m = 0.1 + 1e-17 * 3;
+  fitted.wire.geometry.diameter_m = 76.123456789012345e-6 / 3;
+  EXPECT_TRUE(same_bits(fitted.wire, parse_wire(to_toml(fitted), "again.toml").wire));
+}
+
 TEST(WireFile, WritesSeparateProcessesAndChoices) {
   const WireDescription first = parse_wire(
       own_wire("wire.memory = \"plain\"\nwire.material.mixture = \"parallel\"\n"

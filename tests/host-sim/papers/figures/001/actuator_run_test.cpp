@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "host-sim/papers/figures/figure.hpp"
+#include "host-sim/report/picture.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
 #include "model/units.hpp"
 
@@ -177,8 +178,8 @@ TEST_F(ActuatorRunTest, AllFiguresAreDrawn) {
   std::vector<int> numbers;
   for (const PaperFigure& figure : figures) {
     numbers.push_back(figure.number);
-    for (const report::Plot& panel : figure.panels) {
-      EXPECT_NE(panel.svg.find("</svg>"), std::string::npos);
+    for (const std::string& svg : report::pictures(figure.panels)) {
+      EXPECT_NE(svg.find("</svg>"), std::string::npos);
     }
   }
   EXPECT_EQ(numbers, (std::vector{4, 5, 7, 9, 11, 12, 13, 14, 15}));

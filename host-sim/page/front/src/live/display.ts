@@ -1,0 +1,98 @@
+// How quantities are shown to a person: °C, MPa, mA, µm and % where the bus has SI units.
+
+import type { Role } from '../plot/theme';
+
+export interface Shown {
+  unit: string;
+  factor: number;
+  offset: number;
+}
+
+const units: Record<string, Shown> = {
+  K: { unit: '°C', factor: 1, offset: -273.15 },
+  Pa: { unit: 'MPa', factor: 1e-6, offset: 0 },
+  A: { unit: 'mA', factor: 1e3, offset: 0 },
+  W: { unit: 'mW', factor: 1e3, offset: 0 },
+  m: { unit: 'µm', factor: 1e6, offset: 0 },
+  'm/s': { unit: 'mm/s', factor: 1e3, offset: 0 },
+  m_s: { unit: 'mm/s', factor: 1e3, offset: 0 },
+  ohm: { unit: 'Ω', factor: 1, offset: 0 },
+  V: { unit: 'V', factor: 1, offset: 0 },
+  N: { unit: 'N', factor: 1, offset: 0 },
+};
+
+const special: Record<string, Shown> = Object.fromEntries(
+  ['strain', 'strain_sd', 'strain_low', 'strain_high', 'setpoint_strain', 'reference_strain', 'contraction',
+    'martensite', 'r_phase', 'austenite', 'cooling'].map((name) => [name, { unit: '%', factor: 100, offset: 0 }]),
+);
+
+/** A difference of temperatures has no offset. */
+export function shownAs(signal: string): Shown {
+  const named = special[signal];
+  if (named) return named;
+  const difference = signal.startsWith('error:');
+  const unit = unitOf(signal);
+  const shown = units[unit] ?? { unit, factor: 1, offset: 0 };
+  if (difference && unit === 'K') return { unit: 'K', factor: 1, offset: 0 };
+  return shown;
+}
+
+/** The unit that ends a name. */
+export function unitOf(signal: string): string {
+  if (signal.endsWith('_m_s')) return 'm_s';
+  const end = signal.slice(signal.lastIndexOf('_') + 1);
+  return end in units ? end : '';
+}
+
+const labels: Record<string, [string, Role]> = {
+  strain: ['estimate', 'estimate'],
+  strain_sd: ['σ of the estimate', 'band'],
+  reference_strain: ['reference', 'reference'],
+  setpoint_strain: ['set-point', 'setpoint'],
+  contraction: ['contraction', 'estimate'],
+  temperature_K: ['wire', 'temperature'],
+  hot_spot_K: ['hot spot', 'hot_spot'],
+  ambient_K: ['ambient', 'ambient'],
+  martensite: ['martensite', 'martensite'],
+  r_phase: ['R-phase', 'r_phase'],
+  austenite: ['austenite', 'austenite'],
+  resistance_ohm: ['measured', 'measured'],
+  resistance_model_ohm: ['expected', 'model'],
+  resistance_difference_ohm: ['measured − expected', 'error'],
+  stress_Pa: ['stress', 'stress'],
+  power_W: ['measured', 'power'],
+  wanted_power_W: ['wanted', 'wanted'],
+  current_A: ['given', 'current'],
+  measured_A: ['measured', 'measured'],
+  measured_V: ['voltage reading', 'other3'],
+  voltage_V: ['voltage given', 'other7'],
+  supply_V: ['supply', 'other5'],
+  setpoint: ['set-point', 'setpoint'],
+  reference: ['reference', 'reference'],
+  position_m: ['position', 'estimate'],
+  velocity_m_s: ['velocity', 'other4'],
+  force_N: ['force', 'stress'],
+  cooling: ['cooling', 'other6'],
+};
+
+export function labelOf(signal: string): string {
+  return labels[signal]?.[0] ?? plain(signal);
+}
+
+export function roleOf(signal: string, n = 0): Role {
+  return labels[signal]?.[1] ?? (`other${(n % 8) + 1}` as Role);
+}
+
+/** A name of the bus as words: `resistance_model_ohm` is `resistance model`. */
+const words: Record<string, string> = {
+  measured_A: 'current reading', measured_V: 'voltage reading', r_phase: 'R-phase', strain_sd: 'strain σ', setpoint: 'set-point',
+  supply_V: 'supply', resistance_model_ohm: 'expected resistance',
+};
+
+export function plain(signal: string): string {
+  const known = words[signal];
+  if (known) return known;
+  const unit = unitOf(signal);
+  const bare = signal.replace(/^[a-z]+:/, '');
+  return (unit ? bare.replace(new RegExp(`_${unit}$`), '') : bare).replaceAll('_', ' ');
+}

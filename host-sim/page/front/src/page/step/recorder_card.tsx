@@ -1,0 +1,119 @@
+// The servo's recorder: up to eight signals at the rate of its loop, around a trigger.
+
+import { signal } from '@preact/signals';
+import { useEffect, useRef } from 'preact/hooks';
+import { plain, roleOf, shownAs } from '../../live/display';
+import { ArraySamples } from '../../numbers/columns';
+import { formatNumber } from '../../numbers/format';
+import { PlotGroup } from '../../plot/group';
+import { TimePlot } from '../../plot/time_plot';
+import type { Recording } from '../../protocol/bridge';
+import { sayError } from '../../session/notices';
+import { isNumber, isString, isStrings, saved } from '../../session/saved';
+import { bridge, call, description, link, node, readOnly } from '../../session/session';
+import { column } from './runs';
+import { SaveButtons } from './save_buttons';
+import { NumberField } from './step_view';
+
+const most = 8;
+const patience_s = 60;  // for the trigger
+const chosen = saved<string[]>('record', ['position_m', 'setpoint', 'current_A', 'temperature_K'], isStrings);
+const seconds = saved<number>('record_s', 2, isNumber);
+const before = saved<number>('record_before_s', 0.2, isNumber);
+const triggerSignal = saved<string>('trigger', '', isString);
+const triggerSign = saved<string>('trigger_sign', '>', isString);
+const triggerValue = saved<number>('trigger_value', 0, isNumber);
+const recording = signal<Recording | null>(null);
+const waiting = signal(false);
+
+async function record(): Promise<void> {
+  waiting.value = true;
+  try {
+    const trigger = triggerSignal.value === '' ? '' : `${triggerSignal.value}${triggerSign.value}${triggerValue.value}`;
+    const answer = await call('record', {
+      node: node.value, signals: chosen.value, seconds: seconds.value, before_s: trigger === '' ? 0 : before.value, trigger,
+      patience_s,
+    });
+    recording.value = answer['recording'] as Recording;
+  } catch (error) {
+    sayError(error, 'Recorder');
+  }
+  waiting.value = false;
+}
+
+export function RecorderCard() {
+  const names = (description.value?.signals ?? []).map((one) => one.name);
+  const activity = bridge.value?.activity;
+  const toggle = (name: string): void => {
+    chosen.value = chosen.value.includes(name) ? chosen.value.filter((one) => one !== name) : [...chosen.value, name].slice(0, most);
+  };
+  return (
+    <section class="card" data-testid="recorder">
+      <h2>Recorder</h2>
+      <p class="soft">Up to eight signals, each step of the servo's loop. {chosen.value.length} chosen.</p>
+      <div class="chips" role="group" aria-label="Signals to record">
+        {names.map((name) => (
+          <button type="button" key={name} class="toggle" aria-pressed={chosen.value.includes(name)}
+            disabled={!chosen.value.includes(name) && chosen.value.length >= most} data-testid={`record-${name}`}
+            onClick={() => toggle(name)}>{plain(name)}</button>
+        ))}
+      </div>
+      <div class="bar wrap ends">
+        <NumberField title="Duration" unit="s" value={seconds.value} testid="record-seconds" set={(value) => { seconds.value = value; }} />
+        <label class="field narrow"><span>Trigger</span>
+          <select value={triggerSignal.value} data-testid="trigger" onChange={(event) => { triggerSignal.value = event.currentTarget.value; }}>
+            <option value="">at once</option>
+            {names.map((name) => <option key={name} value={name}>{name}</option>)}
+          </select>
+        </label>
+        {triggerSignal.value !== '' && (
+          <>
+            <label class="field tiny"><span>is</span>
+              <select value={triggerSign.value} onChange={(event) => { triggerSign.value = event.currentTarget.value; }}>
+                <option value=">">above</option><option value="<">below</option>
+              </select>
+            </label>
+            <NumberField title="Level" unit="SI" value={triggerValue.value} testid="trigger-value" set={(value) => { triggerValue.value = value; }} />
+            <NumberField title="Before it" unit="s" value={before.value} testid="record-before" set={(value) => { before.value = value; }} />
+          </>
+        )}
+        <button type="button" class="big" data-testid="record" onClick={() => void record()}
+          disabled={link.value !== 'open' || readOnly.value || waiting.value || chosen.value.length === 0 || !!activity}>
+          {waiting.value ? (triggerSignal.value === '' ? 'Recording …' : 'Waiting for the trigger …') : 'Record'}
+        </button>
+      </div>
+      {recording.value && <Recorded recording={recording.value} />}
+    </section>
+  );
+}
+
+function Recorded({ recording: shown }: { recording: Recording }) {
+  const place = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const times = shown.rows.map((_, row) => row * shown.period_s);
+    const samples = new ArraySamples(times, Object.fromEntries(shown.signals.map((name) => [name, column(shown, name)])));
+    const extent: [number, number] = [0, Math.max(shown.period_s, times.at(-1) ?? 0)];
+    const group = new PlotGroup({ x: 'seconds', extent: () => extent });
+    const units = [...new Set(shown.signals.map((name) => shownAs(name).unit))];
+    const plots = units.map((unit) => {
+      const names = shown.signals.filter((name) => shownAs(name).unit === unit);
+      return new TimePlot(place.current!, group, {
+        id: `record-${unit || 'none'}`, title: names.map(plain).join(', '), unit, height: 130,
+        series: names.map((name, n) => ({
+          key: name, label: plain(name), role: roleOf(name, n), factor: shownAs(name).factor, offset: shownAs(name).offset,
+        })),
+      }, samples);
+    });
+    return () => plots.forEach((plot) => plot.destroy());
+  }, [shown]);
+  return (
+    <div data-testid="recorded">
+      <div class="bar">
+        <span>{shown.rows.length} rows, one each {formatNumber(1e3 * shown.period_s)} ms</span>
+        <span class="spring" />
+        <SaveButtons recording={shown} />
+      </div>
+      <div class="plots" ref={place} />
+    </div>
+  );
+}

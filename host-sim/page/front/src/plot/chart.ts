@@ -1,0 +1,277 @@
+// A plot's frame: head with legend, axes, cursor, selection, gestures, size and colours. uPlot does axes and
+// cursor; the kinds of plots draw into it.
+
+import uPlot from 'uplot';
+import { axisFont, xAxis, yAxis } from './axes';
+import { cancelDraw, requestDraw, Drawn } from './frames';
+import { GestureTarget, listen } from './gestures';
+import type { GroupOptions } from './group';
+import { element, Legend, LegendItem } from './legend';
+import type { Project } from './pens';
+import { onTheme, theme } from './theme';
+
+export type Span = [number, number];
+/** What the axes show. */
+export interface Scales {
+  x: Span;
+  y: Span;
+  right?: Span;
+}
+
+/** Where a drawing goes: canvas pixels, of which `ratio` make a pixel of CSS. */
+export interface View {
+  ctx: CanvasRenderingContext2D;
+  toX: Project;
+  toY: Project;
+  toRight: Project;
+  ratio: number;
+  left: number;
+  top: number;
+  width: number;
+  height: number;
+}
+
+export interface ChartOptions {
+  id: string;
+  title: string;
+  unit?: string;
+  xLabel?: string;
+  height?: number;  ///< of the drawing, in pixels of CSS; its class says it where absent
+  x: GroupOptions;
+  yLog?: boolean;
+  right?: boolean;
+  axes?: { x?: Partial<uPlot.Axis>; y?: Partial<uPlot.Axis> };  ///< what is unusual of them
+  drag: { x: boolean; y: boolean };
+  legend: LegendItem[];
+  onToggle?: (key: string, hidden: boolean) => void;
+}
+
+export abstract class Chart implements Drawn, GestureTarget {
+  readonly root: HTMLElement;
+  protected readonly legend: Legend;
+  protected u: uPlot;
+  private readonly body = element('div', 'plot-body');
+  private readonly tag = element('div', 'plot-tag');
+  private readonly ends: (() => void)[] = [];
+  private onScreen = true;
+  private drawnAt = -Infinity;
+  private rightShown: boolean;
+  protected scales: Scales = { x: [0, 1], y: [0, 1] };
+
+  constructor(parent: HTMLElement, protected readonly options: ChartOptions) {
+    this.root = element('figure', 'plot');
+    this.root.tabIndex = 0;
+    this.root.dataset['testid'] = `plot-${options.id}`;
+    this.root.setAttribute('role', 'group');
+    this.root.setAttribute('aria-label', `${options.title}: plot. Arrow keys move the cursor, plus and ` +
+      'minus zoom, Shift and arrows move, 0 shows all.');
+    this.legend = new Legend(options.title, options.unit, options.legend, (key, hidden) => {
+      options.onToggle?.(key, hidden);
+      this.changed();
+    });
+    if (options.height) this.body.style.height = `${options.height}px`;
+    this.root.append(this.legend.root, this.body);
+    if (options.xLabel) this.root.append(element('div', 'plot-x-label', options.xLabel));
+    parent.append(this.root);
+    this.rightShown = options.right ?? false;
+    this.u = this.make();
+    listen(this.root, this);
+    this.watch();
+  }
+
+  get over(): HTMLElement {
+    return this.u.over;
+  }
+
+  /** Inside the axes, in pixels of CSS; known without asking the browser for its lay-out. */
+  protected get width(): number {
+    return Math.max(1, this.u.bbox.width / uPlot.pxRatio);
+  }
+  protected get height(): number {
+    return Math.max(1, this.u.bbox.height / uPlot.pxRatio);
+  }
+
+  active(): boolean {
+    return this.root.contains(document.activeElement);
+  }
+
+  /** In the next frame. */
+  changed(): void {
+    requestDraw(this);
+  }
+
+  /** Off screen it is drawn once a second only: enough for whoever prints the page. */
+  draw(): void {
+    if (this.onScreen || performance.now() - this.drawnAt > 1000) this.drawNow();
+  }
+
+  drawNow(): void {
+    const right = this.wantsRight();
+    if (right !== this.rightShown) {
+      this.rightShown = right;
+      this.remake();
+    }
+    this.scales = this.measure(Math.max(50, this.width));
+    const { x } = this.scales;
+    this.u.batch(() => {
+      this.u.setData([x], false);
+      this.u.setScale('x', { min: x[0], max: x[1] });
+    });
+    this.root.dataset['drawn'] = 'true';
+    this.drawnAt = performance.now();
+  }
+
+  destroy(): void {
+    this.ends.forEach((end) => end());
+    cancelDraw(this);
+    this.u.destroy();
+    this.root.remove();
+  }
+
+  /** What is to be shown, before the axes are drawn; `pixels` is the width between them. */
+  protected abstract measure(pixels: number): Scales;
+  protected abstract paint(view: View): void;
+  protected abstract selected(x: Span, y: Span): void;
+  protected wantsRight(): boolean {
+    return this.options.right ?? false;
+  }
+
+  abstract pan(dx: number, dy: number): void;
+  abstract zoomAt(left: number, top: number, factor: number): void;
+  abstract reset(): void;
+  abstract pointAt(left: number | null, top: number): void;
+  abstract step(share: number): void;
+
+  /** Puts the vertical line of the cursor, and a text at its foot; null takes both away. */
+  protected placeCursor(x: number | null, text = ''): void {
+    const left = x === null ? -10 : this.u.valToPos(x, 'x');
+    const inside = left >= 0 && left <= this.width;
+    if (Math.abs((this.u.cursor.left ?? -10) - left) > 0.5) {
+      this.u.setCursor({ left: inside ? left : -10, top: inside ? 0 : -10 }, false);
+    }
+    this.tag.hidden = !inside || text === '';
+    if (!this.tag.hidden) {
+      this.tag.textContent = text;
+      this.tag.style.left = `${Math.max(28, Math.min(this.width - 28, left))}px`;
+    }
+  }
+
+  private make(): uPlot {
+    const { options } = this;
+    const range = (which: 'x' | 'y' | 'right') => (): Span => this.scales[which] ?? this.scales.y;
+    const distr = (log?: boolean): { distr?: 3; log?: 10 } => (log ? { distr: 3, log: 10 } : {});
+    const width = this.body.clientWidth || 300;
+    const height = this.body.clientHeight || 160;
+    const made = new uPlot({
+      width,
+      height,
+      padding: [6, this.rightShown ? 0 : 14, 0, 0],
+      legend: { show: false },
+      cursor: {
+        y: false,
+        points: { show: false },
+        drag: { ...options.drag, setScale: false, dist: 4, ...(options.drag.y ? { uni: 30 } : {}) },
+        bind: {
+          dblclick: () => null,
+          mousedown: (_u, _target, handler) => (event) => {
+            if (event.button === 0 && !event.shiftKey && !fromTouch(event)) handler(event);
+            return null;
+          },
+        },
+      },
+      scales: {
+        x: { time: false, range: (_u, low, high) => [low, high], ...distr(options.x.log) },
+        y: { range: range('y'), ...distr(options.yLog) },
+        right: { range: range('right') },
+      },
+      axes: [
+        { ...xAxis(options.x), ...options.axes?.x },
+        { ...yAxis('left', options.yLog ?? false), ...options.axes?.y },
+        { ...yAxis('right', false, !options.right), show: this.rightShown },
+      ],
+      series: [{}],
+      hooks: {
+        draw: [(u) => this.painted(u)],
+        setSelect: [(u) => this.boxed(u)],
+        setCursor: [(u) => this.pointAt((u.cursor.left ?? -1) < 0 ? null : u.cursor.left!, u.cursor.top ?? 0)],
+      },
+    }, [[0, 1]], this.body);
+    made.over.append(this.tag);
+    this.tag.hidden = true;
+    return made;
+  }
+
+  private remake(): void {
+    this.u.destroy();
+    this.u = this.make();
+    // The gestures listen to the area inside the axes, which is another element now.
+    listen(this.root, this);
+  }
+
+  private painted(u: uPlot): void {
+    const { left, top, width, height } = u.bbox;
+    const project = (span: Span, from: number, to: number, log = false): Project => {
+      const value = (x: number): number => (log ? Math.log10(Math.max(x, 1e-300)) : x);
+      const low = value(span[0]);
+      const factor = (to - from) / (value(span[1]) - low);
+      return log ? (x) => from + (value(x) - low) * factor : (x) => from + (x - low) * factor;
+    };
+    const { ctx } = u;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(left, top, width, height);
+    ctx.clip();
+    this.paint({
+      ctx,
+      toX: project(this.scales.x, left, left + width, this.options.x.log),
+      toY: project(this.scales.y, top + height, top, this.options.yLog),
+      toRight: project(this.scales.right ?? this.scales.y, top + height, top),
+      ratio: uPlot.pxRatio,
+      left, top, width, height,
+    });
+    ctx.restore();
+  }
+
+  private boxed(u: uPlot): void {
+    const { left, top, width, height } = u.select;
+    if (width < 4 && height < 4) return;
+    const at = (px: number, scale: string): number => u.posToVal(px, scale);
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.selected([at(left, 'x'), at(left + width, 'x')], [at(top + height, 'y'), at(top, 'y')]);
+  }
+
+  private watch(): void {
+    const size = new ResizeObserver(() => {
+      const { clientWidth, clientHeight } = this.body;
+      if (clientWidth > 0 && (clientWidth !== this.u.width || clientHeight !== this.u.height)) {
+        this.u.setSize({ width: clientWidth, height: clientHeight });
+        this.changed();
+      }
+    });
+    size.observe(this.body);
+    const sight = new IntersectionObserver(([entry]) => {
+      this.onScreen = entry?.isIntersecting ?? true;
+      if (this.onScreen) this.changed();
+    }, { rootMargin: '200px' });
+    sight.observe(this.root);
+    this.ends.push(() => size.disconnect(), () => sight.disconnect(), onTheme(() => {
+      this.legend.colour();
+      this.drawNow();
+    }));
+  }
+}
+
+/** Browsers make mouse events of touches. */
+function fromTouch(event: MouseEvent): boolean {
+  const source = (event as unknown as { sourceCapabilities?: { firesTouchEvents: boolean } }).sourceCapabilities;
+  return source?.firesTouchEvents ?? false;
+}
+
+/** A text in the drawing, in the font of the axes. */
+export function label(view: View, text: string, x: number, y: number, colour = theme().soft): void {
+  view.ctx.font = axisFont.replace('12px', `${11 * view.ratio}px`);
+  view.ctx.fillStyle = colour;
+  view.ctx.textAlign = 'left';
+  view.ctx.textBaseline = 'bottom';
+  view.ctx.fillText(text, x, y);
+}

@@ -1,0 +1,220 @@
+// One quantity over another: loops, Nyquist curves. It zooms by itself in both directions. Where its rows have
+// a place in a group (time, frequency), it shows the group's stretch in full colour, and a dot where the cursor
+// of that group is; and its own cursor moves that one.
+
+import { formatNumber } from '../plot';
+import { niceRange } from '../plot/axes';
+import type { Scales, Span, View } from '../plot/chart';
+import type { PlotGroup } from '../plot/group';
+import { colourOf } from './colours';
+import { Panel, Series } from './data';
+import { bounded, PanelPlot, Rows } from './panel_plot';
+
+interface Place {
+  series: Series;
+  row: number;
+}
+
+export class LoopPlot extends PanelPlot {
+  private zoomed: { x: Span; y: Span } | null = null;
+  private pointed: Place | null = null;
+  private shown: Rows | null = null;
+
+  constructor(parent: HTMLElement, id: string, panel: Panel, group: PlotGroup) {
+    super(parent, id, panel, group, { x: 'number', extent: () => null, log: panel.x.log ?? false },
+      { x: true, y: true });
+    this.root.classList.add('plot-xy');
+  }
+
+  cursorMoved(): void {
+    this.changed();
+  }
+
+  protected measure(): Scales {
+    const { x, y, equal } = this.panel;
+    const fit = this.fit();
+    const box = this.zoomed ?? { x: bounded(fit.x, x.min, x.max), y: bounded(fit.y, y.min, y.max) };
+    return equal ? this.equalised(box) : box;
+  }
+
+  protected rowsOf(series: Series): Rows {
+    return this.shown ?? [0, series.x.length];
+  }
+
+  protected override paint(view: View): void {
+    const window = this.group.zoomed ? this.group.range() : null;
+    if (window) {
+      view.ctx.globalAlpha = 0.18;
+      super.paint(view);
+      view.ctx.globalAlpha = 1;
+    }
+    this.paintWithin(view, window);
+    this.paintMarks(view);
+  }
+
+  protected selected(x: Span, y: Span): void {
+    if (x[1] > x[0] && y[1] > y[0]) this.zoomed = { x, y };
+    this.changed();
+  }
+  pan(dx: number, dy: number): void {
+    const moved = (span: Span, share: number): Span => {
+      const by = share * (span[1] - span[0]);
+      return [span[0] + by, span[1] + by];
+    };
+    this.zoomed = {
+      x: moved(this.scales.x, -dx / Math.max(1, this.over.clientWidth)),
+      y: moved(this.scales.y, dy / Math.max(1, this.over.clientHeight)),
+    };
+    this.changed();
+  }
+  zoomAt(left: number, top: number, factor: number): void {
+    const about = (span: Span, at: number): Span => [at + (span[0] - at) * factor, at + (span[1] - at) * factor];
+    this.zoomed = {
+      x: about(this.scales.x, this.u.posToVal(left, 'x')),
+      y: about(this.scales.y, this.u.posToVal(top, 'y')),
+    };
+    this.changed();
+  }
+  reset(): void {
+    this.zoomed = null;
+    this.changed();
+  }
+
+  pointAt(left: number | null, top: number): void {
+    const place = left === null ? null : this.nearest(left, top);
+    if (place?.row === this.pointed?.row && place?.series === this.pointed?.series) return;
+    this.pointed = place;
+    const at = place?.series.at?.[place.row];
+    if (this.panel.follows) this.group.setCursor(at === undefined || Number.isNaN(at) ? null : at);
+    this.writeValues();
+    this.changed();
+  }
+
+  /** To a neighbour of the row that is pointed at. */
+  step(share: number): void {
+    const series = this.pointed?.series ?? this.visible()[0];
+    if (!series) return;
+    const rows = Math.max(1, Math.round(Math.abs(share) * series.x.length / 4));
+    const from = this.pointed?.row ?? 0;
+    const row = Math.min(series.x.length - 1, Math.max(0, from + Math.sign(share) * rows));
+    if (Number.isNaN(series.x[row]! + series.y[row]!)) return;
+    this.pointed = { series, row };
+    if (this.panel.follows && series.at) this.group.setCursor(series.at[row]!);
+    this.writeValues();
+    this.changed();
+  }
+
+  /** The row whose dot is nearest in pixels, and not farther than 30 of them. */
+  private nearest(left: number, top: number): Place | null {
+    const { x, y } = this.scales;
+    const sx = this.over.clientWidth / (x[1] - x[0]);
+    const sy = this.over.clientHeight / (y[1] - y[0]);
+    let best: Place | null = null;
+    let least = 30 * 30;
+    for (const series of this.visible()) {
+      for (let row = 0; row < series.x.length; ++row) {
+        const dx = (series.x[row]! - x[0]) * sx - left;
+        const dy = (y[1] - series.y[row]!) * sy - top;
+        const distance = dx * dx + dy * dy;
+        if (distance < least) {
+          least = distance;
+          best = { series, row };
+        }
+      }
+    }
+    return best;
+  }
+
+  private writeValues(): void {
+    const place = this.pointed;
+    for (const { key } of this.options.legend) {
+      const mine = place !== null && place.series.name === key;
+      this.legend.show(key, mine
+        ? `(${formatNumber(place.series.x[place.row]!)}; ${formatNumber(place.series.y[place.row]!)})` : '');
+    }
+  }
+
+  private fit(): { x: Span; y: Span } {
+    const x: Span = [Infinity, -Infinity];
+    const y: Span = [Infinity, -Infinity];
+    const include = (span: Span, value: number): void => {
+      if (value < span[0]) span[0] = value;
+      if (value > span[1]) span[1] = value;
+    };
+    for (const series of this.visible()) {
+      for (let row = 0; row < series.x.length; ++row) {
+        if (Number.isNaN(series.x[row]! + series.y[row]!)) continue;
+        include(x, series.x[row]!);
+        include(y, series.y[row]!);
+        if (series.low) include(y, series.low[row]!);
+      }
+    }
+    return { x: niceRange(...x), y: niceRange(...y) };
+  }
+
+  /** Widens the shorter axis until a unit is as long in both. */
+  private equalised({ x, y }: { x: Span; y: Span }): Scales {
+    const width = Math.max(1, this.over.clientWidth);
+    const height = Math.max(1, this.over.clientHeight);
+    const unit = Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
+    const around = (span: Span, pixels: number): Span => {
+      const middle = (span[0] + span[1]) / 2;
+      return [middle - unit * pixels / 2, middle + unit * pixels / 2];
+    };
+    return { x: around(x, width), y: around(y, height) };
+  }
+
+  /** All, or of the series that have a place in the group the rows of its stretch. */
+  private paintWithin(view: View, window: Span | null): void {
+    if (!window) {
+      super.paint(view);
+      return;
+    }
+    for (const series of this.visible()) {
+      const { at } = series;
+      if (!at) {
+        this.paintSeries(view, series);
+        continue;
+      }
+      const inside = (row: number): boolean => at[row]! >= window[0] && at[row]! <= window[1];
+      for (let row = 0; row < at.length;) {
+        while (row < at.length && !inside(row)) ++row;
+        const from = row;
+        while (row < at.length && inside(row)) ++row;
+        this.shown = [from, row];
+        if (row > from) this.paintSeries(view, series);
+      }
+      this.shown = null;
+    }
+  }
+
+  private paintMarks(view: View): void {
+    const { cursor } = this.group;
+    if (cursor !== null && this.panel.follows) {
+      for (const series of this.visible()) {
+        const row = series.at ? nearestTo(series.at, cursor) : -1;
+        if (row >= 0) this.markRow(view, series, row);
+      }
+    }
+    if (this.pointed) this.markRow(view, this.pointed.series, this.pointed.row);
+  }
+
+  private markRow(view: View, series: Series, row: number): void {
+    const px = view.toX(series.x[row]!);
+    const py = view.toY(series.y[row]!);
+    if (!Number.isNaN(px + py)) this.mark(view, px, py, colourOf(series.colour));
+  }
+}
+
+function nearestTo(values: Float64Array, wanted: number): number {
+  let best = -1;
+  let least = Infinity;
+  for (let row = 0; row < values.length; ++row) {
+    const distance = Math.abs(values[row]! - wanted);
+    if (distance < least) {
+      least = distance;
+      best = row;
+    }
+  }
+  return best;
+}

@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+#include "host-sim/page/server/body.hpp"
+#include "host-sim/page/server/http.hpp"
+
+namespace smaservo::page {
+namespace {
+
+/// Messages that are written to one client before the others have their turn.
+constexpr int burst = 16;
+
+}  // namespace
+
+// What a client asks, and what becomes of the answer.
+
+void Server::Body::Client::get_parameters(std::vector<std::string> names,
+                                          std::optional<std::string> id) {
+  body_.source_.get_parameters(
+      std::move(names),
+      body_.to_client(id_, [id](Conversation& to, const std::vector<NamedValue>& values) {
+        to.parameter_values(values, id, "");
+      }));
+}
+
+void Server::Body::Client::set_parameters(std::vector<NamedValue> values,
+                                          std::optional<std::string> id) {
+  body_.source_.set_parameters(
+      caller(), std::move(values),
+      body_.to_client(
+          id_, [id](Conversation& to, const std::vector<NamedValue>& in_force,
+                    const std::string& refusal) { to.parameter_values(in_force, id, refusal); }));
+}
+
+void Server::Body::Client::call(std::uint32_t service, std::uint32_t call, std::string request) {
+  body_.source_.call(caller(), service, std::move(request),
+                     body_.to_client(id_, [service, call](Conversation& to, Answer answer) {
+                       to.answer(service, call, std::move(answer));
+                     }));
+}
+
+int Server::Body::Client::hear(std::string_view bytes) {
+  if (lws_is_first_fragment(wsi_) != 0) {
+    heard_.clear();
+  }
+  if (heard_.size() + bytes.size() > limits::message_bytes) {
+    std::string why = fmt::format("longer than {} bytes", limits::message_bytes);
+    // NOLINTNEXTLINE(*-reinterpret-cast): characters as bytes
+    lws_close_reason(wsi_, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE,
+                     reinterpret_cast<unsigned char*>(why.data()), why.size());
+    return -1;
+  }
+  heard_ += bytes;
+  if (lws_is_final_fragment(wsi_) != 0) {
+    if (lws_frame_is_binary(wsi_) != 0) {
+      conversation_.hear_bytes(heard_);
+    } else {
+      conversation_.hear_text(heard_);
+    }
+    heard_.clear();
+  }
+  return 0;
+}
+
+/// The next piece of the message that goes out.
+std::size_t Server::Body::Client::fill(const Frame& frame) {
+  const std::size_t length = std::min(chunk, frame.size() - sent_);
+  buffer_.resize(LWS_PRE + length);
+  const auto from_head =
+      std::string_view(frame.head).substr(std::min(sent_, frame.head.size()), length);
+  auto at = std::ranges::copy(from_head, buffer_.begin() + LWS_PRE).out;
+  if (from_head.size() < length) {
+    const std::size_t start = sent_ + from_head.size() - frame.head.size();
+    std::ranges::copy(std::string_view(*frame.body).substr(start, length - from_head.size()), at);
+  }
+  return length;
+}
+
+/// Negative: the connection has failed.
+int Server::Body::Client::write_piece() {
+  const std::size_t length = fill(*going_out_);
+  const bool last = sent_ + length == going_out_->size();
+  const int flags = lws_write_ws_flags(going_out_->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT,
+                                       static_cast<int>(sent_ == 0), static_cast<int>(last));
+  sent_ += length;
+  if (last) going_out_.reset();
+  return lws_write(wsi_, buffer_.data() + LWS_PRE, length, static_cast<lws_write_protocol>(flags));
+}
+
+int Server::Body::Client::write() {
+  if (doomed_) return -1;
+  // Several small ones at once, for who has not run for a while; never more than the socket takes.
+  for (int i = 0; i < burst && lws_partial_buffered(wsi_) == 0; ++i) {
+    if (!going_out_) {
+      going_out_ = queue_.pop();
+      sent_ = 0;
+    }
+    if (!going_out_) break;
+    const bool small = going_out_->size() < chunk;
+    if (write_piece() < 0) return -1;
+    if (!small) break;
+  }
+  show();
+  if (going_out_ || !queue_.empty()) lws_callback_on_writable(wsi_);
+  return 0;
+}
+
+}  // namespace smaservo::page

@@ -1,0 +1,41 @@
+#pragma once
+// The page and its WebSocket over HTTP, by libwebsockets, in the thread that calls run().
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "host-sim/page/access.hpp"
+#include "host-sim/page/source.hpp"
+
+namespace smaservo::page {
+
+struct ServerSettings {
+  AccessRules access;
+  bool read_only = false;
+  std::string certificate, key;  ///< files in PEM; "": no TLS
+  unsigned clients = 8;          ///< at most, of the WebSocket
+  std::string version;
+  std::string_view page;  ///< HTML; "": the program was built without it
+};
+
+class Server {
+ public:
+  /// Listens; nothing is answered before run(). Throws UserError.
+  Server(ServerSettings settings, Source& source);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  std::uint16_t port() const;
+  /// Starts the source, serves until stop(), stops the source.
+  void run();
+  /// From any thread.
+  void stop();
+
+ private:
+  class Body;
+  std::unique_ptr<Body> body_;
+};
+
+}  // namespace smaservo::page

@@ -1,0 +1,163 @@
+#pragma once
+// The servos of a bus as a source of channels, parameters and services. PROTOCOL.md has what it
+// says. The functions of Source may be called from any thread; round() is the bus's thread.
+
+#include <deque>
+#include <list>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+
+#include "host-sim/page/servos/messages/exports.hpp"
+#include "host-sim/page/servos/operations.hpp"
+#include "host-sim/page/servos/traffic/off_switch.hpp"
+
+namespace smaservo::page {
+
+struct BridgePlan {
+  OperationsPlan operations;
+  TrafficPlan traffic;
+  double sync_s = 0;  ///< period of SYNC; 0: live values are polled
+  std::vector<std::string> sync_signals;
+  bool read_only = false;  ///< as /bridge tells it
+};
+
+class Bridge final : public Source, private TrafficEvents {
+ public:
+  /// `urgent` is a second port of the same bus, for switching off. Throws UserError.
+  Bridge(BridgePlan plan, std::unique_ptr<can::Bus> bus, std::unique_ptr<can::Bus> urgent);
+
+  void start(Sink& sink) override;
+  void stop() override;
+  std::vector<Channel> channels() override;
+  std::vector<Service> services() override;
+  void subscribed(std::uint32_t channel, unsigned clients) override;
+  void get_parameters(std::vector<std::string> names,
+                      std::function<void(std::vector<NamedValue>)> reply) override;
+  void set_parameters(
+      Caller caller, std::vector<NamedValue> values,
+      std::function<void(std::vector<NamedValue>, std::string refusal)> reply) override;
+  void call(Caller caller, std::uint32_t service, std::string request,
+            std::function<void(Answer)> reply) override;
+  void client_left(std::uint32_t client) override;
+
+  /// Does what is to be done next, and waits a few milliseconds for the bus where that is nothing.
+  void round();
+  /// Ends what the bus's thread is doing.
+  void interrupt() { bus_.interrupt(); }
+
+  const Control& control() const { return control_; }
+
+ private:
+  using Reply = std::function<void(Answer)>;
+  struct Job {
+    std::string service;
+    std::uint32_t client = 0;
+    Control::Ticket ticket = 0;        ///< 0: it writes nothing
+    std::function<std::string()> run;  ///< returns the answer
+    Reply reply;
+  };
+  struct Recorded {
+    Recorded(can::Remote remote, can::RecordingPlan plan_, double patience_s, std::uint32_t client_,
+             Reply reply_)
+        : recording(remote, std::move(plan_), patience_s),
+          client(client_),
+          reply(std::move(reply_)) {}
+    RunningRecording recording;
+    std::uint32_t client;
+    Reply reply;
+    std::int64_t next_us = 0;
+  };
+  struct Activity {
+    std::string service;
+    unsigned node;
+    std::uint32_t client;
+    std::int64_t start_us, expected_us;
+  };
+  /// What other threads see of a servo.
+  struct Shown {
+    std::shared_ptr<History> history;
+    std::shared_ptr<KnownParameters> parameters;
+  };
+
+  // TrafficEvents
+  void sampled(Servo& servo, const Sample& sample) override;
+  void state_read(Servo& servo) override;
+  void came(unsigned node) override;
+  void left(Servo& servo) override;
+  void restarted(Servo& servo) override;
+  void doubled(Servo& servo) override;
+  void trouble(const std::string& text) override;
+  void ticked(std::int64_t now_us) override;
+
+  // bridge_services.cpp
+  bool call_at_once(const Caller& caller, const std::string& service, const nlohmann::json& request,
+                    const Reply& reply);
+  void queue(const Caller& caller, const std::string& service, const nlohmann::json& request,
+             Reply reply);
+  nlohmann::json work(const std::string& service, const nlohmann::json& request, const Job& job);
+  nlohmann::json work_on(Servo& servo, const std::string& service, const nlohmann::json& request,
+                         const Job& job);
+  nlohmann::json heat(Servo& servo, const std::string& service, const nlohmann::json& request,
+                      const Job& job);
+  nlohmann::json history(const nlohmann::json& request);
+  void begin_recording(const Caller& caller, const nlohmann::json& request, const Reply& reply);
+  void write_parameters(unsigned node, const std::vector<Operations::NewValue>& values);
+  std::vector<Operations::NewValue> values_in(const nlohmann::json& request) const;
+  std::vector<NamedValue> values_of(unsigned node, const std::vector<std::size_t>& rows);
+  void tell_parameters(unsigned node, const std::vector<std::size_t>& rows);
+  nlohmann::json scan();
+  void stop_everything(const Reply& reply);
+
+  NodeSet all_nodes() const;
+  void switch_off(const NodeSet& nodes);
+  void run_next();
+  void rest();
+  bool run_job();
+  bool check_off();
+  bool look_after_servos();
+  bool look_after(Servo& servo, std::int64_t now_us);
+  bool look_after_stream(Servo& servo);
+  bool read_recording();
+  void end_trial();
+  void apply_wishes();
+  void show(const Servo& servo);
+  void publish_bridge(std::int64_t now_us);
+  void watch_clients(std::int64_t now_us);
+  std::string bridge_text(std::int64_t now_us);
+  std::int64_t wall_ns(std::int64_t bus_us) const { return wall_ns_at_0_ + 1000 * bus_us; }
+  void take_wall_clock(std::int64_t now_us);
+
+  BridgePlan plan_;
+  std::unique_ptr<can::Bus> port_;
+  OffSwitch off_switch_;
+  Control control_;
+  SyncStream stream_;
+  LiveTraffic traffic_;
+  SharedBus bus_;
+  Operations operations_;
+  std::atomic<Sink*> sink_ = nullptr;
+  std::atomic<std::int64_t> wall_ns_at_0_ = 0;
+  std::atomic<int> activity_node_ = 0;  ///< the node of a running operation; 0: none
+
+  // Only of the bus's thread.
+  std::list<Recorded> recorded_;
+  std::optional<Activity> activity_;
+  std::optional<std::pair<unsigned, std::uint32_t>> trial_;  ///< node, client
+  std::map<unsigned, std::int64_t> next_try_us_;
+  std::string trouble_, bridge_text_;
+  std::int64_t trouble_us_ = 0, published_us_ = 0, wall_us_ = -10'000'000, check_us_ = 0;
+  std::map<unsigned, std::int64_t> live_until_us_;
+
+  // Of all threads.
+  KeptRecordings recordings_;
+  mutable std::mutex mutex_;
+  std::deque<Job> jobs_;
+  NodeSet to_check_;
+  std::vector<std::pair<Reply, NodeSet>> stops_;  ///< whose answer waits for the check
+  std::map<unsigned, Shown> shown_;
+  std::map<std::uint32_t, unsigned> wanted_;  ///< channel, clients
+  std::set<std::uint32_t> gone_clients_;
+  NodeSet all_nodes_;
+};
+
+}  // namespace smaservo::page

@@ -1,0 +1,227 @@
+// What the bridge says: its channels, and what goes into them.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host-sim/page/servos/bridge.hpp"
+#include "host-sim/page/servos/messages/schemas.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
+
+namespace smaservo::page {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint32_t bridge_channel = 1;
+constexpr std::uint32_t live_channel = 1000;   ///< and the node-id
+constexpr std::uint32_t state_channel = 2000;  ///< and the node-id
+
+constexpr std::int64_t bridge_period_us = 250'000;
+/// Live values are read for so long after the last page has gone, so that a reload misses nothing.
+constexpr std::int64_t linger_us = 60'000'000;
+/// A message of trouble with the bus stands at least so long.
+constexpr std::int64_t shortest_trouble_us = 1'000'000;
+
+}  // namespace
+
+// Channels.
+
+std::vector<Channel> Bridge::channels() {
+  static const std::string bridge = bridge_schema();
+  static const std::string live = live_schema();
+  static const std::string state = state_schema();
+  std::vector<Channel> all{{bridge_channel, "/bridge", "smaservo.Bridge", bridge}};
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [node, shown] : shown_) {
+    all.push_back({live_channel + node, fmt::format("/node{}/live", node), "smaservo.Live", live});
+    all.push_back(
+        {state_channel + node, fmt::format("/node{}/state", node), "smaservo.State", state});
+  }
+  return all;
+}
+
+void Bridge::subscribed(std::uint32_t channel, unsigned clients) {
+  const std::scoped_lock lock(mutex_);
+  wanted_[channel] = clients;
+}
+
+/// What is read from the bus follows from what is subscribed to.
+void Bridge::apply_wishes() {
+  const std::int64_t now_us = bus_.now_us();
+  NodeSet live;
+  bool anything = control_.client().has_value();
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [channel, clients] : wanted_) {
+      if (clients == 0) continue;
+      anything = true;
+      if (channel > live_channel && channel < live_channel + 128) {
+        live_until_us_[channel - live_channel] = now_us + linger_us;
+      }
+    }
+  }
+  for (const auto& [node, until_us] : live_until_us_) live.set(node, now_us < until_us);
+  traffic_.want(live, anything || live.any());
+}
+
+void Bridge::show(const Servo& servo) {
+  {
+    const std::scoped_lock lock(mutex_);
+    shown_[servo.node] = {servo.history, servo.parameters};
+    all_nodes_.set(servo.node);
+  }
+  if (Sink* sink = sink_) sink->channels_changed();
+}
+
+// What the traffic tells.
+
+void Bridge::sampled(Servo& servo, const Sample& sample) {
+  servo.history->add(sample);
+  if (Sink* sink = sink_) {
+    sink->message(live_channel + servo.node, wall_ns(sample.time_us),
+                  std::make_shared<const std::string>(live_text(sample)));
+  }
+}
+
+void Bridge::state_read(Servo& servo) {
+  if (servo.commanded.by_pdo) {
+    off_switch_.knows_pdo(servo.node, static_cast<std::int8_t>(servo.mode()));
+  } else {
+    off_switch_.knows_no_pdo(servo.node);
+  }
+  const bool has_cause = servo.value({0x2202, 9}) != 0;
+  if (!has_cause) {
+    servo.freeze_frame.reset();
+  } else if (!servo.freeze_frame) {
+    servo.freeze_frame = servo.history->newest();
+  }
+  if (Sink* sink = sink_) {
+    sink->message(state_channel + servo.node, wall_ns(bus_.now_us()),
+                  std::make_shared<const std::string>(json_text(state_message(servo))));
+  }
+}
+
+void Bridge::came(unsigned node) {
+  Servo& servo = traffic_.servos().try_emplace(node, node).first->second;
+  servo.online = true;
+  servo.joined = false;
+  next_try_us_[node] = 0;
+}
+
+void Bridge::left(Servo& servo) {
+  servo.left_us = bus_.now_us();
+  if (control_.heated()[servo.node]) {
+    control_.cooled(servo.node);
+    // It may only be the bus: its watch ends the heat, and it is asked when it is back.
+    const std::scoped_lock lock(mutex_);
+    to_check_.set(servo.node);
+  }
+  stream_.forget(servo.node);
+  published_us_ = 0;
+  state_read(servo);
+}
+
+void Bridge::restarted(Servo& servo) {
+  control_.cooled(servo.node);
+  servo.enabled_us = 0;
+  servo.values.clear();
+  servo.commanded = {};
+  servo.joined = false;
+  servo.usual_timeout_s.reset();
+  stream_.forget(servo.node);
+  next_try_us_[servo.node] = 0;
+  const std::scoped_lock lock(mutex_);
+  to_check_.reset(servo.node);
+}
+
+void Bridge::doubled(Servo& servo) {
+  published_us_ = 0;
+  const NodeSet node = NodeSet{}.set(servo.node);
+  if (control_.heated()[servo.node]) {
+    control_.cooled(servo.node);
+    off_switch_.off(node);
+  }
+}
+
+void Bridge::trouble(const std::string& text) {
+  trouble_us_ = bus_.now_us();
+  if (trouble_ == text) return;
+  trouble_ = text;
+  published_us_ = 0;
+}
+
+void Bridge::watch_clients(std::int64_t now_us) {
+  take_wall_clock(now_us);
+  Sink* const sink = sink_;
+  const std::optional<std::uint32_t> client = control_.client();
+  if (sink == nullptr || !client) return;
+  const std::vector<ClientState> all = sink->clients();
+  if (std::ranges::find(all, *client, &ClientState::client) == all.end()) client_left(*client);
+}
+
+void Bridge::ticked(std::int64_t now_us) {
+  if (now_us - published_us_ >= bridge_period_us) {
+    watch_clients(now_us);
+    publish_bridge(now_us);
+  }
+}
+
+void Bridge::publish_bridge(std::int64_t now_us) {
+  published_us_ = now_us;
+  if (now_us - trouble_us_ > shortest_trouble_us) trouble_.clear();
+  if (Sink* sink = sink_) {
+    sink->message(bridge_channel, wall_ns(now_us),
+                  std::make_shared<const std::string>(bridge_text(now_us)));
+  }
+}
+
+std::string Bridge::bridge_text(std::int64_t now_us) {
+  json message{{"bus", port_->name()}, {"read_only", plan_.read_only}, {"trouble", trouble_}};
+  message["nodes"] = json::array();
+  for (const auto& [node, servo] : traffic_.servos()) {
+    if (servo.name.empty() && !servo.duplicate) continue;  // not known yet to be a servo
+    message["nodes"].push_back({{"node", node},
+                                {"name", servo.name},
+                                {"online", servo.online},
+                                {"duplicate", servo.duplicate}});
+  }
+  const std::optional<std::uint32_t> client = control_.client();
+  message["control"] = client ? json(*client) : json(nullptr);
+  message["clients"] = json::array();
+  Sink* const sink = sink_;
+  for (const ClientState& c : sink != nullptr ? sink->clients() : std::vector<ClientState>{}) {
+    message["clients"].push_back({{"client", c.client},
+                                  {"address", c.address},
+                                  {"queued", c.queued},
+                                  {"dropped", c.dropped},
+                                  {"read_only", c.read_only}});
+  }
+  message["activity"] = nullptr;
+  if (activity_) {
+    const double progress = activity_->expected_us <= 0
+                                ? 0
+                                : std::clamp(static_cast<double>(now_us - activity_->start_us) /
+                                                 static_cast<double>(activity_->expected_us),
+                                             0.0, 1.0);
+    message["activity"] = {{"service", activity_->service},
+                           {"node", activity_->node},
+                           {"client", activity_->client},
+                           {"progress", std::round(100 * progress) / 100}};
+  }
+  return json_text(message);
+}
+
+void Bridge::take_wall_clock(std::int64_t now_us) {
+  using namespace std::chrono;
+  if (now_us - wall_us_ < 1'000'000) return;
+  wall_us_ = now_us;
+  const std::int64_t wall =
+      duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count() - 1000 * now_us;
+  // Small differences are left: times of messages must not go back.
+  if (std::abs(wall - wall_ns_at_0_) > 100'000'000) wall_ns_at_0_ = wall;
+}
+
+}  // namespace smaservo::page

@@ -1,0 +1,53 @@
+#pragma once
+// Who may write, and which axes it has enabled. One client at a time has control. Every function
+// may be called from any thread; none waits.
+
+#include <bitset>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "host-sim/page/source.hpp"
+
+namespace smaservo::page {
+
+/// Node-ids, 1 to 127.
+using NodeSet = std::bitset<128>;
+
+class Control {
+ public:
+  /// What a write was asked under. It is in force until control passes on, or all is stopped.
+  using Ticket = std::uint64_t;
+
+  /// Gives control to a client that writes while nobody has it. `refusal` is empty, or says why it
+  /// may not write.
+  struct Leave {
+    Ticket ticket;
+    std::string refusal;
+  };
+  Leave ask(const Caller& caller);
+
+  /// Each of these ends all tickets and returns the axes that must be switched off now.
+  NodeSet take(std::uint32_t client);
+  NodeSet give_up(std::uint32_t client);
+  NodeSet stop_all();
+
+  /// The axis is about to be heated under the ticket. False: the ticket is not in force any more.
+  bool heat(Ticket ticket, unsigned node);
+  /// The axis is off.
+  void cooled(unsigned node);
+
+  bool holds(Ticket ticket) const;
+  std::optional<std::uint32_t> client() const;
+  NodeSet heated() const;
+
+ private:
+  NodeSet end_tickets();
+
+  mutable std::mutex mutex_;
+  std::optional<std::uint32_t> client_;
+  Ticket ticket_ = 1;
+  NodeSet heated_;
+};
+
+}  // namespace smaservo::page

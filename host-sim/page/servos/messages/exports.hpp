@@ -1,0 +1,34 @@
+#pragma once
+// Recordings as files.
+
+#include <deque>
+#include <mutex>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+
+#include "host-sim/can/bus/recording.hpp"
+
+namespace smaservo::page {
+
+/// RFC 4648.
+std::string base64(const std::string& bytes);
+
+/// The last recordings. All functions from any thread.
+class KeptRecordings {
+ public:
+  /// The message of a recording, by whose `id` it can be exported: whole, it may be too long for a
+  /// request.
+  nlohmann::json kept(const can::Recording& recording);
+  /// The answer of `export`. Throws UserError.
+  nlohmann::json exported(const nlohmann::json& request);
+
+ private:
+  can::Recording asked_for(const nlohmann::json& request);
+
+  std::mutex mutex_;
+  std::deque<std::pair<unsigned, can::Recording>> recordings_;
+  unsigned count_ = 0;
+};
+
+}  // namespace smaservo::page

@@ -1,0 +1,99 @@
+#include "host-sim/page/servos/messages/requests.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "firmware/text/canopen/objects.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
+#include "model/files/error.hpp"
+#include "model/files/message.hpp"
+
+namespace smaservo::page {
+
+using files::UserError;
+using nlohmann::json;
+
+json parsed_request(const std::string& text) {
+  json request = json::parse(text, nullptr, false);
+  if (!request.is_object()) throw UserError("the request must be a JSON object");
+  return request;
+}
+
+unsigned node_in(const json& request) {
+  const double node = number_in(request, "node", 1, 127);
+  if (node != std::floor(node)) throw UserError("node: must be a whole number from 1 to 127");
+  return static_cast<unsigned>(node);
+}
+
+double number_in(const json& request, const char* name, double low, double high) {
+  const auto found = request.find(name);
+  const bool good = found != request.end() && found->is_number();
+  const double value = good ? found->get<double>() : std::nan("");
+  if (!(low <= value && value <= high)) {
+    throw UserError(fmt::format(
+        "{}{}: must be a number from {} to {}", name,
+        found == request.end() ? " is missing" : " = " + files::printable(json_text(*found)), low,
+        high));
+  }
+  return value;
+}
+
+std::string text_in(const json& request, const char* name) {
+  const auto found = request.find(name);
+  if (found == request.end() || !found->is_string()) {
+    throw UserError(fmt::format("{}: must be a text", name));
+  }
+  return found->get<std::string>();
+}
+
+can::RecordingPlan recording_plan(const json& request, double longest_s) {
+  can::RecordingPlan plan;
+  plan.seconds = number_in(request, "seconds", 0.001, longest_s);
+  if (request.contains("before_s")) {
+    plan.before_s = number_in(request, "before_s", 0, longest_s);
+  }
+  if (request.contains("trigger") && !request["trigger"].is_null()) {
+    plan.trigger = text_in(request, "trigger");
+  }
+  const auto signals = request.find("signals");
+  if (signals == request.end() || !signals->is_array()) {
+    throw UserError("signals: must be a list of names");
+  }
+  for (const json& signal : *signals) {
+    if (!signal.is_string()) throw UserError("signals: must be a list of names");
+    plan.signals.push_back(signal.get<std::string>());
+  }
+  return plan;
+}
+
+can::Recording recording_of(const json& message) {
+  if (!message.is_object() || !message.contains("signals") || !message["signals"].is_array() ||
+      !message.contains("rows") || !message["rows"].is_array()) {
+    throw UserError("recording: must be what `record` or `step` has answered");
+  }
+  can::Recording recording;
+  recording.period_s = number_in(message, "period_s", 1e-6, 1e6);
+  for (const json& signal : message["signals"]) {
+    const std::string name = signal.is_string() ? signal.get<std::string>() : "";
+    const auto& rows = signal_rows<float>;
+    if (std::ranges::find(rows, name, &Signal<float>::name) == rows.end()) {
+      throw UserError(fmt::format("recording: signals: {}: no such signal",
+                                  files::printable(json_text(signal))));
+    }
+    recording.signals.push_back(name);
+  }
+  for (const json& values : message["rows"]) {
+    std::vector<double>& row = recording.rows.emplace_back();
+    for (const json& value : values) {
+      row.push_back(value.is_number() ? value.get<double>() : std::nan(""));
+    }
+    if (!values.is_array() || row.size() != recording.signals.size()) {
+      throw UserError(fmt::format("recording: row {}: must have {} values", recording.rows.size(),
+                                  recording.signals.size()));
+    }
+  }
+  return recording;
+}
+
+}  // namespace smaservo::page

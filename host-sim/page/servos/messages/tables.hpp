@@ -1,0 +1,43 @@
+#pragma once
+// The firmware's own tables, and what was read from a servo, as JSON.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "firmware/parameters/parameters.hpp"
+#include "host-sim/can/bus/recording.hpp"
+#include "host-sim/page/servos/history.hpp"
+
+namespace smaservo::page {
+
+/// The shortest number that reads back to the same float; null where it is not finite.
+nlohmann::json json_number(float value);
+/// One line; bytes that are no UTF-8 are replaced.
+std::string json_text(const nlohmann::json& value);
+
+/// The answer of `describe`.
+nlohmann::json described();
+
+/// The text of a sample as smaservo.Live has it.
+std::string live_text(const Sample& sample);
+nlohmann::json history_message(const HistoryRows& rows, std::int64_t wall_ns_at_0);
+nlohmann::json recording_message(const can::Recording& recording);
+
+/// A parameter's value as JSON: a number, true or false, the name of a choice.
+std::string parameter_json(const Parameter<double>& row, Value value);
+/// The text of a JSON value as text::value_bytes() takes it. Throws UserError where its type is not
+/// the parameter's.
+std::string parameter_text(const Parameter<double>& row, const nlohmann::json& value);
+
+/// "node3.strain.proportional_W"
+struct ParameterName {
+  unsigned node;
+  std::size_t row;
+};
+/// Throws UserError, which says what is wrong.
+ParameterName parameter_of(const std::string& name);
+/// The row of a parameter by its path. Throws UserError with similar names.
+std::size_t parameter_row(const std::string& path);
+
+}  // namespace smaservo::page

@@ -1,0 +1,194 @@
+#include "host-sim/page/servos/servo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware/canopen/node/object.hpp"
+#include "firmware/safety/faults/table.hpp"
+#include "firmware/text/device_names.hpp"
+#include "host-sim/can/remote.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
+
+namespace smaservo::page {
+namespace {
+
+using nlohmann::json;
+
+constexpr unsigned reached_bit_of_status = 0x400;
+constexpr unsigned remote_bit_of_status = 0x200;
+
+/// The names of PROTOCOL.md, in the order of statusword's patterns.
+const char* drive_name(unsigned statusword) {
+  struct State {
+    unsigned bits, mask;
+    const char* name;
+  };
+  static constexpr State states[] = {{0x00, 0x4F, "not_ready"},
+                                     {0x40, 0x4F, "switch_on_disabled"},
+                                     {0x21, 0x6F, "ready"},
+                                     {0x23, 0x6F, "switched_on"},
+                                     {0x27, 0x6F, "operation_enabled"},
+                                     {0x07, 0x6F, "quick_stop"},
+                                     {0x0F, 0x4F, "fault_reaction"},
+                                     {0x08, 0x4F, "fault"}};
+  const auto* const found =
+      std::ranges::find_if(states, [&](const State& s) { return (statusword & s.mask) == s.bits; });
+  return found == std::end(states) ? "not_ready" : found->name;
+}
+
+FaultSet fault_set_at(const Servo& servo, std::uint8_t sub) {
+  return FaultSet::from_bits(
+      static_cast<std::uint64_t>(servo.value({0x2202, sub})) |
+      static_cast<std::uint64_t>(servo.value({0x2202, static_cast<std::uint8_t>(sub + 1)})) << 32U);
+}
+
+json fault_names(FaultSet set) {
+  json names = json::array();
+  for_each_fault(set, [&](Fault fault) { names.push_back(fault_name(fault)); });
+  return names;
+}
+
+json limit_names_of(std::uint32_t bits) {
+  json names = json::array();
+  for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
+    if ((bits >> i & 1U) != 0) names.push_back(text::limit_reason_name(LimitReason(i)));
+  }
+  return names;
+}
+
+std::string nmt_of(const Servo& servo) {
+  if (!servo.online)
+    return servo.heartbeat_state ? can::nmt_state_text(*servo.heartbeat_state) : "";
+  return (servo.statusword() & remote_bit_of_status) != 0 ? "operational" : "pre-operational";
+}
+
+json target_of(const Servo& servo) {
+  switch (servo.mode()) {
+    case 1:
+    case 8:
+      return servo.signed_value({0x607A, 0});
+    case 4:
+    case 10:
+      return static_cast<std::int16_t>(servo.value({0x6071, 0}));
+    case -1:
+    case -2:
+    case -3:
+      return json_number(
+          canopen::as_real(servo.value({0x2201, static_cast<std::uint8_t>(-servo.mode())})));
+    default:
+      return nullptr;
+  }
+}
+
+json frame_of(const std::optional<Sample>& sample) {
+  if (!sample) return nullptr;
+  json values = json::object();
+  for (std::size_t i = 0; i < signal_count; ++i) {
+    if (sample->has[i]) {
+      values[std::string(signal_rows<float>[i].name)] = json_number(sample->values[i]);
+    }
+  }
+  return values;
+}
+
+json transaction_of(const Servo& servo) {
+  const unsigned state = servo.value({0x2102, 2});
+  return {{"state", state == 2   ? "trying"
+                    : state == 1 ? "open"
+                                 : "none"},
+          {"seconds_left",
+           state == 2 ? json_number(canopen::as_real(servo.value({0x2102, 5}))) : json(nullptr)}};
+}
+
+}  // namespace
+
+const std::vector<StateObject>& state_objects() {
+  static const std::vector<StateObject> all = [] {
+    std::vector<StateObject> objects{
+        {{0x6041, 0}, true},  {{0x6061, 0}, false}, {{0x6064, 0}, false}, {{0x607A, 0}, false},
+        {{0x6071, 0}, false}, {{0x605A, 0}, false}, {{0x605E, 0}, false}, {{0x2102, 2}, false},
+        {{0x2102, 5}, false}, {{0x2220, 1}, false}};
+    for (std::uint8_t sub = 1; sub <= 11; ++sub) objects.push_back({{0x2202, sub}, false});
+    for (std::uint8_t sub = 1; sub <= 3; ++sub) objects.push_back({{0x2201, sub}, false});
+    return objects;
+  }();
+  return all;
+}
+
+bool KnownParameters::put(std::size_t row, Value value) {
+  const std::scoped_lock lock(mutex_);
+  const bool changed = values_[row] != value;
+  values_[row] = value;
+  return changed;
+}
+
+std::optional<Value> KnownParameters::get(std::size_t row) const {
+  const std::scoped_lock lock(mutex_);
+  return values_[row];
+}
+
+unsigned Servo::value(Key key) const {
+  const auto found = values.find(key);
+  return found == values.end() ? 0 : found->second;
+}
+
+std::int32_t Servo::signed_value(Key key) const {
+  return static_cast<std::int32_t>(value(key));
+}
+
+bool Servo::may_be_heated() const {
+  const unsigned status = statusword();
+  return is_enabled() || ((status & 0x6FU) == 0x07 && value({0x605A, 0}) == 6) ||
+         ((status & 0x4FU) == 0x0F && value({0x605E, 0}) == 2);
+}
+
+std::string Servo::title() const {
+  return name.empty() ? fmt::format("node {}", node) : fmt::format("node {} ({})", node, name);
+}
+
+json state_message(const Servo& servo) {
+  const unsigned first = servo.value({0x2202, 9});
+  const auto& rows = mode_rows();
+  const auto mode = std::ranges::find(rows, servo.mode(), &ModeRow::mode);
+  json message{{"node", servo.node},
+               {"online", servo.online},
+               {"nmt", nmt_of(servo)},
+               {"drive", drive_name(servo.statusword())},
+               {"statusword", servo.statusword()},
+               {"mode", servo.mode()},
+               {"mode_name", mode == rows.end() ? "none" : mode->name},
+               {"target", target_of(servo)},
+               {"position_um", servo.signed_value({0x6064, 0})},
+               {"target_reached", (servo.statusword() & reached_bit_of_status) != 0},
+               {"active", fault_names(fault_set_at(servo, 3))},
+               {"latched", fault_names(fault_set_at(servo, 1))},
+               {"warnings", fault_names(fault_set_at(servo, 5))},
+               {"blocking", fault_names(fault_set_at(servo, 7))},
+               {"first_cause", first == 0 || first >= fault_count
+                                   ? json(nullptr)
+                                   : json(fault_name(static_cast<Fault>(first)))},
+               {"limits", limit_names_of(servo.value({0x2202, 11}))},
+               {"freeze_frame", frame_of(servo.freeze_frame)},
+               {"transaction", transaction_of(servo)},
+               {"unsaved", servo.unsaved},
+               {"rate_hz", std::round(10 * servo.rate_hz) / 10},
+               {"gaps", servo.gaps}};
+  return message;
+}
+
+const std::vector<ModeRow>& mode_rows() {
+  static const std::vector<ModeRow> rows{{1, "profile position", "um"},
+                                         {8, "cyclic position", "um"},
+                                         {6, "homing", ""},
+                                         {4, "profile force", "0.1 %"},
+                                         {10, "cyclic force", "0.1 %"},
+                                         {-1, "current", "A"},
+                                         {-2, "power", "W"},
+                                         {-3, "temperature", "K"},
+                                         {-4, "identification", ""}};
+  return rows;
+}
+
+}  // namespace smaservo::page

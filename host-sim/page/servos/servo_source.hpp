@@ -1,0 +1,24 @@
+#pragma once
+// The bridge to the servos of one bus, with its thread.
+
+#include <optional>
+
+#include "host-sim/page/source.hpp"
+
+namespace smaservo::page {
+
+struct ServoOptions {
+  std::string can;                   ///< as open_can() takes it
+  std::optional<std::uint32_t> key;  ///< of an access level of the servos (2003h:2)
+  double sync_s = 0;                 ///< period of SYNC; 0: live values are polled
+  /// By SYNC; at most eight, two in each PDO.
+  std::vector<std::string> sync_signals{"strain",    "temperature_K", "resistance_ohm",
+                                        "current_A", "setpoint",      "power_W"};
+  float watch_s = 1;       ///< longest silence of the bridge before a servo ends its heat
+  bool read_only = false;  ///< of all clients
+};
+
+/// Opens the bus. Throws UserError.
+std::unique_ptr<Source> make_servo_source(const ServoOptions& options);
+
+}  // namespace smaservo::page

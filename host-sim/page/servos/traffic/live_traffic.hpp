@@ -1,0 +1,118 @@
+#pragma once
+// What the bridge says on the bus by itself: reads live values and states of all servos in turn,
+// looks for new ones, renews what keeps an axis enabled, sends SYNC. All of it one frame at a time:
+// nothing here waits for an answer.
+
+#include <functional>
+#include <map>
+
+#include "host-sim/page/servos/servo.hpp"
+#include "host-sim/page/servos/traffic/live_round.hpp"
+#include "host-sim/page/servos/traffic/shared_bus.hpp"
+#include "host-sim/page/servos/traffic/sync_stream.hpp"
+
+namespace smaservo::page {
+
+struct TrafficPlan {
+  /// Requests a second, of all servos together: 800 with their answers are 40 % of a bus at
+  /// 500 kbit/s.
+  double requests_per_s = 800;
+};
+
+/// What the rest of the bridge learns.
+class TrafficEvents {
+ public:
+  virtual ~TrafficEvents() = default;
+  virtual void sampled(Servo& servo, const Sample& sample) = 0;
+  /// A round of the state has been read, or something in it has changed.
+  virtual void state_read(Servo& servo) = 0;
+  /// It answers, or answers no more; it has restarted; it is two.
+  virtual void came(unsigned node) = 0;
+  virtual void left(Servo& servo) = 0;
+  virtual void restarted(Servo& servo) = 0;
+  virtual void doubled(Servo& servo) = 0;
+  virtual void trouble(const std::string& text) = 0;
+  virtual void ticked(std::int64_t now_us) = 0;
+};
+
+class LiveTraffic final : public Traffic {
+ public:
+  LiveTraffic(can::Bus& bus, const TrafficPlan& plan, SyncStream& stream, Control& control,
+              TrafficEvents& events);
+
+  void heard(const hal::CanFrame& frame, std::int64_t now_us) override;
+  std::int64_t tick(std::int64_t now_us) override;
+  void said(const hal::CanFrame& frame, std::int64_t now_us) override;
+  bool waits_for(unsigned node, std::int64_t now_us) override;
+
+  /// Whose transfers are left alone.
+  void set_busy(const NodeSet* busy) { busy_ = busy; }
+  std::map<unsigned, Servo>& servos() { return servos_; }
+  /// Whether anybody looks at the live values, or at anything at all.
+  void want(const NodeSet& live, bool anything);
+  /// The state of a servo is to be read at once.
+  void refresh(unsigned node);
+  /// A node that somebody has found.
+  void probe(unsigned node) { candidates_.set(node); }
+
+ private:
+  enum class Reason : std::uint8_t { state, live, renewal, probe };
+  /// One request at most is on its way to a node.
+  struct Link {
+    bool waits = false;
+    Reason reason = Reason::probe;
+    Key key{}, answered{};
+    std::int64_t sent_us = 0, answered_us = -1'000'000, foreign_us = -1'000'000;
+    unsigned silences = 0;
+    unsigned surplus = 0;
+    std::int64_t surplus_us = -1'000'000'000;
+    std::int64_t next_try_us = 0, hold_until_us = 0;
+    // The round of the state, and that of the live values.
+    std::size_t state_at = 0;
+    std::int64_t state_due_us = 0;
+    std::size_t live_at = 0, slow_at = 0;  ///< in the round; among the slow ones
+    std::int64_t live_due_us = 0, live_last_us = 0;
+    bool in_round = false;
+    LiveRound round;
+    Sample sample, slow_sample;
+    std::uint64_t polled_gaps = 0;
+    std::int64_t rate_since_us = 0;
+    unsigned rate_count = 0;
+  };
+
+  Servo* servo_of(unsigned node);
+  void ask(unsigned node, Key key, Reason reason, std::int64_t now_us,
+           std::optional<std::uint16_t> value = {});
+  void answered(unsigned node, const hal::CanFrame& frame, std::int64_t now_us);
+  void take(Servo& servo, Link& link, const hal::CanFrame& frame, std::int64_t now_us);
+  void take_state(Servo& servo, Link& link, std::uint32_t value, std::int64_t sent_us,
+                  std::int64_t now_us);
+  void take_live(Servo& servo, Link& link, std::optional<float> value, std::int64_t now_us);
+  void surplus_answer(unsigned node, Link& link, std::int64_t now_us);
+  void sample(Servo& servo, Link& link, const Sample& sample, std::int64_t now_us);
+  void renew(std::int64_t now_us);
+  void poll(unsigned node, std::int64_t now_us);
+  bool poll_state(Servo& servo, Link& link, std::int64_t now_us);
+  bool poll_live(Servo& servo, Link& link, std::int64_t now_us);
+  void begin_round(unsigned node, Link& link);
+  void look_for_silence(unsigned node, std::int64_t now_us);
+  void search(std::int64_t now_us);
+  void send(std::int64_t now_us);
+  bool is_busy(unsigned node) const { return busy_ != nullptr && busy_->test(node); }
+
+  can::Bus& bus_;
+  TrafficPlan plan_;
+  SyncStream& stream_;
+  Control& control_;
+  TrafficEvents& events_;
+  const NodeSet* busy_ = nullptr;
+  std::map<unsigned, Servo> servos_;
+  std::array<Link, 128> links_;
+  NodeSet live_, candidates_;
+  bool anything_ = false;
+  double allowed_ = 0;
+  std::int64_t allowed_us_ = 0, pause_until_us_ = 0, search_us_ = 0;
+  unsigned search_at_ = 1, turn_ = 0;
+};
+
+}  // namespace smaservo::page

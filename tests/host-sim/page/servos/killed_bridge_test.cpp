@@ -1,0 +1,93 @@
+// The bridge as a process of its own, killed, beside the real daemon on a simulated wire.
+
+#include <atomic>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "firmware/canopen/node/object.hpp"
+#include "host-sim/can/bus/port_bus.hpp"
+#include "host-sim/can/sdo_client.hpp"
+#include "host-sim/page/servos/servo_source.hpp"
+#include "tests/firmware/daemon/daemon_program.hpp"
+
+namespace smaservo::page {
+namespace {
+
+/// Tests run beside each other.
+std::string own_bus() {
+  return fmt::format("udp:239.74.163.4%lo:{}", 20000 + getpid() % 20000);
+}
+
+struct OneClient final : Sink {
+  void message(std::uint32_t, std::int64_t, std::shared_ptr<const std::string>) override {}
+  void channels_changed() override {}
+  void parameters_changed(const std::vector<NamedValue>&) override {}
+  std::vector<ClientState> clients() override { return {{1, "127.0.0.1", 0, 0, false}}; }
+};
+
+std::uint32_t service_id(Source& source, const std::string& name) {
+  for (const Service& service : source.services()) {
+    if (service.name == name) return service.id;
+  }
+  return 0;
+}
+
+/// Enables the servo and moves it, then only stays alive.
+[[noreturn]] void be_a_bridge(const std::string& bus) {
+  OneClient client;
+  ServoOptions options;
+  options.can = bus;
+  const auto source = make_servo_source(options);
+  source->start(client);
+  source->subscribed(1001, 1);
+  const auto succeeds = [&](const char* service, const char* request) {
+    std::atomic<int> result = -1;
+    source->call({1, false}, service_id(*source, service), request,
+                 [&](const Answer& answer) { result = answer.ok ? 1 : 0; });
+    while (result < 0) usleep(1000);
+    return result == 1;
+  };
+  while (!succeeds("enable", R"({"node":1})")) usleep(100'000);
+  succeeds("mode", R"({"node":1,"mode":1})");
+  succeeds("target", R"({"node":1,"value":800})");
+  for (;;) pause();
+}
+
+double real_at(can::SdoClient& servo, Key key) {
+  const can::Bytes bytes = servo.upload(key);
+  return static_cast<double>(
+      canopen::as_real(static_cast<std::uint32_t>(canopen::take_number(bytes))));
+}
+
+TEST(PageBridge, KilledLeavesNoHeat) {
+  constexpr Key measured_current{0x2200, 20}, watch{0x2002, 1};
+  constexpr double heated_A = 0.02, off_A = 0.002;
+  const std::string bus = own_bus();
+  const test::TemporaryFolder folder;
+  const test::Program daemon(
+      folder, {"--board", "sim", "--bus", bus, "--no-real-time", "--settings", folder / "store"});
+  const pid_t bridge = fork();
+  if (bridge == 0) be_a_bridge(bus);
+  can::PortBus port(bus);
+  can::SdoClient servo(port, 1);
+  servo.set_timeout(2'000'000);
+  const auto flows = [&] {
+    try {
+      return real_at(servo, measured_current) > heated_A;
+    } catch (const can::SdoError&) {
+      return false;  // the bridge reads, too: its requests may drop ours
+    }
+  };
+  ASSERT_TRUE(test::becomes(flows));
+  sleep(3);  // three times the servo's watch, which only renewals feed
+  EXPECT_TRUE(test::becomes(flows));
+  kill(bridge, SIGKILL);
+  waitpid(bridge, nullptr, 0);
+  EXPECT_EQ(real_at(servo, watch), 1) << "the bridge's time, not the usual one of 5 s";
+  EXPECT_TRUE(test::becomes([&] { return real_at(servo, measured_current) < off_A; }));
+  daemon.kill(SIGTERM);
+}
+
+}  // namespace
+}  // namespace smaservo::page
