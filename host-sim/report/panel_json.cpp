@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t max_rows = 20'000;
+constexpr std::size_t rows_of_a_panel = 20'000;
 constexpr std::size_t max_numbers = 300'000;
 
 /// The columns of a page. Those of one series are thinned together: each row stays a row.
@@ -43,7 +43,7 @@ class PageColumns {
     }
     std::map<std::size_t, std::vector<std::size_t>> rows;
     for (const auto& [group, columns] : groups) {
-      rows[group] = rows_to_show(columns, std::min(max_rows, max_numbers / columns.size()));
+      rows[group] = rows_to_show(columns, std::min(rows_of_a_panel, max_numbers / columns.size()));
     }
     std::string text;
     for (std::size_t i = 0; i < all_.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace smaservo::page {
 namespace {
@@ -122,7 +123,7 @@ HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
   // Chunks of different signals overlap in time.
   std::vector<std::size_t> order(times_us.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t row) { return times_us[row]; });
+  std::ranges::sort(order, {}, [&](std::size_t row) { return std::pair(times_us[row], row); });
   HistoryRows all{{}, has, std::vector<std::vector<float>>(width)};
   for (const std::size_t row : order) {
     all.time_us.push_back(times_us[row]);

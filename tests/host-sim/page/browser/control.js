@@ -1,0 +1,81 @@
+// Who may heat, and who may stop.
+'use strict';
+
+const {by, shown, text, until} = require('./world.js');
+const {connected, enable, field, move, off, parameter, drive} = require('./person.js');
+const assert = require('node:assert/strict');
+
+const gain = 'strain.proportional_W';
+
+module.exports = {
+  async 'a click, the space bar and Escape stop the servo'({view, world}) {
+    await connected(view);
+    const ways = {
+      'a click': () => by(view, 'stop').click(),
+      // Also where a button has the focus, which the bar would press.
+      async 'the bar'() {
+        await by(view, 'disable').focus();
+        await view.keyboard.press('Space');
+      },
+      // Also where it is typed into a field.
+      async 'Escape'() {
+        await parameter(view, gain);
+        await by(view, 'search').focus();
+        await view.keyboard.press('Escape');
+      },
+    };
+    for (const [way, stop] of Object.entries(ways)) {
+      await move(view, 800);
+      await stop();
+      await off(view);
+      await until(`${way}: no current`, async () => !await world.heated());
+      await until('a word that it is off', async () => (await view.locator('[data-testid=notice-info]').allTextContents())
+        .some((words) => /all servos are off/.test(words)));
+      // It is gone by itself before the next one.
+      await until('no notice', async () => await view.locator('[data-testid=notice-info]').count() === 0);
+    }
+  },
+
+  async 'a second browser sees all and changes nothing until it takes control'({view, world}) {
+    await connected(view);
+    const second = await world.visit();
+    await connected(second);
+    await enable(view);
+    await text(view, 'control', /You have control/);
+    await text(second, 'control', /has control/);
+    await drive(second, /Enabled/);
+    assert.equal(await by(second, 'disable').isEnabled(), false);
+    await parameter(second, gain);
+    assert.equal(await field(second, gain).isEnabled(), false);
+    // Taking it stops what the first one had enabled.
+    await by(second, 'take-control').click();
+    await text(second, 'control', /You have control/);
+    await text(view, 'control', /has control/);
+    await off(second);
+    // The stop is anybody's.
+    await enable(second);
+    await by(view, 'stop').click();
+    await off(second);
+  },
+
+  async 'a bridge that may only show offers no change'({view, world}) {
+    await connected(view);
+    assert.equal(await world.bridge.stop(), 0);
+    await world.startBridge('--read-only');
+    const viewer = await world.visit();
+    await connected(viewer);
+    await text(viewer, 'read-only', /View only/);
+    assert.equal(await by(viewer, 'enable').isEnabled(), false);
+    await parameter(viewer, gain);
+    assert.equal(await field(viewer, gain).isEnabled(), false);
+    assert.equal(await by(viewer, 'stop').isEnabled(), true);
+  },
+
+  async 'the last page that goes ends the heat'({view, world}) {
+    await connected(view);
+    await move(view, 800);
+    await view.context().close();
+    await until('no current', async () => !await world.heated());
+    await shown(await world.visit(), 'enable');
+  },
+};

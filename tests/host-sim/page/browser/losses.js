@@ -1,0 +1,58 @@
+// What is lost in the middle: a servo, the bridge, the bus.
+'use strict';
+
+const {by, gone, text, until} = require('./world.js');
+const {connected, enable, move, off, received} = require('./person.js');
+const assert = require('node:assert/strict');
+const {execFileSync} = require('node:child_process');
+
+module.exports = {
+  async 'a servo that is killed hot is missed, comes back, and is not enabled'({view, world}) {
+    await connected(view);
+    await move(view, 800);
+    await world.servo.stop('SIGKILL');
+    await text(view, 'offline', /does not answer/);
+    await world.startServo();
+    await gone(view, 'offline');
+    const samples = await received(view);
+    await until('samples of the servo that is back', async () => await received(view) > samples + 20);
+    assert.equal(await world.heated(), false);
+    // A wire that was hot when its program was killed is not heated before somebody says so.
+    await text(view, 'blocked', /unclean_boot/);
+    assert.equal(await by(view, 'enable').isEnabled(), false);
+    assert.notEqual(await world.can('reset-faults'), null);
+    await gone(view, 'blocked');
+    await enable(view);
+  },
+
+  async 'a bridge that is killed leaves no heat, and the page says what it is'({view, world}) {
+    await connected(view);
+    await move(view, 800);
+    await world.bridge.stop('SIGKILL');
+    await text(view, 'lost', /No connection/);
+    await text(view, 'drive', /not connected/);
+    await by(view, 'stop').click();
+    await text(view, 'notice-error', /NOT confirmed/);
+    await until('no current', async () => !await world.heated());
+    await world.startBridge();
+    await gone(view, 'lost');
+    await off(view);
+    assert.equal(await world.heated(), false);
+  },
+
+  async 'a bus that is down is said, and heats nothing after it'({view, world}) {
+    await connected(view);
+    await move(view, 800);
+    const trouble = async () => await by(view, 'offline').isVisible() || await by(view, 'bus-trouble').isVisible();
+    // Both ends of the network that the test has for itself: multicast goes out by either.
+    const links = (state) => ['here', 'there'].forEach((end) => execFileSync('ip', ['link', 'set', end, state]));
+    links('down');
+    await until('a word about the bus', trouble);
+    links('up');
+    await until('the bus again', async () => !await trouble());
+    // The servo has ended its heat by itself, and the page has not enabled it again.
+    await off(view);
+    assert.equal(await world.heated(), false);
+    assert.equal(world.servo.process.exitCode, null);
+  },
+};

@@ -1,0 +1,80 @@
+// Parameters: tried, kept, reverted, undone, stored, refused, changed by others.
+'use strict';
+
+const {by, gone, shown, text, until} = require('./world.js');
+const {connected, field, parameter, value} = require('./person.js');
+const assert = require('node:assert/strict');
+
+const gain = 'strain.proportional_W';
+
+module.exports = {
+  async 'an edit is tried, reverted by hand and by itself, and kept'({view, world}) {
+    await connected(view);
+    await parameter(view, gain);
+    const before = await value(view, gain);
+    const other = String(Number(before) + 1);
+    for (const how of ['revert', 'itself']) {
+      if (how === 'itself') await by(view, 'try-seconds').selectOption('10');
+      await field(view, gain).fill(other);
+      await by(view, 'try').click();
+      await shown(view, 'trial');
+      await until('the value on trial', async () => await world.read(gain) === Number(other));
+      if (how === 'revert') await by(view, 'revert').click();
+      await gone(view, 'trial');
+      await until(`the value before (${how})`, async () => await world.read(gain) === Number(before));
+      await until('the page shows it', async () => await value(view, gain) === before);
+    }
+    await field(view, gain).fill(other);
+    await field(view, gain).press('Enter');
+    await shown(view, 'trial');
+    await by(view, 'keep').click();
+    await gone(view, 'trial');
+    assert.equal(await world.read(gain), Number(other));
+    await until('the value that is kept', async () => await value(view, gain) === other);
+    await shown(view, `changed-${gain}`);
+    await text(view, 'history', /kept after a trial/);
+    await by(view, 'undo').click();
+    await until('the value before the change', async () => await world.read(gain) === Number(before));
+  },
+
+  async 'a value that is written and stored outlasts the servo'({view, world}) {
+    await connected(view);
+    await parameter(view, gain);
+    await field(view, gain).fill('8.25');
+    await by(view, 'write').click();
+    await until('written', async () => await world.read(gain) === 8.25);
+    await by(view, 'store').click();
+    await view.getByText('stored', {exact: true}).waitFor();
+    await world.servo.stop();
+    await world.startServo();
+    assert.equal(await world.read(gain), 8.25);
+  },
+
+  async 'a refused value says why, and the servo keeps its own'({view, world}) {
+    await connected(view);
+    await parameter(view, gain);
+    const before = await value(view, gain);
+    // Beyond its range: the page itself knows.
+    await field(view, gain).fill('1e9');
+    await text(view, `parameter-${gain}`, /at most|between|to /);
+    await view.locator(`[id="value-${gain}-why"]`).waitFor();
+    assert.equal(await by(view, 'try').isEnabled(), false);
+    await by(view, 'discard').click();
+    assert.equal(await value(view, gain), before);
+    // Within its range, against another parameter: the servo says it.
+    const trip_A = await world.read('trips.current_A');
+    await parameter(view, 'trips.current_A');
+    await field(view, 'trips.current_A').fill(String(await world.read('limits.current_A') / 2));
+    await by(view, 'try').click();
+    assert.match(await text(view, 'notice-error', /current/), /current_m?A/);
+    assert.equal(await by(view, 'trial').count(), 0);
+    assert.equal(await world.read('trips.current_A'), trip_A);
+  },
+
+  async 'what another master changes is seen'({view, world}) {
+    await connected(view);
+    await parameter(view, gain);
+    assert.notEqual(await world.can('set', `${gain}=5.75`), null);
+    await until('its value', async () => Number(await value(view, gain)) === 5.75);
+  },
+};

@@ -1,0 +1,55 @@
+// What a person does on the page in more than one test.
+'use strict';
+
+const {by, shown, text, until} = require('./world.js');
+
+const received = async (view) => Number(await by(view, 'rate').getAttribute('data-received'));
+const field = (view, parameter) => view.locator(`[id="value-${parameter}"]`);
+const value = (view, parameter) => field(view, parameter).inputValue();
+const drive = (view, words) => text(view, 'drive', words);
+const off = (view) => drive(view, (words) => !/Enabled/.test(words));
+const tab = (view, name) => by(view, `tab-${name}`).click();
+const reading = async (view, name) =>
+  Number((await by(view, `reading-${name}`).textContent()).replace('−', '-'));
+
+async function connected(view) {
+  await shown(view, 'rate');
+  await until('samples', async () => await received(view) > 50);
+}
+
+/** The row of a parameter, found by its name. */
+async function parameter(view, name) {
+  await tab(view, 'parameters');
+  await by(view, 'search').fill(name);
+  await field(view, name).waitFor();
+}
+
+async function enable(view) {
+  await tab(view, 'live');
+  await until('a servo that may be enabled', () => by(view, 'enable').isEnabled());
+  await by(view, 'enable').click();
+  await drive(view, /Enabled/);
+}
+
+/** Until it is there: a servo whose bridge does not get to run for a while switches itself off. */
+async function move(view, target_um) {
+  await tab(view, 'live');
+  await until(`a move to ${target_um} um`, async () => {
+    const soon = {timeout: 10_000};
+    try {
+      if (await by(view, 'enable').count() > 0) await by(view, 'enable').click(soon);
+      await by(view, 'mode').selectOption('1', soon);
+      await by(view, 'target').fill(String(target_um), soon);
+      await by(view, 'go').click(soon);
+    } catch {
+      return false;
+    }
+    for (let tries = 0; tries < 100; ++tries) {
+      if (Math.abs(await reading(view, 'position_m') - target_um) < 100) return true;
+      await view.waitForTimeout(100);
+    }
+    return false;
+  });
+}
+
+module.exports = {connected, drive, enable, field, move, off, parameter, reading, received, tab, value};

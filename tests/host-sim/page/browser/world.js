@@ -1,0 +1,180 @@
+// The world of one test: a bridge and a servo on a simulated wire as processes, on a bus that nobody else is on
+// (tests/can/own_network.sh), another master that looks at the servo by itself, and the system's browsers.
+'use strict';
+
+const {chromium, firefox} = require('playwright-core');
+const {execFile, spawn} = require('node:child_process');
+const fs = require('node:fs');
+const os = require('node:os');
+const path = require('node:path');
+const {promisify} = require('node:util');
+
+// A machine may be busy: this is only how long a failed test waits.
+const patience_ms = 120_000;
+
+const programs = {
+  chromium: process.env.CHROMIUM ?? '/usr/bin/chromium',
+  firefox: process.env.FIREFOX ?? '/usr/bin/firefox-esr',
+};
+
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+
+/** Waits until the condition gives something, and gives that. */
+async function until(what, condition) {
+  const end_ms = Date.now() + patience_ms;
+  for (;;) {
+    const result = await condition();
+    if (result) return result;
+    if (Date.now() > end_ms) throw new Error(`does not come: ${what}`);
+    await sleep(100);
+  }
+}
+
+const running = new Set();
+process.on('exit', () => {
+  for (const one of running) one.kill('SIGKILL');
+});
+
+class Program {
+  constructor(file, ...options) {
+    this.process = spawn(file, options, {stdio: ['ignore', 'pipe', 'pipe']});
+    running.add(this.process);
+    this.said = '';
+    for (const stream of [this.process.stdout, this.process.stderr]) {
+      stream.on('data', (bytes) => (this.said += bytes));
+    }
+    this.ended = new Promise((done) => {
+      this.process.on('exit', (code, signal) => {
+        running.delete(this.process);
+        done(code ?? signal);
+      });
+    });
+  }
+
+  async stop(signal = 'SIGTERM') {
+    this.process.kill(signal);
+    return this.ended;
+  }
+}
+
+class World {
+  constructor({host_sim, smaservod, sources}, browser) {
+    Object.assign(this, {host_sim, smaservod, sources, browser});
+    this.folder = fs.mkdtempSync(path.join(os.tmpdir(), 'smaservo-browser-'));
+    this.views = [];
+    this.port = 0;  // any for the first bridge, then the same one
+  }
+
+  /** 250 Hz, so that a busy machine is no fault of its loop; its settings outlast it. */
+  async startServo() {
+    fs.mkdirSync(path.join(this.folder, 'store'), {recursive: true});
+    const device = path.join(this.folder, 'device.toml');
+    fs.writeFileSync(device, fs.readFileSync(path.join(this.sources, 'tests/can/device.toml'), 'utf8') +
+      '\n[identity]\nnode_id = 1\n\n[timing]\nperiod_ms = 4\nsample_timeout_ms = 100\n');
+    this.servo = new Program(this.smaservod, '--board', 'sim', '--bus', 'udp', '--device', device,
+      '--settings', path.join(this.folder, 'store'), '--no-real-time');
+    await until('the servo answers', () => this.can('get', '1018:1'));
+  }
+
+  /** A bridge that does not get to run for a while is not dead: --watch. */
+  async startBridge(...options) {
+    const bridge = new Program(this.host_sim, 'page', '--can', 'udp', '--listen', `127.0.0.1:${this.port}`,
+      '--watch', '5', ...options);
+    const found = await until('the address of the bridge', () =>
+      bridge.process.exitCode === null ? /^https?:\S+/m.exec(bridge.said) : [''] );
+    if (!found[0]) throw new Error(`no address of the bridge: ${bridge.said}`);
+    this.url = found[0];
+    this.port = Number(new URL(this.url).port);
+    this.bridge = bridge;
+  }
+
+  /** What another master on the bus is told; null: the servo did not answer. */
+  async can(...words) {
+    try {
+      const {stdout} = await promisify(execFile)(this.host_sim, ['can', '--can', 'udp', '--timeout', '2', ...words]);
+      return stdout;
+    } catch {
+      return null;
+    }
+  }
+
+  /** A value of the servo, which must answer. */
+  async read(name) {
+    const text = await until(name, () => this.can('get', name));
+    return Number(text.match(/(-?[0-9][0-9.e+-]*)/g).at(-1));
+  }
+
+  /** Whether current flows, as the servo has measured it. */
+  async heated() {
+    return await this.read('live.measured_A') > 0.01;
+  }
+
+  /** The page as a person of its own sees it, who remembers nothing. */
+  async visit(options = {}) {
+    const person = await this.browser.newContext({viewport: {width: 1280, height: 900}, ...options});
+    person.setDefaultTimeout(patience_ms);
+    person.setDefaultNavigationTimeout(patience_ms);
+    const view = await person.newPage();
+    Object.assign(view, {errors: [], asked: []});
+    view.on('pageerror', (error) => view.errors.push(error.message));
+    view.on('request', (request) => view.asked.push(request.url()));
+    await view.goto(this.url);
+    this.views.push(view);
+    return view;
+  }
+
+  async end() {
+    for (const view of this.views) await view.context().close();
+    for (const program of [this.bridge, this.servo]) await program?.stop('SIGKILL');
+    fs.rmSync(this.folder, {recursive: true});
+  }
+}
+
+/** A browser of the system: Chromium by its own protocol, Firefox by WebDriver BiDi. */
+function launch(name) {
+  const executablePath = programs[name];
+  return name === 'firefox'
+    ? firefox.launch({channel: 'moz-firefox', executablePath, timeout: patience_ms})
+    : chromium.launch({executablePath, args: ['--no-sandbox', '--disable-gpu'], timeout: patience_ms});
+}
+
+const by = (view, name) => view.locator(`[data-testid="${name}"]`).first();
+const shown = (view, name) => by(view, name).waitFor();
+const gone = (view, name) => by(view, name).waitFor({state: 'hidden'});
+
+/** Waits until a text fulfils a condition, and gives it. */
+async function text(view, name, condition) {
+  let last = '';
+  const fulfils = (words) => condition instanceof RegExp ? condition.test(words) : condition(words);
+  try {
+    await until(name, async () => fulfils(last = await by(view, name).textContent()));
+  } catch {
+    throw new Error(`${name} says "${last}", waited for ${condition}`);
+  }
+  return last;
+}
+
+/** How many pixels of a plot's canvas have a colour, without axes and grid, which are grey. */
+function coloured(view, name) {
+  return by(view, name).locator('canvas').first().evaluate((canvas) => {
+    const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+      const [low, high] = [Math.min(data[at], data[at + 1], data[at + 2]), Math.max(data[at], data[at + 1], data[at + 2])];
+      if (data[at + 3] > 100 && high - low > 60) ++count;
+    }
+    return count;
+  });
+}
+
+/** The picture of a plot, to be compared. */
+const picture = (view, name) =>
+  by(view, name).locator('canvas').first().evaluate((canvas) => canvas.toDataURL());
+
+/** A file that a button of the page gives. */
+async function download(view, name) {
+  const [file] = await Promise.all([view.waitForEvent('download'), by(view, name).click()]);
+  return fs.readFileSync(await file.path());
+}
+
+module.exports = {World, by, coloured, download, gone, launch, picture, programs, shown, text, until};
