@@ -34,16 +34,19 @@ async function enable(view) {
 /** Until it is there: a servo whose bridge does not get to run for a while switches itself off. */
 async function move(view, target_um) {
   await tab(view, 'live');
-  await until(`a move to ${target_um} um`, async () => {
+  let why = '';
+  await until(() => `a move to ${target_um} um: ${why}`, async () => {
     const soon = {timeout: 10_000};
     try {
       if (await by(view, 'enable').count() > 0) await by(view, 'enable').click(soon);
       await by(view, 'mode').selectOption('1', soon);
       await by(view, 'target').fill(String(target_um), soon);
       await by(view, 'go').click(soon);
-    } catch {
+    } catch (error) {
+      why = error.message;
       return false;
     }
+    why = 'it has not come there';
     for (let tries = 0; tries < 100; ++tries) {
       if (Math.abs(await reading(view, 'position_m') - target_um) < 100) return true;
       await view.waitForTimeout(100);

@@ -25,7 +25,7 @@ async function until(what, condition) {
   for (;;) {
     const result = await condition();
     if (result) return result;
-    if (Date.now() > end_ms) throw new Error(`does not come: ${what}`);
+    if (Date.now() > end_ms) throw new Error(`does not come: ${typeof what === 'string' ? what : what()}`);
     await sleep(100);
   }
 }
@@ -116,7 +116,8 @@ class World {
     person.setDefaultNavigationTimeout(patience_ms);
     const view = await person.newPage();
     Object.assign(view, {errors: [], asked: []});
-    view.on('pageerror', (error) => view.errors.push(error.message));
+    // That nobody listens is an error of the page to Firefox.
+    view.on('pageerror', ({message}) => /establish a connection/.test(message) || view.errors.push(message));
     view.on('request', (request) => view.asked.push(request.url()));
     await view.goto(this.url);
     this.views.push(view);
@@ -171,10 +172,21 @@ function coloured(view, name) {
 const picture = (view, name) =>
   by(view, name).locator('canvas').first().evaluate((canvas) => canvas.toDataURL());
 
-/** A file that a button of the page gives. */
+/** A file that a button of the page gives. Firefox's protocol does not tell of it: there it is taken from the page. */
 async function download(view, name) {
-  const [file] = await Promise.all([view.waitForEvent('download'), by(view, name).click()]);
-  return fs.readFileSync(await file.path());
+  if (view.context().browser().browserType().name() === 'chromium') {
+    const [file] = await Promise.all([view.waitForEvent('download'), by(view, name).click()]);
+    return fs.readFileSync(await file.path());
+  }
+  await view.evaluate(() => {
+    const make = URL.createObjectURL;
+    URL.createObjectURL = (blob) => make.call(URL, window.saved = blob);
+  });
+  await by(view, name).click();
+  const bytes = await until(`the file of ${name}`, () => view.evaluate(async () =>
+    window.saved ? [...new Uint8Array(await window.saved.arrayBuffer())] : null));
+  await view.evaluate(() => delete window.saved);
+  return Buffer.from(bytes);
 }
 
 module.exports = {World, by, coloured, download, gone, launch, picture, programs, shown, text, until};
