@@ -33,6 +33,8 @@ bool shows(const Column& values);
 
 inline constexpr double as_the_data = std::numeric_limits<double>::quiet_NaN();
 
+// NOLINTBEGIN(readability-redundant-member-init): for designated initializers
+
 struct Axis {
   std::string label = {};
   double min = as_the_data, max = as_the_data;
@@ -51,8 +53,8 @@ enum class Kind : unsigned char {
 
 /// Columns of a series have one length.
 struct Series {
-  std::string name =
-      {};  ///< in the legend; series of one name are switched together; empty: no entry
+  /// In the legend. Series of one name are switched together; empty: no entry.
+  std::string name = {};
   std::string colour = {};  ///< a role in colours(), or "#rrggbb"
   Kind kind = Kind::line;
   Column x = nullptr, y = nullptr;
@@ -95,6 +97,8 @@ struct Panel {
   /// panel stays a picture.
   std::string svg = {};
 };
+
+// NOLINTEND(readability-redundant-member-init)
 
 /// A colour with a meaning, on white and on a dark screen. They stay apart for colour-blind readers
 /// and in grey print.

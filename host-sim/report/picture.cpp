@@ -12,7 +12,7 @@ namespace smaservo::report {
 namespace {
 
 /// Rows of a series in a picture, which is a thousand points wide.
-constexpr std::size_t max_drawn_rows = 4000;
+constexpr std::size_t max_drawn_rows = 2000;
 
 using Drawn = std::vector<const std::vector<double>*>;
 

@@ -170,24 +170,32 @@ struct Conversation::Reading {
     }
   }
 
-  void complain(const Complaints& wrong) const {
+  static void complain(const Complaints& wrong) {
     if (!wrong.text().empty()) {
       throw Malformed(wrong.text());
     }
   }
 
   void run(std::string_view op) const {
-    if (op == "subscribe") return subscribe();
-    if (op == "unsubscribe") return unsubscribe();
-    if (op == "getParameters") return get_parameters();
-    if (op == "setParameters") return set_parameters();
-    if (op == "subscribeParameterUpdates") return want(true);
-    if (op == "unsubscribeParameterUpdates") return want(false);
     constexpr std::array not_offered{"advertise", "unadvertise", "subscribeConnectionGraph",
                                      "unsubscribeConnectionGraph", "fetchAsset"};
-    throw Malformed(std::ranges::find(not_offered, op) == not_offered.end()
-                        ? "no such operation"
-                        : "is not offered; serverInfo has the capabilities");
+    if (op == "subscribe") {
+      subscribe();
+    } else if (op == "unsubscribe") {
+      unsubscribe();
+    } else if (op == "getParameters") {
+      get_parameters();
+    } else if (op == "setParameters") {
+      set_parameters();
+    } else if (op == "subscribeParameterUpdates") {
+      want(true);
+    } else if (op == "unsubscribeParameterUpdates") {
+      want(false);
+    } else if (std::ranges::find(not_offered, op) != not_offered.end()) {
+      throw Malformed("is not offered; serverInfo has the capabilities");
+    } else {
+      throw Malformed("no such operation");
+    }
   }
 };
 
@@ -233,14 +241,15 @@ void Conversation::hear_bytes(std::string_view bytes) {
   constexpr std::size_t head = 13;
   const auto opcode = static_cast<std::uint8_t>(bytes.empty() ? 0 : bytes[0]);
   if (opcode != service_request) {
-    return status(Level::error,
-                  opcode == client_message
-                      ? "messages of clients are not taken; serverInfo has the capabilities"
-                      : fmt::format("no such binary operation: {}", opcode));
+    status(Level::error, opcode == client_message
+                             ? "messages of clients are not taken; serverInfo has the capabilities"
+                             : fmt::format("no such binary operation: {}", opcode));
+    return;
   }
   if (bytes.size() < head || bytes.size() > limits::message_bytes) {
-    return status(Level::error, fmt::format("a service request has {} to {} bytes, not {}", head,
-                                            limits::message_bytes, bytes.size()));
+    status(Level::error, fmt::format("a service request has {} to {} bytes, not {}", head,
+                                     limits::message_bytes, bytes.size()));
+    return;
   }
   bytes.remove_prefix(1);
   const std::uint32_t service = take_u32(bytes);
@@ -251,13 +260,16 @@ void Conversation::hear_bytes(std::string_view bytes) {
     answer(service, number, {.ok = false, .text = why});
   };
   if (std::ranges::find(services_, service, &Service::id) == services_.end()) {
-    return fail(fmt::format("there is no service {}", service));
+    fail(fmt::format("there is no service {}", service));
+    return;
   }
   if (length > bytes.size() || bytes.substr(0, length) != encoding) {
-    return fail("the encoding of a request must be json");
+    fail("the encoding of a request must be json");
+    return;
   }
   if (open_ >= limits::calls) {
-    return fail(fmt::format("{} requests are not answered yet", open_));
+    fail(fmt::format("{} requests are not answered yet", open_));
+    return;
   }
   bytes.remove_prefix(length);
   try {
@@ -360,10 +372,11 @@ void Conversation::parameters_changed(std::span<const NamedValue> values) {
 void Conversation::answer(std::uint32_t service, std::uint32_t call, Answer answer) {
   --open_;
   if (!answer.ok) {
-    return desk_.send(text_frame({{"op", "serviceCallFailure"},
-                                  {"serviceId", service},
-                                  {"callId", call},
-                                  {"message", answer.text}}));
+    desk_.send(text_frame({{"op", "serviceCallFailure"},
+                           {"serviceId", service},
+                           {"callId", call},
+                           {"message", answer.text}}));
+    return;
   }
   Frame frame{
       .binary = true, .head = {}, .body = std::make_shared<std::string>(std::move(answer.text))};
@@ -391,6 +404,7 @@ bool Conversation::may_ask(const char* what) {
 
 std::vector<std::uint32_t> Conversation::subscribed_channels() const {
   std::vector<std::uint32_t> all;
+  all.reserve(by_channel_.size());
   for (const auto& [channel, id] : by_channel_) {
     all.push_back(channel);
   }

@@ -56,7 +56,7 @@ class Server::Body final : public Sink {
                       std::size_t length);
   int handle(lws* wsi, lws_callback_reasons reason, Session* session, std::string_view in);
   int serve_http(lws* wsi, std::string_view path);
-  int serve_page(lws* wsi, Session& session);
+  int serve_page(lws* wsi, Session& session) const;
   int may_upgrade(lws* wsi);
   void join(lws* wsi, Session& session);
   void leave(Session& session);

@@ -47,8 +47,8 @@ int Server::Body::Client::hear(std::string_view bytes) {
   if (heard_.size() + bytes.size() > limits::message_bytes) {
     std::string why = fmt::format("longer than {} bytes", limits::message_bytes);
     // NOLINTNEXTLINE(*-reinterpret-cast): characters as bytes
-    lws_close_reason(wsi_, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE,
-                     reinterpret_cast<unsigned char*>(why.data()), why.size());
+    auto* const bytes_of_why = reinterpret_cast<unsigned char*>(why.data());
+    lws_close_reason(wsi_, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, bytes_of_why, why.size());
     return -1;
   }
   heard_ += bytes;

@@ -65,6 +65,7 @@ void check_readable(const char* option, const std::string& path) {
 std::vector<ClientState> Server::Body::clients() {
   const std::scoped_lock lock(shown_mutex_);
   std::vector<ClientState> all;
+  all.reserve(shown_.size());
   for (const auto& [id, shown] : shown_) {
     all.push_back({id, shown->address, shown->queued, shown->dropped, settings_.read_only});
   }
@@ -185,7 +186,7 @@ int Server::Body::serve_http(lws* wsi, std::string_view path) {
   return 0;
 }
 
-int Server::Body::serve_page(lws* wsi, Session& session) {
+int Server::Body::serve_page(lws* wsi, Session& session) const {
   const std::string_view rest = settings_.page.substr(session.sent);
   if (rest.empty()) return 0;
   const std::string_view part = rest.substr(0, chunk);

@@ -102,7 +102,7 @@ class Bridge final : public Source, private TrafficEvents {
   nlohmann::json history(const nlohmann::json& request);
   void begin_recording(const Caller& caller, const nlohmann::json& request, const Reply& reply);
   void write_parameters(unsigned node, const std::vector<Operations::NewValue>& values);
-  std::vector<Operations::NewValue> values_in(const nlohmann::json& request) const;
+  static std::vector<Operations::NewValue> values_in(const nlohmann::json& request);
   std::vector<NamedValue> values_of(unsigned node, const std::vector<std::size_t>& rows);
   void tell_parameters(unsigned node, const std::vector<std::size_t>& rows);
   nlohmann::json scan();

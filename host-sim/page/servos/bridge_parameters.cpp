@@ -17,7 +17,7 @@ using nlohmann::json;
 
 }  // namespace
 
-std::vector<Operations::NewValue> Bridge::values_in(const json& request) const {
+std::vector<Operations::NewValue> Bridge::values_in(const json& request) {
   const auto values = request.find("values");
   if (values == request.end() || !values->is_object() || values->empty()) {
     throw UserError("values: must be an object {NAME: VALUE, ...}");
@@ -72,7 +72,7 @@ void Bridge::get_parameters(std::vector<std::string> names,
         values.push_back(std::move(value));
       }
     } catch (const UserError&) {
-      // The protocol has no place for a reason: what does not exist is left out.
+      continue;  // the protocol has no place for a reason: what does not exist is left out
     }
   }
   reply(std::move(values));
@@ -82,6 +82,7 @@ void Bridge::write_parameters(unsigned node, const std::vector<Operations::NewVa
   Servo& servo = operations_.servo(node);
   operations_.write(servo, values);
   std::vector<std::size_t> rows;
+  rows.reserve(values.size());
   for (const Operations::NewValue& value : values) rows.push_back(value.row);
   operations_.read_parameters(servo, rows);
 }
@@ -90,9 +91,10 @@ void Bridge::set_parameters(
     Caller caller, std::vector<NamedValue> values,
     std::function<void(std::vector<NamedValue>, std::string refusal)> reply) {
   std::vector<std::string> names;
+  names.reserve(values.size());
   for (const NamedValue& value : values) names.push_back(value.name);
   // Whatever comes of it, the values in force are sent back.
-  Reply answer = [this, names, reply](const Answer& result) {
+  const Reply answer = [this, names, reply](const Answer& result) {
     get_parameters(names, [&](std::vector<NamedValue> in_force) {
       reply(names.empty() ? std::vector<NamedValue>{} : std::move(in_force),
             result.ok ? "" : result.text);

@@ -84,6 +84,7 @@ json explained(const json& request) {
 
 std::vector<Service> Bridge::services() {
   std::vector<Service> all;
+  all.reserve(service_rows.size());
   for (std::uint32_t i = 0; i < service_rows.size(); ++i) {
     all.push_back(
         {i + 1, service_rows[i].name, request_schema(service_rows[i].request), answer_schema()});
@@ -309,7 +310,7 @@ json Bridge::scan() {
 }
 
 void Bridge::begin_recording(const Caller& caller, const json& request, const Reply& reply) {
-  Servo& servo = operations_.servo(node_in(request));
+  const Servo& servo = operations_.servo(node_in(request));
   for (Recorded& running : recorded_) {
     if (running.recording.node() == servo.node) {
       throw UserError(

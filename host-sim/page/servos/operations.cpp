@@ -222,6 +222,7 @@ void Operations::set_mode(Servo& servo, int mode) {
   const auto& rows = mode_rows();
   if (mode != 0 && std::ranges::find(rows, mode, &ModeRow::mode) == rows.end()) {
     std::vector<std::string> names;
+    names.reserve(rows.size());
     for (const ModeRow& row : rows) names.push_back(fmt::format("{} ({})", row.mode, row.name));
     throw UserError(fmt::format("mode = {}: must be one of {}", mode, fmt::join(names, ", ")));
   }

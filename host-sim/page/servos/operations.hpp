@@ -64,7 +64,7 @@ class Operations {
 
  private:
   void shorten_watch(Servo& servo, can::Remote& remote);
-  void read_pdo(Servo& servo, can::Remote& remote);
+  static void read_pdo(Servo& servo, can::Remote& remote);
   void set_position(Servo& servo, double value);
 
   SharedBus& bus_;
@@ -82,6 +82,7 @@ class RunningRecording {
   RunningRecording& operator=(const RunningRecording&) = delete;
 
   unsigned node() { return remote_.node(); }
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made with the recording
   bool is_complete() { return watch_->is_complete(); }
   can::Recording read() { return can::read_recording(remote_, plan_); }
   void stop() { remote_.set("recorder.command", "0"); }

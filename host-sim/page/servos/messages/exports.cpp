@@ -91,6 +91,7 @@ json KeptRecordings::exported(const json& request) {
   const auto* const row = std::ranges::find(exports, as, &Export::as);
   if (row == exports.end()) {
     std::vector<std::string> known;
+    known.reserve(exports.size());
     for (const Export& other : exports) known.emplace_back(other.as);
     throw UserError(
         fmt::format("as = {}: must be {}", files::printable(as), fmt::join(known, " or ")));

@@ -98,7 +98,7 @@ void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
     refresh(node);
   } else if (function == 3 && frame.length == 5) {
     // TPDO1 as it is by default: statusword, mode, error code.
-    Servo* const servo = servo_of(node);
+    const Servo* const servo = servo_of(node);
     if (servo != nullptr &&
         servo->statusword() != canopen::take_number(std::span(frame.data).first(2))) {
       refresh(node);
@@ -281,7 +281,7 @@ void LiveTraffic::renew(std::int64_t now_us) {
           static_cast<std::uint8_t>(last.mode.value_or(static_cast<std::int8_t>(servo->mode())));
       bus_.send(frame);
     } else if (!is_busy(node) && !links_[node].waits) {
-      ask(node, {0x6040, 0}, Reason::renewal, now_us, *last.word);
+      ask(node, {0x6040, 0}, Reason::renewal, now_us, last.word);
     } else {
       continue;
     }

@@ -69,6 +69,7 @@ SyncStream::SyncStream(double period_s, const std::vector<std::string>& signals)
 
 std::vector<unsigned> SyncStream::mapped() const {
   std::vector<unsigned> all;
+  all.reserve(nodes_.size());
   for (const auto& [node, state] : nodes_) all.push_back(node);
   return all;
 }
