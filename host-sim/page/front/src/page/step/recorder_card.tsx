@@ -95,12 +95,13 @@ function Recorded({ recording: shown }: { recording: Recording }) {
     const extent: [number, number] = [0, Math.max(shown.period_s, times.at(-1) ?? 0)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
     const units = [...new Set(shown.signals.map((name) => shownAs(name).unit))];
-    const plots = units.map((unit) => {
+    const plots = units.map((unit, n) => {
       const names = shown.signals.filter((name) => shownAs(name).unit === unit);
       return new TimePlot(place.current!, group, {
         id: `record-${unit || 'none'}`, title: names.map(plain).join(', '), unit, height: 130,
-        series: names.map((name, n) => ({
-          key: name, label: plain(name), role: roleOf(name, n), factor: shownAs(name).factor, offset: shownAs(name).offset,
+        ...(n === units.length - 1 ? { xLabel: 'time in s' } : {}),
+        series: names.map((name, k) => ({
+          key: name, label: plain(name), role: roleOf(name, k), factor: shownAs(name).factor, offset: shownAs(name).offset,
         })),
       }, samples);
     });
