@@ -136,7 +136,7 @@ const tests = {
     await move(view, 0);
     await go(view, 'step');
     await by(view, 'trigger').selectOption('position_m');
-    await by(view, 'trigger-value').fill('0.0005');
+    await by(view, 'trigger-value').fill('500');
     await by(view, 'record-before').fill('0.2');
     await by(view, 'record-seconds').fill('1');
     await by(view, 'record').click();

@@ -8,7 +8,7 @@ interface Box {
   x: number;
   y: number;
 }
-const width = 164;
+const width = 160;
 const height = 44;
 const boxes: Box[] = [
   { state: 'not_ready', x: 6, y: 16 },
@@ -22,21 +22,21 @@ const boxes: Box[] = [
 ];
 
 const arrows = [
-  'M170 38 H196',
-  'M267 60 V96', 'M297 100 V64',
-  'M267 144 V180', 'M297 184 V148',
-  'M267 228 V264', 'M297 268 V232',
-  'M200 290 H174',
-  'M88 268 V92 Q88 80 100 80 H222 Q234 80 234 68 V64',
-  'M364 284 H461 Q476 284 476 268 V232',
-  'M476 184 V64',
-  'M394 38 H368',
+  'M166 38 H196',
+  'M265 60 V96', 'M295 100 V64',
+  'M265 144 V180', 'M295 184 V148',
+  'M265 228 V264', 'M295 268 V232',
+  'M200 290 H170',
+  'M86 268 V92 Q86 80 98 80 H222 Q234 80 234 68 V64',
+  'M360 284 H459 Q474 284 474 268 V232',
+  'M474 184 V64',
+  'M394 38 H364',
 ];
 
 export function Machine({ now }: { now: Drive | null }) {
   const powered = now === 'operation_enabled' || now === 'quick_stop' || now === 'fault_reaction';
   return (
-    <svg class="machine" viewBox="0 0 564 328" role="img" data-testid="machine" data-state={now ?? ''}
+    <svg class="machine" viewBox="0 0 560 328" role="img" data-testid="machine" data-state={now ?? ''}
       aria-label={now ? `State machine of the drive: ${driveNames[now]}` : 'State machine of the drive: not known'}>
       <defs>
         <marker id="tip" viewBox="0 0 8 8" refX="6" refY="4" markerWidth="7" markerHeight="7" orient="auto">
@@ -44,10 +44,10 @@ export function Machine({ now }: { now: Drive | null }) {
         </marker>
       </defs>
       {arrows.map((path) => <path key={path} d={path} class="arrow" marker-end="url(#tip)" />)}
-      <text x="424" y="278" class="arrow-text" text-anchor="middle">fault</text>
-      <text x="379" y="30" class="arrow-text" text-anchor="middle">reset</text>
-      <text x="259" y="252" class="arrow-text" text-anchor="end">enable</text>
-      <text x="305" y="252" class="arrow-text">disable</text>
+      <text x="420" y="278" class="arrow-text" text-anchor="middle">fault</text>
+      <text x="378" y="30" class="arrow-text" text-anchor="middle">reset</text>
+      <text x="257" y="252" class="arrow-text" text-anchor="end">enable</text>
+      <text x="303" y="252" class="arrow-text">disable</text>
       {boxes.map((box) => {
         const is = box.state === now;
         const words = driveNames[box.state];

@@ -2,7 +2,7 @@
 
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
-import { plain, roleOf, shownIn } from '../../live/display';
+import { plain, roleOf, Shown, shownIn } from '../../live/display';
 import { ArraySamples } from '../../numbers/columns';
 import { formatNumber } from '../../numbers/format';
 import { PlotGroup } from '../../plot/group';
@@ -27,10 +27,18 @@ const triggerValue = saved<number>('trigger_value', 0, isNumber);
 const recording = signal<{ recording: Recording; mode: number } | null>(null);
 const waiting = signal(false);
 
+const triggerUnit = (): Shown => shownIn(state.value?.mode ?? 0, triggerSignal.value);
+
+/** The bridge takes SI units, the person those of the plots. */
+function triggerText(): string {
+  const { factor, offset } = triggerUnit();
+  return `${triggerSignal.value}${triggerSign.value}${Number(((triggerValue.value - offset) / factor).toPrecision(9))}`;
+}
+
 async function record(): Promise<void> {
   waiting.value = true;
   try {
-    const trigger = triggerSignal.value === '' ? '' : `${triggerSignal.value}${triggerSign.value}${triggerValue.value}`;
+    const trigger = triggerSignal.value === '' ? '' : triggerText();
     const answer = await call('record', {
       node: node.value, signals: chosen.value, seconds: seconds.value, before_s: trigger === '' ? 0 : before.value, trigger,
       patience_s,
@@ -64,7 +72,7 @@ export function RecorderCard() {
         <label class="field narrow"><span>Trigger</span>
           <select value={triggerSignal.value} data-testid="trigger" onChange={(event) => { triggerSignal.value = event.currentTarget.value; }}>
             <option value="">at once</option>
-            {names.map((name) => <option key={name} value={name}>{name}</option>)}
+            {names.map((name) => <option key={name} value={name}>{plain(name)}</option>)}
           </select>
         </label>
         {triggerSignal.value !== '' && (
@@ -74,7 +82,7 @@ export function RecorderCard() {
                 <option value=">">above</option><option value="<">below</option>
               </select>
             </label>
-            <NumberField title="Level" unit="SI" value={triggerValue.value} testid="trigger-value" set={(value) => { triggerValue.value = value; }} />
+            <NumberField title="Level" unit={triggerUnit().unit} value={triggerValue.value} testid="trigger-value" set={(value) => { triggerValue.value = value; }} />
             <NumberField title="Before it" unit="s" value={before.value} testid="record-before" set={(value) => { before.value = value; }} />
           </>
         )}
