@@ -34,7 +34,7 @@ async function main() {
   // By SYNC, with all that is in sight: a signal that comes by polling beside them is drawn some 0.3 s late.
   const shows = await bridge(host_sim, '--sync', '0.01', '--signals', signals);
   const browser = await launch('chromium');
-  const view = await visit(browser, shows.url, {width: 1280, height: 848});
+  const view = await visit(browser, shows.url, {width: 1280, height: 842});
   await view.emulateMedia({colorScheme: scheme});
   await until(() => by(view, 'enable').isEnabled(), 'a servo that may be enabled', view);
   await until(() => moved(view), 'a servo that moves to all targets', view);

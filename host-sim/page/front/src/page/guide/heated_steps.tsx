@@ -75,7 +75,7 @@ export function ResistorStep() {
         It must bear the current, and be between {formatNumber(low, 3)} and {formatNumber(high, 3)} Ω, or the servo refuses
         it as a wrong wire. It is measured with the minimum current, {formatNumber(1e3 * least_A)} mA.</p>
       <div class="bar wrap ends">
-        <NumberField title="Resistor, by an ohmmeter" unit="Ω" value={ohm} set={setOhm} testid="resistor-ohm" />
+        <NumberField title="By an ohmmeter" unit="Ω" value={ohm} set={setOhm} testid="resistor-ohm" />
         <EnableButton />
         <button type="button" disabled={!enabled || busy || !mayWrite.value} data-testid="measure" onClick={() => void measure()}>
           {busy ? 'Measuring …' : 'Measure for 1 s'}
@@ -85,7 +85,7 @@ export function ResistorStep() {
       {read && (read.count === 0 ? <p class="refused">No resistance was read in that second: too little current flows.</p> : (
         <Read rows={[
           ['Read', `${formatNumber(read.mean)} Ω, mean of ${read.count} samples`],
-          ['Noise', `${formatNumber(1e6 * read.sd / read.mean, 2)} ppm of it (standard deviation)`],
+          ['Noise', `${formatNumber(100 * read.sd / read.mean, 2)} % of it (standard deviation)`],
           ['Against the ohmmeter', `${formatNumber(error, 2)} %`],
         ]} />
       ))}
