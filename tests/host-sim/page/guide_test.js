@@ -1,7 +1,7 @@
 // guide_test.js BROWSER HOST_SIM SMASERVOD SOURCES [NAME]: the walks that take a while, of a person before the real
 // page with a real bridge and a real servo on a simulated wire: the guide to its end, the recorder with a trigger,
 // settings as files, the past of the plots. How it is run, and what it needs: browser_test.js.
-// 77: the browser is missing. BROWSER_SHOTS=FOLDER keeps a picture of each test's end.
+// 77: the browser or the page is missing. BROWSER_SHOTS=FOLDER keeps a picture of each test's end.
 'use strict';
 
 const {bridge, by, coloured, launch, scratch, servo, shown, text, until, visit} = require('./browser.js');
@@ -251,6 +251,13 @@ async function run(browser, title, test) {
 async function main() {
   if (!fs.existsSync(file)) {
     console.log(`SKIPPED: there is no ${file}`);
+    process.exit(77);
+  }
+  const empty = await bridge(host_sim);
+  const served = await (await fetch(empty.url)).text();
+  await empty.stop();
+  if (!served.startsWith('<!')) {
+    console.log('SKIPPED: this host-sim has no page, for it was built without npm');
     process.exit(77);
   }
   const browser = await launch(name);

@@ -45,7 +45,7 @@ export interface XYPlotSpec {
 
 const most = 4000;  // points of a loop
 const fades = 24;
-const old_ms = 250;
+const old_ms = 500;
 
 interface Shown {
   samples: Samples;
