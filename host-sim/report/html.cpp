@@ -77,7 +77,7 @@ std::string colours_css() {
       light, dark);
 }
 
-constexpr std::string_view data_element = "<script type=\"application/json\" class=\"panels\">";
+constexpr std::string_view data_element = R"(<script type="application/json" class="panels">)";
 
 }  // namespace
 
@@ -120,7 +120,7 @@ void write_html(const std::string& path, std::string_view title, std::string_vie
                   "<h1>{}</h1>\n",
                   name, head, colours_css(), name));
   file.write(body);
-  const bool has_panels = body.find(data_element) != body.npos;
+  const bool has_panels = body.find(data_element) != std::string_view::npos;
   file.write(fmt::format("<p class=\"caption\">Written by host-sim {}.</p>\n{}</body></html>\n",
                          SMASERVO_VERSION,
                          has_panels ? fmt::format("<script>{}</script>\n", report_script()) : ""));

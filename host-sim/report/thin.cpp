@@ -52,7 +52,7 @@ std::vector<std::size_t> rows_to_show(ThinColumns columns, std::size_t max_rows)
       append_peaks(columns, from, std::min(from + stretch, count), rows);
     }
     rows.push_back(count - 1);
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    rows.erase(std::ranges::unique(rows).begin(), rows.end());
   }
   return rows;
 }

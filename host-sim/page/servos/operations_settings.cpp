@@ -101,7 +101,8 @@ std::string Operations::dump(Servo& servo, const std::string& as) {
   }
   if (as != "can")
     throw UserError(fmt::format("as = {}: must be toml or can", files::printable(as)));
-  std::string text = fmt::format("host-sim can --can {} --node {} set", bus_.name(), servo.node);
+  // A shell takes the brackets of an address for a pattern.
+  std::string text = fmt::format("host-sim can --can '{}' --node {} set", bus_.name(), servo.node);
   for (const Parameter<double>& row : parameters<double>) {
     if (!row.is_used(settings) || row.path.text().starts_with("identity.")) continue;
     text += fmt::format(" \\\n  {}={}", row.path.text(), text::value_text(row, row.get(settings)));

@@ -169,7 +169,7 @@ TEST_F(CanSdoClient, EndsABlockUploadWithoutEnd) {
     return block;
   };
   EXPECT_THAT(upload_block(), HasSubstr("too long"));
-  EXPECT_LT(bus.requests, (std::size_t{1} << 20U) / (127 * 7) + 10);
+  EXPECT_LT(bus.requests, (std::size_t{1} << 20U) / (std::size_t{127} * 7) + 10);
 }
 
 TEST_F(CanSdoClient, EndsABlockUploadOfANodeThatIsGone) {

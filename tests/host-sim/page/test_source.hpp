@@ -85,7 +85,10 @@ class TestSource final : public Source {
         refusal = fmt::format("{} {}: must be 0 to 100", one.name, one.value);
       }
     }
-    if (!refusal.empty()) return reply(values(names), refusal);
+    if (!refusal.empty()) {
+      reply(values(names), refusal);
+      return;
+    }
     for (const NamedValue& one : asked) {
       parameters_[one.name] = nlohmann::json::parse(one.value).get<double>();
     }
@@ -139,7 +142,7 @@ class TestSource final : public Source {
     return all;
   }
 
-  std::string sample(std::uint64_t number) const {
+  static std::string sample(std::uint64_t number) {
     const double phase = static_cast<double>(number) * 1e-3;
     return fmt::format(
         R"({{"number":{},"strain":{:.6g},"setpoint":{:.6g},"current_A":{:.6g},"power_W":{:.6g},)"

@@ -41,6 +41,7 @@ TEST(TokenFile, IsOneForServersThatStartTogether) {
   std::vector<std::string> tokens(8);
   {
     std::vector<std::jthread> threads;
+    threads.reserve(tokens.size());
     for (std::string& token : tokens) {
       threads.emplace_back([&] { token = token_of(folder / "token"); });
     }

@@ -68,4 +68,21 @@ module.exports = {
       assert.ok(times_ns.every((time, i) => i === 0 || time >= times_ns[i - 1]));
     }
   },
+
+  async 'a loop has its trail, and both come back after a reload'({view}) {
+    await connected(view);
+    await by(view, 'span-600').click();
+    for (const target_um of [0, 1500, 300]) await move(view, target_um);
+    await by(view, 'stop').click();
+    await off(view);
+    for (const plot of ['strain-resistance', 'strain-temperature', 'strain']) {
+      await until(`a curve of ${plot}`, async () => await coloured(view, `plot-${plot}`) > 50);
+    }
+    // What came before the reload: the servo is off since, and its strain has stood still.
+    await view.reload();
+    await connected(view);
+    for (const plot of ['strain-temperature', 'strain', 'temperature', 'phases']) {
+      await until(`the past of ${plot}`, async () => await coloured(view, `plot-${plot}`) > 50);
+    }
+  },
 };

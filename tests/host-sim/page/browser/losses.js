@@ -1,7 +1,7 @@
 // What is lost in the middle: a servo, the bridge, the bus.
 'use strict';
 
-const {by, gone, text, until} = require('./world.js');
+const {by, gone, text, until, watch_s} = require('./world.js');
 const {connected, enable, move, off, received} = require('./person.js');
 const assert = require('node:assert/strict');
 const {execFileSync} = require('node:child_process');
@@ -48,6 +48,7 @@ module.exports = {
     const links = (state) => ['here', 'there'].forEach((end) => execFileSync('ip', ['link', 'set', end, state]));
     links('down');
     await until('a word about the bus', trouble);
+    await view.waitForTimeout(1500 * watch_s);
     links('up');
     await until('the bus again', async () => !await trouble());
     // The servo has ended its heat by itself, and the page has not enabled it again.

@@ -15,6 +15,7 @@ const tests = {
   ...require('./live.js'),
   ...require('./parameters.js'),
   ...require('./steps.js'),
+  ...require('./guide.js'),
   ...require('./control.js'),
   ...require('./losses.js'),
 };

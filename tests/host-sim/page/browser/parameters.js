@@ -1,7 +1,7 @@
 // Parameters: tried, kept, reverted, undone, stored, refused, changed by others.
 'use strict';
 
-const {by, gone, shown, text, until} = require('./world.js');
+const {by, download, gone, shown, text, until} = require('./world.js');
 const {connected, field, parameter, value} = require('./person.js');
 const assert = require('node:assert/strict');
 
@@ -76,5 +76,32 @@ module.exports = {
     await parameter(view, gain);
     assert.notEqual(await world.can('set', `${gain}=5.75`), null);
     await until('its value', async () => Number(await value(view, gain)) === 5.75);
+  },
+
+  async 'settings leave as a file, are compared with it, and come back'({view, world}) {
+    await connected(view);
+    await parameter(view, gain);
+    const before = await value(view, gain);
+    const toml = await download(view, 'dump-toml');
+    assert.match((await download(view, 'dump-can')).toString(), /^host-sim can .* set \\\n[^]*strain\.proportional_W=/);
+
+    const compare = (name, buffer) => by(view, 'diff-file').setInputFiles({name, mimeType: 'text/plain', buffer});
+    await compare('node1.toml', toml);
+    await text(view, 'differences', /no differences/);
+    await field(view, gain).fill('7.5');
+    await by(view, 'write').click();
+    await until('written', async () => await world.read(gain) === 7.5);
+    await compare('node1.toml', toml);
+    await text(view, 'differences', /1 difference/);
+    const row = by(view, 'differences').locator('tbody tr');
+    assert.equal(await row.count(), 1);
+    assert.deepEqual(await row.locator('td').allTextContents(), [gain, '7.5', before]);
+    await by(view, 'restore').click();
+    await until('the value of the file', async () => await world.read(gain) === Number(before));
+    await text(view, 'history', /restored from a file/);
+
+    await compare('other.toml', Buffer.from('strain.proportional_W = "much"'));
+    await text(view, 'notice-error', /other\.toml/);
+    assert.equal(await world.read(gain), Number(before));
   },
 };

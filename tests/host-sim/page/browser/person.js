@@ -24,21 +24,35 @@ async function parameter(view, name) {
   await field(view, name).waitFor();
 }
 
-async function enable(view) {
-  await tab(view, 'live');
-  await until('a servo that may be enabled', () => by(view, 'enable').isEnabled());
-  await by(view, 'enable').click();
-  await drive(view, /Enabled/);
+// A servo whose bridge does not get to run for a while switches itself off, and a command in that moment fails. What
+// needs a heated wire is therefore done until it has been done.
+const soon = {timeout: 10_000};
+
+/** By the button of this place. */
+async function enabled(view, place) {
+  await until('an enabled servo', async () => {
+    try {
+      if (await by(view, 'reset-faults').count() > 0) await by(view, 'reset-faults').click(soon);
+      const button = place.getByRole('button', {name: 'Enable', exact: true});
+      if (await button.count() > 0) await button.click(soon);
+      return /Enabled/.test(await by(view, 'drive').textContent());
+    } catch {
+      return false;
+    }
+  });
 }
 
-/** Until it is there: a servo whose bridge does not get to run for a while switches itself off. */
-async function move(view, target_um) {
+async function enable(view) {
   await tab(view, 'live');
+  await enabled(view, view.locator('main'));
+}
+
+/** Enabled, and there. */
+async function move(view, target_um) {
   let why = '';
   await until(() => `a move to ${target_um} um: ${why}`, async () => {
-    const soon = {timeout: 10_000};
+    await enable(view);
     try {
-      if (await by(view, 'enable').count() > 0) await by(view, 'enable').click(soon);
       await by(view, 'mode').selectOption('1', soon);
       await by(view, 'target').fill(String(target_um), soon);
       await by(view, 'go').click(soon);
@@ -55,4 +69,4 @@ async function move(view, target_um) {
   });
 }
 
-module.exports = {connected, drive, enable, field, move, off, parameter, reading, received, tab, value};
+module.exports = {connected, drive, enable, enabled, field, move, off, parameter, reading, received, soon, tab, value};

@@ -1,8 +1,8 @@
-// The step test.
+// The step test and the recorder.
 'use strict';
 
-const {by, coloured, download, until} = require('./world.js');
-const {connected, tab} = require('./person.js');
+const {by, coloured, download, shown, text, until} = require('./world.js');
+const {connected, move, tab} = require('./person.js');
 const assert = require('node:assert/strict');
 const {execFileSync} = require('node:child_process');
 const fs = require('node:fs');
@@ -44,5 +44,28 @@ module.exports = {
     await until('the runs of before', async () => await runs.count() === 2);
     assert.equal((await keys()).length, 2);
     await until('it is off', async () => !await world.heated());
+  },
+
+  async 'a recording waits for its trigger, and has what was before it'({view}) {
+    await connected(view);
+    await move(view, 0);
+    await tab(view, 'step');
+    await by(view, 'trigger').selectOption('position_m');
+    await by(view, 'trigger-value').fill('500');
+    await by(view, 'record-before').fill('0.2');
+    await by(view, 'record-seconds').fill('1');
+    await by(view, 'record').click();
+    await text(view, 'record', /Waiting for the trigger/);
+    await move(view, 1000);
+    await tab(view, 'step');
+    await shown(view, 'recorded');
+    await until('the recording', async () => await coloured(view, 'plot-record-µm') > 50);
+    const lines = (await download(view, 'save-csv')).toString().trim().split('\n').filter((line) => !line.startsWith('#'));
+    const [head, ...rows] = lines.map((line) => line.split(','));
+    const column = (name) => rows.map((row) => Number(row[head.indexOf(name)]));
+    const [time_s, position_m] = [column('time_s'), column('position_m')];
+    const first = position_m.findIndex((position) => position > 0.0005);
+    assert.ok(first > 0, head.join());
+    assert.ok(Math.abs(time_s[first] - time_s[0] - 0.2) < 0.05, `${time_s[first] - time_s[0]} s before the trigger`);
   },
 };

@@ -12,6 +12,9 @@ const {promisify} = require('node:util');
 // A machine may be busy: this is only how long a failed test waits.
 const patience_ms = 120_000;
 
+// The longest silence of a bridge before a servo ends its heat: one that does not get to run for a while is not dead.
+const watch_s = 5;
+
 const programs = {
   chromium: process.env.CHROMIUM ?? '/usr/bin/chromium',
   firefox: process.env.FIREFOX ?? '/usr/bin/firefox-esr',
@@ -76,10 +79,9 @@ class World {
     await until('the servo answers', () => this.can('get', '1018:1'));
   }
 
-  /** A bridge that does not get to run for a while is not dead: --watch. */
   async startBridge(...options) {
     const bridge = new Program(this.host_sim, 'page', '--can', 'udp', '--listen', `127.0.0.1:${this.port}`,
-      '--watch', '5', ...options);
+      '--watch', String(watch_s), ...options);
     const found = await until('the address of the bridge', () =>
       bridge.process.exitCode === null ? /^https?:\S+/m.exec(bridge.said) : [''] );
     if (!found[0]) throw new Error(`no address of the bridge: ${bridge.said}`);
@@ -189,4 +191,4 @@ async function download(view, name) {
   return Buffer.from(bytes);
 }
 
-module.exports = {World, by, coloured, download, gone, launch, picture, programs, shown, text, until};
+module.exports = {World, by, coloured, download, gone, launch, picture, programs, shown, text, until, watch_s};

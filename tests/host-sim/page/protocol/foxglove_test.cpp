@@ -267,69 +267,100 @@ TEST_F(Talk, OpenRequestsAreBounded) {
 }
 
 // Random subscriptions, messages and servos that come and go, against a model of two maps.
-TEST_F(Talk, SubscriptionsAreThoseOfTheModel) {
-  std::mt19937 random(7);
-  const auto below = [&](std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); };
-  std::map<std::uint32_t, std::uint32_t> channel_of;  // by subscription
-  std::map<std::uint32_t, Channel> there;
-  for (const Channel& one : three_channels) there[one.id] = one;
-  const auto has = [&](std::uint32_t channel) {
+class TalkAndModel : public Talk {
+ protected:
+  TalkAndModel() {
+    for (const Channel& one : three_channels) there[one.id] = one;
+  }
+
+  std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); }
+
+  bool has(std::uint32_t channel) const {
     return std::ranges::any_of(channel_of, [&](auto& one) { return one.second == channel; });
-  };
-  for (int i = 0; i < 20000; ++i) {
-    const std::uint32_t id = below(6), channel = below(9);
-    switch (below(8)) {
-      case 0:
-      case 1:
-      case 2: {
-        subscribe(id, channel);
-        const bool fine = there.contains(channel) && !channel_of.contains(id) && !has(channel);
-        if (fine) channel_of[id] = channel;
-        EXPECT_EQ(take().size(), fine ? 0U : 1U);
-        break;
-      }
-      case 3: {
-        hear({{"op", "unsubscribe"}, {"subscriptionIds", {id}}});
-        EXPECT_EQ(take().size(), 1 - channel_of.erase(id));
-        break;
-      }
-      case 4: {
-        // One comes, goes, or is another one under the same number.
-        std::map<std::uint32_t, Channel> now = there;
-        if (now.erase(channel) == 0 || below(3) == 0) {
-          now[channel] = {channel, fmt::format("/{}", below(3)), "T", "{}"};
-        }
-        const bool had = there.contains(channel), has_now = now.contains(channel);
-        const bool changed = had && has_now && there[channel].topic != now[channel].topic;
-        if ((had && !has_now) || changed) {
-          std::erase_if(channel_of, [&](auto& one) { return one.second == channel; });
-          desk.wanted.erase(channel);  // it has ended without a word
-        }
-        there = now;
-        std::vector<Channel> all;
-        for (const auto& [number, one] : there) all.push_back(one);
-        talk.show_channels(all);
-        std::vector<std::string> ops;
-        for (const Frame& frame : take()) ops.push_back(json::parse(frame.head)["op"]);
-        std::vector<std::string> expected;
-        if ((had && !has_now) || changed) expected.emplace_back("unadvertise");
-        if ((!had && has_now) || changed) expected.emplace_back("advertise");
-        EXPECT_EQ(ops, expected);
-        break;
-      }
-      default: {
-        talk.message(channel, i, std::make_shared<std::string>("{}"));
-        const std::vector<Frame> frames = take();
-        ASSERT_EQ(frames.size(), has(channel) ? 1U : 0U);
-        if (!frames.empty()) {
-          EXPECT_EQ(channel_of.at(static_cast<std::uint32_t>(frames[0].head[1])), channel);
-        }
-      }
+  }
+
+  void a_subscription(std::uint32_t id, std::uint32_t channel) {
+    subscribe(id, channel);
+    const bool fine = there.contains(channel) && !channel_of.contains(id) && !has(channel);
+    if (fine) channel_of[id] = channel;
+    EXPECT_EQ(take().size(), fine ? 0U : 1U);
+  }
+
+  void an_end(std::uint32_t id) {
+    hear({{"op", "unsubscribe"}, {"subscriptionIds", {id}}});
+    EXPECT_EQ(take().size(), 1 - channel_of.erase(id));
+  }
+
+  /// One comes, goes, or is another one under the same number.
+  void another_channel(std::uint32_t channel) {
+    std::map<std::uint32_t, Channel> now = there;
+    if (now.erase(channel) == 0 || below(3) == 0) {
+      now[channel] = {channel, fmt::format("/{}", below(3)), "T", "{}"};
     }
+    const bool had = there.contains(channel), has_now = now.contains(channel);
+    const bool changed = had && has_now && there[channel].topic != now[channel].topic;
+    const bool goes = (had && !has_now) || changed, comes = (!had && has_now) || changed;
+    if (goes) {
+      std::erase_if(channel_of, [&](auto& one) { return one.second == channel; });
+      desk.wanted.erase(channel);  // it has ended without a word
+    }
+    there = now;
+    show_channels();
+    std::vector<std::string> expected;
+    if (goes) expected.emplace_back("unadvertise");
+    if (comes) expected.emplace_back("advertise");
+    EXPECT_EQ(taken_ops(), expected);
+  }
+
+  void a_message(std::uint32_t channel, int time) {
+    talk.message(channel, time, std::make_shared<std::string>("{}"));
+    const std::vector<Frame> frames = take();
+    ASSERT_EQ(frames.size(), has(channel) ? 1U : 0U);
+    if (!frames.empty()) {
+      EXPECT_EQ(channel_of.at(static_cast<std::uint32_t>(frames[0].head[1])), channel);
+    }
+  }
+
+  void be_the_same() const {
     std::set<std::uint32_t> wanted;
     for (const auto& [number, one] : channel_of) wanted.insert(one);
     ASSERT_EQ(desk.wanted, wanted);
     ASSERT_THAT(talk.subscribed_channels(), testing::ElementsAreArray(wanted));
+  }
+
+ private:
+  void show_channels() {
+    std::vector<Channel> all;
+    all.reserve(there.size());
+    for (const auto& [number, one] : there) all.push_back(one);
+    talk.show_channels(all);
+  }
+
+  std::vector<std::string> taken_ops() {
+    std::vector<std::string> ops;
+    for (const Frame& frame : take()) ops.push_back(json::parse(frame.head)["op"]);
+    return ops;
+  }
+
+  std::mt19937 random{7};
+  std::map<std::uint32_t, std::uint32_t> channel_of;  // by subscription
+  std::map<std::uint32_t, Channel> there;
+};
+
+TEST_F(TalkAndModel, HaveTheSameSubscriptions) {
+  for (int i = 0; i < 20000; ++i) {
+    const std::uint32_t id = below(6), channel = below(9), what = below(8);
+    if (what <= 2) {
+      a_subscription(id, channel);
+    } else if (what == 3) {
+      an_end(id);
+    } else if (what == 4) {
+      another_channel(channel);
+    } else {
+      a_message(channel, i);
+    }
+    be_the_same();
+    if (HasFatalFailure()) return;
   }
 }
 

@@ -114,77 +114,104 @@ TEST(PageServosOfABus, ComeBySyncAtTheFullRateAndKeepTheirMapping) {
 
 // Any sequence of requests: only who has control changes anything, and current flows only while
 // somebody has it.
+class AnySequence {
+ public:
+  explicit AnySequence(unsigned seed) : seed_(seed), bench_({5, 6}), random_(seed) {
+    bench_.run(1);
+  }
+
+  void step() {
+    client_ = std::array{1U, 2U, 3U, reader}[pick(4)];
+    context_ = fmt::format("seed {} step {} client {}", seed_, ++steps_, client_);
+    if (pick(10) < 7) {
+      write();
+    } else {
+      pass_control();
+      bench_.run(0.003);
+    }
+    ASSERT_EQ(bench_.bridge.control().client(), control_) << context_;
+    if (!control_) {
+      ASSERT_EQ(bench_.bus.all_flowing_A(), 0) << context_;
+    }
+    bench_.run(0.05);
+  }
+
+ private:
+  static constexpr unsigned reader = 9;  // may not write
+
+  std::size_t pick(std::size_t n) {
+    return std::uniform_int_distribution<std::size_t>(0, n - 1)(random_);
+  }
+
+  std::string some_write(unsigned node) {
+    const std::string at = fmt::format("{{\"node\":{}", node);
+    switch (pick(5)) {
+      case 0:
+        return bench_.call(client_, "enable", at + "}").text;
+      case 1:
+        return bench_.call(client_, "mode", at + ",\"mode\":1}").text;
+      case 2:
+        return bench_.call(client_, "target", fmt::format("{},\"value\":{}}}", at, pick(900))).text;
+      case 3:
+        return bench_.call(client_, "disable", at + "}").text;
+      default:
+        return bench_.set(client_, {{fmt::format("node{}.strain.proportional_W", node),
+                                     fmt::format("{}", 1 + pick(5))}});
+    }
+  }
+
+  void write() {
+    const unsigned node = 5 + unsigned(pick(2));
+    const auto settings = [&] { return bench_.bus.servo(node - 5).servo().settings(); };
+    const bool may = client_ != reader && (!control_ || *control_ == client_);
+    const Settings<double> before = settings();
+    const std::string answer = some_write(node);
+    const bool refused_for_control = answer.find("has control") != std::string::npos ||
+                                     answer.find("read-only") != std::string::npos;
+    ASSERT_EQ(refused_for_control, !may) << context_ << answer;
+    if (may) {
+      control_ = client_;
+    } else {
+      ASSERT_TRUE(same_settings(before, settings())) << context_;
+    }
+  }
+
+  void pass_control() {
+    const bool has = control_ == client_;
+    switch (pick(4)) {
+      case 0:
+        bench_.call(client_, "take_control");
+        if (client_ != reader) control_ = client_;
+        break;
+      case 1:
+        bench_.call(client_, "release_control");
+        if (has) control_.reset();
+        break;
+      case 2:
+        bench_.bridge.client_left(client_);
+        if (has) control_.reset();
+        break;
+      default:
+        ASSERT_TRUE(bench_.call(client_, "stop").ok) << context_;
+        ASSERT_EQ(bench_.bus.all_flowing_A(), 0) << context_;
+    }
+  }
+
+  unsigned seed_;
+  BridgeBench bench_;
+  std::mt19937_64 random_;
+  std::optional<unsigned> control_;  // the model
+  unsigned client_ = 0;
+  int steps_ = 0;
+  std::string context_;
+};
+
 TEST(PageServosOfABus, ObeyTheRulesOfControlInAnySequence) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    BridgeBench bench({5, 6});
-    bench.run(1);
-    std::mt19937_64 random(seed);
-    const auto pick = [&](std::size_t n) {
-      return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
-    };
-    std::optional<unsigned> control;  // the model
-    const unsigned clients[] = {1, 2, 3, 9};
+    AnySequence sequence(seed);
     for (int i = 0; i < 120; ++i) {
-      const unsigned client = clients[pick(4)];
-      const unsigned node = 5 + unsigned(pick(2));
-      const std::string at = fmt::format("{{\"node\":{}", node);
-      const bool writes = pick(10) < 7;
-      const std::string context = fmt::format("seed {} step {} client {}", seed, i, client);
-      if (writes) {
-        const bool may = client != 9 && (!control || *control == client);
-        const Settings<double> before = bench.bus.servo(node - 5).servo().settings();
-        std::string answer;
-        switch (pick(5)) {
-          case 0:
-            answer = bench.call(client, "enable", at + "}").text;
-            break;
-          case 1:
-            answer = bench.call(client, "mode", at + ",\"mode\":1}").text;
-            break;
-          case 2:
-            answer =
-                bench.call(client, "target", fmt::format("{},\"value\":{}}}", at, pick(900))).text;
-            break;
-          case 3:
-            answer = bench.call(client, "disable", at + "}").text;
-            break;
-          default:
-            answer = bench.set(client, {{fmt::format("node{}.strain.proportional_W", node),
-                                         fmt::format("{}", 1 + pick(5))}});
-        }
-        const bool refused_for_control = answer.find("has control") != std::string::npos ||
-                                         answer.find("read-only") != std::string::npos;
-        ASSERT_EQ(refused_for_control, !may) << context << answer;
-        if (may && client != 9) control = client;
-        if (!may) {
-          ASSERT_TRUE(same_settings(before, bench.bus.servo(node - 5).servo().settings()))
-              << context;
-        }
-      } else {
-        switch (pick(4)) {
-          case 0:
-            bench.call(client, "take_control");
-            if (client != 9) control = client;
-            break;
-          case 1:
-            bench.call(client, "release_control");
-            if (control == client) control.reset();
-            break;
-          case 2:
-            bench.bridge.client_left(client);
-            if (control == client) control.reset();
-            break;
-          default:
-            ASSERT_TRUE(bench.call(client, "stop").ok) << context;
-            ASSERT_EQ(bench.bus.all_flowing_A(), 0) << context;
-        }
-        bench.run(0.003);
-      }
-      ASSERT_EQ(bench.bridge.control().client(), control) << context;
-      if (!control) {
-        ASSERT_EQ(bench.bus.all_flowing_A(), 0) << context;
-      }
-      bench.run(0.05);
+      sequence.step();
+      if (testing::Test::HasFatalFailure()) return;
     }
   }
 }

@@ -23,9 +23,10 @@ std::string own_bus() {
 }
 
 struct OneClient final : Sink {
-  void message(std::uint32_t, std::int64_t, std::shared_ptr<const std::string>) override {}
+  void message(std::uint32_t /*channel*/, std::int64_t /*time_ns*/,
+               std::shared_ptr<const std::string> /*body*/) override {}
   void channels_changed() override {}
-  void parameters_changed(const std::vector<NamedValue>&) override {}
+  void parameters_changed(const std::vector<NamedValue>& /*values*/) override {}
   std::vector<ClientState> clients() override { return {{1, "127.0.0.1", 0, 0, false}}; }
 };
 

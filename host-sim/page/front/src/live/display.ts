@@ -1,6 +1,7 @@
 // How quantities are shown to a person: °C, MPa, mA, µm and % where the bus has SI units.
 
 import type { Role } from '../plot/theme';
+import { controlled } from './feed';
 
 export interface Shown {
   unit: string;
@@ -35,6 +36,12 @@ export function shownAs(signal: string): Shown {
   const shown = units[unit] ?? { unit, factor: 1, offset: 0 };
   if (difference && unit === 'K') return { unit: 'K', factor: 1, offset: 0 };
   return shown;
+}
+
+/** Set-point and reference are in the unit of what a mode controls. */
+export function shownIn(mode: number, signal: string): Shown {
+  const follows = signal === 'setpoint' || signal === 'reference';
+  return shownAs((follows ? controlled(mode) : null) ?? signal);
 }
 
 /** The unit that ends a name. */

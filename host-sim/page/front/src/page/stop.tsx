@@ -1,4 +1,4 @@
-// The stop: a button that is always in sight, and the space bar.
+// The stop: a button that is always in sight, the space bar, and Escape.
 
 import { signal } from '@preact/signals';
 import { stop } from '../session/session';
@@ -19,12 +19,11 @@ function isTyping(target: EventTarget | null): boolean {
   return target instanceof HTMLInputElement && !['range', 'checkbox', 'radio', 'button', 'file'].includes(target.type);
 }
 
-/** The space bar stops wherever it is pressed, on a button as well; Escape where somebody types. */
+/** Escape stops wherever it is pressed; the space bar, too, on a button as well, but where somebody types. */
 export function listenForStop(): void {
   addEventListener('keydown', (event) => {
     if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    const typing = isTyping(event.target);
-    if (!(typing ? event.key === 'Escape' : event.key === ' ')) return;
+    if (event.key !== 'Escape' && (event.key !== ' ' || isTyping(event.target))) return;
     event.preventDefault();
     event.stopPropagation();
     pressStop();
@@ -38,7 +37,7 @@ export function listenForStop(): void {
 export function StopButton() {
   return (
     <button type="button" class={`stop${pressed.value ? ' pressed' : ''}`} onClick={pressStop} data-testid="stop"
-      aria-label="Stop: switch all servos off" aria-keyshortcuts="Space">
+      aria-label="Stop: switch all servos off" aria-keyshortcuts="Space Escape">
       <span class="stop-sign" aria-hidden="true" />
       <span>Stop</span>
       <kbd aria-hidden="true">space</kbd>

@@ -267,9 +267,16 @@ function fromTouch(event: MouseEvent): boolean {
   return source?.firesTouchEvents ?? false;
 }
 
+const labelFont = (view: View): string => axisFont.replace('12px', `${11 * view.ratio}px`);
+
+export function labelWidth(view: View, text: string): number {
+  view.ctx.font = labelFont(view);
+  return view.ctx.measureText(text).width;
+}
+
 /** A text in the drawing, in the font of the axes. */
 export function label(view: View, text: string, x: number, y: number, colour = theme().soft): void {
-  view.ctx.font = axisFont.replace('12px', `${11 * view.ratio}px`);
+  view.ctx.font = labelFont(view);
   view.ctx.fillStyle = colour;
   view.ctx.textAlign = 'left';
   view.ctx.textBaseline = 'bottom';

@@ -12,7 +12,7 @@
 //     group.invalidate();
 
 import { logRange, niceRange } from './axes';
-import { Chart, label, Scales, Span, View } from './chart';
+import { Chart, label, labelWidth, Scales, Span, View } from './chart';
 import { formatClock, formatNumber } from '../numbers/format';
 import { reduce, Reduced, Samples, valueAt, Want } from '../numbers/samples';
 import type { Member, PlotGroup } from './group';
@@ -321,8 +321,8 @@ export class TimePlot extends Chart implements Member {
         }
       }
       if (Number.isNaN(first) || first > view.left + view.width) continue;
-      const text = Math.min(first, view.left + view.width - 90 * ratio) + 5 * ratio;
-      label(view, flag.label, text, top + height - 2 * ratio, theme().limit);
+      const text = Math.min(first, view.left + view.width - labelWidth(view, flag.label) - 8 * ratio) + 5 * ratio;
+      label(view, flag.label, Math.max(view.left, text), top + height - 2 * ratio, theme().limit);
       top += height;
     }
   }
@@ -358,7 +358,15 @@ export class TimePlot extends Chart implements Member {
       const at = (key: string): number => valueAt(samples, key, x, reach);
       const value = series.style === 'band' ? factor * (at(series.high!) - at(series.low!)) / 2
         : factor * at(series.column ?? series.key) + offset;
-      this.legend.show(series.key, value);
+      this.legend.show(series.key, this.rounded(value, series.axis));
     }
+  }
+
+  /** To what could be seen on the axis ten thousand pixels high: the noise of a zero is 0, not 8.32e-08. */
+  private rounded(value: number, axis: 'left' | 'right' = 'left'): number {
+    const [low, high] = (axis === 'right' ? this.scales.right : undefined) ?? this.scales.y;
+    if (this.spec.yLog || !(high > low)) return value;
+    const step = 10 ** Math.floor(Math.log10((high - low) / 1e4));
+    return Math.round(value / step) * step;
   }
 }

@@ -45,7 +45,7 @@ export interface XYPlotSpec {
 
 const most = 4000;  // points of a loop
 const fades = 24;
-const old_ms = 250;
+const old_ms = 500;
 
 interface Shown {
   samples: Samples;
@@ -263,7 +263,7 @@ export class XYPlot extends Chart implements Member {
     for (let part = 0; part < fades; ++part) {
       const from = first + Math.floor((count * part) / fades) * stride;
       const to = first + Math.floor((count * (part + 1)) / fades) * stride;
-      ctx.globalAlpha = 0.05 + 0.95 * ((part + 1) / fades) ** 2;
+      ctx.globalAlpha = 0.15 + 0.85 * ((part + 1) / fades) ** 2;
       this.paintRows(there, loop, rows.x, rows.y, from, Math.min(to, rows.to - 1), stride);
     }
   }

@@ -31,6 +31,12 @@ export function sayError(error: unknown, before = ''): void {
   say(before ? `${before}: ${text}` : sentence(text), 'error');
 }
 
+/** The bridge calls what it was sent "the file"; the person knows its name. */
+export function sayFileError(error: unknown, file: string): void {
+  const text = error instanceof Error ? error.message : String(error);
+  say(text.startsWith('the file:') ? file + text.slice('the file'.length) : `${file}: ${text}`, 'error');
+}
+
 export function dismiss(id: number): void {
   notices.value = notices.value.filter((notice) => notice.id !== id);
 }

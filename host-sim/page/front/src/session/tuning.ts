@@ -5,7 +5,7 @@ import { sameValue } from '../parameters/tree';
 import { UndoHistory } from '../parameters/undo';
 import { parseValue } from '../parameters/values';
 import type { ParameterInfo, Value } from '../protocol/bridge';
-import { say, sayError } from './notices';
+import { say, sayError, sayFileError } from './notices';
 import { isNumber, isStrings, saved } from './saved';
 import { act, call, description, node, own, set, state } from './session';
 
@@ -145,15 +145,15 @@ export async function store(): Promise<void> {
 }
 
 /** The settings of a file; what differed before is in the history. */
-export async function restore(toml: string): Promise<void> {
+export async function restore(file: string, toml: string): Promise<void> {
   const was = { ...own.value };
   try {
     const answer = await call('restore', { node: node.value, toml });
     const changed = (answer['changed'] ?? []) as string[];
-    say(changed.length === 0 ? 'The servo has these settings already.' : `Restored: ${changed.length} parameters.`);
+    say(changed.length === 0 ? 'The servo has these settings already.' : `Restored: ${changed.length} ${changed.length === 1 ? 'parameter' : 'parameters'}.`);
     setTimeout(() => record(was, before(changed), 'restored from a file'), 500);
   } catch (error) {
-    sayError(error);
+    sayFileError(error, file);
   }
 }
 

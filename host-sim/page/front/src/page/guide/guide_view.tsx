@@ -70,7 +70,7 @@ export function GuideView() {
                 onClick={() => { opened.value = open ? null : step.id; }}>
                 <span class="step-number" aria-hidden="true">{finding ? '✓' : number + 1}</span>
                 <span class="step-title">{step.title}</span>
-                {finding && <span class="soft">{new Date(finding.at_ms).toLocaleDateString('en-GB')}</span>}
+                {finding && <span class="soft">{new Date(finding.at_ms).toLocaleDateString('en-GB', { day: 'numeric', month: 'short', year: 'numeric' })}</span>}
               </button>
               {finding && <p class="finding" data-testid={`finding-${step.id}`}>{finding.text}{' '}
                 <button type="button" class="link" onClick={() => forget(step.id)}>Do it again</button></p>}

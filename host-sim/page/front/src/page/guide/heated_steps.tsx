@@ -43,34 +43,49 @@ function WhyNot() {
   return <p class="refused">Cannot be enabled: {faults.join(', ')}. <a href="#state">What to check</a></p>;
 }
 
+const currentMode = -1;  // mode of operation
+
 export function ResistorStep() {
   const expected = cold_ohm(own.value);
   const low = expected * Number(own.value['trips.resistance_low'] ?? NaN);
   const high = expected * Number(own.value['trips.resistance_high'] ?? NaN);
   const [ohm, setOhm] = useState(Number(formatNumber(expected, 2)) || 20);
   const [read, setRead] = useState<Statistics | null>(null);
+  const [busy, setBusy] = useState(false);
+  const least_A = Number(own.value['limits.min_current_A'] ?? NaN);
   const enabled = state.value?.drive === 'operation_enabled';
   const measure = async (): Promise<void> => {
     setRead(null);
-    await wait(1100);
-    setRead(recent('resistance_ohm', 1));
+    setBusy(true);
+    try {
+      // Of a servo that has no mode yet no current flows; of one in the mode of current the least that is asked for.
+      if (state.value?.mode !== currentMode) await call('mode', { node: node.value, mode: currentMode });
+      await call('target', { node: node.value, value: 0 });
+      await wait(1600);
+      setRead(recent('resistance_ohm', 1));
+    } catch (error) {
+      sayError(error, 'Measuring');
+    }
+    setBusy(false);
   };
   const error = read ? 100 * (read.mean / ohm - 1) : NaN;
   return (
     <>
       <p>A resistor in the place of the wire shows whether the readings are right before anything can be overheated.
         It must bear the current, and be between {formatNumber(low, 3)} and {formatNumber(high, 3)} Ω, or the servo refuses
-        it as a wrong wire. Enabled, it gets the minimum current.</p>
+        it as a wrong wire. It is measured with the minimum current, {formatNumber(1e3 * least_A)} mA.</p>
       <div class="bar wrap ends">
-        <NumberField title="Resistor, by an ohmmeter" unit="Ω" value={ohm} set={setOhm} testid="resistor-ohm" />
+        <NumberField title="By an ohmmeter" unit="Ω" value={ohm} set={setOhm} testid="resistor-ohm" />
         <EnableButton />
-        <button type="button" disabled={!enabled} data-testid="measure" onClick={() => void measure()}>Measure for 1 s</button>
+        <button type="button" disabled={!enabled || busy || !mayWrite.value} data-testid="measure" onClick={() => void measure()}>
+          {busy ? 'Measuring …' : 'Measure for 1 s'}
+        </button>
       </div>
       <WhyNot />
       {read && (read.count === 0 ? <p class="refused">No resistance was read in that second: too little current flows.</p> : (
         <Read rows={[
           ['Read', `${formatNumber(read.mean)} Ω, mean of ${read.count} samples`],
-          ['Noise', `${formatNumber(1e6 * read.sd / read.mean, 2)} ppm of it (standard deviation)`],
+          ['Noise', `${formatNumber(100 * read.sd / read.mean, 2)} % of it (standard deviation)`],
           ['Against the ohmmeter', `${formatNumber(error, 2)} %`],
         ]} />
       ))}

@@ -37,7 +37,7 @@ export function WireStep() {
   const known = has('wire.length_m') && has('wire.diameter_m') && !state.value?.blocking.includes('not_configured');
   const load = async (input: HTMLInputElement): Promise<void> => {
     const file = input.files?.[0];
-    if (file) await restore(await file.text()).catch((error) => sayError(error, file.name));
+    if (file) await restore(file.name, await file.text());
     input.value = '';
   };
   return (

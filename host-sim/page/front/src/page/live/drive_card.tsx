@@ -149,7 +149,7 @@ function Target({ now }: { now: State }) {
   const step = slider ? 10 ** Math.floor(Math.log10((bounds.high - bounds.low) / 200)) : 1;
   const ready = mayWrite.value && now.drive === 'operation_enabled';
   return (
-    // The slider may lie between two of its steps, which Firefox would not submit.
+    // The slider may stand beside its steps, which Firefox takes for a reason not to submit.
     <form class="target" noValidate onSubmit={(event) => {
       event.preventDefault();
       if (!Number.isFinite(number)) return;

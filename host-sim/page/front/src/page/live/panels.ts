@@ -1,7 +1,7 @@
 // The plots of the live view: what each shows, and how they are arranged.
 
 import { signal } from '@preact/signals';
-import { labelOf, plain, roleOf, shownAs } from '../../live/display';
+import { labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
 import { controlled } from '../../live/feed';
 import type { SeriesSpec } from '../../plot/time_plot';
 import { isObject, saved } from '../../session/saved';
@@ -115,15 +115,17 @@ function errorPanel(mode: number): TimePanel {
 export function panels(mode: number, own: readonly OwnPanel[]): Panel[] {
   const all = [...fixed];
   all.splice(2, 0, errorPanel(mode));
-  return [...all, ...own.map(ownPanel)];
+  return [...all, ...own.map((one) => ownPanel(one, mode))];
 }
 
-function ownPanel(own: OwnPanel): TimePanel {
-  const unit = own.left[0] ? shownAs(own.left[0]).unit : '';
+function ownPanel(own: OwnPanel, mode: number): TimePanel {
+  const unit = own.left[0] ? shownIn(mode, own.left[0]).unit : '';
   const made = (name: string, n: number, axis: 'left' | 'right'): SeriesSpec => {
-    const shown = shownAs(name);
+    const shown = shownIn(mode, name);
     const other = axis === 'right' || shown.unit !== unit ? { unit: shown.unit } : {};
-    return series(name, { label: plain(name), role: `other${(n % 8) + 1}` as SeriesSpec['role'], axis, ...other });
+    return series(name, {
+      label: plain(name), role: `other${(n % 8) + 1}` as SeriesSpec['role'], axis, factor: shown.factor, offset: shown.offset, ...other,
+    });
   };
   return {
     kind: 'time', id: own.id, title: own.title, unit, series: [

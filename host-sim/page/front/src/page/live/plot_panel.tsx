@@ -23,7 +23,7 @@ export function PlotPanel({ panel, half }: { panel: Panel; half: boolean }) {
 
 /** Plots are made anew only when what they show is another thing. */
 function signature(panel: Panel): string {
-  return panel.kind === 'time' ? panel.series.map((series) => `${series.key}/${series.axis}`).join() + panel.title : '';
+  return panel.kind === 'time' ? panel.series.map((series) => `${series.key}/${series.axis}/${series.factor}`).join() + panel.title : '';
 }
 
 function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => void {

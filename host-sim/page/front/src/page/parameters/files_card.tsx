@@ -3,7 +3,7 @@
 import { useState } from 'preact/hooks';
 import { valueText } from '../../parameters/values';
 import type { Difference } from '../../protocol/bridge';
-import { sayError } from '../../session/notices';
+import { sayError, sayFileError } from '../../session/notices';
 import { call, mayWrite, node } from '../../session/session';
 import { restore } from '../../session/tuning';
 import { saveText } from '../download';
@@ -32,7 +32,7 @@ export function FilesCard() {
       const answer = await call('diff', { node: node.value, toml });
       setCompared({ name: file.name, toml, differences: (answer['differences'] ?? []) as Difference[] });
     } catch (error) {
-      sayError(error, file.name);
+      sayFileError(error, file.name);
     }
     input.value = '';
   };
@@ -49,7 +49,7 @@ export function FilesCard() {
       </div>
       {compared && (
         <div data-testid="differences">
-          <p><strong>{compared.name}</strong>: {compared.differences.length === 0 ? 'no differences.' : `${compared.differences.length} differences.`}</p>
+          <p><strong>{compared.name}</strong>: {compared.differences.length === 0 ? 'no differences.' : compared.differences.length === 1 ? '1 difference.' : `${compared.differences.length} differences.`}</p>
           {compared.differences.length > 0 && (
             <>
               <div class="scroll-x"><table>
@@ -62,7 +62,7 @@ export function FilesCard() {
               </table></div>
               <div class="bar">
                 <button type="button" class="primary" data-testid="restore" disabled={!mayWrite.value}
-                  onClick={() => { void restore(compared.toml); setCompared(null); }}>Write the file's values</button>
+                  onClick={() => { void restore(compared.name, compared.toml); setCompared(null); }}>Write the file's values</button>
                 <button type="button" onClick={() => setCompared(null)}>Close</button>
               </div>
             </>

@@ -2,15 +2,15 @@
 
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
-import { plain, roleOf, shownAs } from '../../live/display';
+import { plain, roleOf, Shown, shownIn } from '../../live/display';
 import { ArraySamples } from '../../numbers/columns';
 import { formatNumber } from '../../numbers/format';
 import { PlotGroup } from '../../plot/group';
 import { TimePlot } from '../../plot/time_plot';
 import type { Recording } from '../../protocol/bridge';
-import { sayError } from '../../session/notices';
+import { sayError, sentence } from '../../session/notices';
 import { isNumber, isString, isStrings, saved } from '../../session/saved';
-import { bridge, call, description, link, node, readOnly } from '../../session/session';
+import { bridge, call, description, link, node, readOnly, state } from '../../session/session';
 import { column } from './runs';
 import { SaveButtons } from './save_buttons';
 import { NumberField } from './step_view';
@@ -23,18 +23,27 @@ const before = saved<number>('record_before_s', 0.2, isNumber);
 const triggerSignal = saved<string>('trigger', '', isString);
 const triggerSign = saved<string>('trigger_sign', '>', isString);
 const triggerValue = saved<number>('trigger_value', 0, isNumber);
-const recording = signal<Recording | null>(null);
+/** Set-points are in the unit of the mode that there was. */
+const recording = signal<{ recording: Recording; mode: number } | null>(null);
 const waiting = signal(false);
+
+const triggerUnit = (): Shown => shownIn(state.value?.mode ?? 0, triggerSignal.value);
+
+/** The bridge takes SI units, the person those of the plots. */
+function triggerText(): string {
+  const { factor, offset } = triggerUnit();
+  return `${triggerSignal.value}${triggerSign.value}${Number(((triggerValue.value - offset) / factor).toPrecision(9))}`;
+}
 
 async function record(): Promise<void> {
   waiting.value = true;
   try {
-    const trigger = triggerSignal.value === '' ? '' : `${triggerSignal.value}${triggerSign.value}${triggerValue.value}`;
+    const trigger = triggerSignal.value === '' ? '' : triggerText();
     const answer = await call('record', {
       node: node.value, signals: chosen.value, seconds: seconds.value, before_s: trigger === '' ? 0 : before.value, trigger,
       patience_s,
     });
-    recording.value = answer['recording'] as Recording;
+    recording.value = { recording: answer['recording'] as Recording, mode: state.value?.mode ?? 0 };
   } catch (error) {
     sayError(error, 'Recorder');
   }
@@ -63,7 +72,7 @@ export function RecorderCard() {
         <label class="field narrow"><span>Trigger</span>
           <select value={triggerSignal.value} data-testid="trigger" onChange={(event) => { triggerSignal.value = event.currentTarget.value; }}>
             <option value="">at once</option>
-            {names.map((name) => <option key={name} value={name}>{name}</option>)}
+            {names.map((name) => <option key={name} value={name}>{plain(name)}</option>)}
           </select>
         </label>
         {triggerSignal.value !== '' && (
@@ -73,7 +82,7 @@ export function RecorderCard() {
                 <option value=">">above</option><option value="<">below</option>
               </select>
             </label>
-            <NumberField title="Level" unit="SI" value={triggerValue.value} testid="trigger-value" set={(value) => { triggerValue.value = value; }} />
+            <NumberField title="Level" unit={triggerUnit().unit} value={triggerValue.value} testid="trigger-value" set={(value) => { triggerValue.value = value; }} />
             <NumberField title="Before it" unit="s" value={before.value} testid="record-before" set={(value) => { before.value = value; }} />
           </>
         )}
@@ -82,25 +91,26 @@ export function RecorderCard() {
           {waiting.value ? (triggerSignal.value === '' ? 'Recording …' : 'Waiting for the trigger …') : 'Record'}
         </button>
       </div>
-      {recording.value && <Recorded recording={recording.value} />}
+      {recording.value && <Recorded {...recording.value} />}
     </section>
   );
 }
 
-function Recorded({ recording: shown }: { recording: Recording }) {
+function Recorded({ recording: shown, mode }: { recording: Recording; mode: number }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const times = shown.rows.map((_, row) => row * shown.period_s);
     const samples = new ArraySamples(times, Object.fromEntries(shown.signals.map((name) => [name, column(shown, name)])));
     const extent: [number, number] = [0, Math.max(shown.period_s, times.at(-1) ?? 0)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
-    const units = [...new Set(shown.signals.map((name) => shownAs(name).unit))];
-    const plots = units.map((unit) => {
-      const names = shown.signals.filter((name) => shownAs(name).unit === unit);
+    const units = [...new Set(shown.signals.map((name) => shownIn(mode, name).unit))];
+    const plots = units.map((unit, n) => {
+      const names = shown.signals.filter((name) => shownIn(mode, name).unit === unit);
       return new TimePlot(place.current!, group, {
-        id: `record-${unit || 'none'}`, title: names.map(plain).join(', '), unit, height: 130,
-        series: names.map((name, n) => ({
-          key: name, label: plain(name), role: roleOf(name, n), factor: shownAs(name).factor, offset: shownAs(name).offset,
+        id: `record-${unit || 'none'}`, title: sentence(names.map(plain).join(', ')), unit, height: 130,
+        ...(n === units.length - 1 ? { xLabel: 'time in s' } : {}),
+        series: names.map((name, k) => ({
+          key: name, label: plain(name), role: roleOf(name, k), ...shownIn(mode, name), unit: '',
         })),
       }, samples);
     });

@@ -110,6 +110,7 @@ function numberOf(run: Run): number {
   return runs.value.length - runs.value.findIndex((one) => one.id === run.id);
 }
 
+const timeLabel = 'time since the step in s';
 const pictures = [
   { name: 'position_m', title: 'Contraction', unit: 'µm', factor: 1e6, offset: 0, height: 230 },
   { name: 'temperature_K', title: 'Temperature', unit: '°C', factor: 1, offset: -273.15, height: 140 },
@@ -125,7 +126,7 @@ function Overlay() {
     const samples = overlay(shown);
     const extent: [number, number] = [samples.x(0), samples.x(samples.end - 1)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
-    const plots = pictures.map(({ name, title, unit, factor, offset, height }) => {
+    const plots = pictures.map(({ name, title, unit, factor, offset, height }, n) => {
       const lines: SeriesSpec[] = shown.map((run) => ({
         key: `${run.id}/${name}`, label: `run ${numberOf(run)}`, role: roleOfRun(run), factor, offset,
         width: run.id === shown[0]!.id ? 2.2 : 1.4,
@@ -133,7 +134,9 @@ function Overlay() {
       if (name === 'position_m') {
         lines.unshift({ key: `${shown[0]!.id}/setpoint`, label: 'set-point', role: 'setpoint', style: 'steps', factor, offset });
       }
-      return new TimePlot(place.current!, group, { id: `step-${name}`, title, unit, height, series: lines }, samples);
+      return new TimePlot(place.current!, group, {
+        id: `step-${name}`, title, unit, height, series: lines, ...(n === pictures.length - 1 ? { xLabel: timeLabel } : {}),
+      }, samples);
     });
     return () => plots.forEach((plot) => plot.destroy());
   }, [key]);

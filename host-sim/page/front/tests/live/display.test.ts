@@ -1,0 +1,16 @@
+import { describe, expect, it } from 'vitest';
+import { shownAs, shownIn } from '../../src/live/display';
+
+describe('shownIn', () => {
+  it('shows a set-point as what the mode controls', () => {
+    const controlled: [number, string][] = [
+      [1, 'position_m'], [8, 'position_m'], [4, 'force_N'], [-1, 'measured_A'], [-2, 'power_W'], [-3, 'temperature_K'],
+    ];
+    for (const [mode, signal] of controlled) {
+      expect(shownIn(mode, 'setpoint')).toEqual(shownAs(signal));
+      expect(shownIn(mode, 'reference')).toEqual(shownAs(signal));
+      expect(shownIn(mode, 'hot_spot_K')).toEqual(shownAs('hot_spot_K'));
+    }
+    expect(shownIn(0, 'setpoint').unit).toBe('');
+  });
+});
