@@ -115,6 +115,21 @@ run_build() {
   build release host-sim smaservod
 }
 
+run_page() {
+  run_setup
+  build release host-sim smaservod
+  local bus=udp:239.74.163.5%lo:$((20000 + $$ % 20000)) folder
+  folder=$(mktemp -d)
+  "$root/build/release/firmware/daemon/smaservod" --board sim --bus "$bus" --no-real-time \
+    --settings "$folder" &
+  # shellcheck disable=SC2064 # these now
+  trap "kill $!; wait $!; rm -r '$folder'" EXIT
+  if (($# == 0)) && [[ -n ${DISPLAY-}${WAYLAND_DISPLAY-} ]]; then
+    (sleep 1 && xdg-open http://127.0.0.1:8765/) &
+  fi
+  "$root/build/release/host-sim/host-sim" page --can "$bus" "$@"
+}
+
 run_replay() {
   run_setup
   build release host-sim

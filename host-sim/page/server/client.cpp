@@ -79,9 +79,11 @@ std::size_t Server::Body::Client::fill(const Frame& frame) {
 
 /// Negative: the connection has failed.
 int Server::Body::Client::write_piece() {
-  const std::size_t length = fill(*going_out_);
-  const bool last = sent_ + length == going_out_->size();
-  const int flags = lws_write_ws_flags(going_out_->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT,
+  if (!going_out_) return 0;
+  const Frame& frame = *going_out_;
+  const std::size_t length = fill(frame);
+  const bool last = sent_ + length == frame.size();
+  const int flags = lws_write_ws_flags(frame.binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT,
                                        static_cast<int>(sent_ == 0), static_cast<int>(last));
   sent_ += length;
   if (last) going_out_.reset();

@@ -118,9 +118,7 @@ json Operations::restore(Servo& servo, const std::string& toml) {
   can::Remote remote = this->remote(servo);
   const std::vector<can::Difference> all = differences_of(remote, toml);
   can::restore(remote, all);
-  json names = json::array();
-  for (const can::Difference& d : all) names.push_back(d.row->path.text());
-  return {{"changed", names}};
+  return {{"changed", difference_messages(all)}};
 }
 
 }  // namespace smaservo::page

@@ -20,7 +20,7 @@ module.exports = {
     // A wire that was hot when its program was killed is not heated before somebody says so.
     await text(view, 'blocked', /unclean_boot/);
     assert.equal(await by(view, 'enable').isEnabled(), false);
-    assert.notEqual(await world.can('reset-faults'), null);
+    await until('the faults are reset', async () => await world.can('reset-faults') !== null);
     await gone(view, 'blocked');
     await enable(view);
   },

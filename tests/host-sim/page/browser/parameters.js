@@ -74,7 +74,7 @@ module.exports = {
   async 'what another master changes is seen'({view, world}) {
     await connected(view);
     await parameter(view, gain);
-    assert.notEqual(await world.can('set', `${gain}=5.75`), null);
+    await until('the other master', async () => await world.can('set', `${gain}=5.75`) !== null);
     await until('its value', async () => Number(await value(view, gain)) === 5.75);
   },
 

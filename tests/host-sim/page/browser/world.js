@@ -90,7 +90,7 @@ class World {
     this.bridge = bridge;
   }
 
-  /** What another master on the bus is told; null: the servo did not answer. */
+  /** What another master on the bus is told; null: nothing, which may be as the bridge asks at that moment, too. */
   async can(...words) {
     try {
       const {stdout} = await promisify(execFile)(this.host_sim, ['can', '--can', 'udp', '--timeout', '2', ...words]);

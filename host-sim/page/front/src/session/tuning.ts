@@ -4,7 +4,7 @@ import { computed, effect, signal, untracked } from '@preact/signals';
 import { sameValue } from '../parameters/tree';
 import { UndoHistory } from '../parameters/undo';
 import { parseValue } from '../parameters/values';
-import type { ParameterInfo, Value } from '../protocol/bridge';
+import type { Difference, ParameterInfo, Value } from '../protocol/bridge';
 import { say, sayError, sayFileError } from './notices';
 import { isNumber, isStrings, saved } from './saved';
 import { act, call, description, node, own, set, state } from './session';
@@ -146,12 +146,13 @@ export async function store(): Promise<void> {
 
 /** The settings of a file; what differed before is in the history. */
 export async function restore(file: string, toml: string): Promise<void> {
-  const was = { ...own.value };
   try {
     const answer = await call('restore', { node: node.value, toml });
-    const changed = (answer['changed'] ?? []) as string[];
+    const changed = (answer['changed'] ?? []) as Difference[];
     say(changed.length === 0 ? 'The servo has these settings already.' : `Restored: ${changed.length} ${changed.length === 1 ? 'parameter' : 'parameters'}.`);
-    setTimeout(() => record(was, before(changed), 'restored from a file'), 500);
+    const values = (which: 'node' | 'file'): Record<string, Value> =>
+      Object.fromEntries(changed.map((one) => [one.name, one[which]]));
+    record(values('node'), values('file'), 'restored from a file');
   } catch (error) {
     sayFileError(error, file);
   }
