@@ -79,12 +79,11 @@ async function unexplored(view) {
   await view.mouse.move(...at(0.5), {steps: 10});
   await view.mouse.up();
   await must('zoom of all panels', () => all(true));
-  // On a busy machine two clicks may be too far apart to be one.
-  await must('all again by a double click', async () => {
-    await view.mouse.dblclick(...at(0.5));
-    await view.mouse.move(5, 5);
-    return comes(view, () => all(false), 1000);
-  });
+  // Firefox's protocol makes two single clicks of a double one.
+  if (name === 'firefox') await view.locator('.plot .u-over').first().dispatchEvent('dblclick');
+  else await view.mouse.dblclick(...at(0.5));
+  await view.mouse.move(5, 5);
+  await must('all again by a double click', () => all(false));
   const key = view.locator('.plot').first().locator('.plot-key').last();
   const only = async () => (await differ()).every((one, k) => one === (k === 0));
   await key.click();

@@ -158,7 +158,8 @@ export abstract class Chart implements Drawn, GestureTarget {
 
   private make(): uPlot {
     const { options } = this;
-    const range = (which: 'x' | 'y' | 'right') => (): Span => this.scales[which] ?? this.scales.y;
+    const range = (which: 'y' | 'right', log?: boolean) => (): Span =>
+      drawable(this.scales[which] ?? this.scales.y, log);
     const distr = (log?: boolean): { distr?: 3; log?: 10 } => (log ? { distr: 3, log: 10 } : {});
     const width = this.body.clientWidth || 300;
     const height = this.body.clientHeight || 160;
@@ -180,8 +181,8 @@ export abstract class Chart implements Drawn, GestureTarget {
         },
       },
       scales: {
-        x: { time: false, range: (_u, low, high) => [low, high], ...distr(options.x.log) },
-        y: { range: range('y'), ...distr(options.yLog) },
+        x: { time: false, range: (_u, low, high) => drawable([low, high], options.x.log), ...distr(options.x.log) },
+        y: { range: range('y', options.yLog), ...distr(options.yLog) },
         right: { range: range('right') },
       },
       axes: [
@@ -259,6 +260,11 @@ export abstract class Chart implements Drawn, GestureTarget {
       this.drawNow();
     }));
   }
+}
+
+/** uPlot looks for the ticks of a logarithmic axis that begins at 0 until the memory is full. */
+export function drawable([low, high]: Span, log = false): Span {
+  return log && !(low > 0 && high > low) ? [0.1, 1] : [low, high];
 }
 
 /** Browsers make mouse events of touches. */

@@ -6,6 +6,7 @@ import { element, LegendItem, Style } from '../plot/legend';
 import { theme, translucent } from '../plot/theme';
 import { colourOf } from './colours';
 import { Panel, Series } from './data';
+import { ThinPath } from './thin_path';
 
 /** Rows of a series that are drawn: all, or those that a window shows. */
 export type Rows = [from: number, to: number];
@@ -96,6 +97,7 @@ export abstract class PanelPlot extends Chart implements Member {
     ctx.lineJoin = 'bevel';
     ctx.setLineDash(series.dashed ? [5 * view.ratio, 4 * view.ratio] : []);
     ctx.beginPath();
+    const path = new ThinPath(ctx);
     let last = NaN;
     for (let row = from; row < to; ++row) {
       const px = view.toX(series.x[row]!);
@@ -105,15 +107,16 @@ export abstract class PanelPlot extends Chart implements Member {
         continue;
       }
       if (Number.isNaN(last)) {
-        ctx.moveTo(px, py);
+        path.start(px, py);
         // A row between two gaps would leave nothing.
-        if (row + 1 >= to || Number.isNaN(series.y[row + 1]!)) ctx.lineTo(px + ctx.lineWidth, py);
+        if (row + 1 >= to || Number.isNaN(series.y[row + 1]!)) path.to(px + ctx.lineWidth, py);
       } else {
-        if (series.kind === 'steps') ctx.lineTo(px, last);
-        ctx.lineTo(px, py);
+        if (series.kind === 'steps') path.to(px, last);
+        path.to(px, py);
       }
       last = py;
     }
+    path.end();
     ctx.stroke();
     ctx.setLineDash([]);
   }
