@@ -23,6 +23,10 @@ while IFS= read -r line; do
       # What is in this build already; that there is such a command is what can go wrong.
       toolchain/dev build --help
       ;;
+    toolchain/dev\ page*)
+      # Until Ctrl-C; tests/host-sim/page/browser is the page.
+      toolchain/dev page --help
+      ;;
     *smaservod*\&)
       eval "${line%&} >$work/daemon 2>&1 &"
       daemon=$!

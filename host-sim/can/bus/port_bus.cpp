@@ -55,7 +55,9 @@ bool PortBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
     pollfd waiting{port_.descriptor(), POLLIN, 0};
     // Not poll(): its milliseconds are too long for whoever sends SYNC each millisecond.
     const std::int64_t wait_us = std::min<std::int64_t>(left_us, 1'000'000);
-    const timespec wait{wait_us / 1'000'000, wait_us % 1'000'000 * 1000};
+    // Both are of 32 bits on armhf.
+    const timespec wait{static_cast<time_t>(wait_us / 1'000'000),
+                        static_cast<long>(wait_us % 1'000'000 * 1000)};
     ppoll(&waiting, 1, &wait, nullptr);
   }
 }

@@ -119,7 +119,7 @@ TEST(Series, KeepsThePeaksOfAllItsValues) {
     EXPECT_LE(kept.size(), 600U + 77U);
     EXPECT_EQ(kept.front().time_s, 0);
     EXPECT_EQ(kept.back().time_s, static_cast<double>(rows - 1));
-    for (double PlotPoint::* value : {&PlotPoint::strain_percent, &PlotPoint::current_A}) {
+    for (double PlotPoint::* const value : {&PlotPoint::strain_percent, &PlotPoint::current_A}) {
       const auto [low, high] = std::ranges::minmax_element(all, {}, value);
       EXPECT_EQ(std::ranges::count(kept, low->time_s, &PlotPoint::time_s), 1) << rows;
       EXPECT_EQ(std::ranges::count(kept, high->time_s, &PlotPoint::time_s), 1) << rows;

@@ -35,10 +35,12 @@ TEST(Thin, KeepsTheBoundAndThePeaksOfEveryColumn) {
   for (const std::size_t rows : {101U, 1000U, 65'537U, 300'000U}) {
     for (const std::size_t count : {1U, 3U, 8U}) {
       std::vector<std::vector<double>> data;
+      data.reserve(count);
       for (std::size_t k = 0; k < count; ++k) {
         data.push_back(noise(rows, static_cast<unsigned>(rows + k)));
       }
       std::vector<const std::vector<double>*> columns;
+      columns.reserve(count);
       for (const auto& column : data) {
         columns.push_back(&column);
       }

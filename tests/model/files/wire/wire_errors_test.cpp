@@ -2,6 +2,7 @@
 
 #include "tests/model/files/wire/wire_errors.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
@@ -17,8 +18,11 @@ std::string key_of(const Field& field, std::string_view suffix) {
   return key_with(field.path, suffix);
 }
 
-std::string first_key(const Field& field) {
-  return key_of(field, key_units(field).front().suffix);
+/// Whether "table.key = value" is of this field, in any of its units.
+bool is_of(const Field& field, std::string_view line) {
+  return std::ranges::any_of(key_units(field), [&](const KeyUnit& unit) {
+    return line.starts_with(key_of(field, unit.suffix) + " = ");
+  });
 }
 
 /// A complete description, one line for each field, without the line of `path`.
@@ -31,9 +35,7 @@ std::string complete_without(const std::string& path) {
     }
     bool dropped = false;
     for (const Field& field : wire_fields()) {
-      const std::string key = first_key(field);
-      dropped = dropped ||
-                (field.path == path && fmt::format("{}.{}", table, line).starts_with(key + " = "));
+      dropped = dropped || (field.path == path && is_of(field, fmt::format("{}.{}", table, line)));
     }
     text += dropped ? "" : line + "\n";
   }
@@ -137,7 +139,7 @@ TEST(WireErrors, NumbersThatAreNoFiniteNumbers) {
     if (field.type == FieldType::choice || field.type == FieldType::flag) {
       continue;
     }
-    const std::string key = first_key(field);
+    const std::string key = key_of(field, key_units(field).front().suffix);
     const bool list = field.type == FieldType::polynomial;
     for (const std::string bad : {"nan", "inf", "-inf", "\"5\"", "true", "1979-05-27"}) {
       const std::string value = list ? "[" + bad + "]" : bad;
