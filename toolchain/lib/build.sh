@@ -115,6 +115,7 @@ run_build() {
   build release host-sim smaservod
 }
 
+# A servo on a simulated wire and the page before it, until Ctrl-C.
 run_page() {
   run_setup
   build release host-sim smaservod
@@ -122,8 +123,9 @@ run_page() {
   folder=$(mktemp -d)
   "$root/build/release/firmware/daemon/smaservod" --board sim --bus "$bus" --no-real-time \
     --settings "$folder" &
+  # Whatever has ended the page, the servo ends, and nothing of it stays.
   # shellcheck disable=SC2064 # these now
-  trap "kill $!; wait $!; rm -r '$folder'" EXIT
+  trap "kill $! 2>/dev/null || :; wait $! || :; rm -r '$folder'" EXIT
   if (($# == 0)) && [[ -n ${DISPLAY-}${WAYLAND_DISPLAY-} ]]; then
     (sleep 1 && xdg-open http://127.0.0.1:8765/) &
   fi

@@ -72,8 +72,8 @@ class World {
   async startServo() {
     fs.mkdirSync(path.join(this.folder, 'store'), {recursive: true});
     const device = path.join(this.folder, 'device.toml');
-    fs.writeFileSync(device, fs.readFileSync(path.join(this.sources, 'tests/can/device.toml'), 'utf8') +
-      '\n[identity]\nnode_id = 1\n\n[timing]\nperiod_ms = 4\nsample_timeout_ms = 100\n');
+    fs.writeFileSync(device, ['device.toml', 'node_1_at_250_Hz.toml']
+      .map((name) => fs.readFileSync(path.join(this.sources, 'tests/can', name), 'utf8')).join(''));
     this.servo = new Program(this.smaservod, '--board', 'sim', '--bus', 'udp', '--device', device,
       '--settings', path.join(this.folder, 'store'), '--no-real-time');
     await until('the servo answers', () => this.can('get', '1018:1'));
