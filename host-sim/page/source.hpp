@@ -10,11 +10,17 @@
 
 namespace smaservo::page {
 
+enum class Encoding : std::uint8_t {
+  json,  ///< with a JSON schema
+  cdr,   ///< ROS 2's bytes, with a ROS 2 message definition
+};
+
 struct Channel {
   std::uint32_t id;
   std::string topic;
   std::string schema_name;
-  std::string schema;  ///< JSON schema of its messages
+  std::string schema;  ///< of its messages
+  Encoding encoding = Encoding::json;
 };
 
 struct Service {
@@ -56,7 +62,7 @@ class Sink {
   virtual ~Sink() = default;
   /// A message of a channel; everybody who has subscribed gets it.
   virtual void message(std::uint32_t channel, std::int64_t time_ns,
-                       std::shared_ptr<const std::string> json) = 0;
+                       std::shared_ptr<const std::string> bytes) = 0;
   /// The list of channels is another one: servos have come or gone.
   virtual void channels_changed() = 0;
   /// Parameters that have new values.

@@ -52,9 +52,13 @@ Frame text_frame(const json& document) {
 }
 
 json channel_json(const Channel& channel) {
-  return {{"id", channel.id},         {"topic", channel.topic},
-          {"encoding", encoding},     {"schemaName", channel.schema_name},
-          {"schema", channel.schema}, {"schemaEncoding", "jsonschema"}};
+  const bool is_json = channel.encoding == Encoding::json;
+  return {{"id", channel.id},
+          {"topic", channel.topic},
+          {"encoding", is_json ? "json" : "cdr"},
+          {"schemaName", channel.schema_name},
+          {"schema", channel.schema},
+          {"schemaEncoding", is_json ? "jsonschema" : "ros2msg"}};
 }
 
 json service_json(const Service& service) {
@@ -72,7 +76,8 @@ json service_json(const Service& service) {
 }
 
 bool same(const Channel& a, const Channel& b) {
-  return a.topic == b.topic && a.schema_name == b.schema_name && a.schema == b.schema;
+  return a.topic == b.topic && a.schema_name == b.schema_name && a.schema == b.schema &&
+         a.encoding == b.encoding;
 }
 
 std::map<std::uint32_t, Channel> by_id(const std::vector<Channel>& channels) {
@@ -316,12 +321,12 @@ void Conversation::show_channels(const std::vector<Channel>& channels) {
 }
 
 void Conversation::message(std::uint32_t channel, std::int64_t time_ns,
-                           const std::shared_ptr<const std::string>& json) {
+                           const std::shared_ptr<const std::string>& bytes) {
   const auto wanted = by_channel_.find(channel);
   if (wanted == by_channel_.end()) {
     return;
   }
-  Frame frame{.binary = true, .live = true, .head = {}, .body = json};
+  Frame frame{.binary = true, .live = true, .head = {}, .body = bytes};
   frame.head.push_back(message_data);
   append(frame.head, wanted->second);
   append(frame.head, static_cast<std::uint64_t>(time_ns));

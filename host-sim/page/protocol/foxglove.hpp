@@ -56,7 +56,7 @@ class Conversation {
   /// the latter has ended without a word to the desk.
   void show_channels(const std::vector<Channel>& channels);
   void message(std::uint32_t channel, std::int64_t time_ns,
-               const std::shared_ptr<const std::string>& json);
+               const std::shared_ptr<const std::string>& bytes);
   /// The answer to a request for parameters; `refusal` says why nothing was written.
   void parameter_values(std::span<const NamedValue> values, const std::optional<std::string>& id,
                         std::string_view refusal);

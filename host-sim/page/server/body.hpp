@@ -33,8 +33,8 @@ class Server::Body final : public Sink {
 
   // Sink
   void message(std::uint32_t channel, std::int64_t time_ns,
-               std::shared_ptr<const std::string> json) override {
-    mailbox_->post({channel, time_ns, std::move(json)});
+               std::shared_ptr<const std::string> bytes) override {
+    mailbox_->post({channel, time_ns, std::move(bytes)});
   }
   void channels_changed() override {
     mailbox_->post([this] { show_channels(); });

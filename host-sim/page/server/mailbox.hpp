@@ -18,7 +18,7 @@ class Mailbox {
   struct Live {
     std::uint32_t channel;
     std::int64_t time_ns;
-    std::shared_ptr<const std::string> json;
+    std::shared_ptr<const std::string> bytes;
   };
 
   struct Mail {

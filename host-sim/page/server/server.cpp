@@ -123,7 +123,7 @@ void Server::Body::deliver() {
   }
   for (const auto& [id, client] : clients_) {
     for (const Mailbox::Live& live : mail.live) {
-      client->conversation().message(live.channel, live.time_ns, live.json);
+      client->conversation().message(live.channel, live.time_ns, live.bytes);
     }
     if (mail.lost > 0) client->lost(mail.lost);
   }

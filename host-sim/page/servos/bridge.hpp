@@ -119,6 +119,7 @@ class Bridge final : public Source, private TrafficEvents {
   bool look_after_stream(Servo& servo);
   bool read_recording();
   void end_trial();
+  bool is_wanted(std::uint32_t channel) const;
   void apply_wishes();
   void show(const Servo& servo);
   void publish_bridge(std::int64_t now_us);

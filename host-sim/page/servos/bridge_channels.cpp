@@ -18,6 +18,7 @@ using nlohmann::json;
 constexpr std::uint32_t bridge_channel = 1;
 constexpr std::uint32_t live_channel = 1000;   ///< and the node-id
 constexpr std::uint32_t state_channel = 2000;  ///< and the node-id
+constexpr std::uint32_t ros_channel = 3000;  ///< and the node-id: live values for readers of ROS 2
 
 constexpr std::int64_t bridge_period_us = 250'000;
 /// Live values are read for so long after the last page has gone, so that a reload misses nothing.
@@ -33,12 +34,15 @@ std::vector<Channel> Bridge::channels() {
   static const std::string bridge = bridge_schema();
   static const std::string live = live_schema();
   static const std::string state = state_schema();
+  static const std::string definition = live_definition();
   std::vector<Channel> all{{bridge_channel, "/bridge", "smaservo.Bridge", bridge}};
   const std::scoped_lock lock(mutex_);
   for (const auto& [node, shown] : shown_) {
     all.push_back({live_channel + node, fmt::format("/node{}/live", node), "smaservo.Live", live});
     all.push_back(
         {state_channel + node, fmt::format("/node{}/state", node), "smaservo.State", state});
+    all.push_back({ros_channel + node, fmt::format("/node{}/signals", node),
+                   "smaservo_msgs/msg/Live", definition, Encoding::cdr});
   }
   return all;
 }
@@ -46,6 +50,12 @@ std::vector<Channel> Bridge::channels() {
 void Bridge::subscribed(std::uint32_t channel, unsigned clients) {
   const std::scoped_lock lock(mutex_);
   wanted_[channel] = clients;
+}
+
+bool Bridge::is_wanted(std::uint32_t channel) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = wanted_.find(channel);
+  return found != wanted_.end() && found->second > 0;
 }
 
 /// What is read from the bus follows from what is subscribed to.
@@ -58,8 +68,10 @@ void Bridge::apply_wishes() {
     for (const auto& [channel, clients] : wanted_) {
       if (clients == 0) continue;
       anything = true;
-      if (channel > live_channel && channel < live_channel + 128) {
-        live_until_us_[channel - live_channel] = now_us + linger_us;
+      for (const std::uint32_t first : {live_channel, ros_channel}) {
+        if (channel > first && channel < first + 128) {
+          live_until_us_[channel - first] = now_us + linger_us;
+        }
       }
     }
   }
@@ -80,10 +92,16 @@ void Bridge::show(const Servo& servo) {
 
 void Bridge::sampled(Servo& servo, const Sample& sample) {
   servo.history->add(sample);
-  if (Sink* sink = sink_) {
-    sink->message(live_channel + servo.node, wall_ns(sample.time_us),
-                  std::make_shared<const std::string>(live_text(sample)));
-  }
+  Sink* const sink = sink_;
+  if (sink == nullptr) return;
+  const std::int64_t time_ns = wall_ns(sample.time_us);
+  sink->message(live_channel + servo.node, time_ns,
+                std::make_shared<const std::string>(live_text(sample)));
+  if (!is_wanted(ros_channel + servo.node)) return;
+  // All signals at once, each as it was read last.
+  sink->message(
+      ros_channel + servo.node, time_ns,
+      std::make_shared<const std::string>(live_bytes(servo.history->newest().value_or(sample))));
 }
 
 void Bridge::state_read(Servo& servo) {

@@ -105,9 +105,7 @@ void Bridge::call(Caller caller, std::uint32_t service, std::string request,
       return;
     }
     const json parsed = parsed_request(request);
-    if (row.kind == Kind::changing && caller.read_only) {
-      throw UserError("this client is read-only");
-    }
+    if (row.kind == Kind::changing && caller.read_only) throw UserError(read_only_refusal);
     if (!call_at_once(caller, row.name, parsed, reply)) queue(caller, row.name, parsed, reply);
   } catch (const std::exception& error) {
     reply({false, error.what()});
@@ -144,7 +142,7 @@ bool Bridge::call_at_once(const Caller& caller, const std::string& service, cons
   } else if (service == "export") {
     answer = recordings_.exported(request);
   } else if (service == "take_control") {
-    if (caller.read_only) throw UserError("this client is read-only");
+    if (caller.read_only) throw UserError(read_only_refusal);
     switch_off(control_.take(caller.client));
     answer = told();
   } else if (service == "release_control") {

@@ -6,7 +6,7 @@
 namespace smaservo::page {
 
 Control::Leave Control::ask(const Caller& caller) {
-  if (caller.read_only) return {0, "this client is read-only"};
+  if (caller.read_only) return {0, read_only_refusal};
   const std::scoped_lock lock(mutex_);
   if (!client_) client_ = caller.client;
   if (*client_ != caller.client) {

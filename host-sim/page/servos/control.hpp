@@ -14,6 +14,9 @@ namespace smaservo::page {
 /// Node-ids, 1 to 127.
 using NodeSet = std::bitset<128>;
 
+inline constexpr const char* read_only_refusal =
+    "nothing can be changed here: the page is read-only (--read-only)";
+
 class Control {
  public:
   /// What a write was asked under. It is in force until control passes on, or all is stopped.

@@ -102,9 +102,9 @@ class Client {
     });
   }
 
-  subscribe(topic, listener) {
+  subscribe(topic, listener, read = (bytes) => JSON.parse(text(bytes))) {
     const id = this.fox.subscribe(this.channels.get(topic).id);
-    this.listeners.set(id, (message) => listener(JSON.parse(text(message.data)), message));
+    this.listeners.set(id, (message) => listener(read(message.data), message));
     return id;
   }
 

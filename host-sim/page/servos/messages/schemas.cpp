@@ -1,6 +1,7 @@
 #include "host-sim/page/servos/messages/schemas.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "firmware/signals.hpp"
@@ -60,6 +61,18 @@ std::string bridge_schema() {
 
 std::string live_schema() {
   return json_text(object_schema(live_members()));
+}
+
+std::string live_definition() {
+  std::string text;
+  for (const Signal<float>& row : signal_rows<float>) {
+    std::string name(row.name);
+    std::ranges::transform(name, name.begin(), [](char letter) {
+      return 'A' <= letter && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+    });
+    text += fmt::format("# {}\nfloat32 {}\n", row.meaning, name);
+  }
+  return text;
 }
 
 std::string state_schema() {

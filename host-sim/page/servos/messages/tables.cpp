@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 #include "firmware/command.hpp"
 #include "firmware/safety/faults/table.hpp"
@@ -124,6 +126,19 @@ std::string live_text(const Sample& sample) {
     }
   }
   return text + "}";
+}
+
+std::string live_bytes(const Sample& sample) {
+  // CDR: two bytes say that the rest is little-endian, two are empty.
+  std::string bytes{0, 1, 0, 0};
+  for (std::size_t i = 0; i < signal_count; ++i) {
+    const float value = sample.has[i] ? sample.values[i] : std::numeric_limits<float>::quiet_NaN();
+    auto bits = std::bit_cast<std::uint32_t>(value);
+    for (std::size_t byte = 0; byte < sizeof bits; ++byte, bits >>= 8U) {
+      bytes.push_back(static_cast<char>(bits & 0xFFU));
+    }
+  }
+  return bytes;
 }
 
 json history_message(const HistoryRows& rows, std::int64_t wall_ns_at_0) {

@@ -21,6 +21,8 @@ nlohmann::json described();
 
 /// The text of a sample as smaservo.Live has it.
 std::string live_text(const Sample& sample);
+/// The bytes of a sample as live_definition() describes them; NaN for a signal that it lacks.
+std::string live_bytes(const Sample& sample);
 nlohmann::json history_message(const HistoryRows& rows, std::int64_t wall_ns_at_0);
 nlohmann::json recording_message(const can::Recording& recording);
 

@@ -1,14 +1,14 @@
 // The plots, and what of them outlasts a reload.
 'use strict';
 
-const {by, coloured, gone, picture, shown, text, until} = require('./world.js');
+const {bus, by, coloured, gone, picture, shown, text, until} = require('./world.js');
 const {connected, move, off, reading, received} = require('./person.js');
 const assert = require('node:assert/strict');
 
 module.exports = {
   async 'the page connects, its plots move, and it asks nobody else'({view, world}) {
     await connected(view);
-    assert.match(await text(view, 'servo', /Servo 1/), /udp/);
+    assert.ok((await text(view, 'servo', /Servo 1/)).includes(bus));
     await move(view, 800);
     assert.ok(await world.heated());
     assert.ok(Math.abs(1e6 * await world.read('live.position_m') - await reading(view, 'position_m')) < 150);

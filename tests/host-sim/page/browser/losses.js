@@ -4,7 +4,6 @@
 const {by, gone, text, until, watch_s} = require('./world.js');
 const {connected, enable, move, off, received} = require('./person.js');
 const assert = require('node:assert/strict');
-const {execFileSync} = require('node:child_process');
 
 module.exports = {
   async 'a servo that is killed hot is missed, comes back, and is not enabled'({view, world}) {
@@ -44,12 +43,10 @@ module.exports = {
     await connected(view);
     await move(view, 800);
     const trouble = async () => await by(view, 'offline').isVisible() || await by(view, 'bus-trouble').isVisible();
-    // Both ends of the network that the test has for itself: multicast goes out by either.
-    const links = (state) => ['here', 'there'].forEach((end) => execFileSync('ip', ['link', 'set', end, state]));
-    links('down');
+    world.link('down');
     await until('a word about the bus', trouble);
     await view.waitForTimeout(1500 * watch_s);
-    links('up');
+    world.link('up');
     await until('the bus again', async () => !await trouble());
     // The servo has ended its heat by itself, and the page has not enabled it again.
     await off(view);

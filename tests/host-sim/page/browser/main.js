@@ -1,10 +1,10 @@
 // main.js BROWSER HOST_SIM SMASERVOD SOURCES [TITLE|TITLE...]: a person before the real page, with a real bridge
-// and a real servo on a simulated wire, each test with its own. Run by own_network.sh; NODE_PATH names the folder
-// of the npm packages. 77: the browser or the page is missing. BROWSER_SHOTS=FOLDER keeps a picture of each
-// test's end.
+// and a real servo on a simulated wire, each test with its own. Run by own_network.sh, or in a guest (world.js);
+// NODE_PATH names the folder of the npm packages. 77: the browser or the page is missing. BROWSER_SHOTS=FOLDER
+// keeps a picture of each test's end.
 'use strict';
 
-const {World, launch, programs} = require('./world.js');
+const {World, bus, launch, programs} = require('./world.js');
 const assert = require('node:assert/strict');
 const fs = require('node:fs');
 const path = require('node:path');
@@ -18,6 +18,7 @@ const tests = {
   ...require('./guide.js'),
   ...require('./control.js'),
   ...require('./losses.js'),
+  ...require('./others.js'),
 };
 
 async function shoot(view, title) {
@@ -51,6 +52,9 @@ async function run(browser, title, test) {
 
 /** What this machine lacks for the tests; "" where nothing. */
 async function missing() {
+  if (bus !== 'udp' && !fs.readFileSync('/proc/cpuinfo', 'utf8').includes('User Mode Linux')) {
+    return 'an emulated guest is too slow for a browser';
+  }
   if (!fs.existsSync(programs[name])) return `${programs[name]} is missing`;
   const world = new World({host_sim, smaservod, sources});
   try {

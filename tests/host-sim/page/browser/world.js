@@ -1,9 +1,10 @@
-// The world of one test: a bridge and a servo on a simulated wire as processes, on a bus that nobody else is on
-// (tests/can/own_network.sh), another master that looks at the servo by itself, and the system's browsers.
+// The world of one test: a bridge and a servo on a simulated wire as processes, another master that looks at the servo
+// by itself, and the system's browsers. The bus is nobody else's: multicast in a network of its own
+// (tests/can/own_network.sh), or SERVO_BUS, an interface of a kernel of its own (toolchain/can/uml).
 'use strict';
 
 const {chromium, firefox} = require('playwright-core');
-const {execFile, spawn} = require('node:child_process');
+const {execFile, execFileSync, spawn} = require('node:child_process');
 const fs = require('node:fs');
 const os = require('node:os');
 const path = require('node:path');
@@ -14,6 +15,10 @@ const patience_ms = 120_000;
 
 // The longest silence of a bridge before a servo ends its heat: one that does not get to run for a while is not dead.
 const watch_s = 5;
+
+const bus = process.env.SERVO_BUS ?? 'udp';
+// What carries it. Multicast goes out by either end of the test's network.
+const links = bus === 'udp' ? ['here', 'there'] : [bus];
 
 const programs = {
   chromium: process.env.CHROMIUM ?? '/usr/bin/chromium',
@@ -74,13 +79,13 @@ class World {
     const device = path.join(this.folder, 'device.toml');
     fs.writeFileSync(device, ['device.toml', 'node_1_at_250_Hz.toml']
       .map((name) => fs.readFileSync(path.join(this.sources, 'tests/can', name), 'utf8')).join(''));
-    this.servo = new Program(this.smaservod, '--board', 'sim', '--bus', 'udp', '--device', device,
+    this.servo = new Program(this.smaservod, '--board', 'sim', '--bus', bus, '--device', device,
       '--settings', path.join(this.folder, 'store'), '--no-real-time');
     await until('the servo answers', () => this.can('get', '1018:1'));
   }
 
   async startBridge(...options) {
-    const bridge = new Program(this.host_sim, 'page', '--can', 'udp', '--listen', `127.0.0.1:${this.port}`,
+    const bridge = new Program(this.host_sim, 'page', '--can', bus, '--listen', `127.0.0.1:${this.port}`,
       '--watch', String(watch_s), ...options);
     const found = await until('the address of the bridge', () =>
       bridge.process.exitCode === null ? /^https?:\S+/m.exec(bridge.said) : [''] );
@@ -93,11 +98,16 @@ class World {
   /** What another master on the bus is told; null: nothing, which may be as the bridge asks at that moment, too. */
   async can(...words) {
     try {
-      const {stdout} = await promisify(execFile)(this.host_sim, ['can', '--can', 'udp', '--timeout', '2', ...words]);
+      const {stdout} = await promisify(execFile)(this.host_sim, ['can', '--can', bus, '--timeout', '2', ...words]);
       return stdout;
     } catch {
       return null;
     }
+  }
+
+  /** The bus, `up` or `down`. */
+  link(state) {
+    for (const name of links) execFileSync('ip', ['link', 'set', name, state]);
   }
 
   /** A value of the servo, which must answer. */
@@ -191,4 +201,4 @@ async function download(view, name) {
   return Buffer.from(bytes);
 }
 
-module.exports = {World, by, coloured, download, gone, launch, picture, programs, shown, text, until, watch_s};
+module.exports = {World, bus, by, coloured, download, gone, launch, picture, programs, shown, text, until, watch_s};

@@ -14,7 +14,8 @@ TEST_F(PageServos, AreFoundAndSaid) {
   EXPECT_EQ(state()["drive"], "switch_on_disabled");
   std::vector<std::string> topics;
   for (const Channel& channel : bench.bridge.channels()) topics.push_back(channel.topic);
-  EXPECT_THAT(topics, testing::ElementsAre("/bridge", "/node5/live", "/node5/state"));
+  EXPECT_THAT(topics,
+              testing::ElementsAre("/bridge", "/node5/live", "/node5/state", "/node5/signals"));
   EXPECT_GT(bench.told.channel_lists, 0U);
   EXPECT_EQ(bench.get("node5.limits.current_A"), "0.4");
 }
@@ -30,6 +31,17 @@ TEST_F(PageServos, LiveValuesAreThoseOfTheServoAtThePromisedRate) {
   EXPECT_NEAR(live["strain"].get<double>(), strain, 1e-4);
   EXPECT_EQ(state()["gaps"], 0);
   EXPECT_GT(state()["rate_hz"].get<double>(), 50);
+}
+
+TEST_F(PageServos, AreToldInBytesOnlyToWhoAsks) {
+  EXPECT_EQ(bench.told.counts[3000 + node], 0U);
+  bench.bridge.subscribed(3000 + node, 1);
+  bench.run(1);
+  EXPECT_GT(bench.told.counts[3000 + node], 50U);
+  bench.bridge.subscribed(3000 + node, 0);
+  const unsigned before = bench.told.counts[3000 + node];
+  bench.run(1);
+  EXPECT_EQ(bench.told.counts[3000 + node], before);
 }
 
 TEST_F(PageServos, MoveAndCool) {

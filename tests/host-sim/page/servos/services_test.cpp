@@ -179,6 +179,7 @@ TEST_F(PageServos, SettingsComeBackFromAFile) {
 
 TEST_F(PageServos, FoxgloveTakesEachSchemaAndItsMessages) {
   for (const Channel& channel : bench.bridge.channels()) {
+    if (channel.encoding != Encoding::json) continue;
     const json schema = json::parse(channel.schema);
     EXPECT_EQ(refused_by_foxglove(schema), "") << channel.topic;
     // Each member of a message is in the schema.
