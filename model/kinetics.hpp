@@ -54,4 +54,13 @@ concept Kinetics =
       { K::rates(params, state, heading) } -> std::same_as<PhaseRates<typename K::Scalar>>;
     };
 
+/// A model with rates of its own: it also moves while the drive rests. `advance` without a time is
+/// then a jump to the drive and a rest there that is long for the model.
+template <class K>
+concept TimedKinetics =
+    Kinetics<K> && requires(const typename K::Params& params, typename K::State& moving,
+                            const Drive<typename K::Scalar>& drive, typename K::Scalar dt_s) {
+      { K::advance(params, moving, drive, dt_s) } -> std::same_as<void>;
+    };
+
 }  // namespace smaservo

@@ -10,7 +10,12 @@
 namespace smaservo::bench {
 namespace {
 
-constexpr std::array<std::string_view, 3> plant_names{"lumped", "ihyp", "sublayers"};
+constexpr std::array<std::string_view, 4> plant_names{"lumped", "ihyp", "sublayers", "free-energy"};
+
+/// Of a plant that is not lumped.
+hal::Family family_of(PlantFamily plant) {
+  return hal::families.at(static_cast<std::size_t>(plant) - 1);
+}
 
 files::WireDescription named_wire(const files::TomlFile& file, const std::string& name) {
   return files::load_wire(name.ends_with(".toml") ? file.beside(name) : name);
@@ -26,11 +31,11 @@ PlantSetup read_plant(const files::TomlFile& file, files::TomlTable& table, std:
   if (table.has("unit")) {
     const auto unit_seed = static_cast<std::uint64_t>(table.number("unit", 0, 1e9));
     const WireUnit unit = random_unit(
-        plant.family == PlantFamily::sublayers ? hal::Family::sublayers : hal::Family::ihyp,
+        plant.family == PlantFamily::lumped ? hal::Family::ihyp : family_of(plant.family),
         unit_seed);
     plant.wire = unit.wire;
     plant.scatter_K = unit.scatter_K;
-    plant.sublayers = unit.sublayers;
+    plant.structure = unit.structure;
   } else {
     plant.wire =
         named_wire(file, table.has("wire") ? table.text("wire") : std::string(files::default_wire));
@@ -43,15 +48,17 @@ std::string_view plant_name(PlantFamily family) {
   return plant_names.at(static_cast<std::size_t>(family));
 }
 
+PlantFamily plant_family(hal::Family family) {
+  return static_cast<PlantFamily>(static_cast<std::size_t>(family) + 1);
+}
+
 std::unique_ptr<hal::SimulatedWire> make_plant(const PlantSetup& plant) {
   if (plant.family == PlantFamily::lumped) {
     return hal::make_lumped_wire(plant.wire.wire);
   }
   std::mt19937_64 random(plant.seed);
-  const hal::Family family =
-      plant.family == PlantFamily::ihyp ? hal::Family::ihyp : hal::Family::sublayers;
-  return hal::make_simulated_wire(family, plant.wire.wire, plant.sublayers, plant.scatter_K,
-                                  random);
+  return hal::make_simulated_wire(family_of(plant.family), plant.wire.wire, plant.structure,
+                                  plant.scatter_K, random);
 }
 
 }  // namespace smaservo::bench

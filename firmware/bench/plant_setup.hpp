@@ -15,8 +15,9 @@ class TomlTable;
 
 namespace smaservo::bench {
 
-enum class PlantFamily : unsigned char { lumped, ihyp, sublayers };
+enum class PlantFamily : unsigned char { lumped, ihyp, sublayers, free_energy };
 std::string_view plant_name(PlantFamily family);
+PlantFamily plant_family(hal::Family family);
 
 /// The simulated wire as it really is, which the device does not know.
 struct PlantSetup {
@@ -24,8 +25,8 @@ struct PlantSetup {
   files::WireDescription wire;
   /// Standard deviation of the transition temperatures along the wire; a lumped wire has none.
   double scatter_K;
-  hal::SublayerStructure sublayers;  ///< of the family sublayers only
-  std::uint64_t seed;                ///< draws the scatter
+  hal::Structure structure;  ///< of the family
+  std::uint64_t seed;        ///< draws the scatter
 };
 std::unique_ptr<hal::SimulatedWire> make_plant(const PlantSetup& plant);
 

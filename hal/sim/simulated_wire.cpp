@@ -150,10 +150,32 @@ std::unique_ptr<SimulatedWire> make_sublayers(const Wire<double>& wire,
   return std::make_unique<DistributedWire<K, segments>>(p);
 }
 
+std::unique_ptr<SimulatedWire> make_free_energy(const Wire<double>& wire,
+                                                const FreeEnergyStructure& structure,
+                                                double scatter_K, std::mt19937_64& random) {
+  using K = FreeEnergy<double>;
+  constexpr std::size_t segments = 12;
+  auto p = distribute<DistributedPlant<K, segments>, segments>(wire);
+  p.specific_heat_1_K = structure.specific_heat_1_K;
+  p.parallel_share = 1;
+  std::normal_distribution<double> normal;
+  const FreeEnergySpread spread = free_energy_spread(wire, structure);
+  for (K::Params& k : p.kinetics) {
+    const double warmer_K = scatter_K * normal(random);
+    FreeEnergySpread here = spread;
+    for (ThresholdSpread* process : {&here.m2a, &here.a2m, &here.r2a, &here.a2r}) {
+      process->median_K += warmer_K;
+    }
+    k = K::params(here);
+  }
+  return std::make_unique<DistributedWire<K, segments>>(p);
+}
+
 }  // namespace
 
 std::string_view family_name(Family family) {
-  return family == Family::ihyp ? "ihyp" : "sublayers";
+  constexpr std::array<std::string_view, families.size()> names{"ihyp", "sublayers", "free-energy"};
+  return names.at(static_cast<std::size_t>(family));
 }
 
 SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure& structure) {
@@ -188,11 +210,36 @@ SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure
   return s;
 }
 
+FreeEnergySpread free_energy_spread(const Wire<double>& wire,
+                                    const FreeEnergyStructure& structure) {
+  const ThreePhaseParams<double>& k = wire.kinetics;
+  FreeEnergySpread s{spread(k.m2a),
+                     spread(first_surface(k.a2m_a2r)),
+                     {},
+                     spread(second_surface(k.a2m_a2r)),
+                     structure.r_correlation,
+                     structure.width_K,
+                     structure.attempt_s,
+                     structure.coupling_K};
+  s.a2r.below_K *= structure.a2r_width;
+  s.a2r.above_K *= structure.a2r_width;
+  s.r2a = s.a2r;
+  s.r2a.median_K += structure.r_hysteresis_K;
+  return s;
+}
+
 std::unique_ptr<SimulatedWire> make_simulated_wire(Family family, const Wire<double>& wire,
-                                                   const SublayerStructure& structure,
-                                                   double scatter_K, std::mt19937_64& random) {
-  return family == Family::ihyp ? make_ihyp(wire, scatter_K, random)
-                                : make_sublayers(wire, structure, scatter_K, random);
+                                                   const Structure& structure, double scatter_K,
+                                                   std::mt19937_64& random) {
+  switch (family) {
+    case Family::ihyp:
+      return make_ihyp(wire, scatter_K, random);
+    case Family::sublayers:
+      return make_sublayers(wire, structure.sublayers, scatter_K, random);
+    case Family::free_energy:
+      break;
+  }
+  return make_free_energy(wire, structure.free_energy, scatter_K, random);
 }
 
 }  // namespace smaservo::hal

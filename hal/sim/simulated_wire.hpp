@@ -1,6 +1,6 @@
 #pragma once
-// The wires behind simulated traces, in two families that differ from the observers' model. Both
-// have temperature distributed along the wire, clamps at ambient temperature, transition
+// The wires behind simulated traces, in families that differ from the observers' model. All have
+// temperature distributed along the wire, clamps at ambient temperature, transition
 // temperatures that scatter along the wire, and convection after Churchill and Chu.
 // host-sim/simulate/README.md compares them.
 
@@ -10,16 +10,20 @@
 #include <random>
 #include <string_view>
 
+#include "model/wire/free_energy.hpp"
 #include "model/wire/sublayers.hpp"
 #include "model/wire/wire.hpp"
 
 namespace smaservo::hal {
 
 enum class Family : unsigned char {
-  ihyp,      ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
-  sublayers  ///< model/wire/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
+  ihyp,        ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
+  sublayers,   ///< model/wire/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
+  free_energy  ///< model/wire/free_energy.hpp in 12 segments, c(T), resistivities in parallel
 };
-inline constexpr std::array families{Family::ihyp, Family::sublayers};
+inline constexpr std::array families{Family::ihyp, Family::sublayers, Family::free_energy};
+/// Those that observers and control may be tuned with. The others are for tests only.
+inline constexpr std::array tuning_families{Family::ihyp, Family::sublayers};
 std::string_view family_name(Family family);
 
 /// Parameters of the family sublayers beyond those of a wire.
@@ -41,6 +45,20 @@ struct SublayerStructure {
 /// surfaces, and at 0, 200 and 400 MPa their medians, plus what the structure adds. Their tails are
 /// logistic, much shorter than those of the surfaces.
 SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure& structure);
+
+/// Parameters of the family free-energy beyond those of a wire.
+struct FreeEnergyStructure {
+  double r_correlation = -0.5;      ///< FreeEnergySpread's
+  double width_K = 1.5;             ///< FreeEnergySpread's
+  double attempt_s = 1e-3;          ///< FreeEnergySpread's
+  double coupling_K = 4;            ///< FreeEnergySpread's
+  double a2r_width = 2.3;           ///< factor on the spread of A2R, so that R-phase peaks at 70 %
+  double r_hysteresis_K = 4;        ///< R2A above A2R; real wires have 2 to 6
+  double specific_heat_1_K = 5e-4;  ///< DistributedPlant's
+};
+
+/// The medians are those of the wire's surfaces, as in sublayer_spread().
+FreeEnergySpread free_energy_spread(const Wire<double>& wire, const FreeEnergyStructure& structure);
 
 class SimulatedWire {
  public:
@@ -67,9 +85,15 @@ class SimulatedWire {
   virtual Phases<double> phases() const = 0;  ///< mean of the whole wire
 };
 
+/// What a family has beyond a wire's parameters; the structures of other families do not matter.
+struct Structure {
+  SublayerStructure sublayers;
+  FreeEnergyStructure free_energy;
+};
+
 /// The wire is at rest at 25 °C without load. Its scatter is drawn from `random`.
 std::unique_ptr<SimulatedWire> make_simulated_wire(Family family, const Wire<double>& wire,
-                                                   const SublayerStructure& structure,
-                                                   double scatter_K, std::mt19937_64& random);
+                                                   const Structure& structure, double scatter_K,
+                                                   std::mt19937_64& random);
 
 }  // namespace smaservo::hal

@@ -94,7 +94,7 @@ std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::
 std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
   std::vector<JudgedUnit> units;
   for (int i = 0; i < options.units; ++i) {
-    for (const hal::Family family : hal::families) {
+    for (const hal::Family family : options.families) {
       const bench::WireUnit unit =
           bench::random_unit(family, options.seed + static_cast<std::uint64_t>(i));
       units.push_back({unit, unit.type_file(), {}});
@@ -213,13 +213,13 @@ std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSe
   return judged;
 }
 
-RowResult row_result(std::size_t row, std::vector<JudgedRun> runs) {
+RowResult row_result(const EvaluateOptions& options, std::size_t row, std::vector<JudgedRun> runs) {
   RowResult result{row, {}, together(runs), {}};
-  for (const hal::Family family : hal::families) {
+  for (const hal::Family family : options.families) {
     std::vector<JudgedRun> own;
     std::ranges::copy_if(runs, std::back_inserter(own),
                          [&](const JudgedRun& run) { return run.run.family == family; });
-    result.by_family[static_cast<std::size_t>(family)] = together(own);
+    result.by_family.push_back({family, together(own)});
   }
   result.runs = std::move(runs);
   return result;
@@ -257,7 +257,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
       if (i == evaluation.observers.size()) {
         evaluation.observers.push_back({observers[i], {}});
       }
-      evaluation.observers[i].rows.push_back(row_result(row, std::move(runs)));
+      evaluation.observers[i].rows.push_back(row_result(options, row, std::move(runs)));
     }
   }
   return evaluation;

@@ -2,7 +2,6 @@
 // The table by which observers are judged: many simulated runs of units that are not the observers'
 // model, in rows of conditions, each with a target.
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -18,6 +17,7 @@ namespace smaservo::evaluate {
 inline constexpr std::uint64_t first_test_seed = 1000;
 
 struct EvaluateOptions {
+  std::vector<hal::Family> families{hal::tuning_families.begin(), hal::tuning_families.end()};
   int units = 3;  ///< of each family, with seeds from `seed` on
   int runs = 0;   ///< of each row; 0: as many as the row has
   std::uint64_t seed = first_test_seed;
@@ -32,11 +32,16 @@ struct EvaluateOptions {
   std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress;
 };
 
+struct FamilyFigures {
+  hal::Family family;
+  RowFigures figures;
+};
+
 struct RowResult {
   std::size_t row;              ///< of evaluation_rows()
   std::vector<JudgedRun> runs;  ///< units in turn
   RowFigures all;
-  std::array<RowFigures, hal::families.size()> by_family;
+  std::vector<FamilyFigures> by_family;  ///< in the order of the options
 };
 
 struct ObserverEvaluation {

@@ -118,7 +118,10 @@ void run(EvaluateArguments& a) {
     destination.json.emplace(out);
   }
   if (!a.markdown.empty()) {
-    destination.table.emplace(a.markdown, a.random_from ? "random scenarios" : "evaluate");
+    const bool usual = a.options.families == EvaluateOptions{}.families;
+    destination.table.emplace(a.markdown, a.random_from ? "random scenarios"
+                                          : usual       ? "evaluate"
+                                                        : "other families");
   }
   if (a.closed_loop) {
     run_closed_loop(a, destination);
@@ -157,6 +160,21 @@ void add_evaluate_command(CLI::App& app) {
   for (const EvaluationRow& row : evaluation_rows()) {
     rows.emplace_back(row.name);
   }
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--family",
+          [a](const std::vector<std::string>& names) {
+            a->options.families.clear();
+            for (const std::string& name : names) {
+              a->options.families.push_back(
+                  *std::ranges::find(hal::families, name, hal::family_name));
+            }
+          },
+          "families of plants; default: ihyp and sublayers. free-energy is kept for "
+          "tests "
+          "and never used to choose anything")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>{"ihyp", "sublayers", "free-energy"}));
   command->add_option("--units", options.units, "wires of each family")->capture_default_str();
   command->add_option("--runs", options.runs,
                       "runs of each row; default: 504 of disturbed, 108 of the others");
@@ -185,7 +203,7 @@ void add_evaluate_command(CLI::App& app) {
   command
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
-      ->excludes("--row", "--observer", "--set", "--report");
+      ->excludes("--family", "--row", "--observer", "--set", "--report");
   command->add_option("--random", a->random, "number of random scenarios of --closed-loop")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();

@@ -43,22 +43,23 @@ std::string three(const RowFigures& f) {
 }
 
 /// Appends a column for each family. Marked values miss their target.
-files::TextTable table_of(std::vector<files::TextTable::Column> columns) {
-  for (const hal::Family family : hal::families) {
-    columns.push_back({std::string(hal::family_name(family)), "{}"});
+files::TextTable table_of(const ObserverEvaluation& observer,
+                          std::vector<files::TextTable::Column> columns) {
+  for (const FamilyFigures& own : observer.rows.front().by_family) {
+    columns.push_back({std::string(hal::family_name(own.family)), "{}"});
   }
   return files::TextTable(std::move(columns), "");
 }
 
 files::TextTable errors(const ObserverEvaluation& observer) {
-  files::TextTable table = table_of({{"row"},
-                                     {"runs", "{}"},
-                                     {"mean", "{:.2f}"},
-                                     {"95 %", "{:.2f}"},
-                                     {"max", "{:.2f}"},
-                                     {"lost", "{:.0f}"},
-                                     {"in 2 sd", "{:.1f}"},
-                                     {"target", "{}"}});
+  files::TextTable table = table_of(observer, {{"row"},
+                                               {"runs", "{}"},
+                                               {"mean", "{:.2f}"},
+                                               {"95 %", "{:.2f}"},
+                                               {"max", "{:.2f}"},
+                                               {"lost", "{:.0f}"},
+                                               {"in 2 sd", "{:.1f}"},
+                                               {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures f = row_figures(observer, result);
     std::string targets = target(f[0]);
@@ -70,8 +71,8 @@ files::TextTable errors(const ObserverEvaluation& observer) {
       line.emplace_back(f[i].value, f[i].missed());
     }
     line.emplace_back(targets);
-    for (const RowFigures& family : result.by_family) {
-      line.emplace_back(three(family));
+    for (const FamilyFigures& own : result.by_family) {
+      line.emplace_back(three(own.figures));
     }
     table.add(std::move(line));
   }
@@ -94,7 +95,7 @@ std::string meaning(std::string_view figure) {
 
 /// The figures that only some rows have.
 files::TextTable particulars(const ObserverEvaluation& observer) {
-  files::TextTable table = table_of({{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
+  files::TextTable table = table_of(observer, {{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures all = row_figures(observer, result);
     for (std::size_t i = 5; i < all.size(); ++i) {
@@ -102,8 +103,8 @@ files::TextTable particulars(const ObserverEvaluation& observer) {
                                  meaning(all[i].name),
                                  {number(all[i]), all[i].missed()},
                                  target(all[i])};
-      for (const RowFigures& family : result.by_family) {
-        line.emplace_back(number(row_figures(row_of(result), family, no_scale)[i]));
+      for (const FamilyFigures& own : result.by_family) {
+        line.emplace_back(number(row_figures(row_of(result), own.figures, no_scale)[i]));
       }
       table.add(std::move(line));
     }
@@ -180,10 +181,9 @@ nlohmann::ordered_json run_json(const JudgedRun& judged) {
 nlohmann::ordered_json row_json(const ObserverEvaluation& observer, const RowResult& result) {
   const Figures all = row_figures(observer, result);
   nlohmann::ordered_json json{{"row", row_of(result).name}, {"all", numbers(all, result.all.runs)}};
-  for (const hal::Family family : hal::families) {
-    const RowFigures& f = result.by_family[static_cast<std::size_t>(family)];
+  for (const auto& [family, figures] : result.by_family) {
     json[std::string(hal::family_name(family))] =
-        numbers(row_figures(row_of(result), f, no_scale), f.runs);
+        numbers(row_figures(row_of(result), figures, no_scale), figures.runs);
   }
   json["targets"] = targets(all);
   for (const JudgedRun& run : result.runs) {

@@ -18,7 +18,7 @@ constexpr double step_s = 1e-3;
 
 std::unique_ptr<hal::SimulatedWire> make_wire(const bench::Scenario& scenario,
                                               std::mt19937_64& random) {
-  return hal::make_simulated_wire(scenario.family, scenario.wire.wire, scenario.sublayers,
+  return hal::make_simulated_wire(scenario.family, scenario.wire.wire, scenario.structure,
                                   scenario.scatter_K, random);
 }
 

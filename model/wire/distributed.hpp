@@ -103,7 +103,13 @@ struct DistributedPlant {
     for (std::size_t i = 0; i < segments; ++i) {
       to_K[i] = before.temperature_K[i] + dT[i];
     }
-    Row<K, segments>::advance(p.kinetics, s.kinetics, s.kept, to_K, around.stress_Pa);
+    if constexpr (TimedKinetics<K>) {
+      for (std::size_t i = 0; i < segments; ++i) {
+        K::advance(p.kinetics[i], s.kinetics[i], {to_K[i], around.stress_Pa}, dt_s);
+      }
+    } else {
+      Row<K, segments>::advance(p.kinetics, s.kinetics, s.kept, to_K, around.stress_Pa);
+    }
     s.profile = profile_of(s.kinetics);
     const Profile& after = s.profile;
     const PerLink flow_J = flows_J(b, dT, S(0));

@@ -23,15 +23,9 @@
 #include <random>
 
 #include "model/kinetics.hpp"
+#include "model/wire/threshold_spread.hpp"
 
 namespace smaservo {
-
-/// How one process' thresholds are distributed over the layers, and what stress does to them.
-struct ThresholdSpread {
-  double median_K;          ///< without stress
-  double below_K, above_K;  ///< logistic scale on either side of the median, both > 0
-  double per_Pa, per_Pa2;   ///< stress shifts all of them: per_Pa σ + per_Pa2 σ²
-};
 
 /// A wire's sublayers in a few numbers. r2a.per_Pa and per_Pa2 must not exceed m2a's.
 struct SublayerSpread {

@@ -50,7 +50,7 @@ struct Scenario {
   std::uint64_t seed;
   double scatter_K;  ///< standard deviation of the transition temperatures along the wire
   hal::Family family = hal::Family::ihyp;
-  hal::SublayerStructure sublayers;  ///< of the family sublayers only
+  hal::Structure structure;  ///< of the family
   std::variant<JouleScenario, BathScenario> run;
 };
 

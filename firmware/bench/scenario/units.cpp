@@ -47,6 +47,16 @@ hal::SublayerStructure random_structure(Dice& dice) {
           .seed = dice.seed()};
 }
 
+hal::FreeEnergyStructure random_barriers(Dice& dice) {
+  return {.r_correlation = dice.uniform(-0.8, 0),
+          .width_K = dice.uniform(1, 2),
+          .attempt_s = dice.uniform(0.5e-3, 2e-3),
+          .coupling_K = dice.uniform(2, 6),
+          .a2r_width = dice.uniform(1.6, 2.4),
+          .r_hysteresis_K = dice.uniform(2, 6),
+          .specific_heat_1_K = dice.uniform(0, 1e-3)};
+}
+
 }  // namespace
 
 WireUnit random_unit(hal::Family family, std::uint64_t seed) {
@@ -87,15 +97,17 @@ WireUnit random_unit(hal::Family family, std::uint64_t seed) {
     k.r2a = vary(k.m2a, 1.0, dice);
     k.separate_r2m = true;
     k.r2m = vary(first_surface(k.a2m_a2r), 1.0, dice);
+  } else if (family == hal::Family::sublayers) {
+    unit.structure.sublayers = random_structure(dice);
   } else {
-    unit.sublayers = random_structure(dice);
+    unit.structure.free_energy = random_barriers(dice);
   }
   return unit;
 }
 
 Wire<double> WireUnit::type_file() const {
   std::mt19937_64 random;
-  const auto cold = hal::make_simulated_wire(family, wire.wire, sublayers, 0, random);
+  const auto cold = hal::make_simulated_wire(family, wire.wire, structure, 0, random);
   const std::string preset(files::default_wire);
   const double length_m = files::load_wire(preset).wire.geometry.length_m;
   return files::load_wire(preset, {{"wire.resistance_ohm_per_m",

@@ -13,8 +13,8 @@ struct WireUnit {
   hal::Family family;
   std::uint64_t seed;  ///< the seed that it was drawn with
   files::WireDescription wire;
-  double scatter_K;                  ///< of the transition temperatures along the wire
-  hal::SublayerStructure sublayers;  ///< of the family sublayers only
+  double scatter_K;          ///< of the transition temperatures along the wire
+  hal::Structure structure;  ///< of the family
 
   /// The wire as it is known without a calibration: the preset, with its resistivities scaled to
   /// the resistance of this wire, cold at 25 °C without load (the key wire.resistance).

@@ -29,12 +29,13 @@ std::vector<KnownUnit> known_units(const ClosedLoopOptions& options) {
   if (!options.wires.empty()) {
     files::prepare_folder("--wires", options.wires);
   }
-  std::vector<KnownUnit> units(static_cast<std::size_t>(options.units) * hal::families.size());
+  std::vector<KnownUnit> units(static_cast<std::size_t>(options.units) *
+                               hal::tuning_families.size());
   files::parallel(
       units.size(), options.threads,
       [&](std::size_t i) {
-        units[i] = known_unit(hal::families.at(i % hal::families.size()),
-                              options.seed + i / hal::families.size(), options.wires);
+        units[i] = known_unit(hal::tuning_families.at(i % hal::tuning_families.size()),
+                              options.seed + i / hal::tuning_families.size(), options.wires);
       },
       reporting(options, "calibration", units.size()));
   return units;

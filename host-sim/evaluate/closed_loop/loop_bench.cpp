@@ -31,7 +31,7 @@ hal::SimSetup setup(const bench::WireUnit& unit, const LoopConditions& condition
 
 std::unique_ptr<hal::SimulatedWire> wire(const bench::WireUnit& unit, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  return hal::make_simulated_wire(unit.family, unit.wire.wire, unit.sublayers, unit.scatter_K,
+  return hal::make_simulated_wire(unit.family, unit.wire.wire, unit.structure, unit.scatter_K,
                                   random);
 }
 

@@ -72,11 +72,10 @@ class Draw {
     bench::PlantSetup& plant = loop().plant;
     plant.seed = dice_.seed();
     if (chance(0.8)) {
-      plant.family = known.unit.family == hal::Family::ihyp ? bench::PlantFamily::ihyp
-                                                            : bench::PlantFamily::sublayers;
+      plant.family = bench::plant_family(known.unit.family);
       plant.wire = known.unit.wire;
       plant.scatter_K = known.unit.scatter_K;
-      plant.sublayers = known.unit.sublayers;
+      plant.structure = known.unit.structure;
       known_ = known.wire;
     } else {
       // A lumped plant whose loss and heat capacity are as far off as a calibration leaves them.
@@ -524,7 +523,7 @@ std::vector<CalibratedUnit> calibrated_units(int of_each, std::uint64_t seed,
                                              const std::string& folder) {
   std::vector<CalibratedUnit> units;
   for (int i = 0; i < of_each; ++i) {
-    for (const hal::Family family : hal::families) {
+    for (const hal::Family family : hal::tuning_families) {
       const bench::WireUnit unit = bench::random_unit(family, seed + static_cast<std::uint64_t>(i));
       units.push_back({unit, calibrated_wire(unit, folder)});
     }

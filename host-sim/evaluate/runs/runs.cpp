@@ -75,7 +75,7 @@ bench::JouleScenario still_room(const Wire<double>& wire, hal::Load load) {
 bench::Scenario scenario(const bench::WireUnit& unit, std::string note, std::uint64_t seed,
                          bench::JouleScenario joule) {
   return {std::move(note), unit.wire,       seed, unit.scatter_K, unit.family,
-          unit.sublayers,  std::move(joule)};
+          unit.structure,  std::move(joule)};
 }
 
 hal::Load constant(double low_MPa, double high_MPa, bench::Dice& dice) {

@@ -1,4 +1,4 @@
-// Both families are the wire that they are made from.
+// All families are the wire that they are made from.
 
 #include "hal/sim/simulated_wire.hpp"
 
@@ -23,7 +23,9 @@ class SimulatedFamily : public ::testing::TestWithParam<hal::Family> {
 
 INSTANTIATE_TEST_SUITE_P(Families, SimulatedFamily, ::testing::ValuesIn(hal::families),
                          [](const auto& tested) {
-                           return std::string(hal::family_name(tested.param));
+                           std::string name(hal::family_name(tested.param));
+                           std::erase(name, '-');
+                           return name;
                          });
 
 /// A full cycle of the temperature at constant stress.

@@ -42,6 +42,22 @@ std::string error_of(const evaluate::EvaluateOptions& options) {
   return "";
 }
 
+/// The family that nothing is chosen by.
+TEST(Evaluate, JudgesAnyFamilyByItself) {
+  evaluate::EvaluateOptions options;
+  options.families = {hal::Family::free_energy};
+  options.units = 1;
+  options.runs = 3;
+  options.rows = {"uncalibrated"};
+  const evaluate::Evaluation evaluation = evaluate::evaluate(options);
+  const evaluate::RowResult& row = evaluation.observers.front().rows.front();
+  ASSERT_EQ(row.by_family.size(), 1U);
+  EXPECT_EQ(row.by_family[0].family, hal::Family::free_energy);
+  EXPECT_EQ(row.by_family[0].figures.runs, 3);
+  EXPECT_GT(row.all.error.mean(), 0.5) << "it is not the observer's model";
+  EXPECT_LT(row.all.error.mean(), 6);
+}
+
 TEST(Evaluate, IsTheSameForAnyNumberOfThreads) {
   const TemporaryFolder wires;
   write_wires(wires);
@@ -64,9 +80,9 @@ TEST(Evaluate, IsTheSameForAnyNumberOfThreads) {
   ASSERT_EQ(alone.observers[1].rows.size(), 1U) << "the hold";
   for (const evaluate::RowResult& row : alone.observers[0].rows) {
     EXPECT_EQ(row.all.runs, 2);
-    EXPECT_EQ(row.by_family[0].runs, 1);
+    EXPECT_EQ(row.by_family[0].figures.runs, 1);
     EXPECT_EQ(row.all.error.count(),
-              row.by_family[0].error.count() + row.by_family[1].error.count());
+              row.by_family[0].figures.error.count() + row.by_family[1].figures.error.count());
     EXPECT_GT(row.all.error.mean(), 0.02);
     EXPECT_LT(row.all.error.mean(), 5);
   }

@@ -35,7 +35,8 @@ evaluate::RowResult row(std::string_view name, const evaluate::JudgedRun& ihyp,
   return {row_named(name),
           {ihyp, sublayers},
           evaluate::together({ihyp, sublayers}),
-          {evaluate::together({ihyp}), evaluate::together({sublayers})}};
+          {{hal::Family::ihyp, evaluate::together({ihyp})},
+           {hal::Family::sublayers, evaluate::together({sublayers})}}};
 }
 
 /// Two rows and a start, made by hand.

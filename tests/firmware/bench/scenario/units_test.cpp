@@ -27,10 +27,10 @@ TEST(RandomUnit, SeedAndFamilyDecide) {
             files::to_toml(bench::random_unit(hal::Family::ihyp, 7).wire));
   EXPECT_NE(bench::random_unit(hal::Family::ihyp, 7).wire.wire.geometry.length_m,
             bench::random_unit(hal::Family::ihyp, 8).wire.wire.geometry.length_m);
-  EXPECT_EQ(bench::random_unit(hal::Family::sublayers, 7).sublayers.seed,
-            bench::random_unit(hal::Family::sublayers, 7).sublayers.seed);
-  EXPECT_NE(bench::random_unit(hal::Family::sublayers, 7).sublayers.seed,
-            bench::random_unit(hal::Family::sublayers, 8).sublayers.seed);
+  EXPECT_EQ(bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed,
+            bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed);
+  EXPECT_NE(bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed,
+            bench::random_unit(hal::Family::sublayers, 8).structure.sublayers.seed);
 }
 
 TEST(RandomUnit, SpreadsAsOneWireFromAnother) {
@@ -74,11 +74,9 @@ TEST(RandomUnit, TypeFileIsThePresetWithTheUnitsColdResistance) {
       const bench::WireUnit unit = bench::random_unit(family, seed);
       const Wire<double> type = unit.type_file();
       std::mt19937_64 random;
-      const auto cold =
-          hal::make_simulated_wire(family, unit.wire.wire, unit.sublayers, unit.scatter_K, random);
+      const auto cold = hal::make_simulated_wire(family, unit.wire.wire, unit.structure, 0, random);
       cold->rest(298.15, 0);
-      // The scatter along the wire leaves a little.
-      EXPECT_NEAR(cold_resistance_ohm(type) / cold->resistance_ohm(), 1, 1e-3);
+      EXPECT_NEAR(cold_resistance_ohm(type) / cold->resistance_ohm(), 1, 1e-6);
       EXPECT_EQ(type.geometry.diameter_m, preset().geometry.diameter_m);
       EXPECT_EQ(type.kinetics.m2a.start_K[0], preset().kinetics.m2a.start_K[0]);
     }

@@ -265,7 +265,7 @@ class PreisachOfFamily : public ::testing::TestWithParam<hal::Family> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Families, PreisachOfFamily, ::testing::ValuesIn(hal::families),
+INSTANTIATE_TEST_SUITE_P(Families, PreisachOfFamily, ::testing::ValuesIn(hal::tuning_families),
                          [](const auto& tested) {
                            return std::string(hal::family_name(tested.param));
                          });
