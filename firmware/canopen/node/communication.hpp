@@ -180,7 +180,7 @@ inline constexpr auto head_rows = std::to_array<DescribedObject>({
     row({0x1014, 0}, Type::u32, kept | by_node, offsetof(Communication, emergency_cob),
         "COB-ID EMCY", 0x80),
     row({0x1015, 0}, Type::u16, kept, offsetof(Communication, emergency_inhibit_100us),
-        "Inhibit time EMCY", 0, "in units of 100 us"),
+        "Inhibit time EMCY", 100, "in units of 100 us"),
     row({0x1016, 1}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 0),
         "Consumer heartbeat time 1", 0, "node-id << 16 | longest time between heartbeats in ms"),
     row({0x1016, 2}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 1),

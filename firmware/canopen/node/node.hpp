@@ -119,9 +119,10 @@ class Node final : public Dictionary {
   /// To be called when the node-id has been set by other means: that of LSS is no longer used.
   void forget_lss_node_id() { lss_node_id_ = lss_before_.node_id = 0; }
 
-  /// Sends an EMCY and remembers it. `info` are the five bytes of the manufacturer.
+  /// Sends an EMCY with the present 1001h and remembers it in 1003h; to be called once, when its
+  /// condition begins, after set_errors(). `info` are the five bytes of the manufacturer.
   void emergency(std::uint16_t code, std::uint64_t info = 0);
-  /// Bits of 1001h that the application answers for. Sends "no error" when the last has gone.
+  /// Bits of 1001h that the application answers for. Sends "error reset" when some have gone.
   void set_errors(std::uint8_t bits);
   /// To be called when something that can be stored has changed: 1020h is cleared.
   void touch() { objects_.verify = {}; }
@@ -178,6 +179,8 @@ class Node final : public Dictionary {
   void watch_sync();
   void lose(std::uint16_t code, std::uint8_t who);
   void find_again();
+  void remember(std::uint16_t code, std::uint64_t info);
+  void queue(const Emergency& emergency);
   void show_errors();
   bool take_heartbeat(hal::CanFrame& frame);
   bool take_emergency(hal::CanFrame& frame);
@@ -202,13 +205,15 @@ class Node final : public Dictionary {
   } lss_before_{};          ///< of the two above, in case that they cannot be stored
   bool lss_waits_ = false;  ///< the answer to store_lss
   std::uint8_t application_errors_ = 0;
+  unsigned conditions_ = 0;  ///< of the bus that are present, as last shown in 1001h
   Nmt state_ = Nmt::initialising;
   Request request_ = Request::none;
   std::uint32_t request_number_ = 0;
   bool boots_ = false;  ///< the boot-up message has to be sent
   bool emergency_sent_ = false;
   bool sync_alive_ = false;
-  bool lost_ = false;  ///< the communication error of 1001h
+  bool lost_ = false;        ///< somebody who is watched has gone
+  bool wrong_sync_ = false;  ///< the last SYNC had another length than 1019h says
   bool duplicated_ = false;
 };
 

@@ -1,5 +1,7 @@
 #include "firmware/canopen/node/pdo.hpp"
 
+#include <utility>
+
 namespace smaservo::canopen {
 namespace {
 
@@ -184,9 +186,12 @@ PdoEvent Pdos::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
     Receive& rx = rx_[i];
     const std::uint32_t length = length_of(objects_.rpdo_map[i]);
     if (frame.length < length) {
-      return PdoEvent::too_short;
+      return std::exchange(rx.was_short, true) ? PdoEvent::none : PdoEvent::too_short;
     }
-    event = length < frame.length ? PdoEvent::too_long : PdoEvent::none;
+    const bool is_long = length < frame.length;
+    event = is_long && !rx.was_long ? PdoEvent::too_long : PdoEvent::none;
+    rx.was_long = is_long;
+    rx.was_short = rx.was_short && is_long;
     rx.came_us = now_us;
     rx.watched = true;
     rx.late = false;
@@ -210,6 +215,11 @@ void Pdos::apply(const Mapping& map, std::span<const std::uint8_t> data) {
     }
     at += size;
   }
+}
+
+unsigned Pdos::wrong_lengths() const {
+  return static_cast<unsigned>(
+      std::ranges::count_if(rx_, [](const Receive& rx) { return rx.was_short || rx.was_long; }));
 }
 
 bool Pdos::has_deadline() const {

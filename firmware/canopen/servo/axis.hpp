@@ -72,6 +72,8 @@ class Axis {
   /// In Profile position: goes there, as by a new set-point. For the step test.
   void go_to(std::int32_t position_um) { start_move(position_um); }
   std::int32_t moves_to() const { return active_um_; }
+  /// The code of a fault that the axis has found itself, until it is reset; 0: there is none.
+  std::uint16_t own_fault() const { return own_fault_ ? own_code_ : std::uint16_t{0}; }
   /// The code of a new fault that the axis has found itself, once; 0: there is none.
   std::uint16_t take_own_fault();
 

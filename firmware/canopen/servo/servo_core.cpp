@@ -40,7 +40,7 @@ std::uint8_t register_of(std::uint16_t code) {
     case 0x4:
       return generic | temperature;
     case 0x8:
-      return (code & 0xF00U) == 0x100 ? generic | bus : generic;
+      return (code & 0xF00U) == 0x100 || (code & 0xF00U) == 0x200 ? generic | bus : generic;
     case 0xF:
       return generic | manufacturer;
     default:
@@ -272,7 +272,7 @@ void ServoCore::started(std::uint8_t /*node_id*/) {
   command_watch_.reset();
   latched_ = {};
   errors_ = 0;
-  missed_ = false;
+  missed_ = silent_ = false;
   objects_.changes = log_.count();
 }
 
@@ -321,7 +321,10 @@ bool ServoCore::is_fresh() const {
 /// Heartbeats and event timers are watched by the node, which tells it by itself.
 void ServoCore::watch_command_source() {
   const bool gone = node_.supervision() == Supervision::none && axis_.may_heat() && !is_fresh();
+  silent_ = silent_ && !is_fresh();
   if (gone && !missed_) {
+    silent_ = true;
+    node_.set_errors(errors());
     node_.emergency(heartbeat_lost);
     connection_lost(heartbeat_lost);
   }
@@ -355,12 +358,21 @@ void ServoCore::advance(std::uint64_t now_us) {
   }
   axis_.advance(now_us);
   const std::uint16_t own = axis_.take_own_fault();
+  node_.set_errors(errors());
   if (own != 0 && !axis_.bus_lost()) {
     node_.emergency(own);
   }
+}
+
+/// The bits of 1001h: latched faults, the axis in Fault, a command source that is silent.
+std::uint8_t ServoCore::errors() const {
   const bool faulty = axis_.state() == DriveState::fault || axis_.state() == DriveState::reacting;
-  node_.set_errors(static_cast<std::uint8_t>(
-      errors_ | (faulty ? register_of(objects_.error_code) : std::uint8_t{0})));
+  const std::uint16_t own = axis_.own_fault();
+  unsigned bits = errors_;
+  bits |= faulty ? register_of(objects_.error_code) : 0U;
+  bits |= own != 0 ? register_of(own) : 0U;
+  bits |= silent_ ? register_of(heartbeat_lost) : 0U;
+  return static_cast<std::uint8_t>(bits);
 }
 
 void ServoCore::publish(const StepReport& report) {
@@ -396,7 +408,7 @@ void ServoCore::show_faults(const StepReport& report) {
   for_each_fault(report.latched, [&](Fault fault) {
     errors_ = static_cast<std::uint8_t>(errors_ | register_of(code_of(fault)));
   });
-  node_.set_errors(errors_);
+  node_.set_errors(errors());
   for_each_fault(report.latched - latched_, [&](Fault fault) {
     node_.emergency(code_of(fault), static_cast<std::uint64_t>(fault));
   });

@@ -153,6 +153,7 @@ TEST(Pdo, InhibitAndEventTimersHold) {
 TEST(Pdo, LengthsAndDeadlinesAreEmergencies) {
   ServoRig rig;
   rig.set({0x1400, 5}, 20, 2);
+  rig.set({0x1015, 0}, 0, 2);
   rig.nmt(1);
   rig.run(100);
   rig.sent.clear();
@@ -166,8 +167,11 @@ TEST(Pdo, LengthsAndDeadlinesAreEmergencies) {
   EXPECT_EQ(rig.get({0x6060, 0}), 1U) << "the rest is ignored";
   rig.run(30);
   const auto late = rig.take(emergency);
-  ASSERT_THAT(late, SizeIs(1));
+  ASSERT_THAT(late, SizeIs(2));
   EXPECT_EQ(emergency_code(late[0]), 0x8250);
+  EXPECT_EQ(emergency_code(late[1]), 0)
+      << "the node leaves OPERATIONAL, and so the wrong length ends";
+  EXPECT_EQ(late[1].data[2], 0x11) << "the source is still lost";
 }
 
 // Without heartbeats to say so.
@@ -182,7 +186,7 @@ TEST(Pdo, APartnerThatSpeaksAgainEndsTheError) {
   EXPECT_EQ(rig.get({0x1001, 0}) & 0x10U, 0x10U);
   EXPECT_FALSE(rig.command.fresh);
   rig.send(0x201, {6, 0, 1});
-  rig.step();
+  rig.run(15);
   EXPECT_TRUE(rig.command.fresh);
   EXPECT_EQ(rig.get({0x1001, 0}), 0U);
   const auto ended = rig.take(emergency);
