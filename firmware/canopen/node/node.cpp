@@ -311,24 +311,28 @@ void Node::lose(std::uint16_t code, std::uint8_t who) {
   }
 }
 
-Supervision Node::supervision() const {
-  using enum Supervision;
+std::uint16_t Node::missing() const {
   if (objects_.sync_period_us != 0 && !sync_alive_) {
-    return gone;
+    return sync_lost;
   }
   bool watched = false;
   for (std::size_t i = 0; i < consumer_count; ++i) {
     if ((objects_.consumers[i] & 0xFFFFU) != 0) {
       watched = true;
       if (!consumers_[i].alive) {
-        return gone;
+        return heartbeat_lost;
       }
     }
   }
-  if (watched) {
-    return alive;
-  }
-  return !pdos_.has_deadline() ? none : pdos_.on_time() ? alive : gone;
+  const bool late = !watched && pdos_.has_deadline() && !pdos_.on_time();
+  return late ? static_cast<std::uint16_t>(PdoEvent::timed_out) : std::uint16_t{0};
+}
+
+Supervision Node::supervision() const {
+  using enum Supervision;
+  const bool watched = std::ranges::any_of(
+      objects_.consumers, [](std::uint32_t consumer) { return (consumer & 0xFFFFU) != 0; });
+  return missing() != 0 ? gone : watched || pdos_.has_deadline() ? alive : none;
 }
 
 // Emergencies.

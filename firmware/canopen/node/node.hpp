@@ -40,7 +40,8 @@ enum class Request : std::uint8_t {
   reset_communication,
 };
 
-/// EMCY code: the command source has gone.
+// EMCY codes: the command source has gone.
+inline constexpr std::uint16_t sync_lost = 0x8100;  ///< a SYNC that 1006h watches
 inline constexpr std::uint16_t heartbeat_lost = 0x8130;
 
 /// A table of objects and the plain struct that they live in.
@@ -130,6 +131,7 @@ class Node final : public Dictionary {
   Nmt state() const { return state_; }
   std::uint8_t node_id() const { return node_id_; }
   std::uint8_t bit_rate() const { return lss_.pending_bit_rate(); }
+  BusLoad pdo_load(float step_s) const { return pdos_.load(step_s); }
   std::uint16_t bit_rate_delay_ms() const { return lss_.delay_ms(); }
   /// Somebody else answers to the same node-id.
   bool is_duplicated() const { return duplicated_; }
@@ -137,6 +139,8 @@ class Node final : public Dictionary {
   /// event timers of RPDOs. SYNC, where 1006h watches it, can only tell that the source has gone,
   /// since another node may send it.
   Supervision supervision() const;
+  /// The EMCY code of what supervision() misses; 0: nothing.
+  std::uint16_t missing() const;
   /// When the last SDO request came.
   std::uint64_t last_sdo_us() const { return sdo_.last_request_us(); }
   void set_sdo_timeouts(const SdoTimeouts& timeouts) { sdo_.set_timeouts(timeouts); }

@@ -18,6 +18,11 @@ enum class PdoEvent : std::uint16_t {
   timed_out = 0x8250,
 };
 
+/// Per second; bits with all stuff bits that there may be.
+struct BusLoad {
+  float frames, bits;
+};
+
 class Pdos {
  public:
   Pdos(Dictionary& dictionary, Communication& objects)
@@ -42,6 +47,9 @@ class Pdos {
   PdoEvent advance(std::uint64_t now_us);
   bool take(hal::CanFrame& frame, std::uint64_t now_us);
 
+  /// What the TPDOs put on the bus at most, if event-driven values change each `step_s`. Those of
+  /// types 1 to 240 count where 1006h says how often SYNC comes.
+  BusLoad load(float step_s) const;
   /// How many RPDOs had another length than their mapping when they last came.
   unsigned wrong_lengths() const;
   bool has_deadline() const;  ///< some RPDO has an event timer

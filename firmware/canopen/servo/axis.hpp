@@ -8,6 +8,7 @@
 // active (605Ah = 6, holds) and Fault reaction active (605Eh = 2, safe.state). Nowhere else.
 
 #include "firmware/canopen/servo/drive_objects.hpp"
+#include "firmware/canopen/servo/parameter_access.hpp"
 #include "firmware/command.hpp"
 
 namespace smaservo::canopen {
@@ -58,7 +59,10 @@ class Axis {
   void connection_lost(std::uint16_t code);
   /// Ends the heat, since the node falls silent or starts anew.
   void stop();
-  void remote(bool operational) { remote_ = operational; }
+  /// Whether controlwords are carried out.
+  void remote(bool may_command) { remote_ = may_command; }
+  /// Targets beyond it are limited, as by 607Dh.
+  void set_reach(const Reach& reach) { reach_ = reach; }
 
   DriveState state() const { return state_; }
   AxisDemand demand() const;
@@ -95,13 +99,14 @@ class Axis {
   void watch_position(float dt_s);
   void show();
   std::uint16_t mode_bits() const;
-  std::int32_t clipped(std::int32_t target_um) const;
+  std::int32_t limited(std::int32_t target_um);
   bool moves_position() const;
   bool halted() const { return (o_.controlword & 0x100U) != 0; }
   DriveMode mode() const { return static_cast<DriveMode>(o_.mode_display); }
 
   DriveObjects& o_;
   AxisFeedback in_{};
+  Reach reach_{-1e3F, 1e3F};
   std::uint64_t now_us_ = 0;
   float ramp_um_ = 0;    ///< position set-point on its way to the target
   float held_ = 0;       ///< set-point of the modes -1 to -3; a halt does not change it
@@ -125,6 +130,7 @@ class Axis {
   bool waits_ = false;  ///< a set-point waits for the one before
   bool acknowledged_ = false;
   bool reached_ = false;
+  bool beyond_ = false;  ///< the last target was beyond what it may be
   bool homed_ = false;
   bool following_ = false;  ///< the following error is beyond its window
 };

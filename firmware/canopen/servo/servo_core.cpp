@@ -154,6 +154,11 @@ Abort ServoCore::check(Key key, std::uint32_t value) const {
   if (key.index == 0x2301 || key == Key{0x2300, 5}) {
     return Recorder::check_channel(value);
   }
+  if (key.index == 0x607D && key.sub != 0) {
+    auto limit = objects_.position_limit;
+    limit[key.sub - 1U] = number;
+    return limit[1] < limit[0] ? Abort::max_below_min : Abort::none;
+  }
   return Axis::check_option(key.index, number);
 }
 
@@ -273,12 +278,15 @@ void ServoCore::started(std::uint8_t /*node_id*/) {
   latched_ = {};
   errors_ = 0;
   missed_ = silent_ = false;
+  load_changes_ = true;
   objects_.changes = log_.count();
 }
 
 void ServoCore::nmt_changed(Nmt state) {
   constexpr std::uint16_t stopped_code = 0x8100;
-  axis_.remote(state == Nmt::operational);
+  // Bit 9 of the statusword says whether controlwords are carried out: by SDO in PRE-OPERATIONAL,
+  // by SDO and PDO in OPERATIONAL.
+  axis_.remote(state == Nmt::operational || state == Nmt::pre_operational);
   if (state == Nmt::initialising) {
     axis_.stop();
     revert_tuning(Source::device);
@@ -288,6 +296,7 @@ void ServoCore::nmt_changed(Nmt state) {
 }
 
 void ServoCore::connection_lost(std::uint16_t code) {
+  missed_ = true;
   axis_.connection_lost(code);
   revert_tuning(Source::device);
 }
@@ -302,6 +311,7 @@ bool ServoCore::may_write(Level level) const {
 
 void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
                         Abort result) {
+  load_changes_ = true;
   log(key, old_value, key == access_key ? 0 : value, source, result);
 }
 
@@ -318,15 +328,20 @@ bool ServoCore::is_fresh() const {
          command_watch_.is_alive(now_us_, microseconds_of(objects_.command_source_timeout_s));
 }
 
-/// Heartbeats and event timers are watched by the node, which tells it by itself.
+/// Heat without a command source is told once, with what is missing. What the node has told by
+/// itself has come through connection_lost(); this tells a silence without a watch, a SYNC that
+/// stays away, and whatever is watched but has not come when the axis is enabled.
 void ServoCore::watch_command_source() {
-  const bool gone = node_.supervision() == Supervision::none && axis_.may_heat() && !is_fresh();
-  silent_ = silent_ && !is_fresh();
+  const bool fresh = is_fresh();
+  const bool gone = axis_.may_heat() && !fresh;
+  silent_ = silent_ && !fresh;
   if (gone && !missed_) {
+    const std::uint16_t missing = node_.missing();
+    const std::uint16_t code = missing != 0 ? missing : heartbeat_lost;
     silent_ = true;
     node_.set_errors(errors());
-    node_.emergency(heartbeat_lost);
-    connection_lost(heartbeat_lost);
+    node_.emergency(code);
+    connection_lost(code);
   }
   missed_ = gone;
 }
@@ -352,10 +367,12 @@ void ServoCore::advance(std::uint64_t now_us) {
   }
   watch_client();
   watch_command_source();
+  show_load();
   show_tuning();
   if (node_.state() == Nmt::initialising) {
     return;
   }
+  axis_.set_reach(parameters_.reach());
   axis_.advance(now_us);
   const std::uint16_t own = axis_.take_own_fault();
   node_.set_errors(errors());
@@ -373,6 +390,15 @@ std::uint8_t ServoCore::errors() const {
   bits |= own != 0 ? register_of(own) : 0U;
   bits |= silent_ ? register_of(heartbeat_lost) : 0U;
   return static_cast<std::uint8_t>(bits);
+}
+
+void ServoCore::show_load() {
+  if (!load_changes_) {
+    return;
+  }
+  load_changes_ = false;
+  const BusLoad load = node_.pdo_load(config_.step_s);
+  objects_.pdo_load = {load.frames, 100 * load.bits / bits_per_s(node_.bit_rate())};
 }
 
 void ServoCore::publish(const StepReport& report) {
