@@ -327,6 +327,7 @@ void Axis::set_mode() {
   stand_still();
   active_um_ = o_.actual;
   moving_ = beyond_ = false;
+  to_setpoint_s_ = 0;
   force_ = static_cast<float>(o_.force);
   acknowledged_ = waits_ = homed_ = false;
 }
@@ -380,6 +381,18 @@ void Axis::home() {
   homed_ = true;
 }
 
+void Axis::new_cyclic_setpoint() {
+  to_setpoint_s_ =
+      static_cast<float>(o_.period_value) * std::pow(10.F, static_cast<float>(o_.period_exponent));
+}
+
+/// A step on the straight line that reaches `to` when the time of 60C2h is over. Such a set-point
+/// comes as often, so that the set-points are joined by straight lines.
+float Axis::interpolated(float from, float to, float dt_s) const {
+  constexpr float rounding = 1.001F;
+  return to_setpoint_s_ <= rounding * dt_s ? to : from + (to - from) * dt_s / to_setpoint_s_;
+}
+
 void Axis::move(float dt_s) {
   const bool halts = state_ == DriveState::enabled && halted();
   if (halts && !halted_before_) {
@@ -393,8 +406,9 @@ void Axis::move(float dt_s) {
   const float step = static_cast<float>(o_.force_slope) * dt_s;
   const auto target = static_cast<float>(o_.target_force);
   force_ = mode() == DriveMode::cyclic_force
-               ? target
+               ? interpolated(force_, target, dt_s)
                : force_ + std::fmin(std::fmax(target - force_, -step), step);
+  to_setpoint_s_ = std::fmax(to_setpoint_s_ - dt_s, 0.F);
   switch (mode()) {
     case DriveMode::current:
     case DriveMode::power:
@@ -409,7 +423,7 @@ void Axis::move(float dt_s) {
 void Axis::move_position(float dt_s) {
   if (mode() == DriveMode::cyclic_position) {
     active_um_ = limited(o_.target);
-    ramp_um_ = static_cast<float>(active_um_);
+    ramp_um_ = interpolated(ramp_um_, static_cast<float>(active_um_), dt_s);
   } else if (mode() == DriveMode::profile_position) {
     const auto target = static_cast<float>(active_um_);
     const float step = static_cast<float>(o_.profile_velocity) * dt_s;

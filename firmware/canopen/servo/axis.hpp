@@ -67,6 +67,8 @@ class Axis {
   DriveState state() const { return state_; }
   AxisDemand demand() const;
   bool is_enabled() const { return state_ == DriveState::enabled; }
+  /// The set-point that a cyclic mode follows has changed: it is reached after the time of 60C2h.
+  void new_cyclic_setpoint();
   /// Whether, in the present mode, the object is a set-point that the axis follows at once.
   bool follows(Key key) const;
   /// Whether the device may be armed; as long as it may, some settings must not change.
@@ -100,6 +102,7 @@ class Axis {
   void show();
   std::uint16_t mode_bits() const;
   std::int32_t limited(std::int32_t target_um);
+  float interpolated(float from, float to, float dt_s) const;
   bool moves_position() const;
   bool halted() const { return (o_.controlword & 0x100U) != 0; }
   DriveMode mode() const { return static_cast<DriveMode>(o_.mode_display); }
@@ -108,11 +111,12 @@ class Axis {
   AxisFeedback in_{};
   Reach reach_{-1e3F, 1e3F};
   std::uint64_t now_us_ = 0;
-  float ramp_um_ = 0;    ///< position set-point on its way to the target
-  float held_ = 0;       ///< set-point of the modes -1 to -3; a halt does not change it
-  float force_ = 0;      ///< set-point of modes 4 and 10, on its way, in 1/1000 of the rated force
-  float missing_s_ = 0;  ///< following error beyond its window for so long
-  float within_s_ = 0;   ///< in the position window for so long
+  float ramp_um_ = 0;  ///< position set-point on its way to the target
+  float held_ = 0;     ///< set-point of the modes -1 to -3; a halt does not change it
+  float force_ = 0;    ///< set-point of modes 4 and 10, on its way, in 1/1000 of the rated force
+  float to_setpoint_s_ = 0;  ///< until a cyclic mode's set-point is to be reached
+  float missing_s_ = 0;      ///< following error beyond its window for so long
+  float within_s_ = 0;       ///< in the position window for so long
   std::int32_t active_um_ = 0, waiting_um_ = 0;
   std::int32_t shift_um_ = 0;  ///< home: shown position less the device's
   std::uint16_t own_code_ = 0;

@@ -324,7 +324,8 @@ inline constexpr auto drive_rows = std::to_array<DescribedObject>({
         0xFA010300, "um/s"),
     row({0x60C2, 1}, Type::u8, option, offsetof(DriveObjects, period_value),
         "Interpolation time period value", 1,
-        "period of the set-points: this value times ten to the power of 60C2h:2, in s"),
+        "period of the set-points of modes 8 and 10, which are interpolated over it: this value "
+        "times ten to the power of 60C2h:2, in s"),
     row({0x60C2, 2}, Type::i8, option, offsetof(DriveObjects, period_exponent),
         "Interpolation time index", number(-3), number(-6), 0),
     row({0x60E3, 1}, Type::i8, readable, offsetof(DriveObjects, homing_methods),

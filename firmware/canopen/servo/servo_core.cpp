@@ -134,6 +134,9 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   }
   keep(object, {memory(), sizeof objects_}, value);
   setpoints_ += axis_.follows(entry.key) ? 1U : 0U;
+  if (axis_.follows(entry.key) && value != before) {
+    axis_.new_cyclic_setpoint();
+  }
   if (entry.key.index == 0x6040) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }

@@ -443,6 +443,31 @@ TEST(CyclicPosition, FollowsWhatIsSent) {
   EXPECT_EQ(drive.status() & 0x1000U, 0x1000U);
 }
 
+/// Straight lines between the set-points, whatever their period; with 1 ms each is followed at
+/// once.
+TEST(CyclicPosition, IsInterpolatedOver60C2h) {
+  std::mt19937 random(11);
+  for (const unsigned period_ms : {1U, 2U, 20U, 100U}) {
+    Drive drive;
+    ASSERT_EQ(drive.set({0x60C2, 1}, period_ms, 1), Abort::none);
+    drive.nmt(1);
+    drive.enable(8);
+    double before_um = 0;
+    for (int i = 0; i < 50; ++i) {
+      const auto target = static_cast<std::uint32_t>(random() % 3000);
+      Bytes data = little(target, 4);
+      data.resize(8);
+      drive.send(0x301, data);
+      for (unsigned ms = 1; ms <= period_ms; ++ms) {
+        drive.step();
+        const double expected = before_um + (target - before_um) * ms / period_ms;
+        ASSERT_NEAR(drive.servo.objects().demand, expected, 1.5) << period_ms << ' ' << ms;
+      }
+      before_um = target;
+    }
+  }
+}
+
 // Each one that the axis follows at once, also one that is as the one before.
 TEST(CyclicPosition, ItsSetpointsAreCounted) {
   Drive drive;
