@@ -113,7 +113,7 @@ TEST_F(CanSdoClient, SaysThatTwoDevicesAnswer) {
   bool two = true;
   bus.answers = [&](const Data& request) -> std::vector<Data> {
     Data answer = keyed(0x43, 7);
-    if (request[0] == 0x40 && request[1] != 0x00) {
+    if (request[0] == 0x40 && request[2] != 0x10) {
       answer = keyed(0x41, 20);
     } else if (request[0] == 0x40) {
       std::ranges::copy(std::span(request).subspan(1, 3), answer.begin() + 1);
