@@ -103,10 +103,36 @@ void SdoClient::silent(Key key) const {
                  0);
 }
 
-void SdoClient::refused(Key key, std::uint32_t code) const {
+/// Whether a request is answered twice: on the bus are two devices with this node-id.
+bool SdoClient::two_answer() {
+  constexpr std::int64_t patience_us = 100'000;
+  hal::CanFrame old;
+  while (bus_.receive(old, 0)) {
+  }
+  const Data request{start_upload, 0x00, 0x10, 0};  // device type
+  send(request);
+  const std::int64_t until_us = bus_.now_us() + patience_us;
+  int answers = 0;
+  Data got{};
+  while (answers < 2 && next_answer(got, until_us)) {
+    answers += std::ranges::equal(std::span(got).subspan(1, 3), std::span(request).subspan(1, 3));
+  }
+  return answers == 2;
+}
+
+/// What lies behind an abort code. A second device with the same node-id disturbs transfers in such
+/// a way that either side finds the other's frames wrong.
+std::string SdoClient::cause_of(std::uint32_t code) {
+  const bool disturbed = (code & 0xFFFF'0000U) == 0x0503'0000 || code == 0x05040001 ||
+                         code == 0x05040003 || code == 0x05040004;
   const std::string_view text = text::abort_text(code);
+  if (disturbed && two_answer()) return fmt::format("two devices answer as node {}", node_);
+  return std::string(text.empty() ? "unknown reason" : text);
+}
+
+void SdoClient::refused(Key key, std::uint32_t code) {
   throw SdoError(fmt::format("node {}: {}: refused: {} (abort {:08X}h)", node_, key_text(key),
-                             text.empty() ? "unknown reason" : text, code),
+                             cause_of(code), code),
                  code);
 }
 
@@ -117,7 +143,7 @@ void SdoClient::abort(Key key, std::uint32_t code) {
   put_number(std::span(data).subspan(4), code);
   send(data);
   throw SdoError(fmt::format("node {}: {}: broken off: {} (abort {:08X}h)", node_, key_text(key),
-                             text::abort_text(code), code),
+                             cause_of(code), code),
                  code);
 }
 

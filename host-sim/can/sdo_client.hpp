@@ -81,7 +81,9 @@ class SdoClient {
   std::uint8_t receive_block(Key key, Bytes& value, bool& last, unsigned& heard);
   std::size_t expected_size(Key key, bool announced, std::size_t size);
   [[noreturn]] void abort(Key key, std::uint32_t code);
-  [[noreturn]] void refused(Key key, std::uint32_t code) const;
+  [[noreturn]] void refused(Key key, std::uint32_t code);
+  std::string cause_of(std::uint32_t code);
+  bool two_answer();
   [[noreturn]] void silent(Key key) const;
 
   Bus& bus_;

@@ -54,6 +54,9 @@ std::string info_text(Remote& remote) {
   table.add({"bus", fmt::format("{} frames dropped, {} times off, {} times a full queue",
                                 remote.text("bus.dropped"), remote.text("bus.off"),
                                 remote.text("bus.queue_full"))});
+  table.add({"PDOs", fmt::format("{:.0f} frames/s at most, {:.1f} % of the bit rate",
+                                 remote.number("bus.pdo_frames_per_s"),
+                                 remote.number("bus.pdo_load_percent"))});
   table.add({"access", fmt::format("level {}", remote.text("access.level"))});
   return table.text();
 }

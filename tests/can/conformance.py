@@ -633,7 +633,7 @@ def verify_configuration(n):
     expect((n.u(0x1020, 1), n.u(0x1020, 2)) == (11, 22), "it keeps what is written")
     n.set_u(0x1015, 0, 5, 2)
     expect((n.u(0x1020, 1), n.u(0x1020, 2)) == (0, 0), "a change clears it")
-    n.set_u(0x1015, 0, 0, 2)
+    n.set_u(0x1015, 0, 100, 2)
 
 
 # LSS, and what the loop tells.

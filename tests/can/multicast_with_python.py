@@ -55,10 +55,32 @@ def talk(bus):
     bus.send(can.Message(arbitration_id=0x7F0, is_extended_id=False))
 
 
+# As in host-sim/can/README.md: only what nodes send.
+OF_NODES = [
+    {"can_id": 0x080, "can_mask": 0x080, "extended": False},
+    {"can_id": 0x700, "can_mask": 0x780, "extended": False},
+]
+
+
+def hears_no_echo(group, port, mirror_name):
+    """The mirror answers 280h by 281h, a TPDO; 201h and 601h come back as echoes and by 202h, 602h."""
+    with can.Bus(
+        channel=group, port=port, interface="udp_multicast", fd=False, can_filters=OF_NODES
+    ) as bus:
+        for identifier in (0x201, 0x601, 0x280):
+            bus.send(can.Message(arbitration_id=identifier, data=[6, 0, 1], is_extended_id=False))
+        heard = set()
+        while (got := bus.recv(0.5)) is not None:
+            heard.add(got.arbitration_id)
+        assert 0x281 in heard, f"{mirror_name}: the filter keeps what nodes send away"
+        assert not heard & {0x201, 0x202, 0x601, 0x602}, f"{mirror_name}: an echo: {heard}"
+
+
 def main(mirror):
     for name, (group, port) in GROUPS.items():
         with subprocess.Popen([mirror, name], stdout=subprocess.PIPE) as partner:
             assert partner.stdout.readline() == b"ready\n", f"{name}: the mirror does not start"
+            hears_no_echo(group, port, name)
             with can.Bus(channel=group, port=port, interface="udp_multicast") as bus:
                 talk(bus)
             assert partner.wait(10) == 0, name

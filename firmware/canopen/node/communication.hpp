@@ -64,9 +64,11 @@ struct PdoDefaults {
   std::uint8_t type;
   std::uint16_t event_ms;
   std::array<std::uint32_t, 3> map;
+  std::uint16_t inhibit_100us = 0;
 };
 
-// The first two PDOs are as ros2_canopen configures a drive; 2200h are live values in REAL32.
+// The first two PDOs are as ros2_canopen configures a drive; 2200h are live values in REAL32, which
+// change in each step: an inhibit time of 20 ms bounds them.
 inline constexpr std::array<PdoDefaults, pdo_count> rpdo_defaults{{
     {0x200, 255, 0, {mapped(0x6040, 0, 16), mapped(0x6060, 0, 8)}},
     {0x300, 255, 0, {mapped(0x607A, 0, 32), mapped(0x60FF, 0, 32)}},
@@ -82,8 +84,13 @@ inline constexpr std::array<PdoDefaults, pdo_count> tpdo_defaults{{
     {0x380 | cob_no_remote | cob_invalid,
      255,
      100,
-     {mapped(0x2200, 10, 32), mapped(0x2200, 3, 32)}},
-    {0x480 | cob_no_remote | cob_invalid, 255, 100, {mapped(0x2200, 6, 32), mapped(0x2200, 9, 32)}},
+     {mapped(0x2200, 10, 32), mapped(0x2200, 3, 32)},
+     200},
+    {0x480 | cob_no_remote | cob_invalid,
+     255,
+     100,
+     {mapped(0x2200, 6, 32), mapped(0x2200, 9, 32)},
+     200},
 }};
 
 template <bool transmit>
@@ -99,8 +106,8 @@ constexpr auto pdo_rows(std::size_t i) {
       row({index, 1}, Type::u32, access | by_node, at + offsetof(PdoParams, cob), "COB-ID", d.cob),
       row({index, 2}, Type::u8, access, at + offsetof(PdoParams, type), "Transmission type",
           d.type),
-      row({index, 3}, Type::u16, access, at + offsetof(PdoParams, inhibit_100us), "Inhibit time", 0,
-          "in units of 100 us"),
+      row({index, 3}, Type::u16, access, at + offsetof(PdoParams, inhibit_100us), "Inhibit time",
+          d.inhibit_100us, "in units of 100 us"),
       row({index, 5}, Type::u16, access, at + offsetof(PdoParams, event_ms), "Event timer",
           d.event_ms,
           transmit ? "ms; longest time between two of these PDOs; 0: no limit"
@@ -180,7 +187,7 @@ inline constexpr auto head_rows = std::to_array<DescribedObject>({
     row({0x1014, 0}, Type::u32, kept | by_node, offsetof(Communication, emergency_cob),
         "COB-ID EMCY", 0x80),
     row({0x1015, 0}, Type::u16, kept, offsetof(Communication, emergency_inhibit_100us),
-        "Inhibit time EMCY", 0, "in units of 100 us"),
+        "Inhibit time EMCY", 100, "in units of 100 us"),
     row({0x1016, 1}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 0),
         "Consumer heartbeat time 1", 0, "node-id << 16 | longest time between heartbeats in ms"),
     row({0x1016, 2}, Type::u32, kept_set_up, at_of(offsetof(Communication, consumers), 1),

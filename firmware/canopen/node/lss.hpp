@@ -24,6 +24,12 @@ enum class LssAction : std::uint8_t {
   activate,  ///< change to the pending bit rate after delay_ms, then silence for as long again
 };
 
+/// Of an entry of CiA 305's table; the first where there is no such entry.
+constexpr float bits_per_s(std::uint8_t entry) {
+  constexpr std::array kbit_s{1000, 800, 500, 250, 125, 100, 50, 20, 10};
+  return 1e3F * static_cast<float>(kbit_s[entry < kbit_s.size() ? entry : 0]);
+}
+
 class Lss {
  public:
   /// bit_rates: bit i allows CiA 305's table entry i (0: 1 Mbit/s .. 8: 10 kbit/s). Others are

@@ -15,6 +15,12 @@ constexpr std::uint8_t generic_error = 0x01;
 constexpr std::uint8_t communication_error = 0x10;
 constexpr std::uint16_t sync_length = 0x8240;
 
+/// A frame of a wrong length: it does nothing, and whoever sends it may do so for ever.
+bool is_mild(std::uint16_t code) {
+  return code == static_cast<std::uint16_t>(PdoEvent::too_short) ||
+         code == static_cast<std::uint16_t>(PdoEvent::too_long) || code == sync_length;
+}
+
 hal::CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
   hal::CanFrame frame;
   frame.id = id;
@@ -32,7 +38,8 @@ bool Node::start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
   consumers_ = {};
   emergencies_waiting_ = 0;
   application_errors_ = 0;
-  lost_ = duplicated_ = emergency_sent_ = sync_alive_ = lss_waits_ = false;
+  conditions_ = 0;
+  lost_ = wrong_sync_ = duplicated_ = emergency_sent_ = sync_alive_ = lss_waits_ = false;
   request_ = Request::none;
   sdo_.reset();
   const bool good = load_image(image, only_communication);
@@ -53,6 +60,8 @@ void Node::enter(Nmt state) {
   }
   state_ = state;
   pdos_.stop();
+  wrong_sync_ = false;
+  show_errors();
   if (!communicates()) {
     sdo_.reset();
   }
@@ -160,6 +169,7 @@ void Node::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
   const PdoEvent event = pdos_.receive(frame, now_us);
   if (event != PdoEvent::ignored && !frame.remote) {
     find_again();
+    show_errors();
   }
   if (event == PdoEvent::too_short || event == PdoEvent::too_long) {
     emergency(static_cast<std::uint16_t>(event), frame.id);
@@ -171,8 +181,13 @@ void Node::receive_sync(const hal::CanFrame& frame) {
     return;
   }
   const std::uint8_t length = objects_.sync_overflow == 0 ? 0 : 1;
-  if (frame.length != length) {
-    emergency(sync_length, frame.length);
+  const bool is_new = !wrong_sync_;
+  wrong_sync_ = frame.length != length;
+  show_errors();
+  if (wrong_sync_) {
+    if (is_new) {
+      emergency(sync_length, frame.length);
+    }
     return;
   }
   sync_us_ = now_us_;
@@ -286,6 +301,7 @@ void Node::watch_sync() {
 /// 1029h says what becomes of the node, the application what becomes of the wire.
 void Node::lose(std::uint16_t code, std::uint8_t who) {
   lost_ = true;
+  show_errors();
   emergency(code, who);
   application_.connection_lost(code);
   if (objects_.error_behaviour == 0 && state_ == Nmt::operational) {
@@ -295,43 +311,74 @@ void Node::lose(std::uint16_t code, std::uint8_t who) {
   }
 }
 
-Supervision Node::supervision() const {
-  using enum Supervision;
+std::uint16_t Node::missing() const {
   if (objects_.sync_period_us != 0 && !sync_alive_) {
-    return gone;
+    return sync_lost;
   }
   bool watched = false;
   for (std::size_t i = 0; i < consumer_count; ++i) {
     if ((objects_.consumers[i] & 0xFFFFU) != 0) {
       watched = true;
       if (!consumers_[i].alive) {
-        return gone;
+        return heartbeat_lost;
       }
     }
   }
-  if (watched) {
-    return alive;
-  }
-  return !pdos_.has_deadline() ? none : pdos_.on_time() ? alive : gone;
+  const bool late = !watched && pdos_.has_deadline() && !pdos_.on_time();
+  return late ? static_cast<std::uint16_t>(PdoEvent::timed_out) : std::uint16_t{0};
+}
+
+Supervision Node::supervision() const {
+  using enum Supervision;
+  const bool watched = std::ranges::any_of(
+      objects_.consumers, [](std::uint32_t consumer) { return (consumer & 0xFFFFU) != 0; });
+  return missing() != 0 ? gone : watched || pdos_.has_deadline() ? alive : none;
 }
 
 // Emergencies.
 
 void Node::emergency(std::uint16_t code, std::uint64_t info) {
-  const bool bus = (code & 0xFF00U) == 0x8100 || (code & 0xFF00U) == 0x8200;
-  const auto history = std::span(objects_.errors);
-  std::ranges::copy_backward(history.first(error_history - 1), history.end());
-  history[0] = code | static_cast<std::uint32_t>(info & 0xFFFFU) << 16U;
-  if (objects_.error_count < error_history) {
+  remember(code, info);
+  queue({info, code, objects_.error_register});
+}
+
+/// 1003h, newest first. Where the list is full, the oldest mild entry makes room; a mild entry
+/// makes no severe one leave.
+void Node::remember(std::uint16_t code, std::uint64_t info) {
+  const std::span history(objects_.errors);
+  std::size_t last = objects_.error_count;
+  if (last == error_history) {
+    --last;
+    while (last > 0 && !is_mild(static_cast<std::uint16_t>(history[last]))) {
+      --last;
+    }
+    const bool found = is_mild(static_cast<std::uint16_t>(history[last]));
+    if (!found && is_mild(code)) {
+      return;
+    }
+    last = found ? last : error_history - 1;
+  } else {
     ++objects_.error_count;
   }
-  show_errors();
-  if (state_ == Nmt::initialising || emergencies_waiting_ == error_history) {
+  std::ranges::copy_backward(history.first(last), history.first(last + 1).end());
+  history[0] = code | static_cast<std::uint32_t>(info & 0xFFFFU) << 16U;
+}
+
+/// What is told last always gets a place, so that the last EMCY on the bus agrees with 1001h. The
+/// oldest that tells of an end or of something mild makes room, else the oldest.
+void Node::queue(const Emergency& emergency) {
+  if (state_ == Nmt::initialising) {
     return;
   }
-  const auto errors = static_cast<std::uint8_t>(objects_.error_register | generic_error |
-                                                (bus ? communication_error : 0U));
-  emergencies_[emergencies_waiting_++] = {info, code, errors};
+  const auto waiting = std::span(emergencies_).first(emergencies_waiting_);
+  if (waiting.size() == error_history) {
+    const auto least = std::ranges::find_if(
+        waiting, [](const Emergency& e) { return e.code == 0 || is_mild(e.code); });
+    const auto leaves = least == waiting.end() ? waiting.begin() : least;
+    std::copy(leaves + 1, waiting.end(), leaves);
+    --emergencies_waiting_;
+  }
+  emergencies_[emergencies_waiting_++] = emergency;
 }
 
 void Node::set_errors(std::uint8_t bits) {
@@ -341,12 +388,16 @@ void Node::set_errors(std::uint8_t bits) {
   }
 }
 
+/// 1001h, of what is wrong now. When some of it has ended, an EMCY tells what is left.
 void Node::show_errors() {
   const std::uint8_t before = objects_.error_register;
-  const auto bus = static_cast<std::uint8_t>(lost_ ? communication_error | generic_error : 0U);
+  const unsigned conditions = (lost_ ? 1U : 0U) + (wrong_sync_ ? 1U : 0U) + pdos_.wrong_lengths();
+  const auto bus = conditions != 0 ? communication_error | generic_error : 0;
   objects_.error_register = static_cast<std::uint8_t>(application_errors_ | bus);
-  if (before != 0 && objects_.error_register == 0 && emergencies_waiting_ < error_history) {
-    emergencies_[emergencies_waiting_++] = {0, 0, 0};
+  const bool ended = conditions < conditions_ || (before & ~objects_.error_register) != 0;
+  conditions_ = conditions;
+  if (ended) {
+    queue({0, 0, objects_.error_register});
   }
 }
 

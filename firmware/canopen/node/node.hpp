@@ -40,7 +40,8 @@ enum class Request : std::uint8_t {
   reset_communication,
 };
 
-/// EMCY code: the command source has gone.
+// EMCY codes: the command source has gone.
+inline constexpr std::uint16_t sync_lost = 0x8100;  ///< a SYNC that 1006h watches
 inline constexpr std::uint16_t heartbeat_lost = 0x8130;
 
 /// A table of objects and the plain struct that they live in.
@@ -119,9 +120,10 @@ class Node final : public Dictionary {
   /// To be called when the node-id has been set by other means: that of LSS is no longer used.
   void forget_lss_node_id() { lss_node_id_ = lss_before_.node_id = 0; }
 
-  /// Sends an EMCY and remembers it. `info` are the five bytes of the manufacturer.
+  /// Sends an EMCY with the present 1001h and remembers it in 1003h; to be called once, when its
+  /// condition begins, after set_errors(). `info` are the five bytes of the manufacturer.
   void emergency(std::uint16_t code, std::uint64_t info = 0);
-  /// Bits of 1001h that the application answers for. Sends "no error" when the last has gone.
+  /// Bits of 1001h that the application answers for. Sends "error reset" when some have gone.
   void set_errors(std::uint8_t bits);
   /// To be called when something that can be stored has changed: 1020h is cleared.
   void touch() { objects_.verify = {}; }
@@ -129,6 +131,7 @@ class Node final : public Dictionary {
   Nmt state() const { return state_; }
   std::uint8_t node_id() const { return node_id_; }
   std::uint8_t bit_rate() const { return lss_.pending_bit_rate(); }
+  BusLoad pdo_load(float step_s) const { return pdos_.load(step_s); }
   std::uint16_t bit_rate_delay_ms() const { return lss_.delay_ms(); }
   /// Somebody else answers to the same node-id.
   bool is_duplicated() const { return duplicated_; }
@@ -136,6 +139,8 @@ class Node final : public Dictionary {
   /// event timers of RPDOs. SYNC, where 1006h watches it, can only tell that the source has gone,
   /// since another node may send it.
   Supervision supervision() const;
+  /// The EMCY code of what supervision() misses; 0: nothing.
+  std::uint16_t missing() const;
   /// When the last SDO request came.
   std::uint64_t last_sdo_us() const { return sdo_.last_request_us(); }
   void set_sdo_timeouts(const SdoTimeouts& timeouts) { sdo_.set_timeouts(timeouts); }
@@ -178,6 +183,8 @@ class Node final : public Dictionary {
   void watch_sync();
   void lose(std::uint16_t code, std::uint8_t who);
   void find_again();
+  void remember(std::uint16_t code, std::uint64_t info);
+  void queue(const Emergency& emergency);
   void show_errors();
   bool take_heartbeat(hal::CanFrame& frame);
   bool take_emergency(hal::CanFrame& frame);
@@ -202,13 +209,15 @@ class Node final : public Dictionary {
   } lss_before_{};          ///< of the two above, in case that they cannot be stored
   bool lss_waits_ = false;  ///< the answer to store_lss
   std::uint8_t application_errors_ = 0;
+  unsigned conditions_ = 0;  ///< of the bus that are present, as last shown in 1001h
   Nmt state_ = Nmt::initialising;
   Request request_ = Request::none;
   std::uint32_t request_number_ = 0;
   bool boots_ = false;  ///< the boot-up message has to be sent
   bool emergency_sent_ = false;
   bool sync_alive_ = false;
-  bool lost_ = false;  ///< the communication error of 1001h
+  bool lost_ = false;        ///< somebody who is watched has gone
+  bool wrong_sync_ = false;  ///< the last SYNC had another length than 1019h says
   bool duplicated_ = false;
 };
 

@@ -192,6 +192,7 @@ void Node::written(Key key) {
       break;
     case 0x1016:
       consumers_[key.sub - 1U] = {};
+      find_again();
       break;
     case 0x1017:
       heartbeat_us_ = now_us_;
@@ -199,6 +200,8 @@ void Node::written(Key key) {
     default:
       if (is_pdo(key.index)) {
         pdos_.changed(key);
+        find_again();
+        show_errors();
       }
       break;
   }

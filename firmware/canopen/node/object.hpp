@@ -112,6 +112,7 @@ enum class Abort : std::uint32_t {
   value = 0x06090030,
   too_high = 0x06090031,
   too_low = 0x06090032,
+  max_below_min = 0x06090036,
   transfer = 0x08000020,
   local = 0x08000021,  ///< by local control: the access level does not allow it
   state = 0x08000022,  ///< in the present state of the device

@@ -1,5 +1,8 @@
 #include "firmware/canopen/node/pdo.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace smaservo::canopen {
 namespace {
 
@@ -127,9 +130,9 @@ Abort Pdos::check_mapping(const PdoParams& params, const Mapping& map, Key key,
 }
 
 Abort Pdos::check_object(std::uint32_t object, bool transmit) const {
-  if (!transmit && is_dummy(object)) {
+  if (is_dummy(object)) {
     const auto type = static_cast<Type>(object >> 16U);
-    return bits_of(object) == 8 * size_of(type) ? Abort::none : Abort::not_mappable;
+    return !transmit && bits_of(object) == 8 * size_of(type) ? Abort::none : Abort::not_mappable;
   }
   Entry entry{};
   const Abort found = dictionary_.find(key_of(object), entry);
@@ -184,9 +187,12 @@ PdoEvent Pdos::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
     Receive& rx = rx_[i];
     const std::uint32_t length = length_of(objects_.rpdo_map[i]);
     if (frame.length < length) {
-      return PdoEvent::too_short;
+      return std::exchange(rx.was_short, true) ? PdoEvent::none : PdoEvent::too_short;
     }
-    event = length < frame.length ? PdoEvent::too_long : PdoEvent::none;
+    const bool is_long = length < frame.length;
+    event = is_long && !rx.was_long ? PdoEvent::too_long : PdoEvent::none;
+    rx.was_long = is_long;
+    rx.was_short = rx.was_short && is_long;
     rx.came_us = now_us;
     rx.watched = true;
     rx.late = false;
@@ -210,6 +216,35 @@ void Pdos::apply(const Mapping& map, std::span<const std::uint8_t> data) {
     }
     at += size;
   }
+}
+
+BusLoad Pdos::load(float step_s) const {
+  BusLoad load{};
+  const float sync_s = 1e-6F * static_cast<float>(objects_.sync_period_us);
+  for (std::size_t i = 0; i < pdo_count; ++i) {
+    const PdoParams& params = objects_.tpdo[i];
+    if (!is_used(params, objects_.tpdo_map[i])) {
+      continue;
+    }
+    const bool by_event = first_event_type <= params.type;
+    const float syncs = static_cast<float>(std::max<std::uint8_t>(params.type, 1));
+    const float period_s = by_event
+                               ? std::max(1e-4F * static_cast<float>(params.inhibit_100us), step_s)
+                               : syncs * sync_s;
+    if (period_s <= 0) {
+      continue;
+    }
+    // 47 bits around the data, of which 34 and the data may be stuffed: one bit after each four.
+    const std::uint32_t data = 8 * length_of(objects_.tpdo_map[i]);
+    load.frames += 1 / period_s;
+    load.bits += static_cast<float>(47 + data + (33 + data) / 4) / period_s;
+  }
+  return load;
+}
+
+unsigned Pdos::wrong_lengths() const {
+  return static_cast<unsigned>(
+      std::ranges::count_if(rx_, [](const Receive& rx) { return rx.was_short || rx.was_long; }));
 }
 
 bool Pdos::has_deadline() const {

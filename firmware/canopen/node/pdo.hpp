@@ -18,6 +18,11 @@ enum class PdoEvent : std::uint16_t {
   timed_out = 0x8250,
 };
 
+/// Per second; bits with all stuff bits that there may be.
+struct BusLoad {
+  float frames, bits;
+};
+
 class Pdos {
  public:
   Pdos(Dictionary& dictionary, Communication& objects)
@@ -34,6 +39,7 @@ class Pdos {
   /// The object has got a new value.
   void changed(Key key);
 
+  /// A wrong length is told once, until a frame of the right length has come.
   PdoEvent receive(const hal::CanFrame& frame, std::uint64_t now_us);
   /// `counter` of the SYNC; 0: it has none.
   void sync(std::uint8_t counter);
@@ -41,6 +47,11 @@ class Pdos {
   PdoEvent advance(std::uint64_t now_us);
   bool take(hal::CanFrame& frame, std::uint64_t now_us);
 
+  /// What the TPDOs put on the bus at most, if event-driven values change each `step_s`. Those of
+  /// types 1 to 240 count where 1006h says how often SYNC comes.
+  BusLoad load(float step_s) const;
+  /// How many RPDOs had another length than their mapping when they last came.
+  unsigned wrong_lengths() const;
   bool has_deadline() const;  ///< some RPDO has an event timer
   bool on_time() const;       ///< all RPDOs with an event timer have come in time
 
@@ -61,6 +72,7 @@ class Pdos {
     bool waits;    ///< for the next SYNC
     bool watched;  ///< it has come once: its event timer runs
     bool late;
+    bool was_short, was_long;  ///< since the last frame of the right length
   };
 
   static Abort check_params(const PdoParams& params, Key key, std::uint32_t value);

@@ -20,13 +20,32 @@ unsigned specifier(std::uint8_t command) {
   return command >> 5U;
 }
 
+/// Whether the bytes may be the first request of an expedited or segmented transfer: the server's
+/// dictionary has the object that they name.
+bool may_begin(const Dictionary& dictionary, std::span<const std::uint8_t, 8> request) {
+  const Key key{static_cast<std::uint16_t>(take_number(request.subspan(1, 2))), request[3]};
+  const unsigned cs = specifier(request[0]);
+  Entry entry{};
+  return (cs == download || request[0] == upload << 5U) &&
+         dictionary.find(key, entry) == Abort::none;
+}
+
 }  // namespace
 
 void SdoServer::receive(Request request, std::uint64_t now_us) {
   last_us_ = now_us;
   const unsigned cs = specifier(request[0]);
   // Within a block the first byte is a sequence number, except for an abort.
-  if (state_ == State::block_download && request[0] != 0x80) {
+  const unsigned number = request[0] & 0x7FU;
+  // Numbers grow within a block. One that has passed, after a pause, is of nobody who sends the
+  // block: where it reads as the begin of a transfer, the block is abandoned. A segment that came
+  // twice is not.
+  constexpr std::uint64_t pause_us = 50'000;
+  const bool has_passed =
+      number <= highest_ && number != sequence_ && number != sequence_ + 1U && number != 0;
+  const bool abandoned =
+      has_passed && pause_us <= now_us - waits_since_us_ && may_begin(dictionary_, request);
+  if (state_ == State::block_download && request[0] != 0x80 && !abandoned) {
     receive_block(request, now_us);
     return;
   }

@@ -1,5 +1,6 @@
 #include "firmware/canopen/servo/axis.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -49,11 +50,7 @@ void Axis::reset(bool has_force) {
   in_ = last;
   in_.device = DeviceState::starting;
   has_force_ = has_force;
-  // Profile position, homing, cyclic position; with a force sensor the two force modes. The upper
-  // 16 bits are the manufacturer's modes, -1 to -4.
-  constexpr std::uint32_t positions = 1U | 1U << 5U | 1U << 7U;
-  constexpr std::uint32_t forces = 1U << 3U | 1U << 9U;
-  o_.supported_modes = positions | (has_force ? forces : 0U) | 0x000F'0000U;
+  o_.supported_modes = supported_modes(has_force);
   show();
 }
 
@@ -113,7 +110,7 @@ void Axis::feedback(const AxisFeedback& feedback) {
     // A position that is held from the next step on is the present one.
     stand_still();
     active_um_ = o_.actual;
-    waits_ = moving_ = false;
+    waits_ = moving_ = beyond_ = false;
   }
 }
 
@@ -329,14 +326,23 @@ void Axis::set_mode() {
   o_.mode_display = o_.mode;
   stand_still();
   active_um_ = o_.actual;
-  moving_ = false;
+  moving_ = beyond_ = false;
+  to_setpoint_s_ = 0;
   force_ = static_cast<float>(o_.force);
   acknowledged_ = waits_ = homed_ = false;
 }
 
-std::int32_t Axis::clipped(std::int32_t target_um) const {
+/// The target within 607Dh and within the reach, which has the last word. Bit 11 of the statusword
+/// tells that it was beyond, until the next target.
+std::int32_t Axis::limited(std::int32_t target_um) {
   const auto [low, high] = o_.position_limit;
-  return target_um < low ? low : high < target_um ? high : target_um;
+  const auto shift_um = static_cast<float>(shift_um_);
+  const std::int32_t lowest = rounded(reach_.low_m * um + shift_um);
+  const std::int32_t highest = rounded(reach_.high_m * um + shift_um);
+  const std::int32_t allowed = target_um < low ? low : high < target_um ? high : target_um;
+  const std::int32_t reachable = std::max(lowest, std::min(allowed, highest));
+  beyond_ = reachable != target_um;
+  return reachable;
 }
 
 /// A new set-point is followed at once, or waits for the present one to be reached; a third one is
@@ -348,7 +354,7 @@ void Axis::new_setpoint(std::uint16_t word) {
   const std::int32_t base = waits_ ? waiting_um_ : active_um_;
   const std::int64_t sum = std::int64_t{o_.target} + ((word & relative) != 0 ? base : 0);
   constexpr std::int64_t max = 0x7FFF'FFFF;
-  const auto target = clipped(static_cast<std::int32_t>(sum < -max ? -max : max < sum ? max : sum));
+  const auto target = limited(static_cast<std::int32_t>(sum < -max ? -max : max < sum ? max : sum));
   acknowledged_ = true;
   if ((word & at_once) != 0 || !moving_) {
     waits_ = false;
@@ -375,6 +381,18 @@ void Axis::home() {
   homed_ = true;
 }
 
+void Axis::new_cyclic_setpoint() {
+  to_setpoint_s_ =
+      static_cast<float>(o_.period_value) * std::pow(10.F, static_cast<float>(o_.period_exponent));
+}
+
+/// A step on the straight line that reaches `to` when the time of 60C2h is over. Such a set-point
+/// comes as often, so that the set-points are joined by straight lines.
+float Axis::interpolated(float from, float to, float dt_s) const {
+  constexpr float rounding = 1.001F;
+  return to_setpoint_s_ <= rounding * dt_s ? to : from + (to - from) * dt_s / to_setpoint_s_;
+}
+
 void Axis::move(float dt_s) {
   const bool halts = state_ == DriveState::enabled && halted();
   if (halts && !halted_before_) {
@@ -388,8 +406,9 @@ void Axis::move(float dt_s) {
   const float step = static_cast<float>(o_.force_slope) * dt_s;
   const auto target = static_cast<float>(o_.target_force);
   force_ = mode() == DriveMode::cyclic_force
-               ? target
+               ? interpolated(force_, target, dt_s)
                : force_ + std::fmin(std::fmax(target - force_, -step), step);
+  to_setpoint_s_ = std::fmax(to_setpoint_s_ - dt_s, 0.F);
   switch (mode()) {
     case DriveMode::current:
     case DriveMode::power:
@@ -403,8 +422,8 @@ void Axis::move(float dt_s) {
 
 void Axis::move_position(float dt_s) {
   if (mode() == DriveMode::cyclic_position) {
-    active_um_ = clipped(o_.target);
-    ramp_um_ = static_cast<float>(active_um_);
+    active_um_ = limited(o_.target);
+    ramp_um_ = interpolated(ramp_um_, static_cast<float>(active_um_), dt_s);
   } else if (mode() == DriveMode::profile_position) {
     const auto target = static_cast<float>(active_um_);
     const float step = static_cast<float>(o_.profile_velocity) * dt_s;
@@ -434,9 +453,11 @@ void Axis::watch_position(float dt_s) {
   if (following_) {
     fail(following_code);
   }
+  // The demand has arrived, and the wire has followed it into the window.
   const auto left_um = static_cast<std::uint64_t>(std::abs(std::int64_t{active_um_} - o_.actual));
-  within_s_ = left_um <= o_.target_window ? within_s_ + dt_s : 0;
-  reached_ = left_um <= o_.target_window && 1e-3F * static_cast<float>(o_.target_ms) <= within_s_;
+  const bool is_there = o_.demand == active_um_ && left_um <= o_.target_window;
+  within_s_ = is_there ? within_s_ + dt_s : 0;
+  reached_ = is_there && 1e-3F * static_cast<float>(o_.target_ms) <= within_s_;
   moving_ = moving_ && !reached_;
 }
 
@@ -516,7 +537,7 @@ void Axis::show() {
   word |= in_.supplied ? voltage_enabled : 0U;
   word |= in_.warning ? warning : 0U;
   word |= remote_ ? remote_bit : 0U;
-  word |= in_.limited ? limit_bit : 0U;
+  word |= in_.limited || beyond_ ? limit_bit : 0U;
   word |= state_ == DriveState::enabled ? mode_bits() : 0U;
   o_.statusword = static_cast<std::uint16_t>(word);
 }

@@ -8,6 +8,7 @@
 // active (605Ah = 6, holds) and Fault reaction active (605Eh = 2, safe.state). Nowhere else.
 
 #include "firmware/canopen/servo/drive_objects.hpp"
+#include "firmware/canopen/servo/parameter_access.hpp"
 #include "firmware/command.hpp"
 
 namespace smaservo::canopen {
@@ -58,11 +59,16 @@ class Axis {
   void connection_lost(std::uint16_t code);
   /// Ends the heat, since the node falls silent or starts anew.
   void stop();
-  void remote(bool operational) { remote_ = operational; }
+  /// Whether controlwords are carried out.
+  void remote(bool may_command) { remote_ = may_command; }
+  /// Targets beyond it are limited, as by 607Dh.
+  void set_reach(const Reach& reach) { reach_ = reach; }
 
   DriveState state() const { return state_; }
   AxisDemand demand() const;
   bool is_enabled() const { return state_ == DriveState::enabled; }
+  /// The set-point that a cyclic mode follows has changed: it is reached after the time of 60C2h.
+  void new_cyclic_setpoint();
   /// Whether, in the present mode, the object is a set-point that the axis follows at once.
   bool follows(Key key) const;
   /// Whether the device may be armed; as long as it may, some settings must not change.
@@ -72,6 +78,8 @@ class Axis {
   /// In Profile position: goes there, as by a new set-point. For the step test.
   void go_to(std::int32_t position_um) { start_move(position_um); }
   std::int32_t moves_to() const { return active_um_; }
+  /// The code of a fault that the axis has found itself, until it is reset; 0: there is none.
+  std::uint16_t own_fault() const { return own_fault_ ? own_code_ : std::uint16_t{0}; }
   /// The code of a new fault that the axis has found itself, once; 0: there is none.
   std::uint16_t take_own_fault();
 
@@ -93,19 +101,22 @@ class Axis {
   void watch_position(float dt_s);
   void show();
   std::uint16_t mode_bits() const;
-  std::int32_t clipped(std::int32_t target_um) const;
+  std::int32_t limited(std::int32_t target_um);
+  float interpolated(float from, float to, float dt_s) const;
   bool moves_position() const;
   bool halted() const { return (o_.controlword & 0x100U) != 0; }
   DriveMode mode() const { return static_cast<DriveMode>(o_.mode_display); }
 
   DriveObjects& o_;
   AxisFeedback in_{};
+  Reach reach_{-1e3F, 1e3F};
   std::uint64_t now_us_ = 0;
-  float ramp_um_ = 0;    ///< position set-point on its way to the target
-  float held_ = 0;       ///< set-point of the modes -1 to -3; a halt does not change it
-  float force_ = 0;      ///< set-point of modes 4 and 10, on its way, in 1/1000 of the rated force
-  float missing_s_ = 0;  ///< following error beyond its window for so long
-  float within_s_ = 0;   ///< in the position window for so long
+  float ramp_um_ = 0;  ///< position set-point on its way to the target
+  float held_ = 0;     ///< set-point of the modes -1 to -3; a halt does not change it
+  float force_ = 0;    ///< set-point of modes 4 and 10, on its way, in 1/1000 of the rated force
+  float to_setpoint_s_ = 0;  ///< until a cyclic mode's set-point is to be reached
+  float missing_s_ = 0;      ///< following error beyond its window for so long
+  float within_s_ = 0;       ///< in the position window for so long
   std::int32_t active_um_ = 0, waiting_um_ = 0;
   std::int32_t shift_um_ = 0;  ///< home: shown position less the device's
   std::uint16_t own_code_ = 0;
@@ -123,6 +134,7 @@ class Axis {
   bool waits_ = false;  ///< a set-point waits for the one before
   bool acknowledged_ = false;
   bool reached_ = false;
+  bool beyond_ = false;  ///< the last target was beyond what it may be
   bool homed_ = false;
   bool following_ = false;  ///< the following error is beyond its window
 };

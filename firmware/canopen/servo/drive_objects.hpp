@@ -26,6 +26,14 @@ inline constexpr std::int16_t option_hold = 6;        ///< 605Ah: holds, stays i
 inline constexpr std::int16_t option_halt_hold = 1;   ///< 605Dh: holds the set-point
 inline constexpr std::int16_t option_safe_state = 2;  ///< 605Eh: as safe.state says
 
+/// 6502h: profile position, homing, cyclic position; with a force sensor the two force modes. The
+/// upper 16 bits are the manufacturer's modes, -1 to -4.
+constexpr std::uint32_t supported_modes(bool has_force) {
+  constexpr std::uint32_t positions = 1U | 1U << 5U | 1U << 7U;
+  constexpr std::uint32_t forces = 1U << 3U | 1U << 9U;
+  return positions | (has_force ? forces : 0U) | 0x000F'0000U;
+}
+
 inline constexpr std::size_t channel_count = 8;
 
 struct DriveObjects {
@@ -58,6 +66,7 @@ struct DriveObjects {
   std::array<std::uint32_t, 2> steps;
   std::array<float, 4> timing_s;
   std::array<std::uint32_t, 3> bus;
+  std::array<float, 2> pdo_load;  ///< frames per second, per cent of the bit rate
   // 2220h
   std::uint32_t changes;
   // 2300h, 2301h
@@ -93,7 +102,7 @@ inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
         "time without a command (set-point, mode, controlword) after which the command source has "
         "gone, where neither heartbeats nor event timers watch it; at most 1 s where commands come "
         "cyclically"),
-    row({0x2003, 1}, Type::u8, readable, offsetof(DriveObjects, level), "access.level", 0,
+    row({0x2003, 1}, Type::u8, readable, offsetof(DriveObjects, level), "access.level", 2,
         "0: operate, 1: tune, 2: set up"),
     row({0x2003, 2}, Type::u32, operated, nowhere, "access.key", 0,
         "write the key of a level to unlock it; any other number locks"),
@@ -172,6 +181,12 @@ inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
         "how often the controller went bus-off"),
     row({0x2211, 3}, Type::u32, sent, at_word(offsetof(DriveObjects, bus), 2), "bus.queue_full", 0,
         "how often a frame had to wait because the queue was full"),
+    row({0x2211, 4}, Type::real, readable, at_word(offsetof(DriveObjects, pdo_load), 0),
+        "bus.pdo_frames_per_s", 0,
+        "frames per second that the mapped TPDOs send at most, by their inhibit times; those of "
+        "SYNC where 1006h gives its period"),
+    row({0x2211, 5}, Type::real, readable, at_word(offsetof(DriveObjects, pdo_load), 1),
+        "bus.pdo_load_percent", 0, "the same in per cent of the bit rate, 100: the bus is full"),
     row({0x2220, 1}, Type::u32, sent, offsetof(DriveObjects, changes), "changes.count", 0,
         "changes of parameters and other stored objects, and refused writes of any object"),
     row({0x2220, 2}, Type::domain, readable, nowhere, "changes.last", 0,
@@ -292,7 +307,9 @@ inline constexpr auto drive_rows = std::to_array<DescribedObject>({
     row({0x607C, 0}, Type::i32, tuned_option, offsetof(DriveObjects, home_offset), "Home offset", 0,
         "um"),
     row({0x607D, 1}, Type::i32, set_up_option, at_word(offsetof(DriveObjects, position_limit), 0),
-        "Min position limit", 0x80000000, "um"),
+        "Min position limit", 0x80000000,
+        "um; not above the max position limit; targets beyond are limited, and so they are to what "
+        "limits.min_strain and limits.max_strain allow, with bit 11 of the statusword"),
     row({0x607D, 2}, Type::i32, set_up_option, at_word(offsetof(DriveObjects, position_limit), 1),
         "Max position limit", 0x7FFFFFFF, "um"),
     row({0x6081, 0}, Type::u32, driven | stored, offsetof(DriveObjects, profile_velocity),
@@ -307,7 +324,8 @@ inline constexpr auto drive_rows = std::to_array<DescribedObject>({
         0xFA010300, "um/s"),
     row({0x60C2, 1}, Type::u8, option, offsetof(DriveObjects, period_value),
         "Interpolation time period value", 1,
-        "period of the set-points: this value times ten to the power of 60C2h:2, in s"),
+        "period of the set-points of modes 8 and 10, which are interpolated over it: this value "
+        "times ten to the power of 60C2h:2, in s"),
     row({0x60C2, 2}, Type::i8, option, offsetof(DriveObjects, period_exponent),
         "Interpolation time index", number(-3), number(-6), 0),
     row({0x60E3, 1}, Type::i8, readable, offsetof(DriveObjects, homing_methods),
@@ -319,7 +337,8 @@ inline constexpr auto drive_rows = std::to_array<DescribedObject>({
     row({0x60FF, 0}, Type::i32, driven, offsetof(DriveObjects, target_velocity), "Target velocity",
         0, "accepted without effect, since there is no velocity mode"),
     row({0x6502, 0}, Type::u32, readable, offsetof(DriveObjects, supported_modes),
-        "Supported drive modes", 0, "bit mask of CiA 402; modes 4 and 10 only with a force sensor"),
+        "Supported drive modes", supported_modes(true),
+        "bit mask of CiA 402; modes 4 and 10 only with a force sensor"),
 });
 
 }  // namespace detail

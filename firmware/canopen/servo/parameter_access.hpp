@@ -40,6 +40,11 @@ constexpr float ceiling_of(const Ceilings& c, Key key) {
   }
 }
 
+/// Positions between limits.max_strain and limits.min_strain.
+struct Reach {
+  float low_m, high_m;
+};
+
 enum class TuningState : std::uint8_t { none, open, on_trial };
 enum class TuningCommand : std::uint8_t { none, begin, attempt, commit, revert };
 
@@ -61,6 +66,7 @@ class ParameterAccess {
   virtual Key refused() const = 0;
   virtual Key refused_other() const = 0;
   virtual bool has_load_cell() const = 0;
+  virtual Reach reach() const = 0;
 
  protected:
   ~ParameterAccess() = default;

@@ -40,7 +40,7 @@ std::uint8_t register_of(std::uint16_t code) {
     case 0x4:
       return generic | temperature;
     case 0x8:
-      return (code & 0xF00U) == 0x100 ? generic | bus : generic;
+      return (code & 0xF00U) == 0x100 || (code & 0xF00U) == 0x200 ? generic | bus : generic;
     case 0xF:
       return generic | manufacturer;
     default:
@@ -134,6 +134,9 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   }
   keep(object, {memory(), sizeof objects_}, value);
   setpoints_ += axis_.follows(entry.key) ? 1U : 0U;
+  if (axis_.follows(entry.key) && value != before) {
+    axis_.new_cyclic_setpoint();
+  }
   if (entry.key.index == 0x6040) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }
@@ -153,6 +156,11 @@ Abort ServoCore::check(Key key, std::uint32_t value) const {
   }
   if (key.index == 0x2301 || key == Key{0x2300, 5}) {
     return Recorder::check_channel(value);
+  }
+  if (key.index == 0x607D && key.sub != 0) {
+    auto limit = objects_.position_limit;
+    limit[key.sub - 1U] = number;
+    return limit[1] < limit[0] ? Abort::max_below_min : Abort::none;
   }
   return Axis::check_option(key.index, number);
 }
@@ -272,13 +280,16 @@ void ServoCore::started(std::uint8_t /*node_id*/) {
   command_watch_.reset();
   latched_ = {};
   errors_ = 0;
-  missed_ = false;
+  missed_ = silent_ = false;
+  load_changes_ = true;
   objects_.changes = log_.count();
 }
 
 void ServoCore::nmt_changed(Nmt state) {
   constexpr std::uint16_t stopped_code = 0x8100;
-  axis_.remote(state == Nmt::operational);
+  // Bit 9 of the statusword says whether controlwords are carried out: by SDO in PRE-OPERATIONAL,
+  // by SDO and PDO in OPERATIONAL.
+  axis_.remote(state == Nmt::operational || state == Nmt::pre_operational);
   if (state == Nmt::initialising) {
     axis_.stop();
     revert_tuning(Source::device);
@@ -288,6 +299,7 @@ void ServoCore::nmt_changed(Nmt state) {
 }
 
 void ServoCore::connection_lost(std::uint16_t code) {
+  missed_ = true;
   axis_.connection_lost(code);
   revert_tuning(Source::device);
 }
@@ -302,6 +314,7 @@ bool ServoCore::may_write(Level level) const {
 
 void ServoCore::written(Key key, std::uint32_t old_value, std::uint32_t value, Source source,
                         Abort result) {
+  load_changes_ = true;
   log(key, old_value, key == access_key ? 0 : value, source, result);
 }
 
@@ -318,12 +331,20 @@ bool ServoCore::is_fresh() const {
          command_watch_.is_alive(now_us_, microseconds_of(objects_.command_source_timeout_s));
 }
 
-/// Heartbeats and event timers are watched by the node, which tells it by itself.
+/// Heat without a command source is told once, with what is missing. What the node has told by
+/// itself has come through connection_lost(); this tells a silence without a watch, a SYNC that
+/// stays away, and whatever is watched but has not come when the axis is enabled.
 void ServoCore::watch_command_source() {
-  const bool gone = node_.supervision() == Supervision::none && axis_.may_heat() && !is_fresh();
+  const bool fresh = is_fresh();
+  const bool gone = axis_.may_heat() && !fresh;
+  silent_ = silent_ && !fresh;
   if (gone && !missed_) {
-    node_.emergency(heartbeat_lost);
-    connection_lost(heartbeat_lost);
+    const std::uint16_t missing = node_.missing();
+    const std::uint16_t code = missing != 0 ? missing : heartbeat_lost;
+    silent_ = true;
+    node_.set_errors(errors());
+    node_.emergency(code);
+    connection_lost(code);
   }
   missed_ = gone;
 }
@@ -349,18 +370,38 @@ void ServoCore::advance(std::uint64_t now_us) {
   }
   watch_client();
   watch_command_source();
+  show_load();
   show_tuning();
   if (node_.state() == Nmt::initialising) {
     return;
   }
+  axis_.set_reach(parameters_.reach());
   axis_.advance(now_us);
   const std::uint16_t own = axis_.take_own_fault();
+  node_.set_errors(errors());
   if (own != 0 && !axis_.bus_lost()) {
     node_.emergency(own);
   }
+}
+
+/// The bits of 1001h: latched faults, the axis in Fault, a command source that is silent.
+std::uint8_t ServoCore::errors() const {
   const bool faulty = axis_.state() == DriveState::fault || axis_.state() == DriveState::reacting;
-  node_.set_errors(static_cast<std::uint8_t>(
-      errors_ | (faulty ? register_of(objects_.error_code) : std::uint8_t{0})));
+  const std::uint16_t own = axis_.own_fault();
+  unsigned bits = errors_;
+  bits |= faulty ? register_of(objects_.error_code) : 0U;
+  bits |= own != 0 ? register_of(own) : 0U;
+  bits |= silent_ ? register_of(heartbeat_lost) : 0U;
+  return static_cast<std::uint8_t>(bits);
+}
+
+void ServoCore::show_load() {
+  if (!load_changes_) {
+    return;
+  }
+  load_changes_ = false;
+  const BusLoad load = node_.pdo_load(config_.step_s);
+  objects_.pdo_load = {load.frames, 100 * load.bits / bits_per_s(node_.bit_rate())};
 }
 
 void ServoCore::publish(const StepReport& report) {
@@ -396,7 +437,7 @@ void ServoCore::show_faults(const StepReport& report) {
   for_each_fault(report.latched, [&](Fault fault) {
     errors_ = static_cast<std::uint8_t>(errors_ | register_of(code_of(fault)));
   });
-  node_.set_errors(errors_);
+  node_.set_errors(errors());
   for_each_fault(report.latched - latched_, [&](Fault fault) {
     node_.emergency(code_of(fault), static_cast<std::uint64_t>(fault));
   });

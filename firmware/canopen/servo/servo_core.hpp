@@ -115,6 +115,8 @@ class ServoCore : public Application {
   Abort tune(TuningCommand command);
   void watch_client();
   void watch_command_source();
+  std::uint8_t errors() const;
+  void show_load();
   void show_tuning();
   void show_faults(const StepReport& report);
   void log(Key key, std::uint32_t before, std::uint32_t value, Source source, Abort result);
@@ -136,7 +138,9 @@ class ServoCore : public Application {
   std::uint32_t setpoints_ = 0;
   std::uint8_t errors_ = 0;  ///< bits of 1001h by the device's faults
   bool missed_ = false;      ///< the command source has gone, and that has been told
+  bool silent_ = false;      ///< it has been told, and the source has not come back
   bool held_ = false;
+  bool load_changes_ = true;  ///< something that PDOs depend on has been written
 };
 
 }  // namespace smaservo::canopen

@@ -29,6 +29,12 @@ class Tuning final : public ParameterAccess {
   float remaining_s() const override { return static_cast<float>(staging_.trial_left_s()); }
   Key refused() const override { return refused_; }
   Key refused_other() const override { return refused_other_; }
+  Reach reach() const override {
+    const Settings<S>& q = staging_.active();
+    const S length_m = q.wire.geometry.length_m;
+    return {static_cast<float>((q.axis.zero_strain - q.limits.max_strain) * length_m),
+            static_cast<float>((q.axis.zero_strain - q.limits.min_strain) * length_m)};
+  }
   bool has_load_cell() const override { return staging_.active().measuring.has_load_cell; }
 
   /// Takes over settings that others than the bus have put in force; a transaction is over.

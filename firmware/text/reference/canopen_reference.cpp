@@ -35,8 +35,8 @@ std::string number_text(Type type, std::uint32_t value) {
                                   : fmt::format("0x{:X}", value);
 }
 
-/// An object's value after a restore. Reals are left out, because readers of EDS disagree on their
-/// format.
+/// An object's value after a restore. Reals are decimal, as python-canopen, gocanopen and the
+/// editors have them; CiA 306 does not say.
 std::string default_text(const ListedObject& listed) {
   const Object& object = listed.object;
   switch (object.key.index) {
@@ -52,7 +52,11 @@ std::string default_text(const ListedObject& listed) {
     default:
       break;
   }
-  if (!listed.has_default || object.type == Type::real || canopen::size_of(object.type) == 0) {
+  if (object.type == Type::real) {
+    // gocanopen refuses a sheet in which a real has no default, as a wire's parameters have none.
+    return fmt::format("{}", listed.has_default ? canopen::as_real(object.standard) : 0.F);
+  }
+  if (!listed.has_default || canopen::size_of(object.type) == 0) {
     return "";
   }
   const std::string number = number_text(object.type, object.standard);

@@ -108,6 +108,25 @@ TEST_F(CanSdoClient, EndsAnUploadThatIsLongerThanItSays) {
   EXPECT_LE(bus.requests, 5U);
 }
 
+/// Each request is answered twice, so that the second segment comes when the first is expected.
+TEST_F(CanSdoClient, SaysThatTwoDevicesAnswer) {
+  bool two = true;
+  bus.answers = [&](const Data& request) -> std::vector<Data> {
+    Data answer = keyed(0x43, 7);
+    if (request[0] == 0x40 && request[2] != 0x10) {
+      answer = keyed(0x41, 20);
+    } else if (request[0] == 0x40) {
+      std::ranges::copy(std::span(request).subspan(1, 3), answer.begin() + 1);
+    } else {
+      answer = keyed(0x80, 0x05040001);
+    }
+    return two ? std::vector<Data>{answer, answer} : std::vector<Data>{answer};
+  };
+  EXPECT_THAT(upload(), HasSubstr("two devices answer as node 9"));
+  two = false;
+  EXPECT_THAT(upload(), HasSubstr("unknown SDO command"));
+}
+
 TEST_F(CanSdoClient, EndsAnUploadOfEmptySegments) {
   sends_without_end(0x40, 0, 0);
   EXPECT_THAT(upload(), HasSubstr("waited too long"));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 #include <utility>
 
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
@@ -184,18 +185,138 @@ TEST(Emergency, AFaultIsToldAndKeptUntilItIsCleared) {
   EXPECT_EQ(rig.upload({0x1003, 1}).abort, Abort::no_data);
 }
 
+/// Conditions of the bus that begin and end at random, seen by somebody who only listens.
+TEST(Emergency, BeginsOnceEndsOnceAndTellsTheRegister) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    ServoRig rig;
+    ASSERT_EQ(rig.get({0x1015, 0}), 100U) << "10 ms";
+    rig.set({0x1029, 1}, 1, 1);
+    rig.nmt(1);
+    rig.run(20);
+    rig.sent.clear();
+    std::array<bool, 3> wrong{};  // RPDO1, RPDO2, SYNC
+    for (int i = 0; i < 300; ++i) {
+      const std::size_t which = random() % 3;
+      const bool is_wrong = random() % 2 == 0;
+      const std::uint32_t to = which == 0 ? 0x201 : which == 1 ? 0x301 : 0x80;
+      const std::size_t right = which == 0 ? 3 : which == 1 ? 8 : 0;
+      rig.send(to, Bytes(is_wrong ? (which == 2 ? 1 : right - 1) : right));
+      rig.run(25);
+      const auto told = rig.take(emergency);
+      const bool any = std::exchange(wrong[which], is_wrong) != is_wrong;
+      ASSERT_EQ(told.size(), any ? 1U : 0U) << seed << ' ' << i;
+      const unsigned errors = rig.servo.node().objects().error_register;
+      ASSERT_EQ(errors, wrong[0] || wrong[1] || wrong[2] ? 0x11U : 0U);
+      if (any) {
+        ASSERT_EQ(told[0].data[2], errors);
+        ASSERT_EQ(emergency_code(told[0]), !is_wrong ? 0 : which == 2 ? 0x8240 : 0x8210);
+      }
+    }
+  }
+}
+
+TEST(Emergency, ThatOfAFloodIsSentOnce) {
+  ServoRig rig;
+  rig.nmt(1);
+  rig.run(20);
+  rig.sent.clear();
+  for (int i = 0; i < 1000; ++i) {
+    rig.send(0x201, Bytes(i % 2 == 0 ? 1 : 2));
+    rig.send(0x80, {1});
+    rig.step();
+  }
+  rig.run(20);
+  EXPECT_THAT(rig.take(emergency), SizeIs(2));
+  EXPECT_EQ(rig.get({0x1003, 0}), 2U);
+  rig.nmt(128);
+  rig.run(20);
+  const auto ended = rig.take(emergency);
+  ASSERT_THAT(ended, SizeIs(1)) << "in PRE-OPERATIONAL no length is wrong";
+  EXPECT_EQ(ended[0], frame(emergency, Bytes(8)));
+}
+
 TEST(Emergency, TheListHoldsEightAndTheInhibitTimeIsKept) {
   ServoRig rig;
-  rig.set({0x1015, 0}, 100, 2);
   rig.nmt(1);
   rig.run(3);
   rig.sent.clear();
   for (int i = 0; i < 20; ++i) {
     rig.send(0x201, {6});
+    rig.send(0x201, {6, 0, 1});
   }
   rig.run(35);
   EXPECT_THAT(rig.take(emergency), SizeIs(4)) << "one each 10 ms";
   EXPECT_EQ(rig.get({0x1003, 0}), 8U);
+  rig.run(100);
+  const auto rest = rig.take(emergency);
+  ASSERT_FALSE(rest.empty());
+  EXPECT_EQ(rest.back(), frame(emergency, Bytes(8))) << "the end is told, whatever is left out";
+}
+
+/// A list that is full of both kinds: what is severe stays in its order, as far as there is room.
+TEST(Emergency, WhatIsMildPushesNothingSevereOut) {
+  std::mt19937 random(7);
+  ServoRig rig;
+  rig.set({0x1016, 1}, 0x0010'0064, 4);
+  rig.set({0x1029, 1}, 1, 1);
+  rig.nmt(1);
+  std::deque<unsigned> severe;
+  for (int i = 0; i < 200; ++i) {
+    if (random() % 8 == 0) {
+      rig.send(0x710, {5});
+      rig.run(101);
+      severe.push_front(0x8130);
+    } else {
+      rig.send(0x201, Bytes(2));
+      rig.send(0x201, Bytes(3));
+      rig.run(1);
+    }
+    severe.resize(std::min<std::size_t>(severe.size(), 8));
+    const auto& objects = rig.servo.node().objects();
+    std::deque<unsigned> kept;
+    for (std::size_t k = 0; k < objects.error_count; ++k) {
+      if ((objects.errors[k] & 0xFFFFU) == 0x8130) {
+        kept.push_back(0x8130);
+      }
+    }
+    ASSERT_EQ(kept, severe) << i;
+  }
+  EXPECT_EQ(severe.size(), 8U);
+}
+
+/// Nobody commands: with 6007h = 2 the axis goes to Switch on disabled, which is no fault.
+TEST(Emergency, ThatOfASilentSourceEndsWhenItCommandsAgain) {
+  ServoRig rig;
+  rig.set({0x6007, 0}, 2, 2);
+  rig.enable();
+  rig.sent.clear();
+  rig.run(5100);
+  const auto gone = rig.take(emergency);
+  ASSERT_THAT(gone, SizeIs(1));
+  EXPECT_EQ(emergency_code(gone[0]), heartbeat_lost);
+  EXPECT_EQ(gone[0].data[2], 0x11);
+  EXPECT_EQ(rig.get({0x1001, 0}), 0x11U);
+  rig.control(0);
+  rig.run(20);
+  const auto back = rig.take(emergency);
+  ASSERT_THAT(back, SizeIs(1));
+  EXPECT_EQ(back[0], frame(emergency, Bytes(8)));
+  EXPECT_EQ(rig.get({0x1001, 0}), 0U);
+}
+
+/// Whoever is no longer watched is no longer missed.
+TEST(Emergency, EndsWithTheWatch) {
+  ServoRig rig;
+  rig.set({0x1029, 1}, 1, 1);
+  rig.set({0x1016, 1}, 0x0010'0064, 4);
+  rig.set({0x1400, 5}, 0, 2);
+  rig.nmt(1);
+  rig.send(0x710, {5});
+  rig.run(150);
+  EXPECT_EQ(rig.get({0x1001, 0}), 0x11U);
+  rig.set({0x1016, 1}, 0, 4);
+  EXPECT_EQ(rig.get({0x1001, 0}), 0U);
 }
 
 TEST(Emergency, ItsIdentifierObeysTheRules) {

@@ -153,6 +153,7 @@ TEST(Pdo, InhibitAndEventTimersHold) {
 TEST(Pdo, LengthsAndDeadlinesAreEmergencies) {
   ServoRig rig;
   rig.set({0x1400, 5}, 20, 2);
+  rig.set({0x1015, 0}, 0, 2);
   rig.nmt(1);
   rig.run(100);
   rig.sent.clear();
@@ -166,8 +167,11 @@ TEST(Pdo, LengthsAndDeadlinesAreEmergencies) {
   EXPECT_EQ(rig.get({0x6060, 0}), 1U) << "the rest is ignored";
   rig.run(30);
   const auto late = rig.take(emergency);
-  ASSERT_THAT(late, SizeIs(1));
+  ASSERT_THAT(late, SizeIs(2));
   EXPECT_EQ(emergency_code(late[0]), 0x8250);
+  EXPECT_EQ(emergency_code(late[1]), 0)
+      << "the node leaves OPERATIONAL, and so the wrong length ends";
+  EXPECT_EQ(late[1].data[2], 0x11) << "the source is still lost";
 }
 
 // Without heartbeats to say so.
@@ -182,7 +186,7 @@ TEST(Pdo, APartnerThatSpeaksAgainEndsTheError) {
   EXPECT_EQ(rig.get({0x1001, 0}) & 0x10U, 0x10U);
   EXPECT_FALSE(rig.command.fresh);
   rig.send(0x201, {6, 0, 1});
-  rig.step();
+  rig.run(15);
   EXPECT_TRUE(rig.command.fresh);
   EXPECT_EQ(rig.get({0x1001, 0}), 0U);
   const auto ended = rig.take(emergency);
@@ -242,6 +246,77 @@ TEST(Pdo, MappingsChangeOnlyInTheRightOrder) {
   EXPECT_EQ(rig.set({0x1402, 1}, 0x401, 4), Abort::none);
   rig.send(0x401, {9, 0, 0, 0x80, 0x3E});
   EXPECT_EQ(rig.get_real({0x2201, 1}), 0.25F);
+}
+
+/// CiA 301 has the dummies for RPDOs: what a TPDO sends must be something.
+TEST(Pdo, DummiesAreForReceiving) {
+  ServoRig rig;
+  rig.set({0x1A02, 0}, 0, 1);
+  const std::array<unsigned, 8> bits{0, 8, 8, 16, 32, 8, 16, 32};
+  for (std::uint16_t type = 2; type <= 7; ++type) {
+    const std::uint32_t dummy = mapped(type, 0, bits.at(type));
+    EXPECT_EQ(rig.set({0x1A02, 1}, dummy, 4), Abort::not_mappable) << type;
+    EXPECT_EQ(rig.set({0x1602, 1}, dummy, 4), Abort::none) << type;
+  }
+}
+
+/// Live values in REAL32 change in each step.
+TEST(Pdo, LiveValuesComeEvery20MillisecondsByDefault) {
+  ServoRig rig;
+  rig.set({0x1802, 1}, 0x4000'0381, 4);
+  rig.set({0x1803, 1}, 0x4000'0481, 4);
+  rig.enable();
+  rig.nmt(1);
+  rig.run(100);
+  rig.sent.clear();
+  for (int i = 0; i < 1000; ++i) {
+    rig.step();
+    Output<double> out = rig.output;
+    out.measurement.resistance_ohm = 10 + 0.01 * i;
+    out.estimate.temperature_K = 300 + 0.01 * i;
+    rig.servo.publish(out, Inputs<double>{}, 1e-3);
+  }
+  for (const std::uint32_t id : {0x381U, 0x481U}) {
+    const std::size_t count = rig.take(id).size();
+    EXPECT_LE(count, 51U) << id;
+    EXPECT_GE(count, 10U) << id;
+  }
+}
+
+/// The load that 2211h tells is never less than what is sent, and for a PDO that changes all the
+/// time it is that.
+TEST(Pdo, TheLoadOfTheMappingIsTold) {
+  ServoRig rig;
+  rig.step();
+  EXPECT_NEAR(rig.get_real({0x2211, 4}), 1000, 1) << "TPDO1 has no inhibit time";
+  for (const unsigned inhibit_100us : {30U, 100U, 1000U}) {
+    rig.nmt(128);
+    for (const std::uint16_t index : std::array<std::uint16_t, 2>{0x1800, 0x1802}) {
+      const std::uint32_t cob = index == 0x1800 ? 0x181 : 0x381;
+      rig.set({index, 1}, cob_invalid | cob_no_remote | cob, 4);
+      ASSERT_EQ(rig.set({index, 3}, inhibit_100us, 2), Abort::none);
+    }
+    rig.set({0x1802, 1}, cob_no_remote | 0x381, 4);
+    rig.step();
+    const float frames = rig.get_real({0x2211, 4});
+    EXPECT_NEAR(frames, 1e4 / inhibit_100us, 0.1);
+    // 8 bytes: 111 bits and at most 24 stuff bits, at 1 Mbit/s.
+    EXPECT_NEAR(rig.get_real({0x2211, 5}), 100.F * frames * 135 / 1e6F, 0.01F);
+    rig.nmt(1);
+    rig.sent.clear();
+    for (int i = 0; i < 1000; ++i) {
+      rig.step();
+      Output<double> out = rig.output;
+      out.estimate.temperature_K = 300 + 0.01 * i;
+      rig.servo.publish(out, Inputs<double>{}, 1e-3);
+    }
+    EXPECT_NEAR(static_cast<double>(rig.take(0x381).size()), frames, 2);
+  }
+  rig.nmt(128);
+  rig.set({0x1802, 1}, cob_invalid | 0x381, 4);
+  rig.set({0x1006, 0}, 10'000, 4);
+  rig.step();
+  EXPECT_NEAR(rig.get_real({0x2211, 4}), 100, 0.1) << "TPDO2 with each SYNC";
 }
 
 TEST(Pdo, IdentifiersObeyTheRules) {

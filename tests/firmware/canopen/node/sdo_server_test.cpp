@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
 
@@ -211,6 +212,51 @@ TEST(Sdo, AnAbandonedBlockDownloadIsGivenUpUnderPolling) {
     }
     EXPECT_LE(ms, 2000) << i;
     EXPECT_EQ(rig.upload({0x1000, 0}).abort, Abort::none) << i;
+  }
+}
+
+/// The second request of whoever polls ends the block, and is answered.
+TEST(Sdo, AnAbandonedBlockDownloadEndsWithTheNextTransfer) {
+  const Bytes read = ServoRig::named(0x40, {0x1000, 0});
+  const Bytes write{0x2B, 0x17, 0x10, 0, 0x10, 0x27};
+  for (const Bytes& request : {read, write}) {
+    ServoRig rig;
+    rig.ask({0xC6, 0x00, 0x21, 1, 4});
+    rig.ask({0x01, 1, 2, 3, 4, 5, 6, 7});
+    rig.sent.clear();
+    std::size_t answers = 0;
+    for (int i = 0; i < 2; ++i) {
+      rig.run(100);
+      Bytes padded = request;
+      padded.resize(8);
+      rig.send(0x601, padded);
+      answers += rig.take(0x581).size();
+    }
+    EXPECT_EQ(answers, 1U);
+    EXPECT_EQ(rig.get({0x1000, 0}), servo_device_type);
+    EXPECT_EQ(rig.get({0x1017, 0}), request == write ? 10'000U : 0U);
+    EXPECT_EQ(rig.get_real(gain), 0.F) << "nothing of the block is written";
+  }
+}
+
+/// Whatever the data are, also those of requests, a client that sends its block to the end is not
+/// interrupted, though segments are lost, the first among them, come twice, and come slowly.
+TEST(Sdo, ABlockOfRequestsIsABlock) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 20; ++i) {
+    ServoRig rig;
+    rig.ask({0xC2, 0x00, 0x21, 1, 4});
+    rig.sent.clear();
+    for (unsigned number = 1; number <= 127; ++number) {
+      const bool is_lost = number == 1 || random() % 4 == 0;  // the server takes 64 bytes
+      for (unsigned k = random() % 8 == 0 ? 2 : 1; k > 0 && !is_lost; --k) {
+        rig.send(0x601, {static_cast<std::uint8_t>(number), 0x00, 0x10, 0, 0, 0, 0, 0});
+      }
+      rig.run(random() % 16 == 0 ? 60 : 1);
+      for (const hal::CanFrame& answer : rig.take(0x581)) {
+        EXPECT_NE(answer.data[0], 0x43) << "an upload";
+      }
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
 
@@ -293,6 +294,44 @@ TEST(ProfilePosition, OneSetPointWaitsAndAThirdIsRefused) {
   EXPECT_EQ(drive.get({0x6064, 0}), 100U);
 }
 
+/// Set-points that wait begin when the demand has gone all the way of the one before, whatever the
+/// windows and velocities are.
+TEST(ProfilePosition, NoSetPointIsCutShort) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 10; ++i) {
+    Drive drive;
+    drive.set({0x6081, 0}, 200 + random() % 5000, 4);
+    drive.set({0x6067, 0}, random() % 300, 4);
+    drive.set({0x6068, 0}, random() % 60, 2);
+    drive.go_to(enabled);
+    const auto far = static_cast<std::uint32_t>(400 + random() % 1000);
+    const auto near = static_cast<std::uint32_t>(random() % 100);
+    for (const std::uint32_t target : {far, near}) {
+      drive.set({0x607A, 0}, target, 4);
+      drive.word(operate | new_setpoint, 3);
+      drive.word(operate, 3);
+    }
+    std::int32_t furthest = 0;
+    const auto is_done = [&] {
+      return drive.servo.axis().moves_to() == static_cast<std::int32_t>(near) &&
+             (drive.status() & reached) != 0;
+    };
+    for (int ms = 0; ms < 20'000 && !is_done(); ++ms) {
+      if (ms % 1000 == 0) {
+        drive.control(operate);
+      }
+      drive.step();
+      const DriveObjects& shown = drive.servo.objects();
+      furthest = std::max(furthest, shown.demand);
+      EXPECT_TRUE((shown.statusword & reached) == 0 ||
+                  shown.demand == static_cast<std::int32_t>(shown.demand >= 400 ? far : near));
+    }
+    EXPECT_TRUE(is_done());
+    EXPECT_EQ(furthest, static_cast<std::int32_t>(far));
+    EXPECT_EQ(drive.get({0x6064, 0}), near);
+  }
+}
+
 TEST(ProfilePosition, KeepsItsVelocity) {
   Drive drive;
   drive.set({0x6081, 0}, 5000, 4);
@@ -342,6 +381,49 @@ TEST(ProfilePosition, LimitsHoldAndAFollowingErrorIsAFault) {
   EXPECT_FALSE(drive.heated());
 }
 
+/// Whatever 607Dh says and whatever is asked for: the demand stays within 607Dh and the wire's
+/// reach, and bit 11 says when it is not what was asked for.
+TEST(ProfilePosition, TargetsBeyondLimitsOrReachAreLimitedVisibly) {
+  constexpr unsigned limited = 0x800;
+  std::mt19937 random(5);
+  const Settings<double> settings = reference_settings();
+  const double length_um = 1e6 * settings.wire.geometry.length_m;
+  const auto strain = settings.axis.zero_strain;
+  const auto reach_low =
+      static_cast<std::int32_t>(std::lround((strain - settings.limits.max_strain) * length_um));
+  const auto reach_high =
+      static_cast<std::int32_t>(std::lround((strain - settings.limits.min_strain) * length_um));
+  ASSERT_LT(reach_low, reach_high);
+  for (const std::int8_t mode : {std::int8_t{1}, std::int8_t{8}}) {
+    Drive drive;
+    drive.enable(mode);
+    std::array<std::int32_t, 2> limit{INT32_MIN, INT32_MAX};
+    for (int i = 0; i < 200; ++i) {
+      const std::size_t which = random() % 2;
+      const auto bound = static_cast<std::int32_t>(random() % 6000) - 1000;
+      if (i > 20) {
+        const std::array<std::int32_t, 2> before = limit;
+        limit[which] = bound;
+        const bool is_good = limit[0] <= limit[1];
+        ASSERT_EQ(drive.set({0x607D, static_cast<std::uint8_t>(which + 1)}, as_bits(bound), 4),
+                  is_good ? Abort::none : Abort::max_below_min);
+        limit = is_good ? limit : before;
+      }
+      const std::int32_t target =
+          i % 10 == 0 ? 100'000 : static_cast<std::int32_t>(random() % 8000) - 2000;
+      drive.set({0x607A, 0}, as_bits(target), 4);
+      drive.control(operate);
+      drive.control(operate | new_setpoint | at_once);
+      drive.run(3);
+      const std::int32_t allowed = std::min(std::max(target, limit[0]), limit[1]);
+      const std::int32_t expected = std::min(std::max(allowed, reach_low), reach_high);
+      ASSERT_EQ(drive.servo.axis().moves_to(), expected) << target;
+      ASSERT_EQ(drive.status() & limited, expected != target ? limited : 0U) << target;
+    }
+    EXPECT_EQ(drive.state(), enabled);
+  }
+}
+
 TEST(CyclicPosition, FollowsWhatIsSent) {
   Drive drive;
   drive.nmt(1);
@@ -359,6 +441,31 @@ TEST(CyclicPosition, FollowsWhatIsSent) {
     EXPECT_NEAR(static_cast<double>(drive.get({0x6064, 0})), target, 1);
   }
   EXPECT_EQ(drive.status() & 0x1000U, 0x1000U);
+}
+
+/// Straight lines between the set-points, whatever their period; with 1 ms each is followed at
+/// once.
+TEST(CyclicPosition, IsInterpolatedOver60C2h) {
+  std::mt19937 random(11);
+  for (const unsigned period_ms : {1U, 2U, 20U, 100U}) {
+    Drive drive;
+    ASSERT_EQ(drive.set({0x60C2, 1}, period_ms, 1), Abort::none);
+    drive.nmt(1);
+    drive.enable(8);
+    double before_um = 0;
+    for (int i = 0; i < 50; ++i) {
+      const auto target = static_cast<std::uint32_t>(random() % 3000);
+      Bytes data = little(target, 4);
+      data.resize(8);
+      drive.send(0x301, data);
+      for (unsigned ms = 1; ms <= period_ms; ++ms) {
+        drive.step();
+        const double expected = before_um + (target - before_um) * ms / period_ms;
+        ASSERT_NEAR(drive.servo.objects().demand, expected, 1.5) << period_ms << ' ' << ms;
+      }
+      before_um = target;
+    }
+  }
 }
 
 // Each one that the axis follows at once, also one that is as the one before.
@@ -531,6 +638,79 @@ TEST(CommandSource, HasGoneWithTheSyncThatIsWatched) {
   drive.set({0x1006, 0}, 0, 4);
   drive.run(100);
   EXPECT_TRUE(drive.command.fresh) << "no longer watched, and it has commanded a moment ago";
+}
+
+/// What is watched, but has never come: the axis is enabled by SDO all the same, and loses its heat
+/// with the code of what is missing before the device itself notices.
+TEST(CommandSource, ThatNeverCameIsToldByItsCode) {
+  struct Case {
+    Key key;
+    std::uint32_t value;
+    std::uint8_t size;
+    std::uint16_t code;
+  };
+  for (const Case& c :
+       {Case{{0x1016, 1}, 0x0010'0064, 4, heartbeat_lost}, Case{{0x1400, 5}, 50, 2, 0x8250},
+        Case{{0x1006, 0}, 10'000, 4, sync_lost}}) {
+    Drive drive;
+    drive.set({0x1400, 1}, cob_invalid | 0x201, 4);
+    ASSERT_EQ(drive.set(c.key, c.value, c.size), Abort::none);
+    drive.set({0x1400, 1}, 0x201, 4);
+    drive.nmt(1);
+    drive.enable();
+    EXPECT_EQ(drive.state(), fault);
+    EXPECT_EQ(drive.get({0x603F, 0}), c.code);
+    EXPECT_EQ(drive.get({0x1001, 0}), 0x11U);
+    const auto told = drive.take(0x81);
+    EXPECT_EQ(std::ranges::count(told, c.code, emergency_code), 1);
+    EXPECT_FALSE(drive.heated());
+  }
+}
+
+/// A SYNC that is watched and stops is a lost command source, as a heartbeat is.
+TEST(CommandSource, ThatStopsItsSyncIsToldByItsCode) {
+  Drive drive;
+  drive.set({0x1006, 0}, 10'000, 4);
+  drive.nmt(1);
+  drive.run(150);
+  drive.set({0x6060, 0}, 1, 1);
+  for (const std::uint16_t word : std::array<std::uint16_t, 3>{shutdown, switch_on, operate}) {
+    drive.control(word);
+    for (int i = 0; i < 8; ++i) {
+      drive.sync();
+      drive.run(10);
+    }
+  }
+  ASSERT_TRUE(drive.heated());
+  drive.take(0x81);
+  drive.run(25);
+  EXPECT_EQ(drive.state(), fault);
+  EXPECT_EQ(drive.get({0x603F, 0}), sync_lost);
+  const auto told = drive.take(0x81);
+  EXPECT_EQ(std::ranges::count(told, sync_lost, emergency_code), 1);
+}
+
+/// Bit 9 is set exactly where controlwords are carried out.
+TEST(Axis, RemoteIsWhereControlwordsAreCarriedOut) {
+  constexpr unsigned remote = 0x200;
+  for (const bool by_pdo : {false, true}) {
+    for (const std::uint8_t nmt : Bytes{128, 1, 2}) {
+      Drive drive;
+      drive.run(150);
+      drive.nmt(nmt);
+      drive.run(5);
+      if (by_pdo) {
+        drive.send(0x201, {shutdown, 0, 1});
+      } else {
+        drive.send(0x601, {0x2B, 0x40, 0x60, 0, shutdown, 0, 0, 0});
+      }
+      drive.run(5);
+      const bool carried_out = drive.state() == ready;
+      const bool served = nmt == 1 || (nmt == 128 && !by_pdo);
+      EXPECT_EQ(carried_out, served) << int{nmt} << by_pdo;
+      EXPECT_EQ(drive.status() & remote, nmt == 2 ? 0U : remote) << int{nmt};
+    }
+  }
 }
 
 TEST(CommandSource, TheReactionIsThatOf6007h) {

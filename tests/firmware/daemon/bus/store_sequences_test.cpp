@@ -83,14 +83,17 @@ class SlowStore {
   bool busy_ = false, ended_ = false, works_ = true;
 };
 
-/// Value of 1015h in an image; 0, its default: it has none.
+/// 1015h by default, in 100 us.
+constexpr std::uint64_t usual_inhibit = 100;
+
+/// Value of 1015h in an image; its default, if it has none.
 std::uint64_t inhibit_in(const daemon::Image& image) {
   for (std::size_t at = 6; at + 9 <= image.size(); at += 7) {
     if (canopen::take_number(std::span(image).subspan(at, 2)) == inhibit_key.index) {
       return canopen::take_number(std::span(image).subspan(at + 3, 4));
     }
   }
-  return 0;
+  return usual_inhibit;
 }
 std::uint8_t node_id_in(const daemon::Image& image) {
   return image.size() < 4 ? std::uint8_t{0} : image[3];
@@ -202,7 +205,7 @@ class World {
   };
   struct Model {
     float limit_A = 0;
-    std::uint64_t inhibit = 0;
+    std::uint64_t inhibit = usual_inhibit;
   };
 
   static float limit_in(const Settings<double>& settings) {

@@ -24,7 +24,7 @@ class Paper002 : public ::testing::TestWithParam<hal::Family> {
   const fits::StrainResistanceFit fit = calibrate(GetParam());
 };
 
-INSTANTIATE_TEST_SUITE_P(Families, Paper002, ::testing::ValuesIn(hal::families),
+INSTANTIATE_TEST_SUITE_P(Families, Paper002, ::testing::ValuesIn(hal::tuning_families),
                          [](const auto& tested) {
                            return std::string(hal::family_name(tested.param));
                          });

@@ -44,7 +44,7 @@ void expect_transitions_to_be_predicted(const figures::Validation& v) {
 
 class Paper003 : public ::testing::TestWithParam<hal::Family> {};
 
-INSTANTIATE_TEST_SUITE_P(Families, Paper003, ::testing::ValuesIn(hal::families),
+INSTANTIATE_TEST_SUITE_P(Families, Paper003, ::testing::ValuesIn(hal::tuning_families),
                          [](const auto& tested) {
                            return std::string(hal::family_name(tested.param));
                          });
