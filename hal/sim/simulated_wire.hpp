@@ -10,16 +10,16 @@
 #include <random>
 #include <string_view>
 
-#include "model/wire/free_energy.hpp"
-#include "model/wire/sublayers.hpp"
+#include "model/plants/free_energy.hpp"
+#include "model/plants/sublayers.hpp"
 #include "model/wire/wire.hpp"
 
 namespace smaservo::hal {
 
 enum class Family : unsigned char {
-  ihyp,        ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
-  sublayers,   ///< model/wire/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
-  free_energy  ///< model/wire/free_energy.hpp in 12 segments, c(T), resistivities in parallel
+  ihyp,       ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
+  sublayers,  ///< model/plants/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
+  free_energy  ///< model/plants/free_energy.hpp in 12 segments, c(T), resistivities in parallel
 };
 inline constexpr std::array families{Family::ihyp, Family::sublayers, Family::free_energy};
 /// Those that observers and control may be tuned with. The others are for tests only.

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 
+#include "model/plants/sublayers.hpp"
 #include "model/wire/plant.hpp"
-#include "model/wire/sublayers.hpp"
 #include "tests/model/wire/test_wires.hpp"
 
 namespace smaservo::test::distributed_test {

@@ -53,11 +53,31 @@ std::uint32_t service_id(Source& source, const std::string& name) {
     while (result < 0) usleep(1000);
     return result == 1;
   };
-  while (!succeeds("enable", R"({"node":1})")) usleep(100'000);
+  while (!succeeds("enable", R"({"node":1})")) {
+    usleep(100'000);
+    succeeds("reset_faults", R"({"node":1})");
+  }
   succeeds("mode", R"({"node":1,"mode":1})");
   succeeds("target", R"({"node":1,"value":800})");
   for (;;) pause();
 }
+
+/// Ends with the test, however that ends.
+class BridgeProcess {
+ public:
+  explicit BridgeProcess(const std::string& bus) : pid_(fork()) {
+    if (pid_ == 0) be_a_bridge(bus);
+  }
+  ~BridgeProcess() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  BridgeProcess(const BridgeProcess&) = delete;
+  BridgeProcess& operator=(const BridgeProcess&) = delete;
+
+ private:
+  pid_t pid_;
+};
 
 double real_at(can::SdoClient& servo, Key key) {
   const can::Bytes bytes = servo.upload(key);
@@ -72,8 +92,6 @@ TEST(PageBridge, KilledLeavesNoHeat) {
   const test::TemporaryFolder folder;
   const test::Program daemon(
       folder, {"--board", "sim", "--bus", bus, "--no-real-time", "--settings", folder / "store"});
-  const pid_t bridge = fork();
-  if (bridge == 0) be_a_bridge(bus);
   can::PortBus port(bus);
   can::SdoClient servo(port, 1);
   servo.set_timeout(2'000'000);
@@ -84,11 +102,15 @@ TEST(PageBridge, KilledLeavesNoHeat) {
       return false;  // the bridge reads, too: its requests may drop ours
     }
   };
-  ASSERT_TRUE(test::becomes(flows));
-  sleep(2 * watch_s + 1);  // only renewals feed the servo's watch
-  EXPECT_TRUE(test::becomes(flows));
-  kill(bridge, SIGKILL);
-  waitpid(bridge, nullptr, 0);
+  // A bridge that a busy machine does not let run for watch_s loses its heat: then another one.
+  bool lasts = false;
+  for (int tries = 0; tries < 3 && !lasts; ++tries) {
+    const BridgeProcess bridge(bus);
+    ASSERT_TRUE(test::becomes(flows));
+    sleep(2 * watch_s + 1);  // only renewals feed the servo's watch
+    lasts = flows() || flows() || flows();
+  }
+  ASSERT_TRUE(lasts);
   EXPECT_EQ(real_at(servo, watch), watch_s) << "the bridge's time, not the usual one of 5 s";
   EXPECT_TRUE(test::becomes([&] { return real_at(servo, measured_current) < off_A; }));
   daemon.kill(SIGTERM);

@@ -31,7 +31,7 @@
 #include <cstdint>
 
 #include "model/kinetics.hpp"
-#include "model/wire/threshold_spread.hpp"
+#include "model/plants/threshold_spread.hpp"
 
 namespace smaservo {
 

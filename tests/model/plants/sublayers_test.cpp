@@ -1,4 +1,4 @@
-#include "model/wire/sublayers.hpp"
+#include "model/plants/sublayers.hpp"
 
 #include "tests/model/kinetics_suite.hpp"
 

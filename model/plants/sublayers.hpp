@@ -23,7 +23,7 @@
 #include <random>
 
 #include "model/kinetics.hpp"
-#include "model/wire/threshold_spread.hpp"
+#include "model/plants/threshold_spread.hpp"
 
 namespace smaservo {
 

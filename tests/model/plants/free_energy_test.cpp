@@ -1,6 +1,6 @@
 // The plant with rates: what it does in time, against the formulas of its head.
 
-#include "model/wire/free_energy.hpp"
+#include "model/plants/free_energy.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
