@@ -77,13 +77,18 @@ SdoClient::Data SdoClient::answer(Key key) {
   return data;
 }
 
+/// Frames that are already queued answer transfers that timed out. A bus may never be silent.
+void SdoClient::drop_old() {
+  constexpr int max_queued = 100'000;
+  hal::CanFrame old;
+  for (int i = 0; i < max_queued && bus_.receive(old, 0); ++i) {
+  }
+}
+
 /// Sends the first frame of a transfer and returns its answer. Answers for other objects are
 /// skipped: they belong to earlier transfers that timed out.
 SdoClient::Data SdoClient::request(Key key, const Data& data) {
-  // Frames that are already queued answer transfers that timed out.
-  hal::CanFrame old;
-  while (bus_.receive(old, 0)) {
-  }
+  drop_old();
   Data first = data;
   put_number(std::span(first).subspan(1, 2), key.index);
   first[3] = key.sub;
@@ -106,9 +111,7 @@ void SdoClient::silent(Key key) const {
 /// Whether a request is answered twice: on the bus are two devices with this node-id.
 bool SdoClient::two_answer() {
   constexpr std::int64_t patience_us = 100'000;
-  hal::CanFrame old;
-  while (bus_.receive(old, 0)) {
-  }
+  drop_old();
   const Data request{start_upload, 0x00, 0x10, 0};  // device type
   send(request);
   const std::int64_t until_us = bus_.now_us() + patience_us;

@@ -84,6 +84,7 @@ class SdoClient {
   [[noreturn]] void refused(Key key, std::uint32_t code);
   std::string cause_of(std::uint32_t code);
   bool two_answer();
+  void drop_old();
   [[noreturn]] void silent(Key key) const;
 
   Bus& bus_;

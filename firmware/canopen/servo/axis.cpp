@@ -1,6 +1,7 @@
 #include "firmware/canopen/servo/axis.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -382,8 +383,10 @@ void Axis::home() {
 }
 
 void Axis::new_cyclic_setpoint() {
-  to_setpoint_s_ =
-      static_cast<float>(o_.period_value) * std::pow(10.F, static_cast<float>(o_.period_exponent));
+  // 60C2h:2 is -6 to 0.
+  constexpr std::array unit_s{1.F, 1e-1F, 1e-2F, 1e-3F, 1e-4F, 1e-5F, 1e-6F};
+  const auto unit = static_cast<std::size_t>(-o_.period_exponent);
+  to_setpoint_s_ = static_cast<float>(o_.period_value) * unit_s[std::min(unit, unit_s.size() - 1)];
 }
 
 /// A step on the straight line that reaches `to` when the time of 60C2h is over. Such a set-point
