@@ -118,7 +118,9 @@ bool SdoClient::two_answer() {
   int answers = 0;
   Data got{};
   while (answers < 2 && next_answer(got, until_us)) {
-    answers += std::ranges::equal(std::span(got).subspan(1, 3), std::span(request).subspan(1, 3));
+    const bool is_answer =
+        std::ranges::equal(std::span(got).subspan(1, 3), std::span(request).subspan(1, 3));
+    answers += is_answer ? 1 : 0;
   }
   return answers == 2;
 }

@@ -29,6 +29,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 
 #include "model/kinetics.hpp"
 #include "model/plants/threshold_spread.hpp"
@@ -216,7 +217,7 @@ struct FreeEnergy {
     double high = 8;
     for (int step = 0; step < 60; ++step) {
       const double x = 0.5 * (low + high);
-      (0.5 * std::erfc(-x / std::sqrt(2.0)) < share ? low : high) = x;
+      (0.5 * std::erfc(-x / std::numbers::sqrt2) < share ? low : high) = x;
     }
     return 1.8138 * low;
   }

@@ -236,8 +236,9 @@ BusLoad Pdos::load(float step_s) const {
     }
     // 47 bits around the data, of which 34 and the data may be stuffed: one bit after each four.
     const std::uint32_t data = 8 * length_of(objects_.tpdo_map[i]);
+    const std::uint32_t stuffed = (33 + data) / 4;
     load.frames += 1 / period_s;
-    load.bits += static_cast<float>(47 + data + (33 + data) / 4) / period_s;
+    load.bits += static_cast<float>(47 + data + stuffed) / period_s;
   }
   return load;
 }

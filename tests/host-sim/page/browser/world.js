@@ -128,8 +128,9 @@ class World {
     person.setDefaultNavigationTimeout(patience_ms);
     const view = await person.newPage();
     Object.assign(view, {errors: [], asked: []});
-    // That nobody listens is an error of the page to Firefox.
-    view.on('pageerror', ({message}) => /establish a connection/.test(message) || view.errors.push(message));
+    // That nobody listens, or that a reload ends a connection, is an error of the page to Firefox.
+    const expected = /establish a connection|interrupted while the page was loading/;
+    view.on('pageerror', ({message}) => expected.test(message) || view.errors.push(message));
     view.on('request', (request) => view.asked.push(request.url()));
     await view.goto(this.url);
     this.views.push(view);
