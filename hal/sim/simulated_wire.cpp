@@ -128,6 +128,15 @@ std::unique_ptr<SimulatedWire> make_ihyp(const Wire<double>& wire, double scatte
   return std::make_unique<DistributedWire<K, segments>>(p);
 }
 
+/// With all thresholds shifted.
+template <class Spread>
+Spread warmer(Spread spread, double by_K) {
+  for (ThresholdSpread* process : {&spread.m2a, &spread.a2m, &spread.r2a, &spread.a2r}) {
+    process->median_K += by_K;
+  }
+  return spread;
+}
+
 std::unique_ptr<SimulatedWire> make_sublayers(const Wire<double>& wire,
                                               const SublayerStructure& structure, double scatter_K,
                                               std::mt19937_64& random) {
@@ -139,12 +148,7 @@ std::unique_ptr<SimulatedWire> make_sublayers(const Wire<double>& wire,
   std::normal_distribution<double> normal;
   SublayerSpread spread = sublayer_spread(wire, structure);
   for (K::Params& k : p.kinetics) {
-    const double warmer_K = scatter_K * normal(random);
-    SublayerSpread here = spread;
-    for (ThresholdSpread* process : {&here.m2a, &here.a2m, &here.r2a, &here.a2r}) {
-      process->median_K += warmer_K;
-    }
-    k = K::params(here);
+    k = K::params(warmer(spread, scatter_K * normal(random)));
     ++spread.seed;
   }
   return std::make_unique<DistributedWire<K, segments>>(p);
@@ -161,12 +165,7 @@ std::unique_ptr<SimulatedWire> make_free_energy(const Wire<double>& wire,
   std::normal_distribution<double> normal;
   const FreeEnergySpread spread = free_energy_spread(wire, structure);
   for (K::Params& k : p.kinetics) {
-    const double warmer_K = scatter_K * normal(random);
-    FreeEnergySpread here = spread;
-    for (ThresholdSpread* process : {&here.m2a, &here.a2m, &here.r2a, &here.a2r}) {
-      process->median_K += warmer_K;
-    }
-    k = K::params(here);
+    k = K::params(warmer(spread, scatter_K * normal(random)));
   }
   return std::make_unique<DistributedWire<K, segments>>(p);
 }
