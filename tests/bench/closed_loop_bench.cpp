@@ -7,14 +7,15 @@
 
 #include "firmware/bench/closed_loop.hpp"
 #include "tests/bench/main.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::benchmarks {
 namespace {
 
 /// A wire that goes from strain to strain for 60 s, under 200 MPa.
 bench::ClosedLoopScenario scenario(bench::PlantFamily family) {
-  bench::ClosedLoopScenario s = bench::load_closed_loop(std::string(SMASERVO_SOURCE_DIR) +
-                                                        "/host-sim/scenarios/staircase.toml");
+  bench::ClosedLoopScenario s =
+      bench::load_closed_loop(test::source_folder() + "/host-sim/scenarios/staircase.toml");
   s.plant.family = family;
   s.program.resize(1);
   s.program.front().seconds = 0.5;

@@ -24,6 +24,7 @@
 #include "model/papers/actuators/actuator_file.hpp"
 #include "tests/firmware/parameters/store/memory_storage.hpp"
 #include "tests/model/files/mcap/files.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::fuzz {
 namespace {
@@ -51,7 +52,7 @@ class InputFile {
             .string();
     demand(mkdtemp(folder.data()) != nullptr);
     folder_ = folder;
-    const std::filesystem::path source = SMASERVO_SOURCE_DIR;
+    const std::filesystem::path source = test::source_folder();
     std::filesystem::create_directory_symlink(source / "host-sim/scenarios/devices",
                                               folder_ / "devices");
     path_ = (folder_ / name).string();

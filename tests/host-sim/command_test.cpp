@@ -10,6 +10,7 @@
 #include "model/files/message.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/replay/replays.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -57,7 +58,7 @@ TEST(Command, HelpExplainsEverySubCommand) {
   EXPECT_EQ(help.err, "");
   const Texts commands = sub_commands(help.out);
   EXPECT_THAT(commands, IsSupersetOf({"can", "replay", "wires"}));
-  const std::string readme = file_text(SMASERVO_SOURCE_DIR "/host-sim/README.md");
+  const std::string readme = file_text(test::source_folder() + "/host-sim/README.md");
   for (const std::string& command : commands) {
     const Finished own = program.run({command, "--help"});
     EXPECT_EQ(own.status, 0) << command;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 
@@ -50,12 +51,12 @@ class Program {
     std::vector<char*> argv = pointers(texts);
     std::vector<char*> envp = pointers(environment);
     pid_t child = 0;
-    const int failed =
-        posix_spawn(&child, SMASERVO_HOST_SIM, &actions, nullptr, argv.data(), envp.data());
+    const int failed = posix_spawn(&child, test::host_sim_program().c_str(), &actions, nullptr,
+                                   argv.data(), envp.data());
     posix_spawn_file_actions_destroy(&actions);
     close(input);
     if (failed != 0) {
-      throw std::runtime_error("cannot run " SMASERVO_HOST_SIM);
+      throw std::runtime_error("cannot run " + test::host_sim_program());
     }
     return child;
   }

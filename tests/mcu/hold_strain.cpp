@@ -24,6 +24,7 @@
 #include "firmware/parameters/store/store_image.hpp"
 #include "hal/cortex-m/wire_link.hpp"
 #include "model/files/error.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::mcu {
 namespace {
@@ -259,7 +260,7 @@ void write_slot(const fs::path& path, const Settings<double>& settings) {
 bool hold(const fs::path& folder, std::span<char* const> command) {
   fs::create_directories(folder);
   const bench::ClosedLoopScenario scenario =
-      bench::load_closed_loop(fs::path(SMASERVO_SOURCE_DIR) / "host-sim/scenarios/steps.toml");
+      bench::load_closed_loop(fs::path(test::source_folder()) / "host-sim/scenarios/steps.toml");
   write_slot(folder / "slot-0", scenario.settings);
   fs::remove(folder / "slot-1");
   Run run(folder, scenario);

@@ -21,6 +21,7 @@
 #include "tests/firmware/device/random_use.hpp"
 #include "tests/firmware/parameters/random_settings.hpp"
 #include "tests/mcu/step_file.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::mcu {
 namespace {
@@ -126,7 +127,7 @@ Recorder random_use(std::uint32_t seed, std::size_t steps) {
 }
 
 void write_all(const fs::path& folder) {
-  const fs::path root = SMASERVO_SOURCE_DIR;
+  const fs::path root = test::source_folder();
   fs::create_directories(folder);
   for (const fs::directory_entry& entry : fs::directory_iterator(root / "host-sim/traces")) {
     fs::path csv = entry.path();

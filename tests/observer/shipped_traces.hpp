@@ -7,6 +7,7 @@
 #include "hal/replay/trace.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "observer/measurement.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo {
 
@@ -43,11 +44,11 @@ inline std::vector<TraceStep> load_trace(const std::string& path) {
 }
 
 inline std::vector<TraceStep> load_trace(const ShippedTrace& trace) {
-  return load_trace(SMASERVO_SOURCE_DIR "/host-sim/traces/" + trace.name + ".csv");
+  return load_trace(test::source_folder() + "/host-sim/traces/" + trace.name + ".csv");
 }
 
 inline Wire<double> load_unit(const ShippedTrace& trace) {
-  return files::load_wire(SMASERVO_SOURCE_DIR "/host-sim/traces/units/" + trace.unit + ".toml")
+  return files::load_wire(test::source_folder() + "/host-sim/traces/units/" + trace.unit + ".toml")
       .wire;
 }
 

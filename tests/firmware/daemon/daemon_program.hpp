@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 
@@ -56,7 +57,7 @@ class Program {
  private:
   [[noreturn]] void run(std::vector<std::string> arguments, const std::string& socket,
                         int errors_to) const {
-    arguments.insert(arguments.begin(), SMASERVO_DAEMON);
+    arguments.insert(arguments.begin(), test::daemon_program());
     std::vector<char*> list;
     list.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) {
@@ -79,13 +80,17 @@ class Program {
   pid_t process_ = -1;
 };
 
-/// Until it is so; a minute at most.
+/// Waits until the condition holds, and looks no second time: it may hold once only. Gives up after ten
+/// minutes, which only a program that hangs takes.
 template <class Condition>
 bool becomes(Condition condition) {
-  for (int i = 0; i < 6000 && !condition(); ++i) {
+  for (int i = 0; i < 60000; ++i) {
+    if (condition()) {
+      return true;
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  return condition();
+  return false;
 }
 
 }  // namespace smaservo::test

@@ -35,6 +35,7 @@
 #include "hal/linux/system/descriptor.hpp"
 #include "tests/firmware/daemon/bus/bus_client.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test::process_test {
 namespace {
@@ -301,7 +302,7 @@ TEST(Process, CheckOfASimulationJudgesItsFiles) {
   const TemporaryFolder folder;
   const std::string bad = folder / "bad.toml";
   std::ofstream(bad) << "note = 1\n";
-  const std::string steps = SMASERVO_SOURCE_DIR "/host-sim/scenarios/steps.toml";
+  const std::string steps = test::source_folder() + "/host-sim/scenarios/steps.toml";
   struct Case {
     std::vector<std::string> arguments;
     int code;
@@ -452,7 +453,7 @@ TEST(Process, ASettingsFileDoesNotLoosenWhatIsStored) {
 
 /// The reference board with more lines in its settings.
 std::string reference_board(const TemporaryFolder& folder, const std::string& lines) {
-  const std::string boards = SMASERVO_SOURCE_DIR "/hal/linux/boards/";
+  const std::string boards = test::source_folder() + "/hal/linux/boards/";
   std::filesystem::create_directories(folder / "devices");
   std::ofstream(folder / "board.toml") << file_text(boards + "reference.toml");
   std::ofstream(folder / "devices/current-sink.toml")
@@ -470,7 +471,8 @@ TEST(Process, RefusesWhatItDoesNotUnderstand) {
   const std::string bad = folder / "bad.toml";
   std::ofstream(bad) << "name = \"a\"\n[front_end]\ntype = \"adc\"\n";
   const std::string wireless = folder / "wireless.toml";
-  const std::string device = SMASERVO_SOURCE_DIR "/host-sim/scenarios/devices/sublayers-1000.toml";
+  const std::string device =
+      test::source_folder() + "/host-sim/scenarios/devices/sublayers-1000.toml";
   std::ofstream(wireless) << "note = \"\"\n[device]\nsettings = \"" << device
                           << "\"\n[plant]\nwire = \"none-wire.toml\"\n";
   const Case cases[] = {
@@ -587,7 +589,7 @@ TEST(Process, NamesFromOutsideArePrintedEscaped) {
     EXPECT_NE(ended.errors.find("\\xFF\\x1B[2J\\x0Asmaservod: all is well.toml"),
               std::string::npos);
   }
-  std::filesystem::copy(SMASERVO_SOURCE_DIR "/host-sim/scenarios", folder.path(),
+  std::filesystem::copy(test::source_folder() + "/host-sim/scenarios", folder.path(),
                         std::filesystem::copy_options::recursive);
   std::filesystem::rename(folder / "steps.toml", folder / name);
   for (const char* const option : {"--json", "--no-real-time"}) {

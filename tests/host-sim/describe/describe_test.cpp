@@ -8,6 +8,7 @@
 #include "firmware/text/reference/parameter_reference.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "tests/host-sim/program.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -16,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 TEST(Describe, TheCommittedParameterReferenceIsUpToDate) {
-  EXPECT_TRUE(file_text(SMASERVO_SOURCE_DIR "/firmware/reference/PARAMETERS.md") ==
+  EXPECT_TRUE(file_text(test::source_folder() + "/firmware/reference/PARAMETERS.md") ==
               text::parameter_reference())
       << "firmware/reference/PARAMETERS.md is stale; make it anew from the top folder:\n"
          "  build/release/host-sim/host-sim describe parameters > firmware/reference/PARAMETERS.md";

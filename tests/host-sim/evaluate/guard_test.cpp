@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host-sim/evaluate/evaluate.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -27,7 +28,7 @@ TEST(EvaluationGuard, CalibratedWiresAreEstimatedAsWellAsTheyWere) {
   options.units = 1;
   options.runs = 6;
   options.threads = 2;
-  options.wires = (std::filesystem::path(SMASERVO_SOURCE_DIR) / "tests/golden/evaluate").string();
+  options.wires = (std::filesystem::path(test::source_folder()) / "tests/golden/evaluate").string();
   for (const Expected& one : expected) {
     options.rows.emplace_back(one.row);
   }

@@ -8,6 +8,7 @@
 #include "model/units.hpp"
 #include "tests/host-sim/recordings.hpp"
 #include "tests/host-sim/replay/measured_data.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -276,7 +277,7 @@ TEST(UnclippedColumns, WiresAtRestThermostatsAndSources) {
 TEST(Runs, AllCommittedTracesAreTaken) {
   std::size_t count = 0;
   const std::filesystem::path folder =
-      std::filesystem::path(SMASERVO_SOURCE_DIR) / "host-sim" / "traces";
+      std::filesystem::path(test::source_folder()) / "host-sim" / "traces";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() == ".csv") {
       const auto run = identify::read_run(entry.path().string(), {recorded_wire, {}, {}, {}});

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "tests/places.hpp"
+
 namespace smaservo::test {
 
 /// Tests say SKIPPED where the folder is not.
@@ -13,7 +15,7 @@ class MeasuredData : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* given = std::getenv("SMASERVO_SHARED");
-    folder_ = std::filesystem::path(given != nullptr ? given : SMASERVO_SHARED_DEFAULT) / "data";
+    folder_ = std::filesystem::path(given != nullptr ? given : test::shared_folder()) / "data";
     if (!std::filesystem::is_directory(folder_)) {
       GTEST_SKIP() << folder_ << " is not there: third-party data that the project may not ship";
     }

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "tests/host-sim/replay/replays.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -165,7 +166,7 @@ TEST(ShippedTraces, TheStandardDeviationIsHonest) {
 constexpr std::size_t golden_every = 100;
 
 TEST(Golden, EstimateOf150MPa) {
-  const auto path = std::filesystem::path(SMASERVO_SOURCE_DIR) / "tests/golden/replay_150MPa.csv";
+  const auto path = std::filesystem::path(test::source_folder()) / "tests/golden/replay_150MPa.csv";
   const std::vector<std::string> lines = lines_of(estimate_of(loaded[1]).text);
   std::vector<std::string> kept{lines.front()};
   for (std::size_t i = 1; i < lines.size(); i += golden_every) {

@@ -8,11 +8,12 @@
 #include "host-sim/replay/replay.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 #include "tests/host-sim/replay/trace_numbers.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 
 inline std::string shipped(const std::string& name) {
-  return (std::filesystem::path(SMASERVO_SOURCE_DIR) / "host-sim/traces" / name).string();
+  return (std::filesystem::path(test::source_folder()) / "host-sim/traces" / name).string();
 }
 
 inline replay::ReplayOptions replay_options(const std::string& trace, const std::string& unit,

@@ -6,6 +6,7 @@
 
 #include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test::scenario_test {
 namespace {
@@ -15,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 fs::path traces() {
-  return fs::path(SMASERVO_SOURCE_DIR) / "host-sim/traces";
+  return fs::path(test::source_folder()) / "host-sim/traces";
 }
 
 constexpr std::string_view good = R"(note = "a test"

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "firmware/bench/scenario/closed_loop_scenario.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 
 inline std::filesystem::path scenario_folder() {
-  return std::filesystem::path(SMASERVO_SOURCE_DIR) / "host-sim/scenarios";
+  return std::filesystem::path(test::source_folder()) / "host-sim/scenarios";
 }
 
 inline std::vector<std::string> scenario_names() {

@@ -8,12 +8,13 @@
 #include "firmware/text/settings_file.hpp"
 #include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test::board_file_test {
 namespace {
 
 const std::string& boards() {
-  static const std::string folder = SMASERVO_SOURCE_DIR "/hal/linux/boards";
+  static const std::string folder = test::source_folder() + "/hal/linux/boards";
   return folder;
 }
 
@@ -101,7 +102,7 @@ std::vector<std::string> listed_after(const std::string& text, const std::string
 
 /// The types of front ends and output stages, and the keys of those that the examples have.
 TEST(BoardFile, TheReadmeHasEveryTypeAndKey) {
-  const std::string readme = file_text(SMASERVO_SOURCE_DIR "/firmware/daemon/README.md");
+  const std::string readme = file_text(test::source_folder() + "/firmware/daemon/README.md");
   const auto check = [&](const std::string& said, const std::string& begin) {
     const std::vector<std::string> words = listed_after(said, begin);
     EXPECT_GE(words.size(), 2U) << said;

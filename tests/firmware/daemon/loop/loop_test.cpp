@@ -16,6 +16,7 @@
 #include "firmware/daemon/loop/desk.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/faulty_board.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test::loop_test {
 namespace {
@@ -189,7 +190,7 @@ struct Bench {
 
 TEST(Loop, IsTheVeryLoopOfHostSim) {
   const bench::ClosedLoopScenario scenario =
-      bench::load_closed_loop(SMASERVO_SOURCE_DIR "/host-sim/scenarios/sensor-faults.toml");
+      bench::load_closed_loop(test::source_folder() + "/host-sim/scenarios/sensor-faults.toml");
   bench::ClosedLoop expected(scenario);
   Bench bench(scenario);
   auto loop = bench.loop(bench.simulation);

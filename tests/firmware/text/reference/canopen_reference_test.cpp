@@ -10,6 +10,7 @@
 #include "tests/can/eds_node/eds_file.hpp"
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -21,7 +22,7 @@ using testing::Not;
 /// Anew: build/release/host-sim/host-sim describe eds > firmware/reference/smaservo.eds, likewise
 /// dbc and objects (OBJECTS.md).
 TEST(CanopenReference, TheFilesAreUpToDate) {
-  const std::string folder = SMASERVO_SOURCE_DIR "/firmware/reference/";
+  const std::string folder = test::source_folder() + "/firmware/reference/";
   EXPECT_EQ(file_text(folder + "smaservo.eds"), text::eds_text());
   EXPECT_EQ(file_text(folder + "smaservo.dbc"), text::dbc_text());
   EXPECT_EQ(file_text(folder + "OBJECTS.md"), text::object_reference());

@@ -5,6 +5,7 @@
 
 #include "firmware/safety/faults/table.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::test {
 namespace {
@@ -14,7 +15,7 @@ using ::testing::IsEmpty;
 
 /// Anew: build/release/host-sim/host-sim describe faults > firmware/reference/FAULTS.md
 TEST(FaultReference, ThePageIsUpToDate) {
-  EXPECT_EQ(file_text(SMASERVO_SOURCE_DIR "/firmware/reference/FAULTS.md"),
+  EXPECT_EQ(file_text(test::source_folder() + "/firmware/reference/FAULTS.md"),
             text::fault_reference());
 }
 

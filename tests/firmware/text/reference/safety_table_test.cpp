@@ -12,11 +12,12 @@
 #include <string>
 
 #include "firmware/safety/faults/table.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::safety_table_test {
 namespace {
 
-const std::filesystem::path root = SMASERVO_SOURCE_DIR;
+const std::filesystem::path root = test::source_folder();
 
 std::string content(const std::filesystem::path& path) {
   std::ifstream in(path);

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/places.hpp"
+
 namespace smaservo::evaluate {
 namespace {
 
@@ -16,7 +18,7 @@ ClosedLoopOptions golden_units() {
   options.runs = 2;
   options.steps = 4;
   options.random = 2;
-  options.wires = SMASERVO_SOURCE_DIR "/tests/golden/evaluate";
+  options.wires = test::source_folder() + "/tests/golden/evaluate";
   return options;
 }
 

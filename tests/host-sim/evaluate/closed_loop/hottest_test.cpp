@@ -4,12 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "firmware/parameters/parameter_check.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::evaluate {
 namespace {
 
 std::vector<CalibratedUnit> hottest_units() {
-  return calibrated_units(1, 1000, SMASERVO_SOURCE_DIR "/tests/golden/evaluate");
+  return calibrated_units(1, 1000, test::source_folder() + "/tests/golden/evaluate");
 }
 
 /// Seed 36 loses two thirds of its cooling while it is off: 14.7 K above, and a fault.

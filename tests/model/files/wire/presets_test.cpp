@@ -12,6 +12,7 @@
 #include "model/files/wire/wire_file.hpp"
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -126,7 +127,7 @@ TEST(Presets, EveryNumberHasASource) {
 }
 
 TEST(Presets, ReadmeNamesEveryFamily) {
-  std::ifstream in(SMASERVO_SOURCE_DIR "/model/wires/README.md");
+  std::ifstream in(test::source_folder() + "/model/wires/README.md");
   const std::string readme(std::istreambuf_iterator<char>(in), {});
   for (const Preset& preset : presets()) {
     EXPECT_NE(readme.find("\n| `" + std::string(preset.family) + "` | "), std::string::npos)

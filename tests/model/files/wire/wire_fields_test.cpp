@@ -9,6 +9,7 @@
 
 #include "model/files/text_table.hpp"
 #include "model/files/wire/wire_file.hpp"
+#include "tests/places.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -85,7 +86,7 @@ std::string key_table() {
 }
 
 std::string text_of_readme() {
-  const std::ifstream in(SMASERVO_SOURCE_DIR "/model/wires/README.md");
+  const std::ifstream in(test::source_folder() + "/model/wires/README.md");
   std::ostringstream content;
   content << in.rdbuf();
   return content.str();
