@@ -9,7 +9,7 @@
 #include "host-sim/can/bus/port_bus.hpp"
 #include "host-sim/can/sdo_client.hpp"
 #include "host-sim/page/servos/servo_source.hpp"
-#include "tests/firmware/daemon/daemon_program.hpp"
+#include "tests/firmware/daemon/live/daemon_program.hpp"
 
 namespace smaservo::page {
 namespace {

@@ -1,17 +1,16 @@
 #pragma once
 
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 #include <vector>
 
 #include "tests/hal/replay/temporary_folder.hpp"
+#include "tests/patience.hpp"
 #include "tests/places.hpp"
 
 namespace smaservo::test {
@@ -79,18 +78,5 @@ class Program {
   std::string out_, errors_;
   pid_t process_ = -1;
 };
-
-/// Waits until the condition holds, and looks no second time: it may hold once only. Gives up after ten
-/// minutes, which only a program that hangs takes.
-template <class Condition>
-bool becomes(Condition condition) {
-  for (int i = 0; i < 60000; ++i) {
-    if (condition()) {
-      return true;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
-}
 
 }  // namespace smaservo::test

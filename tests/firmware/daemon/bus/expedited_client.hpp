@@ -1,53 +1,33 @@
 #pragma once
-// A client on a multicast group of this machine alone: expedited SDO, NMT, LSS.
+// A client of node 1: expedited SDO, NMT, LSS.
 
 #include <array>
-#include <chrono>
-#include <fmt/format.h>
+#include <cstdint>
 #include <optional>
-#include <poll.h>
-#include <string>
-#include <unistd.h>
+#include <span>
+#include <utility>
 
 #include "firmware/canopen/node/object.hpp"
-#include "hal/linux/can/open_can.hpp"
+#include "hal/can_frame.hpp"
 
 namespace smaservo::test {
 
-class BusClient {
+/// `Link` sends frames, and waits for the next one with an identifier.
+template <class Link>
+class ExpeditedClient {
  public:
   using Bytes = std::array<std::uint8_t, 8>;
 
-  /// Tests run beside each other.
-  static std::string name() {
-    return fmt::format("udp:239.74.163.3%lo:{}", 20000 + getpid() % 20000);
-  }
+  template <class... Arguments>
+  explicit ExpeditedClient(Arguments&&... arguments)
+      : link_(std::forward<Arguments>(arguments)...) {}
 
   void send(std::uint32_t id, std::uint8_t length, const Bytes& data) {
-    port_.send({.id = id, .length = length, .data = data});
+    link_.send({.id = id, .length = length, .data = data});
   }
   void nmt(std::uint8_t command) { send(0, 2, {command, 1}); }
-
-  /// The next frame with this identifier, within so long.
-  std::optional<hal::CanFrame> wait(std::uint32_t id, int milliseconds = 5000) {
-    using Clock = std::chrono::steady_clock;
-    const auto until = Clock::now() + std::chrono::milliseconds(milliseconds);
-    for (;;) {
-      hal::CanFrame frame;
-      while (port_.receive(frame)) {
-        if (frame.id == id) {
-          return frame;
-        }
-      }
-      const auto left =
-          std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
-      if (left <= 0) {
-        return {};
-      }
-      pollfd readable{port_.descriptor(), POLLIN, 0};
-      poll(&readable, 1, static_cast<int>(left));
-    }
-  }
+  /// The next frame with this identifier; those before it are forgotten. None: it never comes.
+  std::optional<hal::CanFrame> wait(std::uint32_t id) { return link_.wait(id); }
 
   /// The answer's bytes; all FFh: none came.
   Bytes ask(std::uint8_t command, Key key, std::uint32_t value = 0) {
@@ -67,12 +47,14 @@ class BusClient {
                              : static_cast<canopen::Abort>(number_of(answer));
   }
 
+  Link& link() { return link_; }
+
  private:
   static std::uint32_t number_of(const Bytes& answer) {
     return static_cast<std::uint32_t>(canopen::take_number(std::span(answer).subspan(4)));
   }
 
-  hal::LinuxCan port_ = hal::open_can(name());
+  Link link_;
 };
 
 }  // namespace smaservo::test
