@@ -7,10 +7,9 @@
 #include <gtest/gtest.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
-#include <poll.h>
-#include <thread>
 
 #include "hal/linux/can/open_can.hpp"
+#include "tests/patience.hpp"
 
 namespace smaservo {
 namespace {
@@ -19,20 +18,17 @@ void shell(const std::string& command) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(bugprone-command-processor)
 }
 
-/// Waits for a frame, at most two seconds.
+/// Waits for a frame.
 bool next(hal::CanSocket& port, hal::CanFrame& frame) {
-  pollfd waiting{port.descriptor(), POLLIN, 0};
-  return port.receive(frame) || (poll(&waiting, 1, 2000) > 0 && port.receive(frame));
+  return test::becomes([&] { return port.receive(frame); });
 }
 
-/// Looks at the port until it is in this state, at most two seconds.
+/// Looks at the port until it is in this state.
 bool becomes(hal::CanSocket& port, hal::CanState state) {
-  hal::CanFrame frame;
-  for (int i = 0; i < 200 && port.state() != state; ++i) {
-    port.receive(frame);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return port.state() == state;
+  return test::becomes([&] {
+    hal::CanFrame frame;
+    return port.state() == state || (port.receive(frame), port.state() == state);
+  });
 }
 
 constexpr hal::CanFrame hello{.id = 0x123, .length = 3, .data = {1, 2, 3}};

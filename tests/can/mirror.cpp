@@ -12,7 +12,7 @@ namespace smaservo {
 namespace {
 
 constexpr std::uint32_t last_id = 0x7F0;
-constexpr int patience_ms = 10'000;
+constexpr int patience_ms = 600'000;
 
 hal::CanFrame mirrored(hal::CanFrame frame) {
   ++frame.id;
