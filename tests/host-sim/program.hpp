@@ -42,7 +42,7 @@ class Program {
     posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     out_ = out;
     constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC;
-    const std::string err = streams_ / "err";
+    const std::string err = terminal.empty() ? streams_ / "err" : terminal;
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), flags, 0600);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
     posix_spawn_file_actions_addchdir_np(&actions, folder_.path().c_str());
@@ -68,6 +68,7 @@ class Program {
             out_.starts_with("/dev/") ? "" : file_text(out_), file_text(streams_ / "err")};
   }
 
+  std::string terminal;  ///< where its errors go in the place of a file; empty: none
   Texts environment{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8"};
 
  private:

@@ -1,14 +1,10 @@
 // host-sim identify as its user meets it, and what its files say.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <csignal>
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
@@ -244,36 +240,6 @@ TEST(Identify, AnInterruptedFitSaysSo) {
       "smartflex-76um", "w.toml", std::vector<smaservo::identify::Run>(1), fit, wire, {{}}, 1};
   EXPECT_THAT(identify::fit_summary(all), HasSubstr("INTERRUPTED"));
   EXPECT_TRUE(nlohmann::json::parse(identify::fit_json(all))["interrupted"]);
-}
-
-/// Whether the process catches SIGINT by now.
-bool listens(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("SigCgt:")) {
-      return (std::stoul(line.substr(7), nullptr, 16) >> (SIGINT - 1) & 1U) != 0;
-    }
-  }
-  return false;
-}
-
-TEST(Identify, CtrlCKeepsTheBestSoFar) {
-  std::signal(SIGINT, SIG_DFL);  // jobs in the background inherit that it is ignored
-  Program program;
-  program.folder().write("bath.csv", bath_file());
-  ASSERT_EQ(program.run({"identify", "--out", "near.toml", "bath.csv"}).status, 0);
-  const pid_t child =
-      program.start(identify({"--from", "near.toml", "bath.csv"}),
-                    open("/dev/null", O_RDONLY | O_CLOEXEC), program.folder() / "summary");
-  while (!listens(child)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  kill(child, SIGINT);
-  const Finished f = program.wait(child);
-  EXPECT_EQ(f.status, 128 + SIGINT) << f.err;
-  EXPECT_THAT(f.out, HasSubstr("INTERRUPTED"));
-  EXPECT_THAT(file_text(program.folder() / "w.toml"), HasSubstr("interrupted"));
-  EXPECT_NO_THROW(files::load_wire(program.folder() / "w.toml"));
 }
 
 TEST(Identify, TheReportHasTheNumbersAndPicturesOfEveryRun) {

@@ -1,6 +1,5 @@
 // host-sim compare as its user meets it.
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
@@ -177,21 +176,6 @@ TEST_F(CompareCommand, APipeIsNotOpenedBeforeThereIsSomethingToSay) {
   EXPECT_EQ(run({"--out", "pipe"}).status, 0);
   reader.join();
   EXPECT_TRUE(nlohmann::json::accept(read));
-}
-
-TEST_F(CompareCommand, CtrlCLeavesNothingBehind) {
-  program.folder().write("c.json", "old");
-  const std::vector<std::string> before = program.folder().names();
-  // Long enough to be in the middle for certain
-  const pid_t child =
-      program.start({"compare", "--train", shipped("150MPa.csv"), "--test", shipped("400MPa.csv"),
-                     "--out", "c.json", "--report", "r.html"},
-                    open("/dev/null", O_RDONLY | O_CLOEXEC), "/dev/null");
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  ASSERT_EQ(kill(child, SIGINT), 0);
-  EXPECT_EQ(program.wait(child).status, 128 + SIGINT);
-  EXPECT_EQ(program.folder().names(), before);
-  EXPECT_EQ(file_text(program.folder() / "c.json"), "old");
 }
 
 TEST_F(CompareCommand, WithoutGnuplotTheNumbersAreKept) {
