@@ -9,11 +9,11 @@ const socketcan = require('socketcan');
 
 const [interfaceName, nodeText, edsFile] = process.argv.slice(2);
 const node = Number(nodeText);
-// The guest is slow; the library's own 30 ms are for a machine with a clock.
-const timeout = 2000;
+// The library's own 30 ms are for a machine with a clock. Only what hangs takes so long: tests/patience.hpp.
+const timeout = 600_000;
 
-async function until(what, condition, patience = 10000) {
-  const end = Date.now() + patience;
+async function until(what, condition) {
+  const end = Date.now() + timeout;
   while (!(await condition())) {
     assert(Date.now() < end, `in vain: ${what}`);
     await sleep(20);
@@ -51,18 +51,9 @@ async function main() {
     device.sdo.upload({ deviceId: node, index, subIndex, dataType, timeout, ...more });
   const write = (index, subIndex, data, dataType, more = {}) =>
     device.sdo.download({ deviceId: node, index, subIndex, data, dataType, timeout, ...more });
-  // The library waits for ever when a segment of a block is lost, since it does not ask for it again;
-  // and the guest's receive queue may overflow while node works. So: short blocks, and once more.
+  // The library waits for ever when a segment of a block is lost, since it does not ask for it again. What
+  // comes while node stands still has to fit into the guest's receive queue: 16 segments do.
   device.sdo.setBlockSize(16);
-  const longText = async (index, tries = 3) => {
-    try {
-      return await read(index, 0, undefined, { blockTransfer: true, timeout: 20000 });
-    } catch (error) {
-      if (tries === 1) throw error;
-      console.log(`once more: ${error.message}`);
-      return longText(index, tries - 1);
-    }
-  };
   const seen = (id) => frames.filter((f) => f.id === id);
 
   await check('EDS: read by the library', async () => {
@@ -74,19 +65,18 @@ async function main() {
     frames.length = 0;
     device.nmt.resetNode(node);
     await until('boot-up', () => seen(0x700 + node).some((f) => f.data[0] === 0));
-    await sleep(500);
     await write(0x1017, 0, 100, DataType.UNSIGNED16);
     device.nmt.startNode(node);
     await until('operational', () =>
       seen(0x700 + node).some((f) => f.data[0] === NmtState.OPERATIONAL));
-    assert.equal(await device.nmt.getNodeState(node, 3000), NmtState.OPERATIONAL);
+    assert.equal(await device.nmt.getNodeState(node, timeout), NmtState.OPERATIONAL);
   });
 
   await check('SDO: expedited, segmented and block uploads', async () => {
     assert.equal((await read(0x1000, 0, DataType.UNSIGNED32)) & 0xffff, 402);
     const name = await read(0x1008, 0, DataType.VISIBLE_STRING);
     assert.equal(name.replace(/\0+$/, ''), 'smaservo');
-    const sheet = await longText(0x1021);
+    const sheet = await read(0x1021, 0, undefined, { blockTransfer: true });
     assert(sheet.toString().includes('[FileInfo]'), 'the EDS comes out of the node');
   });
 
@@ -130,7 +120,7 @@ async function main() {
     await control(0x3f);
     await until('acknowledged', async () => (await status()) & 0x1000);
     await control(0x0f);
-    await until('reached', async () => (await status()) & 0x400, 30000);
+    await until('reached', async () => (await status()) & 0x400);
     const position = await read(0x6064, 0, DataType.INTEGER32);
     assert(Math.abs(position - 800) < 150, `at ${position} um`);
     await control(0);

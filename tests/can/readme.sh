@@ -5,6 +5,8 @@ set -euo pipefail
 
 build=$1
 cd "$(dirname "$0")/../.."
+# shellcheck source=tests/patience.sh
+. tests/patience.sh
 work=$(mktemp -d)
 daemon=''
 end() {
@@ -12,6 +14,12 @@ end() {
   rm -rf "$work"
 }
 trap end EXIT
+
+ours=("$build/host-sim/host-sim" can --can udp --node 1)
+is_there() {
+  kill -0 "$daemon" || exit 1
+  "$build/host-sim/host-sim" can --can udp scan 2>&1 | grep smaservo >/dev/null
+}
 
 lines=$(sed -n '/^## A daemon, tuned over CAN/,/^## /p' README.md | sed -n 's/^    //p')
 [[ $(grep -c 'host-sim can --can udp' <<<"$lines") -ge 5 ]]
@@ -30,23 +38,21 @@ while IFS= read -r line; do
     *smaservod*\&)
       eval "${line%&} >$work/daemon 2>&1 &"
       daemon=$!
-      sleep 2
+      becomes is_there
       ;;
     *\ watch)
       # Without an end: one row of it.
-      eval "timeout 20 $line --count 1"
+      eval "timeout $patience_s $line --count 1"
       ;;
     *)
-      eval "timeout 20 $line"
+      eval "timeout $patience_s $line"
       ;;
   esac
 done <<<"$lines"
 
-ours=("$build/host-sim/host-sim" can --can udp --node 1)
 [[ $("${ours[@]}" get strain.proportional_W) == 0.5 ]]
 position=$("${ours[@]}" get 6064)
 echo "position $position um"
 ((position > 900 && position < 1100))
 # Its log may come a tenth of a second later.
-sleep 1
-grep -F 'bus: strain.proportional_W (2100h:1): 0 -> 0.5, by SDO' "$work/daemon"
+becomes grep -F 'bus: strain.proportional_W (2100h:1): 0 -> 0.5, by SDO' "$work/daemon"

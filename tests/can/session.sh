@@ -4,6 +4,9 @@
 # CLIENTS node_modules.
 set -uo pipefail
 
+# shellcheck source=tests/patience.sh
+. tests/patience.sh
+
 build=$1
 clients=$2
 host_sim=$build/host-sim/host-sim
@@ -26,10 +29,21 @@ servo() {
   "$build/firmware/daemon/smaservod" --board sim --bus "$1" --device "$log/$2.toml" \
     --settings "$log/store$2" --no-real-time >"$log/servo$2" 2>&1 &
   servo=$!
-  sleep 2
-  kill -0 "$servo" && return
-  cat "$log/servo$2"
-  exit 1
+  becomes is_there "$1" "$2"
+}
+
+# is_there INTERFACE NODE: it answers; when it has ended, so does all.
+is_there() {
+  kill -0 "$servo" || {
+    cat "$log/servo$2"
+    exit 1
+  }
+  "$host_sim" can --can "$1" scan 2>&1 | grep -E "^ *$2 .*smaservo" >/dev/null
+}
+
+# gain VALUE: what is in force of strain.proportional_W.
+gain() {
+  [[ $("${ours[@]}" get strain.proportional_W 2>/dev/null) == "$1" ]]
 }
 
 end_servo() {
@@ -85,8 +99,8 @@ tool() {
   ((rows > 100)) || return
   # A reset is a new start: what is stored is in force, nothing else, and its loop counts anew.
   "${ours[@]}" set strain.proportional_W=9 && "${ours[@]}" store || return
-  "${ours[@]}" set strain.proportional_W=5 && "${ours[@]}" reset && sleep 2 || return
-  [[ $("${ours[@]}" get strain.proportional_W) == 9 ]] || return
+  "${ours[@]}" set strain.proportional_W=5 && "${ours[@]}" reset || return
+  becomes gain 9 || return
   "${ours[@]}" info | tee "$log/info" || return
   grep -E '^loop +[1-9][0-9]{0,3} steps' "$log/info" || return
   ! "${ours[@]}" set limits.current_A=99 2>"$log/refusal" || return

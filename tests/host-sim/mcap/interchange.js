@@ -22,8 +22,19 @@ const text = (name) => fs.readFileSync(at(name), 'utf8');
 const program = path.join(build, 'host-sim/host-sim');
 const daemon = path.join(build, 'firmware/daemon/smaservod');
 
+/** Only what hangs takes so long: tests/patience.hpp. */
+const patience_ms = 600_000;
+
+async function until(what, condition) {
+  const end = Date.now() + patience_ms;
+  while (!condition()) {
+    assert.ok(Date.now() < end, `in vain: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
 function run(command, args, status = 0) {
-  const done = spawnSync(command, args, { cwd: folder, encoding: 'utf8', timeout: 120_000 });
+  const done = spawnSync(command, args, { cwd: folder, encoding: 'utf8', timeout: patience_ms });
   assert.equal(done.status, status, `${command} ${args.join(' ')}\n${done.stdout}${done.stderr}`);
   return done.stdout + done.stderr;
 }
@@ -139,7 +150,7 @@ const tests = {
     const ended = new Promise((resolve) => started.on('exit', resolve));
     const bus = (...args) => host('can', '--can', 'udp', '--node', '1', ...args);
     try {
-      await new Promise((resolve) => setTimeout(resolve, 2000));
+      await until('a servo', () => bus('scan').includes('smaservo'));
       bus('enable');
       bus('move', '500');
       bus('record', '--signals', 'measured_A,measured_V,stress_Pa,strain', '--seconds', '2',
@@ -172,7 +183,12 @@ const tests = {
       { cwd: folder, stdio: 'ignore' },
     );
     const ended = new Promise((resolve) => started.on('exit', resolve));
-    await new Promise((resolve) => setTimeout(resolve, 4500));
+    // What is in the file while it is being written.
+    const rows_so_far = () => {
+      spawnSync(program, ['convert', 'killed.mcap', '--out', 'so-far.csv'], { cwd: folder });
+      return fs.existsSync(at('so-far.csv')) ? text('so-far.csv').split('\n').length - 2 : 0;
+    };
+    await until('1000 rows', () => rows_so_far() >= 1000);
     started.kill('SIGKILL');
     await ended;
     assert.match(host('replay', '--device', 'killed.mcap.toml', 'killed.mcap'), /without a footer/);
