@@ -3,6 +3,7 @@
 // says. The functions of Source may be called from any thread; round() is the bus's thread.
 
 #include <deque>
+#include <functional>
 #include <list>
 #include <nlohmann/json_fwd.hpp>
 #include <set>
@@ -13,12 +14,16 @@
 
 namespace smaservo::page {
 
+/// Nanoseconds since 1970.
+std::int64_t system_wall_ns();
+
 struct BridgePlan {
   OperationsPlan operations;
   TrafficPlan traffic;
   double sync_s = 0;  ///< period of SYNC; 0: live values are polled
   std::vector<std::string> sync_signals;
-  bool read_only = false;  ///< as /bridge tells it
+  bool read_only = false;                                  ///< as /bridge tells it
+  std::function<std::int64_t()> wall_ns = system_wall_ns;  ///< what messages are dated by
 };
 
 class Bridge final : public Source, private TrafficEvents {

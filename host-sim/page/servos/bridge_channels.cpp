@@ -233,13 +233,16 @@ std::string Bridge::bridge_text(std::int64_t now_us) {
 }
 
 void Bridge::take_wall_clock(std::int64_t now_us) {
-  using namespace std::chrono;
   if (now_us - wall_us_ < 1'000'000) return;
   wall_us_ = now_us;
-  const std::int64_t wall =
-      duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count() - 1000 * now_us;
+  const std::int64_t wall = plan_.wall_ns() - 1000 * now_us;
   // Small differences are left: times of messages must not go back.
   if (std::abs(wall - wall_ns_at_0_) > 100'000'000) wall_ns_at_0_ = wall;
+}
+
+std::int64_t system_wall_ns() {
+  using namespace std::chrono;
+  return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace smaservo::page

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <random>
 
 #include "tests/host-sim/page/servos/page_servos.hpp"
@@ -31,6 +32,26 @@ TEST_F(PageServos, LiveValuesAreThoseOfTheServoAtThePromisedRate) {
   EXPECT_NEAR(live["strain"].get<double>(), strain, 1e-4);
   EXPECT_EQ(state()["gaps"], 0);
   EXPECT_GT(state()["rate_hz"].get<double>(), 50);
+}
+
+// A correction of the wall clock that is small is left out, so that times do not go back.
+TEST_F(PageServos, MessagesAreDatedByTheWallClock) {
+  constexpr std::int64_t s = 1'000'000'000;
+  const std::vector<std::int64_t>& times_ns = bench.told.times_ns[1000 + node];
+  const auto ahead_ns = [&] { return times_ns.back() - 1000 * bench.bus.now_us(); };
+  const std::int64_t begun_ns = bench.wall_at_0_ns;
+  bench.run(1);
+  EXPECT_LE(ahead_ns(), begun_ns);
+  EXPECT_GT(ahead_ns(), begun_ns - s / 10) << "the time of the sample";
+  bench.wall_at_0_ns -= s / 20;
+  bench.run(3);
+  EXPECT_TRUE(std::ranges::is_sorted(times_ns));
+  EXPECT_GT(ahead_ns(), begun_ns - s / 20);
+  bench.wall_at_0_ns = begun_ns + 3600 * s;
+  bench.run(2);
+  EXPECT_TRUE(std::ranges::is_sorted(times_ns));
+  EXPECT_LE(ahead_ns(), begun_ns + 3600 * s);
+  EXPECT_GT(ahead_ns(), begun_ns + 3600 * s - s / 10);
 }
 
 TEST_F(PageServos, AreToldInBytesOnlyToWhoAsks) {

@@ -141,7 +141,7 @@ class BridgeBench {
  public:
   explicit BridgeBench(const std::vector<unsigned>& nodes, page::BridgePlan plan = usual_plan(),
                        const canopen::ServoConfig& config = {})
-      : bus(nodes, config), bridge(std::move(plan), hooked_port(), bus.port()) {
+      : bus(nodes, config), bridge(by_clock_of_bench(std::move(plan)), hooked_port(), bus.port()) {
     for (const unsigned client : {1U, 2U, 3U, 9U}) {
       told.present.push_back({client, "127.0.0.1", 0, 0, client == 9});
     }
@@ -152,6 +152,10 @@ class BridgeBench {
     auto port = bus.port();
     bus.hooked = port.get();
     return port;
+  }
+  page::BridgePlan by_clock_of_bench(page::BridgePlan plan) {
+    plan.wall_ns = [this] { return wall_at_0_ns + 1000 * bus.now_us(); };
+    return plan;
   }
   static page::BridgePlan usual_plan() {
     page::BridgePlan plan;
@@ -216,6 +220,7 @@ class BridgeBench {
   }
 
   ServoBus bus;
+  std::int64_t wall_at_0_ns = 1'700'000'000'000'000'000;  ///< a step of it is one of the wall clock
   Told told;
   page::Bridge bridge;
   std::vector<page::NamedValue> in_force;
