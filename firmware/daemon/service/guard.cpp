@@ -26,15 +26,15 @@ void LeaseGuard::run(const std::stop_token& stop) const {
   if (loop_) {
     make_real_time({std::min(loop_->priority + 1, 99), loop_->processor});
   }
-  std::int64_t revoked_ns = 0;
+  LeaseWatch watch;
   std::int64_t next_ns = hal::monotonic_ns();
   while (!stop.stop_requested()) {
     next_ns = std::max(next_ns + guard_every_ns, hal::monotonic_ns());
     hal::MonotonicClock::sleep_until(next_ns);
+    // The lease first: a renewal between the two readings must not look like one that is over.
     const std::int64_t ends_ns = lease_ends_ns_.load();
-    if (ends_ns != 0 && ends_ns != revoked_ns && ends_ns < hal::monotonic_ns()) {
+    if (watch.has_run_out(ends_ns, hal::monotonic_ns())) {
       hal::switch_off(off_);
-      revoked_ns = ends_ns;
       stops_.fetch_add(1);
     }
   }

@@ -3,6 +3,7 @@
 // are still switched off. When the whole program stops, only the hardware's one-shot helps.
 
 #include <atomic>
+#include <cstdint>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -11,6 +12,22 @@
 #include "hal/linux/system/off_action.hpp"
 
 namespace smaservo::daemon {
+
+/// When the outputs have to be switched off.
+class LeaseWatch {
+ public:
+  /// Whether the lease that ends at `ends_ns` has run out; of each lease once. 0: there is none.
+  bool has_run_out(std::int64_t ends_ns, std::int64_t now_ns) {
+    if (ends_ns == 0 || ends_ns == revoked_ns_ || ends_ns >= now_ns) {
+      return false;
+    }
+    revoked_ns_ = ends_ns;
+    return true;
+  }
+
+ private:
+  std::int64_t revoked_ns_ = 0;
+};
 
 /// While it lives, a thread of its own looks at the lease every 2 ms.
 class LeaseGuard {
