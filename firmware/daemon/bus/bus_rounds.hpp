@@ -39,6 +39,7 @@ class BusRounds {
         settings_(servo_, staging_, desk, links),
         store_([this](const StoreJob& job) { return files_.keep(job, image_lost_); }),
         requests_(servo_, store_) {}
+  ~BusRounds() = default;
   BusRounds(const BusRounds&) = delete;
   BusRounds& operator=(const BusRounds&) = delete;
 
