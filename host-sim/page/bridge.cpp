@@ -103,6 +103,7 @@ void run_bridge(const BridgeSettings& settings,
                  .certificate = settings.certificate,
                  .key = settings.key,
                  .clients = settings.clients,
+                 .patience_s = settings.patience_s,
                  .version = settings.version,
                  .page = settings.page},
                 *source);

@@ -18,6 +18,7 @@ struct BridgeSettings {
   std::string certificate, key;
   std::vector<std::string> origins;
   unsigned clients = 8;
+  unsigned patience_s = 4;
   std::string version;
   std::string_view page;
 };

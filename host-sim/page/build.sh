@@ -36,7 +36,7 @@ cd "$folder/front"
 log=$folder/log
 export PATH="${node%/*}:$PATH"
 if ! cmp -s package-lock.json node_modules/.package-lock-built.json; then
-  if ! "$npm" ci --no-audit --no-fund --fetch-retries=1 --fetch-timeout=60000 >"$log" 2>&1; then
+  if ! "$npm" ci --no-audit --no-fund --fetch-retries=3 --fetch-timeout=60000 >"$log" 2>&1; then
     touch "$folder/failed"
     without "npm could not fetch its packages (see $log)"
   fi

@@ -21,7 +21,7 @@ void add_bus_options(CLI::App& page, ServoOptions& servos) {
   page.add_option("--watch", servos.watch_s,
                   "longest silence of this program before a servo ends its heat, s")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 10.0));
+      ->check(CLI::Range(0.6, 60.0));
 }
 
 void add_server_options(CLI::App& page, BridgeSettings& server) {
@@ -42,6 +42,10 @@ void add_server_options(CLI::App& page, BridgeSettings& server) {
   page.add_option("--clients", server.clients, "browsers and other clients at once, at most")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
+  page.add_option("--patience", server.patience_s,
+                  "longest silence of a browser before it is closed, which ends its heat, s")
+      ->capture_default_str()
+      ->check(CLI::Range(4, 60));
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ class Server::Body final : public Sink {
   /// What libwebsockets keeps for a connection, as zeros at first.
   struct Session {
     Client* client;
-    std::size_t sent;  ///< of the page
+    std::size_t sent;       ///< of the page
+    std::int64_t heard_us;  ///< when the client last said something, of libwebsockets' clock
   };
 
   static int on_event(lws* wsi, lws_callback_reasons reason, void* user, void* in,
@@ -79,6 +80,7 @@ class Server::Body final : public Sink {
   std::string session_ = random_token().substr(0, 16);
   std::shared_ptr<Mailbox> mailbox_;
   lws_context* context_ = nullptr;
+  lws_retry_bo_t patience_{};  ///< when a silent client is asked, and when it is closed
   std::atomic<bool> stopping_ = false;
   bool stopped_ = false;  ///< the source
   std::uint32_t last_client_ = 0;

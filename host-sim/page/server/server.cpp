@@ -20,14 +20,6 @@ namespace {
 /// a ping does not wait behind a second of messages.
 constexpr int kernel_buffer = 65536;
 
-/// A ping each second; who has not answered it 3 s later is gone.
-constexpr lws_retry_bo_t patience{.retry_ms_table = nullptr,
-                                  .retry_ms_table_count = 0,
-                                  .conceal_count = 0,
-                                  .secs_since_valid_ping = 1,
-                                  .secs_since_valid_hangup = 4,
-                                  .jitter_percent = 0};
-
 constexpr std::string_view no_page =
     "This host-sim was built without node and npm, so it has no page.\n"
     "Its WebSocket is there all the same: connect Foxglove, Lichtblick or PlotJuggler\n"
@@ -81,6 +73,7 @@ void Server::Body::join(lws* wsi, Session& session) {
   const std::uint32_t id = ++last_client_;
   auto client = std::make_unique<Client>(*this, wsi, id, shown);
   session.client = client.get();
+  session.heard_us = lws_now_usecs();
   clients_.emplace(id, std::move(client));
   {
     const std::scoped_lock lock(shown_mutex_);
@@ -96,6 +89,12 @@ void Server::Body::join(lws* wsi, Session& session) {
 void Server::Body::leave(Session& session) {
   if (session.client == nullptr) return;
   const std::uint32_t id = session.client->id();
+  const std::int64_t silent_us = lws_now_usecs() - session.heard_us;
+  if (!stopped_ && silent_us >= 1'000'000LL * (settings_.patience_s - 1)) {
+    files::complain("host-sim",
+                    fmt::format("page: client {} closed: silent for {:.1f} s (--patience {})", id,
+                                static_cast<double>(silent_us) * 1e-6, settings_.patience_s));
+  }
   const std::vector<std::uint32_t> channels = session.client->conversation().subscribed_channels();
   session.client = nullptr;
   clients_.erase(id);
@@ -218,7 +217,11 @@ int Server::Body::handle(lws* wsi, lws_callback_reasons reason, Session* session
     case LWS_CALLBACK_ESTABLISHED:
       join(wsi, *session);
       return 0;
+    case LWS_CALLBACK_RECEIVE_PONG:
+      session->heard_us = lws_now_usecs();
+      return 0;
     case LWS_CALLBACK_RECEIVE:
+      session->heard_us = lws_now_usecs();
       return session->client == nullptr ? -1 : session->client->hear(in);
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return session->client == nullptr ? -1 : session->client->write();
@@ -286,7 +289,10 @@ void Server::Body::open_vhost() {
   info.port = listen.port;
   info.iface = listen.address.c_str();
   info.protocols = protocols.data();
-  info.retry_and_idle_policy = &patience;
+  // A ping each second.
+  patience_.secs_since_valid_ping = 1;
+  patience_.secs_since_valid_hangup = static_cast<std::uint16_t>(settings_.patience_s);
+  info.retry_and_idle_policy = &patience_;
   info.server_string = "smaservo";
   info.timeout_secs = 5;
   info.keepalive_timeout = 5;

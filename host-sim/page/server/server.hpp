@@ -15,6 +15,7 @@ struct ServerSettings {
   bool read_only = false;
   std::string certificate, key;  ///< files in PEM; "": no TLS
   unsigned clients = 8;          ///< at most, of the WebSocket
+  unsigned patience_s = 4;       ///< longest silence of a client before it is closed, 4 to 60
   std::string version;
   std::string_view page;  ///< HTML; "": the program was built without it
 };

@@ -19,9 +19,12 @@ using files::UserError;
 using nlohmann::json;
 
 constexpr std::int64_t retry_us = 1'000'000;
-/// A servo that has been away for so long has ended its heat by its own watch, however long that
-/// is.
-constexpr std::int64_t longest_watch_us = 10'000'000;
+/// A servo that has been away for so long has ended its heat by its own watch, which is never
+/// longer than --watch while this program heats.
+std::int64_t longest_watch_us(const BridgePlan& plan) {
+  return std::max<std::int64_t>(10'000'000,
+                                2 * static_cast<std::int64_t>(plan.operations.watch_s * 1e6F));
+}
 constexpr std::int64_t recorder_poll_us = 50'000;
 constexpr std::int64_t rest_us = 10'000;
 
@@ -49,8 +52,15 @@ void Bridge::start(Sink& sink) {
 
 // Switching off.
 
-void Bridge::switch_off(const NodeSet& nodes) {
+void Bridge::switch_off(const NodeSet& nodes, std::string_view why) {
   if (nodes.none()) return;
+  if (!why.empty()) {
+    for (unsigned node = 1; node < nodes.size(); ++node) {
+      if (nodes[node]) {
+        files::complain("host-sim", fmt::format("page: heat of node {} ended: {}", node, why));
+      }
+    }
+  }
   off_switch_.off(nodes);
   {
     const std::scoped_lock lock(mutex_);
@@ -60,7 +70,7 @@ void Bridge::switch_off(const NodeSet& nodes) {
 }
 
 void Bridge::client_left(std::uint32_t client) {
-  switch_off(control_.give_up(client));
+  switch_off(control_.give_up(client), fmt::format("client {}, who had control, is gone", client));
   const std::scoped_lock lock(mutex_);
   gone_clients_.insert(client);
 }
@@ -92,7 +102,7 @@ bool Bridge::check_off() {
       if (servo.online) {
         operations_.disable(servo);
         done.set(node);
-      } else if (now_us - servo.left_us > longest_watch_us) {
+      } else if (now_us - servo.left_us > longest_watch_us(plan_)) {
         done.set(node);
       } else {
         hot.push_back(servo.title());
@@ -124,7 +134,7 @@ bool Bridge::check_off() {
 void Bridge::stop() {
   const NodeSet nodes = control_.stop_all();
   if (const std::optional<std::uint32_t> client = control_.client()) control_.give_up(*client);
-  switch_off(nodes);
+  switch_off(nodes, "this program ends");
   bus_.forget_interrupt();
   try {
     const std::int64_t until_us = bus_.now_us() + 2'000'000;

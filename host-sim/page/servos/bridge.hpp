@@ -114,7 +114,9 @@ class Bridge final : public Source, private TrafficEvents {
   void stop_everything(const Reply& reply);
 
   NodeSet all_nodes() const;
-  void switch_off(const NodeSet& nodes);
+  /// `why` goes into the log; "": whoever asked knows.
+  void switch_off(const NodeSet& nodes, std::string_view why = "");
+  void watch_own_lateness(std::int64_t now_us);
   void run_next();
   void rest();
   bool run_job();
@@ -151,6 +153,7 @@ class Bridge final : public Source, private TrafficEvents {
   std::optional<std::pair<unsigned, std::uint32_t>> trial_;  ///< node, client
   std::map<unsigned, std::int64_t> next_try_us_;
   std::string trouble_, bridge_text_;
+  std::int64_t ticked_us_ = 0;  ///< 0: not yet
   std::int64_t trouble_us_ = 0, published_us_ = 0, wall_us_ = -10'000'000, check_us_ = 0;
   std::map<unsigned, std::int64_t> live_until_us_;
 

@@ -9,6 +9,7 @@
 #include "host-sim/page/servos/bridge.hpp"
 #include "host-sim/page/servos/messages/schemas.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::page {
 namespace {
@@ -180,7 +181,23 @@ void Bridge::watch_clients(std::int64_t now_us) {
   if (std::ranges::find(all, *client, &ClientState::client) == all.end()) client_left(*client);
 }
 
+/// A program that a busy computer does not let run is no fault of a servo, whose heat may have
+/// ended by it.
+void Bridge::watch_own_lateness(std::int64_t now_us) {
+  constexpr std::int64_t late_us = 500'000;
+  const std::int64_t gone_us = ticked_us_ == 0 ? 0 : now_us - ticked_us_;
+  ticked_us_ = now_us;
+  if (gone_us < late_us) return;
+  const std::string text = fmt::format(
+      "this computer is too busy: host-sim page did not run for {:.1f} s, and a servo that it "
+      "heats may have gone off by that",
+      static_cast<double>(gone_us) * 1e-6);
+  files::complain("host-sim", "page: " + text);
+  trouble(text);
+}
+
 void Bridge::ticked(std::int64_t now_us) {
+  watch_own_lateness(now_us);
   if (now_us - published_us_ >= bridge_period_us) {
     watch_clients(now_us);
     publish_bridge(now_us);

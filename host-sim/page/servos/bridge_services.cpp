@@ -143,10 +143,12 @@ bool Bridge::call_at_once(const Caller& caller, const std::string& service, cons
     answer = recordings_.exported(request);
   } else if (service == "take_control") {
     if (caller.read_only) throw UserError(read_only_refusal);
-    switch_off(control_.take(caller.client));
+    switch_off(control_.take(caller.client),
+               fmt::format("client {} has taken control", caller.client));
     answer = told();
   } else if (service == "release_control") {
-    switch_off(control_.give_up(caller.client));
+    switch_off(control_.give_up(caller.client),
+               fmt::format("client {} has given control up", caller.client));
     answer = told();
   } else {
     return false;

@@ -263,5 +263,29 @@ TEST_F(PageServos, ABusThatGoesDownIsSaidAndComesBack) {
   EXPECT_EQ(flowing_A(), 0);
 }
 
+TEST_F(PageServos, ABridgeThatDidNotRunSaysThatTheComputerIsTooBusy) {
+  bench.run(1);
+  bench.bus.stand_still(0.4);
+  bench.run(0.1);
+  EXPECT_EQ(bridge()["trouble"], "");
+  bench.bus.stand_still(0.7);
+  testing::internal::CaptureStderr();
+  bench.run(0.1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("did not run for 0.7 s"));
+  EXPECT_THAT(bridge()["trouble"].get<std::string>(), HasSubstr("this computer is too busy"));
+  bench.run(4);
+  EXPECT_EQ(bridge()["trouble"], "") << "it is over";
+}
+
+TEST_F(PageServos, TheLogSaysWhoseGoingEndedTheHeat) {
+  heat(1);
+  testing::internal::CaptureStderr();
+  bench.bridge.client_left(1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("heat of node 5 ended: client 1, who had control, is gone"));
+  bench.run(1);
+  EXPECT_EQ(flowing_A(), 0);
+}
+
 }  // namespace
 }  // namespace smaservo::page

@@ -40,6 +40,8 @@ class ServoBus {
     return sum;
   }
   std::int64_t now_us() const { return now_us_; }
+  /// Time in which nobody here runs, as on a computer that is busy with other things.
+  void stand_still(double seconds) { now_us_ += std::int64_t(seconds * 1e6); }
   void run(double seconds) {
     for (const std::int64_t end_us = now_us_ + std::int64_t(seconds * 1e6); now_us_ < end_us;)
       step();

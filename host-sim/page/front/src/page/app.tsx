@@ -73,7 +73,9 @@ function Trouble() {
   return (
     <>
       {bridge.value?.trouble && (
-        <div class="trouble" role="alert" data-testid="bus-trouble"><strong>Bus: </strong>{bridge.value.trouble}</div>
+        <div class="trouble" role="alert" data-testid="bus-trouble">
+          {/^this computer/.test(bridge.value.trouble) ? null : <strong>Bus: </strong>}{bridge.value.trouble}
+        </div>
       )}
       {twice.map((info) => (
         <div class="trouble" role="alert" key={info.node} data-testid="duplicate">

@@ -12,18 +12,26 @@ export interface Notice {
 export const notices = signal<Notice[]>([]);
 
 const most = 4;
+const shown_ms = 6000;
 let last = 0;
+const ends = new Map<number, ReturnType<typeof setTimeout>>();
 
-/** An error stays until it is dismissed, other notices for some seconds. */
+/** An error stays until it is dismissed, other notices for some seconds after they were last said. */
 export function say(text: string, kind: 'error' | 'info' = 'info'): void {
   const same = notices.value.find((notice) => notice.text === text && notice.kind === kind);
   if (same) {
     notices.value = notices.value.map((notice) => (notice === same ? { ...same, times: same.times + 1 } : notice));
+    if (kind === 'info') endLater(same.id);
     return;
   }
   const id = ++last;
   notices.value = [...notices.value, { id, kind, text, times: 1 }].slice(-most);
-  if (kind === 'info') setTimeout(() => dismiss(id), 6000);
+  if (kind === 'info') endLater(id);
+}
+
+function endLater(id: number): void {
+  clearTimeout(ends.get(id));
+  ends.set(id, setTimeout(() => dismiss(id), shown_ms));
 }
 
 export function sayError(error: unknown, before = ''): void {
@@ -38,6 +46,8 @@ export function sayFileError(error: unknown, file: string): void {
 }
 
 export function dismiss(id: number): void {
+  clearTimeout(ends.get(id));
+  ends.delete(id);
   notices.value = notices.value.filter((notice) => notice.id !== id);
 }
 

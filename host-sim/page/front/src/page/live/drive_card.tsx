@@ -1,6 +1,6 @@
 // What the servo does now, and what it is asked: enable, mode, target.
 
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import type { State } from '../../protocol/bridge';
@@ -129,10 +129,11 @@ function Target({ now }: { now: State }) {
   const [typed, setTyped] = useState<string | null>(null);
   const [dragged, setDragged] = useState<number | null>(null);
   const sent = useRef(0);
-  useEffect(() => {
+  // A number that is being typed is of this unit; it is not taken away by a mode that has the same.
+  useLayoutEffect(() => {
     setTyped(null);
     setDragged(null);
-  }, [now.mode, now.node]);
+  }, [bounds?.unit, now.node]);
   if (now.mode === homing) {
     return (
       <button type="button" data-testid="home" disabled={!mayWrite.value || now.drive !== 'operation_enabled'}
