@@ -1,37 +1,45 @@
 // open_reports.js BROWSER: opens reports for panels.py, which gives one job a line as JSON and gets one answer
-// a line. A job is {page, folder, name, explore}: each panel becomes a picture in the folder, the page a PDF.
+// a line. A job is {page, screen, pdf, explore}: the screen becomes the picture `screen`, of which the answer has
+// the boxes of the panels; the page becomes a PDF, unless `pdf` is null; the mouse is moved if `explore` is true.
 // NODE_PATH names the folder of the npm packages.
 'use strict';
 
 const {chromium, firefox} = require('playwright-core');
-const path = require('node:path');
 const readline = require('node:readline');
 const {pathToFileURL} = require('node:url');
 
 const [name] = process.argv.slice(2);
-const size = {width: 1100, height: 6000};  // a plot that is out of sight is not drawn
-const patience_ms = 120_000;  // only as long as a failed condition takes
+const width = 1100;
+const patience_ms = 120_000;  // only a page that hangs or is broken takes so long
 
 const launch = () => (name === 'firefox'
   ? firefox.launch({channel: 'moz-firefox', executablePath: '/usr/bin/firefox-esr', timeout: patience_ms})
   : chromium.launch({executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--disable-gpu'], timeout: patience_ms}));
 
-/** Whether it comes true. */
-async function comes(view, condition, limit_ms = patience_ms) {
-  for (const until_ms = Date.now() + limit_ms; Date.now() < until_ms;) {
-    if (await condition()) return true;
-    await view.waitForTimeout(50);
+const drawn = (view) => view.evaluate(() =>
+  new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** Looks after each drawing of the page whether it has come true. */
+async function comes(view, what, condition) {
+  for (const until_ms = Date.now() + patience_ms; Date.now() < until_ms;) {
+    if (await condition()) return;
+    await drawn(view);
   }
-  return false;
+  throw new Error(`has not come: ${what}`);
 }
 
 /** All plots have been drawn, and stand still. */
 async function settled(view) {
-  const undrawn = () => view.evaluate(() => document.querySelectorAll('.plot:not([data-drawn])').length);
-  await comes(view, async () => await undrawn() === 0);
+  // A plot that is out of sight is not drawn.
+  const height = await view.evaluate(() => document.documentElement.scrollHeight);
+  await view.setViewportSize({width, height: height + 500});
+  await comes(view, 'all plots are drawn', () =>
+    view.evaluate(() => document.querySelectorAll('.plot:not([data-drawn])').length === 0));
+  await view.evaluate(() => Promise.all([...document.images].filter((image) => image.checkVisibility())
+    .map((image) => image.decode())));
   let last = '';
-  await comes(view, async () => {
-    await view.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await comes(view, 'all plots stand still', async () => {
+    await drawn(view);
     const now = (await pixels(view)).join();
     const same = now === last;
     last = now;
@@ -44,32 +52,22 @@ const pixels = (view) => view.evaluate(() =>
 const values = (view) => view.evaluate(() => [...document.querySelectorAll('.plot')].map((plot) =>
   [...plot.querySelectorAll('.plot-value')].map((value) => value.textContent)));
 
-async function panels(view, job) {
-  const sections = view.locator('.plots section');
-  const boxes = [];
-  for (let k = 0; k < await sections.count(); ++k) {
-    const canvas = sections.nth(k).locator('canvas');
-    const shown = await canvas.count() > 0 ? canvas.first() : sections.nth(k).locator('img').first();
-    const file = path.join(job.folder, `${job.name}-${k}.png`);
-    await shown.screenshot({path: file, timeout: patience_ms});
-    boxes.push(file);
-  }
-  return boxes;
-}
+/** Left, top, right and bottom of each panel's plot, or of the picture in its place. */
+const boxes = (view) => view.evaluate(() => [...document.querySelectorAll('.plots section')].map((section) => {
+  const box = (section.querySelector('canvas') ?? section.querySelector('img')).getBoundingClientRect();
+  return [box.left + scrollX, box.top + scrollY, box.right + scrollX, box.bottom + scrollY].map(Math.round);
+}));
 
-/** What the mouse does not do that it should. The first panels of a replay are linked by time, its last two are
- * loops over the same time. */
-async function unexplored(view) {
-  const missing = [];
-  const must = async (what, condition) => {
-    if (!await comes(view, condition, 30_000)) missing.push(what);
-  };
+/** Ends with an error where the mouse does not do what it should. The first panels of a replay are linked by
+ * time, its last two are loops over the same time. */
+async function explore(view) {
+  const must = (what, condition) => comes(view, what, condition);
   const first = await pixels(view);
   const differ = async () => (await pixels(view)).map((one, k) => one !== first[k]);
   const all = async (value) => (await differ()).every((one) => one === value);
   const over = await view.locator('.plot .u-over').first().boundingBox();
   const at = (x) => [over.x + x * over.width, over.y + 0.5 * over.height];
-  if ((await values(view)).some((some) => some.some((value) => value !== ''))) missing.push('no values before');
+  if ((await values(view)).some((some) => some.some((value) => value !== ''))) throw new Error('has values before');
   await view.mouse.move(...at(0.5));
   await must('values of all linked panels under the cursor', async () =>
     (await values(view)).slice(0, -2).every((some) => some.length > 0 && some.every((value) => value !== '')));
@@ -93,11 +91,10 @@ async function unexplored(view) {
   await key.click();
   await view.mouse.move(5, 5);
   await must('and on again', async () => await key.getAttribute('aria-pressed') === 'true' && await all(false));
-  return missing;
 }
 
 async function open(browser, job) {
-  const view = await browser.newPage({viewport: size});
+  const view = await browser.newPage({viewport: {width, height: 1000}});
   view.setDefaultTimeout(patience_ms);
   const errors = [];
   view.on('pageerror', (error) => errors.push(error.message));
@@ -106,11 +103,13 @@ async function open(browser, job) {
   const answer = {
     width: await view.evaluate(() => document.documentElement.scrollWidth),
     live: await view.locator('.plots section.live').count(),
-    pictures: await panels(view, job),
-    unexplored: job.explore ? await unexplored(view) : [],
+    boxes: await boxes(view),
+    missing: [],
     errors,
   };
-  await view.pdf({path: path.join(job.folder, `${job.name}.pdf`)});
+  await view.screenshot({path: job.screen, timeout: patience_ms});
+  if (job.explore) await explore(view).catch((error) => answer.missing.push(error.message));
+  if (job.pdf) await view.pdf({path: job.pdf});
   await view.close();
   return answer;
 }

@@ -1,7 +1,7 @@
 // Who may heat, and who may stop.
 'use strict';
 
-const {by, shown, text, until} = require('./world.js');
+const {by, notices, noticed, shown, text, until, usable} = require('./world.js');
 const {connected, enable, field, move, off, parameter, drive} = require('./person.js');
 const assert = require('node:assert/strict');
 
@@ -26,13 +26,11 @@ module.exports = {
     };
     for (const [way, stop] of Object.entries(ways)) {
       await move(view, 800);
+      const before = await notices(view);
       await stop();
       await off(view);
       await until(`${way}: no current`, async () => !await world.heated());
-      await until('a word that it is off', async () => (await view.locator('[data-testid=notice-info]').allTextContents())
-        .some((words) => /all servos are off/.test(words)));
-      // It is gone by itself before the next one.
-      await until('no notice', async () => await view.locator('[data-testid=notice-info]').count() === 0);
+      await noticed(view, /all servos are off/, before);
     }
   },
 
@@ -44,9 +42,9 @@ module.exports = {
     await text(view, 'control', /You have control/);
     await text(second, 'control', /has control/);
     await drive(second, /Enabled/);
-    assert.equal(await by(second, 'disable').isEnabled(), false);
+    await usable(by(second, 'disable'), false);
     await parameter(second, gain);
-    assert.equal(await field(second, gain).isEnabled(), false);
+    await usable(field(second, gain), false);
     // Taking it stops what the first one had enabled.
     await by(second, 'take-control').click();
     await text(second, 'control', /You have control/);
@@ -65,10 +63,10 @@ module.exports = {
     const viewer = await world.visit();
     await connected(viewer);
     await text(viewer, 'read-only', /View only/);
-    assert.equal(await by(viewer, 'enable').isEnabled(), false);
+    await usable(by(viewer, 'enable'), false);
     await parameter(viewer, gain);
-    assert.equal(await field(viewer, gain).isEnabled(), false);
-    assert.equal(await by(viewer, 'stop').isEnabled(), true);
+    await usable(field(viewer, gain), false);
+    await usable(by(viewer, 'stop'));
   },
 
   async 'the last page that goes ends the heat'({view, world}) {

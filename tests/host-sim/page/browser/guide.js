@@ -1,8 +1,8 @@
 // The guide of a first run, to its end.
 'use strict';
 
-const {bus, by, shown, text, until} = require('./world.js');
-const {connected, enabled, soon, tab} = require('./person.js');
+const {bus, by, shown, text, until, usable} = require('./world.js');
+const {connected, enabled, tab} = require('./person.js');
 const assert = require('node:assert/strict');
 
 const finding = (view, step) => text(view, `finding-${step}`, /./);
@@ -20,29 +20,19 @@ async function settings_steps(view) {
 /** The wire stands for the resistor. */
 async function resistor_step(view) {
   await shown(view, 'resistor-ohm');
-  assert.equal(await by(view, 'measure').isEnabled(), false, 'measured without a current');
+  await usable(by(view, 'measure'), false);
   const ohm = Number(await by(view, 'resistor-ohm').inputValue());
-  const done = by(view, 'guide-resistor-done');
-  await until('a measured resistance', async () => {
-    await enabled(view, by(view, 'guide-resistor'));
-    await by(view, 'measure').click(soon).catch(() => {});
-    for (let tries = 0; tries < 50 && !await done.isEnabled(); ++tries) await view.waitForTimeout(100);
-    return done.isEnabled();
-  });
-  await done.click();
+  await enabled(view, by(view, 'guide-resistor'));
+  await by(view, 'measure').click();
+  await by(view, 'guide-resistor-done').click();
   const read_ohm = Number(/Read ([\d.]+) Ω/.exec(await finding(view, 'resistor'))[1]);
   assert.ok(Math.abs(read_ohm / ohm - 1) < 0.2, `${read_ohm} instead of ${ohm}`);
 }
 
 /** Heated only when it is asked for. */
 async function heating_step(view) {
-  await until('a heated wire', async () => {
-    await enabled(view, by(view, 'guide-heat'));
-    await by(view, 'heat').click(soon).catch(() => {});
-    await until('the end of the heating', async () => await by(view, 'heat').isEnabled() ||
-      await by(view, 'drive').textContent() !== 'Enabled: heated');
-    return by(view, 'guide-heat-done').isEnabled();
-  });
+  await enabled(view, by(view, 'guide-heat'));
+  await by(view, 'heat').click();
   await by(view, 'guide-heat-done').click();
   const [, asked, moved] = /Asked (\d+) µm, estimated ([\d.]+) µm/.exec(await finding(view, 'heat')).map(Number);
   assert.ok(Math.abs(moved - asked) < 0.3 * asked, `${moved} instead of ${asked}`);
@@ -51,7 +41,7 @@ async function heating_step(view) {
 /** Left for the step test, and taken up again. */
 async function tuning_step(view) {
   await text(view, 'guide-tune', /No step test has been run/);
-  assert.equal(await by(view, 'guide-tune-done').isEnabled(), false);
+  await usable(by(view, 'guide-tune-done'), false);
   await by(view, 'guide-tune').getByRole('link', {name: 'To the step test'}).click();
   await by(view, 'step-amplitude').fill('300');
   await by(view, 'step-seconds').fill('1');

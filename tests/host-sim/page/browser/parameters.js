@@ -1,7 +1,7 @@
 // Parameters: tried, kept, reverted, undone, stored, refused, changed by others.
 'use strict';
 
-const {by, download, gone, shown, text, until} = require('./world.js');
+const {by, download, gone, noticed, shown, text, until, usable} = require('./world.js');
 const {connected, field, parameter, value} = require('./person.js');
 const assert = require('node:assert/strict');
 
@@ -58,7 +58,7 @@ module.exports = {
     await field(view, gain).fill('1e9');
     await text(view, `parameter-${gain}`, /at most|between|to /);
     await view.locator(`[id="value-${gain}-why"]`).waitFor();
-    assert.equal(await by(view, 'try').isEnabled(), false);
+    await usable(by(view, 'try'), false);
     await by(view, 'discard').click();
     assert.equal(await value(view, gain), before);
     // Within its range, against another parameter: the servo says it.
@@ -66,7 +66,7 @@ module.exports = {
     await parameter(view, 'trips.current_A');
     await field(view, 'trips.current_A').fill(String(await world.read('limits.current_A') / 2));
     await by(view, 'try').click();
-    assert.match(await text(view, 'notice-error', /current/), /current_m?A/);
+    await noticed(view, /current_m?A/);
     assert.equal(await by(view, 'trial').count(), 0);
     assert.equal(await world.read('trips.current_A'), trip_A);
   },
@@ -101,7 +101,7 @@ module.exports = {
     await text(view, 'history', /restored from a file/);
 
     await compare('other.toml', Buffer.from('strain.proportional_W = "much"'));
-    await text(view, 'notice-error', /other\.toml/);
+    await noticed(view, /other\.toml/);
     assert.equal(await world.read(gain), Number(before));
   },
 };

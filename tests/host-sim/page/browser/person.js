@@ -24,22 +24,11 @@ async function parameter(view, name) {
   await field(view, name).waitFor();
 }
 
-// A servo whose bridge does not get to run for a while switches itself off, and a command in that moment fails. What
-// needs a heated wire is therefore done until it has been done.
-const soon = {timeout: 10_000};
-
-/** By the button of this place. */
+/** By the button of this place, unless it is. */
 async function enabled(view, place) {
-  await until('an enabled servo', async () => {
-    try {
-      if (await by(view, 'reset-faults').count() > 0) await by(view, 'reset-faults').click(soon);
-      const button = place.getByRole('button', {name: 'Enable', exact: true});
-      if (await button.count() > 0) await button.click(soon);
-      return /Enabled/.test(await by(view, 'drive').textContent());
-    } catch {
-      return false;
-    }
-  });
+  if (/Enabled/.test(await by(view, 'drive').textContent())) return;
+  await place.getByRole('button', {name: 'Enable', exact: true}).click();
+  await drive(view, /Enabled/);
 }
 
 async function enable(view) {
@@ -49,24 +38,13 @@ async function enable(view) {
 
 /** Enabled, and there. */
 async function move(view, target_um) {
-  let why = '';
-  await until(() => `a move to ${target_um} um: ${why}`, async () => {
-    await enable(view);
-    try {
-      await by(view, 'mode').selectOption('1', soon);
-      await by(view, 'target').fill(String(target_um), soon);
-      await by(view, 'go').click(soon);
-    } catch (error) {
-      why = error.message;
-      return false;
-    }
-    why = 'it has not come there';
-    for (let tries = 0; tries < 100; ++tries) {
-      if (Math.abs(await reading(view, 'position_m') - target_um) < 100) return true;
-      await view.waitForTimeout(100);
-    }
-    return false;
-  });
+  await enable(view);
+  await by(view, 'mode').selectOption('1');
+  // The mode is in force when its unit is shown.
+  await view.locator('form.target', {hasText: 'µm'}).waitFor();
+  await by(view, 'target').fill(String(target_um));
+  await by(view, 'go').click();
+  await until(`a move to ${target_um} um`, async () => Math.abs(await reading(view, 'position_m') - target_um) < 100);
 }
 
-module.exports = {connected, drive, enable, enabled, field, move, off, parameter, reading, received, soon, tab, value};
+module.exports = {connected, drive, enable, enabled, field, move, off, parameter, reading, received, tab, value};

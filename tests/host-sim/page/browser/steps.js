@@ -2,19 +2,16 @@
 'use strict';
 
 const {by, coloured, download, shown, text, until} = require('./world.js');
-const {connected, move, soon, tab} = require('./person.js');
+const {connected, move, tab} = require('./person.js');
 const assert = require('node:assert/strict');
 const {execFileSync} = require('node:child_process');
 const fs = require('node:fs');
 const path = require('node:path');
 
-/** One run more. A browser that does not get to run for seconds loses its connection, and the step with it. */
+/** One run more. */
 async function stepped(view, runs, count) {
-  await until(`${count} runs`, async () => {
-    if (await runs.count() === count) return true;
-    if (await by(view, 'step-run').isEnabled()) await by(view, 'step-run').click(soon).catch(() => {});
-    return false;
-  });
+  await by(view, 'step-run').click();
+  await until(`${count} runs`, async () => await runs.count() === count);
 }
 
 module.exports = {

@@ -10,11 +10,13 @@ const os = require('node:os');
 const path = require('node:path');
 const {promisify} = require('node:util');
 
-// A machine may be busy: this is only how long a failed test waits.
-const patience_ms = 120_000;
+// Only a program that hangs takes so long; less where a person looks for what hangs.
+const patience_ms = 1000 * Number(process.env.BROWSER_PATIENCE_S ?? 600);
 
-// The longest silence of a bridge before a servo ends its heat: one that does not get to run for a while is not dead.
-const watch_s = 5;
+// The longest silences of a bridge before a servo ends its heat, and of a browser before the bridge does: those that a
+// busy machine does not let run for a while are not dead. What is about these has a shorter watch.
+const calm = ['--watch', '60', '--patience', '60'];
+const short_watch_s = 5;
 
 const bus = process.env.SERVO_BUS ?? 'udp';
 // What carries it. Multicast goes out by either end of the test's network.
@@ -85,8 +87,8 @@ class World {
   }
 
   async startBridge(...options) {
-    const bridge = new Program(this.host_sim, 'page', '--can', bus, '--listen', `127.0.0.1:${this.port}`,
-      '--watch', String(watch_s), ...options);
+    if (!options.includes('--watch')) options.push(...calm);
+    const bridge = new Program(this.host_sim, 'page', '--can', bus, '--listen', `127.0.0.1:${this.port}`, ...options);
     const found = await until('the address of the bridge', () =>
       bridge.process.exitCode === null ? /^https?:\S+/m.exec(bridge.said) : [''] );
     if (!found[0]) throw new Error(`no address of the bridge: ${bridge.said}`);
@@ -128,6 +130,22 @@ class World {
     person.setDefaultNavigationTimeout(patience_ms);
     const view = await person.newPage();
     Object.assign(view, {errors: [], asked: []});
+    // What the page has said in passing: a notice goes by itself.
+    await view.addInitScript(() => {
+      window.noticed = [];
+      new MutationObserver((changes) => {
+        const said = new Set();
+        for (const {target, addedNodes} of changes) {
+          // One that is said again says so in its text.
+          const around = (target.nodeType === Node.ELEMENT_NODE ? target : target.parentElement)
+            ?.closest('[data-testid^=notice-]');
+          const inside = [...addedNodes].filter((node) => node.nodeType === Node.ELEMENT_NODE).flatMap((node) =>
+            [node, ...node.querySelectorAll('*')].filter((one) => one.dataset?.testid?.startsWith('notice-')));
+          for (const notice of around ? [around, ...inside] : inside) said.add(notice.textContent);
+        }
+        window.noticed.push(...said);
+      }).observe(document, {childList: true, subtree: true, characterData: true});
+    });
     // That nobody listens, or that a reload ends a connection, is an error of the page to Firefox.
     const expected = /establish a connection|interrupted while the page was loading/;
     view.on('pageerror', ({message}) => expected.test(message) || view.errors.push(message));
@@ -155,6 +173,18 @@ function launch(name) {
 const by = (view, name) => view.locator(`[data-testid="${name}"]`).first();
 const shown = (view, name) => by(view, name).waitFor();
 const gone = (view, name) => by(view, name).waitFor({state: 'hidden'});
+
+/** Waits until the page has said so in a notice, after the first `since` ones. */
+const noticed = (view, words, since = 0) =>
+  until(`a notice: ${words}`, async () =>
+    (await view.evaluate(() => window.noticed)).slice(since).some((said) => words.test(said)));
+
+/** How many notices there have been. */
+const notices = (view) => view.evaluate(() => window.noticed.length);
+
+/** Waits until something can be pressed or filled in, or cannot. */
+const usable = (place, wanted = true) =>
+  until(`${place} ${wanted ? '' : 'not '}usable`, async () => await place.isEnabled() === wanted);
 
 /** Waits until a text fulfils a condition, and gives it. */
 async function text(view, name, condition) {
@@ -202,4 +232,7 @@ async function download(view, name) {
   return Buffer.from(bytes);
 }
 
-module.exports = {World, bus, by, coloured, download, gone, launch, picture, programs, shown, text, until, watch_s};
+module.exports = {
+  World, bus, by, coloured, download, gone, launch, noticed, notices, picture, programs, short_watch_s, shown, text, until,
+  usable,
+};
