@@ -28,7 +28,17 @@ if [ -n "${1:-}" ]; then
   finish
 fi
 expect 'cycles missed' "$(count missed)" 0
-expect 'frames lost' "$(count lost_frames)" 0
+# Converter and loop keep the same clock and start whenever they do, so where in a period a sample comes is an
+# accident of the image. Where it comes within the few us by which the reads jitter, one read may find two: it
+# takes the newer one, the other counts as lost, and the read before it had one as well. Such an image shows it:
+# some samples are a whole period old when they are used. Anywhere else none may be lost.
+if awk "BEGIN { exit !($(figure sample_to_drive_us max) < 1000) }"; then
+  expect 'frames lost' "$(count lost_frames)" 0
+fi
+expect 'cycles without a frame' "$(count no_frame)" 0
+# The first reading is what lay in the buffer when the loop began.
+awk -F, '$1 ~ /^[0-9]/ { if (++n > 2 && $1 - before > 0.0015) print "GAP of " $1 - before " s before cycle " n; before = $1 }' \
+  /tmp/trace.csv
 within 'strain held, %' "$(held_strain)" 1.94 2.06
 wait "$beside"
 # Latencies of the histogram: 99.9 % and the greatest. busybox' awk takes 010 for eight.

@@ -205,21 +205,36 @@ worst_table() {
     }'
 }
 
-run_bench() {
-  run_setup
-  build release model_bench count_steps replay_bench closed_loop_bench identify_bench worst_steps
-  local bin=$root/build/release/tests/bench out=$root/build/bench
+# measure FOLDER BENCH...: with Google Benchmark, into FOLDER/fields.
+measure() {
+  local out=$1 bench
+  local -a made=()
+  shift
   mkdir -p "$out"
-  local bench
-  for bench in model_bench replay_bench closed_loop_bench identify_bench; do
+  for bench; do
     say "running $bench"
-    step "$bench" "$bin/$bench" --benchmark_out="$out/$bench.json" --benchmark_out_format=json
+    step "$bench" "$root/build/release/tests/bench/$bench" --benchmark_out="$out/$bench.json" \
+      --benchmark_out_format=json
+    made+=("$out/$bench.json")
   done
+  bench_fields "${made[@]}" >"$out/fields"
+}
+
+run_bench() {
+  local bin=$root/build/release/tests/bench out=$root/build/bench
+  [[ -z ${1:-} || $1 == identify ]] || die "bench: unknown: $1 (identify, or nothing)"
+  run_setup
+  if [[ ${1:-} == identify ]]; then
+    build release identify_bench
+    measure "$out" identify_bench
+    fit_table "$out"
+    return
+  fi
+  build release model_bench count_steps replay_bench closed_loop_bench worst_steps
+  measure "$out" model_bench replay_bench closed_loop_bench
   say "counting instructions"
   count_all "$bin" "$out"
   cat "$out"/count-*.count >"$out/counts"
-  bench_fields "$out/model_bench.json" "$out/replay_bench.json" "$out/closed_loop_bench.json" \
-    "$out/identify_bench.json" >"$out/fields"
   printf 'Time, and instructions per step by callgrind. %s, %s:\n\n' \
     "$(sed -nE 's/^model name\s*: //p' /proc/cpuinfo | head -n 1)" "$(g++ --version | head -n 1)"
   steps_table "$out"
@@ -231,8 +246,6 @@ run_bench() {
   trace_table "$out"
   printf '\n'
   loop_table "$out"
-  printf '\n'
-  fit_table "$out"
   printf '\n'
   worst_table "$bin" "$out"
 }

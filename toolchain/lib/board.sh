@@ -1,15 +1,16 @@
 # shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev
-# An emulated board: Debian's real-time kernel in qemu, fetched and made below build/board.
-# Sourced by toolchain/dev; what runs on it is in board_checks.sh.
+# An emulated board: Debian's real-time kernel in qemu. Kernels and disks are fetched and made once for a
+# machine, guests below build/board. Sourced by toolchain/dev; what runs on it is in board_checks.sh.
 
 board=$root/build/board
+kernels=$kept/board
 
 # ---- images ----
 
 library_folders() {
   case $1 in
     amd64) printf '%s\n' /{,usr/}lib/x86_64-linux-gnu ;;
-    arm64) printf '%s\n' "$board"/arm64/tools/{,usr/}lib/aarch64-linux-gnu \
+    arm64) printf '%s\n' "$kernels"/arm64/tools/{,usr/}lib/aarch64-linux-gnu \
       "$root/build/sysroot/aarch64-linux-gnu"/{,usr/}lib/aarch64-linux-gnu ;;
   esac
 }
@@ -44,7 +45,7 @@ pack() {
 image() {
   local architecture=$1 name=$2 modules=$3 folder release busybox module file place
   shift 3
-  local kernel=$board/$architecture
+  local kernel=$kernels/$architecture
   folder=$(mktemp -d)
   release=$(<"$kernel/RELEASE")
   mkdir -p "$folder"/{bin,sbin,usr/{bin,sbin,lib},proc,sys,dev,tmp,run,etc,modules,tests/board}
@@ -86,12 +87,13 @@ image() {
 
 # guest ARCHITECTURE real|virtual IMAGE NAME SECONDS SCRIPT [ARGUMENT,...] [-- KERNEL'S PARAMETERS]:
 # boots it, ends with its exit code; 124: hung, 125: it has not said how it went. In virtual time an
-# instruction takes 2 ns, and the same image does the same to the bit.
+# instruction takes 2 ns, and the same image does the same to the bit; the limit is then of processor time,
+# which a guest that hangs takes as well, and which a busy machine does not use up.
 # $board_devices: more of qemu's arguments. $board_processor: of this machine, to stay on.
 guest() {
   local architecture=$1 time=$2 image=$3 name=$4 limit=$5 script=$6 arguments=${7:-} extra=${8:-}
-  local folder=$board/guests/$name kernel=$board/$architecture code
-  local -a qemu pinned=()
+  local folder=$board/guests/$name kernel=$kernels/$architecture code
+  local -a qemu pinned=() limited
   local line="quiet panic=-1 board.script=$script board.arguments=$arguments $extra"
   mkdir -p "$folder"
   rm -f "$folder/console.log"
@@ -106,21 +108,25 @@ guest() {
       ;;
   esac
   case $time in
-    real) qemu+=(-accel "tcg,thread=multi" -smp 2) ;;
+    real)
+      qemu+=(-accel "tcg,thread=multi" -smp 2)
+      limited=(timeout -k 5 "$limit")
+      ;;
     virtual)
+      limited=(prlimit --cpu="$limit" --)
       qemu+=(-accel tcg -smp 1 -icount "shift=1,sleep=off" -rtc "base=2026-01-01,clock=vm" -seed 1)
       line+=' nokaslr norandmaps randomize_kstack_offset=off'
       ;;
   esac
   [[ -z ${board_processor:-} ]] || pinned=(taskset -c "$board_processor")
   # shellcheck disable=SC2086 # several arguments
-  timeout -k 5 "$limit" "${pinned[@]}" "${qemu[@]}" ${board_devices:-} -m 512 -nodefaults -no-user-config -display none -no-reboot \
+  "${limited[@]}" "${pinned[@]}" "${qemu[@]}" ${board_devices:-} -m 512 -nodefaults -no-user-config -display none -no-reboot \
     -kernel "$kernel/boot/vmlinuz-$(<"$kernel/RELEASE")" -initrd "$board/guests/$image/root.img" \
     -append "$line" -serial "file:$folder/console.log" >"$folder/qemu.log" 2>&1
   code=$?
   sed -i 's/\r$//' "$folder/console.log"
   case $code in
-    124 | 137) code=124 ;;
+    124 | 137 | 152) code=124 ;;  # 152: SIGXCPU
     *)
       code=$(sed -nE 's/.*BOARD_EXIT ([0-9]+) .*/\1/p' "$folder/console.log" | tail -n 1)
       code=${code:-125}
@@ -161,67 +167,23 @@ board_obstacle() {
   fi
 }
 
-# run_board_check NAME: its output goes into a log, its result into a file of NAME RESULT SECONDS.
-run_board_check() {
-  local name=$1 start=$SECONDS result=passed log=$logs/board-$1.log
-  if ! took "board-$name" "board_check_$name" >"$log" 2>&1; then
-    result=FAILED
-    sed "s/^/board-test $name: /" "$log" >&2
-  fi
-  printf '%-10s %-7s %5d s  %s\n' "$name" "$result" $((SECONDS - start)) \
-    "$(board_checks | sed -n "s/^$name|//p")" >"$board/results/$name"
-}
-
-# Two at a time.
-run_board_checks() {
-  local name running=0
-  for name; do
-    if ((running == 2)); then
-      wait -n || true
-      running=1
-    fi
-    run_board_check "$name" &
-    running=$((running + 1))
-  done
-  wait
-}
-
-print_board_results() {
-  local name
-  printf '\n'
-  for name; do
-    [[ ! -f $board/results/$name.txt ]] || cat "$board/results/$name.txt" <(printf '\n')
-  done
-  for name; do
-    cat "$board/results/$name"
-  done
-}
-
-board_all() {
-  local obstacle name
-  local -a names=("$@")
-  obstacle=$(board_obstacle)
-  if [[ -n $obstacle ]]; then
-    say "SKIPPED: the emulated board is not run on this machine: $obstacle"
-    counted="SKIPPED: $obstacle"
-    [[ ${SMASERVO_SKIP:-} != never ]]
-    return
-  fi
-  mkdir -p "$logs"
-  setup_board || return
-  ((${#names[@]})) || mapfile -t names < <(board_checks | cut -d'|' -f1)
-  build_for_board || return
-  rm -rf "$board/results"
+# board_check NAME: one of tests/board/CMakeLists.txt, for ctest.
+board_check() {
   mkdir -p "$board/results"
-  say "running on the emulated board: ${names[*]}"
-  run_board_checks "${names[@]}"
-  print_board_results "${names[@]}"
-  # shellcheck disable=SC2034 # for the summary
-  counted="${#names[@]} checks"
-  for name in "${names[@]}"; do
-    grep -q ' passed ' "$board/results/$name" || return
+  rm -f "$board/results/$1.txt"
+  setup_board && "board_check_$1"
+}
+
+# What they have measured.
+print_board_results() {
+  local table
+  for table in "$board"/results/*.txt; do
+    [[ ! -f $table ]] || cat "$table" <(printf '\n')
   done
 }
+
+# NAME|what it is, of each check.
+board_checks() { sed -nE 's/^board_check\(([a-z0-9]+) "(.*)"\)$/\1|\2/p' "$root/tests/board/CMakeLists.txt"; }
 
 run_board_test() {
   local name
@@ -230,5 +192,11 @@ run_board_test() {
       die "board-test: unknown check: $name ($(board_checks | cut -d'|' -f1 | xargs))"
   done
   run_setup
-  board_all "$@"
+  step kernels setup_board || return
+  build release board_programs package_contents || return
+  rm -rf "$board/results"
+  (cd "$root" && ctest --preset release-boards -R "^Board[.]($(printf '%s\n' "${@:-.*}" | paste -sd '|'))\$")
+  local code=$?
+  print_board_results
+  return "$code"
 }

@@ -1,24 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # root, here and logs are set by toolchain/dev; board by board.sh
-# What runs on the emulated board. Sourced by toolchain/dev.
-
-# NAME|what it is; the longest first, as two run at a time
-board_checks() {
-  cat <<'END'
-load|SYNC at 1 kHz with 4 + 4 PDOs and SDO blocks at once, 10 s ($SMASERVO_LOAD_S)
-bus|daemons on two SJA1000: full queue, bus-off, down and up, duplicate node
-can|SocketCAN: vcan with can-utils, two SJA1000; down, up, gone, bus-off
-realtime|1 kHz on PREEMPT_RT in virtual time, twice; beside cyclictest
-hardship|kill -9, crash, SIGSTOP, a second one, slow and full disk, no memory in mid-heating
-overload|negative control: with artificial work in its way the same loop misses
-loop|smaservod holds a strain through IIO, PWM and GPIO; stops; bad boards
-systemd|the package in a Debian system: its service, devices, CAN and ends under PID 1
-silicon|the test module: one-shot, PWM, enable line, ADC
-arm64|Debian's arm64 kernel on the virt board, with the same module
-guest|exit codes come back, a hang and silence are failures
-END
-}
-
-build_for_board() { build release board_programs package_contents; }
+# What runs on the emulated board: tests/board/CMakeLists.txt lists the checks. Sourced by toolchain/dev.
 
 programs=$root/build/release/tests/board
 
@@ -118,11 +99,11 @@ board_check_guest() {
   local expected code
   image amd64 guest '' || return
   for expected in 0 7; do
-    guest amd64 real guest guest 60 exit "$expected" 2>/dev/null
+    guest amd64 real guest guest 600 exit "$expected" 2>/dev/null
     code=$?
     ((code == expected)) || { say "exit $expected came back as $code"; return 1; }
   done
-  guest amd64 real guest guest 60 exit silent 2>/dev/null
+  guest amd64 real guest guest 600 exit silent 2>/dev/null
   code=$?
   ((code == 125)) || { say "silence came back as $code"; return 1; }
   guest amd64 real guest guest 8 exit hang 2>/dev/null
@@ -132,7 +113,7 @@ board_check_guest() {
 
 # tree_of_modules FOLDER MODULE...: as modprobe wants them below FOLDER/lib, with what they need.
 tree_of_modules() {
-  local folder=$1 kernel=$board/amd64 release module
+  local folder=$1 kernel=$kernels/amd64 release module
   shift
   release=$(<"$kernel/RELEASE")
   local from=$kernel/lib/modules/$release to=$folder/lib/modules/$release
@@ -159,7 +140,7 @@ board_check_systemd() {
   cp "$package" "$guest/overlay/smaservo.deb"
   cp "$programs/plant" "$guest/overlay/plant"
   image amd64 systemd 'virtio_blk ext4' "$guest/overlay:/overlay" || return
-  cp --sparse=always "$board/root/disk.img" "$disk"
+  cp --sparse=always "$kernels/root/disk.img" "$disk"
   # shellcheck disable=SC2034 # guest's
   local board_devices="$two_controllers -drive file=$disk,format=raw,if=virtio,cache=unsafe"
   local boot='systemd.wants=board-test.service systemd.show_status=0'

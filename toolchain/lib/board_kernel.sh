@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # root and logs are set by toolchain/dev, board by board.sh
-# Kernels, modules and tools of the emulated boards, below build/board. Sourced by toolchain/dev.
+# Kernels, modules and tools of the emulated boards, in $kernels. Sourced by toolchain/dev.
 
 kernel_metapackage() {
   case $(debian_release) in
@@ -17,10 +17,10 @@ board_sources() {
   [[ $codename != bookworm ]] || source_line "$mirror" bookworm-backports
 }
 
-board_apt() { apt_for amd64 "$board/apt" -o APT::Architectures=amd64,arm64 "$@"; }
+board_apt() { apt_for amd64 "$kernels/apt" -o APT::Architectures=amd64,arm64 "$@"; }
 
 board_show() {
-  apt_with apt-cache amd64 "$board/apt" -o APT::Architectures=amd64,arm64 --no-all-versions show "$1"
+  apt_with apt-cache amd64 "$kernels/apt" -o APT::Architectures=amd64,arm64 --no-all-versions show "$1"
 }
 
 # fetch FOLDER PACKAGE...: unpacked there.
@@ -38,7 +38,7 @@ fetch() {
 
 # What Debian's configuration leaves out, of Debian's source: gpio-sim, with the irq_sim below it.
 make_gpio_sim() {
-  local out=$board/gpio-sim version name
+  local out=$kernels/gpio-sim version name
   version=$(board_show "$(kernel_package amd64)" | sed -n 's/^Version: //p')
   name=linux-source-$(cut -d. -f1,2 <<<"$version")
   mkdir -p "$out.debs" "$out"
@@ -55,14 +55,14 @@ make_gpio_sim() {
 
 # build_modules ARCHITECTURE: ours and gpio-sim, into the kernel's.
 build_modules() {
-  local architecture=$1 release folder=$board/$1
+  local architecture=$1 release folder=$kernels/$1
   local out=$folder/module
   local -a options=()
   [[ $architecture == amd64 ]] || options=(ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu-)
   release=$(<"$folder/RELEASE")
   rm -rf "$out"
   mkdir -p "$out" "$folder/lib/modules/$release/extra"
-  cp "$root"/toolchain/board/module/{Makefile,*.c} "$board/gpio-sim"/*.c "$out"
+  cp "$root"/toolchain/board/module/{Makefile,*.c} "$kernels/gpio-sim"/*.c "$out"
   make -s -C "$folder/headers/usr/src/linux-headers-$release" "${options[@]}" M="$out" modules || return
   cp "$out"/*.ko "$folder/lib/modules/$release/extra/"
   depmod -b "$folder" "$release"
@@ -101,35 +101,45 @@ make_tools() {
 build_all_modules() { build_modules amd64 && build_modules arm64; }
 
 make_board() {
-  rm -rf "$board"
-  board_sources "$(debian_codename)" | start_apt "$board/apt"
+  rm -rf "$kernels"/{amd64,arm64,apt,gpio-sim,gpio-sim.debs}
+  board_sources "$(debian_codename)" | start_apt "$kernels/apt"
   board_apt update || return
   make_gpio_sim || return
-  make_kernel amd64 "$board/amd64" &
+  make_kernel amd64 "$kernels/amd64" &
   local amd64=$!
-  make_kernel arm64 "$board/arm64" && make_tools arm64 "$board/arm64" || return
+  make_kernel arm64 "$kernels/arm64" && make_tools arm64 "$kernels/arm64" || return
   wait "$amd64" || return
-  rm -rf "$board/apt"
+  rm -rf "$kernels/apt"
 }
 
-# made STAMP COMMAND FILE...: runs it, quietly, unless it has made this of these files already.
+# made STAMP COMMAND FILE...: runs it unless it has made this of these files already; one at a time.
 made() {
-  local stamp=$board/$1 command=$2 key
+  local stamp=$kernels/$1 command=$2 key
   shift 2
-  key=$({
-    debian_codename
-    cat "$@"
-  } | sha256sum)
-  if [[ -f $stamp && $(<"$stamp") == "$key" ]]; then
-    return
-  fi
-  say "emulated board: $command"
-  step "board-$command" "$command" || return
-  printf '%s\n' "$key" >"$stamp"
+  mkdir -p "$kernels"
+  {
+    flock 8
+    key=$({
+      debian_codename
+      cat "$@"
+    } | sha256sum)
+    if [[ -f $stamp && $(<"$stamp") == "$key" ]]; then
+      return
+    fi
+    say "emulated board: $command"
+    "$command" || return
+    printf '%s\n' "$key" >"$stamp"
+  } 8>"$kernels/lock"
 }
 
-# Kernels, modules and tools of both architectures; anew when what makes them changes.
+# Kernels, modules and tools of both architectures, once for a machine; anew when what makes them changes.
 setup_board() {
+  local obstacle
+  obstacle=$(board_obstacle)
+  [[ -z $obstacle ]] || {
+    say "no emulated board on this machine: $obstacle"
+    return 1
+  }
   made kernels-from make_board "$root/toolchain/lib/board_kernel.sh" &&
-    made modules-from build_all_modules "$root"/toolchain/board/module/*.c "$board"/*/RELEASE
+    made modules-from build_all_modules "$root"/toolchain/board/module/{Makefile,*.c} "$kernels"/*/RELEASE
 }

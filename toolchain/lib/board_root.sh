@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # root and logs are set by toolchain/dev, board by board.sh
-# A Debian system as the disk of a guest, below build/board/root. Sourced by toolchain/dev.
+# A Debian system as the disk of a guest, in $kernels/root. Sourced by toolchain/dev.
 
 # What a package needs, the first of alternatives each.
 needed_by() { dpkg-deb --field "$1" Depends | tr ',' '\n' | sed -E 's/^ *//; s/[ (|:].*//'; }
@@ -22,8 +22,8 @@ unpack_root() {
 
 # Minimal, with systemd and the packages that build/board/root-packages lists, without documentation.
 make_root() {
-  local folder=$board/root packages
-  packages=$(paste -sd , "$board/root-packages")
+  local folder=$kernels/root packages
+  packages=$(paste -sd , "$kernels/root-packages")
   rm -rf "$folder"
   mkdir -p "$folder"
   board_sources "$(debian_codename)" | mmdebstrap --variant=apt \
@@ -37,6 +37,7 @@ make_root() {
 
 # setup_root PACKAGE.deb: with all that it needs; anew when that changes.
 setup_root() {
-  needed_by "$1" >"$board/root-packages"
-  made root-from make_root "$root/toolchain/lib/board_root.sh" "$board/root-packages"
+  mkdir -p "$kernels"
+  needed_by "$1" >"$kernels/root-packages"
+  made root-from make_root "$root/toolchain/lib/board_root.sh" "$kernels/root-packages"
 }

@@ -18,57 +18,65 @@ show_end() {
   } >&2
 }
 
-# Seconds of processors that this shell and all that it has waited for have taken; into $used.
-processor_time() {
-  local -a stat
-  read -r -a stat <"/proc/$BASHPID/stat"
-  used=$(((stat[13] + stat[14] + stat[15] + stat[16]) / 100))
-}
-
-# took NAME COMMAND...: writes its seconds down, of processors and of the clock, and its name.
-took() {
-  local name=$1 clock=$SECONDS used before code=0
-  shift
-  processor_time
-  before=$used
-  "$@" || code=$?
-  processor_time
-  mkdir -p "$logs"
-  printf '%d %d %s\n' $((used - before)) $((SECONDS - clock)) "$name" >>"$logs/steps"
-  return "$code"
-}
-
 # step NAME COMMAND...: runs quietly, with its output in build/logs/NAME.log; shows the end of it
 # when the command fails.
 step() {
   local name=$1
   shift
   mkdir -p "$logs"
-  if ! took "$name" "$@" >"$logs/$name.log" 2>&1; then
+  if ! "$@" >"$logs/$name.log" 2>&1; then
     say "failed: $name"
     show_end "$logs/$name.log"
     return 1
   fi
 }
 
-# configure PRESET: only what has changed.
-configure() {
-  (cd "$root" && step "$1-configure" cmake --preset "$1")
-}
-
-# build PRESET [TARGET...]: one at a time in each tree.
-build() {
+# build_tree PRESET [TARGET...]: configures what has changed, and builds; one at a time in each tree.
+build_tree() {
   local preset=$1
   shift
   mkdir -p "$root/build"
   {
     flock 9
-    configure "$preset" || return
-    say "building $preset${*:+: $*}"
-    (cd "$root" &&
-      step "$preset-build" \
-        cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
+    (cd "$root" && cmake --preset "$preset" &&
+      cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
   } 9>"$root/build/$preset.lock"
+}
+
+# build PRESET [TARGET...]: quietly.
+build() {
+  say "building $1${2:+: ${*:2}}"
+  step "$1-build" build_tree "$@"
+}
+
+# three_times COMMAND...: for downloads.
+three_times() {
+  local try
+  for try in 1 2 3; do
+    if "$@"; then return; fi
+    say "download failed, try $try of 3: $*"
+    sleep $((5 * (try - 1)))
+  done
+  return 1
+}
+
+# What the tests of the release need of npm's registry: the pages' packages, clients of others.
+fetch_for_test() {
+  local tree=$root/build/release page=$root/build/page
+  three_times "$root/tests/npm.sh" "$root/tests/host-sim/page/node" "$tree/page-clients" true &&
+    three_times "$root/tests/npm.sh" "$root/tests/host-sim/mcap" "$tree/mcap-library" true &&
+    three_times page_is_built "$page"
+}
+
+page_is_built() {
+  "$root/host-sim/page/build.sh" "$root/host-sim/page/front" "$1" "$(command -v npm)" "$(command -v node)" &&
+    [[ -s $1/page.html && -s $1/report.js ]]
+}
+
+# What the other parts need of npm's registry and of Debian.
+fetch_for_parts() {
+  three_times install_clients && three_times sysroot arm64 aarch64-linux-gnu &&
+    three_times sysroot armhf arm-linux-gnueabihf && three_times setup_board
 }
 
 near() { realpath --relative-to="$here" "$1"; }

@@ -50,13 +50,13 @@ fuzz_one() {
 # fuzz_all SECONDS: two at a time.
 fuzz_all() {
   local seconds=$1 name failed='' inputs=0 count
-  build sanitize fuzz_targets || return
+  build_tree sanitize fuzz_targets || return
   mkdir -p "$logs"
   export -f fuzz_one gather_seeds
   say "fuzzing ${fuzz_targets[*]}: $seconds s each"
   # shellcheck disable=SC2016 # expanded by the inner shell
   printf '%s\n' "${fuzz_targets[@]}" |
-    SECONDS_EACH=$seconds took fuzz xargs -P 2 -I{} bash -c \
+    SECONDS_EACH=$seconds xargs -P 2 -I{} bash -c \
       'fuzz_one "$1" "$SECONDS_EACH" >"$logs/fuzz-$1.log" 2>&1 || touch "$logs/fuzz-$1.failed"' - {}
   for name in "${fuzz_targets[@]}"; do
     count=$(sed -nE 's/^stat::number_of_executed_units: *//p' "$logs/fuzz-$name.log")
@@ -72,8 +72,7 @@ fuzz_all() {
     say "failed:$failed; the inputs are in $(near "$root/build/fuzz")"
     return 1
   }
-  # shellcheck disable=SC2034 # for the summary
-  counted="$inputs inputs"
+  say "$inputs inputs"
 }
 
 run_fuzz() {

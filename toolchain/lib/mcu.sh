@@ -108,15 +108,12 @@ check_mcu_budget() {
 }
 
 test_mcu() {
-  local target tests=0
-  write_mcu_steps || return
-  build mcu-m0plus || return
+  local target
+  write_mcu_steps && build_tree mcu-m0plus || return
   while read -r target; do
-    test_preset "mcu-$target" || return
-    tests=$((tests + ${counted%% *}))
-    step "mcu-$target-budget" check_mcu_budget "$target" || return
+    build_tree "mcu-$target" && (cd "$root" && ctest --preset "mcu-$target") &&
+      check_mcu_budget "$target" || return
   done < <(mcu_targets)
-  counted="$tests tests"
 }
 
 bench_mcu_keys() {

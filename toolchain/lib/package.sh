@@ -51,7 +51,7 @@ run_package() {
   run_setup
   for architecture in "$@"; do
     IFS='|' read -r _ preset triplet _ < <(package_target "$architecture")
-    [[ -z $triplet ]] || sysroot "$architecture" "$triplet" || return
+    [[ -z $triplet ]] || step "sysroot-$architecture" sysroot "$architecture" "$triplet" || return
     # The arm64 tree also has tests, which compare with what this machine's host-sim says.
     [[ $preset != arm64 ]] || build release host-sim || return
     build "$preset" package_contents || return
@@ -204,6 +204,4 @@ test_package() {
     say "checking the package for $architecture"
     step "package-check-$architecture" check_package "$architecture" || return
   done
-  # shellcheck disable=SC2034 # for the summary
-  counted="$# packages"
 }

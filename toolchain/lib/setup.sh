@@ -59,37 +59,10 @@ is_installed() {
   [[ $status == 'installed '* && (${2:-} != *-backports || $status == *~bpo*) ]]
 }
 
-apt_folder=/etc/apt
-
-# Every configured source as "URI SUITE", of one-line and of deb822 files.
+# Every configured source of packages as "URI SUITE"; apt knows them after its first update.
 apt_sources() {
-  local etc=$apt_folder file
-  for file in "$etc/sources.list" "$etc"/sources.list.d/*.list; do
-    [[ -r $file ]] || continue
-    sed -nE 's/^[[:space:]]*deb[[:space:]]+(\[[^]]*\][[:space:]]+)?([^[:space:]#]+)[[:space:]]+([^[:space:]#]+).*/\2 \3/p' \
-      "$file"
-  done
-  for file in "$etc"/sources.list.d/*.sources; do
-    [[ -r $file ]] || continue
-    awk -v RS='' '{
-      uris = suites = types = field = ""; on = 1
-      n = split($0, lines, "\n")
-      for (i = 1; i <= n; ++i) {
-        line = lines[i]
-        if (line ~ /^[[:space:]]*#/) continue
-        if (line ~ /^[A-Za-z-]+:/) {
-          field = tolower(line); sub(/:.*/, "", field); sub(/^[^:]*:/, "", line)
-        }
-        if (field == "uris") uris = uris " " line
-        if (field == "suites") suites = suites " " line
-        if (field == "types") types = types " " line
-        if (field == "enabled" && line ~ /no/) on = 0
-      }
-      if (!on || (" " types " ") !~ /[[:space:]]deb[[:space:]]/) next
-      nu = split(uris, u, " "); ns = split(suites, s, " ")
-      for (i = 1; i <= nu; ++i) for (j = 1; j <= ns; ++j) print u[i], s[j]
-    }' "$file"
-  done
+  # shellcheck disable=SC2016 # apt's variables
+  apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 2>/dev/null | sed 's|/ | |' | sort -u
 }
 
 # debian_mirror CODENAME: the mirror that the system takes this release of Debian from.
@@ -110,7 +83,7 @@ as_root() {
 # apt-get, quiet and without questions; the end of its log on failure.
 apt_get() {
   mkdir -p "$logs"
-  if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -y -q "$@" >"$logs/apt.log" 2>&1; then
+  if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -y -q -o Acquire::Retries=3 "$@" >"$logs/apt.log" 2>&1; then
     show_end "$logs/apt.log"
     say "apt-get $1 failed; the whole log is in $logs/apt.log"
     return 1
@@ -138,6 +111,7 @@ add_suite() {
     printf '# Added by toolchain/dev setup of smaservo.\n'
     source_line "$uri" "$suite"
   } | as_root tee "$list" >/dev/null
+  apt_get update
 }
 
 run_setup() {
@@ -167,11 +141,11 @@ run_setup() {
       plain+=("$package")
     fi
   done <<<"$missing"
-  for suite in "${!from[@]}"; do
-    add_suite "$suite"
-  done
   say "installing: $(cut -d' ' -f1 <<<"$missing" | xargs)"
   apt_get update || say 'going on with the package lists that are there'
+  for suite in "${!from[@]}"; do
+    add_suite "$suite" || exit
+  done
   if ((${#plain[@]})); then
     apt_get install --no-install-recommends "${plain[@]}" || exit
   fi

@@ -1,12 +1,12 @@
 # shellcheck shell=bash disable=SC2154 # root and logs are set by toolchain/dev
-# The libraries of another architecture, unpacked below build/. Sourced by toolchain/dev.
+# The libraries of another architecture, unpacked. Sourced by toolchain/dev.
 
 # apt_with TOOL ARCHITECTURE FOLDER ARGUMENTS...: an apt tool that knows nothing of this system but how
 # to reach the archive, and changes nothing outside of the folder.
 apt_with() {
   local tool=$1 architecture=$2 folder=$3
   shift 3
-  "$tool" -q \
+  "$tool" -q -o Acquire::Retries=3 \
     -o APT::Architecture="$architecture" -o APT::Architectures="$architecture" \
     -o APT::Install-Recommends=false -o APT::Sandbox::User=root \
     -o Dir::State="$folder" -o Dir::State::status="$folder/status" -o Dir::Cache="$folder" \
@@ -89,22 +89,24 @@ unpack_sysroot() {
   settle_sysroot "$folder" "$triplet"
 }
 
-# sysroot ARCHITECTURE TRIPLET: build/sysroot/TRIPLET, made anew when what it is made from changes.
+# sysroot ARCHITECTURE TRIPLET: build/sysroot/TRIPLET leads to it. It is made once for a machine, anew when
+# what it is made from changes.
 sysroot() {
-  local folder=$root/build/sysroot/$2 key
+  local key folder
   key=$({
     debian_codename
     sysroot_packages
     cat "$root/toolchain/lib/sysroot.sh"
-  } | sha256sum)
-  mkdir -p "$root/build"
+  } | sha256sum | cut -c 1-16)
+  folder=$kept/sysroot/$2-$key
+  mkdir -p "$kept/sysroot" "$root/build/sysroot"
   {
     flock 9
-    if [[ -f $folder/made-from && $(<"$folder/made-from") == "$key" ]]; then
-      return
+    if [[ ! -d $folder ]]; then
+      say "unpacking libraries for $1"
+      rm -rf "$kept/sysroot/$2"-*
+      unpack_sysroot "$1" "$2" "$folder.new" && mv "$folder.new" "$folder" || return
     fi
-    say "unpacking libraries for $1"
-    step "sysroot-$1" unpack_sysroot "$1" "$2" "$folder" || return
-    printf '%s\n' "$key" >"$folder/made-from"
-  } 9>"$root/build/sysroot-$1.lock"
+  } 9>"$kept/sysroot/$1.lock"
+  ln -sfn "$folder" "$root/build/sysroot/$2"
 }

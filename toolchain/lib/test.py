@@ -1,0 +1,301 @@
+#!/usr/bin/env python3
+"""`toolchain/dev test`: runs parts (parts.py), two rows of them side by side, and says how each went.
+
+In a row one part follows the other. The first row is at normal priority; the second one, and what runs beside
+tests in real time, is at idle priority: it gets what the others leave of the processors.
+"""
+
+import datetime
+import os
+from pathlib import Path
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+import xml.etree.ElementTree as xml
+
+from parts import KEPT, PARTS, ROOT, Part, Step, build, ctest, dev, key, not_in_inputs
+
+LOGS = ROOT / 'build/logs'
+ROWS = [['board', 'can', 'mcu', 'package'], ['texts', 'sanitize', 'tidy', 'odr', 'tsan', 'arm64', 'fuzz']]
+
+PARTS['quick'] = Part(
+    'for before each commit',
+    [build('release'), ctest('quick'), Step('syntax', [str(ROOT / 'toolchain/lib/tidy.py'), '--syntax']),
+     Step('texts', dev('check_all_texts'))])
+PARTS['dev'] = Part('each source by itself, with assertions and debug symbols', [build('dev'), ctest('dev')])
+
+
+def say(words):
+    screen.clear()
+    print(words, flush=True)
+
+
+def seconds(value):
+    return f'{int(value) // 60}:{int(value) % 60:02d}'
+
+
+def idle():
+    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+
+
+def end_of(log):
+    """Where a log says why: from the first error on, and its last lines."""
+    lines = log.read_text(errors='replace').splitlines()
+    marks = ('error: ', 'CMake Error', 'FAILED', '***')
+    first = next((k for k, line in enumerate(lines) if any(mark in line for mark in marks)), len(lines))
+    if len(lines) - first > 60:
+        lines = [*lines[first:first + 40], '[...]', *lines[-15:]]
+    else:
+        lines = lines[-60:]
+    return '\n'.join(lines)
+
+
+def progress(log):
+    """How far a step is: the last "[3/17]" of ninja or "3/17 Test" of ctest in its log."""
+    try:
+        with log.open('rb') as file:
+            file.seek(max(0, log.stat().st_size - 4000))
+            lines = file.read().decode(errors='replace').splitlines()
+    except OSError:
+        return ''
+    for line in reversed(lines):
+        word = line.strip().split(' ')[0].strip('[]')
+        if word.count('/') == 1 and word.replace('/', '').isdigit():
+            return ' ' + word
+    return ''
+
+
+def counts(report):
+    """Of JUnit's report: tests that ran, and names of those that were skipped. One entry of ctest may be many of
+    GoogleTest's."""
+    ran, skipped = 0, []
+    for case in xml.parse(report).getroot().iter('testcase'):
+        output = case.findtext('system-out') or ''
+        inner = output.count('[       OK ]') if '.' in case.get('name') and 'GTEST_SHARD' in output else 0
+        if case.get('status') in ('notrun', 'disabled') or case.find('skipped') is not None:
+            skipped.append(case.get('name'))
+        else:
+            ran += inner or 1
+    return ran, skipped
+
+
+class Run:
+    """A part as it runs, and its result."""
+
+    def __init__(self, name, fresh):
+        self.name, self.part = name, PARTS[name]
+        self.result, self.clock_s, self.processor_s, self.said = '', 0.0, 0.0, ''
+        self.steps = []  # name, seconds of processors and of the clock
+        self.tests, self.skipped = 0, []
+        self.active = {}
+        self.fresh = fresh
+
+    def record(self):
+        return KEPT / 'passed' / f'{self.name}-{key(self.part)}'
+
+    def usual_s(self):
+        try:
+            return float((KEPT / 'took' / self.name).read_text())
+        except (OSError, ValueError):
+            return 0
+
+    def run(self, is_idle):
+        self.began = time.monotonic()
+        if self.part.inputs and not self.fresh and self.record().is_file():
+            self.result, self.said = 'before', self.record().read_text().strip()
+            say(f'{self.name}: passed before, {self.said}')
+            return
+        usual = self.usual_s()
+        say(f'{self.name}: begins' + (f', it took {seconds(usual)} before' if usual else ''))
+        ok = all(self.step(step, is_idle) for step in self.part.steps) and self.knows_inputs()
+        self.clock_s = time.monotonic() - self.began
+        self.result = 'passed' if ok else 'FAILED'
+        if self.tests:
+            self.said = f'{self.tests} tests' + (f', {len(self.skipped)} skipped' if self.skipped else '')
+        say(f'{self.name}: {self.result}, {seconds(self.clock_s)}')
+        if ok:
+            self.keep()
+
+    def keep(self):
+        for folder in ('passed', 'took'):
+            (KEPT / folder).mkdir(parents=True, exist_ok=True)
+        (KEPT / 'took' / self.name).write_text(f'{self.clock_s:.0f}\n')
+        if self.part.inputs:
+            when = datetime.datetime.now().strftime('%Y-%m-%d %H:%M')
+            self.record().write_text(f'{when}, in {seconds(self.clock_s)}\n')
+
+    def step(self, step, is_idle):
+        beside, passed = None, []
+        if step.beside:
+            beside = threading.Thread(target=lambda: passed.append(self.step(step.beside, True)))
+            beside.start()
+        ok = self.one(step, is_idle and not step.live)
+        if beside:
+            beside.join()
+            ok = ok and passed[0]
+        return ok
+
+    def one(self, step, is_idle):
+        log, began = LOGS / f'{step.name}.log', time.monotonic()
+        self.active[step.name] = log
+        with log.open('w') as file:
+            child = subprocess.Popen(step.command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=file,
+                                     stderr=subprocess.STDOUT, preexec_fn=idle if is_idle else None)
+            _, status, usage = os.wait4(child.pid, 0)
+            child.returncode = code = os.waitstatus_to_exitcode(status)
+        del self.active[step.name]
+        used = usage.ru_utime + usage.ru_stime
+        self.processor_s += used
+        self.steps.append((step.name, used, time.monotonic() - began))
+        report = LOGS / f"{step.name.removesuffix('-test')}.xml"
+        if step.name.endswith('-test') and report.is_file() and code == 0:
+            ran, skipped = counts(report)
+            self.tests += ran
+            self.skipped += skipped
+        if code != 0:
+            say(f'{self.name}: {step.name} failed. From {log.relative_to(ROOT)}:\n{end_of(log)}\n---')
+        return code == 0
+
+    def knows_inputs(self):
+        missing = not_in_inputs(self.part)
+        if missing:
+            say(f'{self.name}: its builds have read what is not among its inputs in toolchain/lib/parts.py:\n  '
+                + '\n  '.join(missing[:20]))
+        return not missing
+
+    def now(self):
+        steps = ', '.join(f'{name}{progress(log)}' for name, log in list(self.active.items()))
+        usual = self.usual_s()
+        of = f' of {seconds(usual)}' if usual else ''
+        return f'{self.name} {seconds(time.monotonic() - self.began)}{of}: {steps}'
+
+
+class Screen:
+    """One line that moves, on a terminal."""
+
+    def __init__(self):
+        self.runs, self.shown, self.lock = [], False, threading.Lock()
+        self.moves = sys.stdout.isatty()
+
+    def clear(self):
+        with self.lock:
+            if self.shown:
+                print('\r\033[K', end='')
+                self.shown = False
+
+    def draw(self):
+        with self.lock:
+            line = ' | '.join(run.now() for run in self.runs if run.active)
+            width = os.get_terminal_size().columns if self.moves else 80
+            if line:
+                print('\r\033[K' + line[:width - 1], end='', flush=True)
+                self.shown = True
+
+    def keep_moving(self):
+        while self.moves:
+            self.draw()
+            time.sleep(1)
+
+
+screen = Screen()
+
+
+def run_row(runs, is_idle):
+    for run in runs:
+        screen.runs.append(run)
+        run.run(is_idle)
+
+
+def summary(runs):
+    steps = sorted((step for run in runs for step in run.steps), key=lambda step: -step[1])[:10]
+    print('\nThe most expensive steps, in seconds of processors and of the clock:')
+    for name, used, clock in steps:
+        print(f'{used:6.0f} {clock:6.0f}  {name}')
+    print('\npart       result   clock  processors')
+    for run in runs:
+        figures = '' if run.result == 'before' else f'{seconds(run.clock_s):>6} {run.processor_s:8.0f} s'
+        print(f'{run.name:10} {run.result:7} {figures:17}  {run.said}')
+        for name in run.skipped:
+            print(f'           skipped: {name}')
+
+
+def test(rows, fresh, first=()):
+    """What `first` fetches is there before anything else begins; without it nothing else does."""
+    LOGS.mkdir(parents=True, exist_ok=True)
+    threading.Thread(target=screen.keep_moving, daemon=True).start()
+    fetched = [Run(name, fresh) for name in first]
+    run_row(fetched, False)
+    if any(run.result == 'FAILED' for run in fetched):
+        rows = []
+    runs = [[Run(name, fresh) for name in row] for row in rows]
+    threads = [threading.Thread(target=run_row, args=(row, k > 0)) for k, row in enumerate(runs)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    screen.clear()
+    everything = fetched + [run for row in runs for run in row]
+    summary(everything)
+    if any(run.result == 'FAILED' for run in everything):
+        print(f"Logs are in {os.path.relpath(LOGS, os.environ.get('here', '.'))}.")
+        return 1
+    return 0
+
+
+def steady(times):
+    """Tests without time as often, beside eight loops that do nothing; then those in real time, alone."""
+    LOGS.mkdir(parents=True, exist_ok=True)
+    loops = []
+    failed = []
+    PARTS['steady'] = Part('', [build('release')])
+    built = Run('steady', True)
+    built.run(False)
+    if built.result == 'FAILED':
+        return 1
+    for preset in ('still', 'live'):
+        if preset == 'still':
+            loops = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(8)]
+        began = time.monotonic()
+        code = subprocess.run(['ctest', '--preset', preset, '--repeat', f'until-fail:{times}',
+                               *(['--parallel', '8'] if loops else [])],
+                              cwd=ROOT, stdin=subprocess.DEVNULL, stdout=(LOGS / f'steady-{preset}.log').open('w'),
+                              stderr=subprocess.STDOUT).returncode
+        for loop in loops:
+            loop.kill()
+        loops = []
+        say(f'{preset}, {times} times: {"FAILED" if code else "passed"}, {seconds(time.monotonic() - began)}')
+        if code:
+            failed.append(preset)
+            print(end_of(LOGS / f'steady-{preset}.log'))
+    return 1 if failed else 0
+
+
+def main(words):
+    fresh = '--fresh' in words
+    words = [word for word in words if word != '--fresh']
+    what = words[0] if words else ''
+    if what == '--parts':
+        for name, part in PARTS.items():
+            if name not in ('downloads', 'fetch', 'quick', 'dev'):
+                print(textwrap.fill(f'  {name:11} {part.what}', 80, subsequent_indent=' ' * 14))
+        return 0
+    if what == 'steady' and len(words) <= 2:
+        times = words[1] if len(words) == 2 else '3'
+        if not times.isdigit() or int(times) < 1:
+            sys.exit(f'toolchain/dev: test steady: how often must be a whole number above 0: {times}')
+        return steady(int(times))
+    if len(words) > 1:
+        sys.exit(f'toolchain/dev: test: one part at a time, not {" ".join(words)}')
+    if not what:
+        return test([['release'], ['texts']], fresh, ['downloads'])
+    if what == 'all':
+        return test([['release', *ROWS[0]], ROWS[1]], fresh, ['downloads', 'fetch'])
+    if what in PARTS:
+        return test([[what]], True)
+    sys.exit(f'toolchain/dev: test: unknown part: {what} (all, steady, {", ".join(PARTS)})')
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))
