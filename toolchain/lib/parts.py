@@ -115,9 +115,9 @@ PARTS = {
     'tsan': Part(
         "clang++ with the thread sanitizer: the daemon's threads",
         [build('tsan'), ctest('tsan')],
-        [*MADE_BY, *CORE, 'tests/firmware', 'tests/hal', 'tests/model', 'tests/places.*', 'tests/CMakeLists.txt',
-         'host-sim/scenarios', *scripts()],
-        {'tsan': ['daemon_tests', 'hal_tests', 'smaservod']}),
+        [*MADE_BY, *CORE, 'tests/firmware', 'tests/hal', 'tests/model', 'tests/places.*', 'tests/patience.hpp',
+         'tests/bench/convert.hpp', 'host-sim/scenarios', *scripts()],
+        {'tsan': ['daemon_tests', 'daemon_live_tests', 'hal_tests', 'hal_live_tests', 'smaservod']}),
     'arm64': Part(
         'cross compiled; replays in qemu what the release has simulated',
         [build('release', 'host-sim'), build('arm64', 'host-sim', 'smaservod'), ctest('arm64')],
