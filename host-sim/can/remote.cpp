@@ -349,10 +349,9 @@ void Remote::hold(double for_s) {
 }
 
 void Remote::store() {
-  const text::KnownObject object = text::find_object("1010:1");
-  client_.set_timeout(SdoClient::store_timeout_us);
-  write(object, {'s', 'a', 'v', 'e'});
-  client_.set_timeout(SdoClient::usual_timeout_us);
+  Remote patient = *this;
+  patient.client_.set_timeout(std::max(client_.timeout_us(), SdoClient::store_timeout_us));
+  patient.write(text::find_object("1010:1"), {'s', 'a', 'v', 'e'});
 }
 
 }  // namespace smaservo::can

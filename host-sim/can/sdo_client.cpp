@@ -23,6 +23,10 @@ constexpr std::size_t max_value = std::size_t{1} << 20U;
 /// A node may use its whole time for each seven bytes, and this many times more; one that sends its
 /// value byte by byte so slowly is given up.
 constexpr std::int64_t spare_timeouts = 16;
+/// A node has one SDO server, which answers the later of two requests that meet: where another
+/// client asks as well, or where a frame is lost, a read is asked for again. A write is not: its
+/// answer may be what was lost, and what heats a wire is never done twice by itself.
+constexpr int reads = 2;
 /// Times that a block may bring nothing before the transfer is given up.
 constexpr unsigned max_vain_blocks = 3;
 
@@ -86,26 +90,31 @@ void SdoClient::drop_old() {
 }
 
 /// Sends the first frame of a transfer and returns its answer. Answers for other objects are
-/// skipped: they belong to earlier transfers that timed out.
-SdoClient::Data SdoClient::request(Key key, const Data& data) {
+/// skipped: they belong to earlier transfers that timed out, or to another client.
+SdoClient::Data SdoClient::request(Key key, const Data& data, int times) {
   drop_old();
   Data first = data;
   put_number(std::span(first).subspan(1, 2), key.index);
   first[3] = key.sub;
-  send(first);
-  const std::int64_t until_us = bus_.now_us() + timeout_us_;
   Data got{};
-  do {
-    if (!next_answer(got, until_us)) silent(key);
-  } while (!std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3)));
-  if (got[0] == aborted) refused(key, size_in(got));
-  return got;
+  for (int i = 0; i < times; ++i) {
+    send(first);
+    const std::int64_t until_us = bus_.now_us() + timeout_us_;
+    while (next_answer(got, until_us)) {
+      if (!std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3)))
+        continue;
+      if (got[0] == aborted) refused(key, size_in(got));
+      return got;
+    }
+  }
+  silent(key, times);
 }
 
-void SdoClient::silent(Key key) const {
-  throw SdoError(fmt::format("node {} on {}: {}: no answer within {} s", node_, bus_.name(),
-                             key_text(key), static_cast<double>(timeout_us_) * 1e-6),
-                 0);
+void SdoClient::silent(Key key, int times) const {
+  throw SdoError(
+      fmt::format("node {} on {}: {}: no answer within {} s{}", node_, bus_.name(), key_text(key),
+                  static_cast<double>(timeout_us_) * 1e-6, times > 1 ? ", asked twice" : ""),
+      0);
 }
 
 /// Whether a request is answered twice: on the bus are two devices with this node-id.
@@ -154,7 +163,7 @@ void SdoClient::abort(Key key, std::uint32_t code) {
 
 Bytes SdoClient::upload(Key key) {
   const Transfer transfer(*this);
-  const Data first = request(key, {start_upload});
+  const Data first = request(key, {start_upload}, reads);
   if (command_of(first[0]) != upload_answer) abort(key, 0x05040001);
   if ((first[0] & expedited_bit) == 0) return receive_segments(key, first);
   const std::size_t unused = (first[0] & size_bit) != 0 ? (first[0] >> 2U) & 3U : 0;
@@ -250,8 +259,8 @@ constexpr std::uint8_t max_segments = 127;
 
 Bytes SdoClient::upload_block(Key key) {
   const Transfer transfer(*this);
-  const Data first =
-      request(key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, max_segments, 0});
+  const Data first = request(
+      key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, max_segments, 0}, reads);
   if (command_of(first[0]) != block_upload_answer) abort(key, 0x05040001);
   send({block_upload | part_start});
   const std::size_t longest = expected_size(key, (first[0] & with_size) != 0, size_in(first));

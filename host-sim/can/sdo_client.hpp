@@ -30,7 +30,8 @@ class SdoError : public files::UserError {
 std::string key_text(Key key);
 
 /// All calls throw SdoError, also for a node that would keep them for ever: one that sends without
-/// end, or nothing new again and again.
+/// end, or nothing new again and again. A read that is not answered is asked for once more, a write
+/// is not.
 class SdoClient {
  public:
   static constexpr std::int64_t usual_timeout_us = 500'000;
@@ -42,6 +43,7 @@ class SdoClient {
 
   unsigned node() const { return node_; }
   Bus& bus() { return bus_; }
+  std::int64_t timeout_us() const { return timeout_us_; }
   void set_timeout(std::int64_t microseconds) { timeout_us_ = microseconds; }
 
   /// Expedited or segmented, as the node chooses.
@@ -70,7 +72,7 @@ class SdoClient {
     const SdoClient& client_;
   };
 
-  Data request(Key key, const Data& data);
+  Data request(Key key, const Data& data, int times = 1);
   Data answer(Key key);
   bool next_answer(Data& data, std::int64_t until_us);
   void send(const Data& data);
@@ -85,7 +87,7 @@ class SdoClient {
   std::string cause_of(std::uint32_t code);
   bool two_answer();
   void drop_old();
-  [[noreturn]] void silent(Key key) const;
+  [[noreturn]] void silent(Key key, int times = 1) const;
 
   Bus& bus_;
   unsigned node_;

@@ -22,6 +22,9 @@ void add_bus_options(CLI::App& page, ServoOptions& servos) {
                   "longest silence of this program before a servo ends its heat, s")
       ->capture_default_str()
       ->check(CLI::Range(0.6, 60.0));
+  page.add_option("--timeout", servos.timeout_s, "longest wait for an answer of a servo, s")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 60.0));
 }
 
 void add_server_options(CLI::App& page, BridgeSettings& server) {

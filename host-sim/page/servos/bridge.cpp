@@ -142,7 +142,7 @@ void Bridge::stop() {
       check_us_ = 0;
     } while (check_off() && bus_.now_us() < until_us);
     for (const unsigned node : stream_.mapped()) {
-      can::Remote remote(can::SdoClient(bus_, node));
+      can::Remote remote = operations_.remote(node);
       stream_.put_back(remote);
     }
     if (trial_) operations_.revert(operations_.servo(trial_->first));

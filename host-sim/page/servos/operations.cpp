@@ -77,8 +77,10 @@ Servo& Operations::servo(unsigned node) {
   return servo;
 }
 
-can::Remote Operations::remote(const Servo& servo) {
-  return can::Remote(can::SdoClient(bus_, servo.node));
+can::Remote Operations::remote(unsigned node) {
+  can::SdoClient client(bus_, node);
+  client.set_timeout(static_cast<std::int64_t>(plan_.timeout_s * 1e6));
+  return can::Remote(client);
 }
 
 // What a servo is.
@@ -132,11 +134,15 @@ std::vector<std::size_t> Operations::read_parameters(Servo& servo) {
 std::vector<std::size_t> Operations::read_parameters(Servo& servo,
                                                      const std::vector<std::size_t>& rows) {
   can::Remote remote = this->remote(servo);
-  std::vector<std::size_t> changed;
+  // Where one is not answered, none is put: what has changed is told of once.
+  std::vector<std::uint32_t> values;
+  values.reserve(rows.size());
   for (const std::size_t row : rows) {
-    if (servo.parameters->put(row, {whole(remote, parameters<double>[row].key)})) {
-      changed.push_back(row);
-    }
+    values.push_back(whole(remote, parameters<double>[row].key));
+  }
+  std::vector<std::size_t> changed;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (servo.parameters->put(rows[i], {values[i]})) changed.push_back(rows[i]);
   }
   return changed;
 }
@@ -147,8 +153,10 @@ std::vector<std::size_t> Operations::read_changes(Servo& servo) {
   const std::uint32_t count = whole(remote, {0x2220, 1});
   const std::uint32_t seen = servo.changes_seen.value_or(0);
   const bool first = !servo.changes_seen;
-  servo.changes_seen = count;
-  if (count == seen) return {};
+  if (count == seen) {
+    servo.changes_seen = count;
+    return {};
+  }
   const can::Bytes log = remote.read(text::find_object("changes.last"));
   const std::size_t kept = log.size() / size;
   const std::size_t fresh = count - seen;
@@ -162,8 +170,11 @@ std::vector<std::size_t> Operations::read_changes(Servo& servo) {
     const std::size_t row = find_parameter(change.key);
     if (row != no_parameter && change.result == canopen::Abort::none) rows.push_back(row);
   }
-  if (first) return {};
-  return all ? read_parameters(servo) : read_parameters(servo, rows);
+  std::vector<std::size_t> changed;
+  if (!first) changed = all ? read_parameters(servo) : read_parameters(servo, rows);
+  // Seen now that all has been read: where that fails, the next round does it again.
+  servo.changes_seen = count;
+  return changed;
 }
 
 void Operations::skip_changes(Servo& servo) {

@@ -14,6 +14,7 @@ struct OperationsPlan {
   std::optional<std::uint32_t> key;  ///< of an access level (2003h:2)
   /// The longest silence of the bridge after which a servo that a client has enabled ends its heat.
   float watch_s = 1;
+  double timeout_s = 0.5;  ///< longest wait for a servo's answer
 };
 
 class Operations {
@@ -23,7 +24,8 @@ class Operations {
   /// A servo that is there and may be commanded. Throws where it has not been found, is gone, or is
   /// one of two with its node-id.
   Servo& servo(unsigned node);
-  can::Remote remote(const Servo& servo);
+  can::Remote remote(unsigned node);
+  can::Remote remote(const Servo& servo) { return remote(servo.node); }
 
   /// Reads what the bridge must know of a servo. False: the device is none.
   bool join(Servo& servo);

@@ -18,7 +18,7 @@ BridgePlan plan_of(const ServoOptions& options) {
     throw files::UserError("--watch: must be 0.6 to 60 s");
   }
   BridgePlan plan;
-  plan.operations = {options.key, options.watch_s};
+  plan.operations = {options.key, options.watch_s, options.timeout_s};
   plan.traffic.requests_per_s = options.can.starts_with("udp") ? requests_on_udp : requests_on_can;
   plan.sync_s = options.sync_s;
   if (options.sync_s > 0) plan.sync_signals = options.sync_signals;

@@ -15,6 +15,7 @@ struct ServoOptions {
   std::vector<std::string> sync_signals{"strain",    "temperature_K", "resistance_ohm",
                                         "current_A", "setpoint",      "power_W"};
   float watch_s = 1;       ///< longest silence of the bridge before a servo ends its heat
+  double timeout_s = 0.5;  ///< longest wait for a servo's answer
   bool read_only = false;  ///< of all clients
 };
 

@@ -162,6 +162,30 @@ TEST_F(CanSdoClient, WaitsForANodeThatIsSlow) {
   EXPECT_EQ(client.upload(key).size(), size);
 }
 
+// A node answers the later of two requests that meet: the other client's, at first.
+TEST_F(CanSdoClient, AsksAgainWhereAnotherClientWasAnswered) {
+  unsigned others = 1;
+  bus.answers = [&](const Data& request) -> std::vector<Data> {
+    if (others > 0) {
+      --others;
+      Data other = keyed(0x43, 5);
+      other[3] = key.sub + 1;
+      return {other};
+    }
+    return {request[0] == 0x40 ? keyed(0x43, 7) : keyed(0x60)};
+  };
+  EXPECT_EQ(client.upload(key), (Bytes{7, 0, 0, 0}));
+  EXPECT_EQ(bus.requests, 2U);
+  others = 2;
+  EXPECT_THAT(upload(), HasSubstr("no answer within 0.5 s, asked twice"));
+  EXPECT_EQ(bus.requests, 4U);
+  // What is written may have been done, with its answer lost.
+  others = 1;
+  EXPECT_THAT(failure([&] { client.download(key, Bytes{1}); }),
+              HasSubstr("no answer within 0.5 s"));
+  EXPECT_EQ(bus.requests, 5U);
+}
+
 /// The segments of a block whose numbers begin at `first` and do not rise.
 std::vector<Data> same_segments(std::uint8_t number, int count) {
   return std::vector<Data>(static_cast<std::size_t>(count), Data{number, 1, 2, 3, 4, 5, 6, 7});

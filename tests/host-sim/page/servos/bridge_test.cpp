@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <fmt/format.h>
 #include <random>
 
 #include "tests/host-sim/page/servos/page_servos.hpp"
@@ -200,6 +201,26 @@ TEST_F(PageServos, ChangesOfOthersAreSeen) {
   EXPECT_EQ(bench.get("node5.strain.proportional_W"), "3.5");
   EXPECT_EQ(bench.told.parameters["node5.strain.proportional_W"], "3.5");
   EXPECT_EQ(state()["unsaved"], true);
+}
+
+// Whatever answer is lost on the way, the page has the value in the end.
+TEST_F(PageServos, AChangeIsSeenThoughAnswersAreLost) {
+  for (int first = 0; first < 12; ++first) {
+    const std::string value = fmt::format("{}.5", 2 + first);
+    const auto port = bench.bus.port();
+    can::Remote other(can::SdoClient(*port, node));
+    other.set("strain.proportional_W", value);
+    // Both answers to one read, and all of the next one.
+    int answers = 0;
+    bench.bus.loses = [&](const hal::CanFrame& frame) {
+      if (frame.id != 0x580 + node) return false;
+      ++answers;
+      return first <= answers && answers < first + 3;
+    };
+    bench.run(4);
+    bench.bus.loses = nullptr;
+    EXPECT_EQ(bench.told.parameters.at("node5.strain.proportional_W"), value) << first;
+  }
 }
 
 TEST_F(PageServos, AFaultIsSaidWithItsCauseAndTheValuesOfThatTime) {

@@ -31,13 +31,14 @@ export interface Events {
 export type Handler = (data: Uint8Array, time_s: number) => void;
 type Json = Record<string, unknown>;
 
-interface Waiting {
-  resolve(answer: Json): void;
+interface Waiting<T> {
+  resolve(answer: T): void;
   reject(error: Error): void;
 }
 
 export const subprotocol = 'foxglove.websocket.v1';
 const silence_ms = 4000;  // the bridge says something four times a second
+const look_ms = 500;
 const retry_ms = [250, 500, 1000, 2000];
 
 export class Connection {
@@ -51,8 +52,8 @@ export class Connection {
   private readonly services = new Map<string, number>();
   private readonly handlers = new Map<string, Handler>();
   private readonly subscriptions = new Map<number, string>();
-  private readonly waiting = new Map<number, Waiting>();
-  private readonly reads = new Map<string, (values: NamedValue[]) => void>();
+  private readonly waiting = new Map<number, Waiting<Json>>();
+  private readonly reads = new Map<string, Waiting<NamedValue[]>>();
   private subscribed = 0;
 
   constructor(private readonly open: () => Socket, private readonly events: Events) {
@@ -94,8 +95,8 @@ export class Connection {
   setParameters(values: NamedValue[]): Promise<NamedValue[]> {
     if (!this.socket) return Promise.reject(new Error('there is no connection to the bridge'));
     const id = this.nextId();
-    return new Promise((resolve) => {
-      this.reads.set(id, resolve);
+    return new Promise((resolve, reject) => {
+      this.reads.set(id, { resolve, reject });
       this.say({ op: 'setParameters', parameters: values, id });
     });
   }
@@ -131,9 +132,14 @@ export class Connection {
     };
   }
 
-  /** A connection that says nothing is none, whatever TCP believes. */
+  /** A connection that says nothing is none, whatever TCP believes. Where the page itself did not run, what came
+   * meanwhile still waits to be read. */
   private watch(): void {
+    let looked = Date.now();
     const timer = setInterval(() => {
+      const late_ms = Date.now() - looked - look_ms;
+      looked = Date.now();
+      if (late_ms > look_ms) this.heard += late_ms;
       if (this.ended) clearInterval(timer);
       else if (this.socket && Date.now() - this.heard > silence_ms) {
         const silent = this.socket;
@@ -142,7 +148,7 @@ export class Connection {
         silent.close();
         closed?.({ code: 1006, reason: 'the bridge has said nothing for 4 s' });
       }
-    }, 500);
+    }, look_ms);
   }
 
   private drop(reason: string): void {
@@ -151,7 +157,9 @@ export class Connection {
     this.channels.clear();
     this.services.clear();
     this.subscriptions.clear();
-    for (const { reject } of this.waiting.values()) reject(new Error('the connection was lost before the answer came'));
+    for (const { reject } of [...this.waiting.values(), ...this.reads.values()]) {
+      reject(new Error('the connection was lost before the answer came'));
+    }
     this.waiting.clear();
     this.reads.clear();
     socket?.close();
@@ -231,7 +239,7 @@ export class Connection {
         const values = list(message['parameters']) as unknown as NamedValue[];
         this.events.parameters(values);
         const id = String(message['id'] ?? '');
-        this.reads.get(id)?.(values);
+        this.reads.get(id)?.resolve(values);
         this.reads.delete(id);
         break;
       }

@@ -154,6 +154,13 @@ describe('Connection', () => {
     expect(inForce).toEqual([{ name: 'node1.a', value: 1 }]);
   });
 
+  it('fails a write whose connection is lost', async () => {
+    await run();
+    const lost = expect(bench.connection.setParameters([{ name: 'node1.a', value: 2 }])).rejects.toThrow('connection was lost');
+    bench.pipes[0]!.close('the bridge has ended');
+    await lost;
+  });
+
   it('comes back by itself, subscribes again, and repeats no command', async () => {
     addService(() => ({}));
     const channel = bench.server.addChannel({ topic: '/live', encoding: 'json', schemaName: '', schema: '' });
@@ -179,6 +186,15 @@ describe('Connection', () => {
     await run(5000);
     expect(bench.events.lost).toHaveBeenCalledWith('the bridge has said nothing for 4 s');
     expect(bench.pipes.length).toBeGreaterThan(1);
+  });
+
+  it('takes its own sleep for no silence of the server', async () => {
+    await run();
+    vi.setSystemTime(Date.now() + 60_000);
+    await run(1000);
+    expect(bench.events.lost).not.toHaveBeenCalled();
+    await run(4000);
+    expect(bench.events.lost).toHaveBeenCalled();
   });
 
   it('takes no harm from what no server should send', async () => {
