@@ -1,7 +1,7 @@
 // The guide of a first run, to its end.
 'use strict';
 
-const {bus, by, shown, text, until, usable} = require('./world.js');
+const {bus, by, shown, succeeds, text, until, usable} = require('./world.js');
 const {connected, enabled, tab} = require('./person.js');
 const assert = require('node:assert/strict');
 
@@ -47,7 +47,7 @@ async function tuning_step(view) {
   await by(view, 'step-seconds').fill('1');
   await until('a servo that can step', () => by(view, 'step-run').isEnabled());
   await by(view, 'step-run').click();
-  await shown(view, 'run');
+  await succeeds(view, 'a run', () => by(view, 'run').isVisible());
   await tab(view, 'guide');
   await by(view, 'guide-tune-done').click();
   assert.match(await finding(view, 'tune'), /rise [\d.]+ ms/);

@@ -1,7 +1,7 @@
 // What a person does on the page in more than one test.
 'use strict';
 
-const {by, shown, text, until} = require('./world.js');
+const {by, shown, succeeds, text, until} = require('./world.js');
 
 const received = async (view) => Number(await by(view, 'rate').getAttribute('data-received'));
 const field = (view, parameter) => view.locator(`[id="value-${parameter}"]`);
@@ -28,7 +28,7 @@ async function parameter(view, name) {
 async function enabled(view, place) {
   if (/Enabled/.test(await by(view, 'drive').textContent())) return;
   await place.getByRole('button', {name: 'Enable', exact: true}).click();
-  await drive(view, /Enabled/);
+  await succeeds(view, 'enabled', async () => /Enabled/.test(await by(view, 'drive').textContent()));
 }
 
 async function enable(view) {
@@ -44,7 +44,7 @@ async function move(view, target_um) {
   await view.locator('form.target', {hasText: 'µm'}).waitFor();
   await by(view, 'target').fill(String(target_um));
   await by(view, 'go').click();
-  await until(`a move to ${target_um} um`, async () => Math.abs(await reading(view, 'position_m') - target_um) < 100);
+  await succeeds(view, `a move to ${target_um} um`, async () => Math.abs(await reading(view, 'position_m') - target_um) < 100);
 }
 
 module.exports = {connected, drive, enable, enabled, field, move, off, parameter, reading, received, tab, value};

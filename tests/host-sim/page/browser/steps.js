@@ -1,7 +1,7 @@
 // The step test and the recorder.
 'use strict';
 
-const {by, coloured, download, shown, text, until} = require('./world.js');
+const {by, coloured, download, shown, succeeds, text, until} = require('./world.js');
 const {connected, move, tab} = require('./person.js');
 const assert = require('node:assert/strict');
 const {execFileSync} = require('node:child_process');
@@ -11,7 +11,7 @@ const path = require('node:path');
 /** One run more. */
 async function stepped(view, runs, count) {
   await by(view, 'step-run').click();
-  await until(`${count} runs`, async () => await runs.count() === count);
+  await succeeds(view, `${count} runs`, async () => await runs.count() === count);
 }
 
 module.exports = {

@@ -13,9 +13,10 @@ const {promisify} = require('node:util');
 // Only a program that hangs takes so long; less where a person looks for what hangs.
 const patience_ms = 1000 * Number(process.env.BROWSER_PATIENCE_S ?? 600);
 
-// The longest silences of a bridge before a servo ends its heat, and of a browser before the bridge does: those that a
-// busy machine does not let run for a while are not dead. What is about these has a shorter watch.
-const calm = ['--watch', '60', '--patience', '60'];
+// The longest silences of a bridge before a servo ends its heat, of a browser before the bridge does, and of a servo
+// that was asked: those that a busy machine does not let run for a while are not dead. What is about these has a shorter
+// watch.
+const calm = ['--watch', '60', '--patience', '60', '--timeout', '10'];
 const short_watch_s = 5;
 
 const bus = process.env.SERVO_BUS ?? 'udp';
@@ -97,7 +98,8 @@ class World {
     this.bridge = bridge;
   }
 
-  /** What another master on the bus is told; null: nothing, which may be as the bridge asks at that moment, too. */
+  /** What another master on the bus is told; null: nothing, which may be as the bridge asks at that moment, too. A node
+   * answers one of two requests that meet, and the bridge writes once: so nobody asks here while the page writes. */
   async can(...words) {
     try {
       const {stdout} = await promisify(execFile)(this.host_sim, ['can', '--can', bus, '--timeout', '2', ...words]);
@@ -133,6 +135,7 @@ class World {
     // What the page has said in passing: a notice goes by itself.
     await view.addInitScript(() => {
       window.noticed = [];
+      window.failed = [];
       new MutationObserver((changes) => {
         const said = new Set();
         for (const {target, addedNodes} of changes) {
@@ -141,7 +144,10 @@ class World {
             ?.closest('[data-testid^=notice-]');
           const inside = [...addedNodes].filter((node) => node.nodeType === Node.ELEMENT_NODE).flatMap((node) =>
             [node, ...node.querySelectorAll('*')].filter((one) => one.dataset?.testid?.startsWith('notice-')));
-          for (const notice of around ? [around, ...inside] : inside) said.add(notice.textContent);
+          for (const notice of around ? [around, ...inside] : inside) {
+            said.add(notice.textContent);
+            if (notice.dataset.testid === 'notice-error') window.failed.push(notice.textContent);
+          }
         }
         window.noticed.push(...said);
       }).observe(document, {childList: true, subtree: true, characterData: true});
@@ -178,6 +184,16 @@ const gone = (view, name) => by(view, name).waitFor({state: 'hidden'});
 const noticed = (view, words, since = 0) =>
   until(`a notice: ${words}`, async () =>
     (await view.evaluate(() => window.noticed)).slice(since).some((said) => words.test(said)));
+
+/** As until(), of what the page has been asked for: an error that it says meanwhile is the answer. */
+async function succeeds(view, what, condition) {
+  const before = await view.evaluate(() => window.failed.length);
+  await until(what, async () => {
+    const [failure] = (await view.evaluate(() => window.failed)).slice(before);
+    if (failure) throw new Error(`${what}: the page says: ${failure}`);
+    return await condition();
+  });
+}
 
 /** How many notices there have been. */
 const notices = (view) => view.evaluate(() => window.noticed.length);
@@ -233,6 +249,6 @@ async function download(view, name) {
 }
 
 module.exports = {
-  World, bus, by, coloured, download, gone, launch, noticed, notices, picture, programs, short_watch_s, shown, text, until,
+  World, bus, by, coloured, download, gone, launch, noticed, notices, picture, programs, short_watch_s, shown, succeeds, text, until,
   usable,
 };
