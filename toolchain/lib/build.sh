@@ -119,13 +119,13 @@ replay_all() {
 }
 
 run_build() {
-  run_setup
+  install_packages
   build release host-sim smaservod
 }
 
 # A servo on a simulated wire and the page before it, until Ctrl-C.
 run_page() {
-  run_setup
+  install_packages
   build release host-sim smaservod
   local bus=udp:239.74.163.5%lo:$((20000 + $$ % 20000)) folder
   folder=$(mktemp -d)
@@ -141,7 +141,7 @@ run_page() {
 }
 
 run_replay() {
-  run_setup
+  install_packages
   build release host-sim
   local host_sim=$root/build/release/host-sim/host-sim
   if [[ $* == --all ]]; then

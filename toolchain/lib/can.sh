@@ -27,6 +27,6 @@ setup_guest() {
 
 run_can_test() {
   run_setup
-  step kernels setup_guest && build release host-sim smaservod && step can-clients install_clients &&
+  step kernels setup_guest && build release host-sim smaservod can_socket_tests && step can-clients install_clients &&
     (cd "$root" && ctest --preset can)
 }

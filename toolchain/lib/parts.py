@@ -61,6 +61,7 @@ NO_PAGES = [':!host-sim/page/front']
 # Of the tests, what is compiled, and what compiled tests read.
 TESTS = ['tests', ':!tests/*.js', ':!tests/*.py', ':!tests/*.sh',
          ':!tests/*.md', ':!tests/*.json']
+CAN_PROGRAMS = ['host-sim', 'smaservod', 'can_socket_tests']
 GUESTS = ['tests/board', 'tests/can/device.toml', 'host-sim/scenarios', 'toolchain/board', 'toolchain/can/uml']
 
 PARTS = {
@@ -80,9 +81,9 @@ PARTS = {
         {'release': ['board_programs']}),
     'can': Part(
         'CAN clients of others, in a guest',
-        [build('release', 'host-sim', 'smaservod'), ctest('can', live=True)],
-        [*MADE_BY, *PROGRAMS, 'tests/can', 'tests/npm.sh', 'toolchain/can', *scripts('can.sh', 'board.sh')],
-        {'release': ['host-sim', 'smaservod']}),
+        [build('release', *CAN_PROGRAMS), ctest('can', live=True)],
+        [*MADE_BY, *PROGRAMS, 'tests/can', 'tests/npm.sh', 'tests/patience.*', 'toolchain/can', *scripts('can.sh', 'board.sh')],
+        {'release': CAN_PROGRAMS}),
     'mcu': Part(
         'the core on Cortex-M in QEMU, within its budget',
         [Step('mcu', dev('test_mcu'))],
@@ -94,7 +95,7 @@ PARTS = {
         'Debian packages for three architectures; their service in a Debian system',
         [Step('packages', dev('test_package')),
          build('release', 'board_programs'), ctest('package')],
-        [*MADE_BY, *PROGRAMS, *GUESTS, 'CHANGELOG.md', 'tests/model',
+        [*MADE_BY, *PROGRAMS, *GUESTS, 'CHANGELOG.md', 'tests/model', 'tests/firmware/daemon/setup_test.sh',
          *scripts('package.sh', 'sysroot.sh', 'board.sh', 'board_kernel.sh', 'board_root.sh')],
         {'release': ['package_contents', 'board_programs'], 'arm64': ['package_contents'],
          'armhf': ['package_contents']}),
@@ -131,7 +132,8 @@ PARTS = {
 }
 
 
-def git_files(patterns):
+@cache
+def git_files(*patterns):
     """Files of the project that match, tracked or new."""
     found = subprocess.run(
         ['git', 'ls-files', '-z', '--cached', '--others', '--exclude-standard', '--', *patterns],
@@ -148,7 +150,7 @@ def digest(name):
 
 def listed_packages():
     text = (ROOT / 'toolchain/packages.txt').read_text()
-    return [line.split()[0] for line in text.splitlines() if line.split('#')[0].strip()]
+    return [line.split()[0] for line in text.splitlines() if line.split('#')[0].strip() not in ('', 'all:')]
 
 
 @cache
@@ -189,7 +191,7 @@ def shared():
 
 def key(part):
     total = hashlib.sha256(f'{tools()}\n{shared()}\n'.encode())
-    for name in git_files(part.inputs):
+    for name in git_files(*part.inputs):
         total.update(name.encode() + digest(name))
     return total.hexdigest()[:32]
 
@@ -216,6 +218,6 @@ def files_read(tree, targets):
 
 def not_in_inputs(part):
     """Lines "tree: file": what the part's builds have read and its key does not know."""
-    known = set(git_files(part.inputs))
+    known = set(git_files(*part.inputs))
     return sorted(f'{tree}: {name}' for tree, targets in part.built.items()
                   for name in files_read(tree, targets) - known)

@@ -30,11 +30,16 @@ debian_codename() {
   esac
 }
 
-# "package suite" of each package of packages.txt; the suite is empty where it does not matter.
+# listed_packages [all]: "package suite" of each package of packages.txt, up to its line "all:" or beyond it; the suite
+# is empty where it does not matter.
 listed_packages() {
   local release package suite
   release=$(debian_release)
-  sed 's/#.*//' "$root/toolchain/packages.txt" | while read -r package suite _; do
+  if [[ ${1:-} == all ]]; then
+    sed 's/#.*//; /^all:/d' "$root/toolchain/packages.txt"
+  else
+    sed 's/#.*//; /^all:/,$d' "$root/toolchain/packages.txt"
+  fi | while read -r package suite _; do
     [[ $release == 12 ]] || suite=''
     [[ -z $package ]] || printf '%s %s\n' "$package" "$suite"
   done
@@ -43,7 +48,7 @@ listed_packages() {
 # The same of those that are not installed.
 missing_packages() {
   local package suite
-  listed_packages | while read -r package suite; do
+  listed_packages "$@" | while read -r package suite; do
     if ! is_installed "$package" "$suite"; then
       printf '%s %s\n' "$package" "$suite"
     fi
@@ -114,13 +119,14 @@ add_suite() {
   apt_get update
 }
 
-run_setup() {
+# install_packages [all]
+install_packages() {
   local release missing package suite
   release=$(debian_release)
   if ! command -v dpkg-query >/dev/null; then
     die "this is not a Debian system (no dpkg); install by hand what toolchain/packages.txt lists"
   fi
-  missing=$(missing_packages)
+  missing=$(missing_packages "$@")
   if [[ -z $missing ]]; then
     return
   fi
@@ -153,4 +159,8 @@ run_setup() {
     # shellcheck disable=SC2086 # several packages
     apt_get install --no-install-recommends -t "$suite" ${from[$suite]} || exit
   done
+}
+
+run_setup() {
+  install_packages all
 }
