@@ -80,9 +80,11 @@ PARTS = {
         [*MADE_BY, *CORE, *GUESTS, 'tests/model', *scripts('board.sh', 'board_kernel.sh')],
         {'release': ['board_programs']}),
     'can': Part(
-        'CAN clients of others, in a guest',
+        "CAN clients of others, the page's bridge and our own sockets on a kernel's CAN, in a guest",
         [build('release', *CAN_PROGRAMS), ctest('can', live=True)],
-        [*MADE_BY, *PROGRAMS, 'tests/can', 'tests/npm.sh', 'tests/patience.*', 'toolchain/can', *scripts('can.sh', 'board.sh')],
+        [*MADE_BY, *PROGRAMS, 'tests/can', 'tests/npm.sh', 'tests/patience.*', 'toolchain/can',
+         *(f'tests/host-sim/page/{name}' for name in ('node', 'bridge.js', 'on_vcan.js', 'browser/world.js')),
+         *scripts('can.sh', 'board.sh')],
         {'release': CAN_PROGRAMS}),
     'mcu': Part(
         'the core on Cortex-M in QEMU, within its budget',

@@ -26,7 +26,9 @@ def main():
         for tree, targets in part.built.items():
             if not (parts.ROOT / 'build' / tree / 'build.ninja').is_file():
                 continue
-            read = parts.files_read(tree, targets)
+            # Where a tool is missing that only this part installs, the tree has no such target yet.
+            there = {line.split(':')[0] for line in parts.ninja(tree, '-t', 'targets', 'all')}
+            read = parts.files_read(tree, [target for target in targets if target in there])
             looked += len(read)
             failures += [f'{name}: its key does not change with {file}'
                          for file, changed in keys(part, sorted(read)) if changed == usual]

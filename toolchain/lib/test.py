@@ -215,9 +215,13 @@ sessions = set()  # of steps at idle priority, which no Ctrl-C reaches
 
 
 def end(signal_number, _frame):
-    for leader in list(sessions):
-        # Its children may lead groups of their own; they all are of its session.
-        subprocess.run(['pkill', '--session', str(leader)])
+    for stat in Path('/proc').glob('[0-9]*/stat'):
+        try:
+            session = stat.read_text().rpartition(')')[2].split()[3]
+            if int(session) in sessions:
+                os.kill(int(stat.parent.name), signal.SIGTERM)
+        except OSError:
+            pass  # it has ended
     os._exit(128 + signal_number)
 
 

@@ -56,19 +56,6 @@ module.exports = {
     await off(second);
   },
 
-  async 'a bridge that may only show offers no change'({view, world}) {
-    await connected(view);
-    assert.equal(await world.bridge.stop(), 0);
-    await world.startBridge('--read-only');
-    const viewer = await world.visit();
-    await connected(viewer);
-    await text(viewer, 'read-only', /View only/);
-    await usable(by(viewer, 'enable'), false);
-    await parameter(viewer, gain);
-    await usable(field(viewer, gain), false);
-    await usable(by(viewer, 'stop'));
-  },
-
   async 'the last page that goes ends the heat'({view, world}) {
     await connected(view);
     await move(view, 800);

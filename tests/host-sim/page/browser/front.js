@@ -4,8 +4,8 @@
 'use strict';
 
 const {ScriptedBridge, page_of} = require('./scripted_bridge.js');
-const {World, by, coloured, gone, launch, noticed, shown, text, until, usable} = require('./world.js');
-const {drive, field, off, parameter, tab, value} = require('./person.js');
+const {World, by, coloured, gone, launch, noticed, picture, shown, text, until, usable} = require('./world.js');
+const {drive, field, off, parameter, received, tab, value} = require('./person.js');
 const assert = require('node:assert/strict');
 
 const [name, host_sim, smaservod, sources] = process.argv.slice(2);
@@ -176,6 +176,46 @@ const tests = {
     });
     bridge.send('/node1/live', {strain: null, temperature_K: null, position_m: null});
     await until('no value', async () => /^[–-]$/.test(await by(view, 'reading-strain').textContent()));
+  },
+
+  async 'a pause stands still, and goes on'({view, bridge}) {
+    await tab(view, 'live');
+    bridge.stream();
+    await until('a curve', async () => await coloured(view, 'plot-strain') > 50);
+    await by(view, 'pause').click();
+    await text(view, 'pause', /Go on/);
+    let still = '';
+    await until('it stands', async () => {
+      const before = still;
+      still = await picture(view, 'plot-strain');
+      return still === before;
+    });
+    const samples = await received(view);
+    await until('samples while it stands', async () => await received(view) > samples + 50);
+    assert.equal(await picture(view, 'plot-strain'), still);
+    await by(view, 'pause').click();
+    await until('another picture', async () => await picture(view, 'plot-strain') !== still);
+  },
+
+  async 'a reload keeps what was chosen, and draws the past'({view, bridge}) {
+    await tab(view, 'live');
+    await by(view, 'span-10').click();
+    await by(view, 'arrange').click();
+    await by(view, 'show-current').click();
+    await by(view, 'show-phases').click();
+    await shown(view, 'plot-current');
+    await gone(view, 'plot-phases');
+    const hidden = () => by(view, 'plot-strain').locator('.plot-key[data-key=band]');
+    await hidden().click();
+    bridge.answers.history = () => bridge.past(8);
+    await view.reload();
+    await shown(view, 'plot-current');
+    assert.equal(await by(view, 'plot-phases').count(), 0);
+    assert.equal(await by(view, 'span-10').getAttribute('aria-pressed'), 'true');
+    assert.equal(await hidden().getAttribute('aria-pressed'), 'false');
+    for (const plot of ['strain', 'temperature']) {
+      await until(`the past of ${plot}`, async () => await coloured(view, `plot-${plot}`) > 50);
+    }
   },
 };
 

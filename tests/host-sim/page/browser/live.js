@@ -1,7 +1,7 @@
 // The plots, and what of them outlasts a reload.
 'use strict';
 
-const {bus, by, coloured, gone, picture, shown, text, until} = require('./world.js');
+const {bus, by, coloured, picture, text, until} = require('./world.js');
 const {connected, move, off, reading, received} = require('./person.js');
 const assert = require('node:assert/strict');
 
@@ -22,51 +22,6 @@ module.exports = {
     await off(view);
     const {origin} = new URL(world.url);
     for (const url of view.asked) assert.ok(url.startsWith(origin) || /^(data|blob):/.test(url), url);
-  },
-
-  async 'a pause stands still, and goes on'({view}) {
-    await connected(view);
-    await by(view, 'pause').click();
-    await text(view, 'pause', /Go on/);
-    await view.waitForTimeout(500);
-    const still = await picture(view, 'plot-strain');
-    const samples = await received(view);
-    await until('samples while it stands', async () => await received(view) > samples + 50);
-    assert.equal(await picture(view, 'plot-strain'), still);
-    await by(view, 'pause').click();
-    await until('another picture', async () => await picture(view, 'plot-strain') !== still);
-  },
-
-  async 'a reload keeps what was chosen, and the past'({view}) {
-    await connected(view);
-    await by(view, 'span-10').click();
-    await by(view, 'arrange').click();
-    await by(view, 'show-current').click();
-    await by(view, 'show-phases').click();
-    await shown(view, 'plot-current');
-    await gone(view, 'plot-phases');
-    const hidden = () => by(view, 'plot-strain').locator('.plot-key[data-key=band]');
-    await hidden().click();
-    await view.waitForTimeout(3000);
-    const past = [];
-    view.on('websocket', (socket) => socket.on('framereceived', ({payload}) => {
-      const words = payload.toString();
-      if (typeof payload !== 'string' && words.includes('"t_ns"')) past.push(JSON.parse(words.slice(words.indexOf('{"'))));
-    }));
-    const reload_ns = Date.now() * 1e6;
-    await view.reload();
-    await connected(view);
-    await shown(view, 'plot-current');
-    assert.equal(await by(view, 'plot-phases').count(), 0);
-    assert.equal(await by(view, 'span-10').getAttribute('aria-pressed'), 'true');
-    assert.equal(await hidden().getAttribute('aria-pressed'), 'false');
-    await until('the past is drawn', async () => await coloured(view, 'plot-strain') > 50);
-    // Firefox's protocol does not tell of frames of sockets.
-    if (past.length > 0) {
-      const times_ns = past[0].t_ns;
-      assert.ok(reload_ns - times_ns[0] > 3e9, 'it began before the reload');
-      assert.ok(times_ns.every((time, i) => i === 0 || time >= times_ns[i - 1]));
-    }
   },
 
   async 'a loop has its trail, and the past comes back after a reload'({view}) {

@@ -60,6 +60,7 @@ class ScriptedBridge {
 
   /** Everything as usual but for what `said` changes, for those who connect from now on. */
   begin(said) {
+    clearInterval(this.streaming);
     this.drop();
     Object.assign(this, usual());
     Object.assign(this.bridge, said);
@@ -123,6 +124,21 @@ class ScriptedBridge {
     }
   }
 
+  /** What the service `history` answers of the same strain, `seconds` long, up to now. */
+  past(seconds, rate_Hz = 50) {
+    const rows = Array.from({length: seconds * rate_Hz}, (_, k) => k);
+    const now_ms = Date.now();
+    return {
+      t_ns: rows.map((k) => Math.round((now_ms - 1000 * (rows.length - k) / rate_Hz) * 1e3) * 1e3),
+      strain: rows.map((k) => 0.04 - 0.02 * k / rows.length), temperature_K: rows.map((k) => 300 + 50 * k / rows.length),
+      current_A: rows.map(() => 0.2)};
+  }
+
+  /** Samples from now on, until the next begin(). */
+  stream() {
+    this.streaming = setInterval(() => this.samples(0.1), 100);
+  }
+
   /** In force at once. */
   now({state = {}, bridge = {}}) {
     Object.assign(this.state, state);
@@ -137,6 +153,7 @@ class ScriptedBridge {
 
   close() {
     clearInterval(this.timer);
+    clearInterval(this.streaming);
     this.drop();
     this.http.close();
   }
