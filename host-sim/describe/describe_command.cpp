@@ -16,6 +16,7 @@ namespace {
 struct DescribeArguments {
   std::string topic;
   std::string wire{files::default_wire};
+  bool real_defaults = false;
 };
 
 struct Topic {
@@ -27,7 +28,10 @@ constexpr auto topics = std::to_array<Topic>({
     {"dbc", "the frames of node 1 on CAN (firmware/reference/smaservo.dbc)",
      [](const DescribeArguments&) { return text::dbc_text(); }},
     {"eds", "electronic data sheet of the CANopen node (firmware/reference/smaservo.eds)",
-     [](const DescribeArguments&) { return text::eds_text(); }},
+     [](const DescribeArguments& a) {
+       return text::eds_text(a.real_defaults ? text::RealDefaults::decimal
+                                             : text::RealDefaults::none);
+     }},
     {"faults", "every fault of a device, in Markdown (firmware/reference/FAULTS.md)",
      [](const DescribeArguments&) { return text::fault_reference(); }},
     {"objects", "objects of the CANopen node other than parameters, in Markdown (OBJECTS.md)",
@@ -69,6 +73,9 @@ void add_describe_command(CLI::App& app) {
   auto a = std::make_shared<DescribeArguments>();
   command->add_option("TOPIC", a->topic, "one of:" + list_of_topics())->required();
   command->add_option("--wire", a->wire, "preset or file that ends in .toml; " + a->wire);
+  command->add_flag("--real-defaults", a->real_defaults,
+                    "of eds: with decimal defaults of REAL32 objects, for gocanopen, which needs "
+                    "them; Lely and ros2_canopen refuse them");
   command->callback([a] { describe(*a); });
 }
 

@@ -35,8 +35,7 @@ std::string number_text(Type type, std::uint32_t value) {
                                   : fmt::format("0x{:X}", value);
 }
 
-/// An object's value after a restore. Reals are decimal, as python-canopen, gocanopen and the
-/// editors have them; CiA 306 does not say.
+/// An object's value after a restore.
 std::string default_text(const ListedObject& listed) {
   const Object& object = listed.object;
   switch (object.key.index) {
@@ -53,7 +52,6 @@ std::string default_text(const ListedObject& listed) {
       break;
   }
   if (object.type == Type::real) {
-    // gocanopen refuses a sheet in which a real has no default, as a wire's parameters have none.
     return fmt::format("{}", listed.has_default ? canopen::as_real(object.standard) : 0.F);
   }
   if (!listed.has_default || canopen::size_of(object.type) == 0) {
@@ -78,9 +76,11 @@ std::string limits_text(const Object& object) {
   return text;
 }
 
-std::string variable_text(const std::string& section, const ListedObject& listed) {
+std::string variable_text(const std::string& section, const ListedObject& listed,
+                          RealDefaults reals) {
   const Object& object = listed.object;
-  const std::string standard = default_text(listed);
+  const bool told = object.type != Type::real || reals == RealDefaults::decimal;
+  const std::string standard = told ? default_text(listed) : "";
   const bool is_domain = object.type == Type::domain;
   std::string text = fmt::format(
       "[{}]\nParameterName={}\nObjectType=0x{:X}\nDataType=0x{:04X}\nAccessType={}\n", section,
@@ -97,10 +97,10 @@ std::string variable_text(const std::string& section, const ListedObject& listed
   return text + '\n';
 }
 
-std::string index_text(const ListedIndex& listed) {
+std::string index_text(const ListedIndex& listed, RealDefaults reals) {
   const std::string section = fmt::format("{:04X}", listed.index);
   if (listed.is_variable()) {
-    return variable_text(section, listed.objects[0]);
+    return variable_text(section, listed.objects[0], reals);
   }
   const bool counts_itself = listed.objects[0].object.key.sub == 0;
   const std::size_t subs = listed.objects.size() + (counts_itself ? 0 : 1);
@@ -115,7 +115,7 @@ std::string index_text(const ListedIndex& listed) {
         section, listed.highest_sub());
   }
   for (const ListedObject& object : listed.objects) {
-    text += variable_text(fmt::format("{}sub{:X}", section, object.object.key.sub), object);
+    text += variable_text(fmt::format("{}sub{:X}", section, object.object.key.sub), object, reals);
   }
   return text;
 }
@@ -128,14 +128,15 @@ bool is_manufacturers(std::uint16_t index) {
 }
 
 template <class Of>
-std::string group_text(std::string_view name, const std::vector<ListedIndex>& all, Of of) {
+std::string group_text(std::string_view name, const std::vector<ListedIndex>& all,
+                       RealDefaults reals, Of of) {
   std::string list;
   std::string objects;
   int n = 0;
   for (const ListedIndex& listed : all) {
     if (of(listed.index)) {
       list += fmt::format("{}=0x{:04X}\n", ++n, listed.index);
-      objects += index_text(listed);
+      objects += index_text(listed, reals);
     }
   }
   return fmt::format("[{}]\nSupportedObjects={}\n{}\n", name, n, list) + objects;
@@ -188,12 +189,15 @@ Dummy0005=1
 Dummy0006=1
 Dummy0007=1
 
-[Comments]
-Lines=2
-Line1=Made by host-sim describe eds from the tables of the firmware.
-Line2=REAL32 objects have neither default nor limits here: see OBJECTS.md.
-
 )";
+
+std::string comments(RealDefaults reals) {
+  return fmt::format(
+      "[Comments]\nLines=2\nLine1=Made by host-sim describe eds from the tables of the firmware.\n"
+      "Line2=REAL32 objects have {} here: see OBJECTS.md.\n\n",
+      reals == RealDefaults::none ? "neither default nor limits"
+                                  : "decimal defaults and no limits");
+}
 
 // DBC.
 
@@ -322,17 +326,18 @@ std::string table_text(const ListedIndex& listed) {
 
 }  // namespace
 
-std::string eds_text() {
+std::string eds_text(RealDefaults reals) {
   const std::vector<ListedIndex> all = list_objects();
   std::string text(eds_head);
   text += fmt::format("ProductNumber=0x{:X}\nRevisionNumber=0x{:X}\n", canopen::servo_product,
                       canopen::servo_revision);
   text += eds_device;
-  text += group_text("MandatoryObjects", all, is_mandatory);
-  text += group_text("OptionalObjects", all, [](std::uint16_t index) {
+  text += comments(reals);
+  text += group_text("MandatoryObjects", all, reals, is_mandatory);
+  text += group_text("OptionalObjects", all, reals, [](std::uint16_t index) {
     return !is_mandatory(index) && !is_manufacturers(index);
   });
-  text += group_text("ManufacturerObjects", all, is_manufacturers);
+  text += group_text("ManufacturerObjects", all, reals, is_manufacturers);
   text.pop_back();  // the blank line after the last section
   return text;
 }
