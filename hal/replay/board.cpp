@@ -27,9 +27,8 @@ ReadStatus ReplayBoard::read(Frame& frame) {
     load_N = row_[Column::stress] * area_m2_;
   }
   // A skipped row counts as a lost frame.
-  const auto sequence = trace_.has(Column::sequence)
-                            ? row_[Column::sequence]
-                            : static_cast<double>(trace_.rows() + trace_.skipped() - 1);
+  const auto sequence =
+      trace_.has(Column::sequence) ? row_[Column::sequence] : static_cast<double>(row_.number);
   frame = {.time_ns = now_ns_,
            .sequence = static_cast<std::uint32_t>(sequence),
            .current_A = row_[Column::current],

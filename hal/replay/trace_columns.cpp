@@ -1,0 +1,289 @@
+#include "hal/replay/trace_columns.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <utility>
+
+#include "model/files/error.hpp"
+
+namespace smaservo::hal {
+namespace {
+
+struct Known {
+  std::string_view base;
+  Kind kind;
+  double low, high;  ///< bounds in SI; a value outside makes the row a bad one
+};
+
+constexpr std::array<Known, column_count> known_columns{{
+    {"time", kind::time, -9e9, 9e9},
+    {"current", kind::current, -1e3, 1e3},
+    {"voltage", kind::voltage, -1e4, 1e4},
+    {"load", kind::force, -1e3, 1e5},
+    {"stress", kind::stress, -1e9, 1e10},
+    {"temperature", kind::temperature, 50, 2000},
+    {"ambient", kind::temperature, 150, 500},
+    {"strain_ref", kind::number, -1, 1},
+    {"displacement", kind::length, -10, 10},
+    {"resistance", kind::resistance, 0, 1e6},
+    {"power", kind::specific_power, -1e7, 1e7},
+    {"supply", kind::voltage, -1e4, 1e4},
+    {"driver", kind::temperature, 50, 2000},
+    {"emergency_stop", kind::count, 0, 1},
+    {"driver_fault", kind::count, 0, 1},
+    {"sequence", kind::count, 0, 4294967295.0},
+    {"fresh", kind::count, 0, 1},
+}};
+
+/// Whether a reader with these options understands the column.
+constexpr bool understood(Column column, const TraceOptions& options) {
+  return column < Column::resistance ||
+         (column < Column::supply ? options.resistance_and_power : options.device);
+}
+
+/// Whether the column's fields may be empty: a reading may have failed, while time, sequence and
+/// flags are always there.
+constexpr bool may_be_empty(Column column, const TraceOptions& options) {
+  return options.device && column != Column::time &&
+         (column <= Column::ambient || column == Column::supply || column == Column::driver);
+}
+
+constexpr double not_there = std::numeric_limits<double>::quiet_NaN();
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
+    text.remove_prefix(1);
+  }
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) {
+    text.remove_suffix(1);
+  }
+  return text;
+}
+
+/// Reads a number at `at` and moves `at` behind it; NaN where there is none. A plain decimal of up
+/// to 15 digits takes one exact division (Clinger 1990); the standard library parses the others, in
+/// four times the time.
+double parse_number(const char*& at, const char* stop) {
+  constexpr std::array<double, 16> powers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                          1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const char* p = at;
+  const bool negative = p < stop && *p == '-';
+  p += negative ? 1 : 0;
+  std::uint64_t digits = 0;
+  const auto read_digits = [&] {
+    const char* from = p;
+    for (; p < stop && *p >= '0' && *p <= '9'; ++p) {
+      digits = 10 * digits + static_cast<std::uint64_t>(*p - '0');
+    }
+    return p - from;
+  };
+  const auto whole = read_digits();
+  std::ptrdiff_t decimals = 0;
+  if (p < stop && *p == '.') {
+    ++p;
+    decimals = read_digits();
+  }
+  if (whole > 0 && whole + decimals <= 15 && (p == stop || *p == ',')) {
+    at = p;
+    const double value = static_cast<double>(digits) / powers[static_cast<std::size_t>(decimals)];
+    return negative ? -value : value;
+  }
+  double value = 0;
+  const auto [after, error] = std::from_chars(at, stop, value);
+  if (error != std::errc{} || !(after == stop || *after == ',')) {
+    return not_there;
+  }
+  at = after;
+  return value;
+}
+
+/// Whether the text after a known name looks like a unit.
+bool looks_like_unit(std::string_view suffix) {
+  return !suffix.empty() && suffix.find('_') == std::string_view::npos && suffix.size() <= 4;
+}
+
+std::string field(const char* at, const char* stop) {
+  const std::string_view rest(at, static_cast<std::size_t>(stop - at));
+  return fmt::format("'{}'", rest.substr(0, std::min<std::size_t>(rest.find(','), 40)));
+}
+
+std::optional<BadRow> bad_number(std::size_t i, const char* at, const char* stop) {
+  if (at < stop && (*at == ' ' || *at == '+')) {
+    return BadRow{i, fmt::format("{} begins with a space or a plus sign", field(at, stop))};
+  }
+  const std::string text = field(at, stop);
+  return BadRow{i, text == "''" ? "the field is empty" : text + " is not a finite number"};
+}
+
+[[noreturn]] void fail(const std::string& reason) {
+  throw files::UserError(reason);
+}
+
+}  // namespace
+
+TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options, std::string place)
+    : options_(options), place_(std::move(place)) {
+  for (std::size_t from = 0; from <= header.size();) {
+    const std::size_t comma = std::min(header.find(',', from), header.size());
+    names_.emplace_back(trimmed(header.substr(from, comma - from)));
+    from = comma + 1;
+  }
+  targets_.resize(names_.size());
+  for (const std::string& rename : options_.renames) {
+    apply_rename(rename);
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (targets_[i].value == column_count) {
+      explain(i, names_[i]);
+    }
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (targets_[i].value == column_count) {
+      unknown_.push_back(i);
+    }
+  }
+}
+
+std::size_t TraceColumns::position(Column column) const {
+  const auto found = std::ranges::find(targets_, static_cast<std::size_t>(column), &Target::value);
+  return static_cast<std::size_t>(found - targets_.begin());
+}
+
+void TraceColumns::apply_rename(const std::string& rename) {
+  const std::size_t equals = rename.find('=');
+  const std::size_t star = rename.find('*', equals == std::string::npos ? 0 : equals);
+  if (equals == std::string::npos || equals == 0) {
+    fail(fmt::format("--column {}: must be NAME=COLUMN or NAME=COLUMN*FACTOR", rename));
+  }
+  const std::string name = rename.substr(0, equals);
+  const std::string column =
+      rename.substr(equals + 1, star == std::string::npos ? std::string::npos : star - equals - 1);
+  double factor = 1;
+  if (star != std::string::npos) {
+    const char* stop = rename.data() + rename.size();
+    const auto [at, error] = std::from_chars(rename.data() + star + 1, stop, factor);
+    if (error != std::errc{} || at != stop || !std::isfinite(factor) || factor == 0) {
+      fail(fmt::format("--column {}: the factor must be a finite number, not 0", rename));
+    }
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (names_[i] == column) {
+      if (targets_[i].value != column_count) {
+        fail(fmt::format("--column {}: the column has another name already", rename));
+      }
+      explain(i, name);
+      if (targets_[i].value == column_count) {
+        fail(fmt::format("--column {}: {} is no known name of a column; known are: {}", rename,
+                         name, known_names()));
+      }
+      targets_[i].scale = factor;
+      return;
+    }
+  }
+  fail(fmt::format("--column {}: there is no column {}; there are: {}", rename, column,
+                   fmt::join(names_, ", ")));
+}
+
+std::string TraceColumns::known_names() const {
+  std::vector<std::string> all;
+  for (std::size_t k = 0; k < column_count; ++k) {
+    const Known& column = known_columns[k];
+    if (!understood(static_cast<Column>(k), options_)) {
+      continue;
+    }
+    for (const Unit& unit : column.kind) {
+      all.push_back(unit.suffix.empty() ? std::string(column.base)
+                                        : fmt::format("{}_{}", column.base, unit.suffix));
+    }
+  }
+  return fmt::format("{}", fmt::join(all, ", "));
+}
+
+void TraceColumns::explain(std::size_t i, const std::string& name) {
+  for (std::size_t k = 0; k < column_count; ++k) {
+    const Known& column = known_columns[k];
+    if (!understood(static_cast<Column>(k), options_)) {
+      continue;
+    }
+    if (const auto unit = unit_of(name, column.base, column.kind)) {
+      if (has_[k]) {
+        fail(fmt::format("{}, column {} ({}): there is another column for {}", place_, i + 1, name,
+                         column.base));
+      }
+      has_[k] = true;
+      targets_[i].value = k;
+      targets_[i].unit = *unit;
+      return;
+    }
+    // A known quantity in an unknown unit is an error, not an unknown column. Power in watts is
+    // allowed: it is another quantity than specific power.
+    if (k != static_cast<std::size_t>(Column::power) &&
+        (name == column.base || (name.starts_with(column.base) && name[column.base.size()] == '_' &&
+                                 looks_like_unit(name.substr(column.base.size() + 1))))) {
+      fail(fmt::format("{}, column {} ({}): {} has an unknown unit; known are: {}", place_, i + 1,
+                       name, column.base, known_names()));
+    }
+  }
+}
+
+BadRow TraceColumns::out_of_range(std::size_t i, const std::string& field) const {
+  const Unit& unit = targets_[i].unit;
+  const Known& column = known_columns[targets_[i].value];
+  std::string text = fmt::format("{} is out of range, {:.4g} to {:.4g}", field,
+                                 unit.from_si(column.low), unit.from_si(column.high));
+  if (!unit.suffix.empty()) {
+    text += fmt::format(" {}", unit.suffix);
+  } else if (column.kind.size() > 1) {
+    text += fmt::format("; per cent are {}_percent", column.base);
+  }
+  return {i, text};
+}
+
+std::optional<BadRow> TraceColumns::parse(std::string_view text, TraceRow& row) const {
+  row.values.fill(not_there);
+  row.text = text;
+  const char* at = text.data();
+  const char* const stop = at + text.size();
+  const std::size_t columns = targets_.size();
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Target& target = targets_[i];
+    const char* comma = nullptr;
+    if (target.value == column_count) {
+      comma = static_cast<const char*>(std::memchr(at, ',', static_cast<std::size_t>(stop - at)));
+      comma = comma == nullptr ? stop : comma;
+    } else if ((at == stop || *at == ',') &&
+               may_be_empty(static_cast<Column>(target.value), options_)) {
+      comma = at;
+    } else {
+      comma = at;
+      double value = parse_number(comma, stop);
+      if (!std::isfinite(value)) {
+        return bad_number(i, at, stop);
+      }
+      value = target.unit.to_si(value * target.scale);
+      const Known& column = known_columns[target.value];
+      if (!(value >= column.low && value <= column.high)) {
+        return out_of_range(i, field(at, stop));
+      }
+      row.values[target.value] = value;
+    }
+    const bool last = i + 1 == columns;
+    if (last != (comma == stop)) {
+      return BadRow{i, wrong_count(text)};
+    }
+    at = comma + 1;
+  }
+  return std::nullopt;
+}
+
+std::string TraceColumns::wrong_count(std::string_view text) const {
+  const auto commas = std::count(text.begin(), text.end(), ',');
+  return fmt::format("the row has {} columns, the header {}", commas + 1, names_.size());
+}
+
+}  // namespace smaservo::hal
