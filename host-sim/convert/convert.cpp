@@ -1,12 +1,15 @@
 #include "host-sim/convert/convert.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <sys/stat.h>
 #include <utility>
 #include <vector>
@@ -16,6 +19,7 @@
 #include "model/files/mcap/rows_writer.hpp"
 #include "model/files/output_file.hpp"
 #include "model/files/trace_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::convert {
 namespace {
@@ -75,30 +79,30 @@ class Input {
   std::string head_;
 };
 
-/// What is written, as CSV text goes in. Lines are checked and counted on the way.
-class Sink {
+/// An MCAP file that is written, as CSV text goes in.
+class McapSink {
  public:
-  Sink(const ConvertOptions& options, const std::string& source, files::OutputFile& file,
-       std::vector<mcap::Kind> kinds)
-      : to_mcap_(files::is_mcap_name(options.out)),
-        rows_({"host-sim convert", source}, std::move(kinds), to_mcap_ && options.compressed),
-        file_(file) {}
+  McapSink(const ConvertOptions& options, const std::string& source, files::OutputFile& file,
+           std::vector<mcap::Kind> kinds)
+      : rows_({"host-sim convert", source}, std::move(kinds), options.compressed), file_(file) {}
 
   void write(std::string_view csv) {
     rows_.add(csv);
-    const std::string made = rows_.take();
-    file_.write(to_mcap_ ? std::string_view(made) : csv);
+    file_.write(rows_.take());
   }
   Converted commit() {
     rows_.finish();
-    const std::string made = rows_.take();
-    file_.write(to_mcap_ ? std::string_view(made) : "");
+    if (rows_.rows() > 0 && std::ranges::none_of(rows_.columns(), [](const auto& column) {
+          return column.kind == mcap::Kind::number;
+        })) {
+      throw UserError("no column has numbers; a trace is a table of them");
+    }
+    file_.write(rows_.take());
     file_.commit();
-    return {rows_.rows(), rows_.columns().size(), ""};
+    return {rows_.rows(), rows_.columns().size(), "", rows_.remarks()};
   }
 
  private:
-  bool to_mcap_;
   mcap::RowsWriter rows_;
   files::OutputFile& file_;
 };
@@ -111,12 +115,42 @@ void each_piece(Input& input, const std::function<void(std::string_view)>& take)
   }
 }
 
-/// The kinds of the columns by all rows of the file.
-std::vector<mcap::Kind> kinds_of(Input& input) {
+/// The columns of a file, by all its rows.
+struct SurveyedColumns {
+  std::vector<std::string> names;
+  std::vector<mcap::FieldCounts> counts;
+
+  std::vector<mcap::Kind> kinds() const {
+    std::vector<mcap::Kind> all;
+    for (const mcap::FieldCounts& column : counts) {
+      // Without a value it is a text: most of these are faults that have not happened.
+      const mcap::Kind kind = column.kind();
+      all.push_back(kind == mcap::Kind::unknown ? mcap::Kind::text : kind);
+    }
+    return all;
+  }
+  /// The columns that have numbers and are texts.
+  std::vector<std::string> remarks() const {
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      const mcap::FieldCounts& c = counts[i];
+      if (c.numbers > 0 && c.kind() == mcap::Kind::text) {
+        all.push_back(fmt::format(
+            "line {}, column {} ({}): '{}': a column of texts, for {} of its "
+            "{} values are no numbers",
+            c.first_text_line, i + 1, names[i], c.first_text, c.texts, c.texts + c.numbers));
+      }
+    }
+    return all;
+  }
+};
+
+SurveyedColumns survey(Input& input) {
   constexpr std::size_t longest_line = std::size_t{1} << 20U;  // a longer one will be refused
-  std::string rest;
-  mcap::TraceColumns columns;
+  std::string rest, header;
+  SurveyedColumns found;
   std::vector<std::string_view> fields;
+  std::uint64_t lines = 0;
   each_piece(input, [&](std::string_view piece) {
     if (rest.size() > longest_line) {
       return;
@@ -126,20 +160,50 @@ std::vector<mcap::Kind> kinds_of(Input& input) {
     for (std::size_t end = 0; (end = rest.find('\n', from)) != std::string::npos; from = end + 1) {
       std::string_view line = std::string_view(rest).substr(from, end - from);
       line.remove_suffix(line.ends_with('\r') ? 1 : 0);
-      if (columns.empty()) {
-        columns.resize(mcap::header_names(line).size());
-      } else if (mcap::split_row(line, columns.size(), fields)) {
-        mcap::learn(columns, fields);
+      ++lines;
+      if (found.names.empty()) {
+        line.remove_prefix(line.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+        header = line;
+        found.names = mcap::header_names(line);
+        found.counts.resize(found.names.size());
+      } else if (line != header && mcap::split_row(line, found.names.size(), fields)) {
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+          found.counts[i].add(fields[i], lines);
+        }
       }
     }
     rest.erase(0, from);
   });
-  std::vector<mcap::Kind> kinds;
-  for (const mcap::TraceColumn& column : columns) {
-    // Without a value it is a text: most of these are faults that have not happened.
-    kinds.push_back(column.kind == mcap::Kind::unknown ? mcap::Kind::text : column.kind);
+  return found;
+}
+
+/// Refuses a file whose columns are separated by something else, and one whose times are in a
+/// column that is not understood: each row would be 1 ms.
+void check_header(const std::vector<std::string>& names) {
+  const std::size_t other = names.size() == 1 ? names[0].find_first_of(";\t|") : std::string::npos;
+  if (other != std::string::npos) {
+    throw UserError(fmt::format(
+        "line 1: one column, '{}'; columns must be separated by commas, not "
+        "by {}",
+        names[0], names[0][other] == '\t' ? "tabs" : "'" + names[0].substr(other, 1) + "'"));
   }
-  return kinds;
+  std::vector<std::string> times;
+  for (const std::string& name : names) {
+    if (unit_of(name, "time", kind::time)) {
+      return;
+    }
+    std::string lower = name;
+    std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (lower == "t" || lower.starts_with("time") || lower.starts_with("date")) {
+      times.push_back(name);
+    }
+  }
+  if (!times.empty()) {
+    throw UserError(
+        fmt::format("line 1: {}: is no column of time that is understood, which is "
+                    "time_s, time_ms or time_us and holds numbers; change the name",
+                    fmt::join(times, ", ")));
+  }
 }
 
 Converted from_csv(const ConvertOptions& options, const std::string& source, Input& input,
@@ -148,14 +212,18 @@ Converted from_csv(const ConvertOptions& options, const std::string& source, Inp
     throw UserError(fmt::format(
         "is CSV, and so would be {}: the name of an MCAP file ends in .mcap", options.out));
   }
-  std::vector<mcap::Kind> kinds;
+  SurveyedColumns columns;
   if (input.rewinds()) {
-    kinds = kinds_of(input);
+    columns = survey(input);
+    check_header(columns.names);
     input.rewind();
   }
-  Sink sink(options, source, file, std::move(kinds));
+  McapSink sink(options, source, file, columns.kinds());
   each_piece(input, [&](std::string_view piece) { sink.write(piece); });
-  return sink.commit();
+  Converted result = sink.commit();
+  const std::vector<std::string> texts = columns.remarks();
+  result.remarks.insert(result.remarks.end(), texts.begin(), texts.end());
+  return result;
 }
 
 Converted from_mcap(const ConvertOptions& options, const std::string& source, Input& input,
@@ -166,16 +234,30 @@ Converted from_mcap(const ConvertOptions& options, const std::string& source, In
   for (const mcap::TraceColumn& column : rows.columns()) {
     kinds.push_back(column.kind);
   }
-  Sink sink(options, source, file, std::move(kinds));
+  std::optional<McapSink> sink;
+  if (files::is_mcap_name(options.out)) {
+    sink.emplace(options, source, file, kinds);
+  }
+  Converted result;
+  result.columns = kinds.size();
   std::string text = rows.header() + '\n';
   do {
-    sink.write(text);
+    if (sink) {
+      sink->write(text);
+    } else {
+      file.write(text);
+    }
     text.clear();
     while (text.size() < block && rows.next(text)) {
       text += '\n';
+      ++result.rows;
     }
   } while (!text.empty());
-  Converted result = sink.commit();
+  if (sink) {
+    result = sink->commit();
+  } else {
+    file.commit();
+  }
   result.cut_off = rows.cut_off();
   return result;
 }

@@ -30,6 +30,9 @@ void add_convert_command(CLI::App& app) {
     if (!result.cut_off.empty()) {
       text += fmt::format("  {}\n", files::printable(result.cut_off));
     }
+    for (const std::string& remark : result.remarks) {
+      text += fmt::format("  {}\n", files::printable(remark));
+    }
     files::print(text, a->out == "-" ? stderr : stdout);
   });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -70,13 +71,38 @@ std::string_view as_number(std::string_view field, std::string& room) {
   return room;
 }
 
-void learn(TraceColumns& columns, const std::vector<std::string_view>& fields) {
-  std::string room;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (!fields[i].empty() && columns[i].kind != Kind::text) {
-      columns[i].kind = as_number(fields[i], room).empty() ? Kind::text : Kind::number;
-    }
+bool says_no_value(std::string_view field) {
+  constexpr std::size_t longest = 9;
+  if (field.empty() || field.size() > longest) {
+    return field.empty();
   }
+  std::string lower(field);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string_view name = std::string_view(lower).substr(
+      lower.size() > 1 && (lower[0] == '-' || lower[0] == '+') ? 1 : 0);
+  constexpr std::array<std::string_view, 8> names{"nan", "inf",  "infinity", "na",
+                                                  "n/a", "null", "none",     "-"};
+  return std::ranges::find(names, name) != names.end();
+}
+
+void FieldCounts::add(std::string_view field, std::uint64_t line) {
+  std::string room;
+  if (says_no_value(field)) {
+    return;
+  }
+  if (!as_number(field, room).empty()) {
+    ++numbers;
+  } else if (texts++ == 0) {
+    first_text_line = line;
+    first_text = field;
+  }
+}
+
+Kind FieldCounts::kind() const {
+  if (numbers == 0) {
+    return texts == 0 ? Kind::unknown : Kind::text;
+  }
+  return 9 * texts <= numbers ? Kind::number : Kind::text;
 }
 
 std::string schema_of(const TraceColumns& columns) {

@@ -1,6 +1,7 @@
 #pragma once
 // The columns of a trace, as the schema of its messages says them.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,8 +27,19 @@ bool split_row(std::string_view row, std::size_t count, std::vector<std::string_
 /// name.
 std::string_view as_number(std::string_view field, std::string& room);
 
-/// Says of the columns of unknown kind what these fields say: a text where one is no number.
-void learn(TraceColumns& columns, const std::vector<std::string_view>& fields);
+/// Whether the field says that there is no value: nan, inf, NA, null, a dash, in any case.
+bool says_no_value(std::string_view field);
+
+/// The fields of a column so far.
+struct FieldCounts {
+  std::uint64_t numbers = 0, texts = 0;  ///< others have no value
+  std::uint64_t first_text_line = 0;
+  std::string first_text;
+
+  void add(std::string_view field, std::uint64_t line);
+  /// A column is one of numbers where at least nine of ten values are numbers; unknown without any.
+  Kind kind() const;
+};
 
 /// JSON Schema of a row. Members that are missing have no value: the type of a number has no null,
 /// and Foxglove opens no channel whose schema has lists of types. Unknown kinds are texts.

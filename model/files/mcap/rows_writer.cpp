@@ -18,6 +18,22 @@ constexpr std::uint64_t step_ns = 1'000'000;
 constexpr std::size_t longest_line = std::size_t{1} << 20U;
 constexpr double latest_ns = 1.8e19;
 
+/// A number that begins with zeros, which as_number() takes for a name, in its shortest form.
+std::string_view without_zeros(std::string_view field, std::string& room) {
+  const std::string_view sign = field.substr(0, field.starts_with('-') ? 1 : 0);
+  std::string_view digits = field.substr(sign.size());
+  while (digits.size() > 1 && digits[0] == '0' && digits[1] >= '0' && digits[1] <= '9') {
+    digits.remove_prefix(1);
+  }
+  if (digits.size() + sign.size() == field.size()) {
+    return "";
+  }
+  const std::string shorter = fmt::format("{}{}", sign, digits);
+  std::string other;
+  room = as_number(shorter, other);
+  return room;
+}
+
 constexpr std::string_view written_by = "smaservo " SMASERVO_VERSION;
 
 }  // namespace
@@ -67,6 +83,7 @@ void RowsWriter::header(std::string_view text) {
     text.remove_prefix(3);
   }
   has_header_ = true;
+  header_ = text;
   for (std::string& name : header_names(text)) {
     columns_.push_back({std::move(name)});
   }
@@ -81,8 +98,17 @@ void RowsWriter::header(std::string_view text) {
     }
     known = known && columns_[i].kind != Kind::unknown;
   }
+  counts_.resize(columns_.size());
+  left_out_.resize(columns_.size());
   if (known) {
     begin();
+  }
+}
+
+void RowsWriter::Place::add(std::uint64_t at, std::string_view what) {
+  if (count++ == 0) {
+    line = at;
+    text = what;
   }
 }
 
@@ -101,6 +127,9 @@ void RowsWriter::begin() {
                     {"source", origin_.source},
                     {"log_time", time_column_ < columns_.size() ? columns_[time_column_].name
                                                                 : "1 ms for each row"}});
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    columns_[i].kind = columns_[i].kind == Kind::unknown ? counts_[i].kind() : columns_[i].kind;
+  }
   try {
     writer_.stream({"smaservo.Trace", schema_of(columns_), "/trace"});
   } catch (const UserError& problem) {
@@ -111,17 +140,22 @@ void RowsWriter::begin() {
     put_json_text(name, column.name);
     name += ':';
   }
-  std::uint64_t line = first_line_;
-  for (std::size_t from = 0; from < first_rows_.size(); ++line) {
+  std::size_t from = 0;
+  for (const std::uint64_t line : first_lines_) {
     const std::size_t end = first_rows_.find('\n', from);
     split_row(std::string_view(first_rows_).substr(from, end - from), columns_.size(), fields_);
     encode(fields_, line);
     from = end + 1;
   }
   first_rows_ = {};
+  first_lines_ = {};
 }
 
 void RowsWriter::row(std::string_view text) {
+  if (text == header_) {
+    headers_.add(lines_, text);
+    return;
+  }
   if (!split_row(text, columns_.size(), fields_)) {
     fail(lines_, fmt::format("the row has {} columns, the header {}",
                              std::ranges::count(text, ',') + 1, columns_.size()));
@@ -131,8 +165,10 @@ void RowsWriter::row(std::string_view text) {
     encode(fields_, lines_);
     return;
   }
-  learn(columns_, fields_);
-  first_line_ = first_rows_.empty() ? lines_ : first_line_;
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    counts_[i].add(fields_[i], lines_);
+  }
+  first_lines_.push_back(lines_);
   first_rows_ += text;
   first_rows_ += '\n';
   if (first_rows_.size() >= enough_rows) {
@@ -143,27 +179,38 @@ void RowsWriter::row(std::string_view text) {
 void RowsWriter::encode(const std::vector<std::string_view>& fields, std::uint64_t line) {
   object_ = '{';
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (fields[i].empty()) {
-      continue;
-    }
-    object_ += object_.size() == 1 ? "" : ",";
-    object_ += names_[i];
-    const std::string_view number =
-        columns_[i].kind == Kind::number ? as_number(fields[i], number_) : "";
-    if (!number.empty()) {
-      object_ += number;
-    } else if (!put_json_text(object_, fields[i])) {
-      fail(line,
-           fmt::format("column {} ({}): '{}' is no UTF-8, which texts in an MCAP file must be",
-                       i + 1, columns_[i].name, fields[i]));
+    if (!fields[i].empty()) {
+      value(i, fields[i], line);
     }
   }
   object_ += '}';
-  writer_.message(time_ns(fields), object_);
+  writer_.message(time_ns(fields, line), object_);
 }
 
-/// The row's time; that of the row before where it has none.
-std::uint64_t RowsWriter::time_ns(const std::vector<std::string_view>& fields) {
+/// Adds a member to the object, of the kind that the schema says.
+void RowsWriter::value(std::size_t column, std::string_view field, std::uint64_t line) {
+  const std::size_t before = object_.size();
+  object_ += before == 1 ? "" : ",";
+  object_ += names_[column];
+  if (columns_[column].kind == Kind::number) {
+    std::string_view number = as_number(field, number_);
+    if (number.empty()) {
+      number = without_zeros(field, number_);
+    }
+    if (number.empty()) {
+      object_.resize(before);
+      left_out_[column].add(line, field);
+    }
+    object_ += number;
+  } else if (!put_json_text(object_, field)) {
+    fail(line, fmt::format("column {} ({}): '{}' is no UTF-8, which texts in an MCAP file must be",
+                           column + 1, columns_[column].name, field));
+  }
+}
+
+/// The row's time; that of the row before where it has none. Times never fall back: where a clock
+/// did, they go on.
+std::uint64_t RowsWriter::time_ns(const std::vector<std::string_view>& fields, std::uint64_t line) {
   const bool first = writer_.messages() == 0;
   if (time_column_ == fields.size()) {
     last_ns_ += first ? 0 : step_ns;
@@ -175,9 +222,43 @@ std::uint64_t RowsWriter::time_ns(const std::vector<std::string_view>& fields) {
   if (error == std::errc{} && end == field.data() + field.size() && std::isfinite(value)) {
     const double ns = value * time_scale_;
     shift_ns_ = first ? std::max(0.0, -ns) : shift_ns_;
-    last_ns_ = static_cast<std::uint64_t>(std::round(std::clamp(ns + shift_ns_, 0.0, latest_ns)));
+    if (!first && ns + shift_ns_ < static_cast<double>(last_ns_)) {
+      shift_ns_ = static_cast<double>(last_ns_ + gap_ns_) - ns;
+      falls_back_.add(line, field);
+    }
+    const auto now_ns =
+        static_cast<std::uint64_t>(std::round(std::clamp(ns + shift_ns_, 0.0, latest_ns)));
+    gap_ns_ = first ? gap_ns_ : now_ns - last_ns_;
+    ++times_;
+    last_ns_ = now_ns;
   }
   return last_ns_;
+}
+
+std::vector<std::string> RowsWriter::remarks() const {
+  std::vector<std::string> all;
+  const auto times = [](const Place& place) {
+    return place.count == 1 ? "" : fmt::format(", and {} more", place.count - 1);
+  };
+  if (headers_.count > 0) {
+    all.push_back(fmt::format("line {}: the header stands here again: left out{}", headers_.line,
+                              times(headers_)));
+  }
+  if (falls_back_.count > 0) {
+    all.push_back(
+        fmt::format("line {}, column {} ({}): time {} comes after a later one: log_time "
+                    "goes on from there{}",
+                    falls_back_.line, time_column_ + 1, columns_[time_column_].name,
+                    falls_back_.text, times(falls_back_)));
+  }
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const std::string place = fmt::format("column {} ({})", i + 1, columns_[i].name);
+    if (left_out_[i].count > 0) {
+      all.push_back(fmt::format("line {}, {}: '{}' in a column of numbers: left out{}",
+                                left_out_[i].line, place, left_out_[i].text, times(left_out_[i])));
+    }
+  }
+  return all;
 }
 
 void RowsWriter::flush() {
@@ -192,6 +273,11 @@ void RowsWriter::finish() {
     fail(lines_ + 1, "the last line has no end; the file seems to be cut off");
   }
   begin();
+  if (time_column_ < columns_.size() && 9 * left_out_[time_column_].count > times_) {
+    const Place& place = left_out_[time_column_];
+    fail(place.line, fmt::format("column {} ({}): '{}' is no number, of which log_time is made",
+                                 time_column_ + 1, columns_[time_column_].name, place.text));
+  }
   writer_.finish();
 }
 
