@@ -211,8 +211,10 @@ void record(Remote& remote, const can::RecordingPlan& plan, const std::string& o
       out,
       {"host-sim can record", fmt::format("node {} on {}", remote.node(), remote.bus().name())},
       std::vector(1 + plan.signals.size(), files::mcap::Kind::number));
-  file.write(can::to_csv(can::read_recording(remote, plan)));
+  const can::Recording recording = can::read_recording(remote, plan);
+  file.write(can::to_csv(recording));
   file.commit();
+  can::require_complete(recording, plan, out);
 }
 
 void explain(const std::shared_ptr<Common>& common, const std::string& name) {

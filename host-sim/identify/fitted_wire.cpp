@@ -19,6 +19,14 @@ constexpr double max_strain = 0.15;
 constexpr double max_resistance = 0.10;
 constexpr double max_power = 0.5;
 
+double largest_of(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double value : values) {
+    largest = std::isnan(value) ? largest : std::max(largest, value);
+  }
+  return largest;
+}
+
 /// The error of a run relative to what a fit may leave; above 1 the run is not explained.
 double unexplained(const FittedRun& run) {
   const double share = run.kind == RunKind::calorimetry ? run.power.rms / max_power
@@ -36,6 +44,56 @@ std::string deviation_text(const FittedRun& run) {
              : fmt::format("resistance by {:.1f} %", 100 * run.resistance.rms);
 }
 
+/// The standard deviation of what was measured where the model has a value, too.
+double spread(const std::vector<double>& model, const std::vector<double>& measured) {
+  double sum = 0, squares = 0, count = 0;
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    if (!std::isnan(model[i] - measured[i])) {
+      sum += measured[i];
+      squares += measured[i] * measured[i];
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count))) : 0;
+}
+
+double difference(const std::vector<double>& model, const std::vector<double>& measured) {
+  double squares = 0, count = 0;
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const double d = model[i] - measured[i];
+    squares += std::isnan(d) ? 0 : d * d;
+    count += std::isnan(d) ? 0 : 1;
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+/// Refuses a fit that is further from a run than the run's own mean, where the run moves at all.
+void check_better_than_mean(const FittedRun& run) {
+  constexpr double min_strain = 0.003, min_resistance = 0.02;
+  struct Channel {
+    const char* name;
+    const std::vector<double>&model, &measured;
+    double min;
+  };
+  const bool calorimetry = run.kind == RunKind::calorimetry;
+  const double ohm = run.resistance_measured.empty() ? 0 : largest_of(run.resistance_measured);
+  for (const Channel& channel : {Channel{calorimetry ? "heat flow" : "strain", run.strain_model,
+                                         run.strain_measured, calorimetry ? 0 : min_strain / 4},
+                                 Channel{"resistance", run.resistance_model,
+                                         run.resistance_measured, min_resistance / 4 * ohm}}) {
+    if (channel.measured.empty() || (calorimetry && &channel.model != &run.strain_model)) {
+      continue;
+    }
+    const double own = spread(channel.model, channel.measured);
+    if (own > channel.min && difference(channel.model, channel.measured) > own) {
+      throw files::UserError(fmt::format(
+          "{}: the fitted model explains nothing of its {}: it is further from what was measured "
+          "than the mean of that; is it this wire, with the right signs, units and columns?",
+          run.name, channel.name));
+    }
+  }
+}
+
 void check_explained(const FitResult& fit) {
   std::vector<FittedRun> runs = fit.runs;
   std::ranges::sort(runs, {}, unexplained);
@@ -45,6 +103,9 @@ void check_explained(const FitResult& fit) {
                     "units, length, load and columns?",
                     runs.back().name, deviation_text(runs.back()),
                     fit.interrupted ? "; the fit was interrupted too early" : ""));
+  }
+  if (!fit.interrupted) {
+    std::ranges::for_each(fit.runs, check_better_than_mean);
   }
 }
 

@@ -29,8 +29,8 @@ std::string group_of(std::string_view key);
 /// what they leave as it was. What a fit does not touch keeps the sources of `from`.
 /// Throws UserError, which names the run that is worst, when the fit explains less than half of the
 /// runs: strain within 15 % of the nominal stroke (RMS), without strain the resistance within 10 %,
-/// in calorimetry the heat flow within 50 % of its greatest. The same when a wire file could not
-/// hold the wire.
+/// in calorimetry the heat flow within 50 % of its greatest; when it is further from a run than the
+/// run's own mean; and when a wire file could not hold the wire.
 files::WireDescription fitted_wire(const files::WireDescription& from, const FitResult& fit,
                                    const std::string& name);
 

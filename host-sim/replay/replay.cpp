@@ -78,6 +78,7 @@ class Sink {
   void add(EstimateRow row, const hal::TraceRow& source, report::PlotPoint point) {
     row.strain_ref = reference_.of(source, row.strain);
     first_s_ = std::isnan(first_s_) ? row.time_s : first_s_;
+    started_s_ = std::isnan(started_s_) ? row.time_s : started_s_;
     add_error(0, row.strain, row.strain_ref, row.time_s);
     if (file_) {
       file_->add(row, source.text);
@@ -100,6 +101,12 @@ class Sink {
     last_s_ = row.time_s;
   }
 
+  /// The observers have started again with the next row, and have their time to settle.
+  void restart() {
+    started_s_ = nan;
+    ++result_.restarts;
+  }
+
   /// The estimate of another observer for the row that was added last.
   void compare(std::size_t observer, double strain) {
     add_error(observer, strain, last_ref_, last_s_);
@@ -109,6 +116,7 @@ class Sink {
     result_.skipped = trace.skipped();
     result_.bytes = trace.bytes();
     result_.complaints = trace.complaints();
+    result_.clock_notes = trace.clock_notes();
     if (result_.rows == 0) {
       throw files::UserError(fmt::format("{}: has no usable row", name_));
     }
@@ -126,7 +134,7 @@ class Sink {
     const double percent = 100 * (strain - reference) / stroke_;
     ObserverResult& result = result_.observers[observer];
     result.error.add(percent);
-    const bool settled = std::isnan(time_s) || time_s - first_s_ > settling_s;
+    const bool settled = std::isnan(time_s) || time_s - started_s_ > settling_s;
     result.lost = result.lost || (settled && !(std::abs(percent) <= lost_percent));
   }
 
@@ -135,7 +143,7 @@ class Sink {
   Reference reference_;
   double stroke_;
   std::unique_ptr<EstimateFile> file_;
-  double first_s_ = nan;
+  double first_s_ = nan, started_s_ = nan;
   double last_s_ = nan;
   double last_ref_ = nan;
 };
@@ -168,12 +176,17 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
   files::Progress progress("replay", trace.file_size());
   K::State state{};
   hal::TraceRow row{};
+  std::uint32_t piece = 0;
   while (trace.next(row)) {
     const double stress_Pa = trace.has(hal::Column::stress) ? row[hal::Column::stress]
                              : trace.has(hal::Column::load) ? row[hal::Column::load] / area_m2
                                                             : load_N / area_m2;
     const Drive<double> drive{row[hal::Column::temperature], stress_Pa};
-    if (result.rows == 0) {
+    if (result.rows == 0 || row.piece != piece) {
+      if (result.rows > 0) {
+        sink.restart();
+      }
+      piece = row.piece;
       state = K::rest(model.kinetics, drive);
     } else {
       K::advance(model.kinetics, state, drive);
@@ -193,6 +206,33 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
   }
   sink.finish(trace);
 }
+
+/// Whether voltage and current have opposite signs, as where a shunt is wired the wrong way round.
+class Signs {
+ public:
+  explicit Signs(double min_current_A) : min_current_A_(min_current_A) {}
+
+  void add(double current_A, double voltage_V) {
+    if (std::abs(current_A) >= min_current_A_ && voltage_V != 0) {
+      ++measured_;
+      opposite_ += (current_A > 0) == (voltage_V > 0) ? 0U : 1U;
+    }
+  }
+  void check(const std::string& name, const hal::TraceReader& trace) const {
+    if (2 * opposite_ > measured_) {
+      throw files::UserError(fmt::format(
+          "{}: {} and {} have opposite signs in {} of {} rows with current, so there is no "
+          "resistance; if the shunt or the sense leads are the wrong way round, --column "
+          "current_A={}*-1",
+          name, trace.name(hal::Column::current), trace.name(hal::Column::voltage), opposite_,
+          measured_, trace.name(hal::Column::current)));
+    }
+  }
+
+ private:
+  double min_current_A_;
+  std::uint64_t measured_ = 0, opposite_ = 0;
+};
 
 using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 
@@ -228,12 +268,18 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
   Observers observers;
   hal::Frame frame{};
   std::int64_t last_ns = 0;
+  std::uint32_t piece = 0;
+  Signs signs(measuring.min_current_A);
   while (board.read(frame) == hal::ReadStatus::frame) {
     const Measurement<double> m =
         measure(measuring, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
     const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
-    if (observers.empty() || dt_s > longest_gap_s) {
-      result.restarts += observers.empty() ? 0U : 1U;
+    signs.add(frame.current_A, frame.voltage_V);
+    if (observers.empty() || dt_s > longest_gap_s || board.row().piece != piece) {
+      piece = board.row().piece;
+      if (!observers.empty()) {
+        sink.restart();
+      }
       observers = start_observers(options, settings, result, board, m);
     } else {
       for (const auto& observer : observers) {
@@ -254,6 +300,7 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
     }
     progress.update(board.trace().bytes());
   }
+  signs.check(options.trace, board.trace());
   sink.finish(board.trace());
 }
 

@@ -30,7 +30,7 @@ struct ReplayOptions {
 struct ObserverResult {
   std::string name;
   ErrorStatistics error;  ///< in per cent of the nominal stroke
-  bool lost = false;      ///< an error after the first second was above 20 %
+  bool lost = false;      ///< an error was above 20 %, later than a second after a start
 };
 
 struct ReplayResult {
@@ -41,15 +41,17 @@ struct ReplayResult {
   std::uint64_t rows = 0;
   std::uint64_t skipped = 0;
   std::uint64_t invalid = 0;   ///< rows without a valid resistance
-  std::uint64_t restarts = 0;  ///< gaps of more than a minute: what happened in them is unknown
+  std::uint64_t restarts = 0;  ///< after gaps of more than a minute, and with each new piece of the
+                               ///< trace: what happened there is unknown
   std::uint64_t bytes = 0;
-  std::vector<std::string> complaints;
+  std::vector<std::string> complaints, clock_notes;
   double duration_s = 0;
   double elapsed_s = 0;
   report::ReplaySeries series;
 };
 
-/// Throws UserError, TraceError.
+/// Throws UserError, TraceError; UserError also where most readings of current and voltage have
+/// opposite signs, since such a resistance is none.
 ReplayResult replay(const ReplayOptions& options);
 
 }  // namespace smaservo::replay

@@ -45,6 +45,21 @@ void run_device(const ReplayArguments& a) {
   }
 }
 
+/// Throws NoResult where no estimate can be of use.
+void check_result(const ReplayOptions& options, const ReplayResult& result) {
+  const std::string name = options.trace == "-" ? "standard input" : options.trace;
+  if (!result.open_loop && result.invalid == result.rows) {
+    throw files::NoResult(
+        fmt::format("{}: no row has a valid resistance, so the estimate follows the power alone; "
+                    "are length and diameter of {} and the units of current and voltage right?",
+                    name, options.wire.name));
+  }
+  if (result.has_reference &&
+      std::ranges::all_of(result.observers, [](const auto& o) { return o.lost; })) {
+    throw files::NoResult(fmt::format("{}: all observers were lost", name));
+  }
+}
+
 void run(ReplayArguments& a) {
   if (!a.device.empty()) {
     run_device(a);
@@ -83,6 +98,7 @@ void run(ReplayArguments& a) {
   const bool taken = a.options.out == "-" || a.report == "-";
   files::print(a.json ? summary_json(a.options, result) : summary(a.options, result),
                taken ? stderr : stdout);
+  check_result(a.options, result);
 }
 
 }  // namespace

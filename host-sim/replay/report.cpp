@@ -84,7 +84,8 @@ std::string reading(const ReplayOptions& options, const ReplayResult& result) {
     text += fmt::format(", {} rows without a valid resistance", result.invalid);
   }
   if (result.restarts > 0) {
-    text += fmt::format(", started again after {} gaps", result.restarts);
+    text += fmt::format(", started again after {} gap{}", result.restarts,
+                        result.restarts == 1 ? "" : "s");
   }
   return text;
 }
@@ -104,6 +105,10 @@ void write_report(const std::string& path, const ReplayOptions& options,
     html += report::listing_html("Skipped rows",
                                  fmt::format("{}\n", fmt::join(result.complaints, "\n")));
   }
+  if (!result.clock_notes.empty()) {
+    html +=
+        report::listing_html("The clock", fmt::format("{}\n", fmt::join(result.clock_notes, "\n")));
+  }
   html += report::listing_html("Wire", files::to_toml(options.wire));
   html += report::listing_html("Settings", settings_text(options));
   report::write_html(path, trace_name(options), html);
@@ -114,6 +119,9 @@ std::string summary(const ReplayOptions& options, const ReplayResult& result) {
   for (const std::string& complaint : result.complaints) {
     text += fmt::format("  skipped: {}\n", complaint);
   }
+  for (const std::string& note : result.clock_notes) {
+    text += fmt::format("  {}\n", note);
+  }
   if (!result.has_reference) {
     return text + "no strain_ref or displacement in the trace: no error can be given\n";
   }
@@ -121,13 +129,19 @@ std::string summary(const ReplayOptions& options, const ReplayResult& result) {
 }
 
 std::string summary_json(const ReplayOptions& options, const ReplayResult& result) {
-  nlohmann::ordered_json json{
-      {"trace", options.trace},          {"wire", options.wire.name},
-      {"model_alone", result.open_loop}, {"rows", result.rows},
-      {"skipped_rows", result.skipped},  {"complaints", result.complaints},
-      {"invalid_rows", result.invalid},  {"restarts", result.restarts},
-      {"bytes", result.bytes},           {"duration_s", result.duration_s},
-      {"elapsed_s", result.elapsed_s},   {"nominal_stroke", options.wire.wire.nominal_stroke}};
+  nlohmann::ordered_json json{{"trace", options.trace},
+                              {"wire", options.wire.name},
+                              {"model_alone", result.open_loop},
+                              {"rows", result.rows},
+                              {"skipped_rows", result.skipped},
+                              {"complaints", result.complaints},
+                              {"clock", result.clock_notes},
+                              {"invalid_rows", result.invalid},
+                              {"restarts", result.restarts},
+                              {"bytes", result.bytes},
+                              {"duration_s", result.duration_s},
+                              {"elapsed_s", result.elapsed_s},
+                              {"nominal_stroke", options.wire.wire.nominal_stroke}};
   if (result.has_reference) {
     const nlohmann::ordered_json rows = errors(result).json();
     for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -189,4 +189,15 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
   return recording;
 }
 
+void require_complete(const Recording& recording, const RecordingPlan& plan,
+                      const std::string& file) {
+  const double has_s = static_cast<double>(recording.rows.size()) * recording.period_s;
+  if (has_s < 0.98 * plan.seconds - recording.period_s) {
+    throw files::NoResult(fmt::format(
+        "{}: the recording has ended after {:.4g} of {:.4g} s: the device was reset, or somebody "
+        "else has stopped it",
+        file, has_s, plan.seconds));
+  }
+}
+
 }  // namespace smaservo::can

@@ -38,4 +38,8 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
 /// Stops the recorder and reads what it has. Throws UserError.
 Recording read_recording(Remote& remote, const RecordingPlan& plan);
 
+/// Throws NoResult where the recording that `file` holds has ended before its time.
+void require_complete(const Recording& recording, const RecordingPlan& plan,
+                      const std::string& file);
+
 }  // namespace smaservo::can

@@ -53,6 +53,8 @@ struct RunOptions {
 /// - shows no motion: strain within 0.3 % and resistance within 2 %, or in calorimetry temperature
 ///   within 10 K, each without the outermost hundredths;
 /// - has a clipped column, as far as that is certain (run_checks.cpp says when);
+/// - has a quantity with the wrong sign: voltage against current, a pushing load, a wire that gets
+///   longer where it is heated, a heat flow with exothermic up;
 /// - contradicts itself: strain over more than 0.2, stress above 1.5 GPa, resistance more than a
 ///   factor of 5 beside 0.5-1.5 µΩm, power that heats the wire by more than 1e5 K/s, temperatures
 ///   that are degC in a column of K or the other way round.

@@ -7,13 +7,12 @@
 #include <numeric>
 #include <span>
 
+#include "host-sim/identify/runs/run_statistics.hpp"
 #include "model/files/error.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::identify {
 namespace {
-
-using Values = std::vector<double>;
 
 constexpr std::size_t min_rows = 20;
 constexpr double min_strain = 0.003;
@@ -22,41 +21,8 @@ constexpr double min_temperature_span_K = 10;
 constexpr double max_run_strain = 0.2;
 constexpr double max_stress_Pa = 1.5e9;
 constexpr double max_heating_K_s = 1e5;
-constexpr double density_kg_m3 = 6450, specific_heat_J_kgK = 450;
 constexpr double min_resistivity_ohm_m = 0.5e-6 / 5, max_resistivity_ohm_m = 1.5e-6 * 5;
 constexpr double coldest_K = 150, hottest_K = 500;  ///< no NiTi wire transforms beyond
-
-Values known(const Values& values) {
-  Values some;
-  std::ranges::copy_if(values, std::back_inserter(some), [](double v) { return !std::isnan(v); });
-  return some;
-}
-
-/// The range without the lowest and the highest hundredth, so that a few wild rows do not count as
-/// motion.
-struct Range {
-  double low, middle, high;
-};
-Range range_of(const Values& values) {
-  Values sorted = known(values);
-  if (sorted.empty()) {
-    return {0, 0, 0};
-  }
-  std::ranges::sort(sorted);
-  const std::size_t outer = sorted.size() / 100;
-  return {sorted[outer], sorted[sorted.size() / 2], sorted[sorted.size() - 1 - outer]};
-}
-
-double span_of(std::span<const double> values) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : values) {
-    if (!std::isnan(value)) {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-  }
-  return std::max(high - low, 0.0);
-}
 
 void check_content(const Run& run) {
   if (run.stress_Pa.size() < min_rows) {
@@ -302,6 +268,7 @@ void fail(const Run& run, const std::string& what) {
 
 void check_run(const Run& run, const Geometry<double>& geometry) {
   check_content(run);
+  check_signs(run, geometry);
   check_units(run, geometry);
   check_clipped(run);
 }

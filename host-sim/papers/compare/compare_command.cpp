@@ -104,6 +104,11 @@ std::vector<identify::Run> read_runs(const std::vector<std::string>& paths,
   return runs;
 }
 
+bool is_lost(const Compared& system) {
+  constexpr double lost_percent = 20;
+  return system.error.count() == 0 || system.error.mean() > lost_percent;
+}
+
 void run(const CompareArguments& a) {
   check_files(a);
   const files::WireDescription from = files::load_wire(a.from, text::parse_settings(a.settings));
@@ -135,6 +140,11 @@ void run(const CompareArguments& a) {
   }
   files::print(a.json ? comparison_json(comparison) : comparison_text(comparison),
                a.out == "-" || a.report == "-" ? stderr : stdout);
+  if (std::ranges::all_of(comparison.systems, is_lost)) {
+    throw files::NoResult(
+        "every system is further from the tests than 20 % of the stroke on average; "
+        "are these runs of one wire, with one zero, load and length?");
+  }
 }
 
 }  // namespace

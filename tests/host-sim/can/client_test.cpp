@@ -258,6 +258,19 @@ TEST_F(CanClient, JudgesAStep) {
   EXPECT_GT(std::ranges::count(both.substr(both.find('|')), '.'), 5);
 }
 
+TEST_F(CanClient, ARecordingThatSomebodyElseStopsIsNotWhole) {
+  const RecordingPlan plan{{"strain"}, 1, 0, ""};
+  arm_recorder(remote, plan);
+  run(0.3);
+  remote.set("recorder.command", "0");
+  wait_for_recorder(remote, plan, 5);
+  const Recording part = read_recording(remote, plan);
+  EXPECT_THROW(require_complete(part, plan, "r.csv"), files::NoResult);
+  arm_recorder(remote, plan);
+  wait_for_recorder(remote, plan, 5);
+  EXPECT_NO_THROW(require_complete(read_recording(remote, plan), plan, "r.csv"));
+}
+
 TEST_F(CanClient, RefusesWhatIsNoRecording) {
   const test::TemporaryFolder folder;
   const auto said = [&](const char* text) {

@@ -82,6 +82,22 @@ TEST_F(CompareCommand, JsonOnStandardOutputKeepsTheTableApart) {
   EXPECT_EQ(json.err, "");
 }
 
+TEST_F(CompareCommand, WhereAllAreLostTheResultIsOfNoUse) {
+  Recording r;
+  for (double& strain : r.strain) {
+    strain += 0.02;  // half of the stroke: another zero
+  }
+  program.folder().write("t.csv", csv({{"temperature_degC", r.temperature_degC},
+                                       {"strain_ref", r.strain},
+                                       {"resistance_ohm", r.ohm},
+                                       {"stress_MPa", std::vector<double>(r.strain.size(), 150)}}));
+  const Finished f = run({"--out", "c.json"});
+  EXPECT_EQ(f.status, 3);
+  EXPECT_THAT(f.err, HasSubstr("every system is further from the tests than 20 %"));
+  EXPECT_THAT(f.out, StartsWith("Identified on a.csv"));
+  EXPECT_THAT(program.folder().names(), UnorderedElementsAre("a.csv", "t.csv", "c.json"));
+}
+
 TEST_F(CompareCommand, WrongArgumentsEndWith2) {
   for (const Texts& wrong : {Texts{"compare"}, Texts{"compare", "--train", "a.csv"},
                              Texts{"compare", "--test", "a.csv"}}) {

@@ -1,0 +1,50 @@
+#pragma once
+// What the checks of a run compute of its columns, in which NaN is a reading that was not taken.
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace smaservo::identify {
+
+using Values = std::vector<double>;
+
+/// Of NiTi, where only the order of magnitude counts.
+inline constexpr double density_kg_m3 = 6450, specific_heat_J_kgK = 450;
+
+inline Values known(const Values& values) {
+  Values some;
+  std::ranges::copy_if(values, std::back_inserter(some), [](double v) { return !std::isnan(v); });
+  return some;
+}
+
+/// The range without the lowest and the highest hundredth, so that a few wild rows do not count as
+/// motion.
+struct Range {
+  double low, middle, high;
+};
+inline Range range_of(const Values& values) {
+  Values sorted = known(values);
+  if (sorted.empty()) {
+    return {0, 0, 0};
+  }
+  std::ranges::sort(sorted);
+  const std::size_t outer = sorted.size() / 100;
+  return {sorted[outer], sorted[sorted.size() / 2], sorted[sorted.size() - 1 - outer]};
+}
+
+inline double span_of(std::span<const double> values) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : values) {
+    if (!std::isnan(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  return std::max(high - low, 0.0);
+}
+
+}  // namespace smaservo::identify
