@@ -10,10 +10,13 @@ const assert = require('node:assert/strict');
 const [host_sim, smaservod, sources] = process.argv.slice(2);
 const short_watch_s = 5;
 
-/** The newest message of each topic that is asked for. */
+/** The newest of each topic that is asked for. A signal that a message of live values lacks keeps its value. */
 function follow(client, ...topics) {
   const last = new Map();
-  for (const topic of topics) client.subscribe(topic, (value) => last.set(topic, value));
+  for (const topic of topics) {
+    client.subscribe(topic, (value) =>
+      last.set(topic, topic.endsWith('/live') ? {...last.get(topic), ...value} : value));
+  }
   return (topic) => last.get(topic) ?? {};
 }
 
