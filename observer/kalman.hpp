@@ -36,8 +36,9 @@ struct KalmanTuning {
   S loss_range = S(1.6);  ///< factor, up and down
   S resistance_range = S(0.025);
   S hottest_K = S(550);  ///< the wire's temperature stays below this, and above the coldest air
-  // The variance in the estimate is the filter's own times reported², since the filter has to be
-  // more careful than it is right, plus strain_model_sd², for what its model cannot say.
+  // The estimate's variance is the filter's own times reported² plus strain_model_sd². The filter
+  // works best when it takes its variance for greater than it is; reported < 1 corrects this in the
+  // estimate. strain_model_sd stands for errors of the model, which the filter does not know.
   S reported = S(0.33);
   S strain_model_sd = S(0.0003);
 };

@@ -82,8 +82,8 @@ class Source {
 
   virtual std::vector<Channel> channels() = 0;
   virtual std::vector<Service> services() = 0;
-  /// How many clients want a channel. What nobody wants need not be read from the bus. A channel
-  /// that has gone is wanted by nobody, without a call.
+  /// How many clients want a channel. What nobody wants need not be read from the bus. When a
+  /// channel has been removed nobody wants it any more, and this is not called for it.
   virtual void subscribed(std::uint32_t channel, unsigned clients) = 0;
 
   /// An empty list of names asks for all.

@@ -69,7 +69,9 @@ std::string BusFiles::keep(const StoreJob& job, bool image_lost) const {
     case store_application:
       return store_settings(folder_, job.settings);
     case store_lss:
-      // That would make the defaults of all others look like what somebody has stored.
+      // The image holds all stored objects. Written now, it would hold defaults in the place of
+      // those that are lost, and the next start would take these defaults for what a user has
+      // stored.
       return image_lost ? image_path() + " is damaged: store (1010h) or restore (1011h) first"
                         : write_image(image_path(), job.image);
     case store_communication:

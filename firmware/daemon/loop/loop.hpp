@@ -172,9 +172,11 @@ double Loop<B, Pacing>::advance_time(std::int64_t gone_ns) {
   return static_cast<double>(step_ns) * 1e-9;
 }
 
-/// One set a cycle. A wire that this very cycle switches off counts as off; one that is off is not
-/// armed as long as more sets wait, since what was promised without current has to be in force
-/// before the current. That delays an arm command, but makes no edge of one that stood.
+/// Adopts at most one parameter set a cycle. A wire that this very cycle switches off counts as
+/// off. A wire that is off is not armed while more sets wait, since a set that was accepted as one
+/// for a wire without current has to be in force before the current flows. An arm command that
+/// comes meanwhile takes effect later. One that was there before stays, since its return would look
+/// like a new command.
 template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::adopt_sets(Command<double>& command) {
   now_.set = 0;

@@ -52,16 +52,16 @@ struct CoolingGuard {
   S steady_K;          ///< temperature with the whole cooling, there
   S steady_Pa;         ///< stress, there
   S held_K;            ///< highest steady_K under this load since the last test
-  S lease_s;           ///< for which the last test counts where the wire is pressed
-  S free_s;            ///< for so long the temperature limit has not acted
+  S lease_s;           ///< how long the last test counts where the wire is pressed
+  S free_s;            ///< how long the temperature limit has not acted
   S lowest;            ///< resistance since the last test, while not hotter than top_K
   S top_K;
   std::uint8_t doubts;  ///< tests in a row that told too little
-  S settled_s;          ///< for so long at another temperature than there
+  S settled_s;          ///< how long it has been steady where `steady` does not apply
   S slow_K;             ///< temperature with the whole cooling, low-pass filtered
-  S since_s;            ///< the last test
-  S tested_s;           ///< for so long without power
-  S blind_s;            ///< for so long without a resistance
+  S since_s;            ///< time since the last test
+  S tested_s;           ///< how long the running test has lasted; 0: none
+  S blind_s;            ///< how long there has been no valid resistance
 
   /// Cooling as a share of the file's; 1 where it is not known to be weaker.
   S known() const { return weak ? cooling : S(1); }

@@ -92,8 +92,9 @@ bool Bridge::check_off() {
     const auto found = nodes[node] ? traffic_.servos().find(node) : traffic_.servos().end();
     if (found == traffic_.servos().end()) continue;
     Servo& servo = found->second;
-    // Which of two answers is unknown; both have got the frame. One that is away is asked when it
-    // is back.
+    // Where two devices share the node-id, nobody can tell which of them answers, but both have got
+    // the frame that switches off. A servo that is away is switched off when it is back, or
+    // forgotten once its own watch has ended the heat.
     if (servo.duplicate) {
       done.set(node);
       continue;

@@ -43,8 +43,9 @@ inline void give_current(Rig& rig, double current_A) {
   rig.command.setpoint = current_A;
 }
 inline constexpr double all_W = 10;
-/// A loss margin with which what a wire can take for long is no limit. With a least
-/// strain that is out of reach only its temperature limits the heat.
+/// A factor on the heat loss that makes the limit of the power which a wire can take for long so
+/// high that it never acts. Where the least strain is out of reach, too, only the wire's
+/// temperature limits the heat.
 inline constexpr double heats_for_long = 20;
 
 /// A drive's fault begins when the current of the first step flows.

@@ -42,7 +42,7 @@ double number_in(const json& request, const char* name, double low, double high)
 std::string text_in(const json& request, const char* name) {
   const auto found = request.find(name);
   if (found == request.end() || !found->is_string()) {
-    throw UserError(fmt::format("{}: must be a text", name));
+    throw UserError(fmt::format("{}: must be a string", name));
   }
   return found->get<std::string>();
 }

@@ -11,9 +11,11 @@ struct LiveRound {
   std::vector<std::size_t> fast, slow;  ///< signals of each round; one of these in each
 };
 
-/// All signals where the bus has room for them at the promised rate, else the first ones in the
-/// order of what a page shows first, and one of the others in turn. Where others come by SYNC, all
-/// that is polled comes in turn. `requests_per_s` is what the servo has for live values.
+/// Which signals are polled in each round. Where the bus has room, these are all of them at the
+/// promised rate. Where it has not, the signals that a page shows first are polled in every round,
+/// and the others take turns, one a round. Where the servo sends signals by SYNC (`by_sync`), these
+/// are not polled, and all others take turns. `requests_per_s` is the number of requests for
+/// live values that the bus has room for, of this servo.
 LiveRound live_round(double requests_per_s, const SignalSet* by_sync);
 
 }  // namespace smaservo::page

@@ -31,7 +31,9 @@ constexpr std::int64_t courtesy_us = 30'000;
 /// One that never pauses does not keep the bridge from knowing the servo.
 constexpr std::int64_t longest_courtesy_us = 5'000'000;
 
-// Two devices with one node-id: so many second answers, the first no longer ago than that.
+// Two devices with one node-id both answer a request. An answer that comes within second_answer_us
+// of another one to the same request is surplus. Three of them (surplus_of_two), none more than
+// surplus_memory_us after the one before, prove that there are two devices.
 constexpr unsigned surplus_of_two = 3;
 constexpr std::int64_t second_answer_us = 50'000;
 constexpr std::int64_t surplus_memory_us = 5'000'000;

@@ -26,11 +26,10 @@ class TrafficEvents {
   virtual void sampled(Servo& servo, const Sample& sample) = 0;
   /// A round of the state has been read, or something in it has changed.
   virtual void state_read(Servo& servo) = 0;
-  /// It answers, or answers no more; it has restarted; it is two.
-  virtual void came(unsigned node) = 0;
-  virtual void left(Servo& servo) = 0;
-  virtual void restarted(Servo& servo) = 0;
-  virtual void doubled(Servo& servo) = 0;
+  virtual void came(unsigned node) = 0;      ///< a servo has begun to answer
+  virtual void left(Servo& servo) = 0;       ///< it does not answer any more
+  virtual void restarted(Servo& servo) = 0;  ///< it has said that it has started anew
+  virtual void doubled(Servo& servo) = 0;    ///< two devices answer under its node-id
   virtual void trouble(const std::string& text) = 0;
   virtual void ticked(std::int64_t now_us) = 0;
 };
