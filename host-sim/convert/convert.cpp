@@ -92,7 +92,10 @@ class McapSink {
   }
   Converted commit() {
     rows_.finish();
-    if (rows_.rows() > 0 && std::ranges::none_of(rows_.columns(), [](const auto& column) {
+    if (rows_.rows() == 0) {
+      throw UserError("has a header and no row");
+    }
+    if (std::ranges::none_of(rows_.columns(), [](const auto& column) {
           return column.kind == mcap::Kind::number;
         })) {
       throw UserError("no column has numbers; a trace is a table of them");

@@ -17,14 +17,18 @@ void TomlTable::fail(std::string_view key, const std::string& reason) const {
                                                   table_.source().begin.line, path, reason));
 }
 
-double TomlTable::number(std::string_view key, double low, double high) {
+const toml::node& TomlTable::needed(std::string_view key) {
   taken_.emplace(key);
   const toml::node* node = table_.get(key);
   if (node == nullptr) {
     refuse_old_name(key);
     fail(key, "is missing");
   }
-  return in_range(key, *node, low, high);
+  return *node;
+}
+
+double TomlTable::number(std::string_view key, double low, double high) {
+  return in_range(key, needed(key), low, high);
 }
 
 bool TomlTable::flag(std::string_view key, bool otherwise) {
@@ -40,8 +44,7 @@ bool TomlTable::flag(std::string_view key, bool otherwise) {
 }
 
 std::string TomlTable::text(std::string_view key) {
-  taken_.emplace(key);
-  const auto value = table_[key].value<std::string>();
+  const auto value = needed(key).value<std::string>();
   if (!value) {
     fail(key, "must be a string");
   }
@@ -49,8 +52,7 @@ std::string TomlTable::text(std::string_view key) {
 }
 
 std::vector<std::string> TomlTable::texts(std::string_view key) {
-  taken_.emplace(key);
-  const toml::array* list = table_[key].as_array();
+  const toml::array* list = needed(key).as_array();
   if (list == nullptr || !list->is_homogeneous<std::string>()) {
     fail(key, "must be a list of strings");
   }
@@ -72,8 +74,7 @@ std::size_t TomlTable::choice(std::string_view key, std::span<const std::string_
 }
 
 std::vector<double> TomlTable::numbers(std::string_view key, double low, double high) {
-  taken_.emplace(key);
-  const toml::array* list = table_[key].as_array();
+  const toml::array* list = needed(key).as_array();
   if (list == nullptr || list->empty()) {
     fail(key, "must be a list of numbers");
   }
@@ -96,8 +97,7 @@ std::pair<double, double> TomlTable::range(std::string_view key, double low, dou
 }
 
 TomlTable TomlTable::table(std::string_view key) {
-  taken_.emplace(key);
-  const toml::table* inner = table_[key].as_table();
+  const toml::table* inner = needed(key).as_table();
   if (inner == nullptr) {
     fail(key, "must be a table");
   }

@@ -51,6 +51,7 @@ class TomlTable {
   /// Where this key stands by the name that it once had.
   void refuse_old_name(std::string_view key) const;
   double in_range(std::string_view key, const toml::node& node, double low, double high) const;
+  const toml::node& needed(std::string_view key);
 
   const toml::table& table_;
   std::string path_;

@@ -100,7 +100,7 @@ TEST(Off, TheOutputsAreThoseOfTheRunAndOfTheFile) {
   board.tree().put("sys/class/pwm/pwmchip0/pwm0/duty_cycle", "30000");
   off(1, true, true, "pwmchip0/pwm0/period");
   std::ofstream(board.state("/board.toml")) << "name = \"a\"\n";
-  off(EX_CONFIG, false, true, "state/board.toml:1: front_end: must be a table");
+  off(EX_CONFIG, false, true, "state/board.toml:1: front_end: is missing");
   std::filesystem::remove(board.state("/board.toml"));
   off(0, false, true, "");
 }
