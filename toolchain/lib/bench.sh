@@ -21,6 +21,7 @@ preisach_step_varying_stress|Preisach step (003), varying stress|
 plant_step|plant step (model and heat balance)|
 wire_step_ihyp|simulated wire, ihyp: 1 ms, strain and resistance|
 wire_step_sublayers|simulated wire, sublayers: the same|
+wire_step_free-energy|simulated wire, free energy: the same|
 observer_step|observer step|1500
 multiple_model_step|observer step of the multiple-model filter|
 control_step|controller's step, closed loop in strain|700
