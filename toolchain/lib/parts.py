@@ -76,7 +76,7 @@ PARTS = {
         [Step('fetch', dev('fetch_for_parts'))]),
     'board': Part(
         'the daemon on emulated boards: kernels with CAN, IIO, PWM and GPIO',
-        [build('release', 'board_programs'), ctest('board')],
+        [build('release', 'board_programs'), ctest('board', live=True)],
         [*MADE_BY, *CORE, *GUESTS, 'tests/model', *scripts('board.sh', 'board_kernel.sh')],
         {'release': ['board_programs']}),
     'can': Part(
@@ -96,14 +96,14 @@ PARTS = {
     'package': Part(
         'Debian packages for three architectures; their service in a Debian system',
         [Step('packages', dev('test_package')),
-         build('release', 'board_programs'), ctest('package')],
+         build('release', 'board_programs'), ctest('package', live=True)],
         [*MADE_BY, *PROGRAMS, *GUESTS, 'CHANGELOG.md', 'tests/model', 'tests/firmware/daemon/setup_test.sh',
          *scripts('package.sh', 'sysroot.sh', 'board.sh', 'board_kernel.sh', 'board_root.sh')],
         {'release': ['package_contents', 'board_programs'], 'arm64': ['package_contents'],
          'armhf': ['package_contents']}),
     'sanitize': Part(
         'clang++ with address and undefined-behaviour sanitizers: what reads foreign bytes or has threads',
-        [build('sanitize'), ctest('sanitize')],
+        [build('sanitize'), ctest('sanitize-live', live=True, beside=ctest('sanitize-still'))],
         [*MADE_BY, *PROGRAMS, *TESTS, *NO_PAGES],
         {'sanitize': ['all']}),
     'tidy': Part(
@@ -117,7 +117,7 @@ PARTS = {
         {'odr': ['one_definition']}),
     'tsan': Part(
         "clang++ with the thread sanitizer: the daemon's threads",
-        [build('tsan'), ctest('tsan')],
+        [build('tsan'), ctest('tsan-live', live=True, beside=ctest('tsan-still'))],
         [*MADE_BY, *CORE, 'tests/firmware', 'tests/hal', 'tests/model', 'tests/places.*', 'tests/patience.hpp',
          'tests/bench/convert.hpp', 'host-sim/scenarios', *scripts()],
         {'tsan': ['daemon_tests', 'daemon_live_tests', 'hal_tests', 'hal_live_tests', 'smaservod']}),

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """`toolchain/dev test`: runs parts (parts.py), two rows of them side by side, and says how each went.
 
-In a row one part follows the other. The first row is at normal priority; the second one, and what runs beside
-tests in real time, is at idle priority: it gets what the others leave of the processors.
+In a row one part follows the other. One step at a time is at normal priority: one of the first row, or tests in real
+time of either row. All others are at idle priority: they get what that one leaves of the processors.
 """
 
 import datetime
@@ -89,6 +89,30 @@ def counts(report):
     return ran, skipped
 
 
+class Normal:
+    """Normal priority, which one step has at a time. Tests in real time wait for it, and come before other steps."""
+
+    def __init__(self):
+        self.free, self.taken, self.waiting = threading.Condition(), False, 0
+
+    def take(self, step):
+        """Whether this step has it."""
+        with self.free:
+            if step.live:
+                self.waiting += 1
+                self.free.wait_for(lambda: not self.taken)
+                self.waiting -= 1
+            elif self.taken or self.waiting:
+                return False
+            self.taken = True
+            return True
+
+    def give_back(self):
+        with self.free:
+            self.taken = False
+            self.free.notify()
+
+
 class Run:
     """A part as it runs, and its result."""
 
@@ -140,7 +164,10 @@ class Run:
         if step.beside:
             beside = threading.Thread(target=lambda: passed.append(self.step(step.beside, True)))
             beside.start()
-        ok = self.one(step, is_idle and not step.live)
+        is_normal = (step.live or not is_idle) and normal.take(step)
+        ok = self.one(step, not is_normal)
+        if is_normal:
+            normal.give_back()
         if beside:
             beside.join()
             ok = ok and passed[0]
@@ -211,6 +238,7 @@ class Screen:
 
 
 screen = Screen()
+normal = Normal()
 sessions = set()  # of steps at idle priority, which no Ctrl-C reaches
 
 

@@ -70,7 +70,11 @@ const tests = {
     // It says that it lives, as one that is only slow.
     const alive = setInterval(() => slow.ws.pong(), 500);
     const flow = collect(good, 8000);
-    const me = (state) => state.clients.find((one) => one.client === number);
+    const me = (state) => {
+      const found = state.clients.find((one) => one.client === number);
+      assert.ok(found, `client ${number} was closed, as if it were dead`);
+      return found;
+    };
     await good.until('/bridge', (state) => me(state).dropped > 2000);
     await assertNoneUncounted(good, await flow);
     await good.call('end_sending');
