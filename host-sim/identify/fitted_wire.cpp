@@ -158,16 +158,16 @@ std::string source_of(const std::string& group, const Groups::mapped_type& param
   for (const FittedParameter* fitted : parameters) {
     const FitParameter& parameter = fitted->parameter;
     const std::string name = parameter.key.substr(group.size() + 1);
-    if (!fitted->determined()) {
+    if (!fitted->determined) {
       kept.push_back(name);
       continue;
     }
-    const Figure f = figure(*fitted);
-    found.push_back(fmt::format("{} {}{}{}", name, with_deviation(f.value, f.sd),
-                                parameter.unit.empty() ? "" : " ", parameter.unit));
+    found.push_back(moved_text(*fitted, name));
   }
   const std::string runs =
-      file_names(fit) + (fit.interrupted ? " (interrupted before it was finished)" : "");
+      file_names(fit) + (fit.interrupted  ? " (interrupted before it was finished)"
+                         : !fit.converged ? " (not converged)"
+                                          : "");
   if (found.empty()) {
     const std::string before = inherited(from, group);
     return fmt::format("not determined by {}, kept from {}{}{}", runs, from.name,
@@ -192,7 +192,7 @@ bool replaced(const std::string& path, const Groups& groups) {
     for (const FittedParameter* fitted : parameters) {
       const std::string_view key = fitted->parameter.key;
       const bool scales = key == "wire.martensite.resistivity" && path == "wire.resistance";
-      if (fitted->determined() && (key.starts_with(path) || scales)) {
+      if (fitted->determined && (key.starts_with(path) || scales)) {
         return true;
       }
     }
@@ -225,7 +225,7 @@ Figure figure(const FittedParameter& fitted) {
       case Form::factor:
         return std::abs(value) * sd / p.scale;
       case Form::share:
-        return value * (1 - value) * sd;
+        return (p.most - p.least) * p.share_of(value) * (1 - p.share_of(value)) * sd / p.scale;
     }
     return 0.0;
   };
@@ -241,6 +241,13 @@ std::string with_deviation(double value, double sd) {
   const int decimals = std::clamp(1 - power, 0, 12);
   const bool nothing = std::abs(value) < 0.5 * std::pow(10, -decimals);  // not "-0.0"
   return fmt::format("{:.{}f} ± {:.{}f}", nothing ? 0.0 : value, decimals, sd, decimals);
+}
+
+std::string moved_text(const FittedParameter& fitted, std::string_view name) {
+  const Figure f = figure(fitted);
+  const std::string& unit = fitted.parameter.unit;
+  return fmt::format("{} from {:.4g} to {}{}{}", name, f.prior, with_deviation(f.value, f.sd),
+                     unit.empty() ? "" : " ", unit);
 }
 
 files::WireDescription fitted_wire(const files::WireDescription& from, const FitResult& fit,

@@ -22,6 +22,9 @@ Figure figure(const FittedParameter& fitted);
 /// "74.80 ± 0.12", with as many digits as the deviation justifies.
 std::string with_deviation(double value, double sd);
 
+/// "temperature from 68 to 66.20 ± 0.12 degC".
+std::string moved_text(const FittedParameter& fitted, std::string_view name);
+
 /// "wire.m2a" of "wire.m2a.width"; "wire.heat" of "wire.heat.convection".
 std::string group_of(std::string_view key);
 

@@ -150,6 +150,12 @@ void run(const IdentifyArguments& a) {
     std::fflush(stdout);
     std::raise(SIGINT);
   }
+  if (!all.fit.converged) {
+    throw files::NoResult(
+        fmt::format("{}: the fit has not converged after {} steps; the file is the best so far. "
+                    "Give it as --from to go on",
+                    a.out, all.fit.iterations));
+  }
 }
 
 }  // namespace

@@ -27,7 +27,9 @@ std::string heading(const Identification& all) {
   return fmt::format("{} from {} and {} run{}, {} iterations, {:.1f} s{}",
                      files::printable(all.out), files::printable(all.from), all.runs.size(),
                      all.runs.size() == 1 ? "" : "s", all.fit.iterations, all.elapsed_s,
-                     all.fit.interrupted ? ", INTERRUPTED: the best so far, not the end" : "");
+                     all.fit.interrupted  ? ", INTERRUPTED: the best so far, not the end"
+                     : !all.fit.converged ? ", NOT CONVERGED: the best so far, not the end"
+                                          : "");
 }
 
 std::string structure(const FitVariant& v) {
@@ -49,22 +51,24 @@ std::string circuit(const FitResult& fit) {
       fit.circuit.lead_ohm, fit.circuit.load_gain, fit.circuit.lead_ohm, 1 / fit.circuit.load_gain);
 }
 
-/// "wire.m2a: bend, turning" for each group that has some.
-std::vector<std::string> undetermined(const FitResult& fit) {
+/// For each group that has some: "wire.m2a: bend, turning" of what the runs do not determine; of
+/// what they do, from where to where it has moved.
+std::vector<std::string> parameters_text(const FitResult& fit, bool determined) {
   std::vector<std::string> lines;
   std::string open;
   for (const FittedParameter& fitted : fit.parameters) {
-    if (fitted.determined()) {
+    if (fitted.determined != determined) {
       continue;
     }
     const std::string& key = fitted.parameter.key;
     const std::string group = group_of(key);
     const std::string name = key.substr(group.size() + 1);
+    const std::string text = determined ? moved_text(fitted, name) : name;
     if (group != open) {
-      lines.push_back(group + ": " + name);
+      lines.push_back(group + ": " + text);
       open = group;
     } else {
-      lines.back() += ", " + name;
+      lines.back() += ", " + text;
     }
   }
   return lines;
@@ -143,11 +147,11 @@ std::string parameters_html(const FitResult& fit) {
     const Figure f = figure(fitted);
     table.add({fitted.parameter.key, with_deviation(f.prior, f.prior_sd),
                with_deviation(f.value, f.sd), fitted.parameter.unit,
-               fitted.determined() ? "" : "not determined"});
+               fitted.determined ? "" : "not determined"});
   }
   return "<h2>Parameters</h2>\n" + table.html() +
-         "<p class=\"caption\">± one standard deviation. Not determined: the runs leave more than "
-         "half of the deviation that was assumed before.</p>\n";
+         "<p class=\"caption\">± one standard deviation. Not determined: the runs tell little of "
+         "it, so it is kept as it was.</p>\n";
 }
 
 using Json = nlohmann::ordered_json;
@@ -196,7 +200,7 @@ Json parameter_json(const FittedParameter& fitted) {
           {"prior", f.prior},
           {"prior_sd", f.prior_sd},
           {"uncertainty", fitted.uncertainty},
-          {"determined", fitted.determined()}};
+          {"determined", fitted.determined}};
 }
 
 }  // namespace
@@ -221,7 +225,11 @@ std::string fit_summary(const Identification& all) {
   std::string text = heading(all) + "\n" + unit_of_errors(all) + "\n" + runs_table(all).text();
   text += heat_flows(all.fit) + joint_text(all.fit);
   text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
-  const std::vector<std::string> kept = undetermined(all.fit);
+  const std::vector<std::string> found = parameters_text(all.fit, true);
+  if (!found.empty()) {
+    text += fmt::format("determined by these runs:\n  {}\n", fmt::join(found, "\n  "));
+  }
+  const std::vector<std::string> kept = parameters_text(all.fit, false);
   if (!kept.empty()) {
     text += fmt::format("not determined by these runs, kept from {}:\n  {}\n",
                         files::printable(all.from), fmt::join(kept, "\n  "));
@@ -238,6 +246,7 @@ std::string fit_json(const Identification& all) {
   Json json{{"wire", all.out},
             {"from", all.from},
             {"interrupted", fit.interrupted},
+            {"converged", fit.converged},
             {"iterations", fit.iterations},
             {"elapsed_s", all.elapsed_s},
             {"nominal_stroke", fit.wire.nominal_stroke}};

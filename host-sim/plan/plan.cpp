@@ -113,17 +113,10 @@ class Expectation {
       const std::size_t i = wires + identify::circuit_count + static_cast<std::size_t>(own);
       active.push_back({&u[i], i, {}});
     }
-    const identify::AllRunsCost all({{cost, u, 0}}, active, 1);
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(
-        all.num_residuals(), static_cast<Eigen::Index>(active.size()));
-    std::vector<double> residuals(static_cast<std::size_t>(all.num_residuals()));
-    const std::vector<double> x(active.size(), 0.0);
-    const double* const block = x.data();
-    double* slopes = jacobian.data();
-    all.Evaluate(&block, residuals.data(), &slopes);
+    const identify::AllRunsCost all({{cost, u, 0}}, identify::RiseCost(problem_), active, 1);
     const auto n = static_cast<Eigen::Index>(wires);
     const auto own = static_cast<Eigen::Index>(active.size()) - n;
-    const Eigen::MatrixXd full = jacobian.transpose() * jacobian;
+    const Eigen::MatrixXd full = all.information(identify::values(active));
     const Eigen::MatrixXd coupling = full.topRightCorner(n, own);
     // The matrix of each run contains the prior, which counts only once in all.
     return full.topLeftCorner(n, n) - Eigen::MatrixXd::Identity(n, n) -

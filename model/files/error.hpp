@@ -17,8 +17,9 @@ class ConfigError : public UserError {
   using UserError::UserError;
 };
 
-/// What was asked has been done, and its result is one that nobody can use: no valid resistance,
-/// observers that are all lost, a recording that ended early; ends the program with 3.
+/// What was asked has been done, and its result is one that nobody can use: no valid resistance, a
+/// fit that has not converged, observers that are all lost, a recording that ended early; ends the
+/// program with 3.
 class NoResult : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <ceres/ceres.h>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <map>
 
 #include "host-sim/identify/fit/fit_state.hpp"
+#include "host-sim/identify/fit/slopes.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::identify {
@@ -85,12 +87,12 @@ void Fit::refine() {
   weigh();
 }
 
-/// Changes the model's structure. A parameter that both structures have keeps its deviation.
+/// Changes the model's structure. A parameter that both structures have keeps its value.
 void Fit::with(const FitVariant& variant) {
-  std::map<std::string, double> known;
+  std::map<std::string, double> moved;
   if (problem_) {
     for (std::size_t i = 0; i < u_.wire.size(); ++i) {
-      known[problem_->parameters[i].key] = u_.wire[i];
+      moved[problem_->parameters[i].key] = u_.wire[i] * problem_->parameters[i].sd;
     }
   }
   const double cold_ohm = cold_resistance_ohm(from_);
@@ -103,8 +105,9 @@ void Fit::with(const FitVariant& variant) {
   u_.wire.assign(problem_->parameters.size(), 0.0);
   for (std::size_t i = 0; i < u_.wire.size(); ++i) {
     const std::string& key = problem_->parameters[i].key;
-    const auto own = known.find(key);
-    // A surface that is no longer shared starts with the deviations of the shared one.
+    const auto own = moved.find(key);
+    // A surface that is no longer shared starts as the shared one was, so that the cost is not
+    // higher than before. Its prior is narrower.
     std::string shared = key;
     for (const auto& [to, as] :
          {std::pair{"wire.r2a.", "wire.m2a."}, std::pair{"wire.r2m.", "wire.a2m."}}) {
@@ -112,8 +115,8 @@ void Fit::with(const FitVariant& variant) {
         shared = as + key.substr(std::string_view(to).size());
       }
     }
-    const auto other = known.find(shared);
-    u_.wire[i] = own != known.end() ? own->second : other != known.end() ? other->second : 0.0;
+    const auto from = own != moved.end() ? own : moved.find(shared);
+    u_.wire[i] = from != moved.end() ? from->second / problem_->parameters[i].sd : 0.0;
   }
   if (!variant.circuit) {
     u_.circuit = {};
@@ -168,12 +171,16 @@ std::vector<Active> Fit::active(const Runs& which, const Chosen& chosen) {
   return all;
 }
 
+Fit::Chosen Fit::free_of(const Chosen& chosen) const {
+  return [this, chosen](const std::string& key) { return chosen(key) && !kept_.contains(key); };
+}
+
 AllRunsCost Fit::all_runs_cost(const Runs& which, const std::vector<Active>& active) const {
   std::vector<AllRunsCost::One> runs;
   for (const std::size_t i : which) {
     runs.push_back({run_cost(i), deviations(i), i});
   }
-  return {std::move(runs), active, options_.threads};
+  return {std::move(runs), RiseCost(*problem_), active, options_.threads};
 }
 
 double Fit::solve(const std::string& stage, const Runs& which, const Chosen& chosen,
@@ -181,9 +188,14 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
   if (interrupted_) {
     return cost(which);
   }
-  const std::vector<Active> changing = active(which, chosen);
+  const std::vector<Active> changing = active(which, free_of(chosen));
+  if (changing.empty()) {
+    converged_ = true;
+    return this->cost(which);
+  }
   AllRunsCost cost = all_runs_cost(which, changing);
   std::vector<double> x = values(changing);
+  std::ranges::transform(x, x.begin(), [](double u) { return std::clamp(u, -farthest, farthest); });
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
@@ -203,6 +215,7 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
   // the cost by 3 %.
   double before = std::numeric_limits<double>::infinity();
   int left = iterations;
+  converged_ = false;
   ceres::Solver::Summary summary;
   do {
     solver.max_num_iterations = left;
@@ -211,6 +224,7 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
     iterations_ += done;
     left -= done;
     if (!(summary.final_cost < 0.97 * before)) {
+      converged_ = true;
       break;
     }
     before = summary.final_cost;
@@ -288,6 +302,8 @@ FitResult Fit::run() {
   }
   refine();
   joint("refinement", options_.max_iterations);
+  settle();
+  rise();
   FitResult result;
   describe(result);
   uncertainty(result);
@@ -298,6 +314,14 @@ FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options) {
   if (runs.empty()) {
     throw files::UserError("identify: there is no run to fit to");
+  }
+  for (const auto& [process, surface] : surfaces(from)) {
+    if (steepest_fall_K_Pa(surface, from.limits.stress_Pa) > 0) {
+      throw files::UserError(
+          fmt::format("{}: its start or finish temperature falls with stress; give a --from wire "
+                      "where both rise or stay",
+                      process));
+    }
   }
   return Fit(from, runs, options).run();
 }

@@ -30,12 +30,13 @@ struct FitOptions {
 
 struct FittedParameter {
   FitParameter parameter;
-  double value;        ///< SI
+  double value;        ///< SI; exactly the prior where it is not determined
   double sd;           ///< of value; relative for a factor, in logits for a share
   double uncertainty;  ///< sd divided by that of the prior: 1 where the data tell nothing
-
-  /// Whether the runs have at least halved the prior's deviation.
-  bool determined() const { return uncertainty < 0.5; }
+  /// Whether the runs have at least halved the prior's deviation, or moved the value by more than
+  /// two of its own, or the fit is clearly worse without it. `sd` includes how uncertain the
+  /// parameters are that are not determined.
+  bool determined;
 };
 
 struct Correlation {
@@ -74,10 +75,13 @@ struct FitResult {
   CircuitGuess<double> circuit{};
   bool circuit_fitted = false;
   bool interrupted = false;
+  bool converged = true;  ///< the last restart of the solver has gained less than 3 % of the cost
   int iterations = 0;
 };
 
-/// Throws UserError when the runs cannot determine anything.
+/// A parameter that the runs do not determine has the value of `from` to the last bit. No
+/// transition falls with stress, at any stress up to the wire's limit. Throws UserError when the
+/// runs cannot determine anything, or a transition of `from` falls with stress.
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options);
 

@@ -1,9 +1,9 @@
 // The errors that a fit leaves, and the deviations of its parameters.
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host-sim/identify/fit/fit_state.hpp"
 
@@ -87,6 +87,25 @@ FitQuality quality(std::vector<double> errors, double scale) {
   return q;
 }
 
+/// Gives a channel the weights back that it had before, where their sum n/sd² over all runs was
+/// greater.
+void keep_more(std::vector<Weights>& now, const std::vector<Weights>& before, double Weights::* sd,
+               double Weights::* independent) {
+  const auto information = [&](const std::vector<Weights>& weights) {
+    double sum = 0;
+    for (const Weights& one : weights) {
+      sum += one.*sd > 0 ? one.*independent / (one.*sd * one.*sd) : 0;
+    }
+    return sum;
+  };
+  if (information(now) < information(before)) {
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      now[i].*sd = before[i].*sd;
+      now[i].*independent = before[i].*independent;
+    }
+  }
+}
+
 }  // namespace
 
 /// Sets, for every comparison, the probability that martensite stands in the place of austenite
@@ -102,8 +121,12 @@ void Fit::apportion(std::size_t i) {
   weights_[i].austenite = std::move(austenite);
 }
 
-/// Sets each channel's deviation and number of independent comparisons from the residuals.
+/// Sets each channel's deviation and number of independent comparisons from the residuals. The
+/// weight of a channel never decreases: the model has shown that it can be that accurate. Otherwise
+/// a prior that keeps a fit from the data would lower their weight, and keep it from them still
+/// more.
 void Fit::weigh() {
+  const std::vector<Weights> before = weights_;
   double strain2 = 0, ohm2 = 0, strains = 0, ohms = 0;
   const auto length = [](const std::vector<double>& errors) {
     return static_cast<double>(errors.size()) / correlation_length(errors);
@@ -134,6 +157,11 @@ void Fit::weigh() {
   for (Weights& weights : weights_) {
     weights.strain_sd = std::max(4e-5, std::sqrt(strain2 / std::max(strains, 1.0)));
     weights.resistance_sd = std::max(1e-4, std::sqrt(ohm2 / std::max(ohms, 1.0)));
+  }
+  if (std::exchange(weighed_, true)) {
+    keep_more(weights_, before, &Weights::strain_sd, &Weights::strain_independent);
+    keep_more(weights_, before, &Weights::resistance_sd, &Weights::resistance_independent);
+    keep_more(weights_, before, &Weights::power_sd, &Weights::power_independent);
   }
 }
 
@@ -167,35 +195,25 @@ FittedRun Fit::fitted(std::size_t i) {
   return run;
 }
 
-/// Posterior deviations and correlations: the inverse of JᵀJ, in which every channel counts as many
-/// comparisons as it has independent ones.
+/// Posterior deviations and correlations. Kept parameters count as free ones here, so that their
+/// uncertainty is part of the others'; their own deviation is that of the prior.
 void Fit::uncertainty(FitResult& result) {
-  const std::vector<Active> changing = active(everything(), all);
-  const AllRunsCost cost = all_runs_cost(everything(), changing);
-  const auto width = static_cast<Eigen::Index>(changing.size());
-  const std::vector<double> x = values(changing);
-  std::vector<double> residuals(static_cast<std::size_t>(cost.num_residuals()));
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(
-      cost.num_residuals(), width);
-  const double* const block = x.data();
-  double* slopes = jacobian.data();
-  cost.Evaluate(&block, residuals.data(), &slopes);
-  const Eigen::MatrixXd covariance =
-      (jacobian.transpose() * jacobian).llt().solve(Eigen::MatrixXd::Identity(width, width));
+  const Eigen::MatrixXd covariance = this->covariance(active(everything(), all));
   const std::vector<FitParameter>& parameters = problem_->parameters;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    const double relative = std::min(1.0, std::sqrt(covariance(at, at)));
-    result.parameters.push_back(
-        {parameters[i], parameters[i].value(u_.wire[i]), relative * parameters[i].sd, relative});
+    const bool determined = !kept_.contains(parameters[i].key);
+    const double relative = determined ? std::min(1.0, std::sqrt(covariance(at, at))) : 1.0;
+    result.parameters.push_back({parameters[i], parameters[i].value(u_.wire[i]),
+                                 relative * parameters[i].sd, relative, determined});
   }
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const auto a = static_cast<Eigen::Index>(i);
       const auto b = static_cast<Eigen::Index>(k);
       const double rho = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
-      if (std::abs(rho) > 0.8 && result.parameters[i].determined() &&
-          result.parameters[k].determined()) {
+      if (std::abs(rho) > 0.8 && result.parameters[i].determined &&
+          result.parameters[k].determined) {
         result.correlations.push_back({parameters[k].key, parameters[i].key, rho});
       }
     }
@@ -219,7 +237,7 @@ void Fit::describe(FitResult& result) {
   const RunCost cost = run_cost(0);
   const std::vector<double> u = deviations(0);
   const Assumed<double> assumed = cost.assumed<double>(u.data());
-  result.wire = assumed.wire;
+  result.wire = restored(assumed.wire);
   accuracy(result.wire.accuracy);
   result.circuit = assumed.circuit;
   result.circuit_fitted = problem_->variant.circuit;
@@ -238,6 +256,7 @@ void Fit::describe(FitResult& result) {
     result.runs.push_back(std::move(run));
   }
   result.interrupted = interrupted_;
+  result.converged = converged_ || interrupted_;
   result.iterations = iterations_;
 }
 

@@ -1,17 +1,21 @@
 #pragma once
 // A fit while it is made: its runs, what is known of them, and the deviations found so far. Used
-// inside the fit only; fit.cpp solves, fit_start.cpp finds a start, fit_result.cpp judges.
+// inside the fit only; fit.cpp solves, fit_start.cpp finds a start, fit_kept.cpp sets back what the
+// runs do not determine, fit_result.cpp judges.
 
 #include <array>
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "host-sim/identify/fit/cost/all_runs_cost.hpp"
 #include "host-sim/identify/fit/cost/run_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/identify/fit/spread.hpp"
 
 namespace smaservo::identify {
 
@@ -50,6 +54,8 @@ class Fit {
   /// The deviations that a run's cost depends on.
   std::vector<double> deviations(std::size_t run) const;
   std::vector<Active> active(const Runs& which, const Chosen& chosen);
+  /// Of those chosen, the ones that stages may still change.
+  Chosen free_of(const Chosen& chosen) const;
   AllRunsCost all_runs_cost(const Runs& which, const std::vector<Active>& active) const;
   /// Returns the cost that is reached.
   double solve(const std::string& stage, const Runs& which, const Chosen& chosen, int iterations);
@@ -60,6 +66,14 @@ class Fit {
   void try_variants();
   /// Replaces the coarsely thinned runs by finely thinned ones.
   void refine();
+
+  // fit_kept.cpp
+  Eigen::MatrixXd covariance(const std::vector<Active>& changing) const;
+  bool is_of_wire(const Active& one) const { return one.index < problem_->parameters.size(); }
+  bool keep_undetermined(Spread& spread);
+  void settle();
+  void rise();
+  Wire<double> restored(const Wire<double>& wire) const;
 
   // fit_start.cpp
   void calorimetry();
@@ -82,9 +96,15 @@ class Fit {
   std::vector<bool> zero_known_;
   std::vector<CircumstanceParameters> circumstances_;
   std::vector<Weights> weights_;
+  bool weighed_ = false;  ///< by residuals, not by what is assumed at first
   std::unique_ptr<FitProblem> problem_;
   Deviations u_;
+  /// Keys of parameters that no stage changes any more: they have the value of before the fit.
+  std::set<std::string> kept_;
+  /// Those without which the fit has turned out clearly worse.
+  std::set<std::string> needed_;
   bool interrupted_ = false;
+  bool converged_ = true;  ///< of the last solve()
   int iterations_ = 0;
 };
 

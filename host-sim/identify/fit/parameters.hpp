@@ -18,7 +18,7 @@ namespace smaservo::identify {
 enum class Form : unsigned char {
   sum,     ///< value + sd u
   factor,  ///< value exp(sd u)
-  share,   ///< between 0 and 1: logit(value) + sd u
+  share,   ///< between two limits: logit(s) + sd u of s = (value - least)/(most - least)
 };
 
 struct FitParameter {
@@ -28,7 +28,15 @@ struct FitParameter {
   Form form;
   double prior;  ///< SI
   double sd;     ///< of the prior, in SI; relative for a factor, in logits for a share
+  double least = 0, most = 1;  ///< SI; the limits of a share
 
+  /// Where a value is between the limits, 0 to 1.
+  template <class T>
+  T share_of(const T& value) const {
+    return (value - T(least)) / T(most - least);
+  }
+
+  /// At u = 0 the prior, to the last bit.
   template <class T>
   T value(const T& u) const {
     using std::exp;
@@ -37,8 +45,12 @@ struct FitParameter {
         return T(prior) + T(sd) * u;
       case Form::factor:
         return T(prior) * exp(T(sd) * u);
-      case Form::share:
-        return T(prior) / (T(prior) + T(1 - prior) * exp(T(-sd) * u));
+      case Form::share: {
+        const double share = share_of(prior);
+        const T odds = exp(T(-sd) * u);
+        return T(prior) + T((most - least) * share * (1 - share)) * (T(1) - odds) /
+                              (T(share) + T(1 - share) * odds);
+      }
     }
     return T(prior);
   }
@@ -85,7 +97,8 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   const double w_1 = width(max_Pa);
   const double T_0 = turning_K(0);
   const double T_1 = turning_K(max_Pa);
-  const double bend_K = turning_K(max_Pa / 2) - (T_0 + T_1) / 2;
+  const double deviation_K = turning_K(max_Pa / 2) - (T_0 + T_1) / 2;
+  const double bend_K = std::abs(deviation_K) < 1e-9 ? 0 : deviation_K;  // rounding
   const std::string key = "wire." + name;
 
   const T at_0 = take({key + ".temperature", "degC", 1, Form::sum, T_0, temperature_sd_K});
@@ -93,29 +106,29 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   const T slope =
       take({key + ".temperature_stress", "K/MPa", 1e-6, Form::sum, rise, 0.04e-6 * stress_share});
   const T bend = take({key + ".temperature_bend", "K", 1, Form::sum, bend_K, 6 * stress_share});
-  const auto both = [&](const char* part, double low, double high, double sd) {
-    const T first = take({key + part, "", 1, Form::factor, low, sd});
-    const T second = take({key + part + std::string("_stress"), "", 1, Form::factor, 1, 0.3});
-    return std::pair<T, T>(first, first * T(high / low) * second);
-  };
-  const auto [width_0, width_1] = both(".width", w_0, w_1, 0.5);
-  const auto [curvature_0, curvature_1] =
-      both(".curvature", from.curvature[0], line(from.curvature, max_Pa), 0.4);
-  // The turning point keeps within 0.05 and 0.95.
-  const auto inner = [](double z) { return (z - 0.05) / 0.9; };
-  const FitParameter z{key + ".turning", "", 1, Form::share, inner(from.turning[0]), 0.5};
-  const T turning_0 = take(z);
-  const T shift = take({key + ".turning_stress", "", 1, Form::sum, 0, 0.5});
-  const auto moved = [&](const T& x) {
+  const T width_0 = take({key + ".width", "", 1, Form::factor, w_0, 0.5});
+  const T width_1 =
+      width_0 * T(w_1 / w_0) * take({key + ".width_stress", "", 1, Form::factor, 1, 0.3});
+  const auto shape = [&](const std::string& part, const double(&c)[2], double least, double most,
+                         double sd, double stress_sd) {
     using std::exp;
-    return x / (x + (T(1) - x) * exp(T(0) - shift));
+    // A prior at a limit could not be moved by any deviation.
+    const double margin = 1e-6 * (most - least);
+    const auto inner = [&](double x) { return std::clamp(x, least + margin, most - margin); };
+    const FitParameter one{key + part, "", 1, Form::share, inner(c[0]), sd, least, most};
+    const T first = take(one);
+    const T shift = take({key + part + "_stress", "", 1, Form::sum, 0, stress_sd});
+    const double begin = one.share_of(one.prior);
+    const double end = one.share_of(inner(line(c, max_Pa)));
+    const T odds = T(end / (1 - end) * (1 - begin) / begin) * exp(shift);
+    const T x = one.share_of(first);
+    const T second = T(least) + T(most - least) * x * odds / (T(1) - x + x * odds);
+    return std::pair<T, T>(first, second);
   };
-  const double end = inner(line(from.turning, max_Pa));
-  const double begin = inner(from.turning[0]);
-  const T z_0 = T(0.05) + T(0.9) * turning_0;
-  const T odds = T(end / (1 - end) * (1 - begin) / begin);
-  const T scaled = turning_0 * odds / (T(1) - turning_0 + turning_0 * odds);
-  const T z_1 = T(0.05) + T(0.9) * moved(scaled);
+  // The limits are those of a wire file. The prior is wide, since wires differ: there are curves
+  // with corners (0.1) and with long tails (10).
+  const auto [curvature_0, curvature_1] = shape(".curvature", from.curvature, 1e-3, 30, 0.6, 0.3);
+  const auto [z_0, z_1] = shape(".turning", from.turning, 0.05, 0.95, 0.5, 0.5);
 
   const T span = T(max_Pa);
   const T dw = (width_1 - width_0) / span;

@@ -1,20 +1,15 @@
 // Calorimetry and baths in one fit.
 
-#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
 
 #include "host-sim/identify/fit/fit.hpp"
 #include "model/files/wire/wire_file.hpp"
-#include "model/wire/plant.hpp"
+#include "tests/host-sim/identify/simulated_runs.hpp"
 
 namespace smaservo::test {
 namespace {
-
-using Model = ThreePhase<double>;
-
-constexpr double rate_K_s = 10.0 / 60;
 
 /// The preset, but for what calorimetry sees best and baths do not see at all.
 Wire<double> truth() {
@@ -27,61 +22,11 @@ Wire<double> truth() {
   return wire;
 }
 
-std::vector<double> cycle_K() {
-  std::vector<double> all;
-  for (double T = 293; T < 400; T += 0.5) {
-    all.push_back(T);
-  }
-  for (double T = 400; T > 293; T -= 0.5) {
-    all.push_back(T);
-  }
-  return all;
-}
-
-identify::Run calorimetry(const Wire<double>& wire, std::mt19937_64& random) {
-  std::normal_distribution<double> noise_W_kg(0, 3);
-  identify::Run run{};
-  run.name = "calorimetry";
-  run.kind = identify::RunKind::calorimetry;
-  run.temperature_K = cycle_K();
-  auto state = Model::rest(wire.kinetics, {run.temperature_K.front(), 0});
-  double before_K = run.temperature_K.front() - 0.5;
-  for (const double T : run.temperature_K) {
-    const Phases<double> before = Model::phases(state);
-    Model::advance(wire.kinetics, state, {T, 0});
-    const Phases<double> after = Model::phases(state);
-    const double taken_J_kg = wire.heat.specific_heat_J_kgK * (T - before_K) -
-                              wire.heat.latent_m2a_J_kg * (after.martensite - before.martensite) -
-                              wire.heat.latent_r2a_J_kg * (after.r_phase - before.r_phase);
-    run.power_W_kg.push_back(taken_J_kg * rate_K_s / std::abs(T - before_K) + noise_W_kg(random));
-    before_K = T;
-  }
-  run.stress_Pa.assign(run.temperature_K.size(), 0.0);
-  return run;
-}
-
-identify::Run bath(const Wire<double>& wire, double stress_Pa, std::mt19937_64& random) {
-  std::normal_distribution<double> noise(0, 2e-5);
-  auto params = plant_params(wire);
-  params.ends.share = 0;
-  identify::Run run{};
-  run.name = "bath";
-  run.kind = identify::RunKind::bath;
-  run.temperature_K = cycle_K();
-  auto state = Plant<Model>::rest(params, {run.temperature_K.front(), stress_Pa});
-  for (const double T : run.temperature_K) {
-    Model::advance(params.kinetics, state.kinetics, {T, stress_Pa});
-    run.strain.push_back(Plant<Model>::strain(params, state) + noise(random));
-  }
-  run.stress_Pa.assign(run.temperature_K.size(), stress_Pa);
-  return run;
-}
-
 std::vector<identify::Run> runs(const Wire<double>& wire) {
   std::mt19937_64 random(5);
-  std::vector<identify::Run> all{calorimetry(wire, random)};
+  std::vector<identify::Run> all{calorimetry_run(wire, random)};
   for (const double stress_Pa : {20e6, 100e6, 250e6}) {
-    all.push_back(bath(wire, stress_Pa, random));
+    all.push_back(bath_run(wire, stress_Pa, random));
   }
   return all;
 }

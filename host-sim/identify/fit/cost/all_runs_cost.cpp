@@ -14,42 +14,43 @@ std::vector<double> values(const std::vector<Active>& active) {
   return x;
 }
 
-AllRunsCost::AllRunsCost(std::vector<One> runs, const std::vector<Active>& active, int threads)
+AllRunsCost::AllRunsCost(std::vector<One> runs, const RiseCost& rise,
+                         const std::vector<Active>& active, int threads)
     : runs_(std::move(runs)),
+      rise_(rise),
       active_(active),
       threads_(std::min(runs_.size(), static_cast<std::size_t>(std::max(threads, 1)))) {
   for (const One& one : runs_) {
     first_row_.push_back(prior_row_);
     prior_row_ += one.cost.residuals();
   }
-  set_num_residuals(static_cast<int>(prior_row_ + active_.size()));
+  set_num_residuals(static_cast<int>(rise_row() + rise_.residuals()));
   mutable_parameter_block_sizes()->push_back(static_cast<int>(active_.size()));
 }
 
-std::vector<AllRunsCost::Column> AllRunsCost::columns(std::size_t run) const {
+/// The active deviations that belong to all runs, and those of one.
+std::vector<AllRunsCost::Column> AllRunsCost::columns(std::optional<std::size_t> run) const {
   std::vector<Column> all;
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    if (active_[i].run.value_or(run) == run) {
+    if (!active_[i].run || active_[i].run == run) {
       all.push_back({i, active_[i].index});
     }
   }
   return all;
 }
 
-void AllRunsCost::evaluate(std::size_t i, const double* x, double* residuals,
+template <class Cost>
+void AllRunsCost::evaluate(const Cost& cost, const std::vector<Column>& columns,
+                           std::vector<double> u, const double* x, double* residuals,
                            double* jacobian) const {
-  const One& one = runs_[i];
-  const std::vector<Column> columns = this->columns(one.run);
-  std::vector<double> u = one.fixed;
   for (const Column& column : columns) {
     u[column.index] = x[column.column];
   }
-  double* own = residuals + first_row_[i];
-  if (jacobian == nullptr) {
-    one.cost(u.data(), own);
+  if (jacobian == nullptr || columns.empty()) {
+    cost(u.data(), residuals);
     return;
   }
-  const std::size_t rows = one.cost.residuals();
+  const std::size_t rows = cost.residuals();
   const std::size_t width = active_.size();
   std::vector<Jet> out(rows);
   for (std::size_t first = 0; first < columns.size(); first += jet_width) {
@@ -58,15 +59,26 @@ void AllRunsCost::evaluate(std::size_t i, const double* x, double* residuals,
     for (std::size_t k = first; k < last; ++k) {
       in[columns[k].index].v[static_cast<int>(k - first)] = 1;
     }
-    one.cost(in.data(), out.data());
+    cost(in.data(), out.data());
     for (std::size_t row = 0; row < rows; ++row) {
-      own[row] = out[row].a;
-      double* slopes = jacobian + (first_row_[i] + row) * width;
+      residuals[row] = out[row].a;
+      double* slopes = jacobian + row * width;
       for (std::size_t k = first; k < last; ++k) {
         slopes[columns[k].column] = out[row].v[static_cast<int>(k - first)];
       }
     }
   }
+}
+
+Eigen::MatrixXd AllRunsCost::information(const std::vector<double>& x) const {
+  std::vector<double> residuals(static_cast<std::size_t>(num_residuals()));
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(
+      num_residuals(), static_cast<Eigen::Index>(x.size()));
+  const double* const block = x.data();
+  double* slopes = jacobian.data();
+  Evaluate(&block, residuals.data(), &slopes);
+  const auto told = jacobian.topRows(static_cast<Eigen::Index>(rise_row()));
+  return told.transpose() * told;
 }
 
 bool AllRunsCost::Evaluate(double const* const* parameters, double* residuals,
@@ -77,10 +89,15 @@ bool AllRunsCost::Evaluate(double const* const* parameters, double* residuals,
   if (jacobian != nullptr) {
     std::fill(jacobian, jacobian + static_cast<std::size_t>(num_residuals()) * width, 0.0);
   }
+  const auto rows_at = [&](std::size_t row) { return residuals + row; };
+  const auto slopes_at = [&](std::size_t row) {
+    return jacobian == nullptr ? nullptr : jacobian + row * width;
+  };
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i = next++; i < runs_.size(); i = next++) {
-      evaluate(i, x, residuals, jacobian);
+      evaluate(runs_[i].cost, columns(runs_[i].run), runs_[i].fixed, x, rows_at(first_row_[i]),
+               slopes_at(first_row_[i]));
     }
   };
   std::vector<std::jthread> others;
@@ -96,6 +113,8 @@ bool AllRunsCost::Evaluate(double const* const* parameters, double* residuals,
       jacobian[(prior_row_ + i) * width + i] = 1;
     }
   }
+  // Of the wire's deviations, which all runs share.
+  evaluate(rise_, columns({}), runs_.front().fixed, x, rows_at(rise_row()), slopes_at(rise_row()));
   return true;
 }
 

@@ -1,13 +1,15 @@
 #pragma once
-// The residuals of all runs and of the prior as functions of the deviations that a stage of the fit
-// may change, which are one block of parameters for Ceres. The runs are evaluated side by side; the
-// result does not depend on the number of threads.
+// The residuals of all runs, of the prior and of the law that no transition falls, as functions of
+// the deviations that a stage of the fit may change, which are one block of parameters for Ceres.
+// The runs are evaluated side by side; the result does not depend on the number of threads.
 
+#include <Eigen/Core>
 #include <ceres/cost_function.h>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "host-sim/identify/fit/cost/rise_cost.hpp"
 #include "host-sim/identify/fit/cost/run_cost.hpp"
 
 namespace smaservo::identify {
@@ -30,20 +32,30 @@ class AllRunsCost final : public ceres::CostFunction {
     std::size_t run;
   };
 
-  AllRunsCost(std::vector<One> runs, const std::vector<Active>& active, int threads);
+  AllRunsCost(std::vector<One> runs, const RiseCost& rise, const std::vector<Active>& active,
+              int threads);
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
+
+  /// What the runs and the prior tell of the active deviations around `x`, without the law that no
+  /// transition falls: JᵀJ, whose inverse is their covariance.
+  Eigen::MatrixXd information(const std::vector<double>& x) const;
 
  private:
   /// An active deviation: its column in the Jacobian, its index among the run's deviations.
   struct Column {
     std::size_t column, index;
   };
-  std::vector<Column> columns(std::size_t run) const;
-  void evaluate(std::size_t i, const double* x, double* residuals, double* jacobian) const;
+  std::vector<Column> columns(std::optional<std::size_t> run) const;
+  std::size_t rise_row() const { return prior_row_ + active_.size(); }
+  /// The residuals of one of the costs that depend on the wire.
+  template <class Cost>
+  void evaluate(const Cost& cost, const std::vector<Column>& columns, std::vector<double> u,
+                const double* x, double* residuals, double* jacobian) const;
 
   std::vector<One> runs_;
+  RiseCost rise_;
   std::vector<std::size_t> first_row_;
   std::vector<Active> active_;
   std::size_t prior_row_ = 0;

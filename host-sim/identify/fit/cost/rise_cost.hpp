@@ -1,0 +1,39 @@
+#pragma once
+// Clausius-Clapeyron as residuals: how far the transitions of a wire fall with stress.
+
+#include <cstddef>
+
+#include "host-sim/identify/fit/cost/run_cost.hpp"
+#include "host-sim/identify/fit/slopes.hpp"
+
+namespace smaservo::identify {
+
+/// One residual for each slope of each process. It is 0 where the temperature rises or stays. Where
+/// it falls it is steep: a fall of 0.002 K/MPa costs as much as an error of one deviation. Twenty
+/// times as steep, the solver's steps end at the kink, and the fit far from its minimum.
+class RiseCost {
+ public:
+  explicit RiseCost(const FitProblem& problem) : problem_(problem) {}
+
+  template <class T>
+  void operator()(const T* u, T* residual) const {
+    constexpr double fall_sd_K_Pa = 2e-9;
+    const auto next = [&](const FitParameter& parameter) { return parameter.value(*u++); };
+    const Wire<T> wire = vary_wire<T>(problem_.from, problem_.variant, next);
+    for (const auto& [process, surface] : surfaces(wire)) {
+      for (const T& slope_K_Pa : slopes_K_Pa(surface, problem_.from.limits.stress_Pa)) {
+        *residual++ = slope_K_Pa < T(0) ? T(slope_K_Pa / T(fall_sd_K_Pa)) : T(0);
+      }
+    }
+  }
+
+  std::size_t residuals() const {
+    const FitVariant& v = problem_.variant;
+    return std::size_t{4} * (3U + (v.separate_r2a ? 1U : 0U) + (v.separate_r2m ? 1U : 0U));
+  }
+
+ private:
+  const FitProblem& problem_;
+};
+
+}  // namespace smaservo::identify

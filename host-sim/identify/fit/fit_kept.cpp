@@ -1,0 +1,117 @@
+// Parameters that the runs do not determine get the value back that they had before the fit, and
+// the remaining ones are fitted again.
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "host-sim/identify/fit/fit_state.hpp"
+#include "host-sim/identify/fit/slopes.hpp"
+#include "model/wire/wire_parameters.hpp"
+
+namespace smaservo::identify {
+namespace {
+
+/// A parameter is determined where its deviation is below this share of its prior's.
+constexpr double most_of_prior = 0.5;
+/// A parameter that is so many of its own deviations from its prior is determined, too.
+constexpr double surely_moved = 2;
+
+}  // namespace
+
+/// Of these deviations, whose channels' correlated rows count as fewer. That no transition falls is
+/// left out: a parameter is determined by what the runs tell.
+Eigen::MatrixXd Fit::covariance(const std::vector<Active>& changing) const {
+  const auto width = static_cast<Eigen::Index>(changing.size());
+  return all_runs_cost(everything(), changing)
+      .information(values(changing))
+      .llt()
+      .solve(Eigen::MatrixXd::Identity(width, width));
+}
+
+/// Sets the least determined parameter back to its prior, again and again, until all others are
+/// determined. Of parameters that the runs know only in combination, such as a temperature and its
+/// slope under a single load, the better known one stays. Returns whether any was set back.
+bool Fit::keep_undetermined(Spread& spread) {
+  bool any = false;
+  for (;;) {
+    std::optional<std::size_t> worst;
+    for (std::size_t i = 0; i < spread.size(); ++i) {
+      const double variance = spread.variance(i);
+      const Active& one = spread.active(i);
+      const bool stays = !is_of_wire(one) ||
+                         needed_.contains(problem_->parameters[one.index].key) ||
+                         variance < most_of_prior * most_of_prior ||
+                         *one.value * *one.value > surely_moved * surely_moved * variance;
+      if (!stays && (!worst || variance > spread.variance(*worst))) {
+        worst = i;
+      }
+    }
+    if (!worst) {
+      return any;
+    }
+    spread.hold(*worst, 0);
+    kept_.insert(problem_->parameters[spread.active(*worst).index].key);
+    any = true;
+  }
+}
+
+/// Sets parameters back and fits the others again, until all others are determined. Where the fit
+/// then is clearly worse, those that were set back are needed, and free again.
+void Fit::settle() {
+  for (;;) {
+    const std::vector<Active> changing = active(everything(), free_of(all));
+    const double before = cost(everything());
+    const Deviations found = u_;
+    const std::set<std::string> kept_before = kept_;
+    Spread spread(changing, covariance(changing));
+    if (!keep_undetermined(spread)) {
+      return;
+    }
+    const double after = joint("what the runs determine", options_.max_iterations);
+    const auto taken = static_cast<double>(kept_.size() - kept_before.size());
+    if (after - before > 0.5 * surely_moved * surely_moved * taken) {
+      // The covariance has promised a lower cost than this, since it takes the model as linear.
+      std::ranges::set_difference(kept_, kept_before, std::inserter(needed_, needed_.end()));
+      kept_ = kept_before;
+      u_ = found;
+    }
+  }
+}
+
+/// Where the runs ask for it, the fit lets a transition fall by some thousandths of a K/MPa. That
+/// much is added to its slope.
+void Fit::rise() {
+  std::size_t next = 0;
+  const auto now = [&](const FitParameter& parameter) { return parameter.value(u_.wire[next++]); };
+  const Wire<double> wire = vary_wire<double>(problem_->from, problem_->variant, now);
+  for (const auto& [process, surface] : surfaces(wire)) {
+    const double fall_K_Pa = steepest_fall_K_Pa(surface, from_.limits.stress_Pa);
+    if (fall_K_Pa > 0) {
+      const auto slope = std::ranges::find(problem_->parameters, process + ".temperature_stress",
+                                           &FitParameter::key);
+      kept_.erase(slope->key);
+      u_.wire[static_cast<std::size_t>(slope - problem_->parameters.begin())] +=
+          1.000001 * fall_K_Pa / slope->sd;
+    }
+  }
+}
+
+/// The wire, with those of its reals that no deviation has moved taken from the wire before the
+/// fit, bit by bit: computed again they are rounded. Its structure is the variant's.
+Wire<double> Fit::restored(const Wire<double>& wire) const {
+  const Wire<double> unmoved =
+      vary_wire<double>(problem_->from, problem_->variant,
+                        [](const FitParameter& parameter) { return parameter.value(0.0); });
+  Wire<double> now = wire;
+  for (const WireParameter<double>& row : wire_parameters<double>) {
+    if (row.type == ValueType::real && row.is_used(from_) && row.is_used(wire) &&
+        row.get(wire) == row.get(unmoved)) {
+      row.set(now, row.get(from_));
+    }
+  }
+  return now;
+}
+
+}  // namespace smaservo::identify
