@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Whether tests in real time are ever disturbed: two rows of random parts, whose steps write down when they begin
-and end, and at which priority they run. Beside a step in real time, all others are at idle priority. Run by ctest."""
+"""Two rows of random parts, whose steps write down when they begin and end, and at which priority they run. Fails
+where another step was at normal priority while one in real time ran. Run by ctest."""
 
 import contextlib
 import io

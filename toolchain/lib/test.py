@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """`toolchain/dev test`: runs parts (parts.py), two rows of them side by side, and says how each went.
 
-In a row one part follows the other. One step at a time is at normal priority: one of the first row, or tests in real
-time of either row. All others are at idle priority: they get what that one leaves of the processors.
+A part is a list of steps, a command each; a row is a list of parts; the two rows run at the same time. At most one step
+is at normal priority: a step of tests in real time, which waits until it can be that one, or else the first row's. All
+others are at idle priority: they get what that one leaves of the processors. A step that finds normal priority taken
+stays at idle priority to its end.
 """
 
 import datetime
@@ -38,8 +40,8 @@ def seconds(value):
 
 
 def idle():
-    """In a session of its own: Linux divides processors between sessions first (sched_autogroup), and only within one
-    by priority. A browser of a live test has its own session, too, and is to get all that it wants."""
+    """Linux divides processors between sessions first (sched_autogroup), and only within one by priority. A browser of a
+    live test has its own session, too, and is to get all that it wants."""
     os.setsid()
     try:
         Path('/proc/self/autogroup').write_text('19')
@@ -178,8 +180,8 @@ class Run:
         self.active[step.name] = log
         with log.open('w') as file:
             child = subprocess.Popen(step.command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=file,
-                                     stderr=subprocess.STDOUT, preexec_fn=idle if is_idle else None)
-            sessions.update({child.pid} if is_idle else set())
+                                     stderr=subprocess.STDOUT, preexec_fn=idle if is_idle else os.setsid)
+            sessions.add(child.pid)
             _, status, usage = os.wait4(child.pid, 0)
             sessions.discard(child.pid)
             child.returncode = code = os.waitstatus_to_exitcode(status)
@@ -239,7 +241,7 @@ class Screen:
 
 screen = Screen()
 normal = Normal()
-sessions = set()  # of steps at idle priority, which no Ctrl-C reaches
+sessions = set()  # of the steps that run, each its own, which no Ctrl-C reaches
 
 
 def end(signal_number, _frame):

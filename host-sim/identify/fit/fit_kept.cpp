@@ -13,15 +13,17 @@
 namespace smaservo::identify {
 namespace {
 
-/// A parameter is determined where its deviation is below this share of its prior's.
+/// A parameter is determined where its standard deviation after the fit is below this share of that
+/// of its prior.
 constexpr double most_of_prior = 0.5;
-/// A parameter that is so many of its own deviations from its prior is determined, too.
+/// It is also determined where it is this many of its standard deviations after the fit away from
+/// the prior.
 constexpr double surely_moved = 2;
 
 }  // namespace
 
-/// Of these deviations, whose channels' correlated rows count as fewer. That no transition falls is
-/// left out: a parameter is determined by what the runs tell.
+/// The covariance of these deviations, by the runs and the prior. Correlated rows count as fewer.
+/// The cost of transitions that fall is left out: only what the runs tell determines a parameter.
 Eigen::MatrixXd Fit::covariance(const std::vector<Active>& changing) const {
   const auto width = static_cast<Eigen::Index>(changing.size());
   return all_runs_cost(everything(), changing)
@@ -72,7 +74,7 @@ void Fit::settle() {
     const double after = joint("what the runs determine", options_.max_iterations);
     const auto taken = static_cast<double>(kept_.size() - kept_before.size());
     if (after - before > 0.5 * surely_moved * surely_moved * taken) {
-      // The covariance has promised a lower cost than this, since it takes the model as linear.
+      // By the covariance, which takes the model as linear, the cost would have risen less.
       std::ranges::set_difference(kept_, kept_before, std::inserter(needed_, needed_.end()));
       kept_ = kept_before;
       u_ = found;
@@ -98,8 +100,8 @@ void Fit::rise() {
   }
 }
 
-/// The wire, with those of its reals that no deviation has moved taken from the wire before the
-/// fit, bit by bit: computed again they are rounded. Its structure is the variant's.
+/// The wire with the structure that was found. Reals that no deviation has moved are those of the
+/// wire before the fit, bit by bit: computed again they would be rounded.
 Wire<double> Fit::restored(const Wire<double>& wire) const {
   const Wire<double> unmoved =
       vary_wire<double>(problem_->from, problem_->variant,

@@ -1,6 +1,6 @@
 #pragma once
-// How the transitions of a wire depend on stress: start and finish temperatures never fall
-// (Clausius-Clapeyron).
+// How the start and finish temperatures of a wire's transitions depend on stress, and by how much
+// they fall, which physics forbids (Clausius-Clapeyron).
 
 #include <algorithm>
 #include <array>

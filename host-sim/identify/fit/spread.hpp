@@ -1,5 +1,5 @@
 #pragma once
-// How the deviations of a fit vary together around its solution.
+// The covariance of a fit's deviations around its solution.
 
 #include <Eigen/Core>
 #include <utility>
@@ -17,7 +17,7 @@ class Spread {
   std::size_t size() const { return changing_.size(); }
   const Active& active(std::size_t i) const { return changing_[i]; }
 
-  /// 0 where it is held.
+  /// 0 for one that is held.
   double variance(std::size_t i) const {
     const auto at = static_cast<Eigen::Index>(i);
     return covariance_(at, at);

@@ -9,8 +9,9 @@
 namespace smaservo::identify {
 
 /// One residual for each slope of each process. It is 0 where the temperature rises or stays. Where
-/// it falls it is steep: a fall of 0.002 K/MPa costs as much as an error of one deviation. Twenty
-/// times as steep, the solver's steps end at the kink, and the fit far from its minimum.
+/// it falls it is steep: a fall of 0.002 K/MPa costs as much as an error of one standard
+/// deviation. If it were twenty times as steep, the solver would stop at the kink, far from the
+/// minimum.
 class RiseCost {
  public:
   explicit RiseCost(const FitProblem& problem) : problem_(problem) {}
