@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Two rows of random parts, whose steps write down when they begin and end, and at which priority they run. Fails
-where another step was at normal priority while one in real time ran. Run by ctest."""
+where another step was at normal priority while one in real time ran, or where a part whose log cannot be written is
+not a failure. Run by ctest."""
 
 import contextlib
 import io
@@ -64,6 +65,22 @@ def disturbed(record, live):
     return found + [f'{name} has no end' for name in running], steps
 
 
+def without_a_log():
+    """A step whose log cannot be written, as on a full disk, alone, beside another, and in real time."""
+    (test.LOGS / 'full.log').mkdir()
+    good, live_good = Step('good', ['true']), Step('good-live', ['true'], live=True)
+    failures = []
+    for kind, step in (('alone', Step('full', ['true'])), ('in real time', Step('full', ['true'], live=True)),
+                       ('beside', Step('good', ['true'], beside=Step('full', ['true'])))):
+        test.PARTS.update(full=Part('', [step]), good=Part('', [good, live_good]))
+        with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(io.StringIO()):
+            code = test.test([['full', 'good'], ['good']], True)
+        lines = said.getvalue().splitlines()
+        if code != 1 or sum(line.startswith('good ') and 'passed' in line for line in lines) != 2:
+            failures.append(f'a log that cannot be written, {kind}: ended with {code}:\n{said.getvalue()}')
+    return failures
+
+
 def main(folder):
     test.KEPT = test.LOGS = Path(folder)
     # ctest may run this test at idle priority itself, and what begins at it stays there.
@@ -81,6 +98,7 @@ def main(folder):
         failures += [f'seed {seed}: {line}' for line in found]
         if code != 0:
             failures.append(f'seed {seed}: ended with {code}:\n{said.getvalue()}')
+    failures += without_a_log()
     if total != expected:
         failures.append(f'{total} of {expected} steps ran')
     print('\n'.join(failures) or f'{total} steps, and none in real time was disturbed')

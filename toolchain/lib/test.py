@@ -127,14 +127,23 @@ class Run:
         self.fresh = fresh
         self.record = None
 
-
     def usual_s(self):
         try:
             return float((KEPT / 'took' / self.name).read_text())
         except (OSError, ValueError):
             return 0
 
+    def is_good(self):
+        return self.result in ('passed', 'before')
+
     def run(self, is_idle):
+        try:
+            self.all_steps(is_idle)
+        except (OSError, subprocess.SubprocessError) as error:  # a full disk, ninja
+            self.result = 'FAILED'
+            say(f'{self.name}: FAILED: {error}')
+
+    def all_steps(self, is_idle):
         self.began = time.monotonic()
         # Of the files as they are now: who changes one meanwhile has not tested it.
         self.record = KEPT / 'passed' / f'{self.name}-{key(self.part)}' if self.part.inputs else None
@@ -167,13 +176,14 @@ class Run:
             beside = threading.Thread(target=lambda: passed.append(self.step(step.beside, True)))
             beside.start()
         is_normal = (step.live or not is_idle) and normal.take(step)
-        ok = self.one(step, not is_normal)
-        if is_normal:
-            normal.give_back()
-        if beside:
-            beside.join()
-            ok = ok and passed[0]
-        return ok
+        try:
+            ok = self.one(step, not is_normal)
+        finally:
+            if is_normal:
+                normal.give_back()
+            if beside:
+                beside.join()
+        return ok and (not beside or passed == [True])
 
     def one(self, step, is_idle):
         log, began = LOGS / f'{step.name}.log', time.monotonic()
@@ -280,7 +290,7 @@ def test(rows, fresh, first=()):
     threading.Thread(target=screen.keep_moving, daemon=True).start()
     fetched = [Run(name, fresh) for name in first]
     run_row(fetched, False)
-    if any(run.result == 'FAILED' for run in fetched):
+    if not all(run.is_good() for run in fetched):
         rows = []
     runs = [[Run(name, fresh) for name in row] for row in rows]
     threads = [threading.Thread(target=run_row, args=(row, k > 0)) for k, row in enumerate(runs)]
@@ -291,7 +301,7 @@ def test(rows, fresh, first=()):
     screen.clear()
     everything = fetched + [run for row in runs for run in row]
     summary(everything)
-    if any(run.result == 'FAILED' for run in everything):
+    if not all(run.is_good() for run in everything):
         print(f"Logs are in {os.path.relpath(LOGS, os.environ.get('here', '.'))}.")
         return 1
     return 0
