@@ -87,17 +87,17 @@ enum class LimitReason : std::uint8_t {
 template <class S>
 struct Output {
   // To the drive. Zero unless heat is allowed.
-  S current_A;
-  S voltage_V;  ///< for a drive of DriveKind::voltage
+  S drive_current_A;
+  S drive_voltage_V;  ///< for a drive of DriveKind::voltage
   // What the current was computed from.
   DeviceState state;
-  Mode mode;    ///< in force; off where no current is allowed
-  S setpoint;   ///< in force, after limits
-  S reference;  ///< of the trajectory, in the set-point's unit
-  S power_W;    ///< wanted, after limits
+  Mode mode;         ///< in force; off where no current is allowed
+  S setpoint;        ///< in force, after limits
+  S reference;       ///< of the trajectory, in the set-point's unit
+  S wanted_power_W;  ///< that the controller asks for, after limits
   Measurement<S> measurement;
   Estimate<S> estimate;
-  S ambient_K;                  ///< as the observer believes
+  S estimated_ambient_K;        ///< by the observer
   S hot_spot_K;                 ///< highest temperature to be expected anywhere along the wire
   std::uint32_t limit_reasons;  ///< bit 1 << LimitReason
   FaultSet active;              ///< conditions present now, after their deglitch time

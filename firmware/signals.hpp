@@ -1,7 +1,9 @@
 #pragma once
 // The numbers that a device reports in each step, described once: live values on CAN (2200h,
-// sub-index by row), channels of the recorder, signals of the DBC, columns of a trace. On the bus
-// all are floats; positions count contraction from axis.zero_strain.
+// sub-index by row), channels of the recorder, signals of the DBC, columns of a log. Each has one
+// name in all of them, which is also what a recorded trace calls it: a reading is current_A, what
+// the device asks for is drive_current_A. On the bus all are floats; positions count contraction
+// from axis.zero_strain.
 //
 // Sub-indices are a protocol: new rows are appended, none is ever inserted, moved or removed.
 
@@ -29,8 +31,7 @@ struct SignalSource {
 
 template <class S>
 struct Signal {
-  std::string_view name;   ///< on the bus, with its unit
-  std::string_view trace;  ///< name of the column in a trace; empty: a trace has none
+  std::string_view name;  ///< with its unit
   std::string_view meaning;
   S (*read)(const SignalSource<S>& from);
 };
@@ -39,52 +40,49 @@ template <class S>
 inline constexpr auto signal_rows = [] {
   using From = const SignalSource<S>&;
   return std::to_array<Signal<S>>({
-      {"strain", "strain", "estimated strain: elongation of the wire by its length",
+      {"strain", "estimated strain: elongation of the wire by its length",
        [](From f) { return f.out.estimate.strain; }},
-      {"strain_sd", "strain_sd", "standard deviation of that estimate's error, by the observer",
+      {"strain_sd", "standard deviation of that estimate's error, by the observer",
        [](From f) { return f.out.estimate.strain_sd; }},
-      {"temperature_K", "wire_K", "estimated temperature of the wire",
+      {"wire_temperature_K", "estimated temperature of the wire",
        [](From f) { return f.out.estimate.temperature_K; }},
-      {"martensite", "martensite", "estimated fraction of martensite",
+      {"martensite", "estimated fraction of martensite",
        [](From f) { return f.out.estimate.martensite; }},
-      {"r_phase", "r_phase", "estimated fraction of R-phase",
-       [](From f) { return f.out.estimate.r_phase; }},
-      {"resistance_ohm", "", "measured resistance",
+      {"r_phase", "estimated fraction of R-phase", [](From f) { return f.out.estimate.r_phase; }},
+      {"resistance_ohm", "measured resistance",
        [](From f) { return f.out.measurement.resistance_ohm; }},
-      {"resistance_model_ohm", "", "resistance that the model predicts",
+      {"resistance_model_ohm", "resistance that the model predicts",
        [](From f) { return f.out.estimate.resistance_model_ohm; }},
-      {"stress_Pa", "", "measured stress", [](From f) { return f.out.measurement.stress_Pa; }},
-      {"power_W", "", "measured electrical power into the wire",
+      {"stress_Pa", "measured stress", [](From f) { return f.out.measurement.stress_Pa; }},
+      {"power_W", "measured electrical power into the wire",
        [](From f) { return f.out.measurement.power_W; }},
-      {"current_A", "drive_current_A", "current given to the output stage",
-       [](From f) { return f.out.current_A; }},
-      {"voltage_V", "drive_voltage_V", "voltage given to the output stage; drive.kind voltage",
-       [](From f) { return f.out.voltage_V; }},
-      {"setpoint", "setpoint", "set-point in force, after limits, in the unit of the mode",
+      {"drive_current_A", "current given to the output stage",
+       [](From f) { return f.out.drive_current_A; }},
+      {"drive_voltage_V", "voltage given to the output stage; drive.kind voltage",
+       [](From f) { return f.out.drive_voltage_V; }},
+      {"setpoint", "set-point in force, after limits, in the unit of the mode",
        [](From f) { return f.out.setpoint; }},
-      {"reference", "reference", "reference of the planner, in the same unit",
+      {"reference", "reference of the planner, in the same unit",
        [](From f) { return f.out.reference; }},
-      {"wanted_power_W", "power_W", "power that the controller asks for, after limits",
-       [](From f) { return f.out.power_W; }},
-      {"ambient_K", "believed_ambient_K", "ambient temperature, as the observer estimates it",
-       [](From f) { return f.out.ambient_K; }},
-      {"hot_spot_K", "hot_spot_K", "highest temperature to be expected along the wire",
+      {"wanted_power_W", "power that the controller asks for, after limits",
+       [](From f) { return f.out.wanted_power_W; }},
+      {"estimated_ambient_K", "ambient temperature, as the observer estimates it",
+       [](From f) { return f.out.estimated_ambient_K; }},
+      {"hot_spot_K", "highest temperature to be expected along the wire",
        [](From f) { return f.out.hot_spot_K; }},
-      {"position_m", "", "contraction from axis.zero_strain",
+      {"position_m", "contraction from axis.zero_strain",
        [](From f) { return S(f.motion.position_m); }},
-      {"velocity_m_s", "", "velocity of the position, filtered",
+      {"velocity_m_s", "velocity of the position, filtered",
        [](From f) { return S(f.motion.velocity_m_s); }},
-      {"force_N", "", "force: stress by the cross section",
-       [](From f) { return S(f.motion.force_N); }},
-      {"measured_A", "current_A", "current reading", [](From f) { return f.in.sample.current_A; }},
-      {"measured_V", "voltage_V", "voltage reading", [](From f) { return f.in.sample.voltage_V; }},
-      {"supply_V", "supply_V", "supply voltage of the output stage",
-       [](From f) { return f.in.supply_V; }},
-      {"limit_reasons", "limit_reasons",
+      {"force_N", "force: stress by the cross section", [](From f) { return S(f.motion.force_N); }},
+      {"current_A", "current reading", [](From f) { return f.in.sample.current_A; }},
+      {"voltage_V", "voltage reading", [](From f) { return f.in.sample.voltage_V; }},
+      {"supply_V", "supply voltage of the output stage", [](From f) { return f.in.supply_V; }},
+      {"limit_reasons",
        "bit mask; from bit 0: min_current, current, power, temperature, strain, stress, duty, "
        "supply, trajectory, protection",
        [](From f) { return S(static_cast<float>(f.out.limit_reasons)); }},
-      {"cooling", "", "as a share of the wire file's, by the last test; 1 where it is not weaker",
+      {"cooling", "as a share of the wire file's, by the last test; 1 where it is not weaker",
        [](From f) { return f.out.cooling; }},
   });
 }();
@@ -92,11 +90,10 @@ inline constexpr auto signal_rows = [] {
 inline constexpr std::size_t signal_count = signal_rows<float>.size();
 using Signals = std::array<float, signal_count>;
 
-/// The row of a signal, by its name on the bus or in a trace; an unknown name does not compile.
-consteval std::size_t signal_index(std::string_view name,
-                                   std::string_view Signal<float>::* where = &Signal<float>::name) {
+/// The row of a signal, by its name; an unknown name does not compile.
+consteval std::size_t signal_index(std::string_view name) {
   std::size_t row = 0;
-  while (signal_rows<float>.at(row).*where != name) {
+  while (signal_rows<float>.at(row).name != name) {
     ++row;
   }
   return row;

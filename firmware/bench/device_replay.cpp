@@ -15,6 +15,7 @@
 #include "firmware/device/cycle.hpp"
 #include "firmware/text/device_log.hpp"
 #include "firmware/text/device_trace.hpp"
+#include "firmware/text/signal_names.hpp"
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
@@ -116,17 +117,34 @@ class Comparison {
   std::uint64_t differing_rows_ = 0;
 };
 
+/// Gives the columns of an older log the names of today, and says which.
+std::vector<std::string> renamed_columns(std::vector<std::string>& names) {
+  std::vector<std::string> said;
+  for (const text::DeviceColumn& column : text::output_columns()) {
+    const std::string_view former = text::former_column(column.name);
+    const auto found = std::ranges::find(names, former);
+    if (!former.empty() && found != names.end() &&
+        std::ranges::find(names, column.name) == names.end()) {
+      said.push_back(fmt::format("{} is now called {}", former, column.name));
+      *found = column.name;
+    }
+  }
+  return said;
+}
+
 /// The file that the replay writes: the log and the outputs, then the trace's other columns.
 class ReplayFile {
  public:
-  ReplayFile(const std::string& path, const std::string& source, const hal::TraceReader& trace) {
+  /// `names` are those of the trace's columns.
+  ReplayFile(const std::string& path, const std::string& source, const hal::TraceReader& trace,
+             const std::vector<std::string>& names) {
     std::vector<text::DeviceColumn> columns =
         text::log_columns(trace.has(hal::Column::supply), trace.has(hal::Column::ambient),
                           trace.has(hal::Column::driver));
     columns.insert(columns.end(), text::output_columns().begin(), text::output_columns().end());
     std::vector<std::string> further;
-    for (std::size_t i = 0; i < trace.names().size(); ++i) {
-      const std::string& name = trace.names()[i];
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string& name = names[i];
       if (std::ranges::find(columns, name, &text::DeviceColumn::name) == columns.end()) {
         positions_.push_back(i);
         further.push_back(name);
@@ -183,19 +201,20 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   hal::TraceOptions trace_options = options.trace_options;
   trace_options.device = true;
   hal::TraceReader reader(options.trace, trace_options);
-  const std::vector<std::string> names = reader.names();
+  std::vector<std::string> names = reader.names();
+  DeviceReplayResult result;
+  result.renamed = renamed_columns(names);
   const text::DeviceLog log(options.trace, names);
   Comparison comparison(names, options.tolerance);
   std::unique_ptr<ReplayFile> file;
   if (!options.out.empty()) {
-    file = std::make_unique<ReplayFile>(options.out, options.trace, reader);
+    file = std::make_unique<ReplayFile>(options.out, options.trace, reader, names);
   }
   files::Progress progress("replay", reader.file_size());
   hal::ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
                          options.settings.wire.geometry.area_m2());
   const auto prepared = std::make_unique<Prepared<double>>(prepare(options.settings));
   Device<double>::State device = Device<double>::start();
-  DeviceReplayResult result;
   std::vector<std::string_view> fields;
   text::Cycle cycle{};
   hal::Frame frame{};
@@ -244,6 +263,9 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
       fmt::format("{}: {} rows, {:.4g} s\n",
                   options.trace == "-" ? "standard input" : files::printable(options.trace),
                   result.rows, result.duration_s);
+  for (const std::string& renamed : result.renamed) {
+    text += fmt::format("column {}\n", renamed);
+  }
   if (result.skipped > 0) {
     text += fmt::format("{} bad rows skipped\n", result.skipped);
     for (const std::string& complaint : result.complaints) {

@@ -36,6 +36,8 @@ struct DeviceReplayResult {
   std::uint64_t differing_rows = 0;           ///< rows that differ in any output
   std::vector<OutputDifference> differences;  ///< outputs that differ anywhere
   std::vector<std::string> complaints;
+  /// Columns that were taken under former names: "wire_K is now called ...".
+  std::vector<std::string> renamed;
 };
 
 /// Beside its readings the trace must have command_mode, command_setpoint and command_arm. Other

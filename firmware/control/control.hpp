@@ -44,10 +44,10 @@ struct Controller {
   };
 
   struct Result {
-    S current_A, voltage_V;
+    S drive_current_A, drive_voltage_V;
     S setpoint;   ///< within the limits
     S reference;  ///< of the trajectory, in the set-point's unit
-    S power_W;
+    S wanted_power_W;
     std::uint32_t limit_reasons;
     bool invalid;  ///< the wanted power was not a number; the least power is given
   };

@@ -21,8 +21,8 @@ struct FreezeFrame {
 
 /// One line of the ring, in single precision.
 struct BlackBoxRecord {
-  float strain, temperature_K, resistance_ohm, stress_Pa;
-  float setpoint, current_A, measured_A, measured_V;
+  float strain, wire_temperature_K, resistance_ohm, stress_Pa;
+  float setpoint, drive_current_A, current_A, voltage_V;
   std::uint32_t time_ms;  ///< of the loop; starts again after 49 days
   std::uint16_t limit_reasons;
   DeviceState state;
@@ -81,7 +81,7 @@ struct BlackBox {
             f(out.measurement.resistance_ohm),
             f(out.measurement.stress_Pa),
             f(out.setpoint),
-            f(out.current_A),
+            f(out.drive_current_A),
             f(in.sample.current_A),
             f(in.sample.voltage_V),
             static_cast<std::uint32_t>(out.time_us / 1000),

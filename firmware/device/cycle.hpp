@@ -64,7 +64,7 @@ void run_cycle(B& board, const hal::FrameOf<Number>& frame, hal::ReadStatus stat
   // Constructed in place: copying the output takes 8 % of the whole step.
   ::new (&now.output) Output<S>(step(now.inputs, now.command));
   const Output<S>& out = now.output;
-  board.drive({static_cast<Number>(out.current_A), static_cast<Number>(out.voltage_V),
+  board.drive({static_cast<Number>(out.drive_current_A), static_cast<Number>(out.drive_voltage_V),
                board.now_ns() + leased_periods * period_ns});
   if (status == hal::ReadStatus::frame && is_heated(out.state)) {
     board.kick();

@@ -112,9 +112,10 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
 /// What was measured last, and what is measured now, say nothing of the time between.
 template <class S>
 Measurement<S> Device<S>::after_stall(const Prepared<S>& p, State& s, const S& dt_s) {
-  const S given_A = s.given_before_A < s.last.current_A ? s.last.current_A : s.given_before_A;
+  const S given_A =
+      s.given_before_A < s.last.drive_current_A ? s.last.drive_current_A : s.given_before_A;
   Measurement<S> told{};
-  told.power_W = persisting_power_W(p, given_A, s.last.voltage_V);
+  told.power_W = persisting_power_W(p, given_A, s.last.drive_voltage_V);
   told.power_valid = true;
   told.stress_Pa = MultipleModelFilter<S>::likeliest(s.observer.observer).stress_Pa;
   if (s.observing) {
@@ -153,16 +154,16 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                               s.monitor.zero.known(),
                               stalled(p, dt_s)};
   const Verdict v = protect(seen, s);
-  Output<S> out{.current_A = S(0),
-                .voltage_V = S(0),
+  Output<S> out{.drive_current_A = S(0),
+                .drive_voltage_V = S(0),
                 .state = v.state,
                 .mode = Mode::off,
                 .setpoint = S(0),
                 .reference = S(0),
-                .power_W = S(0),
+                .wanted_power_W = S(0),
                 .measurement = m,
                 .estimate = e,
-                .ambient_K = filter.ambient_K,
+                .estimated_ambient_K = filter.ambient_K,
                 .hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K,
                 .limit_reasons = 0,
                 .active = v.active,
@@ -190,7 +191,7 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
   } else {
     Controller<S>::rest(p, s.controller, dt_s);
   }
-  s.given_before_A = s.last.current_A;
+  s.given_before_A = s.last.drive_current_A;
   s.last = out;
   return out;
 }
@@ -205,7 +206,7 @@ void Device<S>::count_time(const Prepared<S>& p, State& s, const Inputs<S>& in,
   s.since_sample_s = in.fresh ? S(0) : s.since_sample_s + dt_s;
   s.since_command_s = command.fresh ? S(0) : s.since_command_s + dt_s;
   const S off_s = stalled(p, dt_s) ? StalledTime<S>(p, dt_s).all_s : dt_s;
-  s.off_s = s.last.current_A == S(0) ? s.off_s + off_s : S(0);
+  s.off_s = s.last.drive_current_A == S(0) ? s.off_s + off_s : S(0);
 }
 
 template <class S>
@@ -220,8 +221,8 @@ auto Device<S>::protect(const MonitorInputs<S>& seen, State& s) -> Verdict {
 /// Before the wire has been checked. parameter_check.hpp keeps this current below limits.power_W.
 template <class S>
 void Device<S>::sense(const Prepared<S>& p, Output<S>& out) {
-  out.current_A = p.settings.limits.min_current_A;
-  out.voltage_V = out.current_A * p.cold_ohm;
+  out.drive_current_A = p.settings.limits.min_current_A;
+  out.drive_voltage_V = out.drive_current_A * p.cold_ohm;
 }
 
 /// A result that is not usable as a current is not put out; the next step reports control_invalid.
@@ -238,19 +239,19 @@ void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>&
                                s.monitor.wire.cooling.limit_K(),
                                s.monitor.wire.cooling.probing};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
-  const bool usable = !c.invalid && S(0) <= c.current_A &&
-                      c.current_A <= seen.prepared.settings.trips.current_A &&
-                      isfinite(c.voltage_V);
+  const bool usable = !c.invalid && S(0) <= c.drive_current_A &&
+                      c.drive_current_A <= seen.prepared.settings.trips.current_A &&
+                      isfinite(c.drive_voltage_V);
   s.monitor.machine.control_invalid = !usable;
   if (!usable) {
     return;
   }
-  out.current_A = c.current_A;
-  out.voltage_V = c.voltage_V;
+  out.drive_current_A = c.drive_current_A;
+  out.drive_voltage_V = c.drive_voltage_V;
   out.mode = demand.mode;
   out.setpoint = c.setpoint;
   out.reference = c.reference;
-  out.power_W = c.power_W;
+  out.wanted_power_W = c.wanted_power_W;
   out.limit_reasons = c.limit_reasons;
 }
 
@@ -260,15 +261,15 @@ template <class S>
 void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
   const S min_A = p.settings.limits.min_current_A;
   out.limit_reasons |= 1U << static_cast<unsigned>(LimitReason::protection);
-  if (!(min_A < out.current_A)) {
+  if (!(min_A < out.drive_current_A)) {
     return;
   }
-  const S share = min_A / out.current_A;
-  out.current_A = min_A;
-  out.voltage_V *= share;
-  out.power_W = out.power_W * share * share;
-  s.controller.current_loop.asked_A = out.current_A;
-  s.controller.power_W = out.power_W;
+  const S share = min_A / out.drive_current_A;
+  out.drive_current_A = min_A;
+  out.drive_voltage_V *= share;
+  out.wanted_power_W = out.wanted_power_W * share * share;
+  s.controller.current_loop.asked_A = out.drive_current_A;
+  s.controller.power_W = out.wanted_power_W;
 }
 
 static_assert(std::is_trivially_copyable_v<Device<float>::State>);

@@ -27,30 +27,27 @@ void text(std::string& to, const Cycle& cycle) {
 using T = const Cycle&;
 using Columns = std::vector<DeviceColumn>;
 
-consteval std::size_t traced(std::string_view name) {
-  return signal_index(name, &Signal<float>::trace);
-}
 template <std::size_t row>
 constexpr DeviceColumn signal_column{
-    signal_rows<double>[row].trace,
+    signal_rows<double>[row].name,
     number<[](T t) { return signal_rows<double>[row].read({t.output, t.inputs, {}}); }>};
 
 constexpr std::array outputs{
-    signal_column<traced("drive_current_A")>,
-    signal_column<traced("drive_voltage_V")>,
+    signal_column<signal_index("drive_current_A")>,
+    signal_column<signal_index("drive_voltage_V")>,
     DeviceColumn{"state", text<[](T t) { return state_name(t.output.state); }>, true},
     DeviceColumn{"mode", text<[](T t) { return mode_name(t.output.mode); }>, true},
-    signal_column<traced("setpoint")>,
-    signal_column<traced("reference")>,
-    signal_column<traced("power_W")>,
-    signal_column<traced("strain")>,
-    signal_column<traced("strain_sd")>,
-    signal_column<traced("wire_K")>,
-    signal_column<traced("martensite")>,
-    signal_column<traced("r_phase")>,
+    signal_column<signal_index("setpoint")>,
+    signal_column<signal_index("reference")>,
+    signal_column<signal_index("wanted_power_W")>,
+    signal_column<signal_index("strain")>,
+    signal_column<signal_index("strain_sd")>,
+    signal_column<signal_index("wire_temperature_K")>,
+    signal_column<signal_index("martensite")>,
+    signal_column<signal_index("r_phase")>,
     DeviceColumn{"health", text<[](T t) { return health_name(t.output.estimate.health); }>, true},
-    signal_column<traced("hot_spot_K")>,
-    signal_column<traced("believed_ambient_K")>,
+    signal_column<signal_index("hot_spot_K")>,
+    signal_column<signal_index("estimated_ambient_K")>,
     DeviceColumn{"limit_reasons",
                  text<[](T t) { return limit_reason_names(t.output.limit_reasons); }>, true},
     DeviceColumn{"active_faults", text<[](T t) { return names_of(t.output.active); }>, true},
@@ -83,12 +80,12 @@ Columns log_columns(bool supply, bool ambient, bool driver) {
       {"time_s", number<[](T t) { return t.time_s; }>},
       {"fresh", flag<[](T t) { return t.inputs.fresh; }>},
       {"sequence", number<[](T t) { return static_cast<double>(t.inputs.sequence); }>},
-      signal_column<traced("current_A")>,
-      signal_column<traced("voltage_V")>,
+      signal_column<signal_index("current_A")>,
+      signal_column<signal_index("voltage_V")>,
       {"load_N", number<[](T t) { return t.inputs.sample.load_N; }>},
   };
   if (supply) {
-    all.push_back(signal_column<traced("supply_V")>);
+    all.push_back(signal_column<signal_index("supply_V")>);
   }
   if (ambient) {
     all.push_back({"ambient_K", number<[](T t) { return t.inputs.ambient_K; }>});

@@ -264,7 +264,7 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         Session session(*common);
         get(session.remote(), *names);
       })
-      ->add_option("NAME", *names, "such as strain.proportional_W, live.temperature_K, 6041")
+      ->add_option("NAME", *names, "such as strain.proportional_W, live.wire_temperature_K, 6041")
       ->required();
   auto values = std::make_shared<std::vector<std::string>>();
   add(can, "set", "Writes objects; several parameters take effect together, or none does.",
@@ -323,7 +323,8 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   auto record_plan = std::make_shared<can::RecordingPlan>();
   auto out = std::make_shared<std::string>();
   auto patience_s = std::make_shared<double>(60);
-  record_plan->signals = {"position_m", "setpoint", "temperature_K", "current_A", "resistance_ohm"};
+  record_plan->signals = {"position_m", "setpoint", "wire_temperature_K", "drive_current_A",
+                          "resistance_ohm"};
   CLI::App* record_command =
       add(can, "record", "Records signals at the rate of the loop into a CSV or MCAP file.", [=] {
         Session session(*common);

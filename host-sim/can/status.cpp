@@ -44,7 +44,7 @@ std::string info_text(Remote& remote) {
   table.add(
       {"position", fmt::format("{} um, target {} um", remote.text("6064"), remote.text("607A"))});
   table.add({"temperature",
-             fmt::format("{:.1f} degC", remote.number("live.temperature_K") - zero_degC_K)});
+             fmt::format("{:.1f} degC", remote.number("live.wire_temperature_K") - zero_degC_K)});
   table.add({"faults", or_none(text::names_of(fault_set(remote, "latched")))});
   table.add(
       {"loop", fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",

@@ -145,10 +145,11 @@ StepColumns columns_of(const StepRun& run) {
   const auto um = [](const std::vector<double>& metres) {
     return report::column_of(metres, [&](double m) { return 1e6 * (m - metres.front()); });
   };
-  return {report::column(std::move(time_s)), um(positions), um(setpoints),
-          report::column_of(run.recording.column("temperature_K"),
-                            [](double K) { return K - zero_degC_K; }),
-          report::column_of(run.recording.column("current_A"), [](double A) { return 1e3 * A; })};
+  return {
+      report::column(std::move(time_s)), um(positions), um(setpoints),
+      report::column_of(run.recording.column("wire_temperature_K"),
+                        [](double K) { return K - zero_degC_K; }),
+      report::column_of(run.recording.column("drive_current_A"), [](double A) { return 1e3 * A; })};
 }
 
 /// The time axis of a text plot; 0 is where the set-point leaves its first value.
@@ -204,8 +205,10 @@ files::TextTable figures_of(const std::vector<StepRun>& runs,
 StepRun run_step(Remote& remote, const StepPlan& plan) {
   if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must not be 0");
   // The recorder's memory is full at the end of the step back or soon after.
-  const RecordingPlan recorded{
-      {"setpoint", "position_m", "temperature_K", "current_A"}, 2 * plan.seconds + before_s, 0, ""};
+  const RecordingPlan recorded{{"setpoint", "position_m", "wire_temperature_K", "drive_current_A"},
+                               2 * plan.seconds + before_s,
+                               0,
+                               ""};
   remote.set("step.amplitude_um", std::to_string(plan.amplitude_um));
   remote.set("step.duration_ms", std::to_string(std::lround(1e3 * plan.seconds)));
   {
@@ -223,7 +226,7 @@ StepRun run_step(Remote& remote, const StepPlan& plan) {
 StepResult judge(const StepRun& run) {
   const auto setpoints = run.recording.column("setpoint");
   const auto positions = run.recording.column("position_m");
-  const auto temperatures = run.recording.column("temperature_K");
+  const auto temperatures = run.recording.column("wire_temperature_K");
   const double amplitude_m = setpoints.empty() ? 0 : amplitude_of(setpoints);
   const Edges edges = setpoints.empty() ? Edges{} : edges_of(setpoints, amplitude_m);
   report::StepJudge judge(std::abs(amplitude_m), run.recording.period_s);

@@ -13,7 +13,7 @@ struct StepPlan {
 
 struct StepRun {
   StepPlan plan;
-  Recording recording;  ///< setpoint, position_m, temperature_K, current_A
+  Recording recording;  ///< setpoint, position_m, wire_temperature_K, drive_current_A
 };
 
 /// Enables a disabled drive for the time of the test. Throws UserError.

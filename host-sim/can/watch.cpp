@@ -14,9 +14,14 @@ namespace {
 constexpr std::size_t plot_width = 64;
 constexpr std::size_t plot_height = 12;
 
-constexpr std::array<const char*, 8> usual{
-    "6041",           "live.position_m", "live.setpoint",       "live.temperature_K",
-    "live.current_A", "live.power_W",    "live.resistance_ohm", "live.stress_Pa"};
+constexpr std::array<const char*, 8> usual{"6041",
+                                           "live.position_m",
+                                           "live.setpoint",
+                                           "live.wire_temperature_K",
+                                           "live.drive_current_A",
+                                           "live.power_W",
+                                           "live.resistance_ohm",
+                                           "live.stress_Pa"};
 
 struct Row {
   double time_s;

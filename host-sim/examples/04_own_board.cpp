@@ -53,7 +53,7 @@ int main() {
     run_cycle(board, frame, hal::ReadStatus::frame, Heard<double>{hold, {}}, 1'000'000, now, step);
     if (i % 50 == 0) {
       fmt::print("{:6.2f}  {:8}  {:9.3f}  {:8.2f}\n", i * 1e-3, text::state_name(now.output.state),
-                 now.output.current_A, 100 * now.output.estimate.strain);
+                 now.output.drive_current_A, 100 * now.output.estimate.strain);
     }
   }
   board.safe_off();

@@ -50,9 +50,9 @@ int main() {
     command.setpoint = i < 1500 ? 0.03F : 0.01F;
     const Output<float> out =
         Device<float>::step(prepared, device, hardware.read(), command, 1e-3F);
-    hardware.drive(out.current_A);
+    hardware.drive(out.drive_current_A);
     if (i % 250 == 0) {
-      fmt::print("{:6.2f}  {:9.3f}  {:8.2f}  {:16.1f}\n", i * 1e-3, out.current_A,
+      fmt::print("{:6.2f}  {:9.3f}  {:8.2f}  {:16.1f}\n", i * 1e-3, out.drive_current_A,
                  100 * out.estimate.strain,
                  out.estimate.temperature_K - static_cast<float>(zero_degC_K));
     }

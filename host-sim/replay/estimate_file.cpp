@@ -17,8 +17,8 @@ constexpr std::size_t longest_own_part = 512;
 constexpr double exact = 9007199254740992.0;  // 2^53
 
 constexpr std::array<std::string_view, 10> own_columns{
-    "time_s",  "strain",    "strain_sd",      "temperature_degC",     "martensite",
-    "r_phase", "austenite", "resistance_ohm", "resistance_model_ohm", "valid"};
+    "time_s",  "strain",    "strain_sd",      "wire_temperature_degC", "martensite",
+    "r_phase", "austenite", "resistance_ohm", "resistance_model_ohm",  "valid"};
 
 constexpr std::array<double, 10> powers{1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 

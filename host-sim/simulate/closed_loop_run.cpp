@@ -76,7 +76,7 @@ class Recorder {
          .estimate_error_percent = 100 * (out.estimate.strain - cycle.truth.strain) / stroke,
          .control_error_percent = 100 * (cycle.truth.strain - reference) / stroke,
          .current_A = cycle.truth.current_A,
-         .power_W = out.power_W,
+         .power_W = out.wanted_power_W,
          .wire_degC = out.estimate.temperature_K - zero_degC_K,
          .hot_spot_degC = out.hot_spot_K > 0 ? out.hot_spot_K - zero_degC_K : nan,
          .hottest_degC = cycle.truth.hottest_K - zero_degC_K,

@@ -69,7 +69,7 @@ ExpectedRun run(const TunedPlant& plant, double believed_K, const Prepared<doubl
       r.faults = r.faults | out.latched | out.blocks;
     }
     const double current_A = next_A;
-    next_A = out.current_A;
+    next_A = out.drive_current_A;
     bench.drive(current_A, dt_s);
     r.strain.push_back(bench.strain());
     r.temperature_K.push_back(bench.temperature_K());

@@ -56,7 +56,7 @@ class Recording {
         now.measurement = out.measurement;
         now.estimate = out.estimate;
         now.filter = state.observer.observer.filter[0];
-        wire.advance(static_cast<double>(out.current_A), 1e-3);
+        wire.advance(static_cast<double>(out.drive_current_A), 1e-3);
         moments.push_back(now);
       }
     }

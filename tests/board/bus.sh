@@ -55,10 +55,10 @@ within 'ENOBUFS that the daemon has met' "$(number can1 1 40.11.22.03.00.00.00.0
 echo '-- bus-off'
 expect 'enabled' "$(enable_drive can1 1)" $enabled
 sleep 1.1
-within 'current, A' "$(status_of can0 current_A)" 0.005 0.4
+within 'current, A' "$(status_of can0 drive_current_A)" 0.005 0.4
 expect 'EMCY of bus-off' "$(hears can1 081 cansend can0 20000040#0000000000000000 | cut -c 1-5)" '40 81'
 sleep 1.1
-expect 'current, A' "$(status_of can0 current_A)" 0.0
+expect 'current, A' "$(status_of can0 drive_current_A)" 0.0
 expect 'first cause' "$(status_of can0 first_cause)" bus_lost
 expect 'Fault' $(($(statusword can1 1) & 0x4f)) 8
 cansend can0 20000100#0000000000000000
@@ -69,7 +69,7 @@ expect 'enabled again' "$(enable_drive can1 1)" $enabled
 echo '-- down and up'
 $ip link set can0 down
 sleep 1.3
-expect 'current, A' "$(status_of can0 current_A)" 0.0
+expect 'current, A' "$(status_of can0 drive_current_A)" 0.0
 expect 'first cause' "$(status_of can0 first_cause)" bus_lost
 $ip link set can0 up
 sleep 0.3
@@ -83,7 +83,7 @@ ask can1 1 2B.17.10.00.64.00.00.00 >/dev/null
 sim_servo can1 1
 sleep 2.2
 expect 'the one that was there' "$(status_of can0 first_cause)" duplicate_node
-expect 'its current, A' "$(status_of can0 current_A)" 0.0
+expect 'its current, A' "$(status_of can0 drive_current_A)" 0.0
 expect 'the other one' "$(status_of can1 blocks)" duplicate_node
 cat /tmp/daemon.*
 finish

@@ -165,7 +165,7 @@ void run_loop(const Settings<S>& settings, int steps, F f) {
   for (int i = 0; i < steps; ++i) {
     const Inputs<S> in = wire.inputs();
     f(i, in, wire, Device<S>::step(p, s, in, hold(target), 1e-3F));
-    wire.advance(s.last.current_A);
+    wire.advance(s.last.drive_current_A);
   }
 }
 
@@ -174,7 +174,7 @@ void the_loop_holds_a_strain(const Settings<S>& settings, Verdict& verdict) {
   run_loop(
       settings, 2000, [&](int i, const Inputs<S>&, const SimpleWire& wire, const Output<S>& out) {
         begin = i == 0 ? wire.strain() : begin;
-        verdict.expect(0 <= out.current_A && out.current_A <= settings.trips.current_A,
+        verdict.expect(0 <= out.drive_current_A && out.drive_current_A <= settings.trips.current_A,
                        "the current is out of its range");
         verdict.expect(out.latched.empty(), "there is a fault");
         const S target = begin - 0.5F * settings.wire.nominal_stroke;
@@ -196,9 +196,9 @@ void an_emergency_stop_ends_heat(const Settings<S>& settings, Verdict& verdict) 
     const bool pressed = 800 <= i;
     in.emergency_stop = pressed;
     const Output<S> out = Device<S>::step(p, s, in, hold(target), 1e-3F);
-    verdict.expect(i != 799 || 0 < out.current_A, "the wire is not heated");
-    verdict.expect(!pressed || out.current_A == 0, "heat goes on");
-    wire.advance(out.current_A);
+    verdict.expect(i != 799 || 0 < out.drive_current_A, "the wire is not heated");
+    verdict.expect(!pressed || out.drive_current_A == 0, "heat goes on");
+    wire.advance(out.drive_current_A);
   }
 }
 
@@ -225,9 +225,9 @@ void readings_may_be_anything(const Settings<S>& settings, Verdict& verdict) {
     Command<S> command = hold(which == 5 ? value : 0.02F);
     command.clear_faults = which == 6;
     const Output<S> out = Device<S>::step(p, s, in, command, 1e-3F);
-    verdict.expect(0 <= out.current_A && out.current_A <= settings.trips.current_A,
+    verdict.expect(0 <= out.drive_current_A && out.drive_current_A <= settings.trips.current_A,
                    "the current is out of its range");
-    wire.advance(out.current_A);
+    wire.advance(out.drive_current_A);
   }
 }
 

@@ -128,16 +128,16 @@ Command<S> command_of(const StepInputs& r) {
 template <class S>
 StepOutputs pack(const Output<S>& out) {
   const auto f = [](S x) { return static_cast<float>(x); };
-  return {f(out.current_A),
-          f(out.voltage_V),
+  return {f(out.drive_current_A),
+          f(out.drive_voltage_V),
           f(out.reference),
-          f(out.power_W),
+          f(out.wanted_power_W),
           f(out.measurement.resistance_ohm),
           f(out.estimate.strain),
           f(out.estimate.strain_sd),
           f(out.estimate.temperature_K),
           f(out.estimate.martensite),
-          f(out.ambient_K),
+          f(out.estimated_ambient_K),
           f(out.hot_spot_K),
           static_cast<std::uint32_t>(out.state),
           static_cast<std::uint32_t>(out.mode),

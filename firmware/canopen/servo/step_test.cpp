@@ -54,7 +54,7 @@ void StepTest::step(const Signals& signals, float dt_s, Axis& axis) {
   }
   time_s_ += dt_s;
   const float duration_s = 1e-3F * static_cast<float>(o_.step_ms);
-  o_.figures[peak_K] = std::fmax(o_.figures[peak_K], signals[signal_index("temperature_K")]);
+  o_.figures[peak_K] = std::fmax(o_.figures[peak_K], signals[signal_index("wire_temperature_K")]);
   if (back_) {
     if (duration_s <= time_s_) {
       end(State::done);

@@ -210,7 +210,7 @@ template <hal::Board B, class Pacing>
 void Loop<B, Pacing>::note_stop(const Output<double>& before, std::int64_t sampled_ns,
                                 std::int64_t driven_ns) {
   const Output<double>& now = now_.cycle.output;
-  if (!(before.current_A > 0 && now.current_A == 0)) {
+  if (!(before.drive_current_A > 0 && now.drive_current_A == 0)) {
     return;
   }
   for_each_fault(now.latched - before.latched, [&](Fault fault) {

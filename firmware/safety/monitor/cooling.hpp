@@ -228,7 +228,7 @@ void CoolingGuard<S>::integrate(const MonitorInputs<S>& seen) {
   const auto& f = seen.filter;
   const S believed_K = f.ambient_K < f.start_ambient_K ? f.start_ambient_K : f.ambient_K;
   const S air_K = believed_K < seen.in.ambient_K ? seen.in.ambient_K : believed_K;
-  const S given_A = seen.last.current_A;
+  const S given_A = seen.last.drive_current_A;
   const S power_W = seen.in.fresh && seen.measurement.power_valid
                         ? seen.measurement.power_W
                         : given_A * given_A * seen.prepared.cold_ohm;

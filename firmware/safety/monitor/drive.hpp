@@ -83,8 +83,8 @@ void DriveMonitor<S>::voltage(const MonitorInputs<S>& seen, FaultSet& now) {
   const bool above_supply = S(1.05) * seen.in.supply_V + slack_V < seen.voltage_V;
   // The wire gets far less than the chopper's mean voltage; 30 % are allowed for leads and crimps.
   const bool lost = q.drive.kind == DriveKind::voltage && seen.measurement.resistance_ohm > S(0) &&
-                    seen.voltage_V < S(0.7) * seen.last.voltage_V - slack_V &&
-                    !(S(1.1) * seen.given_before_A < seen.last.current_A);
+                    seen.voltage_V < S(0.7) * seen.last.drive_voltage_V - slack_V &&
+                    !(S(1.1) * seen.given_before_A < seen.last.drive_current_A);
   now.add(Fault::kelvin_mismatch, above_supply || lost);
 }
 

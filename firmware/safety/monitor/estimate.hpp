@@ -43,7 +43,8 @@ FaultSet EstimateMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
           !isfinite(e.strain + e.strain_sd + e.temperature_K + e.martensite + e.r_phase));
   // Without heat the observer cannot become sure, and that is no fault: a cold wire may wait for
   // its first command.
-  const bool heated = S(2) * seen.prepared.settings.limits.min_current_A < seen.last.current_A;
+  const bool heated =
+      S(2) * seen.prepared.settings.limits.min_current_A < seen.last.drive_current_A;
   now.add(Fault::estimate_unsure, seen.last.state == DeviceState::running && heated &&
                                       needs_estimate(seen.command.mode) &&
                                       e.health != Health::good);

@@ -17,7 +17,8 @@ struct MonitorInputs {
   const Estimate<S>& estimate;
   const typename KalmanObserver<S>::State& filter;  ///< state of the most likely filter
   const Output<S>& last;  ///< of the step before, to which the sample is the response
-  S given_before_A;  ///< given one step earlier than last.current_A; a drive may be one step late
+  S given_before_A;  ///< given one step earlier than last.drive_current_A; a drive may be one step
+                     ///< late
   S current_A, voltage_V;  ///< less their offsets
   S duty;                  ///< as the controller counts it
   S off_s;                 ///< no current has been given for so long
@@ -27,13 +28,13 @@ struct MonitorInputs {
   bool zeroed;     ///< the zero-current offset is known
   bool stalled;    ///< the loop stood still since the step before, see StalledTime
 
-  bool off() const { return last.current_A == S(0) && given_before_A == S(0); }
+  bool off() const { return last.drive_current_A == S(0) && given_before_A == S(0); }
   bool heated() const { return is_heated(last.state); }
   S min_given_A() const {
-    return given_before_A < last.current_A ? given_before_A : last.current_A;
+    return given_before_A < last.drive_current_A ? given_before_A : last.drive_current_A;
   }
   S max_given_A() const {
-    return given_before_A < last.current_A ? last.current_A : given_before_A;
+    return given_before_A < last.drive_current_A ? last.drive_current_A : given_before_A;
   }
   bool sure() const { return observing && estimate.health == Health::good; }
 

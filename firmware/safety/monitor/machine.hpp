@@ -67,12 +67,12 @@ bool MachineMonitor<S>::frozen(const MonitorInputs<S>& seen, State& s) {
   s.sequence = in.sequence;
   if (!same_readings) {
     s.sample = in.sample;
-    s.frozen_at_A = seen.last.current_A;
+    s.frozen_at_A = seen.last.drive_current_A;
     return same_sequence;
   }
-  const S changed_A = magnitude(seen.last.current_A - s.frozen_at_A);
+  const S changed_A = magnitude(seen.last.drive_current_A - s.frozen_at_A);
   const Settings<S>& q = seen.prepared.settings;
-  const bool ignored = S(0.05) * seen.last.current_A + S(10) * q.measuring.current_noise_A +
+  const bool ignored = S(0.05) * seen.last.drive_current_A + S(10) * q.measuring.current_noise_A +
                            q.trips.current_offset_A <
                        changed_A;
   return same_sequence || ignored;

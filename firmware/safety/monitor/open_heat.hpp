@@ -49,7 +49,7 @@ struct OpenHeat {
                                         : start_K + (heat_J - start_J) * (finish_K - start_K) /
                                                         (finish_J - start_J);
     // Without a measurement the given current counts: the most that can have flowed.
-    const S given_A = seen.last.current_A;
+    const S given_A = seen.last.drive_current_A;
     const S power_W = seen.in.fresh && seen.measurement.power_valid
                           ? seen.measurement.power_W
                           : given_A * given_A * seen.prepared.cold_ohm;

@@ -13,6 +13,7 @@
 #include "firmware/signals.hpp"
 #include "firmware/text/reference/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
+#include "firmware/text/signal_names.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
@@ -216,7 +217,12 @@ KnownObject find_object(const std::string& text) {
     return {key, Type::octets, "", "", true, nullptr};
   }
   if (const std::optional<KnownObject> object = named(text)) return *object;
-  if (const std::string now = files::renamed_key(text); named(now)) {
+  constexpr std::string_view live = "live.";
+  const std::string now =
+      text.starts_with(live)
+          ? fmt::format("{}{}", live, renamed_signal(std::string_view(text).substr(live.size())))
+          : files::renamed_key(text);
+  if (named(now)) {
     throw files::UserError(fmt::format("{}: is now called {}", text, now));
   }
   const std::vector<std::string> close = close_names(text);

@@ -15,7 +15,7 @@ namespace smaservo::text {
 struct KnownObject {
   Key key;
   canopen::Type type;
-  std::string name;     ///< a parameter's path, "live.temperature_K", "6041h:0 Statusword" ...
+  std::string name;     ///< a parameter's path, "live.wire_temperature_K", "6041h:0 Statusword" ...
   std::string meaning;  ///< may be empty
   bool writable;
   const Parameter<double>* parameter;  ///< nullptr: the object is no parameter

@@ -8,6 +8,7 @@
 
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
+#include "firmware/text/signal_names.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::can {
@@ -16,19 +17,6 @@ namespace {
 enum class RecorderState : std::uint8_t { idle, armed, triggered, full };
 
 constexpr std::int64_t poll_us = 20'000;
-
-std::uint8_t sub_of_signal(const std::string& name) {
-  const auto& rows = signal_rows<double>;
-  const auto* const found = std::ranges::find(rows, name, &Signal<double>::name);
-  if (found == rows.end()) {
-    std::vector<std::string_view> names;
-    names.reserve(signal_count);
-    for (const Signal<double>& row : rows) names.push_back(row.name);
-    throw files::UserError(
-        fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
-  }
-  return sub_of(static_cast<std::size_t>(found - rows.begin()));
-}
 
 void set(Remote& remote, const std::string& name, auto value) {
   remote.set(name, fmt::format("{}", value));
@@ -44,7 +32,7 @@ void set_trigger(Remote& remote, const std::string& trigger) {
     throw files::UserError(
         fmt::format("--trigger {}: must be SIGNAL>LEVEL or SIGNAL<LEVEL", trigger));
   }
-  set(remote, "recorder.trigger_signal", sub_of_signal(trigger.substr(0, sign)));
+  set(remote, "recorder.trigger_signal", sub_of(text::signal_row(trigger.substr(0, sign))));
   set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
   remote.set("recorder.trigger_level", trigger.substr(sign + 1));
 }
@@ -102,7 +90,7 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
   }
   set(remote, "recorder.command", 0);
   for (std::size_t i = 0; i < canopen::channel_count; ++i) {
-    const unsigned sub = i < plan.signals.size() ? sub_of_signal(plan.signals[i]) : 0;
+    const unsigned sub = i < plan.signals.size() ? sub_of(text::signal_row(plan.signals[i])) : 0;
     set(remote, fmt::format("recorder.channel_{}", i + 1), sub);
   }
   set_trigger(remote, plan.trigger);

@@ -10,7 +10,7 @@ struct RecordingPlan {
   std::vector<std::string> signals;  ///< names of firmware/signals.hpp, at most 8
   double seconds = 1;
   double before_s = 0;  ///< the part of `seconds` that lies before the trigger
-  std::string trigger;  ///< "temperature_K>350", "current_A<0.1"; empty: starts at once
+  std::string trigger;  ///< "wire_temperature_K>350", "drive_current_A<0.1"; empty: starts at once
 };
 
 /// Sets the recorder's signals, rate and trigger, and arms it. Throws UserError.

@@ -23,7 +23,7 @@ class StrainLoop final : public LoopController {
  public:
   StrainLoop(const Wire<double>& wire, bool ideal) : device_(loop_settings(wire)), ideal_(ideal) {}
   double current_A(const Inputs<double>& in, double goal, double true_strain) override {
-    return device_.step(in, to_strain(goal), ideal_ ? true_strain : nan).current_A;
+    return device_.step(in, to_strain(goal), ideal_ ? true_strain : nan).drive_current_A;
   }
   Fault tripped() const override { return device_.output().first_cause; }
 
@@ -46,7 +46,7 @@ class ResistanceLoop final : public LoopController {
                                   .arm = true,
                                   .mode = Mode::resistance,
                                   .setpoint = Line::resistance_ohm(line_, at, goal)};
-    return device_.step(in, command, nan).current_A;
+    return device_.step(in, command, nan).drive_current_A;
   }
   Fault tripped() const override { return device_.output().first_cause; }
 

@@ -12,8 +12,8 @@ struct ServoOptions {
   std::optional<std::uint32_t> key;  ///< of an access level of the servos (2003h:2)
   double sync_s = 0;                 ///< period of SYNC; 0: live values are polled
   /// By SYNC; at most eight, two in each PDO.
-  std::vector<std::string> sync_signals{"strain",    "temperature_K", "resistance_ohm",
-                                        "current_A", "setpoint",      "power_W"};
+  std::vector<std::string> sync_signals{"strain",          "wire_temperature_K", "resistance_ohm",
+                                        "drive_current_A", "setpoint",           "power_W"};
   float watch_s = 1;       ///< longest silence of the bridge before a servo ends its heat
   double timeout_s = 0.5;  ///< longest wait for a servo's answer
   bool read_only = false;  ///< of all clients

@@ -25,10 +25,10 @@ TEST_P(ShippedLoop, StaysFiniteAndCool) {
     if (const auto other = loop.other()) {
       ASSERT_LT(other->hottest_K, limit_K + 3) << "at " << cycle.time_s << " s";
     }
-    ASSERT_TRUE(std::isfinite(cycle.output.current_A)) << cycle.time_s;
-    ASSERT_TRUE(std::isfinite(cycle.output.voltage_V)) << cycle.time_s;
+    ASSERT_TRUE(std::isfinite(cycle.output.drive_current_A)) << cycle.time_s;
+    ASSERT_TRUE(std::isfinite(cycle.output.drive_voltage_V)) << cycle.time_s;
     ASSERT_TRUE(std::isfinite(cycle.truth.strain)) << cycle.time_s;
-    ASSERT_GE(cycle.output.current_A, 0);
+    ASSERT_GE(cycle.output.drive_current_A, 0);
     if (cycle.time_s > 0.05) {
       ASSERT_TRUE(std::isfinite(cycle.output.estimate.strain)) << cycle.time_s;
     }
@@ -51,9 +51,9 @@ TEST(ClosedLoop, WithoutPowerThereIsNoCurrentAndNoMemory) {
     const text::Cycle& cycle = loop.cycle();
     const double between_s = cycle.time_s - 0.0005;  // events come between two steps
     if (between_s < 1) {
-      before_A = std::max(before_A, cycle.output.current_A);
+      before_A = std::max(before_A, cycle.output.drive_current_A);
     } else if (between_s < 1.1) {
-      ASSERT_EQ(cycle.output.current_A, 0) << cycle.time_s;
+      ASSERT_EQ(cycle.output.drive_current_A, 0) << cycle.time_s;
       ASSERT_LE(cycle.output.time_us, 2000U) << "a new device's first step";
     } else {
       ASSERT_EQ(cycle.output.first_cause, Fault::none) << cycle.time_s;

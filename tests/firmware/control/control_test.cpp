@@ -70,7 +70,7 @@ TEST(Controller, ChangesItsModeWithoutAJump) {
         const double before_W = loop.control.power_W;
         const double max_W = 0.4 * 0.4 * loop.wire.resistance_ohm();
         const double setpoint = present(loop, to);
-        const double after_W = loop.step(to, setpoint).power_W;
+        const double after_W = loop.step(to, setpoint).wanted_power_W;
         // 2 % of the range.
         ASSERT_NEAR(after_W, before_W, 0.02 * max_W)
             << "from mode " << static_cast<int>(from) << " to " << static_cast<int>(to);
@@ -88,7 +88,7 @@ TEST(Controller, BeginsFromNothing) {
                             : mode == Mode::current ? 0.2
                                                     : present(loop, mode);
     // From no power the new mode takes over in transfer_s.
-    EXPECT_LT(loop.step(mode, setpoint).power_W, 0.02);
+    EXPECT_LT(loop.step(mode, setpoint).wanted_power_W, 0.02);
     loop.run(0.05, mode, setpoint);
     EXPECT_NEAR(loop.control.transfer_W, 0, 0.02);
   }
@@ -117,7 +117,7 @@ TEST(Controller, NewGainsMakeNoStep) {
       double last_W = loop.control.power_W;
       loop.adopt(other);
       for (int k = 0; k < 5; ++k) {
-        const double now_W = loop.step(mode, setpoint).power_W;
+        const double now_W = loop.step(mode, setpoint).wanted_power_W;
         // 0.2 % of the range in a millisecond, and what of the difference fades in it.
         const double fades_W = 0.12 * std::abs(loop.control.transfer_W);
         ASSERT_NEAR(now_W, last_W, 0.01 + fades_W)
@@ -149,11 +149,12 @@ TEST(Controller, NewGainsKeepWhatTheIntegralHasLearned) {
 TEST(Controller, HoldsACurrentAndAPower) {
   ClosedLoop<> loop(test_settings());
   loop.run(0.3, Mode::current, 0.1);
-  EXPECT_NEAR(loop.step(Mode::current, 0.1).current_A, 0.1, 1e-12);
+  EXPECT_NEAR(loop.step(Mode::current, 0.1).drive_current_A, 0.1, 1e-12);
   loop.run(0.3, Mode::power, 0.25);
   const auto result = loop.step(Mode::power, 0.25);
-  EXPECT_NEAR(result.power_W, 0.25, 1e-12);
-  EXPECT_NEAR(result.current_A * result.current_A * loop.wire.resistance_ohm(), 0.25, 1e-4);
+  EXPECT_NEAR(result.wanted_power_W, 0.25, 1e-12);
+  EXPECT_NEAR(result.drive_current_A * result.drive_current_A * loop.wire.resistance_ohm(), 0.25,
+              1e-4);
 }
 
 TEST(Controller, HoldsATemperature) {
@@ -192,7 +193,7 @@ TEST(Controller, APositionIsAStrainSeenFromTheAxis) {
     for (int i = 0; i < 600; ++i) {
       const auto a = strain.step(Mode::strain, goal);
       const auto b = position.step(Mode::position, (zero - goal) * length_m);
-      ASSERT_NEAR(a.current_A, b.current_A, 1e-9);
+      ASSERT_NEAR(a.drive_current_A, b.drive_current_A, 1e-9);
       ASSERT_NEAR(b.reference, (zero - a.reference) * length_m, 1e-12);
     }
   }
@@ -221,8 +222,8 @@ TEST(Controller, WaitsForAWireThatCools) {
   double heat_W = 0;
   loop.run(0.2, Mode::strain, longest - 0.005, [&](const auto& result) {
     max_ahead = std::max(max_ahead, result.reference - loop.estimate().strain);
-    heat_W =
-        std::max(heat_W, result.limit_reasons & bit(LimitReason::trajectory) ? result.power_W : 0);
+    heat_W = std::max(
+        heat_W, result.limit_reasons & bit(LimitReason::trajectory) ? result.wanted_power_W : 0);
   });
   EXPECT_NEAR(max_ahead, Trajectory<double>::lead, 1e-4);
   EXPECT_LT(heat_W, 0.006);  // the least current
@@ -237,8 +238,8 @@ TEST(Controller, NoNumberIsKept) {
     const double before_W = loop.control.power_W;
     for (int i = 0; i < 10; ++i) {
       const auto lost = loop.step(mode, nan);
-      EXPECT_TRUE(std::isfinite(lost.current_A));
-      EXPECT_LT(lost.power_W, 0.006);
+      EXPECT_TRUE(std::isfinite(lost.drive_current_A));
+      EXPECT_LT(lost.wanted_power_W, 0.006);
     }
     loop.run(0.3, mode, setpoint);
     EXPECT_NEAR(loop.control.power_W, before_W, 0.1) << static_cast<int>(mode);
@@ -258,23 +259,23 @@ TEST(Controller, AnUnknownWireGetsNoCurrent) {
     const ControlInputs<double> known{m, e, filter, 0, 24};
     const auto none =
         Controller<double>::step(p, loop.control, {Mode::power, 0.3, {}}, known, 1e-3);
-    EXPECT_EQ(none.current_A, 0);
-    EXPECT_EQ(none.voltage_V, 0);
+    EXPECT_EQ(none.drive_current_A, 0);
+    EXPECT_EQ(none.drive_voltage_V, 0);
     *lost = was;
-    EXPECT_TRUE(std::isfinite(loop.step(Mode::power, 0.3).current_A));
+    EXPECT_TRUE(std::isfinite(loop.step(Mode::power, 0.3).drive_current_A));
   }
 }
 
 TEST(Controller, OffIsNoCurrent) {
   ClosedLoop<> loop(test_settings());
   loop.run(0.2, Mode::power, 0.3);
-  EXPECT_EQ(loop.step(Mode::off, 0.3).current_A, 0);
+  EXPECT_EQ(loop.step(Mode::off, 0.3).drive_current_A, 0);
 }
 
 TEST(Controller, ACurrentHasNoSign) {
   ClosedLoop<> loop(test_settings());
   loop.run(0.1, Mode::current, -0.3);
-  EXPECT_NEAR(loop.step(Mode::current, -0.3).current_A, 0.012, 1e-9);
+  EXPECT_NEAR(loop.step(Mode::current, -0.3).drive_current_A, 0.012, 1e-9);
 }
 
 TEST(Controller, RestKeepsTheDuty) {

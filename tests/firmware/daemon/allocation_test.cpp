@@ -58,7 +58,7 @@ TEST(LoopAllocation, None) {
     }
     ASSERT_EQ(AllocationTrap::caught(), 0) << "cycle " << i;
     bench.ring.pop(record);
-    heated = heated || record.cycle.output.current_A > 0.1;
+    heated = heated || record.cycle.output.drive_current_A > 0.1;
   }
   EXPECT_TRUE(heated);
 }

@@ -25,7 +25,7 @@ struct DeviceRun {
   }
   Output<double> step() {
     const Output<double> out = Device<double>::step(prepared, state, bench.inputs(), command, 1e-3);
-    bench.advance(out.current_A, 1e-3);
+    bench.advance(out.drive_current_A, 1e-3);
     return out;
   }
 };
@@ -41,13 +41,13 @@ Settings<double> with_new_gains() {
 TEST(Adopt, NewGainsDoNotMoveTheOutput) {
   const Prepared<double> next = prepare(with_new_gains());
   DeviceRun adopting;
-  const double before_W = adopting.step().power_W;
+  const double before_W = adopting.step().wanted_power_W;
   DeviceRun bare = adopting;
   bare.prepared = next;
   adopt(adopting.prepared, next, adopting.state);
   adopting.prepared = next;
-  const double jump_W = std::abs(bare.step().power_W - before_W);
-  const double step_W = std::abs(adopting.step().power_W - before_W);
+  const double jump_W = std::abs(bare.step().wanted_power_W - before_W);
+  const double step_W = std::abs(adopting.step().wanted_power_W - before_W);
   EXPECT_GT(jump_W, 0.1 * before_W) << "the gains would have made a difference";
   EXPECT_LT(step_W, 0.05 * jump_W);
   EXPECT_TRUE(adopting.state.observing);

@@ -82,7 +82,7 @@ class Owner {
   }
   void note(const Output<S>& out) {
     states.insert(out.state);
-    if (out.current_A > S(0)) {
+    if (out.drive_current_A > S(0)) {
       modes.insert(out.mode);
     }
     faults = faults | out.active;

@@ -31,7 +31,7 @@ TEST(BlackBox, TakesTheCycleOfTheFirstCause) {
   ASSERT_TRUE(box->frame.taken);
   EXPECT_EQ(box->frame.output.first_cause, Fault::supply_low);
   EXPECT_EQ(box->frame.output.first_cause_us, box->frame.output.time_us);
-  EXPECT_EQ(box->frame.output.current_A, 0);
+  EXPECT_EQ(box->frame.output.drive_current_A, 0);
   EXPECT_EQ(box->frame.inputs.supply_V, 3);
   EXPECT_EQ(box->frame.output.time_us, rig.out.time_us);
   EXPECT_EQ(box->frame.output.estimate.strain, rig.out.estimate.strain);
@@ -68,7 +68,7 @@ TEST(BlackBox, KeepsTheLastFiveSeconds) {
   // The last line is the fault's own.
   EXPECT_EQ(box->at(499).time_ms, rig.out.time_us / 1000);
   EXPECT_EQ(box->at(499).state, DeviceState::fault);
-  EXPECT_EQ(box->at(499).current_A, 0);
+  EXPECT_EQ(box->at(499).drive_current_A, 0);
   EXPECT_NEAR(box->at(499).time_ms - box->at(0).time_ms, 4990, 12);
   for (std::size_t i = 1; i < 499; ++i) {
     EXPECT_EQ(box->at(i).time_ms - box->at(i - 1).time_ms, 10U);

@@ -40,7 +40,7 @@ class ClosedLoop {
     const Result result = Controller<S>::step(
         prepared_, control, {mode, static_cast<S>(setpoint), scale}, known, static_cast<S>(dt_s));
     wire.stress(load_Pa(wire.strain()));
-    wire.advance(static_cast<double>(result.current_A), dt_s);
+    wire.advance(static_cast<double>(result.drive_current_A), dt_s);
     time_s += dt_s;
     return result;
   }

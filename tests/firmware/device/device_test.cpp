@@ -25,7 +25,7 @@ TEST(Device, HoldsAStrain) {
       .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = bench.strain() - 0.02};
   for (int i = 0; i < 1000; ++i) {
     const Output<double> out = Device<double>::step(p, s, bench.inputs(), command, 1e-3);
-    bench.advance(out.current_A, 1e-3);
+    bench.advance(out.drive_current_A, 1e-3);
   }
   EXPECT_NEAR(bench.strain(), command.setpoint, 4e-4);
 }
@@ -47,10 +47,10 @@ TEST(Device, FloatFollowsDouble) {
         .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = setpoint};
     const Command<float> command_float{
         .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = static_cast<float>(setpoint)};
-    exact.advance(Device<double>::step(p, s, exact.inputs(), command, 1e-3).current_A, 1e-3);
+    exact.advance(Device<double>::step(p, s, exact.inputs(), command, 1e-3).drive_current_A, 1e-3);
     const Output<float> out =
         Device<float>::step(p_float, s_float, quick.inputs<float>(), command_float, 1e-3F);
-    quick.advance(static_cast<double>(out.current_A), 1e-3);
+    quick.advance(static_cast<double>(out.drive_current_A), 1e-3);
     const double apart = std::abs(exact.strain() - quick.strain()) / stroke;
     in_motion = std::max(in_motion, apart);
     at_rest = i % 800 < 600 ? at_rest : std::max(at_rest, apart);

@@ -18,7 +18,8 @@ class RandomUse {
 
   /// The next instant, after what the device said last.
   void next(const Output<S>& last) {
-    wire_.advance(disturbed_A(static_cast<double>(last.current_A)), static_cast<double>(dt_s));
+    wire_.advance(disturbed_A(static_cast<double>(last.drive_current_A)),
+                  static_cast<double>(dt_s));
     if (!std::isfinite(wire_.temperature_K()) || 900 < wire_.temperature_K()) {
       rest();  // burnt: a new wire
     }

@@ -158,7 +158,7 @@ class Rig {
       tamper_estimate(e);
     }
     out = Device<double>::decide(prepared, state, inputs, m, e, command, step_s);
-    flowing_A = tamper_drive ? tamper_drive(out.current_A) : out.current_A;
+    flowing_A = tamper_drive ? tamper_drive(out.drive_current_A) : out.drive_current_A;
     wire->advance(flowing_A, stress_Pa, draught, dt_s);
     hottest_K = std::max(hottest_K, wire->hottest_K());
     ++steps;

@@ -75,7 +75,7 @@ class Loop {
     const Command<S> command{
         .fresh = true, .arm = true, .mode = Mode::strain, .setpoint = scalar<S>(strain)};
     const Output<S> out = Device<S>::step(prepared_, state_, in, command, S(1e-3));
-    wire.advance(static_cast<double>(out.current_A), 1e-3);
+    wire.advance(static_cast<double>(out.drive_current_A), 1e-3);
     return out;
   }
   TestBench wire{files::load_wire("smartflex-76um").wire, 150e6};
@@ -96,7 +96,7 @@ TEST(ScaledDevice, HoldsAWireWhereADoubleDoes) {
       const Output<double> a = exact.step(longest - contraction);
       const Output<Scaled> b = scaled.step(longest - contraction);
       ASSERT_TRUE(b.latched.empty());
-      ASSERT_TRUE(isfinite(b.current_A + b.estimate.strain_sd + b.hot_spot_K));
+      ASSERT_TRUE(isfinite(b.drive_current_A + b.estimate.strain_sd + b.hot_spot_K));
       if (i >= 500) {
         ASSERT_EQ(b.state, DeviceState::running);
         EXPECT_NEAR(scaled.wire.strain(), exact.wire.strain(), 4e-7);
@@ -112,10 +112,10 @@ TEST(ScaledDevice, AnEmergencyStopEndsHeat) {
   for (int i = 0; i < 1000; ++i) {
     loop.step(longest - 0.02);
   }
-  EXPECT_GT(static_cast<double>(loop.step(longest - 0.02).current_A), 0.012);
+  EXPECT_GT(static_cast<double>(loop.step(longest - 0.02).drive_current_A), 0.012);
   Inputs<Scaled> in = loop.wire.inputs<Scaled>();
   in.emergency_stop = true;
-  EXPECT_EQ(loop.step(in, longest - 0.02).current_A, Scaled(0));
+  EXPECT_EQ(loop.step(in, longest - 0.02).drive_current_A, Scaled(0));
 }
 
 }  // namespace

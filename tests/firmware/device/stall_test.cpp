@@ -30,12 +30,12 @@ TEST(Stall, LongerThanTheLeaseIsAFaultThatSaysSo) {
       rig.stall(time_s, cut);
       rig.step();
       EXPECT_EQ(rig.out.first_cause, Fault::loop_stalled) << time_s;
-      EXPECT_EQ(rig.out.current_A, 0);
+      EXPECT_EQ(rig.out.drive_current_A, 0);
       for (int i = 0; i < 500; ++i) {
         rig.step();
         ASSERT_EQ(rig.out.latched, FaultSet(Fault::loop_stalled)) << time_s << ", step " << i;
         ASSERT_EQ(rig.out.state, DeviceState::fault);
-        ASSERT_EQ(rig.out.current_A, 0);
+        ASSERT_EQ(rig.out.drive_current_A, 0);
       }
     }
   }
@@ -82,7 +82,7 @@ TEST(Stall, NothingIsLostInTheLongestOne) {
     rig.command.mode = Mode::current;
     rig.command.setpoint = 0.4;
     rig.run(0.03);
-    ASSERT_GT(rig.out.current_A, 0.2);
+    ASSERT_GT(rig.out.drive_current_A, 0.2);
     const std::uint64_t before_us = rig.out.time_us;
     const Measurement<double> m =
         Device<double>::observe(rig.prepared, rig.state, rig.inputs, time_s);

@@ -75,12 +75,12 @@ TEST_P(TrippingFault, EndsTheHeatInTime) {
   EXPECT_LE(took_s, limit_s() + 1e-9)
       << row.name << ", first " << fault_name(rig_->out.first_cause);
   EXPECT_GE(took_s, deglitch_s(GetParam(), rig_->settings) - 1e-9) << row.name;
-  EXPECT_EQ(rig_->out.current_A, 0);
+  EXPECT_EQ(rig_->out.drive_current_A, 0);
   // And it stays off, whatever else happens and is commanded.
   rig_->command.setpoint = 0.01;
   for (int i = 0; i < 300; ++i) {
     rig_->command.arm = i % 100 < 50;
-    EXPECT_EQ(rig_->step().current_A, 0);
+    EXPECT_EQ(rig_->step().drive_current_A, 0);
   }
   EXPECT_EQ(rig_->out.state, DeviceState::fault);
   EXPECT_LE(rig_->hottest_K, rig_->settings.trips.temperature_K + 3);
@@ -95,11 +95,11 @@ TEST_P(BlockingFault, KeepsTheDeviceFromArming) {
   rig_->command.mode = Mode::strain;
   rig_->command.setpoint = 0.02;
   for (int i = 0; i < 300; ++i) {
-    max_A = std::max(max_A, rig_->step().current_A);
+    max_A = std::max(max_A, rig_->step().drive_current_A);
   }
   EXPECT_TRUE(rig_->out.blocks.has(GetParam())) << row.name;
   EXPECT_EQ(rig_->out.state, DeviceState::ready);
-  EXPECT_EQ(rig_->out.current_A, 0);
+  EXPECT_EQ(rig_->out.drive_current_A, 0);
   const bool found_by_sensing = provoker_.before_s > 0;
   EXPECT_LE(max_A, found_by_sensing ? rig_->settings.limits.min_current_A : 0);
 }
@@ -111,7 +111,7 @@ TEST_P(MildFault, WarnsOrLimitsInTime) {
   EXPECT_TRUE(rig_->out.latched.empty());
   EXPECT_EQ(rig_->out.state, DeviceState::running);
   if (row.severity == FaultClass::L) {
-    EXPECT_LE(rig_->out.current_A, rig_->settings.limits.min_current_A);
+    EXPECT_LE(rig_->out.drive_current_A, rig_->settings.limits.min_current_A);
     EXPECT_TRUE(rig_->out.limited_by(LimitReason::protection));
   }
   EXPECT_LE(rig_->hottest_K, rig_->settings.trips.temperature_K + 3);

@@ -68,9 +68,9 @@ inline std::vector<Provoker> drive_provokers() {
       {Fault::kelvin_mismatch,
        // A crimp of 40 ohm: the chopper's voltage does not reach the wire.
        [](Rig& rig) {
-         give_power(rig, rig.out.power_W);
+         give_power(rig, rig.out.wanted_power_W);
          rig.tamper_drive = [&rig](double A) {
-           return A > 0 ? rig.out.voltage_V / (rig.wire->resistance_ohm() + 40) : 0;
+           return A > 0 ? rig.out.drive_voltage_V / (rig.wire->resistance_ohm() + 40) : 0;
          };
        },
        [](Settings<double>& s) { s.drive.kind = DriveKind::voltage; }, late_s},
@@ -83,7 +83,7 @@ inline std::vector<Provoker> circuit_provokers() {
        [](Rig& rig) {
          rig.tamper_drive = [](double) { return 0; };
          rig.tamper_inputs = [&rig](Readings& in) {
-           in.sample.voltage_V = rig.out.current_A > 0 ? 20 : 0;
+           in.sample.voltage_V = rig.out.drive_current_A > 0 ? 20 : 0;
          };
        }},
       {Fault::wire_short, reading([](Readings& in) { in.sample.voltage_V *= 0.3; })},
@@ -241,7 +241,7 @@ inline std::vector<Provoker> estimate_provokers() {
       // No phase has so little.
       {Fault::model_divergence,
        [](Rig& rig) {
-         give_current(rig, rig.out.current_A);
+         give_current(rig, rig.out.drive_current_A);
          // Slowly enough to be no jump.
          rig.tamper_inputs = [&rig, start = rig.steps](Readings& in) {
            in.sample.voltage_V *= std::max(0.7, 1 - 0.004 * (rig.steps - start));

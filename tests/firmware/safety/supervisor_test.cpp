@@ -29,7 +29,7 @@ TEST(Supervisor, GivesNoCurrentUntilItIsArmed) {
   rig.command.mode = Mode::strain;
   rig.command.setpoint = 0.02;
   for (int i = 0; i < 300; ++i) {
-    EXPECT_EQ(rig.step().current_A, 0);
+    EXPECT_EQ(rig.step().drive_current_A, 0);
   }
   EXPECT_EQ(rig.out.state, DeviceState::ready);
   EXPECT_TRUE(rig.out.blocks.empty());
@@ -43,14 +43,14 @@ TEST(Supervisor, ArmsWithASenseCurrentFirst) {
   rig.command.setpoint = 0.02;
   int sensing = 0;
   while (rig.step().state == DeviceState::arming) {
-    EXPECT_EQ(rig.out.current_A, rig.settings.limits.min_current_A);
+    EXPECT_EQ(rig.out.drive_current_A, rig.settings.limits.min_current_A);
     ++sensing;
   }
   EXPECT_EQ(rig.out.state, DeviceState::running);
   EXPECT_GE(sensing, 50);
   EXPECT_LE(sensing, 100);
   rig.run(3 * rig.settings.transfer_s);
-  EXPECT_GT(rig.out.current_A, 0.1);
+  EXPECT_GT(rig.out.drive_current_A, 0.1);
 }
 
 TEST(Supervisor, TakesAwayTheSensorsOffsets) {
@@ -73,7 +73,7 @@ TEST(Supervisor, TakesAwayTheSensorsOffsets) {
 TEST(Supervisor, DisarmingEndsTheCurrentAtOnce) {
   Rig rig = running_rig();
   rig.command.arm = false;
-  EXPECT_EQ(rig.step().current_A, 0);
+  EXPECT_EQ(rig.step().drive_current_A, 0);
   EXPECT_EQ(rig.out.state, DeviceState::ready);
   EXPECT_TRUE(rig.out.latched.empty());
 }
@@ -127,7 +127,7 @@ TEST(Supervisor, LatchesUntilClearedAndGone) {
   EXPECT_EQ(rig.out.state, DeviceState::ready);
   EXPECT_EQ(rig.out.first_cause, Fault::none);
   rig.run(0.3);
-  EXPECT_EQ(rig.out.current_A, 0);
+  EXPECT_EQ(rig.out.drive_current_A, 0);
   rig.command.arm = false;
   rig.step();
   rig.arm(Mode::strain, 0.025);
@@ -197,12 +197,12 @@ TEST(SafeState, HoldsTheStrainForItsTimeOnly) {
   const double held = rig.wire->strain();
   rig.command.setpoint = 0.035;  // does not count any more
   for (int i = 0; i < 480; ++i) {
-    EXPECT_GT(rig.step().current_A, 0);
+    EXPECT_GT(rig.step().drive_current_A, 0);
     EXPECT_NEAR(rig.wire->strain(), held, 0.001);
   }
   rig.run(0.03);
   EXPECT_EQ(rig.out.state, DeviceState::fault);
-  EXPECT_EQ(rig.out.current_A, 0);
+  EXPECT_EQ(rig.out.drive_current_A, 0);
 }
 
 TEST(SafeState, ReleasesNoFasterThanSet) {
@@ -218,7 +218,7 @@ TEST(SafeState, ReleasesNoFasterThanSet) {
   EXPECT_GT(rig.wire->strain() - from, 0.004);
   rig.run(10);
   EXPECT_EQ(rig.out.state, DeviceState::fault);
-  EXPECT_EQ(rig.out.current_A, 0);
+  EXPECT_EQ(rig.out.drive_current_A, 0);
 }
 
 TEST(SafeState, AFaultOfTheHeatEndsIt) {
@@ -228,7 +228,7 @@ TEST(SafeState, AFaultOfTheHeatEndsIt) {
     rig.run(0.15);
     ASSERT_EQ(rig.out.state, DeviceState::stopping);
     rig.tamper_inputs = [](Readings& in) { in.emergency_stop = true; };
-    EXPECT_EQ(rig.step().current_A, 0);
+    EXPECT_EQ(rig.step().drive_current_A, 0);
     EXPECT_EQ(rig.out.state, DeviceState::fault);
   }
 }
@@ -236,7 +236,7 @@ TEST(SafeState, AFaultOfTheHeatEndsIt) {
 TEST(SafeState, NothingIsHeldByAnEstimateThatIsNone) {
   Rig rig = running_rig(safe_settings(SafeState::hold));
   rig.tamper_estimate = [](Estimate<double>& e) { e.strain = not_a_number; };
-  EXPECT_EQ(rig.step().current_A, 0);
+  EXPECT_EQ(rig.step().drive_current_A, 0);
   EXPECT_EQ(rig.out.state, DeviceState::fault);
   rig.tamper_estimate = nullptr;
   rig.run(0.1);
@@ -254,7 +254,7 @@ TEST(Supervisor, FindsReadingsThatDoNotFollowTheCurrent) {
   rig.tamper_inputs = [&](Readings& in) { in.sample = old.sample; };
   rig.command.setpoint -= 0.01;
   rig.run(0.05);
-  EXPECT_EQ(rig.out.current_A, 0);
+  EXPECT_EQ(rig.out.drive_current_A, 0);
   EXPECT_TRUE(rig.out.latched.has(Fault::sample_frozen) ||
               rig.out.latched.has(Fault::current_control));
 }

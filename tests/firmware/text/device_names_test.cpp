@@ -1,11 +1,16 @@
 #include "firmware/text/device_names.hpp"
 
+#include <algorithm>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <random>
 #include <set>
 
 #include "firmware/signals.hpp"
+#include "firmware/text/canopen/objects.hpp"
 #include "firmware/text/device_trace.hpp"
+#include "firmware/text/signal_names.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -49,19 +54,56 @@ TEST(DeviceNames, EveryLimitReasonHasOne) {
   EXPECT_EQ(limit_reason_names(3), "min_current+current");
 }
 
-TEST(Signals, WithANameInTracesAreColumns) {
-  std::set<std::string_view> columns;
-  for (const DeviceColumn& column : log_columns(true, true, true)) {
-    columns.insert(column.name);
+/// One name means one quantity: a column of the log that is called like a signal has its value.
+TEST(Signals, HaveTheirValuesInLogs) {
+  Cycle cycle{};
+  Output<double>& out = cycle.output;
+  Inputs<double>& in = cycle.inputs;
+  double next = 1;
+  for (double* const value :
+       {&out.drive_current_A, &out.drive_voltage_V, &out.setpoint, &out.reference,
+        &out.wanted_power_W, &out.estimated_ambient_K, &out.hot_spot_K, &out.estimate.strain,
+        &out.estimate.strain_sd, &out.estimate.temperature_K, &out.estimate.martensite,
+        &out.estimate.r_phase, &out.measurement.power_W, &in.sample.current_A, &in.sample.voltage_V,
+        &in.supply_V, &in.ambient_K, &in.driver_K}) {
+    *value = next++;
   }
-  for (const DeviceColumn& column : output_columns()) {
-    EXPECT_TRUE(columns.insert(column.name).second) << column.name;
+  std::set<std::string_view> names;
+  std::vector<DeviceColumn> columns = log_columns(true, true, true);
+  columns.insert(columns.end(), output_columns().begin(), output_columns().end());
+  std::size_t shared = 0;
+  for (const DeviceColumn& column : columns) {
+    EXPECT_TRUE(names.insert(column.name).second) << column.name;
+    const auto* const signal =
+        std::ranges::find(signal_rows<double>, column.name, &Signal<double>::name);
+    if (signal != signal_rows<double>.end() && !column.is_text) {
+      std::string said;
+      column.write(said, cycle);
+      EXPECT_EQ(said, fmt::format("{}", signal->read({out, in, {}}))) << column.name;
+      ++shared;
+    }
   }
-  std::set<std::string_view> traced{""};
-  for (const Signal<double>& signal : signal_rows<double>) {
-    EXPECT_TRUE(signal.trace.empty() || traced.insert(signal.trace).second) << signal.trace;
-    EXPECT_TRUE(signal.trace.empty() || columns.contains(signal.trace)) << signal.trace;
+  EXPECT_EQ(shared, 15U);
+}
+
+TEST(Signals, UnderFormerNamesAreRefusedWithTheNewOnes) {
+  for (const char* const former : {"measured_A", "measured_V", "temperature_K", "ambient_K"}) {
+    const std::string now(renamed_signal(former));
+    EXPECT_EQ(signal_rows<double>.at(signal_row(now)).name, now);
+    try {
+      signal_row(former);
+      ADD_FAILURE() << former;
+    } catch (const files::UserError& error) {
+      EXPECT_EQ(error.what(), fmt::format("{}: is now called {}", former, now));
+    }
+    try {
+      find_object(fmt::format("live.{}", former));
+      ADD_FAILURE() << former;
+    } catch (const files::UserError& error) {
+      EXPECT_EQ(error.what(), fmt::format("live.{}: is now called live.{}", former, now));
+    }
   }
+  EXPECT_EQ(renamed_signal("power_W"), "");
 }
 
 }  // namespace

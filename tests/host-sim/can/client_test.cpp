@@ -127,7 +127,7 @@ TEST_F(CanClient, GoesOnAfterALostAnswer) {
 
 // A segment of a block that is lost is asked for again.
 TEST_F(CanClient, BlocksRepeatWhatWasLost) {
-  const RecordingPlan plan{{"temperature_K", "position_m"}, 0.5, 0, ""};
+  const RecordingPlan plan{{"wire_temperature_K", "position_m"}, 0.5, 0, ""};
   arm_recorder(remote, plan);
   run(0.6);
   remote.set("recorder.command", "0");
@@ -308,9 +308,9 @@ TEST_F(CanClient, FindsWhoIsThere) {
 
 TEST_F(CanClient, WatchShowsRows) {
   std::string text;
-  watch(remote, {{"live.temperature_K", "6041"}, 0.05, 3, "live.temperature_K"}, false,
+  watch(remote, {{"live.wire_temperature_K", "6041"}, 0.05, 3, "live.wire_temperature_K"}, false,
         [&](const std::string& part) { text += part; });
-  EXPECT_TRUE(text.starts_with("time_s,live.temperature_K,Statusword\n0.0"));
+  EXPECT_TRUE(text.starts_with("time_s,live.wire_temperature_K,Statusword\n0.0"));
   EXPECT_THAT(text, HasSubstr("\n0.10"));
 }
 

@@ -153,7 +153,7 @@ const tests = {
       await until('a servo', () => bus('scan').includes('smaservo'));
       bus('enable');
       bus('move', '500');
-      bus('record', '--signals', 'measured_A,measured_V,stress_Pa,strain', '--seconds', '2',
+      bus('record', '--signals', 'current_A,voltage_V,stress_Pa,strain', '--seconds', '2',
         '--out', 'recorder.mcap');
       bus('disable');
     } finally {
@@ -165,8 +165,7 @@ const tests = {
     assert.ok(rows >= 1900, `${rows} rows`);
     assert.equal(metadata.program, 'host-sim can record');
     assert.match(
-      host('replay', 'recorder.mcap', '--column', 'current_A=measured_A', '--column',
-        'voltage_V=measured_V'),
+      host('replay', 'recorder.mcap'),
       new RegExp(`${rows} rows`),
     );
     host('convert', 'bus.mcap', '--out', 'bus.csv');

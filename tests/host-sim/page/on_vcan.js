@@ -38,7 +38,7 @@ async function main() {
   await new Promise((done) => setTimeout(done, 1500 * short_watch_s));
   assert.equal(now('/node1/state').drive, 'operation_enabled');
   const live = now('/node1/live');
-  assert.ok(live.current_A > 0.01 && live.temperature_K > 300, JSON.stringify(live));
+  assert.ok(live.drive_current_A > 0.01 && live.wire_temperature_K > 300, JSON.stringify(live));
   console.log('ok      a move, and heat that is kept');
 
   world.link('down');

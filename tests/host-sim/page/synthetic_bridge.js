@@ -26,19 +26,19 @@ function fast(number) {
   const t = number / rate_Hz;
   const goal = Math.floor(t) % 2 ? 0.02 : 0.03;
   const strain = 0.025 + 0.005 * Math.cos(Math.PI * t) + 2e-5 * noise();
-  const current_A = 0.2 + 0.1 * Math.sin(Math.PI * t) + 1e-3 * noise();
+  const drive_current_A = 0.2 + 0.1 * Math.sin(Math.PI * t) + 1e-3 * noise();
   return {
     strain: rounded(strain), setpoint: rounded(0.1 * (0.04 - goal)),
-    reference: rounded(0.1 * (0.04 - goal) * 0.98), current_A: rounded(current_A),
-    power_W: rounded(12 * current_A ** 2), resistance_ohm: rounded(11 + 40 * strain + 2e-3 * noise()),
-    temperature_K: rounded(340 + 20 * Math.sin(Math.PI * t + 0.5) + 0.02 * noise()),
+    reference: rounded(0.1 * (0.04 - goal) * 0.98), drive_current_A: rounded(drive_current_A),
+    power_W: rounded(12 * drive_current_A ** 2), resistance_ohm: rounded(11 + 40 * strain + 2e-3 * noise()),
+    wire_temperature_K: rounded(340 + 20 * Math.sin(Math.PI * t + 0.5) + 0.02 * noise()),
     limit_reasons: number % 3000 < 400 ? 1 : number % 7000 < 300 ? 4 : 0,
   };
 }
 function slow(number) {
   const share = 0.5 + 0.4 * Math.sin(Math.PI * number / rate_Hz);
   return {
-    strain_sd: 2e-4, position_m: 1.5e-3, measured_A: 0.2, wanted_power_W: 0.6, hot_spot_K: 350, ambient_K: 296,
+    strain_sd: 2e-4, position_m: 1.5e-3, current_A: 0.2, wanted_power_W: 0.6, hot_spot_K: 350, estimated_ambient_K: 296,
     resistance_model_ohm: 12, martensite: rounded(share), r_phase: 0.05, stress_Pa: 1.5e8, supply_V: 12,
   };
 }

@@ -145,8 +145,8 @@ class TestSource final : public Source {
   static std::string sample(std::uint64_t number) {
     const double phase = static_cast<double>(number) * 1e-3;
     return fmt::format(
-        R"({{"number":{},"strain":{:.6g},"setpoint":{:.6g},"current_A":{:.6g},"power_W":{:.6g},)"
-        R"("resistance_ohm":{:.6g},"temperature_K":{:.6g},"martensite":{:.6g},"austenite":{:.6g}}})",
+        R"({{"number":{},"strain":{:.6g},"setpoint":{:.6g},"drive_current_A":{:.6g},"power_W":{:.6g},)"
+        R"("resistance_ohm":{:.6g},"wire_temperature_K":{:.6g},"martensite":{:.6g},"austenite":{:.6g}}})",
         number, 0.02 + 0.01 * std::sin(phase), 0.02, 0.3 + 0.1 * std::cos(phase),
         1 + std::cos(phase), 12 + std::sin(3 * phase), 340 + 20 * std::sin(phase),
         0.5 + 0.4 * std::sin(phase), 0.5 - 0.4 * std::sin(phase));

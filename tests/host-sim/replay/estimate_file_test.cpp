@@ -94,7 +94,7 @@ replay::EstimateRow plain_row() {
 }
 
 constexpr const char* own_header =
-    "time_s,strain,strain_sd,temperature_degC,martensite,r_phase,austenite,resistance_ohm,"
+    "time_s,strain,strain_sd,wire_temperature_degC,martensite,r_phase,austenite,resistance_ohm,"
     "resistance_model_ohm,valid";
 
 TEST(EstimateFile, HasTheColumnsOfTheFormat) {

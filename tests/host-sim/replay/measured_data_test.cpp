@@ -23,7 +23,7 @@ void expect_about(const replay::ErrorStatistics& error, double mean, double p95,
 }
 
 void expect_physical(const Estimated& e) {
-  const auto [coldest, hottest] = std::ranges::minmax(e.column("temperature_degC"));
+  const auto [coldest, hottest] = std::ranges::minmax(e.column("wire_temperature_degC"));
   EXPECT_GT(coldest, 0) << "nothing cools the wire below the room";
   EXPECT_LT(hottest, 277) << "where the observer stops believing";
   for (const char* phase : {"martensite", "r_phase", "austenite"}) {

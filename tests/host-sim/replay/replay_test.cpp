@@ -81,7 +81,8 @@ TEST_P(ShippedTrace, EveryRowHasAnEstimateThatIsPhysical) {
     ASSERT_NEAR(martensite + r_phase + austenite, 1, 2e-5);
     ASSERT_GE(std::min({martensite, r_phase, austenite}), -1e-5);
     ASSERT_TRUE(e.column("strain")[i] > -0.01 && e.column("strain")[i] < 0.07) << "row " << i;
-    ASSERT_TRUE(e.column("temperature_degC")[i] > 0 && e.column("temperature_degC")[i] < 250);
+    ASSERT_TRUE(e.column("wire_temperature_degC")[i] > 0 &&
+                e.column("wire_temperature_degC")[i] < 250);
   }
 }
 

@@ -87,6 +87,23 @@ class Recorded {
   std::vector<std::string> lines_;
 };
 
+TEST(DeviceReplay, FormerNamesOfColumnsAreTakenAndSaid) {
+  Recorded run;
+  std::string& header = run.lines().front();
+  for (const auto& [now, former] : {std::pair{"wire_temperature_K", "wire_K"},
+                                    {"estimated_ambient_K", "believed_ambient_K"},
+                                    {"wanted_power_W", "power_W"}}) {
+    header.replace(header.find(now), std::string_view(now).size(), former);
+  }
+  const bench::DeviceReplayResult result = run.replay();
+  EXPECT_EQ(result.compared.size(), 21U);
+  EXPECT_EQ(result.differing_rows, 0U);
+  EXPECT_THAT(result.renamed, ::testing::UnorderedElementsAre(
+                                  "wire_K is now called wire_temperature_K",
+                                  "believed_ambient_K is now called estimated_ambient_K",
+                                  "power_W is now called wanted_power_W"));
+}
+
 TEST(DeviceReplay, FindsAnOutputThatWasChanged) {
   Recorded run;
   run.edit(501, "drive_current_A", "0.25");

@@ -122,7 +122,7 @@ class SegmentedLoop {
       in.supply_V = in.driver_K = std::numeric_limits<double>::quiet_NaN();
       in.ambient_K = 298.15;
       const Output<double> out = Device<double>::step(prepared_, device_, in, command_, 1e-3);
-      current_A_ = out.current_A;
+      current_A_ = out.drive_current_A;
       wire_->advance(current_A_, {stress_Pa_, 298.15, 1}, 1e-3);
       strain.push_back(wire_->strain());
     }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "firmware/text/canopen/objects.hpp"
+#include "firmware/text/signal_names.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
@@ -75,13 +76,13 @@ can::Recording recording_of(const json& message) {
   can::Recording recording;
   recording.period_s = number_in(message, "period_s", 1e-6, 1e6);
   for (const json& signal : message["signals"]) {
-    const std::string name = signal.is_string() ? signal.get<std::string>() : "";
-    const auto& rows = signal_rows<float>;
-    if (std::ranges::find(rows, name, &Signal<float>::name) == rows.end()) {
-      throw UserError(fmt::format("recording: signals: {}: no such signal",
-                                  files::printable(json_text(signal))));
+    recording.signals.push_back(signal.is_string() ? signal.get<std::string>()
+                                                   : files::printable(json_text(signal)));
+    try {
+      text::signal_row(recording.signals.back());
+    } catch (const UserError& error) {
+      throw UserError(fmt::format("recording: signals: {}", error.what()));
     }
-    recording.signals.push_back(name);
   }
   for (const json& values : message["rows"]) {
     std::vector<double>& row = recording.rows.emplace_back();

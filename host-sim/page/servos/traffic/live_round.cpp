@@ -9,14 +9,14 @@ namespace {
 /// What a page shows first.
 constexpr std::array<std::size_t, signal_count> by_importance = [] {
   std::array<std::size_t, signal_count> order{
-      signal_index("strain"),        signal_index("position_m"),
-      signal_index("setpoint"),      signal_index("temperature_K"),
-      signal_index("current_A"),     signal_index("resistance_ohm"),
-      signal_index("power_W"),       signal_index("stress_Pa"),
-      signal_index("hot_spot_K"),    signal_index("resistance_model_ohm"),
-      signal_index("limit_reasons"), signal_index("reference"),
-      signal_index("strain_sd"),     signal_index("wanted_power_W"),
-      signal_index("martensite"),    signal_index("r_phase")};
+      signal_index("strain"),          signal_index("position_m"),
+      signal_index("setpoint"),        signal_index("wire_temperature_K"),
+      signal_index("drive_current_A"), signal_index("resistance_ohm"),
+      signal_index("power_W"),         signal_index("stress_Pa"),
+      signal_index("hot_spot_K"),      signal_index("resistance_model_ohm"),
+      signal_index("limit_reasons"),   signal_index("reference"),
+      signal_index("strain_sd"),       signal_index("wanted_power_W"),
+      signal_index("martensite"),      signal_index("r_phase")};
   std::size_t n = 16;
   for (std::size_t i = 0; i < signal_count; ++i) {
     if (std::find(order.begin(), order.begin() + n, i) == order.begin() + n) order.at(n++) = i;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "firmware/canopen/node/object.hpp"
+#include "firmware/text/signal_names.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::page {
@@ -57,10 +58,7 @@ SyncStream::SyncStream(double period_s, const std::vector<std::string>& signals)
         fmt::format("{} signals by SYNC: must be at most {}", signals.size(), most_signals));
   }
   for (const std::string& name : signals) {
-    const auto& rows = signal_rows<double>;
-    const auto* const found = std::ranges::find(rows, name, &Signal<double>::name);
-    if (found == rows.end()) throw files::UserError(fmt::format("{}: no such signal", name));
-    const auto row = static_cast<std::size_t>(found - rows.begin());
+    const std::size_t row = text::signal_row(name);
     if (has_[row]) throw files::UserError(fmt::format("{}: named twice", name));
     order_.push_back(row);
     has_.set(row);

@@ -119,7 +119,7 @@ TEST(Heartbeat, ALostCommandSourceIsAnEmergencyAndEndsTheHeat) {
   EXPECT_EQ(frames[0].data[2] & 0x11U, 0x11U);
   EXPECT_EQ(frames[0].data[3], 0x10);
   EXPECT_FALSE(rig.command.arm);
-  EXPECT_EQ(rig.output.current_A, 0);
+  EXPECT_EQ(rig.output.drive_current_A, 0);
   EXPECT_EQ(rig.state(), DriveState::fault);
   EXPECT_EQ(rig.servo.node().state(), Nmt::pre_operational) << "1029h";
 }

@@ -85,7 +85,7 @@ class Client {
       while (servo_.take(f)) {
       }
       const Rig& rig = servo_.rig();
-      const double A = rig.out.current_A;
+      const double A = rig.out.drive_current_A;
       seen_.current_A = std::max(seen_.current_A, A);
       seen_.power_W = std::max(seen_.power_W, A * A * rig.wire->resistance_ohm());
       seen_.hottest_K = std::max(seen_.hottest_K, rig.wire->hottest_K());

@@ -63,7 +63,7 @@ class Drive : public ServoRig {
     }
     ASSERT_EQ(state(), wanted);
   }
-  bool heated() const { return output.current_A != 0; }
+  bool heated() const { return output.drive_current_A != 0; }
 };
 
 struct Transition {

@@ -110,7 +110,7 @@ class FrameFeeder {
            is_below_ceilings();
   }
   /// By the command of the same step.
-  bool current_is_asked_for() const { return rig_.output.current_A == 0 || rig_.command.arm; }
+  bool current_is_asked_for() const { return rig_.output.drive_current_A == 0 || rig_.command.arm; }
   bool is_below_ceilings() const {
     const Ceilings now = ceilings_at(rig_.staging.active());
     const Ceilings& c = ceilings_;

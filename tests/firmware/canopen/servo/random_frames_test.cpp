@@ -117,7 +117,7 @@ TEST(RandomFrames, AConversationWithFlippedBitsLossAndRepetition) {
       }
       rig.servo.receive(f, rig.now_us);
       ASSERT_TRUE(feeder.feed(Bytes{static_cast<std::uint8_t>(random() % 32)})) << i << ' ' << k;
-      heated += rig.output.current_A != 0 ? 1 : 0;
+      heated += rig.output.drive_current_A != 0 ? 1 : 0;
       seen.insert(rig.state());
     }
     rig.device.faults = {};

@@ -61,7 +61,7 @@ class FakeDevice {
     Output<double> out{};
     out.state = state_;
     const bool runs = next.heat == Heat::run && command.mode != Mode::off;
-    out.current_A = next.heat == Heat::none ? 0 : runs ? 0.1 : 0.01;
+    out.drive_current_A = next.heat == Heat::none ? 0 : runs ? 0.1 : 0.01;
     out.mode = runs ? command.mode : Mode::off;
     out.setpoint = command.setpoint;
     if (runs && command.mode == Mode::position && moves) {

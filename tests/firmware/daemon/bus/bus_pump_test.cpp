@@ -66,7 +66,7 @@ struct FakeNode {
   static FaultSet external() { return Fault::duplicate_node; }
   void publish(const Output<double>& output, const Inputs<double>& /*inputs*/, double /*dt_s*/) {
     ++published;
-    published_A = output.current_A;
+    published_A = output.drive_current_A;
   }
   std::uint32_t settings_changes() const { return changes; }
   void hold_settings(bool held_) { held = held_; }
@@ -114,7 +114,7 @@ TEST(BusPump, CarriesBothWays) {
   Rig rig;
   rig.port.in = {{.id = 5}, {.id = 7}};
   text::Cycle cycle{};
-  cycle.output.current_A = 0.25;
+  cycle.output.drive_current_A = 0.25;
   rig.source.tell(cycle, 1e-3);
   rig.source.tell(cycle, 1e-3);
   rig.round(1000);

@@ -65,7 +65,7 @@ nlohmann::json after(int signal, bool unclean) {
   const bool blocked = said.at("blocks").dump().find("unclean_boot") != std::string::npos;
   EXPECT_EQ(blocked, unclean) << ended.out;
   if (unclean) {
-    EXPECT_EQ(said.at("current_A"), 0) << "not before it is acknowledged";
+    EXPECT_EQ(said.at("drive_current_A"), 0) << "not before it is acknowledged";
     EXPECT_NE(file_text(state + "/history"), "");
   }
   return said;
@@ -337,7 +337,7 @@ TEST(Process, EndsCleanlyWhenItIsAskedTo) {
   EXPECT_EQ(said.at("last_run"), "the last run ended cleanly");
   EXPECT_EQ(said.at("cycles"), 1000);
   EXPECT_EQ(said.at("state"), "running");
-  EXPECT_GT(said.at("current_A"), 0);
+  EXPECT_GT(said.at("drive_current_A"), 0);
 }
 
 TEST(Process, TellsTheServiceManagerHowItIs) {

@@ -200,11 +200,11 @@ TEST(Loop, IsTheVeryLoopOfHostSim) {
     ASSERT_TRUE(loop.cycle());
     const Output<double> now = bench.output();
     const Output<double>& then = expected.cycle().output;
-    ASSERT_EQ(now.current_A, then.current_A) << cycles;
+    ASSERT_EQ(now.drive_current_A, then.drive_current_A) << cycles;
     ASSERT_EQ(now.estimate.strain, then.estimate.strain) << cycles;
     ASSERT_EQ(now.latched.bits(), then.latched.bits()) << cycles;
     ASSERT_EQ(now.time_us, then.time_us);
-    heated = heated || now.current_A > 0;
+    heated = heated || now.drive_current_A > 0;
     ++cycles;
   }
   EXPECT_FALSE(loop.cycle());

@@ -35,7 +35,7 @@ const tests = {
     await tab(view, 'state');
     bridge.now({state: {
       drive: 'fault', latched: ['over_temperature', 'wire_open'], active: ['wire_open'], first_cause: 'wire_open',
-      freeze_frame: {temperature_K: 361.2, current_A: null}}});
+      freeze_frame: {wire_temperature_K: 361.2, drive_current_A: null}}});
     await text(view, 'fault-wire_open', /first cause.*present now.*why it came/s);
     await text(view, 'fault-over_temperature', /gone, can be reset/);
     await text(view, 'freeze-frame', /88.*–/s);
@@ -174,7 +174,7 @@ const tests = {
       bridge.samples(10);
       return await coloured(view, 'plot-strain') > 50 && await coloured(view, 'plot-temperature') > 50;
     });
-    bridge.send('/node1/live', {strain: null, temperature_K: null, position_m: null});
+    bridge.send('/node1/live', {strain: null, wire_temperature_K: null, position_m: null});
     await until('no value', async () => /^[–-]$/.test(await by(view, 'reading-strain').textContent()));
   },
 

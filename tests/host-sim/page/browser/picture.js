@@ -7,7 +7,7 @@ const {enable} = require('./person.js');
 const fs = require('node:fs');
 
 const [host_sim, smaservod, sources, picture, colorScheme = 'light'] = process.argv.slice(2);
-const signals = 'strain,setpoint,reference,current_A,power_W,wanted_power_W,resistance_ohm,temperature_K';
+const signals = 'strain,setpoint,reference,drive_current_A,power_W,wanted_power_W,resistance_ohm,wire_temperature_K';
 const between_ms = 1800;
 const targets_um = [100, 2400, 100, 2400, 400, 2200, 700, 2000, 1000, 2400, 100, 2400, 400, 2000, 700];
 

@@ -23,7 +23,7 @@ function usual() {
       version: 'scripted',
       parameters: [['strain.proportional_W', 'W', 100], ['limits.current_A', 'A', 20]].map(([name, unit, max]) => ({
         name, type: 'number', unit, min: 0, max, default: 1, change: 'live', level: 'tune', meaning: `what ${name} is`})),
-      signals: ['strain', 'temperature_K', 'current_A', 'power_W', 'position_m'].map((name) => ({name, unit: '', meaning: name})),
+      signals: ['strain', 'wire_temperature_K', 'drive_current_A', 'power_W', 'position_m'].map((name) => ({name, unit: '', meaning: name})),
       faults: [
         {name: 'wire_open', code: 'FF20h', class: 'F1', text: 'No current flows.'},
         {name: 'over_temperature', code: '4310h', class: 'F1', text: 'Too hot.'}],
@@ -119,7 +119,7 @@ class ScriptedBridge {
     const now_ms = Date.now();
     for (let k = 0; k < count; ++k) {
       this.send('/node1/live', {
-        strain: 0.04 - 0.02 * k / count, temperature_K: 300 + 50 * k / count, current_A: 0.2, power_W: 0.5,
+        strain: 0.04 - 0.02 * k / count, wire_temperature_K: 300 + 50 * k / count, drive_current_A: 0.2, power_W: 0.5,
         position_m: 0.002 * k / count}, now_ms - 1000 * (count - k) / rate_Hz);
     }
   }
@@ -130,8 +130,8 @@ class ScriptedBridge {
     const now_ms = Date.now();
     return {
       t_ns: rows.map((k) => Math.round((now_ms - 1000 * (rows.length - k) / rate_Hz) * 1e3) * 1e3),
-      strain: rows.map((k) => 0.04 - 0.02 * k / rows.length), temperature_K: rows.map((k) => 300 + 50 * k / rows.length),
-      current_A: rows.map(() => 0.2)};
+      strain: rows.map((k) => 0.04 - 0.02 * k / rows.length), wire_temperature_K: rows.map((k) => 300 + 50 * k / rows.length),
+      drive_current_A: rows.map(() => 0.2)};
   }
 
   /** Samples from now on, until the next begin(). */

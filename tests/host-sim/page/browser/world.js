@@ -122,7 +122,7 @@ class World {
 
   /** Whether current flows, as the servo has measured it. */
   async heated() {
-    return await this.read('live.measured_A') > 0.01;
+    return await this.read('live.current_A') > 0.01;
   }
 
   /** The page as a person of its own sees it, who remembers nothing. */

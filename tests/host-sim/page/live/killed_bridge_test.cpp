@@ -108,7 +108,7 @@ TEST(PageBridge, KilledLeavesNoHeat) {
   // channel.
   const auto flows = [&] {
     const auto said = nlohmann::json::parse(test::file_text(status), nullptr, false);
-    return said.is_object() && said.value("current_A", 0.0) > heated_A;
+    return said.is_object() && said.value("drive_current_A", 0.0) > heated_A;
   };
   ASSERT_TRUE(test::becomes(flows));
   // By PDO, or by a write of the controlword.

@@ -238,7 +238,7 @@ TEST_F(PageServos, AFaultIsSaidWithItsCauseAndTheValuesOfThatTime) {
   EXPECT_EQ(state()["drive"], "fault");
   EXPECT_EQ(state()["latched"], json({"emergency_stop"}));
   EXPECT_EQ(state()["first_cause"], "emergency_stop");
-  EXPECT_GT(state()["freeze_frame"]["temperature_K"].get<double>(), 300);
+  EXPECT_GT(state()["freeze_frame"]["wire_temperature_K"].get<double>(), 300);
   EXPECT_EQ(flowing_A(), 0);
   EXPECT_EQ(watch_s(), 5);
   ASSERT_EQ(bench.call(1, "reset_faults", R"({"node":5})").text, "{}");

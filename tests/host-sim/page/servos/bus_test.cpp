@@ -62,8 +62,9 @@ TEST(PageServosOfABus, NoRequestRaisesACeiling) {
 TEST(PageServosOfABus, ComeBySyncAtTheFullRateAndKeepTheirMapping) {
   BridgePlan plan = BridgeBench::usual_plan();
   plan.sync_s = 0.001;
-  plan.sync_signals = {"strain",   "temperature_K", "resistance_ohm", "current_A",
-                       "setpoint", "power_W",       "stress_Pa",      "position_m"};
+  plan.sync_signals = {"strain",          "wire_temperature_K", "resistance_ohm",
+                       "drive_current_A", "setpoint",           "power_W",
+                       "stress_Pa",       "position_m"};
   BridgeBench bench({5, 6}, plan);
   const auto mapping = [&] {
     const auto port = bench.bus.port();

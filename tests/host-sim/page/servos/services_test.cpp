@@ -142,10 +142,10 @@ TEST_F(PageServos, StepsAndRecordsAndExports) {
   EXPECT_EQ(csv_of(from_base64(mcap["base64"].get<std::string>())),
             from_base64(file.json()["base64"].get<std::string>()));
   // Others go on while a recording waits for its trigger.
-  const auto recorded =
-      bench.ask(2, "record",
-                R"({"node":5,"signals":["temperature_K","current_A"],"seconds":0.5,"before_s":0.1,
-          "trigger":"temperature_K>310"})");
+  const auto recorded = bench.ask(
+      2, "record",
+      R"({"node":5,"signals":["wire_temperature_K","drive_current_A"],"seconds":0.5,"before_s":0.1,
+          "trigger":"wire_temperature_K>310"})");
   bench.run(1);
   EXPECT_FALSE(recorded->done);
   heat(1);

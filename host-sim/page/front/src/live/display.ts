@@ -57,9 +57,9 @@ const labels: Record<string, [string, Role]> = {
   reference_strain: ['reference', 'reference'],
   setpoint_strain: ['set-point', 'setpoint'],
   contraction: ['contraction', 'estimate'],
-  temperature_K: ['wire', 'temperature'],
+  wire_temperature_K: ['wire', 'temperature'],
   hot_spot_K: ['hot spot', 'hot_spot'],
-  ambient_K: ['ambient', 'ambient'],
+  estimated_ambient_K: ['ambient', 'ambient'],
   martensite: ['martensite', 'martensite'],
   r_phase: ['R-phase', 'r_phase'],
   austenite: ['austenite', 'austenite'],
@@ -69,10 +69,10 @@ const labels: Record<string, [string, Role]> = {
   stress_Pa: ['stress', 'stress'],
   power_W: ['measured', 'power'],
   wanted_power_W: ['wanted', 'wanted'],
-  current_A: ['given', 'current'],
-  measured_A: ['measured', 'measured'],
-  measured_V: ['voltage reading', 'other3'],
-  voltage_V: ['voltage given', 'other7'],
+  drive_current_A: ['given', 'current'],
+  current_A: ['measured', 'measured'],
+  voltage_V: ['voltage reading', 'other3'],
+  drive_voltage_V: ['voltage given', 'other7'],
   supply_V: ['supply', 'other5'],
   setpoint: ['set-point', 'setpoint'],
   reference: ['reference', 'reference'],
@@ -92,7 +92,7 @@ export function roleOf(signal: string, n = 0): Role {
 
 /** A name of the bus as words: `resistance_model_ohm` is `resistance model`. */
 const words: Record<string, string> = {
-  measured_A: 'current reading', measured_V: 'voltage reading', r_phase: 'R-phase', strain_sd: 'strain σ', setpoint: 'set-point',
+  current_A: 'current reading', voltage_V: 'voltage reading', r_phase: 'R-phase', strain_sd: 'strain σ', setpoint: 'set-point',
   supply_V: 'supply', resistance_model_ohm: 'expected resistance',
 };
 

@@ -11,9 +11,9 @@ export function controlled(mode: number): string | null {
     case 8: return 'position_m';
     case 4:
     case 10: return 'force_N';
-    case -1: return 'measured_A';
+    case -1: return 'current_A';
     case -2: return 'power_W';
-    case -3: return 'temperature_K';
+    case -3: return 'wire_temperature_K';
     default: return null;
   }
 }
@@ -84,7 +84,7 @@ export class Feed {
     const number = (key: string): number => row[key] ?? NaN;
     // Without a current there is no resistance to measure, and no set-point in force: 0 is not a reading.
     if (row['resistance_ohm'] === 0) row['resistance_ohm'] = null;
-    if (row['current_A'] === 0) row['setpoint'] = row['reference'] = null;
+    if (row['drive_current_A'] === 0) row['setpoint'] = row['reference'] = null;
     const strain = number('strain');
     const sd = number('strain_sd');
     row['strain_low'] = strain - 2 * sd;

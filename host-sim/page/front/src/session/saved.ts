@@ -19,7 +19,8 @@ export function saved<T>(key: string, initial: T, valid: (value: unknown) => val
   return kept;
 }
 
-function read<T>(key: string, initial: T, valid: (value: unknown) => value is T): T {
+/** What is kept, without keeping it from now on. */
+export function read<T>(key: string, initial: T, valid: (value: unknown) => value is T): T {
   try {
     const text = localStorage.getItem(prefix + key);
     const value: unknown = text === null ? undefined : JSON.parse(text);

@@ -68,7 +68,7 @@ describe('Feed', () => {
   it('shows no resistance and no set-point where no current flows', () => {
     const feed = new Feed(1024);
     feed.mode = 1;
-    feed.message(message({ resistance_ohm: 0, current_A: 0, setpoint: 0, reference: 0, position_m: 1e-4 }), 1);
+    feed.message(message({ resistance_ohm: 0, drive_current_A: 0, setpoint: 0, reference: 0, position_m: 1e-4 }), 1);
     for (const key of ['resistance_ohm', 'setpoint', 'reference', 'error:position_m']) {
       expect(feed.ring.column(key)!.at(0)).toBeNaN();
     }

@@ -51,7 +51,7 @@ function Blocked({ now }: { now: State }) {
 }
 
 const readings = [
-  ['position_m', 'Position'], ['strain', 'Strain'], ['hot_spot_K', 'Hot spot'], ['current_A', 'Current'],
+  ['position_m', 'Position'], ['strain', 'Strain'], ['hot_spot_K', 'Hot spot'], ['drive_current_A', 'Current'],
 ] as const;
 
 /** Written ten times a second, past the virtual DOM. */

@@ -4,7 +4,7 @@ import { signal } from '@preact/signals';
 import { labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
 import { controlled } from '../../live/feed';
 import type { SeriesSpec } from '../../plot/time_plot';
-import { isObject, saved } from '../../session/saved';
+import { isObject, read, saved } from '../../session/saved';
 
 export interface TimePanel {
   kind: 'time';
@@ -63,7 +63,7 @@ const fixed: Panel[] = [
     kind: 'time', id: 'power', title: 'Power', unit: 'mW', limits: true, smallest: 1, series: [
       series('wanted_power_W', { style: 'dashed' }),
       series('power_W'),
-      series('current_A', { axis: 'right', unit: 'mA', label: 'current' }),
+      series('drive_current_A', { axis: 'right', unit: 'mA', label: 'current' }),
     ],
   },
   {
@@ -71,12 +71,12 @@ const fixed: Panel[] = [
     y: 'strain', xLabel: 'resistance in Ω', smallest: [0.1, 0.1],
   },
   {
-    kind: 'loop', id: 'strain-temperature', title: 'Strain over temperature', unit: '%', x: 'temperature_K',
+    kind: 'loop', id: 'strain-temperature', title: 'Strain over temperature', unit: '%', x: 'wire_temperature_K',
     y: 'strain', xLabel: 'temperature in °C', smallest: [2, 0.1],
   },
   {
     kind: 'time', id: 'temperature', title: 'Temperature', unit: '°C', smallest: 2, series: [
-      series('ambient_K', { hidden: true }), series('hot_spot_K'), series('temperature_K'),
+      series('estimated_ambient_K', { hidden: true }), series('hot_spot_K'), series('wire_temperature_K'),
     ],
   },
   {
@@ -93,7 +93,7 @@ const fixed: Panel[] = [
   },
   {
     kind: 'time', id: 'current', title: 'Current', unit: 'mA', limits: true, smallest: 1, series: [
-      series('measured_A'), series('current_A', { style: 'dashed' }),
+      series('current_A'), series('drive_current_A', { style: 'dashed' }),
     ],
   },
   {
@@ -148,7 +148,16 @@ const isOwn = (value: unknown): value is OwnPanel[] => Array.isArray(value) &&
   value.every((one) => isObject(one) && Array.isArray(one['left']) && Array.isArray(one['right']));
 
 const kept = saved<Place[]>('plots', initial, isPlaces);
-export const ownPanels = saved<OwnPanel[]>('own-plots', [], isOwn);
+
+/** Plots that were kept when these signals had other names. */
+const renamed: Record<string, string> = {
+  temperature_K: 'wire_temperature_K', ambient_K: 'estimated_ambient_K', current_A: 'drive_current_A',
+  voltage_V: 'drive_voltage_V', measured_A: 'current_A', measured_V: 'voltage_V',
+};
+const withTheirNames = (names: string[]): string[] => names.map((name) => renamed[name] ?? name);
+const keptBefore = read<OwnPanel[]>('own-plots', [], isOwn).map((one) => (
+  { ...one, left: withTheirNames(one.left), right: withTheirNames(one.right) }));
+export const ownPanels = saved<OwnPanel[]>('own-panels', keptBefore, isOwn);
 export const arranging = signal(false);
 
 /** In order, with those that a newer page has and the kept arrangement has not. */

@@ -17,7 +17,7 @@ import { NumberField } from './step_view';
 
 const most = 8;
 const patience_s = 60;  // for the trigger
-const chosen = saved<string[]>('record', ['position_m', 'setpoint', 'current_A', 'temperature_K'], isStrings);
+const chosen = saved<string[]>('recorded', ['position_m', 'setpoint', 'drive_current_A', 'wire_temperature_K'], isStrings);
 const seconds = saved<number>('record_s', 2, isNumber);
 const before = saved<number>('record_before_s', 0.2, isNumber);
 const triggerSignal = saved<string>('trigger', '', isString);

@@ -68,7 +68,7 @@ export function edge_s(run: Run): number {
   return Math.max(0, row) * run.recording.period_s;
 }
 
-const overlaid = ['position_m', 'temperature_K', 'current_A', 'setpoint'] as const;
+const overlaid = ['position_m', 'wire_temperature_K', 'drive_current_A', 'setpoint'] as const;
 
 /** All runs over the time since their step, position and set-point from where the set-point began. */
 export function overlay(shown: readonly Run[]): ArraySamples {

@@ -113,8 +113,8 @@ function numberOf(run: Run): number {
 const timeLabel = 'time since the step in s';
 const pictures = [
   { name: 'position_m', title: 'Contraction', unit: 'µm', factor: 1e6, offset: 0, height: 230 },
-  { name: 'temperature_K', title: 'Temperature', unit: '°C', factor: 1, offset: -273.15, height: 140 },
-  { name: 'current_A', title: 'Current', unit: 'mA', factor: 1e3, offset: 0, height: 140 },
+  { name: 'wire_temperature_K', title: 'Temperature', unit: '°C', factor: 1, offset: -273.15, height: 140 },
+  { name: 'drive_current_A', title: 'Current', unit: 'mA', factor: 1e3, offset: 0, height: 140 },
 ];
 
 function Overlay() {
