@@ -1,5 +1,5 @@
-import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
+import { at } from '../session/route';
 import { bridge, link, lostReason, nodes, state } from '../session/session';
 import { GuideView } from './guide/guide_view';
 import { Header } from './header';
@@ -16,12 +16,6 @@ const views = [
   { id: 'state', title: 'State', view: StateView },
   { id: 'guide', title: 'First run', view: GuideView },
 ] as const;
-
-const at = signal(location.hash.slice(1));
-
-export function go(view: string): void {
-  location.hash = view;
-}
 
 export function App() {
   useEffect(() => {

@@ -5,11 +5,11 @@ import { formatNumber } from '../../numbers/format';
 import { lowerBound } from '../../numbers/samples';
 import { sayError } from '../../session/notices';
 import { act, call, feed, mayWrite, node, own, state } from '../../session/session';
+import { NumberField } from '../fields/number_field';
 import { allowed } from '../state/drive';
 import { column as columnOf, runs } from '../step/runs';
-import { NumberField } from '../step/step_view';
 import { cold_ohm, statistics, Statistics, stroke_m } from './checks';
-import { found, Read } from './guide_view';
+import { found, Read } from './findings';
 
 /** The samples of the last seconds that were really received. */
 function recent(signal: string, seconds: number): Statistics {

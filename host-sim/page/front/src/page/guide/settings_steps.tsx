@@ -1,12 +1,12 @@
 // The steps of the guide that heat nothing.
 
 import { formatNumber } from '../../numbers/format';
+import { saveText } from '../../session/download';
 import { bridge, call, feed, mayWrite, node, nodes, own, scan, state } from '../../session/session';
 import { restore, store } from '../../session/tuning';
 import { sayError } from '../../session/notices';
-import { saveText } from '../download';
 import { Check, cold_ohm, limitChecks, stroke_m } from './checks';
-import { found, Read } from './guide_view';
+import { found, Read } from './findings';
 
 export function BusStep() {
   const info = nodes.value.find((one) => one.node === node.value);

@@ -5,9 +5,9 @@ import { shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import type { State } from '../../protocol/bridge';
 import { sayError } from '../../session/notices';
+import { go } from '../../session/route';
 import { act, call, description, feed, mayWrite, node, own, state } from '../../session/session';
 import { allowed, driveNames } from '../state/drive';
-import { go } from '../app';
 
 export function DriveCard() {
   const now = state.value;

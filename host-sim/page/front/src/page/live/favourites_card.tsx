@@ -1,5 +1,5 @@
+import { go } from '../../session/route';
 import { favourites, infos } from '../../session/tuning';
-import { go } from '../app';
 import { EditBar } from '../parameters/edit_bar';
 import { ParameterRow } from '../parameters/parameter_row';
 

@@ -3,10 +3,10 @@
 import { useState } from 'preact/hooks';
 import { valueText } from '../../parameters/values';
 import type { Difference } from '../../protocol/bridge';
+import { saveText } from '../../session/download';
 import { sayError, sayFileError } from '../../session/notices';
 import { call, mayWrite, node } from '../../session/session';
 import { restore } from '../../session/tuning';
-import { saveText } from '../download';
 
 interface Compared {
   name: string;

@@ -11,9 +11,9 @@ import type { Recording } from '../../protocol/bridge';
 import { sayError, sentence } from '../../session/notices';
 import { isNumber, isString, isStrings, saved } from '../../session/saved';
 import { bridge, call, description, link, node, readOnly, state } from '../../session/session';
+import { NumberField } from '../fields/number_field';
 import { column } from './runs';
 import { SaveButtons } from './save_buttons';
-import { NumberField } from './step_view';
 
 const most = 8;
 const patience_s = 60;  // for the trigger

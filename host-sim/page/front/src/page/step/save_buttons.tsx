@@ -1,7 +1,7 @@
 import type { Recording } from '../../protocol/bridge';
+import { saveBase64 } from '../../session/download';
 import { sayError } from '../../session/notices';
 import { call } from '../../session/session';
-import { saveBase64 } from '../download';
 
 interface SaveButtonsProps {
   recording: Recording;

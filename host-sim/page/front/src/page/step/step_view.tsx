@@ -1,5 +1,5 @@
 import { signal } from '@preact/signals';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useRef } from 'preact/hooks';
 import { formatNumber } from '../../numbers/format';
 import { valueText } from '../../parameters/values';
 import { PlotGroup } from '../../plot/group';
@@ -9,6 +9,7 @@ import type { Recording, StepFigures, Value } from '../../protocol/bridge';
 import { say, sayError } from '../../session/notices';
 import { isNumber, saved } from '../../session/saved';
 import { bridge, call, mayWrite, node, state } from '../../session/session';
+import { NumberField } from '../fields/number_field';
 import { FavouritesCard } from '../live/favourites_card';
 import { RecorderCard } from './recorder_card';
 import { addRun, overlay, removeRun, Run, runs, showRun, tellingGains } from './runs';
@@ -71,32 +72,6 @@ function Form() {
       </div>
       {mine && <progress class="progress" max={1} value={mine.progress} aria-label="Progress of the step test" />}
     </form>
-  );
-}
-
-interface NumberFieldProps {
-  title: string;
-  unit: string;
-  value: number;
-  testid: string;
-  set(value: number): void;
-}
-
-export function NumberField({ title, unit, value, testid, set }: NumberFieldProps) {
-  const [text, setText] = useState(String(value));
-  const read = Number(text.replace(',', '.'));
-  const wrong = text.trim() === '' || !Number.isFinite(read);
-  return (
-    <label class="field narrow">
-      <span>{title} <small>{unit}</small></span>
-      <input type="text" inputMode="decimal" value={text} aria-invalid={wrong} data-testid={testid}
-        onInput={(event) => {
-          const written = event.currentTarget.value;
-          setText(written);
-          const number = Number(written.replace(',', '.'));
-          if (written.trim() !== '' && Number.isFinite(number)) set(number);
-        }} />
-    </label>
   );
 }
 

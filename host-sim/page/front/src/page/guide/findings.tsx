@@ -1,0 +1,53 @@
+// The steps of the guide, what was found in each, and how a step shows what it read.
+
+import { signal } from '@preact/signals';
+import type { ComponentChildren } from 'preact';
+import { isObject, saved } from '../../session/saved';
+import { node } from '../../session/session';
+
+interface Finding {
+  at_ms: number;
+  text: string;
+}
+
+const isFindings = (value: unknown): value is Record<string, Finding> => isObject(value);
+const findings = saved<Record<string, Finding>>('guide', {}, isFindings);
+
+export const steps = [
+  { id: 'bus', title: 'Bus and node' },
+  { id: 'wire', title: 'The wire' },
+  { id: 'limits', title: 'Limits' },
+  { id: 'resistor', title: 'A resistor first' },
+  { id: 'heat', title: 'First heating' },
+  { id: 'tune', title: 'Tune' },
+  { id: 'keep', title: 'Keep' },
+] as const;
+export type StepId = (typeof steps)[number]['id'];
+
+export const opened = signal<StepId | null>(null);
+const key = (id: string): string => `${node.value}/${id}`;
+
+export function findingOf(id: StepId): Finding | undefined {
+  return findings.value[key(id)];
+}
+
+/** What was read, in words: it stands beside the step from then on. */
+export function found(id: StepId, text: string): void {
+  findings.value = { ...findings.value, [key(id)]: { at_ms: Date.now(), text } };
+  const next = steps[steps.findIndex((step) => step.id === id) + 1];
+  opened.value = next && !findings.value[key(next.id)] ? next.id : null;
+}
+
+export function forget(id: StepId): void {
+  const { [key(id)]: _, ...rest } = findings.value;
+  findings.value = rest;
+  opened.value = id;
+}
+
+export function Read({ rows }: { rows: [string, ComponentChildren][] }) {
+  return (
+    <dl class="read">
+      {rows.map(([title, value]) => <div key={title}><dt>{title}</dt><dd>{value}</dd></div>)}
+    </dl>
+  );
+}
