@@ -3,9 +3,9 @@
 
 import uPlot from 'uplot';
 import { axisFont, xAxis, yAxis } from './axes';
-import { cancelDraw, requestDraw, Drawn } from './frames';
+import { cancelDraw, requestDraw } from './frames';
 import { GestureTarget, listen } from './gestures';
-import type { GroupOptions } from './group';
+import type { Member, PlotGroup, Zoom } from './group';
 import { element, Legend, LegendItem } from './legend';
 import type { Project } from './pens';
 import { onTheme, theme } from './theme';
@@ -37,16 +37,16 @@ export interface ChartOptions {
   unit?: string;
   xLabel?: string;
   height?: number;  ///< of the drawing, in pixels of CSS; its class says it where absent
-  x: GroupOptions;
+  group: PlotGroup | null;  ///< that it is a member of
+  zoom: Zoom;  ///< that group, or a box
   yLog?: boolean;
   right?: boolean;
   axes?: { x?: Partial<uPlot.Axis>; y?: Partial<uPlot.Axis> };  ///< what is unusual of them
-  drag: { x: boolean; y: boolean };
   legend: LegendItem[];
   onToggle?: (key: string, hidden: boolean) => void;
 }
 
-export abstract class Chart implements Drawn, GestureTarget {
+export abstract class Chart implements Member, GestureTarget {
   readonly root: HTMLElement;
   protected readonly legend: Legend;
   protected u: uPlot;
@@ -73,10 +73,13 @@ export abstract class Chart implements Drawn, GestureTarget {
     this.root.append(this.legend.root, this.body);
     if (options.xLabel) this.root.append(element('div', 'plot-x-label', options.xLabel));
     parent.append(this.root);
-    this.rightShown = options.right ?? false;
+    this.root.classList.toggle('plot-xy', options.zoom.vertical);
+    this.rightShown = this.hasRightAxis();
     this.u = this.make();
     listen(this.root, this);
     this.watch();
+    options.group?.add(this);
+    this.changed();
   }
 
   get over(): HTMLElement {
@@ -84,10 +87,10 @@ export abstract class Chart implements Drawn, GestureTarget {
   }
 
   /** Inside the axes, in pixels of CSS; known without asking the browser for its lay-out. */
-  protected get width(): number {
+  get width(): number {
     return Math.max(1, this.u.bbox.width / uPlot.pxRatio);
   }
-  protected get height(): number {
+  get height(): number {
     return Math.max(1, this.u.bbox.height / uPlot.pxRatio);
   }
 
@@ -106,7 +109,7 @@ export abstract class Chart implements Drawn, GestureTarget {
   }
 
   drawNow(): void {
-    const right = this.wantsRight();
+    const right = this.hasRightAxis() || this.options.zoom.hasRightAxis();
     if (right !== this.rightShown) {
       this.rightShown = right;
       this.remake();
@@ -122,6 +125,7 @@ export abstract class Chart implements Drawn, GestureTarget {
   }
 
   destroy(): void {
+    this.options.group?.remove(this);
     this.ends.forEach((end) => end());
     cancelDraw(this);
     this.u.destroy();
@@ -131,19 +135,34 @@ export abstract class Chart implements Drawn, GestureTarget {
   /** What is to be shown, before the axes are drawn; `pixels` is the width between them. */
   protected abstract measure(pixels: number): Scales;
   protected abstract paint(view: View): void;
-  protected abstract selected(x: Span, y: Span): void;
-  protected wantsRight(): boolean {
+
+  cursorMoved(_x: number | null): void {
+    this.changed();
+  }
+
+  hasRightAxis(): boolean {
     return this.options.right ?? false;
   }
 
-  abstract pan(dx: number, dy: number): void;
-  abstract zoomAt(left: number, top: number, factor: number): void;
-  abstract reset(): void;
-  abstract pointAt(left: number | null, top: number): void;
-  abstract step(share: number): void;
+  pan(dx: number, dy: number): void {
+    this.options.zoom.pan(-dx / this.width, dy / this.height);
+  }
+  zoomAt(left: number, top: number, factor: number): void {
+    this.options.zoom.zoomAt(factor, this.u.posToVal(left, 'x'), this.u.posToVal(top, 'y'));
+  }
+  reset(): void {
+    this.options.zoom.reset();
+  }
+  pointAt(left: number | null, _top: number): void {
+    this.options.zoom.setCursor(left === null ? null : this.u.posToVal(left, 'x'));
+  }
+  step(share: number): void {
+    this.options.zoom.stepCursor(share);
+  }
 
-  /** Puts the vertical line of the cursor, and a text at its foot; null takes both away. */
-  protected placeCursor(x: number | null, text = ''): void {
+  /** Puts the vertical line of the cursor, and at its foot a text where the mouse is; null takes both away. */
+  protected placeCursor(x: number | null, write: (x: number) => string): void {
+    const text = x !== null && this.root.matches(':hover, :focus') ? write(x) : '';
     const left = x === null ? -10 : this.u.valToPos(x, 'x');
     const inside = left >= 0 && left <= this.width;
     if (Math.abs((this.u.cursor.left ?? -10) - left) > 0.5) {
@@ -158,6 +177,7 @@ export abstract class Chart implements Drawn, GestureTarget {
 
   private make(): uPlot {
     const { options } = this;
+    const { vertical, options: { log } } = options.zoom;
     const range = (which: 'y' | 'right', log?: boolean) => (): Span =>
       drawable(this.scales[which] ?? this.scales.y, log);
     const distr = (log?: boolean): { distr?: 3; log?: 10 } => (log ? { distr: 3, log: 10 } : {});
@@ -171,7 +191,7 @@ export abstract class Chart implements Drawn, GestureTarget {
       cursor: {
         y: false,
         points: { show: false },
-        drag: { ...options.drag, setScale: false, dist: 4, ...(options.drag.y ? { uni: 30 } : {}) },
+        drag: { x: true, y: vertical, setScale: false, dist: 4, ...(vertical ? { uni: 30 } : {}) },
         bind: {
           dblclick: () => null,
           mousedown: (_u, _target, handler) => (event) => {
@@ -181,12 +201,12 @@ export abstract class Chart implements Drawn, GestureTarget {
         },
       },
       scales: {
-        x: { time: false, range: (_u, low, high) => drawable([low, high], options.x.log), ...distr(options.x.log) },
+        x: { time: false, range: (_u, low, high) => drawable([low, high], log), ...distr(log) },
         y: { range: range('y', options.yLog), ...distr(options.yLog) },
         right: { range: range('right') },
       },
       axes: [
-        { ...xAxis(options.x), ...options.axes?.x },
+        { ...xAxis(options.zoom.options), ...options.axes?.x },
         { ...yAxis('left', options.yLog ?? false), ...options.axes?.y },
         { ...yAxis('right', false, !options.right), show: this.rightShown },
       ],
@@ -224,7 +244,7 @@ export abstract class Chart implements Drawn, GestureTarget {
     ctx.clip();
     this.paint({
       ctx,
-      toX: project(this.scales.x, left, left + width, this.options.x.log),
+      toX: project(this.scales.x, left, left + width, this.options.zoom.options.log),
       toY: project(this.scales.y, top + height, top, this.options.yLog),
       toRight: project(this.scales.right ?? this.scales.y, top + height, top),
       ratio: uPlot.pxRatio,
@@ -238,7 +258,7 @@ export abstract class Chart implements Drawn, GestureTarget {
     if (width < 4 && height < 4) return;
     const at = (px: number, scale: string): number => u.posToVal(px, scale);
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-    this.selected([at(left, 'x'), at(left + width, 'x')], [at(top + height, 'y'), at(top, 'y')]);
+    this.options.zoom.zoom([at(left, 'x'), at(left + width, 'x')], [at(top + height, 'y'), at(top, 'y')]);
   }
 
   private watch(): void {
@@ -287,4 +307,15 @@ export function label(view: View, text: string, x: number, y: number, colour = t
   view.ctx.textAlign = 'left';
   view.ctx.textBaseline = 'bottom';
   view.ctx.fillText(text, x, y);
+}
+
+export function dot({ ctx, ratio }: View, px: number, py: number, radius: number, colour: string): void {
+  ctx.setLineDash([]);
+  ctx.fillStyle = colour;
+  ctx.strokeStyle = theme().ground;
+  ctx.lineWidth = 1.5 * ratio;
+  ctx.beginPath();
+  ctx.arc(px, py, radius * ratio, 0, 2 * Math.PI);
+  ctx.fill();
+  ctx.stroke();
 }

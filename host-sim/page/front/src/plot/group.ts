@@ -20,7 +20,24 @@ export interface Member extends Drawn {
   hasRightAxis(): boolean;
 }
 
-export class PlotGroup implements Drawn {
+/** What a plot shows of its axes, as gestures change it: the stretch of a group, or a box of its own. */
+export interface Zoom {
+  readonly options: GroupOptions;
+  readonly vertical: boolean;  ///< whether gestures change y as well
+  zoom(x: [number, number], y: [number, number]): void;
+  /** Closer by a factor below 1, around a place that stays where it is. */
+  zoomAt(factor: number, x: number, y: number): void;
+  /** Moves by shares of what is shown. */
+  pan(right: number, up: number): void;
+  reset(): void;
+  setCursor(x: number | null): void;
+  /** Moves the cursor by a share of what is shown, which it does not leave. */
+  stepCursor(share: number): void;
+  hasRightAxis(): boolean;
+}
+
+export class PlotGroup implements Drawn, Zoom {
+  readonly vertical = false;
   readonly members = new Set<Member>();
   cursor: number | null = null;
   private shown: [number, number] | null = null;
@@ -77,7 +94,7 @@ export class PlotGroup implements Drawn {
     return all[1] > all[0] ? all : [all[0] - 0.5, all[0] + 0.5];
   }
 
-  zoom(from: number, to: number): void {
+  zoom([from, to]: [number, number]): void {
     const all = this.options.extent();
     const smallest = this.options.smallest ?? 1e-6 * Math.max(Math.abs(from), Math.abs(to), 1e-6);
     if (!(to - from >= smallest) || !Number.isFinite(to - from)) return;
@@ -92,26 +109,24 @@ export class PlotGroup implements Drawn {
     this.changed();
   }
 
-  /** Closer by a factor below 1, around a place that stays where it is. */
-  zoomAt(x: number, factor: number): void {
+  zoomAt(factor: number, x: number): void {
     const [from, to] = this.range();
     if (this.options.log) {
       const at = Math.log(x);
       const scaled = (end: number): number => Math.exp(at + (Math.log(end) - at) * factor);
-      this.zoom(scaled(from), scaled(to));
+      this.zoom([scaled(from), scaled(to)]);
     } else {
-      this.zoom(x + (from - x) * factor, x + (to - x) * factor);
+      this.zoom([x + (from - x) * factor, x + (to - x) * factor]);
     }
   }
 
-  /** Moves by a share of what is shown. */
   pan(share: number): void {
     const [from, to] = this.range();
     if (this.options.log) {
       const factor = (to / from) ** share;
-      this.zoom(from * factor, to * factor);
+      this.zoom([from * factor, to * factor]);
     } else {
-      this.zoom(from + (to - from) * share, to + (to - from) * share);
+      this.zoom([from + (to - from) * share, to + (to - from) * share]);
     }
   }
 
@@ -125,6 +140,12 @@ export class PlotGroup implements Drawn {
     if (x === this.cursor) return;
     this.cursor = x;
     for (const member of this.members) member.cursorMoved(x);
+  }
+
+  stepCursor(share: number): void {
+    const [from, to] = this.range();
+    const at = this.cursor ?? (from + to) / 2;
+    this.setCursor(Math.min(to, Math.max(from, at + share * (to - from))));
   }
 
   /** There are new samples, or the picture is another one. */

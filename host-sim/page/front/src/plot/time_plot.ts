@@ -15,7 +15,7 @@ import { logRange, niceRange } from './axes';
 import { Chart, label, labelWidth, Scales, Span, View } from './chart';
 import { formatClock, formatNumber } from '../numbers/format';
 import { reduce, Reduced, Samples, valueAt, Want } from '../numbers/samples';
-import type { Member, PlotGroup } from './group';
+import type { PlotGroup } from './group';
 import type { Style } from './legend';
 import { drawArea, drawLine, drawPoints, drawSteps, Pen, Project } from './pens';
 import { Raster } from './raster';
@@ -65,7 +65,7 @@ export interface Flag {
   label: string;
 }
 
-export class TimePlot extends Chart implements Member {
+export class TimePlot extends Chart {
   private readonly reduced = new Reduced();
   private readonly raster = new Raster();
   private readonly wants: Want[] = [];
@@ -81,44 +81,25 @@ export class TimePlot extends Chart implements Member {
     super(parent, {
       id: spec.id,
       title: spec.title,
-      ...(spec.unit === undefined ? {} : { unit: spec.unit }),
-      ...(spec.height === undefined ? {} : { height: spec.height }),
-      ...(spec.xLabel === undefined ? {} : { xLabel: spec.xLabel }),
-      x: group.options,
+      unit: spec.unit,
+      height: spec.height,
+      xLabel: spec.xLabel,
+      group,
+      zoom: group,
       yLog: spec.yLog ?? false,
       right: spec.series.some((series) => series.axis === 'right'),
-      drag: { x: true, y: false },
       legend: spec.series.map((series) => ({ ...series, style: series.style ?? 'line' })),
-      ...(spec.onToggle === undefined ? {} : { onToggle: spec.onToggle }),
+      onToggle: spec.onToggle,
     });
     this.lines = spec.lines ?? [];
-    group.add(this);
-    this.changed();
   }
 
-  hasRightAxis(): boolean {
-    return this.spec.series.some((series) => series.axis === 'right');
-  }
-
-  override destroy(): void {
-    this.group.remove(this);
-    super.destroy();
-  }
-
-  cursorMoved(x: number | null): void {
+  override cursorMoved(x: number | null): void {
     const { options } = this.group;
-    let text = '';
-    if (x !== null && this.root.matches(':hover, :focus')) {
-      const [from, to] = this.scales.x;
-      text = options.x === 'clock' ? formatClock(x, (to - from) / 500)
-        : `${formatNumber(x, 5)} ${options.x === 'seconds' ? 's' : options.unit ?? ''}`;
-    }
-    this.placeCursor(x, text);
+    const [from, to] = this.scales.x;
+    this.placeCursor(x, (at) => (options.x === 'clock' ? formatClock(at, (to - from) / 500)
+      : `${formatNumber(at, 5)} ${options.x === 'seconds' ? 's' : options.unit ?? ''}`));
     this.writeValues();
-  }
-
-  protected override wantsRight(): boolean {
-    return this.group.hasRightAxis();
   }
 
   protected measure(pixels: number): Scales {
@@ -155,27 +136,6 @@ export class TimePlot extends Chart implements Member {
       this.shownAt = now;
       this.cursorMoved(this.group.cursor);
     }
-  }
-
-  protected selected(x: Span): void {
-    this.group.zoom(x[0], x[1]);
-  }
-  pan(dx: number): void {
-    this.group.pan(-dx / this.width);
-  }
-  zoomAt(left: number, _top: number, factor: number): void {
-    this.group.zoomAt(this.u.posToVal(left, 'x'), factor);
-  }
-  reset(): void {
-    this.group.reset();
-  }
-  pointAt(left: number | null): void {
-    this.group.setCursor(left === null ? null : this.u.posToVal(left, 'x'));
-  }
-  step(share: number): void {
-    const [from, to] = this.scales.x;
-    const at = this.group.cursor ?? (from + to) / 2;
-    this.group.setCursor(Math.min(to, Math.max(from, at + share * (to - from))));
   }
 
   private visible(): SeriesSpec[] {

@@ -2,9 +2,10 @@
 // equal scale. Lines join rows in their order, so it needs no ascending x.
 
 import { niceRange } from './axes';
-import { Chart, Scales, Span, View } from './chart';
+import { Box, include } from './box';
+import { Chart, dot, Scales, Span, View } from './chart';
 import { Column, lowerBound, nearestRow, Samples } from '../numbers/samples';
-import type { Member, PlotGroup } from './group';
+import type { PlotGroup } from './group';
 import { Role, theme } from './theme';
 
 export interface LoopSpec {
@@ -63,8 +64,8 @@ interface Trail {
   to: number;  // its last row
 }
 
-export class XYPlot extends Chart implements Member {
-  private zoomed: { x: Span; y: Span } | null;
+export class XYPlot extends Chart {
+  private readonly box: Box;
   private readonly trails = new Map<string, Trail>();
 
   /** In a group it shows the rows of the group's stretch and the place of the group's cursor. */
@@ -72,36 +73,22 @@ export class XYPlot extends Chart implements Member {
     parent: HTMLElement, readonly group: PlotGroup | null, readonly spec: XYPlotSpec,
     public samples: Samples,
   ) {
+    const box = new Box(() => this.changed(), false, spec.range);
     super(parent, {
       id: spec.id,
       title: spec.title,
       xLabel: spec.xLabel,
-      ...(spec.unit === undefined ? {} : { unit: spec.unit }),
-      ...(spec.height === undefined ? {} : { height: spec.height }),
-      x: { x: 'number', extent: () => null },
-      drag: { x: true, y: true },
+      unit: spec.unit,
+      height: spec.height,
+      group,
+      zoom: box,
       legend: spec.loops.length > 1 ? spec.loops.map((loop) => ({ ...loop, style: loop.style ?? 'line' })) : [],
     });
-    this.root.classList.add('plot-xy');
-    this.zoomed = spec.range ?? null;
-    group?.add(this);
-    this.changed();
-  }
-
-  hasRightAxis(): boolean {
-    return false;
-  }
-  override destroy(): void {
-    this.group?.remove(this);
-    super.destroy();
-  }
-  cursorMoved(): void {
-    this.changed();
+    this.box = box;
   }
 
   protected measure(): Scales {
-    const box = this.zoomed ?? this.fit();
-    return this.spec.equal ? this.equalised(box) : box;
+    return this.box.measure(() => this.fit(), this.spec.equal ? this : undefined);
   }
 
   protected paint(view: View): void {
@@ -119,38 +106,6 @@ export class XYPlot extends Chart implements Member {
       if (!this.legend.hidden.has(loop.key)) this.paintLoop(view, loop);
     }
   }
-
-  protected selected(x: Span, y: Span): void {
-    const wide = x[1] > x[0] && y[1] > y[0];
-    if (wide) this.zoomed = { x, y };
-    this.changed();
-  }
-  pan(dx: number, dy: number): void {
-    const { x, y } = this.scales;
-    const moved = (span: Span, share: number): Span => {
-      const by = share * (span[1] - span[0]);
-      return [span[0] + by, span[1] + by];
-    };
-    this.zoomed = {
-      x: moved(x, -dx / this.width),
-      y: moved(y, dy / this.height),
-    };
-    this.changed();
-  }
-  zoomAt(left: number, top: number, factor: number): void {
-    const about = (span: Span, at: number): Span => [at + (span[0] - at) * factor, at + (span[1] - at) * factor];
-    this.zoomed = {
-      x: about(this.scales.x, this.u.posToVal(left, 'x')),
-      y: about(this.scales.y, this.u.posToVal(top, 'y')),
-    };
-    this.changed();
-  }
-  reset(): void {
-    this.zoomed = null;
-    this.changed();
-  }
-  pointAt(): void {}
-  step(): void {}
 
   private shown(loop: LoopSpec): Shown | null {
     const samples = loop.samples ?? this.samples;
@@ -170,13 +125,9 @@ export class XYPlot extends Chart implements Member {
     return (this.spec.yFactor ?? 1) * value + (this.spec.yOffset ?? 0);
   }
 
-  private fit(): { x: Span; y: Span } {
+  private fit(): Scales {
     const x: Span = [Infinity, -Infinity];
     const y: Span = [Infinity, -Infinity];
-    const include = (span: Span, low: number, high: number): void => {
-      if (low < span[0]) span[0] = low;
-      if (high > span[1]) span[1] = high;
-    };
     const range = { low: NaN, high: NaN };
     for (const loop of this.spec.loops) {
       const rows = this.legend.hidden.has(loop.key) ? null : this.shown(loop);
@@ -194,18 +145,6 @@ export class XYPlot extends Chart implements Member {
     return { x: niceRange(x[0], x[1], width), y: niceRange(y[0], y[1], height) };
   }
 
-  /** Widens the shorter axis until a unit is as long in both. */
-  private equalised({ x, y }: { x: Span; y: Span }): Scales {
-    const unit = Math.max(
-      (x[1] - x[0]) / this.width, (y[1] - y[0]) / this.height,
-    );
-    const around = (span: Span, pixels: number): Span => {
-      const middle = (span[0] + span[1]) / 2;
-      return [middle - unit * pixels / 2, middle + unit * pixels / 2];
-    };
-    return { x: around(x, this.width), y: around(y, this.height) };
-  }
-
   private paintLoop(view: View, loop: LoopSpec): void {
     const rows = this.shown(loop);
     if (!rows || rows.to <= rows.from) return;
@@ -220,7 +159,9 @@ export class XYPlot extends Chart implements Member {
     }
     const cursor = this.group?.cursor ?? null;
     const marked = cursor !== null ? nearestRow(rows.samples, cursor) : this.spec.trail_s !== undefined ? rows.to - 1 : -1;
-    if (marked >= 0) this.mark(view, rows.x.at(marked), rows.y.at(marked));
+    if (marked >= 0) {
+      dot(view, view.toX(this.xOf(rows.x.at(marked))), view.toY(this.yOf(rows.y.at(marked))), 4, theme().ink);
+    }
   }
 
   private pen({ ctx, ratio }: View, loop: LoopSpec): void {
@@ -294,17 +235,5 @@ export class XYPlot extends Chart implements Member {
     }
     if (loop.style === 'points') ctx.fill();
     else ctx.stroke();
-  }
-
-  private mark(view: View, x: number, y: number): void {
-    const { ctx } = view;
-    ctx.setLineDash([]);
-    ctx.fillStyle = theme().ink;
-    ctx.strokeStyle = theme().ground;
-    ctx.lineWidth = 1.5 * view.ratio;
-    ctx.beginPath();
-    ctx.arc(view.toX(this.xOf(x)), view.toY(this.yOf(y)), 4 * view.ratio, 0, 2 * Math.PI);
-    ctx.fill();
-    ctx.stroke();
   }
 }

@@ -20,7 +20,7 @@ export class AlongPlot extends PanelPlot {
     const spans = panel.series.filter((series) => series.kind === 'spans');
     const shown = spans.length === 0 ? panel
       : { ...panel, height: 80 + rowHeight * spans.length, y: { ticks: [] } };
-    super(parent, id, shown, group, group.options, { x: true, y: false });
+    super(parent, id, shown, group, group);
     this.spans = spans;
     for (const series of panel.series) {
       if (series.kind !== 'spans') {
@@ -29,10 +29,9 @@ export class AlongPlot extends PanelPlot {
     }
   }
 
-  cursorMoved(x: number | null): void {
-    const mine = x !== null && this.root.matches(':hover, :focus');
+  override cursorMoved(x: number | null): void {
     const unit = this.group.options.x === 'seconds' ? ' s' : '';
-    this.placeCursor(x, mine ? formatNumber(x, 6) + unit : '');
+    this.placeCursor(x, (at) => formatNumber(at, 6) + unit);
     const values = new Map<string, number[]>();
     for (const series of this.visible()) {
       if (!series.name || series.kind === 'spans') continue;
@@ -45,10 +44,6 @@ export class AlongPlot extends PanelPlot {
       }
     }
     for (const { key } of this.options.legend) this.legend.show(key, written(values.get(key) ?? []));
-  }
-
-  protected override wantsRight(): boolean {
-    return this.group.hasRightAxis();
   }
 
   protected measure(): Scales {
@@ -87,27 +82,6 @@ export class AlongPlot extends PanelPlot {
       ctx.fillRect(from, top + 15 * ratio, Math.max(1.5 * ratio, view.toX(series.y[row]!) - from),
         bottom - top - 18 * ratio);
     }
-  }
-
-  protected selected(x: Span): void {
-    this.group.zoom(x[0], x[1]);
-  }
-  pan(dx: number): void {
-    this.group.pan(-dx / Math.max(1, this.over.clientWidth));
-  }
-  zoomAt(left: number, _top: number, factor: number): void {
-    this.group.zoomAt(this.u.posToVal(left, 'x'), factor);
-  }
-  reset(): void {
-    this.group.reset();
-  }
-  pointAt(left: number | null): void {
-    this.group.setCursor(left === null ? null : this.u.posToVal(left, 'x'));
-  }
-  step(share: number): void {
-    const [from, to] = this.scales.x;
-    const at = this.group.cursor ?? (from + to) / 2;
-    this.group.setCursor(Math.min(to, Math.max(from, at + share * (to - from))));
   }
 
   /** Of what the window shows; a band widens it no more than the lines' own range. */

@@ -4,7 +4,8 @@
 
 import { formatNumber } from '../plot';
 import { niceRange } from '../plot/axes';
-import type { Scales, Span, View } from '../plot/chart';
+import { Box, include } from '../plot/box';
+import { dot, Scales, Span, View } from '../plot/chart';
 import type { PlotGroup } from '../plot/group';
 import { colourOf } from './colours';
 import { Panel, Series } from './data';
@@ -16,25 +17,18 @@ interface Place {
 }
 
 export class LoopPlot extends PanelPlot {
-  private zoomed: { x: Span; y: Span } | null = null;
+  private readonly box: Box;
   private pointed: Place | null = null;
   private shown: Rows | null = null;
 
   constructor(parent: HTMLElement, id: string, panel: Panel, group: PlotGroup) {
-    super(parent, id, panel, group, { x: 'number', extent: () => null, log: panel.x.log ?? false },
-      { x: true, y: true });
-    this.root.classList.add('plot-xy');
-  }
-
-  cursorMoved(): void {
-    this.changed();
+    const box = new Box(() => this.changed(), panel.x.log);
+    super(parent, id, panel, group, box);
+    this.box = box;
   }
 
   protected measure(): Scales {
-    const { x, y, equal } = this.panel;
-    const fit = this.fit();
-    const box = this.zoomed ?? { x: bounded(fit.x, x.min, x.max), y: bounded(fit.y, y.min, y.max) };
-    return equal ? this.equalised(box) : box;
+    return this.box.measure(() => this.fit(), this.panel.equal ? this : undefined);
   }
 
   protected rowsOf(series: Series): Rows {
@@ -52,35 +46,7 @@ export class LoopPlot extends PanelPlot {
     this.paintMarks(view);
   }
 
-  protected selected(x: Span, y: Span): void {
-    if (x[1] > x[0] && y[1] > y[0]) this.zoomed = { x, y };
-    this.changed();
-  }
-  pan(dx: number, dy: number): void {
-    const moved = (span: Span, share: number): Span => {
-      const by = share * (span[1] - span[0]);
-      return [span[0] + by, span[1] + by];
-    };
-    this.zoomed = {
-      x: moved(this.scales.x, -dx / Math.max(1, this.over.clientWidth)),
-      y: moved(this.scales.y, dy / Math.max(1, this.over.clientHeight)),
-    };
-    this.changed();
-  }
-  zoomAt(left: number, top: number, factor: number): void {
-    const about = (span: Span, at: number): Span => [at + (span[0] - at) * factor, at + (span[1] - at) * factor];
-    this.zoomed = {
-      x: about(this.scales.x, this.u.posToVal(left, 'x')),
-      y: about(this.scales.y, this.u.posToVal(top, 'y')),
-    };
-    this.changed();
-  }
-  reset(): void {
-    this.zoomed = null;
-    this.changed();
-  }
-
-  pointAt(left: number | null, top: number): void {
+  override pointAt(left: number | null, top: number): void {
     const place = left === null ? null : this.nearest(left, top);
     if (place?.row === this.pointed?.row && place?.series === this.pointed?.series) return;
     this.pointed = place;
@@ -91,7 +57,7 @@ export class LoopPlot extends PanelPlot {
   }
 
   /** To a neighbour of the row that is pointed at. */
-  step(share: number): void {
+  override step(share: number): void {
     const series = this.pointed?.series ?? this.visible()[0];
     if (!series) return;
     const rows = Math.max(1, Math.round(Math.abs(share) * series.x.length / 4));
@@ -107,8 +73,8 @@ export class LoopPlot extends PanelPlot {
   /** The row whose dot is nearest in pixels, and not farther than 30 of them. */
   private nearest(left: number, top: number): Place | null {
     const { x, y } = this.scales;
-    const sx = this.over.clientWidth / (x[1] - x[0]);
-    const sy = this.over.clientHeight / (y[1] - y[0]);
+    const sx = this.width / (x[1] - x[0]);
+    const sy = this.height / (y[1] - y[0]);
     let best: Place | null = null;
     let least = 30 * 30;
     for (const series of this.visible()) {
@@ -134,13 +100,9 @@ export class LoopPlot extends PanelPlot {
     }
   }
 
-  private fit(): { x: Span; y: Span } {
+  private fit(): Scales {
     const x: Span = [Infinity, -Infinity];
     const y: Span = [Infinity, -Infinity];
-    const include = (span: Span, value: number): void => {
-      if (value < span[0]) span[0] = value;
-      if (value > span[1]) span[1] = value;
-    };
     for (const series of this.visible()) {
       for (let row = 0; row < series.x.length; ++row) {
         if (Number.isNaN(series.x[row]! + series.y[row]!)) continue;
@@ -149,19 +111,8 @@ export class LoopPlot extends PanelPlot {
         if (series.low) include(y, series.low[row]!);
       }
     }
-    return { x: niceRange(...x), y: niceRange(...y) };
-  }
-
-  /** Widens the shorter axis until a unit is as long in both. */
-  private equalised({ x, y }: { x: Span; y: Span }): Scales {
-    const width = Math.max(1, this.over.clientWidth);
-    const height = Math.max(1, this.over.clientHeight);
-    const unit = Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
-    const around = (span: Span, pixels: number): Span => {
-      const middle = (span[0] + span[1]) / 2;
-      return [middle - unit * pixels / 2, middle + unit * pixels / 2];
-    };
-    return { x: around(x, width), y: around(y, height) };
+    const { x: across, y: up } = this.panel;
+    return { x: bounded(niceRange(...x), across.min, across.max), y: bounded(niceRange(...y), up.min, up.max) };
   }
 
   /** All, or of the series that have a place in the group the rows of its stretch. */
@@ -202,7 +153,7 @@ export class LoopPlot extends PanelPlot {
   private markRow(view: View, series: Series, row: number): void {
     const px = view.toX(series.x[row]!);
     const py = view.toY(series.y[row]!);
-    if (!Number.isNaN(px + py)) this.mark(view, px, py, colourOf(series.colour));
+    if (!Number.isNaN(px + py)) dot(view, px, py, 4.5, colourOf(series.colour));
   }
 }
 

@@ -1,7 +1,7 @@
 // What all panels of a report have in common: the drawing of their series, lines across and texts.
 
-import { Chart, label, Scales, Span, View } from '../plot/chart';
-import type { GroupOptions, Member, PlotGroup } from '../plot/group';
+import { Chart, label, Span, View } from '../plot/chart';
+import type { PlotGroup, Zoom } from '../plot/group';
 import { element, LegendItem, Style } from '../plot/legend';
 import { theme, translucent } from '../plot/theme';
 import { colourOf } from './colours';
@@ -31,41 +31,29 @@ function legendOf(panel: Panel): LegendItem[] {
   return [...items.values()];
 }
 
-export abstract class PanelPlot extends Chart implements Member {
+export abstract class PanelPlot extends Chart {
   constructor(
-    parent: HTMLElement, id: string, readonly panel: Panel, readonly group: PlotGroup, x: GroupOptions,
-    drag: { x: boolean; y: boolean },
+    parent: HTMLElement, id: string, readonly panel: Panel, readonly group: PlotGroup, zoom: Zoom,
   ) {
     super(parent, {
       id,
       title: panel.title,
-      ...(panel.x.label ? { xLabel: panel.x.label } : {}),
+      xLabel: panel.x.label,
       height: panel.height - (panel.half ? 60 : 50),
-      x,
+      group,
+      zoom,
       yLog: panel.y.log ?? false,
       right: panel.series.some((series) => series.right),
       axes: {
         ...(panel.x.ticks ? { x: named(panel.x.ticks) } : {}),
         ...(panel.y.ticks ? { y: { ...named(panel.y.ticks), ...(panel.y.ticks.length > 0 ? { size: 80 } : {}) } } : {}),
       },
-      drag,
       legend: legendOf(panel),
     });
     // The page has the title; here stand the units of the axes.
     this.legend.root.querySelector('.plot-title')!.textContent = panel.y.label ?? '';
     if (panel.right.label) this.legend.root.append(element('div', 'plot-right-label', panel.right.label));
-    group.add(this);
-    this.changed();
   }
-
-  hasRightAxis(): boolean {
-    return this.panel.series.some((series) => series.right);
-  }
-  override destroy(): void {
-    this.group.remove(this);
-    super.destroy();
-  }
-  abstract cursorMoved(x: number | null): void;
 
   protected visible(): Series[] {
     return this.panel.series.filter((series) => !series.name || !this.legend.hidden.has(series.name));
@@ -181,20 +169,6 @@ export abstract class PanelPlot extends Chart implements Member {
       }
     }
   }
-
-  /** A dot. */
-  protected mark(view: View, px: number, py: number, colour: string): void {
-    const { ctx } = view;
-    ctx.fillStyle = colour;
-    ctx.strokeStyle = theme().ground;
-    ctx.lineWidth = 1.5 * view.ratio;
-    ctx.beginPath();
-    ctx.arc(px, py, 4.5 * view.ratio, 0, 2 * Math.PI);
-    ctx.fill();
-    ctx.stroke();
-  }
-
-  protected abstract override measure(pixels: number): Scales;
 }
 
 function named(ticks: [number, string][]): object {
