@@ -176,7 +176,7 @@ function upgrade(bridge, path, headers = {}) {
                 'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ==', 'Sec-WebSocket-Protocol': protocol,
                 ...headers},
     });
-    request.on('upgrade', (answer, socket) => {
+    request.on('upgrade', (_answer, socket) => {
       socket.destroy();
       done(101);
     });

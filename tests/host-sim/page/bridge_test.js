@@ -40,7 +40,7 @@ const tests = {
     for (let i = 0; i < 3; ++i) clients.push(await Client.connect(bridge));
     assert.equal(new Set(clients.map((one) => one.info.metadata.client)).size, 3);
     let last = 0n;
-    const watched = clients[0].subscribe('/bridge', (value, message) => {
+    const watched = clients[0].subscribe('/bridge', (_value, message) => {
       assert.ok(message.timestamp >= last);
       last = message.timestamp;
     });
@@ -73,7 +73,7 @@ const tests = {
     other.fox.on('parameterValues', () => assert.fail('told what it does not want'));
     await reader.call('echo');
     await other.call('echo');
-    let told = reader.heard('parameterValues');
+    const told = reader.heard('parameterValues');
     let written = writer.heard('parameterValues');
     writer.fox.setParameters([{name: gain, value: 9}], 'set');
     assert.deepEqual((await written).parameters, [{name: gain, value: 9, type: 'float64'}]);

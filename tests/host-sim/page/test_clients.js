@@ -38,7 +38,7 @@ async function main(tests, only, longest_ms = 60000) {
     if (only && !name.includes(only)) continue;
     const began = Date.now();
     try {
-      const late = new Promise((done, failed) => {
+      const late = new Promise((_done, failed) => {
         setTimeout(() => failed(new Error('does not end')), longest_ms).unref();
       });
       await Promise.race([test(), late]);

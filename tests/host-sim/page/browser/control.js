@@ -3,7 +3,6 @@
 
 const {by, notices, noticed, shown, text, until, usable} = require('./world.js');
 const {connected, enable, field, move, off, parameter, drive} = require('./person.js');
-const assert = require('node:assert/strict');
 
 const gain = 'strain.proportional_W';
 

@@ -4,7 +4,7 @@
 // keeps a picture of each test's end. A missing browser, and a host-sim without its page, are failures.
 'use strict';
 
-const {World, bus, launch, programs} = require('./world.js');
+const {World, launch, programs} = require('./world.js');
 const assert = require('node:assert/strict');
 const fs = require('node:fs');
 const path = require('node:path');

@@ -82,7 +82,7 @@ module.exports = {
     await parameter(view, gain);
     const before = await value(view, gain);
     const toml = await download(view, 'dump-toml');
-    assert.match((await download(view, 'dump-can')).toString(), /^host-sim can .* set \\\n[^]*strain\.proportional_W=/);
+    assert.match((await download(view, 'dump-can')).toString(), /^host-sim can .* set \\\n[\s\S]*strain\.proportional_W=/);
 
     const compare = (name, buffer) => by(view, 'diff-file').setInputFiles({name, mimeType: 'text/plain', buffer});
     await compare('node1.toml', toml);

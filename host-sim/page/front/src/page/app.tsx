@@ -37,7 +37,7 @@ export function App() {
             <a key={view.id} href={`#${view.id}`} data-testid={`tab-${view.id}`}
               aria-current={view === current ? 'page' : undefined}>
               {view.title}
-              {view.id === 'state' && faults > 0 && <span class="badge" aria-label={`${faults} faults`}>{faults}</span>}
+              {view.id === 'state' && faults > 0 && <span class="badge" role="img" aria-label={`${faults} faults`}>{faults}</span>}
             </a>
           ))}
         </nav>

@@ -40,7 +40,7 @@ export function StopButton() {
       aria-label="Stop: switch all servos off" aria-keyshortcuts="Space Escape">
       <span class="stop-sign" aria-hidden="true" />
       <span>Stop</span>
-      <kbd aria-hidden="true">space</kbd>
+      <kbd>space</kbd>
     </button>
   );
 }

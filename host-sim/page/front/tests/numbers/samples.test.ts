@@ -150,9 +150,9 @@ describe('reduce', () => {
       reduce(ring, at * 0.001 - 4, at * 0.001, 100, wants, fresh);
       reduce(ring, at * 0.001 - 4, at * 0.001, 100, wants, again);
       // The first pixel may have samples that the ring has no more.
-      const after = (rows: Reduced): [number, number][] => Array.from({ length: rows.count },
+      const known = (rows: Reduced): [number, number][] => Array.from({ length: rows.count },
         (_, row): [number, number] => [rows.x[row]!, rows.y[0]![row]!]).filter(([x]) => x > at * 0.001 - 3.95);
-      expect(after(again)).toEqual(after(fresh));
+      expect(known(again)).toEqual(known(fresh));
     }
   });
 
