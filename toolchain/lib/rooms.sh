@@ -1,41 +1,57 @@
 # shellcheck shell=bash disable=SC2154 # root is set by toolchain/dev
-# Which room may include which, and its namespace. Sourced by toolchain/dev.
+# Which room may use which, and its namespace. Sourced by toolchain/dev.
 
-# The floors of the house, the highest first: the lines between the marks in README.md.
-floors() { sed -n '/^<!-- rooms/,/^<!-- end of rooms/{ /^    /p }' "$root/README.md"; }
+# The floors of a house, the highest first: the lines between the marks in a README.
+floors() { sed -n '/^<!-- rooms/,/^<!-- end of rooms/{ /^    /p }' "$root/$1"; }
 
-# Lines "file:line: includes what": includes that go to a room on the same floor or a higher one. A
-# room is the longest path in the picture that the file's path begins with.
-includes_upward() {
+# uses_upward README FOLDER SOURCES...: lines "file:line: uses what", of includes and relative imports
+# that go to a room on the same floor or a higher one. Rooms are paths in FOLDER, which ends in a slash
+# unless it is the top; a file's is the longest that its path begins with.
+uses_upward() {
+  local readme=$1 folder=$2
   local -a sources
-  mapfile -d '' sources < <(our_files '*.cpp' '*.hpp' ':!tests')
-  (cd "$root" && awk '
+  mapfile -d '' sources < <(our_files "${@:3}")
+  (cd "$root" && awk -v readme="$readme" -v folder="$folder" '
     function room(path) {
       while (sub("/[^/]*$", "", path)) {
         if (path in floor) return path
       }
       return ""
     }
+    # Where an include or a relative import goes, or "".
+    function wanted(line, quoted, path) {
+      if (line ~ /^#include "/) {
+        split(line, quoted, "\"")
+        return quoted[2] ~ "/" ? quoted[2] : ""
+      }
+      if (line !~ /(from|import) *[(]?\047[.]/) return ""
+      split(line, quoted, "\047")
+      path = file
+      sub("[^/]*$", quoted[2], path)
+      gsub("/[.]/", "/", path)
+      while (sub("[^/]+/[.][.]/", "", path)) continue
+      return path
+    }
     FILENAME == "-" {
       for (i = 1; i <= NF; ++i) floor[$i] = NR
       next
     }
     FNR == 1 {
-      here = room(FILENAME)
-      folders = split(FILENAME, part, "/") - 1
+      file = substr(FILENAME, length(folder) + 1)
+      here = room(file)
+      folders = split(file, part, "/") - 1
       if (here == "" || folders > 1 && !(part[1] "/" part[2] in floor)) {
-        printf "%s: is in no room of the picture in README.md\n", FILENAME
+        printf "%s: is in no room of the picture in %s\n", FILENAME, readme
       }
     }
-    /^#include "/ && here != "" {
-      split($0, quoted, "\"")
-      there = room(quoted[2])
+    here != "" && (used = wanted($0)) != "" {
+      there = room(used "/")
       if (there == "") {
-        if (quoted[2] ~ "/") printf "%s:%d: %s is in no room\n", FILENAME, FNR, quoted[2]
+        printf "%s:%d: %s is in no room\n", FILENAME, FNR, used
       } else if (there != here && floor[there] <= floor[here]) {
-        printf "%s:%d: includes %s, which is not below it\n", FILENAME, FNR, quoted[2]
+        printf "%s:%d: uses %s, which is not below it\n", FILENAME, FNR, used
       }
-    }' - "${sources[@]}") < <(floors)
+    }' - "${sources[@]}") < <(floors "$readme")
 }
 
 # Lines "file: what": sources that open no namespace of their room. The core's is smaservo; the
@@ -74,15 +90,12 @@ folders_too_full() {
 }
 
 check_rooms() {
-  local found
-  [[ $(floors | wc -w) -ge 20 ]] || {
-    say 'README.md has no picture of the rooms'
-    return 1
-  }
-  found=$(includes_upward) || return
+  local found front=host-sim/page/front
+  found=$(uses_upward README.md '' '*.cpp' '*.hpp' ':!tests' &&
+    uses_upward "$front/README.md" "$front/src/" "$front/src/*.ts" "$front/src/*.tsx") || return
   [[ -z $found ]] || {
     printf '%s\n' "$found" >&2
-    say '^ includes go downwards only: README.md, "Folders"'
+    say '^ includes and imports go downwards only: CONTRIBUTING.md, "Rooms"'
     return 1
   }
   found=$(namespaces_astray) || return
