@@ -9,14 +9,29 @@ our_files() {
     done)
 }
 
+# biome ARGUMENTS...: over all TypeScript and JavaScript of ours; it comes with what the page is built with.
+biome() {
+  local front=host-sim/page/front page=$root/build/page
+  cmp -s "$root/$front/package-lock.json" "$page/front/node_modules/.package-lock-built.json" ||
+    page_is_built "$page" || {
+    say "Biome is missing, for TypeScript and JavaScript: npm has to fetch the packages of $front"
+    return 1
+  }
+  our_files '*.js' '*.ts' '*.tsx' | sed -z 's|^|../../../|' |
+    (cd "$root/$front" && xargs -0 -r "$page/front/node_modules/.bin/biome" "$@")
+}
+
 run_format() {
   run_setup
   our_files '*.cpp' '*.hpp' | (cd "$root" && xargs -0 -r clang-format-19 -i)
+  biome format --write
 }
 
 check_format() {
   our_files '*.cpp' '*.hpp' | (cd "$root" && xargs -0 -r clang-format-19 --dry-run -Werror)
 }
+
+check_scripts() { biome ci --colors=off --error-on-warnings; }
 
 check_shell() {
   {
@@ -55,7 +70,7 @@ check_rules() {
 # Seconds, all of it; says which have failed.
 check_all_texts() {
   local check failed=''
-  for check in format shell rules rooms; do
+  for check in format scripts shell rules rooms; do
     "check_$check" >&2 || failed+=" $check"
   done
   [[ -z $failed ]] || {
