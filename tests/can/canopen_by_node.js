@@ -28,7 +28,7 @@ async function check(name, run) {
 
 function setUp() {
   const eds = Eds.fromFile(edsFile);
-  const device = new Device({ id: 0x7A, enableLss: true });
+  const device = new Device({ id: 0x7a, enableLss: true });
   device.eds.addSdoClientParameter(node, 0x600 + node, 0x580 + node);
   device.eds.addHeartbeatConsumer(node, 2000);
   device.eds.addEmcyConsumer(0x80 + node);
@@ -41,7 +41,7 @@ function setUp() {
   });
   channel.start();
   device.start();
-  device.nmt.startNode(0x7A);
+  device.nmt.startNode(0x7a);
   return { device, channel, frames, eds };
 }
 
@@ -67,8 +67,7 @@ async function main() {
     await until('boot-up', () => seen(0x700 + node).some((f) => f.data[0] === 0));
     await write(0x1017, 0, 100, DataType.UNSIGNED16);
     device.nmt.startNode(node);
-    await until('operational', () =>
-      seen(0x700 + node).some((f) => f.data[0] === NmtState.OPERATIONAL));
+    await until('operational', () => seen(0x700 + node).some((f) => f.data[0] === NmtState.OPERATIONAL));
     assert.equal(await device.nmt.getNodeState(node, timeout), NmtState.OPERATIONAL);
   });
 
@@ -81,7 +80,10 @@ async function main() {
   });
 
   await check('SDO: expedited and block downloads, aborts', async () => {
-    for (const [value, more] of [[6.5, {}], [7.25, { blockTransfer: true }]]) {
+    for (const [value, more] of [
+      [6.5, {}],
+      [7.25, { blockTransfer: true }],
+    ]) {
       await write(0x2100, 1, value, DataType.REAL32, more);
       assert.equal(await read(0x2100, 1, DataType.REAL32), value);
     }
@@ -110,7 +112,11 @@ async function main() {
   await check('CiA 402: enabled, a move in Profile position, disabled', async () => {
     const control = (word) => write(0x6040, 0, word, DataType.UNSIGNED16);
     const status = () => read(0x6041, 0, DataType.UNSIGNED16);
-    for (const [word, state] of [[0x06, 0x21], [0x07, 0x23], [0x0f, 0x27]]) {
+    for (const [word, state] of [
+      [0x06, 0x21],
+      [0x07, 0x23],
+      [0x0f, 0x27],
+    ]) {
       await control(word);
       await until(`state ${state}`, async () => ((await status()) & 0x6f) === state);
     }
@@ -129,7 +135,9 @@ async function main() {
 
   await check('LSS: selected by its identity, asked, left', async () => {
     const identity = [];
-    for (const sub of [1, 2, 3, 4]) identity.push(await read(0x1018, sub, DataType.UNSIGNED32));
+    for (const sub of [1, 2, 3, 4]) {
+      identity.push(await read(0x1018, sub, DataType.UNSIGNED32));
+    }
     device.nmt.stopNode(node);
     const [vendorId, productCode, revisionNumber, serialNumber] = identity;
     const identified = { vendorId, productCode, revisionNumber, serialNumber };
@@ -148,5 +156,5 @@ main().then(
   (error) => {
     console.error(error);
     process.exit(1);
-  }
+  },
 );

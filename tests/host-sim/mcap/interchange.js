@@ -142,19 +142,17 @@ const tests = {
   },
 
   async bus() {
-    const started = spawn(
-      daemon,
-      ['--board', 'sim', '--bus', 'udp', '--no-real-time', '--record', 'bus.mcap'],
-      { cwd: folder, stdio: 'ignore' },
-    );
+    const started = spawn(daemon, ['--board', 'sim', '--bus', 'udp', '--no-real-time', '--record', 'bus.mcap'], {
+      cwd: folder,
+      stdio: 'ignore',
+    });
     const ended = new Promise((resolve) => started.on('exit', resolve));
     const bus = (...args) => host('can', '--can', 'udp', '--node', '1', ...args);
     try {
       await until('a servo', () => bus('scan').includes('smaservo'));
       bus('enable');
       bus('move', '500');
-      bus('record', '--signals', 'current_A,voltage_V,stress_Pa,strain', '--seconds', '2',
-        '--out', 'recorder.mcap');
+      bus('record', '--signals', 'current_A,voltage_V,stress_Pa,strain', '--seconds', '2', '--out', 'recorder.mcap');
       bus('disable');
     } finally {
       started.kill('SIGTERM');
@@ -164,10 +162,7 @@ const tests = {
     const { rows, metadata } = await bothWays('recorder');
     assert.ok(rows >= 1900, `${rows} rows`);
     assert.equal(metadata.program, 'host-sim can record');
-    assert.match(
-      host('replay', 'recorder.mcap'),
-      new RegExp(`${rows} rows`),
-    );
+    assert.match(host('replay', 'recorder.mcap'), new RegExp(`${rows} rows`));
     host('convert', 'bus.mcap', '--out', 'bus.csv');
     const recording = await bothWays('bus');
     assert.equal(recording.metadata.program, 'smaservod --record');
@@ -176,11 +171,10 @@ const tests = {
   },
 
   async killed() {
-    const started = spawn(
-      daemon,
-      ['--board', 'sim', '--bus', 'udp', '--no-real-time', '--record', 'killed.mcap'],
-      { cwd: folder, stdio: 'ignore' },
-    );
+    const started = spawn(daemon, ['--board', 'sim', '--bus', 'udp', '--no-real-time', '--record', 'killed.mcap'], {
+      cwd: folder,
+      stdio: 'ignore',
+    });
     const ended = new Promise((resolve) => started.on('exit', resolve));
     // What is in the file while it is being written.
     const rows_so_far = () => {

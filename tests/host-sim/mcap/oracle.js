@@ -30,7 +30,9 @@ function records(bytes) {
   const reader = new McapStreamReader({ decompressHandlers, includeChunks: true });
   reader.append(bytes);
   const all = [];
-  for (let record; (record = reader.nextRecord()); ) all.push(record);
+  for (let record; (record = reader.nextRecord()); ) {
+    all.push(record);
+  }
   return { all, done: reader.done() };
 }
 
@@ -38,7 +40,9 @@ function records(bytes) {
 function dataSection(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   let at = 8;
-  while (bytes[at] !== 0x0f) at += 9 + Number(view.getBigUint64(at + 1, true));
+  while (bytes[at] !== 0x0f) {
+    at += 9 + Number(view.getBigUint64(at + 1, true));
+  }
   return bytes.subarray(0, at);
 }
 
@@ -96,12 +100,16 @@ exports.check = async function check(file, csv, { timeless = false } = {}) {
     const row = rows[count];
     const wanted = {};
     names.forEach((name, i) => {
-      if (row[i] !== '') wanted[name] = member(properties[name].type, row[i]);
+      if (row[i] !== '') {
+        wanted[name] = member(properties[name].type, row[i]);
+      }
     });
     assert.deepEqual(object, wanted, `row ${count}`);
     for (const [name, value] of Object.entries(object)) {
       assert.equal(typeof value, properties[name].type, `${name} in row ${count}`);
-      if (Object.is(value, 0)) assert.ok(!row[names.indexOf(name)].startsWith('-'), 'sign of zero');
+      if (Object.is(value, 0)) {
+        assert.ok(!row[names.indexOf(name)].startsWith('-'), 'sign of zero');
+      }
     }
     assert.equal(message.sequence, count);
     assert.equal(message.logTime, message.publishTime);
@@ -117,8 +125,13 @@ exports.check = async function check(file, csv, { timeless = false } = {}) {
     assert.ok(Math.abs(Number(statistics.messageEndTime) - 1e9 * times.at(-1)) <= 1);
   }
   const metadata = [];
-  for await (const record of reader.readMetadata()) metadata.push(record);
-  assert.deepEqual(metadata.map((m) => m.name), ['smaservo']);
+  for await (const record of reader.readMetadata()) {
+    metadata.push(record);
+  }
+  assert.deepEqual(
+    metadata.map((m) => m.name),
+    ['smaservo'],
+  );
   return { rows: count, properties, metadata: Object.fromEntries(metadata[0].metadata) };
 };
 
@@ -172,7 +185,11 @@ exports.write = async function write(file, csv, options = {}) {
     }
   }
   await writer.addAttachment({
-    name: 'a', logTime: 0n, createTime: 0n, mediaType: 'text/plain', data: encode('attached'),
+    name: 'a',
+    logTime: 0n,
+    createTime: 0n,
+    mediaType: 'text/plain',
+    data: encode('attached'),
   });
   await writer.end();
   fs.writeFileSync(file, Buffer.concat(parts));

@@ -2,8 +2,8 @@
 // of them slows or ends another one.
 'use strict';
 
-const {Bridge, Client, rawSocket} = require('./bridge.js');
-const {assertNoneUncounted, collect, main, missing} = require('./test_clients.js');
+const { Bridge, Client, rawSocket } = require('./bridge.js');
+const { assertNoneUncounted, collect, main, missing } = require('./test_clients.js');
 const assert = require('node:assert/strict');
 const net = require('node:net');
 
@@ -31,12 +31,12 @@ const tests = {
       // What the server waits for more of, it is not sent.
       socket.end();
       await socket.gone;
-      assert.deepEqual(await good.call('echo', {name}), {name});
+      assert.deepEqual(await good.call('echo', { name }), { name });
     }
     for (const [code, send] of [
       [1009, (ws) => ws.send('x'.repeat(300 * 1024))],
       [1009, (ws) => ws.send(Buffer.alloc(300 * 1024, 2))],
-      [1007, (ws) => ws.send(Buffer.from([0xff, 0xfe]), {binary: false})],
+      [1007, (ws) => ws.send(Buffer.from([0xff, 0xfe]), { binary: false })],
     ]) {
       const client = await Client.connect(bridge);
       send(client.ws);
@@ -82,7 +82,7 @@ const tests = {
     const state = await good.until('/bridge', (value) => me(value).queued === 0);
     await slow.call('echo');
     clearInterval(alive);
-    const {sent} = await good.call('counts');
+    const { sent } = await good.call('counts');
     // The newest is there, and what is missing between is what was counted.
     assert.equal(numbers.at(-1), sent - 1);
     assert.equal(missing(numbers), me(state).dropped);
@@ -101,7 +101,9 @@ const tests = {
     greedy.ws._socket.pause();
     const alive = setInterval(() => greedy.ws.pong(), 500);
     // 40 MB, of which the first may be on its way.
-    for (let i = 0; i < 9; ++i) greedy.call('big', {bytes: 5e6}).catch(() => {});
+    for (let i = 0; i < 9; ++i) {
+      greedy.call('big', { bytes: 5e6 }).catch(() => {});
+    }
     await good.until('/bridge', alone(greedy));
     clearInterval(alive);
     await good.until('/bridge', alone(dead));

@@ -2,10 +2,10 @@
 // @foxglove/ws-protocol over ws, both of npm.
 'use strict';
 
-const {FoxgloveClient} = require('@foxglove/ws-protocol');
+const { FoxgloveClient } = require('@foxglove/ws-protocol');
 const WebSocket = require('ws');
-const {spawn} = require('node:child_process');
-const {once} = require('node:events');
+const { spawn } = require('node:child_process');
+const { once } = require('node:events');
 const http = require('node:http');
 const net = require('node:net');
 
@@ -14,7 +14,9 @@ const text = (bytes) => new TextDecoder().decode(bytes);
 
 const running = new Set();
 process.on('exit', () => {
-  for (const one of running) one.kill('SIGKILL');
+  for (const one of running) {
+    one.kill('SIGKILL');
+  }
 });
 
 class Bridge {
@@ -61,9 +63,9 @@ class Client {
     const url = options.url ?? bridge.socketUrl;
     client.ws = new WebSocket(url, [options.protocol ?? protocol], options);
     client.closed = new Promise((done) => {
-      client.ws.on('close', (code, reason) => done({code, reason: String(reason)}));
+      client.ws.on('close', (code, reason) => done({ code, reason: String(reason) }));
     });
-    client.fox = new FoxgloveClient({ws: client.ws});
+    client.fox = new FoxgloveClient({ ws: client.ws });
     client.channels = new Map();
     client.services = new Map();
     client.statuses = [];
@@ -71,24 +73,33 @@ class Client {
     client.fox.on('error', () => {});
     client.fox.on('status', (status) => client.statuses.push(status));
     client.fox.on('advertise', (channels) => {
-      for (const one of channels) client.channels.set(one.topic, one);
+      for (const one of channels) {
+        client.channels.set(one.topic, one);
+      }
     });
     client.fox.on('unadvertise', (ids) => {
       for (const [topic, one] of client.channels) {
-        if (ids.includes(one.id)) client.channels.delete(topic);
+        if (ids.includes(one.id)) {
+          client.channels.delete(topic);
+        }
       }
     });
     client.fox.on('message', (message) => client.listeners.get(message.subscriptionId)?.(message));
     const greeted = new Promise((done) => {
       client.fox.on('serverInfo', (info) => (client.info = info));
       client.fox.on('advertiseServices', (services) => {
-        for (const one of services) client.services.set(one.name, one);
+        for (const one of services) {
+          client.services.set(one.name, one);
+        }
         done();
       });
     });
-    await Promise.race([greeted, client.closed.then(({code}) => {
-      throw new Error(`refused: ${code}`);
-    })]);
+    await Promise.race([
+      greeted,
+      client.closed.then(({ code }) => {
+        throw new Error(`refused: ${code}`);
+      }),
+    ]);
     return client;
   }
 
@@ -112,7 +123,9 @@ class Client {
   until(topic, condition) {
     return new Promise((done) => {
       const id = this.subscribe(topic, (value) => {
-        if (!condition(value)) return;
+        if (!condition(value)) {
+          return;
+        }
         this.fox.unsubscribe(id);
         this.listeners.delete(id);
         done(value);
@@ -126,12 +139,16 @@ class Client {
     const serviceId = this.services.get(name).id;
     const answered = new Promise((done, failed) => {
       const good = (answer) => {
-        if (answer.callId !== callId) return;
+        if (answer.callId !== callId) {
+          return;
+        }
         forget();
         done(JSON.parse(text(answer.data)));
       };
       const bad = (failure) => {
-        if (failure.callId !== callId) return;
+        if (failure.callId !== callId) {
+          return;
+        }
         forget();
         failed(new Error(failure.message));
       };
@@ -142,8 +159,12 @@ class Client {
       this.fox.on('serviceCallResponse', good);
       this.fox.on('serviceCallFailure', bad);
     });
-    this.fox.sendServiceCallRequest(
-      {serviceId, callId, encoding: 'json', data: new TextEncoder().encode(JSON.stringify(request))});
+    this.fox.sendServiceCallRequest({
+      serviceId,
+      callId,
+      encoding: 'json',
+      data: new TextEncoder().encode(JSON.stringify(request)),
+    });
     return answered;
   }
 
@@ -156,12 +177,15 @@ class Client {
 // The status of a plain request, its headers and its text.
 function get(bridge, path, headers = {}, method = 'GET') {
   return new Promise((done, failed) => {
-    const request = http.request({host: '127.0.0.1', port: bridge.port, path, method, headers, agent: false}, (answer) => {
-      let body = '';
-      answer.setEncoding('utf8');
-      answer.on('data', (part) => (body += part));
-      answer.on('end', () => done({status: answer.statusCode, headers: answer.headers, body}));
-    });
+    const request = http.request(
+      { host: '127.0.0.1', port: bridge.port, path, method, headers, agent: false },
+      (answer) => {
+        let body = '';
+        answer.setEncoding('utf8');
+        answer.on('data', (part) => (body += part));
+        answer.on('end', () => done({ status: answer.statusCode, headers: answer.headers, body }));
+      },
+    );
     request.on('error', failed);
     request.end();
   });
@@ -171,10 +195,18 @@ function get(bridge, path, headers = {}, method = 'GET') {
 function upgrade(bridge, path, headers = {}) {
   return new Promise((done) => {
     const request = http.request({
-      host: '127.0.0.1', port: bridge.port, path, agent: false,
-      headers: {'Connection': 'Upgrade', 'Upgrade': 'websocket', 'Sec-WebSocket-Version': '13',
-                'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ==', 'Sec-WebSocket-Protocol': protocol,
-                ...headers},
+      host: '127.0.0.1',
+      port: bridge.port,
+      path,
+      agent: false,
+      headers: {
+        Connection: 'Upgrade',
+        Upgrade: 'websocket',
+        'Sec-WebSocket-Version': '13',
+        'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ==',
+        'Sec-WebSocket-Protocol': protocol,
+        ...headers,
+      },
     });
     request.on('upgrade', (_answer, socket) => {
       socket.destroy();
@@ -194,12 +226,14 @@ async function rawSocket(bridge) {
   const socket = net.connect(bridge.port, '127.0.0.1');
   socket.on('error', () => {});
   socket.gone = new Promise((done) => socket.on('close', done));
-  socket.write(`GET /ws HTTP/1.1\r\nHost: 127.0.0.1:${bridge.port}\r\nConnection: Upgrade\r\n` +
-    'Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n' +
-    `Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: ${protocol}\r\n\r\n`);
+  socket.write(
+    `GET /ws HTTP/1.1\r\nHost: 127.0.0.1:${bridge.port}\r\nConnection: Upgrade\r\n` +
+      'Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n' +
+      `Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: ${protocol}\r\n\r\n`,
+  );
   await once(socket, 'data');
   socket.on('data', () => {});
   return socket;
 }
 
-module.exports = {Bridge, Client, WebSocket, get, upgrade, rawSocket, protocol};
+module.exports = { Bridge, Client, WebSocket, get, upgrade, rawSocket, protocol };

@@ -2,10 +2,10 @@
 // which is a source without a bus. NODE_PATH names the folder of the npm packages.
 'use strict';
 
-const {Bridge, Client, get, upgrade} = require('./bridge.js');
-const {assertNoneUncounted, collect, main} = require('./test_clients.js');
+const { Bridge, Client, get, upgrade } = require('./bridge.js');
+const { assertNoneUncounted, collect, main } = require('./test_clients.js');
 const assert = require('node:assert/strict');
-const {execFileSync} = require('node:child_process');
+const { execFileSync } = require('node:child_process');
 const fs = require('node:fs');
 const os = require('node:os');
 const path = require('node:path');
@@ -18,7 +18,7 @@ const tests = {
   async 'server, channels and services are as the protocol has them'() {
     const bridge = await start();
     for (const protocol of ['foxglove.websocket.v1', 'foxglove.sdk.v1']) {
-      const client = await Client.connect(bridge, {protocol});
+      const client = await Client.connect(bridge, { protocol });
       assert.equal(client.ws.protocol, protocol);
       assert.deepEqual(client.info.capabilities, ['parameters', 'parametersSubscribe', 'services']);
       assert.deepEqual(client.info.supportedEncodings, ['json']);
@@ -29,7 +29,7 @@ const tests = {
       await client.close();
     }
     // Foxglove's own default is an address without a path.
-    const client = await Client.connect(bridge, {url: `ws://127.0.0.1:${bridge.port}`});
+    const client = await Client.connect(bridge, { url: `ws://127.0.0.1:${bridge.port}` });
     await client.close();
     assert.equal(await bridge.stop(), 0);
   },
@@ -37,7 +37,9 @@ const tests = {
   async 'messages at 1 kHz come to three clients, and none is missed that is not counted'() {
     const bridge = await start();
     const clients = [];
-    for (let i = 0; i < 3; ++i) clients.push(await Client.connect(bridge));
+    for (let i = 0; i < 3; ++i) {
+      clients.push(await Client.connect(bridge));
+    }
     assert.equal(new Set(clients.map((one) => one.info.metadata.client)).size, 3);
     let last = 0n;
     const watched = clients[0].subscribe('/bridge', (_value, message) => {
@@ -64,9 +66,14 @@ const tests = {
     };
     const all = await asked(writer, [], 'all');
     assert.equal(all.id, 'all');
-    assert.deepEqual(all.parameters.map((one) => [one.name, one.value, one.type]), [
-      ['node1.limits.current_A', 4, 'float64'], ['node1.strain.integral_W_s', 20, 'float64'],
-      [gain, 8.5, 'float64']]);
+    assert.deepEqual(
+      all.parameters.map((one) => [one.name, one.value, one.type]),
+      [
+        ['node1.limits.current_A', 4, 'float64'],
+        ['node1.strain.integral_W_s', 20, 'float64'],
+        [gain, 8.5, 'float64'],
+      ],
+    );
     assert.deepEqual((await asked(writer, ['none', gain], 'x')).parameters.length, 1);
     reader.fox.subscribeParameterUpdates([gain]);
     other.fox.subscribeParameterUpdates(['node1.limits.current_A']);
@@ -75,22 +82,29 @@ const tests = {
     await other.call('echo');
     const told = reader.heard('parameterValues');
     let written = writer.heard('parameterValues');
-    writer.fox.setParameters([{name: gain, value: 9}], 'set');
-    assert.deepEqual((await written).parameters, [{name: gain, value: 9, type: 'float64'}]);
+    writer.fox.setParameters([{ name: gain, value: 9 }], 'set');
+    assert.deepEqual((await written).parameters, [{ name: gain, value: 9, type: 'float64' }]);
     assert.deepEqual((await told).parameters[0].value, 9);
     // Of a set with one that is refused nothing is written.
     written = writer.heard('parameterValues');
     const refused = writer.heard('status');
     writer.fox.setParameters(
-      [{name: 'node1.strain.integral_W_s', value: 1}, {name: gain, value: 101}], 'bad');
-    assert.deepEqual((await written).parameters.map((one) => one.value), [20, 9]);
-    assert.deepEqual([(await refused).level, writer.statuses.at(-1).message],
-                     [2, `${gain} 101: must be 0 to 100`]);
+      [
+        { name: 'node1.strain.integral_W_s', value: 1 },
+        { name: gain, value: 101 },
+      ],
+      'bad',
+    );
+    assert.deepEqual(
+      (await written).parameters.map((one) => one.value),
+      [20, 9],
+    );
+    assert.deepEqual([(await refused).level, writer.statuses.at(-1).message], [2, `${gain} 101: must be 0 to 100`]);
     reader.fox.unsubscribeParameterUpdates([gain]);
     await reader.call('echo');
     reader.fox.on('parameterValues', () => assert.fail('told what it no longer wants'));
     written = writer.heard('parameterValues');
-    writer.fox.setParameters([{name: gain, value: 7}], 'again');
+    writer.fox.setParameters([{ name: gain, value: 7 }], 'again');
     await written;
     await Promise.all([reader.call('echo'), other.call('echo')]);
     await bridge.stop();
@@ -100,27 +114,30 @@ const tests = {
     const bridge = await start();
     const client = await Client.connect(bridge);
     const held = client.call('hold');
-    assert.deepEqual(await client.call('echo', {a: [1, 'ä\u0000', null]}), {a: [1, 'ä\u0000', null]});
+    assert.deepEqual(await client.call('echo', { a: [1, 'ä\u0000', null] }), { a: [1, 'ä\u0000', null] });
     await assert.rejects(client.call('refuse'), /blocked by wire_open/);
     let heldIsBack = false;
     held.then(() => (heldIsBack = true));
-    const many = await Promise.all([...Array(50).keys()].map((i) => client.call('echo', {i})));
-    assert.deepEqual(many.map((one) => one.i), [...Array(50).keys()]);
+    const many = await Promise.all([...Array(50).keys()].map((i) => client.call('echo', { i })));
+    assert.deepEqual(
+      many.map((one) => one.i),
+      [...Array(50).keys()],
+    );
     assert.equal(heldIsBack, false);
     await client.call('release');
-    assert.deepEqual(await held, {held: true});
-    client.services.set('nothing', {id: 99});
+    assert.deepEqual(await held, { held: true });
+    client.services.set('nothing', { id: 99 });
     await assert.rejects(client.call('nothing'), /there is no service 99/);
     // A request that comes in many pieces, and one in several frames.
     const text = 'ü'.repeat(100000);
-    assert.deepEqual(await client.call('echo', {text}), {text});
+    assert.deepEqual(await client.call('echo', { text }), { text });
     const parts = ['{"op":"getPara', 'meters","para', 'meterNames":[]}'];
     const whole = client.heard('parameterValues');
-    parts.forEach((part, i) => client.ws.send(part, {fin: i === parts.length - 1}));
+    parts.forEach((part, i) => client.ws.send(part, { fin: i === parts.length - 1 }));
     assert.equal((await whole).parameters.length, 3);
     // A long answer, in the middle of live messages.
     const numbers = collect(client, 1500);
-    const long = await client.call('big', {bytes: 5e6});
+    const long = await client.call('big', { bytes: 5e6 });
     assert.equal(long.base64.length, 5e6);
     await numbers;
     // Whoever leaves before the answer is missed by nobody.
@@ -132,17 +149,17 @@ const tests = {
     await client.until('/bridge', (state) => !state.clients.some((one) => one.client === isGone));
     await client.call('release');
     assert.ok((await client.call('counts')).left.includes(isGone));
-    assert.deepEqual(await client.call('echo', {a: 1}), {a: 1});
+    assert.deepEqual(await client.call('echo', { a: 1 }), { a: 1 });
     await bridge.stop();
   },
 
   async 'servos come and go'() {
     const bridge = await start();
     const client = await Client.connect(bridge);
-    await client.call('second_servo', {there: true});
+    await client.call('second_servo', { there: true });
     assert.ok(client.channels.has('/node2/live'));
     client.fox.subscribe(client.channels.get('/node2/live').id);
-    await client.call('second_servo', {there: false});
+    await client.call('second_servo', { there: false });
     assert.deepEqual([...client.channels.keys()], ['/bridge', '/node1/live']);
     client.fox.subscribe(3);
     assert.match((await client.heard('status')).message, /channel 3 does not exist/);
@@ -156,15 +173,15 @@ const tests = {
     const here = `127.0.0.1:${bridge.port}`;
     const cases = [
       [200, 101, {}],
-      [200, 101, {Host: `localhost:${bridge.port}`}],
-      [200, 101, {Origin: `http://${here}`}],
-      [200, 101, {Origin: 'https://app.example'}],
-      [403, 403, {Host: `evil.example:${bridge.port}`}],
-      [403, 403, {Origin: 'https://evil.example'}],
-      [403, 403, {Origin: `http://127.0.0.1:${bridge.port + 1}`}],
-      [403, 403, {Origin: 'null'}],
-      [400, 400, {Host: 'a b'}],
-      [400, 400, {Host: 'x'.repeat(2000)}],
+      [200, 101, { Host: `localhost:${bridge.port}` }],
+      [200, 101, { Origin: `http://${here}` }],
+      [200, 101, { Origin: 'https://app.example' }],
+      [403, 403, { Host: `evil.example:${bridge.port}` }],
+      [403, 403, { Origin: 'https://evil.example' }],
+      [403, 403, { Origin: `http://127.0.0.1:${bridge.port + 1}` }],
+      [403, 403, { Origin: 'null' }],
+      [400, 400, { Host: 'a b' }],
+      [400, 400, { Host: 'x'.repeat(2000) }],
     ];
     for (const [asPage, asSocket, headers] of cases) {
       assert.equal((await get(bridge, '/', headers)).status, asPage, JSON.stringify(headers));
@@ -172,8 +189,10 @@ const tests = {
     }
     const answer = await get(bridge, '/');
     assert.equal(answer.body.length, fs.statSync(page).size);
-    assert.match(answer.headers['content-security-policy'],
-                 new RegExp(`^default-src 'none'; .*connect-src 'self' ws://${here}; .*frame-ancestors 'none'$`));
+    assert.match(
+      answer.headers['content-security-policy'],
+      new RegExp(`^default-src 'none'; .*connect-src 'self' ws://${here}; .*frame-ancestors 'none'$`),
+    );
     assert.equal(answer.headers['x-content-type-options'], 'nosniff');
     assert.equal(answer.headers['referrer-policy'], 'no-referrer');
     assert.equal(answer.headers['cache-control'], 'no-store');
@@ -181,7 +200,7 @@ const tests = {
     assert.equal((await get(bridge, '/../../etc/passwd')).status, 404);
     assert.equal((await get(bridge, '/', {}, 'POST')).status, 405);
     assert.equal(await upgrade(bridge, '/other'), 404);
-    assert.equal(await upgrade(bridge, '/ws', {'Sec-WebSocket-Protocol': 'other'}), 400);
+    assert.equal(await upgrade(bridge, '/ws', { 'Sec-WebSocket-Protocol': 'other' }), 400);
     await bridge.stop();
     // Without a page it says what is missing.
     const bare = await start();
@@ -201,11 +220,11 @@ const tests = {
       [401, 401, '?token=' + token.slice(1), {}],
       [401, 401, '?token=' + '0'.repeat(64), {}],
       [401, 401, '?token=' + 'f'.repeat(3000), {}],
-      [401, 401, '', {Authorization: 'Bearer ' + '0'.repeat(64)}],
-      [403, 403, '?token=' + token, {Origin: 'https://evil.example'}],
+      [401, 401, '', { Authorization: 'Bearer ' + '0'.repeat(64) }],
+      [403, 403, '?token=' + token, { Origin: 'https://evil.example' }],
       [200, 101, '?token=' + token, {}],
-      [200, 101, '?x=1&token=' + token, {Host: 'pi.local'}],
-      [200, 101, '', {Authorization: 'Bearer ' + token}],
+      [200, 101, '?x=1&token=' + token, { Host: 'pi.local' }],
+      [200, 101, '', { Authorization: 'Bearer ' + token }],
     ]) {
       const what = query + JSON.stringify(headers);
       assert.equal((await get(bridge, '/' + query, headers)).status, status, what);
@@ -221,14 +240,34 @@ const tests = {
 
   async 'with a certificate all is encrypted'() {
     const [certificate, key] = ['certificate.pem', 'key.pem'].map((name) => path.join(folder, name));
-    execFileSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:P-256',
-      '-nodes', '-keyout', key, '-out', certificate, '-days', '2', '-subj', '/CN=localhost',
-      '-addext', 'subjectAltName=IP:127.0.0.1'], {stdio: 'ignore'});
+    execFileSync(
+      'openssl',
+      [
+        'req',
+        '-x509',
+        '-newkey',
+        'ec',
+        '-pkeyopt',
+        'ec_paramgen_curve:P-256',
+        '-nodes',
+        '-keyout',
+        key,
+        '-out',
+        certificate,
+        '-days',
+        '2',
+        '-subj',
+        '/CN=localhost',
+        '-addext',
+        'subjectAltName=IP:127.0.0.1',
+      ],
+      { stdio: 'ignore' },
+    );
     const bridge = await start('--certificate', certificate, '--key', key);
     assert.equal(bridge.url.protocol, 'https:');
-    const client = await Client.connect(bridge, {ca: fs.readFileSync(certificate)});
+    const client = await Client.connect(bridge, { ca: fs.readFileSync(certificate) });
     await assertNoneUncounted(client, await collect(client, 500));
-    assert.equal((await client.call('big', {bytes: 1e6})).base64.length, 1e6);
+    assert.equal((await client.call('big', { bytes: 1e6 })).base64.length, 1e6);
     await assert.rejects(Client.connect(bridge), /refused/, 'an unknown certificate');
     await assertNoneUncounted(client, await collect(client, 100));
     assert.equal(await bridge.stop(), 0);
@@ -239,7 +278,7 @@ const tests = {
     const client = await Client.connect(bridge);
     assert.equal(client.info.metadata.read_only, 'true');
     const refused = client.heard('status');
-    client.fox.setParameters([{name: 'node1.limits.current_A', value: 1}], 'x');
+    client.fox.setParameters([{ name: 'node1.limits.current_A', value: 1 }], 'x');
     assert.match((await refused).message, /read-only/);
     const state = await client.until('/bridge', (value) => value.clients.length > 0);
     assert.equal(state.clients[0].read_only, true);
@@ -264,8 +303,10 @@ const tests = {
       return bridge.said;
     };
     assert.match(await bad('--listen', `127.0.0.1:${first.port}`), /another program listens there/);
-    assert.match(await bad('--listen', '192.0.2.1:8765', '--token-file', path.join(folder, 'token')),
-                 /192.0.2.1:8765: is no address of this machine/);
+    assert.match(
+      await bad('--listen', '192.0.2.1:8765', '--token-file', path.join(folder, 'token')),
+      /192.0.2.1:8765: is no address of this machine/,
+    );
     assert.match(await bad('--listen', 'here'), /must be ADDRESS:PORT/);
     const no = path.join(folder, 'none.pem');
     assert.match(await bad('--certificate', no, '--key', no), /none.pem: No such file/);
@@ -279,6 +320,6 @@ const tests = {
 };
 
 main(tests, only).then((failed) => {
-  fs.rmSync(folder, {recursive: true});
+  fs.rmSync(folder, { recursive: true });
   process.exit(failed === 0 ? 0 : 1);
 });

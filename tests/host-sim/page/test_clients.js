@@ -14,8 +14,10 @@ async function assertNoneUncounted(client, numbers) {
   assert.ok(numbers.every((number, i) => i === 0 || number > numbers[i - 1]));
   const own = (state) => state.clients.find((one) => one.client === Number(client.info.metadata.client));
   const state = await client.until('/bridge', own);
-  assert.ok(missing(numbers) <= own(state).dropped,
-            `${missing(numbers)} of ${numbers.length} are missing, ${own(state).dropped} are counted`);
+  assert.ok(
+    missing(numbers) <= own(state).dropped,
+    `${missing(numbers)} of ${numbers.length} are missing, ${own(state).dropped} are counted`,
+  );
 }
 
 // That many messages of the servo, one after the other.
@@ -24,7 +26,9 @@ function collect(client, count) {
     const numbers = [];
     const id = client.subscribe('/node1/live', (value) => {
       numbers.push(value.number);
-      if (numbers.length !== count) return;
+      if (numbers.length !== count) {
+        return;
+      }
       client.fox.unsubscribe(id);
       done(numbers);
     });
@@ -35,7 +39,9 @@ function collect(client, count) {
 async function main(tests, only, longest_ms = 60000) {
   let failed = 0;
   for (const [name, test] of Object.entries(tests)) {
-    if (only && !name.includes(only)) continue;
+    if (only && !name.includes(only)) {
+      continue;
+    }
     const began = Date.now();
     try {
       const late = new Promise((_done, failed) => {
@@ -51,4 +57,4 @@ async function main(tests, only, longest_ms = 60000) {
   return failed;
 }
 
-module.exports = {assertNoneUncounted, collect, main, missing};
+module.exports = { assertNoneUncounted, collect, main, missing };

@@ -1,13 +1,13 @@
 // Who may heat, and who may stop.
 'use strict';
 
-const {by, notices, noticed, shown, text, until, usable} = require('./world.js');
-const {connected, enable, field, move, off, parameter, drive} = require('./person.js');
+const { by, notices, noticed, shown, text, until, usable } = require('./world.js');
+const { connected, enable, field, move, off, parameter, drive } = require('./person.js');
 
 const gain = 'strain.proportional_W';
 
 module.exports = {
-  async 'a click, the space bar and Escape stop the servo'({view, world}) {
+  async 'a click, the space bar and Escape stop the servo'({ view, world }) {
     await connected(view);
     const ways = {
       'a click': () => by(view, 'stop').click(),
@@ -17,7 +17,7 @@ module.exports = {
         await view.keyboard.press('Space');
       },
       // Also where it is typed into a field.
-      async 'Escape'() {
+      async Escape() {
         await parameter(view, gain);
         await by(view, 'search').focus();
         await view.keyboard.press('Escape');
@@ -28,12 +28,12 @@ module.exports = {
       const before = await notices(view);
       await stop();
       await off(view);
-      await until(`${way}: no current`, async () => !await world.heated());
+      await until(`${way}: no current`, async () => !(await world.heated()));
       await noticed(view, /all servos are off/, before);
     }
   },
 
-  async 'a second browser sees all and changes nothing until it takes control'({view, world}) {
+  async 'a second browser sees all and changes nothing until it takes control'({ view, world }) {
     await connected(view);
     const second = await world.visit();
     await connected(second);
@@ -55,11 +55,11 @@ module.exports = {
     await off(second);
   },
 
-  async 'the last page that goes ends the heat'({view, world}) {
+  async 'the last page that goes ends the heat'({ view, world }) {
     await connected(view);
     await move(view, 800);
     await view.context().close();
-    await until('no current', async () => !await world.heated());
+    await until('no current', async () => !(await world.heated()));
     await shown(await world.visit(), 'enable');
   },
 };

@@ -3,9 +3,9 @@
 // bridge and servo do what the page asks is in main.js. Run as that.
 'use strict';
 
-const {ScriptedBridge, page_of} = require('./scripted_bridge.js');
-const {World, by, coloured, gone, launch, noticed, picture, shown, text, until, usable} = require('./world.js');
-const {drive, field, off, parameter, received, tab, value} = require('./person.js');
+const { ScriptedBridge, page_of } = require('./scripted_bridge.js');
+const { World, by, coloured, gone, launch, noticed, picture, shown, text, until, usable } = require('./world.js');
+const { drive, field, off, parameter, received, tab, value } = require('./person.js');
 const assert = require('node:assert/strict');
 
 const [name, host_sim, smaservod, sources] = process.argv.slice(2);
@@ -13,89 +13,118 @@ const gain = 'strain.proportional_W';
 const markup = '<img src=x onerror="window.broken=1"><b>bold</b>';
 
 const tests = {
-  async 'each state of the drive offers what it allows'({view, bridge}) {
+  async 'each state of the drive offers what it allows'({ view, bridge }) {
     const rows = {
-      not_ready: [/Not ready/, false, false], switch_on_disabled: [/Off/, true, false], ready: [/Off/, true, false],
-      switched_on: [/Off/, true, false], operation_enabled: [/Enabled: heated/, false, false],
-      quick_stop: [/Quick stop/, false, false], fault_reaction: [/Fault reaction/, false, false], fault: [/Fault/, false, true]};
+      not_ready: [/Not ready/, false, false],
+      switch_on_disabled: [/Off/, true, false],
+      ready: [/Off/, true, false],
+      switched_on: [/Off/, true, false],
+      operation_enabled: [/Enabled: heated/, false, false],
+      quick_stop: [/Quick stop/, false, false],
+      fault_reaction: [/Fault reaction/, false, false],
+      fault: [/Fault/, false, true],
+    };
     await tab(view, 'state');
     for (const [state, [words, enable, reset]] of Object.entries(rows)) {
-      bridge.now({state: {drive: state}});
+      bridge.now({ state: { drive: state } });
       await drive(view, words);
       await usable(by(view, 'state-enable'), enable);
       await usable(by(view, 'state-reset_faults'), reset);
       await usable(by(view, 'stop'));
     }
-    bridge.now({state: {drive: 'switch_on_disabled', blocking: ['wire_open']}});
+    bridge.now({ state: { drive: 'switch_on_disabled', blocking: ['wire_open'] } });
     await drive(view, /Off: blocked/);
     await usable(by(view, 'state-enable'), false);
   },
 
-  async 'a fault is said with its first cause, its explanation and the values before it'({view, bridge}) {
+  async 'a fault is said with its first cause, its explanation and the values before it'({ view, bridge }) {
     await tab(view, 'state');
-    bridge.now({state: {
-      drive: 'fault', latched: ['over_temperature', 'wire_open'], active: ['wire_open'], first_cause: 'wire_open',
-      freeze_frame: {wire_temperature_K: 361.2, drive_current_A: null}}});
+    bridge.now({
+      state: {
+        drive: 'fault',
+        latched: ['over_temperature', 'wire_open'],
+        active: ['wire_open'],
+        first_cause: 'wire_open',
+        freeze_frame: { wire_temperature_K: 361.2, drive_current_A: null },
+      },
+    });
     await text(view, 'fault-wire_open', /first cause.*present now.*why it came/s);
     await text(view, 'fault-over_temperature', /gone, can be reset/);
     await text(view, 'freeze-frame', /88.*–/s);
     await by(view, 'state-reset_faults').click();
     await until('the request', () => bridge.requests('reset_faults').length === 1);
-    assert.deepEqual(bridge.requests('reset_faults'), [{node: 1}]);
-    bridge.now({state: {drive: 'switch_on_disabled', latched: [], active: [], freeze_frame: null, first_cause: null}});
+    assert.deepEqual(bridge.requests('reset_faults'), [{ node: 1 }]);
+    bridge.now({
+      state: { drive: 'switch_on_disabled', latched: [], active: [], freeze_frame: null, first_cause: null },
+    });
     await text(view, 'faults', /No fault is latched/);
     await gone(view, 'freeze-frame');
   },
 
-  async 'a refusal is said as a text, whatever it contains'({view, bridge}) {
-    bridge.answers.enable = () => { throw new Error(`enable: refused ${markup}`); };
+  async 'a refusal is said as a text, whatever it contains'({ view, bridge }) {
+    bridge.answers.enable = () => {
+      throw new Error(`enable: refused ${markup}`);
+    };
     await tab(view, 'live');
     await by(view, 'enable').click();
     await noticed(view, /refused <img src=x/);
     await text(view, 'notice-error', (words) => words.includes(markup));
     await off(view);
     // An error stays until it is dismissed.
-    await by(view, 'notice-error').getByRole('button', {name: 'Dismiss'}).click();
+    await by(view, 'notice-error').getByRole('button', { name: 'Dismiss' }).click();
     await gone(view, 'notice-error');
-    bridge.now({bridge: {trouble: `can0: ${markup}`}});
+    bridge.now({ bridge: { trouble: `can0: ${markup}` } });
     await text(view, 'bus-trouble', (words) => words.includes(markup));
     assert.equal(await view.evaluate(() => window.broken), undefined);
   },
 
-  async 'a stop that is not confirmed is said, one that is as well'({view, bridge}) {
+  async 'a stop that is not confirmed is said, one that is as well'({ view, bridge }) {
     await by(view, 'stop').click();
     await noticed(view, /all servos are off/);
-    bridge.answers.stop = () => { throw new Error('node 1: does not confirm that it is off'); };
+    bridge.answers.stop = () => {
+      throw new Error('node 1: does not confirm that it is off');
+    };
     await view.keyboard.press('Escape');
     await noticed(view, /NOT confirmed.*node 1: does not confirm/);
     assert.equal(bridge.requests('stop').length, 2);
   },
 
-  async 'who has no control writes nothing, until it is taken'({view, bridge}) {
+  async 'who has no control writes nothing, until it is taken'({ view, bridge }) {
     await parameter(view, gain);
-    bridge.now({bridge: {control: 3, clients: [...bridge.bridge.clients, {client: 3, address: '10.0.0.3', queued: 0, dropped: 0, read_only: false}]}});
+    bridge.now({
+      bridge: {
+        control: 3,
+        clients: [
+          ...bridge.bridge.clients,
+          { client: 3, address: '10.0.0.3', queued: 0, dropped: 0, read_only: false },
+        ],
+      },
+    });
     await text(view, 'control', /Client 3 \(10\.0\.0\.3\) has control/);
     await usable(field(view, gain), false);
     await usable(by(view, 'stop'));
-    bridge.answers.take_control = () => bridge.now({bridge: {control: 7}});
+    bridge.answers.take_control = () => bridge.now({ bridge: { control: 7 } });
     await by(view, 'take-control').click();
     await text(view, 'control', /You have control/);
     await usable(field(view, gain));
-    bridge.answers.release_control = () => bridge.now({bridge: {control: null}});
+    bridge.answers.release_control = () => bridge.now({ bridge: { control: null } });
     await by(view, 'release-control').click();
     await text(view, 'control', /Nobody has control/);
   },
 
-  'a bridge that may only show offers no change': Object.assign(async ({view}) => {
-    await text(view, 'read-only', /View only/);
-    await tab(view, 'live');
-    await usable(by(view, 'enable'), false);
-    await parameter(view, gain);
-    await usable(field(view, gain), false);
-    await usable(by(view, 'stop'));
-  }, {bridge: {read_only: true}}),
+  'a bridge that may only show offers no change': Object.assign(
+    async ({ view }) => {
+      await text(view, 'read-only', /View only/);
+      await tab(view, 'live');
+      await usable(by(view, 'enable'), false);
+      await parameter(view, gain);
+      await usable(field(view, gain), false);
+      await usable(by(view, 'stop'));
+    },
+    { bridge: { read_only: true } },
+  ),
 
-  async 'a value is checked before it is sent, and written as it was typed'({view, bridge}) {
+  async 'a value is checked before it is sent, and written as it was typed'({ view, bridge }) {
     await parameter(view, gain);
     for (const wrong of ['1e9', '-1', 'much', '1 2']) {
       await field(view, gain).fill(wrong);
@@ -105,34 +134,40 @@ const tests = {
     await field(view, gain).fill('7.5');
     await by(view, 'write').click();
     await text(view, 'history', /, written/);
-    assert.deepEqual(bridge.requests('set'), [[{name: `node1.${gain}`, value: 7.5}]]);
+    assert.deepEqual(bridge.requests('set'), [[{ name: `node1.${gain}`, value: 7.5 }]]);
     assert.equal(await value(view, gain), '7.5');
     await by(view, 'undo').click();
-    await until('the value of before', async () => await value(view, gain) === '2');
+    await until('the value of before', async () => (await value(view, gain)) === '2');
     await by(view, 'redo').click();
-    await until('the value again', async () => await value(view, gain) === '7.5');
+    await until('the value again', async () => (await value(view, gain)) === '7.5');
   },
 
-  async 'a trial counts down, and its end is said'({view, bridge}) {
+  async 'a trial counts down, and its end is said'({ view, bridge }) {
     await parameter(view, gain);
-    bridge.answers.try = () => bridge.now({state: {transaction: {state: 'trying', seconds_left: 30}}});
+    bridge.answers.try = () => bridge.now({ state: { transaction: { state: 'trying', seconds_left: 30 } } });
     await field(view, gain).fill('3');
     await field(view, gain).press('Enter');
     await text(view, 'trial-left', /^(30|2\d) s$/);
-    assert.deepEqual(bridge.requests('try').map(({values}) => values), [{[gain]: 3}]);
+    assert.deepEqual(
+      bridge.requests('try').map(({ values }) => values),
+      [{ [gain]: 3 }],
+    );
     await usable(by(view, 'undo'), false);
-    bridge.now({state: {transaction: {state: 'none', seconds_left: null}}});
+    bridge.now({ state: { transaction: { state: 'none', seconds_left: null } } });
     await gone(view, 'trial');
     await noticed(view, /trial has ended/);
   },
 
-  async 'a bridge that goes is missed, and nothing is asked again when it is back'({view, bridge}) {
+  async 'a bridge that goes is missed, and nothing is asked again when it is back'({ view, bridge }) {
     await tab(view, 'live');
     let answer;
-    bridge.answers.enable = () => new Promise((done) => { answer = done; });
+    bridge.answers.enable = () =>
+      new Promise((done) => {
+        answer = done;
+      });
     await by(view, 'enable').click();
     await until('the request', () => bridge.requests('enable').length === 1);
-    const {asked} = bridge;
+    const { asked } = bridge;
     bridge.begin({});
     await noticed(view, /connection was lost before the answer came/);
     await gone(view, 'lost');
@@ -143,45 +178,51 @@ const tests = {
     assert.deepEqual(bridge.requests('enable'), []);
   },
 
-  async 'a servo that is away, and a node-id of two, are said above everything'({view, bridge}) {
-    bridge.now({state: {online: false}});
+  async 'a servo that is away, and a node-id of two, are said above everything'({ view, bridge }) {
+    bridge.now({ state: { online: false } });
     await text(view, 'offline', /Servo 1 does not answer/);
     await drive(view, /offline/);
     await tab(view, 'live');
     await usable(by(view, 'enable'), false);
-    bridge.now({state: {online: true}, bridge: {nodes: [{node: 1, name: 'smaservo', online: true, duplicate: true}]}});
+    bridge.now({
+      state: { online: true },
+      bridge: { nodes: [{ node: 1, name: 'smaservo', online: true, duplicate: true }] },
+    });
     await gone(view, 'offline');
     await text(view, 'duplicate', /Two devices have the node-id 1/);
-    bridge.now({bridge: {nodes: []}});
+    bridge.now({ bridge: { nodes: [] } });
     await text(view, 'no-servo', /No servo on can0 yet/);
   },
 
-  'one of several servos is chosen, and all that is sent goes to it': Object.assign(async ({view, bridge}) => {
-    await view.locator('[data-testid=servo-choice]').selectOption('5');
-    bridge.state.node = 5;
-    bridge.now({});
-    await tab(view, 'live');
-    await usable(by(view, 'enable'));
-    await by(view, 'enable').click();
-    await until('the request', () => bridge.requests('enable').length === 1);
-    assert.deepEqual(bridge.requests('enable'), [{node: 5}]);
-    await view.locator('[data-testid=servo-choice]').selectOption('1');
-  }, {bridge: {nodes: [1, 5].map((node) => ({node, name: 'smaservo', online: true, duplicate: false}))}}),
+  'one of several servos is chosen, and all that is sent goes to it': Object.assign(
+    async ({ view, bridge }) => {
+      await view.locator('[data-testid=servo-choice]').selectOption('5');
+      bridge.state.node = 5;
+      bridge.now({});
+      await tab(view, 'live');
+      await usable(by(view, 'enable'));
+      await by(view, 'enable').click();
+      await until('the request', () => bridge.requests('enable').length === 1);
+      assert.deepEqual(bridge.requests('enable'), [{ node: 5 }]);
+      await view.locator('[data-testid=servo-choice]').selectOption('1');
+    },
+    { bridge: { nodes: [1, 5].map((node) => ({ node, name: 'smaservo', online: true, duplicate: false })) } },
+  ),
 
-  async 'samples are drawn, and a value that is missing leaves a gap'({view, bridge}) {
+  async 'samples are drawn, and a value that is missing leaves a gap'({ view, bridge }) {
     await tab(view, 'live');
     await until('its samples', async () => {
       bridge.samples(10);
-      return await coloured(view, 'plot-strain') > 50 && await coloured(view, 'plot-temperature') > 50;
+      return (await coloured(view, 'plot-strain')) > 50 && (await coloured(view, 'plot-temperature')) > 50;
     });
-    bridge.send('/node1/live', {strain: null, wire_temperature_K: null, position_m: null});
+    bridge.send('/node1/live', { strain: null, wire_temperature_K: null, position_m: null });
     await until('no value', async () => /^[–-]$/.test(await by(view, 'reading-strain').textContent()));
   },
 
-  async 'a pause stands still, and goes on'({view, bridge}) {
+  async 'a pause stands still, and goes on'({ view, bridge }) {
     await tab(view, 'live');
     bridge.stream();
-    await until('a curve', async () => await coloured(view, 'plot-strain') > 50);
+    await until('a curve', async () => (await coloured(view, 'plot-strain')) > 50);
     await by(view, 'pause').click();
     await text(view, 'pause', /Go on/);
     let still = '';
@@ -191,13 +232,13 @@ const tests = {
       return still === before;
     });
     const samples = await received(view);
-    await until('samples while it stands', async () => await received(view) > samples + 50);
+    await until('samples while it stands', async () => (await received(view)) > samples + 50);
     assert.equal(await picture(view, 'plot-strain'), still);
     await by(view, 'pause').click();
-    await until('another picture', async () => await picture(view, 'plot-strain') !== still);
+    await until('another picture', async () => (await picture(view, 'plot-strain')) !== still);
   },
 
-  async 'a reload keeps what was chosen, and draws the past'({view, bridge}) {
+  async 'a reload keeps what was chosen, and draws the past'({ view, bridge }) {
     await tab(view, 'live');
     await by(view, 'span-10').click();
     await by(view, 'arrange').click();
@@ -214,7 +255,7 @@ const tests = {
     assert.equal(await by(view, 'span-10').getAttribute('aria-pressed'), 'true');
     assert.equal(await hidden().getAttribute('aria-pressed'), 'false');
     for (const plot of ['strain', 'temperature']) {
-      await until(`the past of ${plot}`, async () => await coloured(view, `plot-${plot}`) > 50);
+      await until(`the past of ${plot}`, async () => (await coloured(view, `plot-${plot}`)) > 50);
     }
   },
 };
@@ -227,28 +268,32 @@ async function passes(view, bridge, title, test) {
     await view.reload();
     await shown(view, 'drive');
     await until('the page knows its servo', async () => bridge.requests('history').length > 0);
-    await test({view, bridge});
+    await test({ view, bridge });
     assert.deepEqual(view.errors, []);
     console.log(`ok      ${title}, ${Date.now() - began_ms} ms`);
     return true;
   } catch (error) {
     console.log(`FAILED  ${title}, ${Date.now() - began_ms} ms`);
     console.log(`        ${String(error.stack).split('\n').slice(0, 12).join('\n        ')}`);
-    const page = await view.evaluate(() => ({notices: window.noticed, text: document.body.innerText.slice(0, 3000)})).catch(() => null);
+    const page = await view
+      .evaluate(() => ({ notices: window.noticed, text: document.body.innerText.slice(0, 3000) }))
+      .catch(() => null);
     console.log(`        page: ${JSON.stringify(page)}\n        asked: ${JSON.stringify(bridge.asked).slice(-1000)}`);
     return false;
   }
 }
 
 async function main() {
-  const world = new World({host_sim, smaservod, sources}, await launch(name));
+  const world = new World({ host_sim, smaservod, sources }, await launch(name));
   await world.startBridge();
   const bridge = await ScriptedBridge.start(await page_of(world.url));
   world.url = bridge.url;
   const view = await world.visit();
   let failed = 0;
   for (const [title, test] of Object.entries(tests)) {
-    if (!await passes(view, bridge, title, test)) ++failed;
+    if (!(await passes(view, bridge, title, test))) {
+      ++failed;
+    }
   }
   await world.end();
   await world.browser.close();

@@ -1,8 +1,8 @@
 // The guide of a first run, to its end.
 'use strict';
 
-const {bus, by, shown, succeeds, text, until, usable} = require('./world.js');
-const {connected, enabled, tab} = require('./person.js');
+const { bus, by, shown, succeeds, text, until, usable } = require('./world.js');
+const { connected, enabled, tab } = require('./person.js');
 const assert = require('node:assert/strict');
 
 const finding = (view, step) => text(view, `finding-${step}`, /./);
@@ -42,7 +42,7 @@ async function heating_step(view) {
 async function tuning_step(view) {
   await text(view, 'guide-tune', /No step test has been run/);
   await usable(by(view, 'guide-tune-done'), false);
-  await by(view, 'guide-tune').getByRole('link', {name: 'To the step test'}).click();
+  await by(view, 'guide-tune').getByRole('link', { name: 'To the step test' }).click();
   await by(view, 'step-amplitude').fill('300');
   await by(view, 'step-seconds').fill('1');
   await until('a servo that can step', () => by(view, 'step-run').isEnabled());
@@ -54,7 +54,7 @@ async function tuning_step(view) {
 }
 
 module.exports = {
-  async 'the guide is walked to its end, left and taken up again'({view}) {
+  async 'the guide is walked to its end, left and taken up again'({ view }) {
     await connected(view);
     await tab(view, 'guide');
     await settings_steps(view);
@@ -67,7 +67,7 @@ module.exports = {
     await text(view, 'guide', /All steps are done/);
     await view.reload();
     await text(view, 'guide', /All steps are done/);
-    await by(view, 'guide-heat').getByRole('button', {name: 'Do it again'}).click();
+    await by(view, 'guide-heat').getByRole('button', { name: 'Do it again' }).click();
     await shown(view, 'heat');
     await text(view, 'guide', /6 of 7 steps done/);
   },

@@ -1,26 +1,34 @@
 // Programs of others that read the servo beside the page.
 'use strict';
 
-const {until} = require('./world.js');
-const {connected} = require('./person.js');
-const {Client} = require('../bridge.js');
-const {parse} = require('@foxglove/rosmsg');
-const {MessageReader} = require('@foxglove/rosmsg2-serialization');
+const { until } = require('./world.js');
+const { connected } = require('./person.js');
+const { Client } = require('../bridge.js');
+const { parse } = require('@foxglove/rosmsg');
+const { MessageReader } = require('@foxglove/rosmsg2-serialization');
 const assert = require('node:assert/strict');
 
 module.exports = {
   // PlotJuggler's plugin asks for this subprotocol, and takes only channels of this encoding.
-  async 'PlotJuggler gets the values that the page gets'({view, world}) {
+  async 'PlotJuggler gets the values that the page gets'({ view, world }) {
     await connected(view);
-    const client = await Client.connect(null, {url: `ws://127.0.0.1:${world.port}`, protocol: 'foxglove.sdk.v1'});
-    const usable = [...client.channels.values()].filter(({encoding, schemaEncoding, schema, schemaName}) =>
-      encoding === 'cdr' && schemaEncoding === 'ros2msg' && schema && schemaName);
-    assert.deepEqual(usable.map(({topic}) => topic), ['/node1/signals']);
-    const reader = new MessageReader(parse(usable[0].schema, {ros2: true}));
+    const client = await Client.connect(null, { url: `ws://127.0.0.1:${world.port}`, protocol: 'foxglove.sdk.v1' });
+    const usable = [...client.channels.values()].filter(
+      ({ encoding, schemaEncoding, schema, schemaName }) =>
+        encoding === 'cdr' && schemaEncoding === 'ros2msg' && schema && schemaName,
+    );
+    assert.deepEqual(
+      usable.map(({ topic }) => topic),
+      ['/node1/signals'],
+    );
+    const reader = new MessageReader(parse(usable[0].schema, { ros2: true }));
     const [binary, text] = [new Map(), new Map()];
-    client.subscribe('/node1/signals', (values, {timestamp}) => binary.set(timestamp, values),
-                     (bytes) => reader.readMessage(bytes));
-    client.subscribe('/node1/live', (values, {timestamp}) => text.set(timestamp, values));
+    client.subscribe(
+      '/node1/signals',
+      (values, { timestamp }) => binary.set(timestamp, values),
+      (bytes) => reader.readMessage(bytes),
+    );
+    client.subscribe('/node1/live', (values, { timestamp }) => text.set(timestamp, values));
     const both = () => [...binary.keys()].filter((time) => text.has(time));
     await until('fifty samples', () => both().length >= 50);
     for (const time of both()) {

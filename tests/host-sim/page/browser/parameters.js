@@ -1,14 +1,14 @@
 // Parameters: tried, kept, reverted, undone, stored, refused, changed by others.
 'use strict';
 
-const {by, download, gone, noticed, shown, text, until, usable} = require('./world.js');
-const {connected, field, parameter, value} = require('./person.js');
+const { by, download, gone, noticed, shown, text, until, usable } = require('./world.js');
+const { connected, field, parameter, value } = require('./person.js');
 const assert = require('node:assert/strict');
 
 const gain = 'strain.proportional_W';
 
 module.exports = {
-  async 'an edit is tried, reverted, and kept'({view, world}) {
+  async 'an edit is tried, reverted, and kept'({ view, world }) {
     await connected(view);
     await parameter(view, gain);
     const before = await value(view, gain);
@@ -19,7 +19,7 @@ module.exports = {
     assert.equal(await world.read(gain), Number(other));
     await by(view, 'revert').click();
     await gone(view, 'trial');
-    await until('the page shows the value before', async () => await value(view, gain) === before);
+    await until('the page shows the value before', async () => (await value(view, gain)) === before);
     assert.equal(await world.read(gain), Number(before));
     await field(view, gain).fill(other);
     await field(view, gain).press('Enter');
@@ -27,15 +27,15 @@ module.exports = {
     await by(view, 'keep').click();
     await gone(view, 'trial');
     assert.equal(await world.read(gain), Number(other));
-    await until('the value that is kept', async () => await value(view, gain) === other);
+    await until('the value that is kept', async () => (await value(view, gain)) === other);
     await shown(view, `changed-${gain}`);
     await text(view, 'history', /kept after a trial/);
     await by(view, 'undo').click();
-    await until('the value before the change', async () => await value(view, gain) === before);
+    await until('the value before the change', async () => (await value(view, gain)) === before);
     assert.equal(await world.read(gain), Number(before));
   },
 
-  async 'a value that is written and stored outlasts the servo'({view, world}) {
+  async 'a value that is written and stored outlasts the servo'({ view, world }) {
     await connected(view);
     await parameter(view, gain);
     await field(view, gain).fill('8.25');
@@ -43,13 +43,13 @@ module.exports = {
     await text(view, 'history', /, written/);
     assert.equal(await world.read(gain), 8.25);
     await by(view, 'store').click();
-    await view.getByText('stored', {exact: true}).waitFor();
+    await view.getByText('stored', { exact: true }).waitFor();
     await world.servo.stop();
     await world.startServo();
     assert.equal(await world.read(gain), 8.25);
   },
 
-  async 'a refused value says why, and the servo keeps its own'({view, world}) {
+  async 'a refused value says why, and the servo keeps its own'({ view, world }) {
     await connected(view);
     await parameter(view, gain);
     const before = await value(view, gain);
@@ -63,28 +63,31 @@ module.exports = {
     // Within its range, against another parameter: the servo says it.
     const trip_A = await world.read('trips.current_A');
     await parameter(view, 'trips.current_A');
-    await field(view, 'trips.current_A').fill(String(await world.read('limits.current_A') / 2));
+    await field(view, 'trips.current_A').fill(String((await world.read('limits.current_A')) / 2));
     await by(view, 'try').click();
     await noticed(view, /current_m?A/);
     assert.equal(await by(view, 'trial').count(), 0);
     assert.equal(await world.read('trips.current_A'), trip_A);
   },
 
-  async 'what another master changes is seen'({view, world}) {
+  async 'what another master changes is seen'({ view, world }) {
     await connected(view);
     await parameter(view, gain);
-    await until('the other master', async () => await world.can('set', `${gain}=5.75`) !== null);
+    await until('the other master', async () => (await world.can('set', `${gain}=5.75`)) !== null);
     await until('its value', async () => Number(await value(view, gain)) === 5.75);
   },
 
-  async 'settings leave as a file, are compared with it, and come back'({view, world}) {
+  async 'settings leave as a file, are compared with it, and come back'({ view, world }) {
     await connected(view);
     await parameter(view, gain);
     const before = await value(view, gain);
     const toml = await download(view, 'dump-toml');
-    assert.match((await download(view, 'dump-can')).toString(), /^host-sim can .* set \\\n[\s\S]*strain\.proportional_W=/);
+    assert.match(
+      (await download(view, 'dump-can')).toString(),
+      /^host-sim can .* set \\\n[\s\S]*strain\.proportional_W=/,
+    );
 
-    const compare = (name, buffer) => by(view, 'diff-file').setInputFiles({name, mimeType: 'text/plain', buffer});
+    const compare = (name, buffer) => by(view, 'diff-file').setInputFiles({ name, mimeType: 'text/plain', buffer });
     await compare('node1.toml', toml);
     await text(view, 'differences', /no differences/);
     await field(view, gain).fill('7.5');

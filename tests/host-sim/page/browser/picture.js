@@ -2,8 +2,8 @@
 // simulated servo that moves in nested loops. Run as main.js.
 'use strict';
 
-const {World, by, launch, until} = require('./world.js');
-const {enable} = require('./person.js');
+const { World, by, launch, until } = require('./world.js');
+const { enable } = require('./person.js');
 const fs = require('node:fs');
 
 const [host_sim, smaservod, sources, picture, colorScheme = 'light'] = process.argv.slice(2);
@@ -17,24 +17,24 @@ async function moved(view) {
   await by(view, 'mode').selectOption('1');
   try {
     for (const target_um of targets_um) {
-      await by(view, 'target').fill(String(target_um), {timeout: between_ms});
-      await by(view, 'go').click({timeout: between_ms});
+      await by(view, 'target').fill(String(target_um), { timeout: between_ms });
+      await by(view, 'go').click({ timeout: between_ms });
       await view.waitForTimeout(between_ms);
     }
   } catch {
     return false;
   }
-  return await by(view, 'enable').count() === 0;
+  return (await by(view, 'enable').count()) === 0;
 }
 
 async function main() {
-  const world = new World({host_sim, smaservod, sources}, await launch('chromium'));
+  const world = new World({ host_sim, smaservod, sources }, await launch('chromium'));
   await world.startServo();
   // By SYNC, with all that is in sight: a signal that comes by polling beside them is drawn some 0.3 s late.
   await world.startBridge('--sync', '0.01', '--signals', signals);
-  const view = await world.visit({viewport: {width: 1280, height: 842}, colorScheme});
+  const view = await world.visit({ viewport: { width: 1280, height: 842 }, colorScheme });
   await until('a servo that moves to all targets', () => moved(view));
-  await view.screenshot({path: picture});
+  await view.screenshot({ path: picture });
   console.log(`${picture}: ${(fs.statSync(picture).size / 1000).toFixed(0)} kB`);
   await world.end();
   await world.browser.close();

@@ -1,21 +1,21 @@
 // The step test and the recorder.
 'use strict';
 
-const {by, coloured, download, shown, succeeds, text, until} = require('./world.js');
-const {connected, move, tab} = require('./person.js');
+const { by, coloured, download, shown, succeeds, text, until } = require('./world.js');
+const { connected, move, tab } = require('./person.js');
 const assert = require('node:assert/strict');
-const {execFileSync} = require('node:child_process');
+const { execFileSync } = require('node:child_process');
 const fs = require('node:fs');
 const path = require('node:path');
 
 /** One run more. */
 async function stepped(view, runs, count) {
   await by(view, 'step-run').click();
-  await succeeds(view, `${count} runs`, async () => await runs.count() === count);
+  await succeeds(view, `${count} runs`, async () => (await runs.count()) === count);
 }
 
 module.exports = {
-  async 'step tests lie over each other, outlast a reload, and leave as files'({view, world}) {
+  async 'step tests lie over each other, outlast a reload, and leave as files'({ view, world }) {
     await connected(view);
     await tab(view, 'step');
     await by(view, 'step-amplitude').fill('300');
@@ -23,7 +23,7 @@ module.exports = {
     const runs = view.locator('[data-testid=run]');
     for (const count of [1, 2]) {
       await stepped(view, runs, count);
-      await until('a response', async () => await coloured(view, 'plot-step-position_m') > 50);
+      await until('a response', async () => (await coloured(view, 'plot-step-position_m')) > 50);
     }
     const cells = await runs.first().locator('td').allTextContents();
     const [rise_ms, hottest_degC] = [cells[3], cells[7]].map(Number);
@@ -31,11 +31,14 @@ module.exports = {
     assert.ok(hottest_degC > 25 && hottest_degC < 150, cells.join('|'));
 
     const keys = () => by(view, 'plot-step-position_m').locator('.plot-key').allTextContents();
-    assert.deepEqual((await keys()).map((words) => words.match(/run \d|set-point/)?.[0]), ['set-point', 'run 2', 'run 1']);
+    assert.deepEqual(
+      (await keys()).map((words) => words.match(/run \d|set-point/)?.[0]),
+      ['set-point', 'run 2', 'run 1'],
+    );
     const both = await coloured(view, 'plot-step-position_m');
     await view.locator('[data-testid=run] .run-key').nth(1).click();
     await until('one run less', async () => (await keys()).length === 2);
-    await until('one curve less', async () => await coloured(view, 'plot-step-position_m') < both);
+    await until('one curve less', async () => (await coloured(view, 'plot-step-position_m')) < both);
 
     const csv = (await download(view, 'save-csv')).toString();
     assert.match(csv, /^time_s,.*position_m.*\n0,/);
@@ -45,12 +48,12 @@ module.exports = {
     assert.equal(fs.readFileSync(again, 'utf8'), csv);
 
     await view.reload();
-    await until('the runs of before', async () => await runs.count() === 2);
+    await until('the runs of before', async () => (await runs.count()) === 2);
     assert.equal((await keys()).length, 2);
-    await until('it is off', async () => !await world.heated());
+    await until('it is off', async () => !(await world.heated()));
   },
 
-  async 'a recording waits for its trigger, and has what was before it'({view}) {
+  async 'a recording waits for its trigger, and has what was before it'({ view }) {
     await connected(view);
     await move(view, 0);
     await tab(view, 'step');
@@ -63,8 +66,12 @@ module.exports = {
     await move(view, 1000);
     await tab(view, 'step');
     await shown(view, 'recorded');
-    await until('the recording', async () => await coloured(view, 'plot-record-µm') > 50);
-    const lines = (await download(view, 'save-csv')).toString().trim().split('\n').filter((line) => !line.startsWith('#'));
+    await until('the recording', async () => (await coloured(view, 'plot-record-µm')) > 50);
+    const lines = (await download(view, 'save-csv'))
+      .toString()
+      .trim()
+      .split('\n')
+      .filter((line) => !line.startsWith('#'));
     const [head, ...rows] = lines.map((line) => line.split(','));
     const column = (name) => rows.map((row) => Number(row[head.indexOf(name)]));
     const [time_s, position_m] = [column('time_s'), column('position_m')];

@@ -23,18 +23,33 @@ const units: Record<string, Shown> = {
 };
 
 const special: Record<string, Shown> = Object.fromEntries(
-  ['strain', 'strain_sd', 'strain_low', 'strain_high', 'setpoint_strain', 'reference_strain', 'contraction',
-    'martensite', 'r_phase', 'austenite', 'cooling'].map((name) => [name, { unit: '%', factor: 100, offset: 0 }]),
+  [
+    'strain',
+    'strain_sd',
+    'strain_low',
+    'strain_high',
+    'setpoint_strain',
+    'reference_strain',
+    'contraction',
+    'martensite',
+    'r_phase',
+    'austenite',
+    'cooling',
+  ].map((name) => [name, { unit: '%', factor: 100, offset: 0 }]),
 );
 
 /** A difference of temperatures has no offset. */
 export function shownAs(signal: string): Shown {
   const named = special[signal];
-  if (named) return named;
+  if (named) {
+    return named;
+  }
   const difference = signal.startsWith('error:');
   const unit = unitOf(signal);
   const shown = units[unit] ?? { unit, factor: 1, offset: 0 };
-  if (difference && unit === 'K') return { unit: 'K', factor: 1, offset: 0 };
+  if (difference && unit === 'K') {
+    return { unit: 'K', factor: 1, offset: 0 };
+  }
   return shown;
 }
 
@@ -46,7 +61,9 @@ export function shownIn(mode: number, signal: string): Shown {
 
 /** The unit that ends a name. */
 export function unitOf(signal: string): string {
-  if (signal.endsWith('_m_s')) return 'm_s';
+  if (signal.endsWith('_m_s')) {
+    return 'm_s';
+  }
   const end = signal.slice(signal.lastIndexOf('_') + 1);
   return end in units ? end : '';
 }
@@ -92,13 +109,20 @@ export function roleOf(signal: string, n = 0): Role {
 
 /** A name of the bus as words: `resistance_model_ohm` is `resistance model`. */
 const words: Record<string, string> = {
-  current_A: 'current reading', voltage_V: 'voltage reading', r_phase: 'R-phase', strain_sd: 'strain σ', setpoint: 'set-point',
-  supply_V: 'supply', resistance_model_ohm: 'expected resistance',
+  current_A: 'current reading',
+  voltage_V: 'voltage reading',
+  r_phase: 'R-phase',
+  strain_sd: 'strain σ',
+  setpoint: 'set-point',
+  supply_V: 'supply',
+  resistance_model_ohm: 'expected resistance',
 };
 
 export function plain(signal: string): string {
   const known = words[signal];
-  if (known) return known;
+  if (known) {
+    return known;
+  }
   const unit = unitOf(signal);
   const bare = signal.replace(/^[a-z]+:/, '');
   return (unit ? bare.replace(new RegExp(`_${unit}$`), '') : bare).replaceAll('_', ' ');

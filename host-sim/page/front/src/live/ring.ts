@@ -3,7 +3,7 @@
 import { RangedColumn } from '../numbers/columns';
 import type { Samples } from '../numbers/samples';
 
-const most_columns = 96;  // what a bridge sends has no bound of its own
+const most_columns = 96; // what a bridge sends has no bound of its own
 
 export type Row = Record<string, number | null | undefined>;
 
@@ -37,8 +37,14 @@ export class SampleRing implements Samples {
   /** A row that is not later than the last one is left out. */
   push(time_s: number, row: Row): void {
     const last = this.last_s;
-    if (!Number.isFinite(time_s) || (last !== null && time_s <= last)) return;
-    for (const key in row) if (!this.columns.has(key)) this.add(key);
+    if (!Number.isFinite(time_s) || (last !== null && time_s <= last)) {
+      return;
+    }
+    for (const key in row) {
+      if (!this.columns.has(key)) {
+        this.add(key);
+      }
+    }
     const at = this.end;
     this.times[at % this.capacity] = time_s;
     for (const [key, column] of this.columns) {
@@ -46,11 +52,15 @@ export class SampleRing implements Samples {
       column.set(at, typeof value === 'number' ? value : NaN);
     }
     this.end = at + 1;
-    if (this.end - this.first > this.capacity) this.first = this.end - this.capacity;
+    if (this.end - this.first > this.capacity) {
+      this.first = this.end - this.capacity;
+    }
   }
 
   private add(key: string): void {
-    if (this.columns.size >= most_columns) return;
+    if (this.columns.size >= most_columns) {
+      return;
+    }
     this.columns.set(key, new RangedColumn(new Float32Array(this.capacity), this.capacity, this.end));
   }
 }

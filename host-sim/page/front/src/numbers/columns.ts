@@ -3,7 +3,7 @@
 
 import type { Column, Range, Samples } from './samples';
 
-const bits = [5, 10] as const;  // blocks of 32 and of 1024 rows
+const bits = [5, 10] as const; // blocks of 32 and of 1024 rows
 
 export type Numbers = Float32Array | Float64Array;
 
@@ -17,10 +17,12 @@ export class RangedColumn implements Column {
   private readonly highs: Numbers[];
 
   constructor(
-    private readonly values: Numbers, private readonly capacity = values.length, private readonly start = 0,
+    private readonly values: Numbers,
+    private readonly capacity = values.length,
+    private readonly start = 0,
   ) {
     const make = (size: number): Numbers =>
-      (values instanceof Float32Array ? new Float32Array(size) : new Float64Array(size));
+      values instanceof Float32Array ? new Float32Array(size) : new Float64Array(size);
     this.lows = bits.map((b) => make(Math.ceil(capacity / (1 << b))));
     this.highs = bits.map((b) => make(Math.ceil(capacity / (1 << b))));
   }
@@ -34,20 +36,28 @@ export class RangedColumn implements Column {
     const place = row % this.capacity;
     this.values[place] = value;
     // Only whole blocks are ever asked for.
-    if ((place & 31) === 31) this.fold(place);
+    if ((place & 31) === 31) {
+      this.fold(place);
+    }
   }
 
   /** The extremes of the blocks that end at a place. */
   private fold(place: number): void {
     const block = place >> bits[0];
     const range = { low: NaN, high: NaN };
-    for (let at = block << bits[0]; at <= place; ++at) include(range, this.values[at]!, this.values[at]!);
+    for (let at = block << bits[0]; at <= place; ++at) {
+      include(range, this.values[at]!, this.values[at]!);
+    }
     this.lows[0]![block] = range.low;
     this.highs[0]![block] = range.high;
-    if ((place & 1023) !== 1023) return;
+    if ((place & 1023) !== 1023) {
+      return;
+    }
     const large = place >> bits[1];
     range.low = range.high = NaN;
-    for (let at = large << 5; at <= block; ++at) include(range, this.lows[0]![at]!, this.highs[0]![at]!);
+    for (let at = large << 5; at <= block; ++at) {
+      include(range, this.lows[0]![at]!, this.highs[0]![at]!);
+    }
     this.lows[1]![large] = range.low;
     this.highs[1]![large] = range.high;
   }
@@ -74,15 +84,21 @@ export class RangedColumn implements Column {
   private levelAt(place: number, rows: number): number {
     for (let level = bits.length - 1; level >= 0; --level) {
       const size = 1 << bits[level]!;
-      if ((place & (size - 1)) === 0 && rows >= size && place + size <= this.capacity) return level;
+      if ((place & (size - 1)) === 0 && rows >= size && place + size <= this.capacity) {
+        return level;
+      }
     }
     return -1;
   }
 }
 
 function include(result: Range, low: number, high: number): void {
-  if (!(low >= result.low)) result.low = Number.isNaN(low) ? result.low : low;
-  if (!(high <= result.high)) result.high = Number.isNaN(high) ? result.high : high;
+  if (!(low >= result.low)) {
+    result.low = Number.isNaN(low) ? result.low : low;
+  }
+  if (!(high <= result.high)) {
+    result.high = Number.isNaN(high) ? result.high : high;
+  }
 }
 
 /** Samples of arrays that do not change; null and NaN are gaps. x must ascend. */
@@ -91,11 +107,16 @@ export class ArraySamples implements Samples {
   readonly end: number;
   private readonly columns = new Map<string, RangedColumn>();
 
-  constructor(private readonly xs: ArrayLike<number>, ys: Record<string, ArrayLike<number | null>>) {
+  constructor(
+    private readonly xs: ArrayLike<number>,
+    ys: Record<string, ArrayLike<number | null>>,
+  ) {
     this.end = xs.length;
     for (const [key, values] of Object.entries(ys)) {
       const column = new RangedColumn(new Float64Array(values.length), Math.max(1, values.length));
-      for (let row = 0; row < values.length; ++row) column.set(row, values[row] ?? NaN);
+      for (let row = 0; row < values.length; ++row) {
+        column.set(row, values[row] ?? NaN);
+      }
       this.columns.set(key, column);
     }
   }

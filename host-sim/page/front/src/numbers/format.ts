@@ -4,9 +4,15 @@ const gap = '–';
 
 /** Up to `digits` significant digits without trailing zeros; an exponent below 1e-4 and from 1e7 on. */
 export function formatNumber(value: number | null | undefined, digits = 4): string {
-  if (value === null || value === undefined || Number.isNaN(value)) return gap;
-  if (!Number.isFinite(value)) return value > 0 ? '∞' : '−∞';
-  if (value === 0) return '0';
+  if (value === null || value === undefined || Number.isNaN(value)) {
+    return gap;
+  }
+  if (!Number.isFinite(value)) {
+    return value > 0 ? '∞' : '−∞';
+  }
+  if (value === 0) {
+    return '0';
+  }
   const size = Math.abs(value);
   if (size >= 1e-4 && size < 1e7) {
     // Digits before the point are never rounded away: 1013.25 is 1013, not 1010.
@@ -23,19 +29,27 @@ export function formatNumber(value: number | null | undefined, digits = 4): stri
  * with an ASCII minus.
  */
 export function formatExact(value: number): string {
-  if (!Number.isFinite(value)) return String(value);
-  if (Number.isInteger(value) && Math.abs(value) < 1e7) return String(value);
+  if (!Number.isFinite(value)) {
+    return String(value);
+  }
+  if (Number.isInteger(value) && Math.abs(value) < 1e7) {
+    return String(value);
+  }
   const single = Math.fround(value) === value && !Number.isInteger(value);
   let text = String(value);
   if (single) {
     for (let digits = 1; digits <= 9; ++digits) {
       text = value.toPrecision(digits);
-      if (Math.fround(Number(text)) === value) break;
+      if (Math.fround(Number(text)) === value) {
+        break;
+      }
     }
   }
   const number = Number(text);
   const size = Math.abs(number);
-  if (size >= 1e-4 && (size < 1e7 || Number.isInteger(value))) return plain(number);
+  if (size >= 1e-4 && (size < 1e7 || Number.isInteger(value))) {
+    return plain(number);
+  }
   return exponent(number.toExponential());
 }
 
@@ -55,7 +69,7 @@ export function formatTicks(ticks: readonly number[], step: number): string[] {
 
 /** Time of day of a Unix time in seconds: 14:03:07, with as many decimals as `step` needs. */
 export function formatClock(time_s: number, step = 1): string {
-  const shown = time_s + 1e-6;  // a tick of 5.25 s may be 5.2499999
+  const shown = time_s + 1e-6; // a tick of 5.25 s may be 5.2499999
   const date = new Date(Math.floor(shown) * 1000);
   const two = (part: number): string => String(part).padStart(2, '0');
   const decimals = step >= 1 ? 0 : Math.min(4, Math.ceil(-Math.log10(step) - 1e-9));
@@ -67,8 +81,12 @@ export function formatClock(time_s: number, step = 1): string {
 /** A duration in words: 12 s, 3 min 5 s, 1 h 2 min. */
 export function formatDuration(seconds: number): string {
   const whole = Math.max(0, Math.round(seconds));
-  if (whole < 60) return `${whole} s`;
-  if (whole < 3600) return `${Math.floor(whole / 60)} min${whole % 60 === 0 ? '' : ` ${whole % 60} s`}`;
+  if (whole < 60) {
+    return `${whole} s`;
+  }
+  if (whole < 3600) {
+    return `${Math.floor(whole / 60)} min${whole % 60 === 0 ? '' : ` ${whole % 60} s`}`;
+  }
   const minutes = Math.round((whole % 3600) / 60);
   return `${Math.floor(whole / 3600)} h${minutes === 0 ? '' : ` ${minutes} min`}`;
 }

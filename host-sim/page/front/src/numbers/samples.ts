@@ -52,7 +52,9 @@ export class Reduced {
       this.y = [];
       this.of = null;
     }
-    while (this.y.length < columns) this.y.push(new Float64Array(this.x.length));
+    while (this.y.length < columns) {
+      this.y.push(new Float64Array(this.x.length));
+    }
   }
 
   /** No row is kept. */
@@ -69,9 +71,13 @@ export class Reduced {
     const { of, starts, places } = this;
     const text = wants.map((want) => `${want.keep} ${want.key}`).join('\n');
     let first = 0;
-    let last = starts.length - 1;  // may get more samples, so it is made anew
-    while (last > 0 && starts[last]! > end) --last;
-    while (first < last && starts[first + 1]! <= begin) ++first;
+    let last = starts.length - 1; // may get more samples, so it is made anew
+    while (last > 0 && starts[last]! > end) {
+      --last;
+    }
+    while (first < last && starts[first + 1]! <= begin) {
+      ++first;
+    }
     const same = of !== null && of.samples === samples && of.width === width && of.wants === text;
     if (!same || !(first < last) || starts[first]! > begin) {
       this.clear();
@@ -81,12 +87,16 @@ export class Reduced {
     const [from, to] = [places[first]!, places[last]!];
     const next = starts[last]!;
     this.x.copyWithin(0, from, to);
-    for (const y of this.y) y.copyWithin(0, from, to);
+    for (const y of this.y) {
+      y.copyWithin(0, from, to);
+    }
     starts.splice(last);
     places.splice(last);
     starts.splice(0, first);
     places.splice(0, first);
-    for (let pixel = 0; pixel < places.length; ++pixel) places[pixel]! -= from;
+    for (let pixel = 0; pixel < places.length; ++pixel) {
+      places[pixel]! -= from;
+    }
     this.count = this.kept = to - from;
     return next;
   }
@@ -98,18 +108,27 @@ export function lowerBound(samples: Samples, value: number, from = samples.first
   let high = to;
   while (low < high) {
     const middle = (low + high) >>> 1;
-    if (samples.x(middle) < value) low = middle + 1;
-    else high = middle;
+    if (samples.x(middle) < value) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
   }
   return low;
 }
 
 /** The row nearest to x, or -1 of no rows. */
 export function nearestRow(samples: Samples, x: number): number {
-  if (samples.end === samples.first) return -1;
+  if (samples.end === samples.first) {
+    return -1;
+  }
   const row = lowerBound(samples, x);
-  if (row === samples.end) return row - 1;
-  if (row === samples.first) return row;
+  if (row === samples.end) {
+    return row - 1;
+  }
+  if (row === samples.first) {
+    return row;
+  }
   return x - samples.x(row - 1) <= samples.x(row) - x ? row - 1 : row;
 }
 
@@ -117,7 +136,9 @@ export function nearestRow(samples: Samples, x: number): number {
 export function valueAt(samples: Samples, key: string, x: number, reach = Infinity): number {
   const row = nearestRow(samples, x);
   const column = samples.column(key);
-  if (row < 0 || !column || Math.abs(samples.x(row) - x) > reach) return NaN;
+  if (row < 0 || !column || Math.abs(samples.x(row) - x) > reach) {
+    return NaN;
+  }
   return column.at(row);
 }
 
@@ -129,7 +150,12 @@ export function valueAt(samples: Samples, key: string, x: number, reach = Infini
  * Cost: about 40 comparisons for each new pixel and want, whatever the number of samples.
  */
 export function reduce(
-  samples: Samples, from: number, to: number, pixels: number, wants: readonly Want[], out: Reduced,
+  samples: Samples,
+  from: number,
+  to: number,
+  pixels: number,
+  wants: readonly Want[],
+  out: Reduced,
 ): void {
   const begin = Math.max(samples.first, lowerBound(samples, from) - 1);
   const end = Math.min(samples.end, lowerBound(samples, to) + 1);
@@ -139,10 +165,14 @@ export function reduce(
     out.clear();
     out.reserve(Math.max(rows, 2 * pixels), wants.length);
     out.count = rows;
-    for (let row = begin; row < end; ++row) out.x[row - begin] = samples.x(row);
+    for (let row = begin; row < end; ++row) {
+      out.x[row - begin] = samples.x(row);
+    }
     columns.forEach((column, c) => {
       const y = out.y[c]!;
-      for (let row = begin; row < end; ++row) y[row - begin] = column ? column.at(row) : NaN;
+      for (let row = begin; row < end; ++row) {
+        y[row - begin] = column ? column.at(row) : NaN;
+      }
     });
     return;
   }
@@ -150,7 +180,7 @@ export function reduce(
   // Six digits: the ends of a window that scrolls are rounded, and with them its length.
   const width = Number(((to - from) / pixels).toPrecision(6));
   const whole = lowerBound(samples, Math.floor(samples.x(begin) / width) * width, samples.first, begin);
-  for (let row = out.keep(samples, width, wants, whole, end); row < end;) {
+  for (let row = out.keep(samples, width, wants, whole, end); row < end; ) {
     const edge = (Math.floor(samples.x(row) / width) + 1) * width;
     const next = Math.max(row + 1, gallop(samples, edge, row + 1, end));
     out.starts.push(row);
@@ -174,8 +204,12 @@ function gallop(samples: Samples, value: number, from: number, end: number): num
 const range: Range = { low: NaN, high: NaN };
 
 function put(
-  samples: Samples, columns: readonly (Column | undefined)[], wants: readonly Want[], from: number,
-  to: number, out: Reduced,
+  samples: Samples,
+  columns: readonly (Column | undefined)[],
+  wants: readonly Want[],
+  from: number,
+  to: number,
+  out: Reduced,
 ): void {
   const last = to - 1;
   const opens = columns.some((column) => column && Number.isNaN(column.at(from)));
@@ -185,19 +219,27 @@ function put(
   const at = (x: number): void => {
     out.x[row + rows++] = x;
   };
-  if (opens) at(samples.x(from));
+  if (opens) {
+    at(samples.x(from));
+  }
   at(samples.x(from));
   at(samples.x(last));
-  if (closes) at(samples.x(last));
+  if (closes) {
+    at(samples.x(last));
+  }
   for (let c = 0; c < columns.length; ++c) {
     const column = columns[c];
     const y = out.y[c]!;
     const [early, late] = column ? kept(column, wants[c]!.keep, from, to) : [NaN, NaN];
     let i = row;
-    if (opens) y[i++] = column && Number.isNaN(column.at(from)) ? NaN : early;
+    if (opens) {
+      y[i++] = column && Number.isNaN(column.at(from)) ? NaN : early;
+    }
     y[i++] = early;
     y[i++] = late;
-    if (closes) y[i] = column && Number.isNaN(column.at(last)) ? NaN : late;
+    if (closes) {
+      y[i] = column && Number.isNaN(column.at(last)) ? NaN : late;
+    }
   }
   out.count += rows;
 }

@@ -34,10 +34,17 @@ export function App() {
         <Header />
         <nav class="tabs" aria-label="Views">
           {views.map((view) => (
-            <a key={view.id} href={`#${view.id}`} data-testid={`tab-${view.id}`}
+            <a
+              key={view.id}
+              href={`#${view.id}`}
+              data-testid={`tab-${view.id}`}
               aria-current={view === current ? 'page' : undefined}>
               {view.title}
-              {view.id === 'state' && faults > 0 && <span class="badge" role="img" aria-label={`${faults} faults`}>{faults}</span>}
+              {view.id === 'state' && faults > 0 && (
+                <span class="badge" role="img" aria-label={`${faults} faults`}>
+                  {faults}
+                </span>
+              )}
             </a>
           ))}
         </nav>
@@ -57,18 +64,24 @@ function Trouble() {
     return (
       <div class="trouble" role="alert" data-testid="lost">
         <strong>No connection to the bridge.</strong> What is shown is not live. The servos go off by themselves when
-        nobody commands them. Trying again …
-        {lostReason.value && <span class="soft"> ({lostReason.value})</span>}
+        nobody commands them. Trying again …{lostReason.value && <span class="soft"> ({lostReason.value})</span>}
       </div>
     );
   }
-  if (link.value === 'connecting') return <div class="trouble calm" role="status">Connecting to the bridge …</div>;
+  if (link.value === 'connecting') {
+    return (
+      <div class="trouble calm" role="status">
+        Connecting to the bridge …
+      </div>
+    );
+  }
   const twice = nodes.value.filter((info) => info.duplicate);
   return (
     <>
       {bridge.value?.trouble && (
         <div class="trouble" role="alert" data-testid="bus-trouble">
-          {/^this computer/.test(bridge.value.trouble) ? null : <strong>Bus: </strong>}{bridge.value.trouble}
+          {/^this computer/.test(bridge.value.trouble) ? null : <strong>Bus: </strong>}
+          {bridge.value.trouble}
         </div>
       )}
       {twice.map((info) => (

@@ -3,8 +3,8 @@
 import type { ParameterInfo, Value } from '../protocol/bridge';
 
 export interface Group {
-  name: string;  ///< the last part
-  path: string;  ///< of all parts, such as wire.m2a
+  name: string; ///< the last part
+  path: string; ///< of all parts, such as wire.m2a
   groups: Group[];
   parameters: ParameterInfo[];
 }
@@ -40,19 +40,26 @@ export interface Filter {
 
 /** All words must occur in name, meaning or unit; underscores and points count as spaces as well. */
 export function find(parameters: readonly ParameterInfo[], filter: Filter): ParameterInfo[] {
-  const words = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== '');
+  const words = filter.text
+    .toLowerCase()
+    .split(/\s+/)
+    .filter((word) => word !== '');
   return parameters.filter((parameter) => {
-    if (filter.only && !filter.only(parameter)) return false;
+    if (filter.only && !filter.only(parameter)) {
+      return false;
+    }
     const name = parameter.name.toLowerCase();
-    const text = `${name} ${name.replace(/[._]/g, ' ')} ${parameter.meaning.toLowerCase()} ` +
-      parameter.unit.toLowerCase();
+    const text =
+      `${name} ${name.replace(/[._]/g, ' ')} ${parameter.meaning.toLowerCase()} ` + parameter.unit.toLowerCase();
     return words.every((word) => text.includes(word));
   });
 }
 
 /** A REAL32 comes back from the bus as the float next to what was written. */
 export function sameValue(a: Value | null | undefined, b: Value | null | undefined): boolean {
-  if (typeof a === 'number' && typeof b === 'number') return Math.fround(a) === Math.fround(b);
+  if (typeof a === 'number' && typeof b === 'number') {
+    return Math.fround(a) === Math.fround(b);
+  }
   return a === b;
 }
 

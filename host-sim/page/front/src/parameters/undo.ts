@@ -12,7 +12,7 @@ export interface Change {
 export interface Entry {
   changes: Change[];
   at_ms: number;
-  how: string;  ///< written, kept after a trial, restored
+  how: string; ///< written, kept after a trial, restored
 }
 
 const most = 100;
@@ -35,9 +35,13 @@ export class UndoHistory {
   /** Changes that change nothing are left out; a new entry ends what could be done again. */
   record(changes: readonly Change[], how: string, at_ms: number): void {
     const real = changes.filter((change) => !sameValue(change.before, change.after));
-    if (real.length === 0) return;
+    if (real.length === 0) {
+      return;
+    }
     this.done.push({ changes: real, how, at_ms });
-    if (this.done.length > most) this.done.shift();
+    if (this.done.length > most) {
+      this.done.shift();
+    }
     this.undone.length = 0;
   }
 
@@ -54,10 +58,14 @@ export class UndoHistory {
   /** The servo has taken what undo() said. */
   undid(): void {
     const entry = this.done.pop();
-    if (entry) this.undone.push(entry);
+    if (entry) {
+      this.undone.push(entry);
+    }
   }
   redid(): void {
     const entry = this.undone.pop();
-    if (entry) this.done.push(entry);
+    if (entry) {
+      this.done.push(entry);
+    }
   }
 }

@@ -11,7 +11,9 @@ export const rightSize = 48;
 
 /** 1, 2 or 5 times a power of ten, at or above the value. */
 export function niceStep(value: number): number {
-  if (!(value > 0) || !Number.isFinite(value)) return 1;
+  if (!(value > 0) || !Number.isFinite(value)) {
+    return 1;
+  }
   const power = 10 ** Math.floor(Math.log10(value));
   const mantissa = value / power;
   return (mantissa <= 1 ? 1 : mantissa <= 2 ? 2 : mantissa <= 5 ? 5 : 10) * power;
@@ -19,7 +21,9 @@ export function niceStep(value: number): number {
 
 /** A range around the data that ends at round numbers; at least `smallest` wide, so that noise is not all. */
 export function niceRange(low: number, high: number, smallest = 0): [number, number] {
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
+  if (!Number.isFinite(low) || !Number.isFinite(high)) {
+    return [0, 1];
+  }
   const least = Math.max(smallest, 2e-4 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
   if (high - low < least) {
     const middle = (low + high) / 2;
@@ -35,14 +39,18 @@ export function niceRange(low: number, high: number, smallest = 0): [number, num
 
 /** Of a logarithmic axis: whole decades unless the data fill less than one. */
 export function logRange(low: number, high: number): [number, number] {
-  if (!(low > 0) || !(high > 0)) return [0.1, 1];
-  if (high / low < 5) return [low / 1.2, high * 1.2];
+  if (!(low > 0) || !(high > 0)) {
+    return [0.1, 1];
+  }
+  if (high / low < 5) {
+    return [low / 1.2, high * 1.2];
+  }
   return [10 ** Math.floor(Math.log10(low) + 1e-9), 10 ** Math.ceil(Math.log10(high) - 1e-9)];
 }
 
 const seconds = [
-  1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30,
-  60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400,
+  1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120,
+  300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400,
 ];
 
 function common(): Partial<uPlot.Axis> {
@@ -58,7 +66,9 @@ function common(): Partial<uPlot.Axis> {
 
 export function xAxis(options: GroupOptions): uPlot.Axis {
   const written = (step: number, ticks: number[]): string[] => {
-    if (options.x === 'clock') return ticks.map((tick) => formatClock(tick, step));
+    if (options.x === 'clock') {
+      return ticks.map((tick) => formatClock(tick, step));
+    }
     return options.log ? ticks.map((tick) => formatNumber(tick)) : formatTicks(ticks, step);
   };
   return {
@@ -68,7 +78,7 @@ export function xAxis(options: GroupOptions): uPlot.Axis {
     space: options.x === 'clock' ? 72 : 64,
     ...(options.x === 'number' ? {} : { incrs: seconds }),
     values: (_u, ticks, _axis, _space, step) =>
-      (options.log ? ticks.map((tick) => (tick === null ? '' : formatNumber(tick))) : written(step, ticks)),
+      options.log ? ticks.map((tick) => (tick === null ? '' : formatNumber(tick))) : written(step, ticks),
   };
 }
 
@@ -85,6 +95,6 @@ export function yAxis(side: 'left' | 'right', log: boolean, empty = false): uPlo
     ticks: { ...axis.ticks, show: !empty },
     border: { ...axis.border, show: !empty },
     values: (_u, ticks, _axis, _space, step) =>
-      (empty ? [] : log ? ticks.map((tick) => (tick === null ? '' : formatNumber(tick))) : formatTicks(ticks, step)),
+      empty ? [] : log ? ticks.map((tick) => (tick === null ? '' : formatNumber(tick))) : formatTicks(ticks, step),
   };
 }

@@ -8,7 +8,11 @@ export class Box implements Zoom {
   readonly vertical = true;
   private shown: Scales = { x: [0, 1], y: [0, 1] };
 
-  constructor(private readonly changed: () => void, log = false, private zoomed: Scales | null = null) {
+  constructor(
+    private readonly changed: () => void,
+    log = false,
+    private zoomed: Scales | null = null,
+  ) {
     this.options = { x: 'number', extent: () => null, log };
   }
 
@@ -20,7 +24,9 @@ export class Box implements Zoom {
   }
 
   zoom(x: Span, y: Span): void {
-    if (x[1] > x[0] && y[1] > y[0]) this.zoomed = { x, y };
+    if (x[1] > x[0] && y[1] > y[0]) {
+      this.zoomed = { x, y };
+    }
     this.changed();
   }
   zoomAt(factor: number, x: number, y: number): void {
@@ -54,13 +60,17 @@ function equalised({ x, y }: Scales, width: number, height: number): Scales {
   const unit = Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
   const around = (span: Span, pixels: number): Span => {
     const middle = (span[0] + span[1]) / 2;
-    return [middle - unit * pixels / 2, middle + unit * pixels / 2];
+    return [middle - (unit * pixels) / 2, middle + (unit * pixels) / 2];
   };
   return { x: around(x, width), y: around(y, height) };
 }
 
 /** Makes a span hold a value, or a range of values; NaN is left out. */
 export function include(span: Span, low: number, high = low): void {
-  if (low < span[0]) span[0] = low;
-  if (high > span[1]) span[1] = high;
+  if (low < span[0]) {
+    span[0] = low;
+  }
+  if (high > span[1]) {
+    span[1] = high;
+  }
 }

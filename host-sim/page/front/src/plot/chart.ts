@@ -4,9 +4,9 @@
 import uPlot from 'uplot';
 import { axisFont, xAxis, yAxis } from './axes';
 import { cancelDraw, requestDraw } from './frames';
-import { GestureTarget, listen } from './gestures';
+import { type GestureTarget, listen } from './gestures';
 import type { Member, PlotGroup, Zoom } from './group';
-import { element, Legend, LegendItem } from './legend';
+import { element, Legend, type LegendItem } from './legend';
 import type { Project } from './pens';
 import { onTheme, theme } from './theme';
 
@@ -36,12 +36,12 @@ export interface ChartOptions {
   title: string;
   unit?: string;
   xLabel?: string;
-  height?: number;  ///< of the drawing, in pixels of CSS; its class says it where absent
-  group: PlotGroup | null;  ///< that it is a member of
-  zoom: Zoom;  ///< that group, or a box
+  height?: number; ///< of the drawing, in pixels of CSS; its class says it where absent
+  group: PlotGroup | null; ///< that it is a member of
+  zoom: Zoom; ///< that group, or a box
   yLog?: boolean;
   right?: boolean;
-  axes?: { x?: Partial<uPlot.Axis>; y?: Partial<uPlot.Axis> };  ///< what is unusual of them
+  axes?: { x?: Partial<uPlot.Axis>; y?: Partial<uPlot.Axis> }; ///< what is unusual of them
   legend: LegendItem[];
   onToggle?: (key: string, hidden: boolean) => void;
 }
@@ -58,20 +58,30 @@ export abstract class Chart implements Member, GestureTarget {
   private rightShown: boolean;
   protected scales: Scales = { x: [0, 1], y: [0, 1] };
 
-  constructor(parent: HTMLElement, protected readonly options: ChartOptions) {
+  constructor(
+    parent: HTMLElement,
+    protected readonly options: ChartOptions,
+  ) {
     this.root = element('figure', 'plot');
     this.root.tabIndex = 0;
     this.root.dataset['testid'] = `plot-${options.id}`;
     this.root.setAttribute('role', 'group');
-    this.root.setAttribute('aria-label', `${options.title}: plot. Arrow keys move the cursor, plus and ` +
-      'minus zoom, Shift and arrows move, 0 shows all.');
+    this.root.setAttribute(
+      'aria-label',
+      `${options.title}: plot. Arrow keys move the cursor, plus and ` +
+        'minus zoom, Shift and arrows move, 0 shows all.',
+    );
     this.legend = new Legend(options.title, options.unit, options.legend, (key, hidden) => {
       options.onToggle?.(key, hidden);
       this.changed();
     });
-    if (options.height) this.body.style.height = `${options.height}px`;
+    if (options.height) {
+      this.body.style.height = `${options.height}px`;
+    }
     this.root.append(this.legend.root, this.body);
-    if (options.xLabel) this.root.append(element('div', 'plot-x-label', options.xLabel));
+    if (options.xLabel) {
+      this.root.append(element('div', 'plot-x-label', options.xLabel));
+    }
     parent.append(this.root);
     this.root.classList.toggle('plot-xy', options.zoom.vertical);
     this.rightShown = this.hasRightAxis();
@@ -105,7 +115,9 @@ export abstract class Chart implements Member, GestureTarget {
 
   /** Off screen it is drawn once a second only: enough for whoever prints the page. */
   draw(): void {
-    if (this.onScreen || performance.now() - this.drawnAt > 1000) this.drawNow();
+    if (this.onScreen || performance.now() - this.drawnAt > 1000) {
+      this.drawNow();
+    }
   }
 
   drawNow(): void {
@@ -177,46 +189,55 @@ export abstract class Chart implements Member, GestureTarget {
 
   private make(): uPlot {
     const { options } = this;
-    const { vertical, options: { log } } = options.zoom;
+    const {
+      vertical,
+      options: { log },
+    } = options.zoom;
     const range = (which: 'y' | 'right', log?: boolean) => (): Span =>
       drawable(this.scales[which] ?? this.scales.y, log);
     const distr = (log?: boolean): { distr?: 3; log?: 10 } => (log ? { distr: 3, log: 10 } : {});
     const width = this.body.clientWidth || 300;
     const height = this.body.clientHeight || 160;
-    const made = new uPlot({
-      width,
-      height,
-      padding: [6, this.rightShown ? 0 : 14, 0, 0],
-      legend: { show: false },
-      cursor: {
-        y: false,
-        points: { show: false },
-        drag: { x: true, y: vertical, setScale: false, dist: 4, ...(vertical ? { uni: 30 } : {}) },
-        bind: {
-          dblclick: () => null,
-          mousedown: (_u, _target, handler) => (event) => {
-            if (event.button === 0 && !event.shiftKey && !fromTouch(event)) handler(event);
-            return null;
+    const made = new uPlot(
+      {
+        width,
+        height,
+        padding: [6, this.rightShown ? 0 : 14, 0, 0],
+        legend: { show: false },
+        cursor: {
+          y: false,
+          points: { show: false },
+          drag: { x: true, y: vertical, setScale: false, dist: 4, ...(vertical ? { uni: 30 } : {}) },
+          bind: {
+            dblclick: () => null,
+            mousedown: (_u, _target, handler) => (event) => {
+              if (event.button === 0 && !event.shiftKey && !fromTouch(event)) {
+                handler(event);
+              }
+              return null;
+            },
           },
         },
+        scales: {
+          x: { time: false, range: (_u, low, high) => drawable([low, high], log), ...distr(log) },
+          y: { range: range('y', options.yLog), ...distr(options.yLog) },
+          right: { range: range('right') },
+        },
+        axes: [
+          { ...xAxis(options.zoom.options), ...options.axes?.x },
+          { ...yAxis('left', options.yLog ?? false), ...options.axes?.y },
+          { ...yAxis('right', false, !options.right), show: this.rightShown },
+        ],
+        series: [{}],
+        hooks: {
+          draw: [(u) => this.painted(u)],
+          setSelect: [(u) => this.boxed(u)],
+          setCursor: [(u) => this.pointAt((u.cursor.left ?? -1) < 0 ? null : u.cursor.left!, u.cursor.top ?? 0)],
+        },
       },
-      scales: {
-        x: { time: false, range: (_u, low, high) => drawable([low, high], log), ...distr(log) },
-        y: { range: range('y', options.yLog), ...distr(options.yLog) },
-        right: { range: range('right') },
-      },
-      axes: [
-        { ...xAxis(options.zoom.options), ...options.axes?.x },
-        { ...yAxis('left', options.yLog ?? false), ...options.axes?.y },
-        { ...yAxis('right', false, !options.right), show: this.rightShown },
-      ],
-      series: [{}],
-      hooks: {
-        draw: [(u) => this.painted(u)],
-        setSelect: [(u) => this.boxed(u)],
-        setCursor: [(u) => this.pointAt((u.cursor.left ?? -1) < 0 ? null : u.cursor.left!, u.cursor.top ?? 0)],
-      },
-    }, [[0, 1]], this.body);
+      [[0, 1]],
+      this.body,
+    );
     made.over.append(this.tag);
     this.tag.hidden = true;
     return made;
@@ -248,14 +269,19 @@ export abstract class Chart implements Member, GestureTarget {
       toY: project(this.scales.y, top + height, top, this.options.yLog),
       toRight: project(this.scales.right ?? this.scales.y, top + height, top),
       ratio: uPlot.pxRatio,
-      left, top, width, height,
+      left,
+      top,
+      width,
+      height,
     });
     ctx.restore();
   }
 
   private boxed(u: uPlot): void {
     const { left, top, width, height } = u.select;
-    if (width < 4 && height < 4) return;
+    if (width < 4 && height < 4) {
+      return;
+    }
     const at = (px: number, scale: string): number => u.posToVal(px, scale);
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     this.options.zoom.zoom([at(left, 'x'), at(left + width, 'x')], [at(top + height, 'y'), at(top, 'y')]);
@@ -270,15 +296,24 @@ export abstract class Chart implements Member, GestureTarget {
       }
     });
     size.observe(this.body);
-    const sight = new IntersectionObserver(([entry]) => {
-      this.onScreen = entry?.isIntersecting ?? true;
-      if (this.onScreen) this.changed();
-    }, { rootMargin: '200px' });
+    const sight = new IntersectionObserver(
+      ([entry]) => {
+        this.onScreen = entry?.isIntersecting ?? true;
+        if (this.onScreen) {
+          this.changed();
+        }
+      },
+      { rootMargin: '200px' },
+    );
     sight.observe(this.root);
-    this.ends.push(() => size.disconnect(), () => sight.disconnect(), onTheme(() => {
-      this.legend.colour();
-      this.drawNow();
-    }));
+    this.ends.push(
+      () => size.disconnect(),
+      () => sight.disconnect(),
+      onTheme(() => {
+        this.legend.colour();
+        this.drawNow();
+      }),
+    );
   }
 }
 

@@ -11,7 +11,9 @@ let pending = 0;
 /** Draws it in the next frame, once however often it is asked for. */
 export function requestDraw(drawn: Drawn): void {
   dirty.add(drawn);
-  if (pending === 0) pending = requestAnimationFrame(drawAll);
+  if (pending === 0) {
+    pending = requestAnimationFrame(drawAll);
+  }
 }
 
 export function cancelDraw(drawn: Drawn): void {
@@ -22,12 +24,16 @@ function drawAll(): void {
   pending = 0;
   late.push(...dirty);
   dirty.clear();
-  for (const drawn of late) drawn.draw();
+  for (const drawn of late) {
+    drawn.draw();
+  }
   late.length = 0;
 }
 
 /** At once: before a page is printed. */
 export function drawNow(): void {
-  if (pending !== 0) cancelAnimationFrame(pending);
+  if (pending !== 0) {
+    cancelAnimationFrame(pending);
+  }
   drawAll();
 }

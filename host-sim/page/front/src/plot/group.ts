@@ -1,17 +1,17 @@
 // Plots that show the same stretch of one x axis, and a cursor at the same place.
 
-import { Drawn, requestDraw } from './frames';
+import { type Drawn, requestDraw } from './frames';
 
 export interface GroupOptions {
   /** How x is written: seconds of a run, Unix seconds as time of day, or any other number. */
   x: 'seconds' | 'clock' | 'number';
-  unit?: string;  ///< of x where it is a number
+  unit?: string; ///< of x where it is a number
   log?: boolean;
   /** First and last x there is, or null. */
   extent: () => [number, number] | null;
   /** Shows the last so many seconds, and moves with the newest sample until somebody zooms. */
   follow_s?: number;
-  smallest?: number;  ///< shortest stretch that can be zoomed to
+  smallest?: number; ///< shortest stretch that can be zoomed to
 }
 
 export interface Member extends Drawn {
@@ -23,7 +23,7 @@ export interface Member extends Drawn {
 /** What a plot shows of its axes, as gestures change it: the stretch of a group, or a box of its own. */
 export interface Zoom {
   readonly options: GroupOptions;
-  readonly vertical: boolean;  ///< whether gestures change y as well
+  readonly vertical: boolean; ///< whether gestures change y as well
   zoom(x: [number, number], y: [number, number]): void;
   /** Closer by a factor below 1, around a place that stays where it is. */
   zoomAt(factor: number, x: number, y: number): void;
@@ -88,16 +88,22 @@ export class PlotGroup implements Drawn, Zoom {
 
   /** What is shown now. */
   range(): [number, number] {
-    if (this.shown) return this.shown;
+    if (this.shown) {
+      return this.shown;
+    }
     const all = this.options.extent() ?? [0, 1];
-    if (this.follows) return [all[1] - this.follow_s, all[1]];
+    if (this.follows) {
+      return [all[1] - this.follow_s, all[1]];
+    }
     return all[1] > all[0] ? all : [all[0] - 0.5, all[0] + 0.5];
   }
 
   zoom([from, to]: [number, number]): void {
     const all = this.options.extent();
     const smallest = this.options.smallest ?? 1e-6 * Math.max(Math.abs(from), Math.abs(to), 1e-6);
-    if (!(to - from >= smallest) || !Number.isFinite(to - from)) return;
+    if (!(to - from >= smallest) || !Number.isFinite(to - from)) {
+      return;
+    }
     const live = this.options.follow_s !== undefined;
     if (all && !live) {
       const width = Math.min(to - from, all[1] - all[0]);
@@ -137,9 +143,13 @@ export class PlotGroup implements Drawn, Zoom {
   }
 
   setCursor(x: number | null): void {
-    if (x === this.cursor) return;
+    if (x === this.cursor) {
+      return;
+    }
     this.cursor = x;
-    for (const member of this.members) member.cursorMoved(x);
+    for (const member of this.members) {
+      member.cursorMoved(x);
+    }
   }
 
   stepCursor(share: number): void {
@@ -154,17 +164,25 @@ export class PlotGroup implements Drawn, Zoom {
   }
 
   draw(): void {
-    for (const member of this.members) member.draw();
+    for (const member of this.members) {
+      member.draw();
+    }
   }
 
   /** All plots keep room for a right axis when one has it: their x axes stay in line. */
   hasRightAxis(): boolean {
-    for (const member of this.members) if (member.hasRightAxis()) return true;
+    for (const member of this.members) {
+      if (member.hasRightAxis()) {
+        return true;
+      }
+    }
     return false;
   }
 
   private changed(): void {
     this.invalidate();
-    for (const listener of this.listeners) listener();
+    for (const listener of this.listeners) {
+      listener();
+    }
   }
 }

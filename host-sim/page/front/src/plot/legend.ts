@@ -2,7 +2,7 @@
 // the series off and puts it back.
 
 import { formatNumber } from '../numbers/format';
-import { Role, theme, translucent } from './theme';
+import { type Role, theme, translucent } from './theme';
 
 export type Style = 'line' | 'dashed' | 'steps' | 'points' | 'band' | 'stack';
 
@@ -10,7 +10,7 @@ export interface LegendItem {
   key: string;
   label: string;
   role: Role;
-  colour?: () => string;  ///< instead of the role's
+  colour?: () => string; ///< instead of the role's
   style: Style;
   unit?: string;
   hidden?: boolean;
@@ -19,11 +19,15 @@ export interface LegendItem {
 export type Toggled = (key: string, hidden: boolean) => void;
 
 export function element<K extends keyof HTMLElementTagNameMap>(
-  tag: K, className: string, text = '',
+  tag: K,
+  className: string,
+  text = '',
 ): HTMLElementTagNameMap[K] {
   const made = document.createElement(tag);
   made.className = className;
-  if (text) made.textContent = text;
+  if (text) {
+    made.textContent = text;
+  }
   return made;
 }
 
@@ -35,9 +39,13 @@ export class Legend {
 
   constructor(title: string, unit: string | undefined, items: LegendItem[], toggled: Toggled) {
     const heading = element('div', 'plot-title', title);
-    if (unit) heading.append(element('span', 'plot-unit', unit));
+    if (unit) {
+      heading.append(element('span', 'plot-unit', unit));
+    }
     const keys = element('div', 'plot-keys');
-    for (const item of items) keys.append(this.button(item, toggled));
+    for (const item of items) {
+      keys.append(this.button(item, toggled));
+    }
     this.root.append(heading, keys);
     this.colour();
   }
@@ -45,18 +53,25 @@ export class Legend {
   /** Writes a value; NaN as nothing. */
   show(key: string, value: number | string): void {
     const place = this.values.get(key);
-    if (!place) return;
+    if (!place) {
+      return;
+    }
     const text = typeof value === 'string' ? value : Number.isNaN(value) ? '' : formatNumber(value);
-    if (place.textContent !== text) place.textContent = text;
+    if (place.textContent !== text) {
+      place.textContent = text;
+    }
   }
 
   colour(): void {
     for (const [swatch, item] of this.swatches) {
       const colour = item.colour?.() ?? theme()[item.role];
       const area = item.style === 'band' || item.style === 'stack';
-      swatch.style.background = item.style === 'dashed'
-        ? `repeating-linear-gradient(90deg, ${colour} 0 4px, transparent 4px 6px)`
-        : area ? translucent(colour, item.style === 'band' ? 0.28 : 0.75) : colour;
+      swatch.style.background =
+        item.style === 'dashed'
+          ? `repeating-linear-gradient(90deg, ${colour} 0 4px, transparent 4px 6px)`
+          : area
+            ? translucent(colour, item.style === 'band' ? 0.28 : 0.75)
+            : colour;
     }
   }
 
@@ -69,10 +84,15 @@ export class Legend {
     const value = element('span', 'plot-value');
     this.values.set(item.key, value);
     button.append(swatch, element('span', 'plot-label', item.label), value);
-    if (item.unit) button.append(element('span', 'plot-unit', item.unit));
+    if (item.unit) {
+      button.append(element('span', 'plot-unit', item.unit));
+    }
     const set = (off: boolean): void => {
-      if (off) this.hidden.add(item.key);
-      else this.hidden.delete(item.key);
+      if (off) {
+        this.hidden.add(item.key);
+      } else {
+        this.hidden.delete(item.key);
+      }
       button.setAttribute('aria-pressed', String(!off));
       button.title = off ? `Show ${item.label}` : `Hide ${item.label}`;
     };

@@ -46,13 +46,17 @@ export class Raster {
       this.low = new Float64Array(width);
       this.high = new Float64Array(width);
     }
-    if (this.empty) this.words.fill(0);
+    if (this.empty) {
+      this.words.fill(0);
+    }
     this.empty = false;
   }
 
   /** Puts what has been drawn where it belongs, over what is there. */
   finish(place: Place): void {
-    if (this.empty || !this.canvas || !this.image) return;
+    if (this.empty || !this.canvas || !this.image) {
+      return;
+    }
     this.empty = true;
     this.canvas.getContext('2d')?.putImageData(this.image, 0, 0);
     place.ctx.drawImage(this.canvas, Math.round(place.left), Math.round(place.top));
@@ -69,7 +73,9 @@ export class Raster {
       const px = toX(rows.x[row]!) - place.left;
       const py = toY(y[row]!) - place.top;
       if (Number.isNaN(py)) {
-        if (steps && !Number.isNaN(lastY)) this.cover(lastX, lastY, px, lastY);
+        if (steps && !Number.isNaN(lastY)) {
+          this.cover(lastX, lastY, px, lastY);
+        }
       } else if (Number.isNaN(lastY)) {
         this.cover(px, py, px, py);
       } else if (steps) {
@@ -86,8 +92,14 @@ export class Raster {
 
   /** The area between two rows of values. */
   area(
-    place: Place, rows: Rows, low: Float64Array, high: Float64Array, toX: Project, toY: Project,
-    colour: string, opacity: number,
+    place: Place,
+    rows: Rows,
+    low: Float64Array,
+    high: Float64Array,
+    toX: Project,
+    toY: Project,
+    colour: string,
+    opacity: number,
   ): void {
     this.fit(place);
     this.low.fill(Infinity);
@@ -111,7 +123,9 @@ export class Raster {
     }
     const ink = parts(colour);
     for (let at = 0; at < this.width; ++at) {
-      if (this.high[at]! >= this.low[at]!) this.upright(at, this.low[at]!, this.high[at]!, ink, opacity);
+      if (this.high[at]! >= this.low[at]!) {
+        this.upright(at, this.low[at]!, this.high[at]!, ink, opacity);
+      }
     }
   }
 
@@ -123,10 +137,18 @@ export class Raster {
     for (let column = from; column <= to; ++column) {
       const begin = column <= x0 ? y0 : y0 + (column - x0) * slope;
       const end = column + 1 >= x1 ? y1 : y0 + (column + 1 - x0) * slope;
-      if (begin < this.low[column]!) this.low[column] = begin;
-      if (begin > this.high[column]!) this.high[column] = begin;
-      if (end < this.low[column]!) this.low[column] = end;
-      if (end > this.high[column]!) this.high[column] = end;
+      if (begin < this.low[column]!) {
+        this.low[column] = begin;
+      }
+      if (begin > this.high[column]!) {
+        this.high[column] = begin;
+      }
+      if (end < this.low[column]!) {
+        this.low[column] = end;
+      }
+      if (end > this.high[column]!) {
+        this.high[column] = end;
+      }
     }
   }
 
@@ -135,7 +157,9 @@ export class Raster {
     const [on = 0, off = 0] = pen.dash;
     const period = on + off;
     const last = rows.count - 1;
-    if (!(period > 0) || last < 1) return null;
+    if (!(period > 0) || last < 1) {
+      return null;
+    }
     const [x0, x1] = [rows.x[0]!, rows.x[last]!];
     const origin = toX(x0) - place.left - (x0 * (toX(x1) - toX(x0))) / (x1 - x0);
     return (column) => (((column - origin) % period) + period) % period < on;
@@ -153,11 +177,19 @@ export class Raster {
       let low = Infinity;
       let high = -Infinity;
       for (let near = Math.max(0, column - after); near <= column + before && near < this.width; ++near) {
-        if (there && !there(near) && !(tall(near) && !(tall(near - 3 * width) || tall(near + 3 * width)))) continue;
-        if (this.low[near]! < low) low = this.low[near]!;
-        if (this.high[near]! > high) high = this.high[near]!;
+        if (there && !there(near) && !(tall(near) && !(tall(near - 3 * width) || tall(near + 3 * width)))) {
+          continue;
+        }
+        if (this.low[near]! < low) {
+          low = this.low[near]!;
+        }
+        if (this.high[near]! > high) {
+          high = this.high[near]!;
+        }
       }
-      if (high >= low) this.upright(column, low - half, high + half, colour, 1);
+      if (high >= low) {
+        this.upright(column, low - half, high + half, colour, 1);
+      }
     }
   }
 
@@ -165,23 +197,33 @@ export class Raster {
   private upright(column: number, low: number, high: number, ink: Colour, opacity: number): void {
     const from = Math.max(0, low);
     const to = Math.min(this.height, high);
-    if (!(to > from)) return;
+    if (!(to > from)) {
+      return;
+    }
     const first = Math.ceil(from);
     const last = Math.floor(to);
     if (first > last) {
       this.blend(column, last, ink, opacity * (to - from));
       return;
     }
-    if (first > from) this.blend(column, first - 1, ink, opacity * (first - from));
-    if (to > last) this.blend(column, last, ink, opacity * (to - last));
+    if (first > from) {
+      this.blend(column, first - 1, ink, opacity * (first - from));
+    }
+    if (to > last) {
+      this.blend(column, last, ink, opacity * (to - last));
+    }
     if (opacity < 1) {
-      for (let row = first; row < last; ++row) this.blend(column, row, ink, opacity);
+      for (let row = first; row < last; ++row) {
+        this.blend(column, row, ink, opacity);
+      }
       return;
     }
     // All machines with a browser have the low byte first.
     const word = ((255 << 24) | (ink[2] << 16) | (ink[1] << 8) | ink[0]) >>> 0;
     const end = last * this.width + column;
-    for (let at = first * this.width + column; at < end; at += this.width) this.words[at] = word;
+    for (let at = first * this.width + column; at < end; at += this.width) {
+      this.words[at] = word;
+    }
   }
 
   private blend(column: number, row: number, ink: Colour, opacity: number): void {
@@ -189,8 +231,12 @@ export class Raster {
     const { bytes } = this;
     const under = (bytes[at + 3]! / 255) * (1 - opacity);
     const all = opacity + under;
-    if (!(all > 0)) return;
-    for (let part = 0; part < 3; ++part) bytes[at + part] = (ink[part]! * opacity + bytes[at + part]! * under) / all;
+    if (!(all > 0)) {
+      return;
+    }
+    for (let part = 0; part < 3; ++part) {
+      bytes[at + part] = (ink[part]! * opacity + bytes[at + part]! * under) / all;
+    }
     bytes[at + 3] = 255 * all;
   }
 }

@@ -12,29 +12,29 @@
 //     group.invalidate();
 
 import { logRange, niceRange } from './axes';
-import { Chart, label, labelWidth, Scales, Span, View } from './chart';
+import { Chart, label, labelWidth, type Scales, type Span, type View } from './chart';
 import { formatClock, formatNumber } from '../numbers/format';
-import { reduce, Reduced, Samples, valueAt, Want } from '../numbers/samples';
+import { reduce, Reduced, type Samples, valueAt, type Want } from '../numbers/samples';
 import type { PlotGroup } from './group';
 import type { Style } from './legend';
-import { drawArea, drawLine, drawPoints, drawSteps, Pen, Project } from './pens';
+import { drawArea, drawLine, drawPoints, drawSteps, type Pen, type Project } from './pens';
 import { Raster } from './raster';
-import { Role, theme, translucent } from './theme';
+import { type Role, theme, translucent } from './theme';
 
 export interface SeriesSpec {
-  key: string;  ///< of the series, and of its column unless `column` says another one
+  key: string; ///< of the series, and of its column unless `column` says another one
   column?: string;
   label: string;
   role: Role;
-  style?: Style;  ///< line
+  style?: Style; ///< line
   axis?: 'left' | 'right';
-  unit?: string;  ///< behind the value, where it is not the plot's
-  factor?: number;  ///< shown is factor * value + offset
+  unit?: string; ///< behind the value, where it is not the plot's
+  factor?: number; ///< shown is factor * value + offset
   offset?: number;
-  low?: string;  ///< columns of a band
+  low?: string; ///< columns of a band
   high?: string;
-  width?: number;  ///< of the line, in pixels of CSS
-  hidden?: boolean;  ///< until it is clicked
+  width?: number; ///< of the line, in pixels of CSS
+  hidden?: boolean; ///< until it is clicked
 }
 
 export interface Line {
@@ -47,17 +47,17 @@ export interface Line {
 export interface TimePlotSpec {
   id: string;
   title: string;
-  unit?: string;  ///< of the left axis
+  unit?: string; ///< of the left axis
   series: SeriesSpec[];
-  lines?: Line[];  ///< across the plot, such as a limit; they do not widen the axis
+  lines?: Line[]; ///< across the plot, such as a limit; they do not widen the axis
   height?: number;
-  range?: Span;  ///< of the left axis, instead of one that fits
-  smallest?: number;  ///< shortest range of the left axis
+  range?: Span; ///< of the left axis, instead of one that fits
+  smallest?: number; ///< shortest range of the left axis
   yLog?: boolean;
   xLabel?: string;
   /** Columns that are above 0 while something is so: strips along the upper edge, with their names. */
   flags?: () => Flag[];
-  onToggle?: (key: string, hidden: boolean) => void;  ///< a series was switched off or on
+  onToggle?: (key: string, hidden: boolean) => void; ///< a series was switched off or on
 }
 
 export interface Flag {
@@ -76,7 +76,10 @@ export class TimePlot extends Chart {
   lines: Line[];
 
   constructor(
-    parent: HTMLElement, readonly group: PlotGroup, readonly spec: TimePlotSpec, public samples: Samples,
+    parent: HTMLElement,
+    readonly group: PlotGroup,
+    readonly spec: TimePlotSpec,
+    public samples: Samples,
   ) {
     super(parent, {
       id: spec.id,
@@ -97,8 +100,11 @@ export class TimePlot extends Chart {
   override cursorMoved(x: number | null): void {
     const { options } = this.group;
     const [from, to] = this.scales.x;
-    this.placeCursor(x, (at) => (options.x === 'clock' ? formatClock(at, (to - from) / 500)
-      : `${formatNumber(at, 5)} ${options.x === 'seconds' ? 's' : options.unit ?? ''}`));
+    this.placeCursor(x, (at) =>
+      options.x === 'clock'
+        ? formatClock(at, (to - from) / 500)
+        : `${formatNumber(at, 5)} ${options.x === 'seconds' ? 's' : (options.unit ?? '')}`,
+    );
     this.writeValues();
   }
 
@@ -154,7 +160,9 @@ export class TimePlot extends Chart {
       }
     }
     this.flags = this.spec.flags?.() ?? [];
-    for (const flag of this.flags) this.wants.push({ key: flag.column, keep: 'high' });
+    for (const flag of this.flags) {
+      this.wants.push({ key: flag.column, keep: 'high' });
+    }
   }
 
   /** Rows that were there for the last picture are converted already. */
@@ -163,9 +171,13 @@ export class TimePlot extends Chart {
     for (const series of this.visible()) {
       for (let part = series.style === 'band' ? 2 : 1; part > 0; --part, ++column) {
         const { factor = 1, offset = 0 } = series;
-        if (factor === 1 && offset === 0) continue;
+        if (factor === 1 && offset === 0) {
+          continue;
+        }
         const y = this.reduced.y[column]!;
-        for (let row = this.reduced.kept; row < this.reduced.count; ++row) y[row] = factor * y[row]! + offset;
+        for (let row = this.reduced.kept; row < this.reduced.count; ++row) {
+          y[row] = factor * y[row]! + offset;
+        }
       }
     }
   }
@@ -181,7 +193,9 @@ export class TimePlot extends Chart {
     for (const series of this.visible()) {
       const band = series.style === 'band';
       for (let part = band ? 2 : 1; part > 0; --part, ++column) {
-        if ((series.axis ?? 'left') !== side) continue;
+        if ((series.axis ?? 'left') !== side) {
+          continue;
+        }
         stack ||= series.style === 'stack';
         const [least, most] = this.extremes(this.reduced.y[column]!, x);
         if (band) {
@@ -193,9 +207,13 @@ export class TimePlot extends Chart {
         }
       }
     }
-    if (stack) return [0, 1];
-    if (low > high) [low, high] = [bandLow, bandHigh];
-    const smallest = side === 'left' ? this.spec.smallest ?? 0 : 0;
+    if (stack) {
+      return [0, 1];
+    }
+    if (low > high) {
+      [low, high] = [bandLow, bandHigh];
+    }
+    const smallest = side === 'left' ? (this.spec.smallest ?? 0) : 0;
     const room = Math.max(high - low, smallest);
     low = Math.min(low, Math.max(bandLow, low - room));
     high = Math.max(high, Math.min(bandHigh, high + room));
@@ -209,9 +227,15 @@ export class TimePlot extends Chart {
     for (let row = 0; row < rows.count; ++row) {
       const x = rows.x[row]!;
       const value = y[row]!;
-      if (x < from || x > to) continue;
-      if (value < low && Number.isFinite(value)) low = value;
-      if (value > high && Number.isFinite(value)) high = value;
+      if (x < from || x > to) {
+        continue;
+      }
+      if (value < low && Number.isFinite(value)) {
+        low = value;
+      }
+      if (value > high && Number.isFinite(value)) {
+        high = value;
+      }
     }
     return [low, high];
   }
@@ -248,11 +272,19 @@ export class TimePlot extends Chart {
   }
 
   private paintArea(
-    view: View, series: SeriesSpec, low: Float64Array, high: Float64Array, toY: Project, opacity: number,
+    view: View,
+    series: SeriesSpec,
+    low: Float64Array,
+    high: Float64Array,
+    toY: Project,
+    opacity: number,
   ): void {
     const colour = theme()[series.role];
-    if (this.dense(view)) this.raster.area(view, this.reduced, low, high, view.toX, toY, colour, opacity);
-    else drawArea(view.ctx, this.reduced, low, high, view.toX, toY, translucent(colour, opacity));
+    if (this.dense(view)) {
+      this.raster.area(view, this.reduced, low, high, view.toX, toY, colour, opacity);
+    } else {
+      drawArea(view.ctx, this.reduced, low, high, view.toX, toY, translucent(colour, opacity));
+    }
   }
 
   /** Whether there are more rows than columns of pixels. */
@@ -273,14 +305,20 @@ export class TimePlot extends Chart {
       for (let row = 0; row < rows.count; ++row) {
         const on = set[row]! > 0;
         const x = view.toX(rows.x[row]!);
-        if (on && Number.isNaN(start)) start = x;
-        if (Number.isNaN(first) && on) first = Math.max(view.left, x);
+        if (on && Number.isNaN(start)) {
+          start = x;
+        }
+        if (Number.isNaN(first) && on) {
+          first = Math.max(view.left, x);
+        }
         if (!Number.isNaN(start) && (!on || row === rows.count - 1)) {
           ctx.fillRect(start, top, Math.max(ratio, x - start), height - ratio);
           start = NaN;
         }
       }
-      if (Number.isNaN(first) || first > view.left + view.width) continue;
+      if (Number.isNaN(first) || first > view.left + view.width) {
+        continue;
+      }
       const text = Math.min(first, view.left + view.width - labelWidth(view, flag.label) - 8 * ratio) + 5 * ratio;
       label(view, flag.label, Math.max(view.left, text), top + height - 2 * ratio, theme().limit);
       top += height;
@@ -291,7 +329,9 @@ export class TimePlot extends Chart {
     for (const line of this.lines) {
       const toY = line.axis === 'right' ? view.toRight : view.toY;
       const y = Math.round(toY(line.y)) + 0.5;
-      if (!(y > view.top && y < view.top + view.height)) continue;
+      if (!(y > view.top && y < view.top + view.height)) {
+        continue;
+      }
       view.ctx.strokeStyle = theme()[line.role];
       view.ctx.lineWidth = view.ratio;
       view.ctx.setLineDash([2 * view.ratio, 3 * view.ratio]);
@@ -316,8 +356,10 @@ export class TimePlot extends Chart {
       }
       const { factor = 1, offset = 0 } = series;
       const at = (key: string): number => valueAt(samples, key, x, reach);
-      const value = series.style === 'band' ? factor * (at(series.high!) - at(series.low!)) / 2
-        : factor * at(series.column ?? series.key) + offset;
+      const value =
+        series.style === 'band'
+          ? (factor * (at(series.high!) - at(series.low!))) / 2
+          : factor * at(series.column ?? series.key) + offset;
       this.legend.show(series.key, this.rounded(value, series.axis));
     }
   }
@@ -325,7 +367,9 @@ export class TimePlot extends Chart {
   /** To what could be seen on the axis ten thousand pixels high: the noise of a zero is 0, not 8.32e-08. */
   private rounded(value: number, axis: 'left' | 'right' = 'left'): number {
     const [low, high] = (axis === 'right' ? this.scales.right : undefined) ?? this.scales.y;
-    if (this.spec.yLog || !(high > low)) return value;
+    if (this.spec.yLog || !(high > low)) {
+      return value;
+    }
     const step = 10 ** Math.floor(Math.log10((high - low) / 1e4));
     return Math.round(value / step) * step;
   }

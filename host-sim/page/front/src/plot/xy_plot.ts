@@ -3,19 +3,19 @@
 
 import { niceRange } from './axes';
 import { Box, include } from './box';
-import { Chart, dot, Scales, Span, View } from './chart';
-import { Column, lowerBound, nearestRow, Samples } from '../numbers/samples';
+import { Chart, dot, type Scales, type Span, type View } from './chart';
+import { type Column, lowerBound, nearestRow, type Samples } from '../numbers/samples';
 import type { PlotGroup } from './group';
-import { Role, theme } from './theme';
+import { type Role, theme } from './theme';
 
 export interface LoopSpec {
   key: string;
   label: string;
-  x: string;  ///< columns
+  x: string; ///< columns
   y: string;
   role: Role;
   style?: 'line' | 'dashed' | 'points';
-  samples?: Samples;  ///< where they are not the plot's
+  samples?: Samples; ///< where they are not the plot's
   hidden?: boolean;
 }
 
@@ -28,23 +28,23 @@ export interface Circle {
 
 export interface XYPlotSpec {
   id: string;
-  title: string;  ///< what y is
-  unit?: string;  ///< of y
-  xLabel: string;  ///< what x is, with its unit
+  title: string; ///< what y is
+  unit?: string; ///< of y
+  xLabel: string; ///< what x is, with its unit
   loops: LoopSpec[];
-  xFactor?: number;  ///< shown is factor * value + offset
+  xFactor?: number; ///< shown is factor * value + offset
   xOffset?: number;
   yFactor?: number;
   yOffset?: number;
-  equal?: boolean;  ///< a unit is as long in both directions: circles are round
+  equal?: boolean; ///< a unit is as long in both directions: circles are round
   circles?: Circle[];
-  range?: { x: Span; y: Span };  ///< to begin with, instead of all
-  trail_s?: number;  ///< shows the last so many seconds of the group's stretch, fading
+  range?: { x: Span; y: Span }; ///< to begin with, instead of all
+  trail_s?: number; ///< shows the last so many seconds of the group's stretch, fading
   height?: number;
-  smallest?: Span;  ///< shortest range of x and of y
+  smallest?: Span; ///< shortest range of x and of y
 }
 
-const most = 4000;  // points of a loop
+const most = 4000; // points of a loop
 const fades = 24;
 const old_ms = 500;
 
@@ -59,9 +59,9 @@ interface Shown {
 /** A trail as it was painted a moment ago. */
 interface Trail {
   canvas: HTMLCanvasElement;
-  of: string;  // scales, size and colour
+  of: string; // scales, size and colour
   at_ms: number;
-  to: number;  // its last row
+  to: number; // its last row
 }
 
 export class XYPlot extends Chart {
@@ -70,7 +70,9 @@ export class XYPlot extends Chart {
 
   /** In a group it shows the rows of the group's stretch and the place of the group's cursor. */
   constructor(
-    parent: HTMLElement, readonly group: PlotGroup | null, readonly spec: XYPlotSpec,
+    parent: HTMLElement,
+    readonly group: PlotGroup | null,
+    readonly spec: XYPlotSpec,
     public samples: Samples,
   ) {
     const box = new Box(() => this.changed(), false, spec.range);
@@ -103,7 +105,9 @@ export class XYPlot extends Chart {
       view.ctx.stroke();
     }
     for (const loop of this.spec.loops) {
-      if (!this.legend.hidden.has(loop.key)) this.paintLoop(view, loop);
+      if (!this.legend.hidden.has(loop.key)) {
+        this.paintLoop(view, loop);
+      }
     }
   }
 
@@ -111,8 +115,12 @@ export class XYPlot extends Chart {
     const samples = loop.samples ?? this.samples;
     const x = samples.column(loop.x);
     const y = samples.column(loop.y);
-    if (!x || !y) return null;
-    if (!this.group) return { samples, from: samples.first, to: samples.end, x, y };
+    if (!x || !y) {
+      return null;
+    }
+    if (!this.group) {
+      return { samples, from: samples.first, to: samples.end, x, y };
+    }
     const [begin, end] = this.group.range();
     const from = this.spec.trail_s === undefined ? begin : Math.max(begin, end - this.spec.trail_s);
     return { samples, from: lowerBound(samples, from), to: lowerBound(samples, end), x, y };
@@ -131,7 +139,9 @@ export class XYPlot extends Chart {
     const range = { low: NaN, high: NaN };
     for (const loop of this.spec.loops) {
       const rows = this.legend.hidden.has(loop.key) ? null : this.shown(loop);
-      if (!rows) continue;
+      if (!rows) {
+        continue;
+      }
       rows.x.range(rows.from, rows.to, range);
       include(x, this.xOf(range.low), this.xOf(range.high));
       rows.y.range(rows.from, rows.to, range);
@@ -147,7 +157,9 @@ export class XYPlot extends Chart {
 
   private paintLoop(view: View, loop: LoopSpec): void {
     const rows = this.shown(loop);
-    if (!rows || rows.to <= rows.from) return;
+    if (!rows || rows.to <= rows.from) {
+      return;
+    }
     // Every k-th row by its number in the ring: a trail that grows does not flicker.
     const stride = Math.max(1, Math.ceil((rows.to - rows.from) / most));
     const first = Math.ceil(rows.from / stride) * stride;
@@ -158,7 +170,8 @@ export class XYPlot extends Chart {
       this.paintTrail(view, loop, rows, first, stride);
     }
     const cursor = this.group?.cursor ?? null;
-    const marked = cursor !== null ? nearestRow(rows.samples, cursor) : this.spec.trail_s !== undefined ? rows.to - 1 : -1;
+    const marked =
+      cursor !== null ? nearestRow(rows.samples, cursor) : this.spec.trail_s !== undefined ? rows.to - 1 : -1;
     if (marked >= 0) {
       dot(view, view.toX(this.xOf(rows.x.at(marked))), view.toY(this.yOf(rows.y.at(marked))), 4, theme().ink);
     }
@@ -186,17 +199,28 @@ export class XYPlot extends Chart {
     const top = Math.round(view.top);
     view.ctx.drawImage(trail.canvas, left, top);
     this.pen(view, loop);
-    if (trail.to < rows.to - 1) this.paintRows(view, loop, rows.x, rows.y, trail.to, rows.to - 1, stride);
+    if (trail.to < rows.to - 1) {
+      this.paintRows(view, loop, rows.x, rows.y, trail.to, rows.to - 1, stride);
+    }
   }
 
-  private fade(canvas: HTMLCanvasElement, view: View, loop: LoopSpec, rows: Shown, first: number, stride: number): void {
+  private fade(
+    canvas: HTMLCanvasElement,
+    view: View,
+    loop: LoopSpec,
+    rows: Shown,
+    first: number,
+    stride: number,
+  ): void {
     const left = Math.round(view.left);
     const top = Math.round(view.top);
     // Also clears it.
     canvas.width = Math.max(1, Math.round(view.width));
     canvas.height = Math.max(1, Math.round(view.height));
     const ctx = canvas.getContext('2d');
-    if (!ctx) return;
+    if (!ctx) {
+      return;
+    }
     ctx.translate(-left, -top);
     const there = { ...view, ctx };
     this.pen(there, loop);
@@ -209,31 +233,37 @@ export class XYPlot extends Chart {
     }
   }
 
-  private paintRows(
-    view: View, loop: LoopSpec, x: Column, y: Column, from: number, to: number, stride: number,
-  ): void {
+  private paintRows(view: View, loop: LoopSpec, x: Column, y: Column, from: number, to: number, stride: number): void {
     const { ctx } = view;
     let down = false;
     let lastX = 0;
     let lastY = 0;
-    const near = 0.7 * view.ratio;  // what is nearer to the last point cannot be seen
+    const near = 0.7 * view.ratio; // what is nearer to the last point cannot be seen
     ctx.beginPath();
     for (let row = from; row <= to; row += stride) {
       const px = view.toX(this.xOf(x.at(row)));
       const py = view.toY(this.yOf(y.at(row)));
       const there = !Number.isNaN(px) && !Number.isNaN(py);
-      if (down && there && row + stride <= to && Math.abs(px - lastX) < near && Math.abs(py - lastY) < near) continue;
+      if (down && there && row + stride <= to && Math.abs(px - lastX) < near && Math.abs(py - lastY) < near) {
+        continue;
+      }
       lastX = px;
       lastY = py;
       if (there && loop.style === 'points') {
         ctx.rect(px - 1.5 * view.ratio, py - 1.5 * view.ratio, 3 * view.ratio, 3 * view.ratio);
       } else if (there) {
-        if (down) ctx.lineTo(px, py);
-        else ctx.moveTo(px, py);
+        if (down) {
+          ctx.lineTo(px, py);
+        } else {
+          ctx.moveTo(px, py);
+        }
       }
       down = there;
     }
-    if (loop.style === 'points') ctx.fill();
-    else ctx.stroke();
+    if (loop.style === 'points') {
+      ctx.fill();
+    } else {
+      ctx.stroke();
+    }
   }
 }

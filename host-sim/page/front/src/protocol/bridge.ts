@@ -18,8 +18,14 @@ export interface Bridge {
 }
 
 export type Drive =
-  | 'not_ready' | 'switch_on_disabled' | 'ready' | 'switched_on' | 'operation_enabled' | 'quick_stop'
-  | 'fault_reaction' | 'fault';
+  | 'not_ready'
+  | 'switch_on_disabled'
+  | 'ready'
+  | 'switched_on'
+  | 'operation_enabled'
+  | 'quick_stop'
+  | 'fault_reaction'
+  | 'fault';
 
 export interface State {
   node: number;
@@ -89,7 +95,7 @@ export interface Description {
 }
 
 export interface Recording {
-  id?: number;  ///< under which the bridge keeps it
+  id?: number; ///< under which the bridge keeps it
   period_s: number;
   signals: string[];
   rows: (number | null)[][];

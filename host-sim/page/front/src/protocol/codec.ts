@@ -4,7 +4,7 @@
 export interface MessageFrame {
   kind: 'message';
   subscription: number;
-  time_s: number;  ///< since 1970; to about 0.2 us, as much as a double holds
+  time_s: number; ///< since 1970; to about 0.2 us, as much as a double holds
   data: Uint8Array;
 }
 export interface ResponseFrame {
@@ -25,10 +25,14 @@ const encoder = new TextEncoder();
 
 export function parseFrame(buffer: ArrayBuffer): ServerFrame | null {
   const view = new DataView(buffer);
-  if (buffer.byteLength < 1) return null;
+  if (buffer.byteLength < 1) {
+    return null;
+  }
   switch (view.getUint8(0)) {
     case message: {
-      if (buffer.byteLength < 13) return null;
+      if (buffer.byteLength < 13) {
+        return null;
+      }
       const nanoseconds = view.getUint32(9, true) * 2 ** 32 + view.getUint32(5, true);
       return {
         kind: 'message',
@@ -38,9 +42,13 @@ export function parseFrame(buffer: ArrayBuffer): ServerFrame | null {
       };
     }
     case response: {
-      if (buffer.byteLength < 13) return null;
+      if (buffer.byteLength < 13) {
+        return null;
+      }
       const length = view.getUint32(9, true);
-      if (buffer.byteLength < 13 + length) return null;
+      if (buffer.byteLength < 13 + length) {
+        return null;
+      }
       return {
         kind: 'response',
         service: view.getUint32(1, true),
@@ -73,7 +81,8 @@ export function parseJson(data: Uint8Array | string): Record<string, unknown> | 
   try {
     const parsed: unknown = JSON.parse(typeof data === 'string' ? data : decoder.decode(data));
     return typeof parsed === 'object' && parsed !== null && !Array.isArray(parsed)
-      ? parsed as Record<string, unknown> : null;
+      ? (parsed as Record<string, unknown>)
+      : null;
   } catch {
     return null;
   }

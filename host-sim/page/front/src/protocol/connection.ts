@@ -37,7 +37,7 @@ interface Waiting<T> {
 }
 
 export const subprotocol = 'foxglove.websocket.v1';
-const silence_ms = 4000;  // the bridge says something four times a second
+const silence_ms = 4000; // the bridge says something four times a second
 const look_ms = 500;
 const retry_ms = [250, 500, 1000, 2000];
 
@@ -56,7 +56,10 @@ export class Connection {
   private readonly reads = new Map<string, Waiting<NamedValue[]>>();
   private subscribed = 0;
 
-  constructor(private readonly open: () => Socket, private readonly events: Events) {
+  constructor(
+    private readonly open: () => Socket,
+    private readonly events: Events,
+  ) {
     this.connect();
     this.watch();
   }
@@ -64,10 +67,17 @@ export class Connection {
   /** One handler for each topic; null ends the subscription. */
   on(topic: string, handler: Handler | null): void {
     const had = this.handlers.has(topic);
-    if (handler) this.handlers.set(topic, handler);
-    else this.handlers.delete(topic);
-    if (handler && !had) this.subscribe(topic);
-    if (!handler && had) this.unsubscribe(topic);
+    if (handler) {
+      this.handlers.set(topic, handler);
+    } else {
+      this.handlers.delete(topic);
+    }
+    if (handler && !had) {
+      this.subscribe(topic);
+    }
+    if (!handler && had) {
+      this.unsubscribe(topic);
+    }
   }
 
   hasService(name: string): boolean {
@@ -77,8 +87,12 @@ export class Connection {
   /** Fails with a text for a person. */
   call(name: string, request: Json = {}): Promise<Json> {
     const service = this.services.get(name);
-    if (!this.socket) return Promise.reject(new Error('there is no connection to the bridge'));
-    if (service === undefined) return Promise.reject(new Error(`the bridge has no service "${name}"`));
+    if (!this.socket) {
+      return Promise.reject(new Error('there is no connection to the bridge'));
+    }
+    if (service === undefined) {
+      return Promise.reject(new Error(`the bridge has no service "${name}"`));
+    }
     const call = ++this.calls;
     return new Promise((resolve, reject) => {
       this.waiting.set(call, { resolve, reject });
@@ -93,7 +107,9 @@ export class Connection {
 
   /** Resolves with the values in force, which are the old ones after a refusal. */
   setParameters(values: NamedValue[]): Promise<NamedValue[]> {
-    if (!this.socket) return Promise.reject(new Error('there is no connection to the bridge'));
+    if (!this.socket) {
+      return Promise.reject(new Error('there is no connection to the bridge'));
+    }
     const id = this.nextId();
     return new Promise((resolve, reject) => {
       this.reads.set(id, { resolve, reject });
@@ -117,13 +133,17 @@ export class Connection {
     let current = true;
     socket.onmessage = (event) => {
       this.heard = Date.now();
-      if (current) this.receive(event.data);
+      if (current) {
+        this.receive(event.data);
+      }
     };
     socket.onopen = () => {
       this.socket = socket;
     };
     socket.onclose = (event) => {
-      if (!current) return;
+      if (!current) {
+        return;
+      }
       current = false;
       this.drop(event.reason);
       if (!this.ended) {
@@ -139,9 +159,12 @@ export class Connection {
     const timer = setInterval(() => {
       const late_ms = Date.now() - looked - look_ms;
       looked = Date.now();
-      if (late_ms > look_ms) this.heard += late_ms;
-      if (this.ended) clearInterval(timer);
-      else if (this.socket && Date.now() - this.heard > silence_ms) {
+      if (late_ms > look_ms) {
+        this.heard += late_ms;
+      }
+      if (this.ended) {
+        clearInterval(timer);
+      } else if (this.socket && Date.now() - this.heard > silence_ms) {
         const silent = this.socket;
         const closed = silent.onclose;
         silent.onclose = null;
@@ -172,7 +195,9 @@ export class Connection {
 
   private subscribe(topic: string): void {
     const channel = this.channels.get(topic);
-    if (channel === undefined) return;
+    if (channel === undefined) {
+      return;
+    }
     const id = ++this.subscribed;
     this.subscriptions.set(id, topic);
     this.say({ op: 'subscribe', subscriptions: [{ id, channelId: channel }] });
@@ -180,7 +205,9 @@ export class Connection {
 
   private unsubscribe(topic: string): void {
     for (const [id, name] of this.subscriptions) {
-      if (name !== topic) continue;
+      if (name !== topic) {
+        continue;
+      }
       this.subscriptions.delete(id);
       this.say({ op: 'unsubscribe', subscriptionIds: [id] });
     }
@@ -189,20 +216,29 @@ export class Connection {
   private receive(data: unknown): void {
     if (typeof data === 'string') {
       const message = parseJson(data);
-      if (message) this.text(message);
+      if (message) {
+        this.text(message);
+      }
       return;
     }
-    if (!(data instanceof ArrayBuffer)) return;
+    if (!(data instanceof ArrayBuffer)) {
+      return;
+    }
     const frame = parseFrame(data);
     if (frame?.kind === 'message') {
       const topic = this.subscriptions.get(frame.subscription);
-      if (topic !== undefined) this.handlers.get(topic)?.(frame.data, frame.time_s);
+      if (topic !== undefined) {
+        this.handlers.get(topic)?.(frame.data, frame.time_s);
+      }
     } else if (frame?.kind === 'response') {
       const waiting = this.waiting.get(frame.call);
       this.waiting.delete(frame.call);
       const answer = parseJson(frame.data);
-      if (answer) waiting?.resolve(answer);
-      else waiting?.reject(new Error('the answer of the bridge is not a JSON object'));
+      if (answer) {
+        waiting?.resolve(answer);
+      } else {
+        waiting?.reject(new Error('the answer of the bridge is not a JSON object'));
+      }
     }
   }
 
@@ -217,11 +253,15 @@ export class Connection {
         for (const channel of list(message['channels'])) {
           const topic = String(channel['topic']);
           this.channels.set(topic, Number(channel['id']));
-          if (this.handlers.has(topic)) this.subscribe(topic);
+          if (this.handlers.has(topic)) {
+            this.subscribe(topic);
+          }
         }
         break;
       case 'unadvertise':
-        for (const id of numbers(message['channelIds'])) this.gone(id);
+        for (const id of numbers(message['channelIds'])) {
+          this.gone(id);
+        }
         break;
       case 'advertiseServices':
         for (const service of list(message['services'])) {
@@ -251,10 +291,14 @@ export class Connection {
 
   private gone(channel: number): void {
     for (const [topic, id] of this.channels) {
-      if (id !== channel) continue;
+      if (id !== channel) {
+        continue;
+      }
       this.channels.delete(topic);
       for (const [subscription, name] of this.subscriptions) {
-        if (name === topic) this.subscriptions.delete(subscription);
+        if (name === topic) {
+          this.subscriptions.delete(subscription);
+        }
       }
     }
   }

@@ -2,15 +2,15 @@
 // show the same stretch, and the cursor stands at the same place in all of them.
 
 import { logRange, niceRange } from '../plot/axes';
-import { label, Scales, Span, View } from '../plot/chart';
+import { label, type Scales, type Span, type View } from '../plot/chart';
 import type { PlotGroup } from '../plot/group';
 import { formatNumber } from '../plot';
 import { theme } from '../plot/theme';
 import { colourOf } from './colours';
-import { ascends, Panel, Piece, pieces, rowAt, Series, valueAt } from './data';
-import { bounded, PanelPlot, Rows } from './panel_plot';
+import { ascends, type Panel, type Piece, pieces, rowAt, type Series, valueAt } from './data';
+import { bounded, PanelPlot, type Rows } from './panel_plot';
 
-const rowHeight = 26;  // of a bar with its name
+const rowHeight = 26; // of a bar with its name
 
 export class AlongPlot extends PanelPlot {
   private readonly piecesOf = new Map<Series, Piece[]>();
@@ -18,13 +18,15 @@ export class AlongPlot extends PanelPlot {
 
   constructor(parent: HTMLElement, id: string, panel: Panel, group: PlotGroup) {
     const spans = panel.series.filter((series) => series.kind === 'spans');
-    const shown = spans.length === 0 ? panel
-      : { ...panel, height: 80 + rowHeight * spans.length, y: { ticks: [] } };
+    const shown = spans.length === 0 ? panel : { ...panel, height: 80 + rowHeight * spans.length, y: { ticks: [] } };
     super(parent, id, shown, group, group);
     this.spans = spans;
     for (const series of panel.series) {
       if (series.kind !== 'spans') {
-        this.piecesOf.set(series, pieces(series.x).filter((piece) => ascends(series.x, piece)));
+        this.piecesOf.set(
+          series,
+          pieces(series.x).filter((piece) => ascends(series.x, piece)),
+        );
       }
     }
   }
@@ -34,23 +36,33 @@ export class AlongPlot extends PanelPlot {
     this.placeCursor(x, (at) => formatNumber(at, 6) + unit);
     const values = new Map<string, number[]>();
     for (const series of this.visible()) {
-      if (!series.name || series.kind === 'spans') continue;
+      if (!series.name || series.kind === 'spans') {
+        continue;
+      }
       const known = values.get(series.name) ?? [];
       values.set(series.name, known);
-      if (x === null) continue;
+      if (x === null) {
+        continue;
+      }
       for (const piece of this.piecesOf.get(series) ?? []) {
         const value = valueAt(series, piece, x);
-        if (!Number.isNaN(value)) known.push(value);
+        if (!Number.isNaN(value)) {
+          known.push(value);
+        }
       }
     }
-    for (const { key } of this.options.legend) this.legend.show(key, written(values.get(key) ?? []));
+    for (const { key } of this.options.legend) {
+      this.legend.show(key, written(values.get(key) ?? []));
+    }
   }
 
   protected measure(): Scales {
     const x = this.group.range();
     // rowsOf() is to find the rows of the new window, not of the last one.
     this.scales = { ...this.scales, x };
-    if (this.spans?.length) return { x, y: [-this.spans.length, 0] };
+    if (this.spans?.length) {
+      return { x, y: [-this.spans.length, 0] };
+    }
     const { y, right } = this.panel;
     return {
       x,
@@ -62,7 +74,9 @@ export class AlongPlot extends PanelPlot {
   protected rowsOf(series: Series): Rows {
     const all = this.piecesOf?.get(series) ?? [];
     const only = all.length === 1 && all[0]!.to - all[0]!.from === series.x.length ? all[0] : undefined;
-    if (!only) return [0, series.x.length];
+    if (!only) {
+      return [0, series.x.length];
+    }
     const [from, to] = this.scales.x;
     return [Math.max(0, rowAt(series.x, only, from) - 1), Math.min(only.to, rowAt(series.x, only, to) + 2)];
   }
@@ -79,8 +93,12 @@ export class AlongPlot extends PanelPlot {
     ctx.fillStyle = colourOf(series.colour);
     for (let row = 0; row < series.x.length; ++row) {
       const from = view.toX(series.x[row]!);
-      ctx.fillRect(from, top + 15 * ratio, Math.max(1.5 * ratio, view.toX(series.y[row]!) - from),
-        bottom - top - 18 * ratio);
+      ctx.fillRect(
+        from,
+        top + 15 * ratio,
+        Math.max(1.5 * ratio, view.toX(series.y[row]!) - from),
+        bottom - top - 18 * ratio,
+      );
     }
   }
 
@@ -89,19 +107,29 @@ export class AlongPlot extends PanelPlot {
     let low = Infinity;
     let high = -Infinity;
     for (const series of this.visible()) {
-      if (Boolean(series.right) !== right || series.kind === 'band') continue;
+      if (Boolean(series.right) !== right || series.kind === 'band') {
+        continue;
+      }
       const [first, end] = this.rowsOf(series);
       for (let row = first; row < end; ++row) {
         const x = series.x[row]!;
-        if (!(x >= from && x <= to)) continue;
+        if (!(x >= from && x <= to)) {
+          continue;
+        }
         for (const value of series.low ? [series.low[row]!, series.y[row]!] : [series.y[row]!]) {
-          if (value < low) low = value;
-          if (value > high) high = value;
+          if (value < low) {
+            low = value;
+          }
+          if (value > high) {
+            high = value;
+          }
         }
       }
     }
     for (const rule of right ? [] : this.panel.rules) {
-      if (rule.vertical || !rule.name) continue;
+      if (rule.vertical || !rule.name) {
+        continue;
+      }
       low = Math.min(low, rule.at);
       high = Math.max(high, rule.at);
     }
@@ -111,7 +139,9 @@ export class AlongPlot extends PanelPlot {
 
 /** One value, or the range of several curves. */
 function written(values: number[]): string {
-  if (values.length === 0) return '';
+  if (values.length === 0) {
+    return '';
+  }
   const low = Math.min(...values);
   const high = Math.max(...values);
   return low === high ? formatNumber(low) : `${formatNumber(low)} … ${formatNumber(high)}`;

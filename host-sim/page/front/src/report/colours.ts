@@ -7,7 +7,9 @@ onTheme(() => known.clear());
 
 /** #rrggbb of a role, which the page has as a property, or of a colour itself. */
 export function colourOf(name: string): string {
-  if (name.startsWith('#')) return name;
+  if (name.startsWith('#')) {
+    return name;
+  }
   let colour = known.get(name);
   if (colour === undefined) {
     colour = getComputedStyle(document.documentElement).getPropertyValue(`--plot-${name}`).trim() || '#888888';

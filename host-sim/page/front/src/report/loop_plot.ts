@@ -5,11 +5,11 @@
 import { formatNumber } from '../plot';
 import { niceRange } from '../plot/axes';
 import { Box, include } from '../plot/box';
-import { dot, Scales, Span, View } from '../plot/chart';
+import { dot, type Scales, type Span, type View } from '../plot/chart';
 import type { PlotGroup } from '../plot/group';
 import { colourOf } from './colours';
-import { Panel, Series } from './data';
-import { bounded, PanelPlot, Rows } from './panel_plot';
+import type { Panel, Series } from './data';
+import { bounded, PanelPlot, type Rows } from './panel_plot';
 
 interface Place {
   series: Series;
@@ -48,10 +48,14 @@ export class LoopPlot extends PanelPlot {
 
   override pointAt(left: number | null, top: number): void {
     const place = left === null ? null : this.nearest(left, top);
-    if (place?.row === this.pointed?.row && place?.series === this.pointed?.series) return;
+    if (place?.row === this.pointed?.row && place?.series === this.pointed?.series) {
+      return;
+    }
     this.pointed = place;
     const at = place?.series.at?.[place.row];
-    if (this.panel.follows) this.group.setCursor(at === undefined || Number.isNaN(at) ? null : at);
+    if (this.panel.follows) {
+      this.group.setCursor(at === undefined || Number.isNaN(at) ? null : at);
+    }
     this.writeValues();
     this.changed();
   }
@@ -59,13 +63,19 @@ export class LoopPlot extends PanelPlot {
   /** To a neighbour of the row that is pointed at. */
   override step(share: number): void {
     const series = this.pointed?.series ?? this.visible()[0];
-    if (!series) return;
-    const rows = Math.max(1, Math.round(Math.abs(share) * series.x.length / 4));
+    if (!series) {
+      return;
+    }
+    const rows = Math.max(1, Math.round((Math.abs(share) * series.x.length) / 4));
     const from = this.pointed?.row ?? 0;
     const row = Math.min(series.x.length - 1, Math.max(0, from + Math.sign(share) * rows));
-    if (Number.isNaN(series.x[row]! + series.y[row]!)) return;
+    if (Number.isNaN(series.x[row]! + series.y[row]!)) {
+      return;
+    }
     this.pointed = { series, row };
-    if (this.panel.follows && series.at) this.group.setCursor(series.at[row]!);
+    if (this.panel.follows && series.at) {
+      this.group.setCursor(series.at[row]!);
+    }
     this.writeValues();
     this.changed();
   }
@@ -95,8 +105,10 @@ export class LoopPlot extends PanelPlot {
     const place = this.pointed;
     for (const { key } of this.options.legend) {
       const mine = place !== null && place.series.name === key;
-      this.legend.show(key, mine
-        ? `(${formatNumber(place.series.x[place.row]!)}; ${formatNumber(place.series.y[place.row]!)})` : '');
+      this.legend.show(
+        key,
+        mine ? `(${formatNumber(place.series.x[place.row]!)}; ${formatNumber(place.series.y[place.row]!)})` : '',
+      );
     }
   }
 
@@ -105,10 +117,14 @@ export class LoopPlot extends PanelPlot {
     const y: Span = [Infinity, -Infinity];
     for (const series of this.visible()) {
       for (let row = 0; row < series.x.length; ++row) {
-        if (Number.isNaN(series.x[row]! + series.y[row]!)) continue;
+        if (Number.isNaN(series.x[row]! + series.y[row]!)) {
+          continue;
+        }
         include(x, series.x[row]!);
         include(y, series.y[row]!);
-        if (series.low) include(y, series.low[row]!);
+        if (series.low) {
+          include(y, series.low[row]!);
+        }
       }
     }
     const { x: across, y: up } = this.panel;
@@ -128,12 +144,18 @@ export class LoopPlot extends PanelPlot {
         continue;
       }
       const inside = (row: number): boolean => at[row]! >= window[0] && at[row]! <= window[1];
-      for (let row = 0; row < at.length;) {
-        while (row < at.length && !inside(row)) ++row;
+      for (let row = 0; row < at.length; ) {
+        while (row < at.length && !inside(row)) {
+          ++row;
+        }
         const from = row;
-        while (row < at.length && inside(row)) ++row;
+        while (row < at.length && inside(row)) {
+          ++row;
+        }
         this.shown = [from, row];
-        if (row > from) this.paintSeries(view, series);
+        if (row > from) {
+          this.paintSeries(view, series);
+        }
       }
       this.shown = null;
     }
@@ -144,16 +166,22 @@ export class LoopPlot extends PanelPlot {
     if (cursor !== null && this.panel.follows) {
       for (const series of this.visible()) {
         const row = series.at ? nearestTo(series.at, cursor) : -1;
-        if (row >= 0) this.markRow(view, series, row);
+        if (row >= 0) {
+          this.markRow(view, series, row);
+        }
       }
     }
-    if (this.pointed) this.markRow(view, this.pointed.series, this.pointed.row);
+    if (this.pointed) {
+      this.markRow(view, this.pointed.series, this.pointed.row);
+    }
   }
 
   private markRow(view: View, series: Series, row: number): void {
     const px = view.toX(series.x[row]!);
     const py = view.toY(series.y[row]!);
-    if (!Number.isNaN(px + py)) dot(view, px, py, 4.5, colourOf(series.colour));
+    if (!Number.isNaN(px + py)) {
+      dot(view, px, py, 4.5, colourOf(series.colour));
+    }
   }
 }
 

@@ -5,16 +5,21 @@ import uplotCss from 'uplot/dist/uPlot.min.css?inline';
 import plotCss from '../plot/plot.css?inline';
 import { PlotGroup } from '../plot';
 import { AlongPlot } from './along_plot';
-import { ascends, Panel, parsed, pieces } from './data';
+import { ascends, type Panel, parsed, pieces } from './data';
 import { LoopPlot } from './loop_plot';
 import reportCss from './report.css?inline';
 
 /** Whether the panel goes along its x axis, so that a cursor has one value there in each curve. */
 function goesAlong(panel: Panel): boolean {
-  if (panel.link) return true;
-  if (panel.follows || panel.equal) return false;
-  return panel.series.every((series) =>
-    series.kind === 'spans' || pieces(series.x).every((piece) => ascends(series.x, piece)));
+  if (panel.link) {
+    return true;
+  }
+  if (panel.follows || panel.equal) {
+    return false;
+  }
+  return panel.series.every(
+    (series) => series.kind === 'spans' || pieces(series.x).every((piece) => ascends(series.x, piece)),
+  );
 }
 
 /** First and last x of these panels, or what their axes state. */
@@ -25,8 +30,12 @@ function extentOf(panels: Panel[]): [number, number] | null {
     for (const series of panel.series) {
       for (const column of series.kind === 'spans' ? [series.x, series.y] : [series.x]) {
         for (const x of column) {
-          if (x < low) low = x;
-          if (x > high) high = x;
+          if (x < low) {
+            low = x;
+          }
+          if (x > high) {
+            high = x;
+          }
         }
       }
     }
@@ -41,7 +50,9 @@ function groupOf(panels: Panel[]): PlotGroup {
   const { x } = panels[0]!;
   const extent = extentOf(panels);
   return new PlotGroup({
-    x: x.label?.endsWith(' in s') ? 'seconds' : 'number', log: x.log ?? false, extent: () => extent,
+    x: x.label?.endsWith(' in s') ? 'seconds' : 'number',
+    log: x.log ?? false,
+    extent: () => extent,
   });
 }
 
@@ -54,10 +65,14 @@ class Groups {
   of(panel: Panel): PlotGroup {
     const name = panel.link ?? panel.follows;
     const known = name === undefined ? undefined : this.named.get(name);
-    if (known) return known;
+    if (known) {
+      return known;
+    }
     const members = this.panels.filter((other) => other.link !== undefined && other.link === name);
     const made = groupOf(members.length > 0 ? members : [panel]);
-    if (name !== undefined) this.named.set(name, made);
+    if (name !== undefined) {
+      this.named.set(name, made);
+    }
     this.all.push(made);
     return made;
   }
@@ -69,8 +84,11 @@ function replace(picture: HTMLImageElement, id: string, panel: Panel, group: Plo
   picture.after(place);
   picture.parentElement!.classList.add('live');
   try {
-    if (goesAlong(panel)) new AlongPlot(place, id, panel, group);
-    else new LoopPlot(place, id, panel, group);
+    if (goesAlong(panel)) {
+      new AlongPlot(place, id, panel, group);
+    } else {
+      new LoopPlot(place, id, panel, group);
+    }
   } catch (error) {
     // The picture shows it as well.
     picture.parentElement!.classList.remove('live');
@@ -111,9 +129,13 @@ function start(): void {
     plots.querySelectorAll<HTMLElement>(':scope > section').forEach((section, k) => {
       const panel = panels[k];
       const picture = section.querySelector('img');
-      if (panel && picture) replace(picture, `${block}-${k}`, panel, groups.of(panel));
+      if (panel && picture) {
+        replace(picture, `${block}-${k}`, panel, groups.of(panel));
+      }
     });
-    if (groups.all.length > 0 && block === 0) plots.prepend(toolbar(groups.all));
+    if (groups.all.length > 0 && block === 0) {
+      plots.prepend(toolbar(groups.all));
+    }
     groups.all.forEach((group) => group.invalidate());
   });
 }

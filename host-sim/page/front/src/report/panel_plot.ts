@@ -1,11 +1,11 @@
 // What all panels of a report have in common: the drawing of their series, lines across and texts.
 
-import { Chart, label, Span, View } from '../plot/chart';
+import { Chart, label, type Span, type View } from '../plot/chart';
 import type { PlotGroup, Zoom } from '../plot/group';
-import { element, LegendItem, Style } from '../plot/legend';
+import { element, type LegendItem, type Style } from '../plot/legend';
 import { theme, translucent } from '../plot/theme';
 import { colourOf } from './colours';
-import { Panel, Series } from './data';
+import type { Panel, Series } from './data';
 import { ThinPath } from './thin_path';
 
 /** Rows of a series that are drawn: all, or those that a window shows. */
@@ -13,8 +13,12 @@ export type Rows = [from: number, to: number];
 
 function styleOf(series: Series): Style {
   // A band's colour is pale by itself.
-  if (series.kind === 'area' || series.kind === 'band') return 'stack';
-  if (series.kind === 'points') return 'points';
+  if (series.kind === 'area' || series.kind === 'band') {
+    return 'stack';
+  }
+  if (series.kind === 'points') {
+    return 'points';
+  }
   return series.dashed ? 'dashed' : 'line';
 }
 
@@ -23,9 +27,15 @@ function legendOf(panel: Panel): LegendItem[] {
   const items = new Map<string, LegendItem>();
   for (const series of panel.series) {
     const { name } = series;
-    if (!name || series.kind === 'spans' || items.has(name)) continue;
+    if (!name || series.kind === 'spans' || items.has(name)) {
+      continue;
+    }
     items.set(name, {
-      key: name, label: name, role: 'ink', colour: () => colourOf(series.colour), style: styleOf(series),
+      key: name,
+      label: name,
+      role: 'ink',
+      colour: () => colourOf(series.colour),
+      style: styleOf(series),
     });
   }
   return [...items.values()];
@@ -33,7 +43,11 @@ function legendOf(panel: Panel): LegendItem[] {
 
 export abstract class PanelPlot extends Chart {
   constructor(
-    parent: HTMLElement, id: string, readonly panel: Panel, readonly group: PlotGroup, zoom: Zoom,
+    parent: HTMLElement,
+    id: string,
+    readonly panel: Panel,
+    readonly group: PlotGroup,
+    zoom: Zoom,
   ) {
     super(parent, {
       id,
@@ -52,7 +66,9 @@ export abstract class PanelPlot extends Chart {
     });
     // The page has the title; here stand the units of the axes.
     this.legend.root.querySelector('.plot-title')!.textContent = panel.y.label ?? '';
-    if (panel.right.label) this.legend.root.append(element('div', 'plot-right-label', panel.right.label));
+    if (panel.right.label) {
+      this.legend.root.append(element('div', 'plot-right-label', panel.right.label));
+    }
   }
 
   protected visible(): Series[] {
@@ -64,17 +80,26 @@ export abstract class PanelPlot extends Chart {
   protected paint(view: View): void {
     const behind = (series: Series): boolean => series.kind === 'band' || series.kind === 'area';
     const all = this.visible();
-    for (const series of all.filter(behind)) this.paintArea(view, series);
+    for (const series of all.filter(behind)) {
+      this.paintArea(view, series);
+    }
     this.paintRules(view);
-    for (const series of all) if (!behind(series)) this.paintSeries(view, series);
+    for (const series of all) {
+      if (!behind(series)) {
+        this.paintSeries(view, series);
+      }
+    }
     for (const [x, y, text] of this.panel.notes) {
       label(view, text, view.toX(x), view.toY(y), theme().ink);
     }
   }
 
   protected paintSeries(view: View, series: Series): void {
-    if (series.kind === 'points') this.paintPoints(view, series);
-    else this.paintLine(view, series, this.rowsOf(series));
+    if (series.kind === 'points') {
+      this.paintPoints(view, series);
+    } else {
+      this.paintLine(view, series, this.rowsOf(series));
+    }
   }
 
   protected paintLine(view: View, series: Series, [from, to]: Rows): void {
@@ -97,9 +122,13 @@ export abstract class PanelPlot extends Chart {
       if (Number.isNaN(last)) {
         path.start(px, py);
         // A row between two gaps would leave nothing.
-        if (row + 1 >= to || Number.isNaN(series.y[row + 1]!)) path.to(px + ctx.lineWidth, py);
+        if (row + 1 >= to || Number.isNaN(series.y[row + 1]!)) {
+          path.to(px + ctx.lineWidth, py);
+        }
       } else {
-        if (series.kind === 'steps') path.to(px, last);
+        if (series.kind === 'steps') {
+          path.to(px, last);
+        }
         path.to(px, py);
       }
       last = py;
@@ -118,7 +147,9 @@ export abstract class PanelPlot extends Chart {
     for (let row = from; row < to; ++row) {
       const px = view.toX(series.x[row]!);
       const py = toY(series.y[row]!);
-      if (Number.isNaN(px) || Number.isNaN(py)) continue;
+      if (Number.isNaN(px) || Number.isNaN(py)) {
+        continue;
+      }
       ctx.beginPath();
       ctx.arc(px, py, size, 0, 2 * Math.PI);
       ctx.fill();
@@ -133,15 +164,19 @@ export abstract class PanelPlot extends Chart {
       !Number.isNaN(series.x[row]!) && !Number.isNaN(series.y[row]!) && !Number.isNaN(low[row]!);
     ctx.fillStyle = series.kind === 'band' ? colourOf(series.colour) : translucent(colourOf(series.colour), 0.85);
     const [from, to] = this.rowsOf(series);
-    for (let row = from; row < to;) {
+    for (let row = from; row < to; ) {
       if (!there(row)) {
         ++row;
         continue;
       }
       const first = row;
       ctx.beginPath();
-      for (; row < to && there(row); ++row) ctx.lineTo(view.toX(series.x[row]!), toY(series.y[row]!));
-      for (let back = row - 1; back >= first; --back) ctx.lineTo(view.toX(series.x[back]!), toY(low[back]!));
+      for (; row < to && there(row); ++row) {
+        ctx.lineTo(view.toX(series.x[row]!), toY(series.y[row]!));
+      }
+      for (let back = row - 1; back >= first; --back) {
+        ctx.lineTo(view.toX(series.x[back]!), toY(low[back]!));
+      }
       ctx.closePath();
       ctx.fill();
     }

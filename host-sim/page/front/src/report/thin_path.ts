@@ -32,17 +32,25 @@ export class ThinPath {
       return;
     }
     this.last = { x, y };
-    if (y < this.low.y) this.low = this.last;
-    if (y > this.high.y) this.high = this.last;
+    if (y < this.low.y) {
+      this.low = this.last;
+    }
+    if (y > this.high.y) {
+      this.high = this.last;
+    }
   }
 
   /** What the last column still lacks. */
   end(): void {
-    if (Number.isNaN(this.column)) return;
+    if (Number.isNaN(this.column)) {
+      return;
+    }
     const { low, high, last } = this;
     // The way from one extreme to the other covers the column, whichever comes first.
     for (const point of [low, high, last]) {
-      if (point.x === this.drawn.x && point.y === this.drawn.y) continue;
+      if (point.x === this.drawn.x && point.y === this.drawn.y) {
+        continue;
+      }
       this.path.lineTo(point.x, point.y);
       this.drawn = point;
     }

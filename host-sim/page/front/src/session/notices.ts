@@ -21,17 +21,24 @@ export function say(text: string, kind: 'error' | 'info' = 'info'): void {
   const same = notices.value.find((notice) => notice.text === text && notice.kind === kind);
   if (same) {
     notices.value = notices.value.map((notice) => (notice === same ? { ...same, times: same.times + 1 } : notice));
-    if (kind === 'info') endLater(same.id);
+    if (kind === 'info') {
+      endLater(same.id);
+    }
     return;
   }
   const id = ++last;
   notices.value = [...notices.value, { id, kind, text, times: 1 }].slice(-most);
-  if (kind === 'info') endLater(id);
+  if (kind === 'info') {
+    endLater(id);
+  }
 }
 
 function endLater(id: number): void {
   clearTimeout(ends.get(id));
-  ends.set(id, setTimeout(() => dismiss(id), shown_ms));
+  ends.set(
+    id,
+    setTimeout(() => dismiss(id), shown_ms),
+  );
 }
 
 export function sayError(error: unknown, before = ''): void {

@@ -1,7 +1,7 @@
 // What the browser keeps over a reload. Where it cannot (private windows, a full store), the page works all
 // the same and forgets.
 
-import { effect, signal, Signal } from '@preact/signals';
+import { effect, signal, type Signal } from '@preact/signals';
 
 const prefix = 'smaservo.';
 

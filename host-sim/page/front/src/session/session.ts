@@ -5,7 +5,7 @@ import { Feed } from '../live/feed';
 import { PlotGroup } from '../plot/group';
 import type { Bridge, Description, NodeInfo, State, Value } from '../protocol/bridge';
 import { parseJson } from '../protocol/codec';
-import { Connection, NamedValue, Socket, subprotocol } from '../protocol/connection';
+import { Connection, type NamedValue, type Socket, subprotocol } from '../protocol/connection';
 import { say, sayError } from './notices';
 import { isNumber, saved } from './saved';
 
@@ -28,17 +28,22 @@ export const node = computed<number | null>(() => {
   const wanted = there.find((info) => info.node === chosen.value);
   return (wanted ?? there.find((info) => info.online) ?? there[0])?.node ?? null;
 });
-export const state = computed<State | null>(() => (node.value === null ? null : states.value[node.value] ?? null));
+export const state = computed<State | null>(() => (node.value === null ? null : (states.value[node.value] ?? null)));
 export const readOnly = computed(() => readOnlyClient.value || (bridge.value?.read_only ?? false));
 export const control = computed<'mine' | 'other' | 'nobody'>(() => {
   const holder = bridge.value?.control ?? null;
-  if (holder === null) return 'nobody';
+  if (holder === null) {
+    return 'nobody';
+  }
   return holder === client.value ? 'mine' : 'other';
 });
 /** Whether a writing button may be offered. The first write takes control where nobody has it. */
 export const mayWrite = computed(() => link.value === 'open' && !readOnly.value && control.value !== 'other');
-export const heated = computed(() => Object.values(states.value).some(
-  (one) => one.online && ['operation_enabled', 'quick_stop', 'fault_reaction'].includes(one.drive)));
+export const heated = computed(() =>
+  Object.values(states.value).some(
+    (one) => one.online && ['operation_enabled', 'quick_stop', 'fault_reaction'].includes(one.drive),
+  ),
+);
 
 export function choose(which: number): void {
   chosen.value = which;
@@ -49,7 +54,9 @@ export const own = computed<Record<string, Value>>(() => {
   const prefix = `node${node.value}.`;
   const found: Record<string, Value> = {};
   for (const [name, value] of Object.entries(values.value)) {
-    if (name.startsWith(prefix)) found[name.slice(prefix.length)] = value;
+    if (name.startsWith(prefix)) {
+      found[name.slice(prefix.length)] = value;
+    }
   }
   return found;
 });
@@ -75,7 +82,10 @@ export const feed = computed<Feed>(() => (node.value === null ? emptyFeed : feed
 
 /** All live plots. */
 export const liveGroup = new PlotGroup({
-  x: 'clock', extent: () => feed.peek().ring.extent(), follow_s: 30, smallest: 0.002,
+  x: 'clock',
+  extent: () => feed.peek().ring.extent(),
+  follow_s: 30,
+  smallest: 0.002,
 });
 
 // Connection ----------------------------------------------------------------------------------------------
@@ -88,27 +98,35 @@ function open(): Socket {
 }
 
 let connection: Connection | null = null;
-const ready = signal(0);  // how often this connection has told of services
+const ready = signal(0); // how often this connection has told of services
 
 export function start(): void {
   connection = new Connection(open, {
-    opened: (metadata) => batch(() => {
-      link.value = 'open';
-      lostReason.value = '';
-      client.value = metadata['client'] === undefined ? null : Number(metadata['client']);
-      version.value = metadata['version'] ?? '';
-      readOnlyClient.value = metadata['read_only'] === 'true';
-    }),
-    lost: (reason) => batch(() => {
-      if (link.value === 'open') for (const one of feeds.values()) one.interrupt();
-      link.value = 'lost';
-      ready.value = 0;
-      lostReason.value = reason;
-      client.value = null;
-      bridge.value = bridge.value && { ...bridge.value, control: null, activity: null };
-    }),
+    opened: (metadata) =>
+      batch(() => {
+        link.value = 'open';
+        lostReason.value = '';
+        client.value = metadata['client'] === undefined ? null : Number(metadata['client']);
+        version.value = metadata['version'] ?? '';
+        readOnlyClient.value = metadata['read_only'] === 'true';
+      }),
+    lost: (reason) =>
+      batch(() => {
+        if (link.value === 'open') {
+          for (const one of feeds.values()) {
+            one.interrupt();
+          }
+        }
+        link.value = 'lost';
+        ready.value = 0;
+        lostReason.value = reason;
+        client.value = null;
+        bridge.value = bridge.value && { ...bridge.value, control: null, activity: null };
+      }),
     services: () => {
-      if (!connection?.hasService('describe')) return;
+      if (!connection?.hasService('describe')) {
+        return;
+      }
       ready.value = ready.peek() + 1;
       setTimeout(() => {
         patient.value = false;
@@ -119,7 +137,9 @@ export function start(): void {
   });
   connection.on('/bridge', (data) => {
     const message = parseJson(data);
-    if (message) bridge.value = message as unknown as Bridge;
+    if (message) {
+      bridge.value = message as unknown as Bridge;
+    }
   });
   effect(follow);
   effect(watchStates);
@@ -130,18 +150,26 @@ export function start(): void {
 function take(changed: NamedValue[]): void {
   const next = { ...values.peek() };
   for (const { name, value } of changed) {
-    if (value === undefined || value === null) delete next[name];
-    else next[name] = value as Value;
+    if (value === undefined || value === null) {
+      delete next[name];
+    } else {
+      next[name] = value as Value;
+    }
   }
   values.value = next;
 }
 
 function describe(): void {
-  if (ready.value === 0 || link.value !== 'open') return;
+  if (ready.value === 0 || link.value !== 'open') {
+    return;
+  }
   connection?.getParameters();
-  call('describe').then((answer) => {
-    description.value = answer as unknown as Description;
-  }, (error) => sayError(error, 'The descriptions of parameters and signals could not be read'));
+  call('describe').then(
+    (answer) => {
+      description.value = answer as unknown as Description;
+    },
+    (error) => sayError(error, 'The descriptions of parameters and signals could not be read'),
+  );
 }
 
 const watched = new Set<string>();
@@ -149,17 +177,23 @@ const watched = new Set<string>();
 function watchStates(): void {
   for (const info of nodes.value) {
     const topic = `/node${info.node}/state`;
-    if (watched.has(topic)) continue;
+    if (watched.has(topic)) {
+      continue;
+    }
     watched.add(topic);
     connection?.on(topic, (data) => {
       const message = parseJson(data) as unknown as State | null;
-      if (message) states.value = { ...states.peek(), [info.node]: message };
+      if (message) {
+        states.value = { ...states.peek(), [info.node]: message };
+      }
     });
   }
 }
 
 /** Mode and geometry say what set-points mean: samples wait for them, but not for ever. */
-const understood = computed(() => state.value !== null && description.value !== null && Object.keys(own.value).length > 0);
+const understood = computed(
+  () => state.value !== null && description.value !== null && Object.keys(own.value).length > 0,
+);
 const patient = signal(true);
 const patience_ms = 3000;
 
@@ -170,35 +204,49 @@ function follow(): void {
   const which = node.value;
   const connected = ready.value > 0 && link.value === 'open' && (understood.value || !patient.value);
   const topic = which === null || !connected ? null : `/node${which}/live`;
-  if (topic === followed) return;
-  if (followed !== null) connection?.on(followed, null);
+  if (topic === followed) {
+    return;
+  }
+  if (followed !== null) {
+    connection?.on(followed, null);
+  }
   followed = topic;
-  if (topic === null || which === null) return;
+  if (topic === null || which === null) {
+    return;
+  }
   untracked(configureFeed);
   const target = feedOf(which);
   let early: [Uint8Array, number][] | null = [];
   const settled = (): void => {
     const waiting = early ?? [];
     early = null;
-    for (const [data, time_s] of waiting) target.message(data, time_s);
+    for (const [data, time_s] of waiting) {
+      target.message(data, time_s);
+    }
     liveGroup.invalidate();
   };
   connection?.on(topic, (data, time_s) => {
-    if (early) early.push([data, time_s]);
-    else {
+    if (early) {
+      early.push([data, time_s]);
+    } else {
       target.message(data, time_s);
       liveGroup.invalidate();
     }
   });
   const patience = setTimeout(settled, historyPatience_ms);
-  call('history', { node: which, seconds: history_s, points: historyPoints }).then((answer) => {
-    clearTimeout(patience);
-    if (early) target.history(answer);
-    settled();
-  }, () => {
-    clearTimeout(patience);
-    settled();
-  });
+  call('history', { node: which, seconds: history_s, points: historyPoints }).then(
+    (answer) => {
+      clearTimeout(patience);
+      if (early) {
+        target.history(answer);
+      }
+      settled();
+    },
+    () => {
+      clearTimeout(patience);
+      settled();
+    },
+  );
 }
 
 function configureFeed(): void {
@@ -237,7 +285,9 @@ export async function act(service: string, request: Record<string, unknown> = {}
 export async function scan(): Promise<void> {
   try {
     const answer = await call('scan');
-    if (answer['without_id']) say('A device without a node-id is on the bus: give it one by LSS.');
+    if (answer['without_id']) {
+      say('A device without a node-id is on the bus: give it one by LSS.');
+    }
   } catch (error) {
     sayError(error, 'Scan');
   }

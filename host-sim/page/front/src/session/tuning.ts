@@ -11,9 +11,11 @@ import { act, call, description, node, own, set, state } from './session';
 
 /** Texts that were typed and not written yet, by name. */
 export const drafts = signal<Record<string, string>>({});
-export const favourites = saved<string[]>('favourites', [
-  'strain.proportional_W', 'strain.integral_1_s', 'strain.derivative_s', 'limits.current_A', 'limits.temperature_K',
-], isStrings);
+export const favourites = saved<string[]>(
+  'favourites',
+  ['strain.proportional_W', 'strain.integral_1_s', 'strain.derivative_s', 'limits.current_A', 'limits.temperature_K'],
+  isStrings,
+);
 export const trySeconds = saved<number>('try_s', 30, isNumber);
 
 const histories = new Map<number, UndoHistory>();
@@ -22,14 +24,17 @@ const changedHistory = signal(0);
 export const history = computed<UndoHistory>(() => {
   void changedHistory.value;
   const which = node.value ?? -1;
-  if (!histories.has(which)) histories.set(which, new UndoHistory());
+  if (!histories.has(which)) {
+    histories.set(which, new UndoHistory());
+  }
   return histories.get(which)!;
 });
 /** Counts up with each change of the history, which is an object that stays the same. */
 export const historyVersion = computed(() => changedHistory.value);
 
 export const infos = computed<Map<string, ParameterInfo>>(
-  () => new Map((description.value?.parameters ?? []).map((info) => [info.name, info])));
+  () => new Map((description.value?.parameters ?? []).map((info) => [info.name, info])),
+);
 
 export interface Drafted {
   values: Record<string, Value>;
@@ -40,18 +45,26 @@ export const drafted = computed<Drafted>(() => {
   const result: Drafted = { values: {}, refused: {} };
   for (const [name, text] of Object.entries(drafts.value)) {
     const info = infos.value.get(name);
-    if (!info) continue;
+    if (!info) {
+      continue;
+    }
     const parsed = parseValue(info, text);
-    if ('refused' in parsed) result.refused[name] = parsed.refused;
-    else if (!sameValue(parsed.value, own.value[name])) result.values[name] = parsed.value;
+    if ('refused' in parsed) {
+      result.refused[name] = parsed.refused;
+    } else if (!sameValue(parsed.value, own.value[name])) {
+      result.values[name] = parsed.value;
+    }
   }
   return result;
 });
 
 export function draft(name: string, text: string | null): void {
   const next = { ...drafts.value };
-  if (text === null) delete next[name];
-  else next[name] = text;
+  if (text === null) {
+    delete next[name];
+  } else {
+    next[name] = text;
+  }
   drafts.value = next;
 }
 
@@ -69,9 +82,13 @@ function before(names: string[]): Record<string, Value> {
 
 export async function tryDrafts(): Promise<void> {
   const changed = drafted.value.values;
-  if (Object.keys(changed).length === 0) return;
+  if (Object.keys(changed).length === 0) {
+    return;
+  }
   const was = before(Object.keys(changed));
-  if (!(await act('try', { node: node.value, values: changed, seconds: trySeconds.value }))) return;
+  if (!(await act('try', { node: node.value, values: changed, seconds: trySeconds.value }))) {
+    return;
+  }
   const earlier = trial.value;
   trial.value = { node: node.value!, before: { ...was, ...earlier?.before }, after: { ...earlier?.after, ...changed } };
   discard();
@@ -84,7 +101,9 @@ export async function keep(): Promise<void> {
     trial.value = kept;
     return;
   }
-  if (kept) record(kept.before, kept.after, 'kept after a trial');
+  if (kept) {
+    record(kept.before, kept.after, 'kept after a trial');
+  }
 }
 
 export async function revert(): Promise<void> {
@@ -95,7 +114,9 @@ export async function revert(): Promise<void> {
 /** Writes at once; whether all of it is in force now. */
 export async function write(changed: Record<string, Value>, how = 'written'): Promise<boolean> {
   const names = Object.keys(changed);
-  if (names.length === 0) return true;
+  if (names.length === 0) {
+    return true;
+  }
   const was = before(names);
   const prefix = `node${node.value}.`;
   try {
@@ -104,7 +125,9 @@ export async function write(changed: Record<string, Value>, how = 'written'): Pr
       const found = inForce.find((one) => one.name === prefix + name);
       return found !== undefined && sameValue(found.value as Value, changed[name]);
     });
-    if (taken && how) record(was, changed, how);
+    if (taken && how) {
+      record(was, changed, how);
+    }
     return taken;
   } catch (error) {
     sayError(error);
@@ -113,20 +136,25 @@ export async function write(changed: Record<string, Value>, how = 'written'): Pr
 }
 
 export async function writeDrafts(): Promise<void> {
-  if (await write(drafted.value.values)) discard();
+  if (await write(drafted.value.values)) {
+    discard();
+  }
 }
 
 function record(was: Record<string, Value>, now: Record<string, Value>, how: string): void {
   history.value.record(
-    Object.keys(now).filter((name) => name in was).map((name) => ({ name, before: was[name]!, after: now[name]! })),
-    how, Date.now(),
+    Object.keys(now)
+      .filter((name) => name in was)
+      .map((name) => ({ name, before: was[name]!, after: now[name]! })),
+    how,
+    Date.now(),
   );
   ++changedHistory.value;
 }
 
 export async function undo(): Promise<void> {
   const back = history.value.undo();
-  if (back && await write(back, '')) {
+  if (back && (await write(back, ''))) {
     history.value.undid();
     ++changedHistory.value;
   }
@@ -134,14 +162,16 @@ export async function undo(): Promise<void> {
 
 export async function redo(): Promise<void> {
   const again = history.value.redo();
-  if (again && await write(again, '')) {
+  if (again && (await write(again, ''))) {
     history.value.redid();
     ++changedHistory.value;
   }
 }
 
 export async function store(): Promise<void> {
-  if (await act('store', { node: node.value })) say('Stored: the settings outlast a reset.');
+  if (await act('store', { node: node.value })) {
+    say('Stored: the settings outlast a reset.');
+  }
 }
 
 /** The settings of a file; what differed before is in the history. */
@@ -149,7 +179,11 @@ export async function restore(file: string, toml: string): Promise<void> {
   try {
     const answer = await call('restore', { node: node.value, toml });
     const changed = (answer['changed'] ?? []) as Difference[];
-    say(changed.length === 0 ? 'The servo has these settings already.' : `Restored: ${changed.length} ${changed.length === 1 ? 'parameter' : 'parameters'}.`);
+    say(
+      changed.length === 0
+        ? 'The servo has these settings already.'
+        : `Restored: ${changed.length} ${changed.length === 1 ? 'parameter' : 'parameters'}.`,
+    );
     const values = (which: 'node' | 'file'): Record<string, Value> =>
       Object.fromEntries(changed.map((one) => [one.name, one[which]]));
     record(values('node'), values('file'), 'restored from a file');
@@ -160,11 +194,14 @@ export async function restore(file: string, toml: string): Promise<void> {
 
 export function toggleFavourite(name: string): void {
   favourites.value = favourites.value.includes(name)
-    ? favourites.value.filter((one) => one !== name) : [...favourites.value, name];
+    ? favourites.value.filter((one) => one !== name)
+    : [...favourites.value, name];
 }
 
 function ended(): void {
-  if (trial.value === null || trial.value.node !== node.value) return;
+  if (trial.value === null || trial.value.node !== node.value) {
+    return;
+  }
   trial.value = null;
   say('The trial has ended: the values before it are back.');
 }
@@ -174,12 +211,16 @@ export function watchTrials(): void {
   let was = false;
   effect(() => {
     const now = trying.value;
-    if (was && !now) untracked(ended);
+    if (was && !now) {
+      untracked(ended);
+    }
     was = now;
   });
   let last = node.peek();
   effect(() => {
-    if (node.value !== last) discard();
+    if (node.value !== last) {
+      discard();
+    }
     last = node.value;
   });
 }

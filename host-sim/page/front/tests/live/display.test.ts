@@ -4,7 +4,12 @@ import { shownAs, shownIn } from '../../src/live/display';
 describe('shownIn', () => {
   it('shows a set-point as what the mode controls', () => {
     const controlled: [number, string][] = [
-      [1, 'position_m'], [8, 'position_m'], [4, 'force_N'], [-1, 'current_A'], [-2, 'power_W'], [-3, 'wire_temperature_K'],
+      [1, 'position_m'],
+      [8, 'position_m'],
+      [4, 'force_N'],
+      [-1, 'current_A'],
+      [-2, 'power_W'],
+      [-3, 'wire_temperature_K'],
     ];
     for (const [mode, signal] of controlled) {
       expect(shownIn(mode, 'setpoint')).toEqual(shownAs(signal));

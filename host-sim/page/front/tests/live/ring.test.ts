@@ -11,21 +11,32 @@ describe('SampleRing', () => {
     const b: number[] = [];
     for (let row = 0; row < 7000; ++row) {
       a.push(random());
-      b.push(row < 700 ? NaN : random());  // a column that begins in the middle of a block
+      b.push(row < 700 ? NaN : random()); // a column that begins in the middle of a block
       ring.push(row * 0.01, row < 700 ? { a: a[row]! } : { a: a[row]!, b: b[row]! });
-      if (row % 211 !== 0) continue;
+      if (row % 211 !== 0) {
+        continue;
+      }
       expect(ring.end).toBe(row + 1);
       expect(ring.first).toBe(Math.max(0, row + 1 - 2048));
       const from = ring.first + Math.floor(random() * (ring.end - ring.first));
-      for (const [key, values] of [['a', a], ['b', b]] as const) {
+      for (const [key, values] of [
+        ['a', a],
+        ['b', b],
+      ] as const) {
         const column = ring.column(key);
         const good = values.slice(from, ring.end).filter((value) => !Number.isNaN(value));
         const range = { low: 1, high: -1 };
         column?.range(from, ring.end, range);
-        if (!column) expect(good).toHaveLength(0);
-        else if (good.length === 0) expect(range).toEqual({ low: NaN, high: NaN });
-        else expect(range).toEqual({ low: Math.fround(Math.min(...good)), high: Math.fround(Math.max(...good)) });
-        if (column) expect(column.at(from)).toBe(Math.fround(values[from]!));
+        if (!column) {
+          expect(good).toHaveLength(0);
+        } else if (good.length === 0) {
+          expect(range).toEqual({ low: NaN, high: NaN });
+        } else {
+          expect(range).toEqual({ low: Math.fround(Math.min(...good)), high: Math.fround(Math.max(...good)) });
+        }
+        if (column) {
+          expect(column.at(from)).toBe(Math.fround(values[from]!));
+        }
       }
     }
   });
@@ -33,13 +44,17 @@ describe('SampleRing', () => {
   it('leaves out rows that are not later than the last, or have no time', () => {
     const ring = new SampleRing(1024);
     ring.push(2, { a: 1 });
-    for (const time of [2, 1, NaN, Infinity]) ring.push(time, { a: 5 });
+    for (const time of [2, 1, NaN, Infinity]) {
+      ring.push(time, { a: 5 });
+    }
     expect(ring.end).toBe(1);
   });
 
   it('does not grow with the names that are sent', () => {
     const ring = new SampleRing(1024);
-    for (let i = 0; i < 1000; ++i) ring.push(i, { [`name${i}`]: i });
+    for (let i = 0; i < 1000; ++i) {
+      ring.push(i, { [`name${i}`]: i });
+    }
     expect(Array.from({ length: 1000 }, (_, i) => ring.column(`name${i}`)).filter(Boolean)).toHaveLength(96);
   });
 });
@@ -87,7 +102,11 @@ describe('Feed', () => {
     const feed = new Feed(1024);
     feed.message(message({ strain: 0.01 }), 10);
     feed.message(message({ strain: 0.01 }), 13);
-    expect([0, 1, 2].map((row) => feed.ring.column('strain')!.at(row))).toEqual([Math.fround(0.01), NaN, Math.fround(0.01)]);
+    expect([0, 1, 2].map((row) => feed.ring.column('strain')!.at(row))).toEqual([
+      Math.fround(0.01),
+      NaN,
+      Math.fround(0.01),
+    ]);
     feed.interrupt();
     expect(feed.ring.column('strain')!.at(3)).toBeNaN();
   });

@@ -17,7 +17,9 @@ function randomSeries(random: () => number, rows: number): Series {
   let absent = 0;
   for (let row = 0; row < rows; ++row) {
     at += random() < 0.001 ? 5 * random() : 0.01 * random();
-    if (random() < 0.002) absent = Math.floor(random() * 50);
+    if (random() < 0.002) {
+      absent = Math.floor(random() * 50);
+    }
     at = Math.round(at * 1024) / 1024;
     x.push(at);
     y.push(absent-- > 0 ? null : (random() - 0.5) * (random() < 0.001 ? 1000 : 1));
@@ -29,7 +31,9 @@ function extremes(values: Iterable<number | null>): [number, number] {
   let low = Infinity;
   let high = -Infinity;
   for (const value of values) {
-    if (value === null || Number.isNaN(value)) continue;
+    if (value === null || Number.isNaN(value)) {
+      continue;
+    }
     low = Math.min(low, value);
     high = Math.max(high, value);
   }
@@ -38,8 +42,11 @@ function extremes(values: Iterable<number | null>): [number, number] {
 
 function add(lists: Map<number, (number | null)[]>, key: number, value: number | null): void {
   const list = lists.get(key);
-  if (list) list.push(value);
-  else lists.set(key, [value]);
+  if (list) {
+    list.push(value);
+  } else {
+    lists.set(key, [value]);
+  }
 }
 
 describe('reduce', () => {
@@ -56,11 +63,15 @@ describe('reduce', () => {
       const out = new Reduced();
       reduce(samples, from, to, pixels, [{ key: 'y', keep: 'both' }], out);
       expect(out.count).toBeLessThanOrEqual(Math.max(2 * pixels, 4 * (pixels + 4)));
-      for (let row = 1; row < out.count; ++row) expect(out.x[row]!).toBeGreaterThanOrEqual(out.x[row - 1]!);
+      for (let row = 1; row < out.count; ++row) {
+        expect(out.x[row]!).toBeGreaterThanOrEqual(out.x[row - 1]!);
+      }
       const bucket = (at: number): number => Math.floor(at / width);
       const wanted = new Map<number, (number | null)[]>();
       x.forEach((at, row) => {
-        if (at < from || at > to) return;
+        if (at < from || at > to) {
+          return;
+        }
         add(wanted, bucket(at), y[row] ?? null);
       });
       const got = new Map<number, (number | null)[]>();
@@ -69,7 +80,9 @@ describe('reduce', () => {
       }
       // The outer pixels are shared with rows outside of the window.
       const inner = [...wanted.keys()].filter((key) => key > bucket(from) && key < bucket(to));
-      for (const key of inner) expect(extremes(got.get(key) ?? [])).toEqual(extremes(wanted.get(key)!));
+      for (const key of inner) {
+        expect(extremes(got.get(key) ?? [])).toEqual(extremes(wanted.get(key)!));
+      }
     }
   });
 
@@ -108,7 +121,7 @@ describe('reduce', () => {
       const one = rowsUntil(end);
       const other = rowsUntil(end + span / 200);
       const lost = [...one].filter((row) => !other.has(row));
-      expect(lost.length).toBeLessThanOrEqual(12);  // those of the outermost pixels
+      expect(lost.length).toBeLessThanOrEqual(12); // those of the outermost pixels
       expect(one.size).toBeGreaterThan(100);
     }
   });
@@ -117,13 +130,18 @@ describe('reduce', () => {
     const random = randomFrom(13);
     const { x, y } = randomSeries(random, 30000);
     const samples = new ArraySamples(x, { y });
-    const wants = [{ key: 'y', keep: 'both' as const }, { key: 'y', keep: 'ends' as const }];
+    const wants = [
+      { key: 'y', keep: 'both' as const },
+      { key: 'y', keep: 'ends' as const },
+    ];
     const again = new Reduced();
     let keptAny = 0;
     let from = x[1000]!;
     let span = 40;
     for (let round = 0; round < 400; ++round) {
-      if (random() < 0.05) span = 20 + 40 * random();
+      if (random() < 0.05) {
+        span = 20 + 40 * random();
+      }
       // Mostly on by little, sometimes back or far; the samples end in some of the windows.
       from += random() < 0.1 ? 60 * (random() - 0.5) : 0.2 * random();
       from = Math.min(Math.max(from, x[0]! - 5), x[x.length - 1]! - 20);
@@ -133,7 +151,9 @@ describe('reduce', () => {
       keptAny += again.kept;
       expect(again.kept).toBeLessThanOrEqual(again.count);
       expect(again.x.subarray(0, again.count)).toEqual(fresh.x.subarray(0, fresh.count));
-      for (const c of [0, 1]) expect(again.y[c]!.subarray(0, again.count)).toEqual(fresh.y[c]!.subarray(0, fresh.count));
+      for (const c of [0, 1]) {
+        expect(again.y[c]!.subarray(0, again.count)).toEqual(fresh.y[c]!.subarray(0, fresh.count));
+      }
     }
     expect(keptAny).toBeGreaterThan(400 * 300);
   });
@@ -145,13 +165,17 @@ describe('reduce', () => {
     const random = randomFrom(14);
     for (let at = 0; at < 20000; ++at) {
       ring.push(at * 0.001, { y: random() });
-      if (at % 37 !== 0 || at < 1000) continue;
+      if (at % 37 !== 0 || at < 1000) {
+        continue;
+      }
       const fresh = new Reduced();
       reduce(ring, at * 0.001 - 4, at * 0.001, 100, wants, fresh);
       reduce(ring, at * 0.001 - 4, at * 0.001, 100, wants, again);
       // The first pixel may have samples that the ring has no more.
-      const known = (rows: Reduced): [number, number][] => Array.from({ length: rows.count },
-        (_, row): [number, number] => [rows.x[row]!, rows.y[0]![row]!]).filter(([x]) => x > at * 0.001 - 3.95);
+      const known = (rows: Reduced): [number, number][] =>
+        Array.from({ length: rows.count }, (_, row): [number, number] => [rows.x[row]!, rows.y[0]![row]!]).filter(
+          ([x]) => x > at * 0.001 - 3.95,
+        );
       expect(known(again)).toEqual(known(fresh));
     }
   });
@@ -182,7 +206,9 @@ describe('RangedColumn', () => {
     for (let row = 0; row < 3 * capacity; ++row) {
       all.push(random() < 0.1 ? NaN : random());
       column.set(row, all[row]!);
-      if (row % 97 !== 0) continue;
+      if (row % 97 !== 0) {
+        continue;
+      }
       const first = Math.max(0, row + 1 - capacity);
       const from = first + Math.floor(random() * (row + 1 - first));
       const to = from + Math.floor(random() * (row + 1 - from)) + 1;

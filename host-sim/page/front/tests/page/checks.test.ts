@@ -1,20 +1,35 @@
 import { describe, expect, it } from 'vitest';
-import { cold_ohm, finish_K, limitChecks, Settings, statistics } from '../../src/page/guide/checks';
+import { cold_ohm, finish_K, limitChecks, type Settings, statistics } from '../../src/page/guide/checks';
 
 const settings: Settings = {
-  'limits.current_A': 0.1, 'trips.current_A': 0.15, 'limits.temperature_K': 393.15, 'trips.temperature_K': 403.15,
-  'limits.stress_Pa': 250e6, 'trips.stress_Pa': 300e6, 'limits.min_strain': 0, 'axis.zero_strain': 0.04,
-  'wire.diameter_m': 76e-6, 'wire.length_m': 0.1, 'wire.martensite.resistivity_ohm_m': 0.9e-6,
-  'wire.m2a.finish_0_K': 340, 'wire.m2a.finish_1_K_Pa': 1e-7, 'wire.m2a.finish_2_K_Pa2': 0,
+  'limits.current_A': 0.1,
+  'trips.current_A': 0.15,
+  'limits.temperature_K': 393.15,
+  'trips.temperature_K': 403.15,
+  'limits.stress_Pa': 250e6,
+  'trips.stress_Pa': 300e6,
+  'limits.min_strain': 0,
+  'axis.zero_strain': 0.04,
+  'wire.diameter_m': 76e-6,
+  'wire.length_m': 0.1,
+  'wire.martensite.resistivity_ohm_m': 0.9e-6,
+  'wire.m2a.finish_0_K': 340,
+  'wire.m2a.finish_1_K_Pa': 1e-7,
+  'wire.m2a.finish_2_K_Pa2': 0,
 };
 const wrong = (changed: Settings, stress_Pa = 150e6): string[] =>
-  limitChecks({ ...settings, ...changed }, stress_Pa).filter((check) => check.ok === false).map((check) => check.text);
+  limitChecks({ ...settings, ...changed }, stress_Pa)
+    .filter((check) => check.ok === false)
+    .map((check) => check.text);
 
 describe('the checks of the guide', () => {
   it('find nothing wrong with settings that fit', () => expect(wrong({})).toEqual([]));
 
   it.each([
-    ['limits.current_A', 0.2], ['limits.temperature_K', 410], ['limits.temperature_K', 350], ['limits.stress_Pa', 310e6],
+    ['limits.current_A', 0.2],
+    ['limits.temperature_K', 410],
+    ['limits.temperature_K', 350],
+    ['limits.stress_Pa', 310e6],
     ['limits.min_strain', 0.05],
   ])('find %s of %d', (name, value) => expect(wrong({ [name]: value })).not.toEqual([]));
 

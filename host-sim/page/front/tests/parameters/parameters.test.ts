@@ -1,19 +1,28 @@
 import { describe, expect, it } from 'vitest';
-import { countOf, find, Group, isChanged, sameValue, treeOf } from '../../src/parameters/tree';
-import { Change, UndoHistory } from '../../src/parameters/undo';
+import { countOf, find, type Group, isChanged, sameValue, treeOf } from '../../src/parameters/tree';
+import { type Change, UndoHistory } from '../../src/parameters/undo';
 import { alsoText, parseValue, rangeText, unitText, valueText } from '../../src/parameters/values';
 import type { ParameterInfo, Value } from '../../src/protocol/bridge';
 import { randomFrom } from '../random';
 
 function info(name: string, more: Partial<ParameterInfo> = {}): ParameterInfo {
   return {
-    name, type: 'number', unit: 'W', min: 0, max: 10, default: 1, change: 'live', level: 'tune', meaning: 'power of the heater',
+    name,
+    type: 'number',
+    unit: 'W',
+    min: 0,
+    max: 10,
+    default: 1,
+    change: 'live',
+    level: 'tune',
+    meaning: 'power of the heater',
     ...more,
   };
 }
 
 const parameters = [
-  info('strain.proportional_W'), info('strain.integral_1_s', { unit: '1/s', meaning: 'integral gain' }),
+  info('strain.proportional_W'),
+  info('strain.integral_1_s', { unit: '1/s', meaning: 'integral gain' }),
   info('wire.length_m', { unit: 'm', default: null, meaning: 'length between the clamps' }),
   info('wire.m2a.start_0_K', { unit: 'K', meaning: 'start temperature' }),
   info('wire.m2a.finish_0_K', { unit: 'K', meaning: 'finish temperature' }),
@@ -37,7 +46,9 @@ describe('the tree', () => {
     const names = new Set<string>();
     while (names.size < 300) {
       const depth = 1 + Math.floor(random() * 4);
-      names.add(Array.from({ length: depth }, () => 'abc'[Math.floor(random() * 3)]! + Math.floor(random() * 9)).join('.'));
+      names.add(
+        Array.from({ length: depth }, () => 'abc'[Math.floor(random() * 3)]! + Math.floor(random() * 9)).join('.'),
+      );
     }
     const root = treeOf([...names].map((name) => info(name)));
     expect(namesOf(root).sort()).toEqual([...names].sort());
@@ -74,18 +85,28 @@ describe('values', () => {
   });
 
   it.each([
-    ['', 'a number is missing'], ['1,5', '"1,5" is not a number'], ['0x10', '"0x10" is not a number'], ['NaN', 'not a number'],
-    ['Infinity', 'not a number'], ['-1', '-1 is too small'], ['10.1', '10.1 is too large'], ['1 2', 'not a number'],
+    ['', 'a number is missing'],
+    ['1,5', '"1,5" is not a number'],
+    ['0x10', '"0x10" is not a number'],
+    ['NaN', 'not a number'],
+    ['Infinity', 'not a number'],
+    ['-1', '-1 is too small'],
+    ['10.1', '10.1 is too large'],
+    ['1 2', 'not a number'],
   ])('refuses "%s" with the reason and the range', (text, why) => {
     const parsed = parseValue(info('a.b'), text);
-    if (!('refused' in parsed)) throw new Error(`${text} was taken`);
+    if (!('refused' in parsed)) {
+      throw new Error(`${text} was taken`);
+    }
     expect(parsed.refused).toContain(why);
     expect(parsed.refused).toContain('0 to 10 W');
   });
 
   it('takes both ends of the range, also where they are no exact floats', () => {
     const bounded = info('a.b', { min: 0.1, max: 0.3 });
-    for (const text of ['0.1', '0.3', ' .2 ', '2e-1', '+0.2']) expect(parseValue(bounded, text)).toHaveProperty('value');
+    for (const text of ['0.1', '0.3', ' .2 ', '2e-1', '+0.2']) {
+      expect(parseValue(bounded, text)).toHaveProperty('value');
+    }
     expect(parseValue(bounded, '0.0999')).toHaveProperty('refused');
   });
 
@@ -100,8 +121,15 @@ describe('values', () => {
   });
 
   it('have units as a person writes them', () => {
-    expect(['W', '1_s', 'ohm', 'ohm_m', 'ohm_m_K', 'K_Pa2', ''].map(unitText))
-      .toEqual(['W', '1/s', 'Ω', 'Ω m', 'Ω m/K', 'K/Pa²', '']);
+    expect(['W', '1_s', 'ohm', 'ohm_m', 'ohm_m_K', 'K_Pa2', ''].map(unitText)).toEqual([
+      'W',
+      '1/s',
+      'Ω',
+      'Ω m',
+      'Ω m/K',
+      'K/Pa²',
+      '',
+    ]);
   });
 
   it('have a range in words, and a second reading', () => {
@@ -122,8 +150,12 @@ describe('UndoHistory', () => {
     for (let step = 0; step < 60; ++step) {
       const names = Object.keys(now).filter(() => random() < 0.5);
       const changes: Change[] = names.map((name) => ({ name, before: now[name]!, after: Math.floor(random() * 3) }));
-      if (!changes.some((change) => change.before !== change.after)) continue;
-      for (const change of changes) now[change.name] = change.after;
+      if (!changes.some((change) => change.before !== change.after)) {
+        continue;
+      }
+      for (const change of changes) {
+        now[change.name] = change.after;
+      }
       history.record(changes, 'written', step);
       states.push({ ...now });
     }
@@ -157,7 +189,9 @@ describe('UndoHistory', () => {
     history.undid();
     history.record([{ name: 'a', before: 1, after: 3 }], 'written', 0);
     expect(history.canRedo).toBe(false);
-    for (let i = 0; i < 300; ++i) history.record([{ name: 'a', before: i, after: i + 1 }], 'written', i);
+    for (let i = 0; i < 300; ++i) {
+      history.record([{ name: 'a', before: i, after: i + 1 }], 'written', i);
+    }
     expect(history.entries).toHaveLength(100);
     expect(history.entries[0]!.changes[0]!.after).toBe(300);
   });

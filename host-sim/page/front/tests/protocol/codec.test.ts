@@ -41,7 +41,9 @@ describe('parseFrame', () => {
       const frame = messageFrame(subscription, time_ns, payload);
       const theirs = parseServerMessage(frame);
       const ours = parseFrame(frame);
-      if (theirs.op !== 1 || ours?.kind !== 'message') throw new Error('not a message');
+      if (theirs.op !== 1 || ours?.kind !== 'message') {
+        throw new Error('not a message');
+      }
       expect(ours.subscription).toBe(theirs.subscriptionId);
       expect(Math.abs(ours.time_s - Number(theirs.timestamp) / 1e9)).toBeLessThan(1e-6);
       expect(text(ours.data)).toBe(text(theirs.data));
@@ -52,21 +54,29 @@ describe('parseFrame', () => {
     const frame = responseFrame(7, 4_000_000_000, '{"a": [1, null]}');
     const theirs = parseServerMessage(frame);
     const ours = parseFrame(frame);
-    if (theirs.op !== 3 || ours?.kind !== 'response') throw new Error('not an answer');
+    if (theirs.op !== 3 || ours?.kind !== 'response') {
+      throw new Error('not an answer');
+    }
     expect([ours.service, ours.call, ours.encoding]).toEqual([theirs.serviceId, theirs.callId, theirs.encoding]);
     expect(text(ours.data)).toBe(text(theirs.data));
   });
 
   it('leaves out what is cut short or of another kind, at whatever length', () => {
     const whole = responseFrame(1, 2, '{}');
-    for (let length = 0; length < 17; ++length) expect(parseFrame(whole.slice(0, length))).toBeNull();
+    for (let length = 0; length < 17; ++length) {
+      expect(parseFrame(whole.slice(0, length))).toBeNull();
+    }
     const message = messageFrame(1, 2n, '');
-    for (let length = 0; length < 13; ++length) expect(parseFrame(message.slice(0, length))).toBeNull();
+    for (let length = 0; length < 13; ++length) {
+      expect(parseFrame(message.slice(0, length))).toBeNull();
+    }
     const random = randomFrom(21);
     for (let i = 0; i < 5000; ++i) {
       const bytes = Uint8Array.from({ length: Math.floor(random() * 40) }, () => Math.floor(random() * 256));
       expect(() => parseFrame(bytes.buffer)).not.toThrow();
-      if (bytes.length > 0 && bytes[0] !== 1 && bytes[0] !== 3) expect(parseFrame(bytes.buffer)).toBeNull();
+      if (bytes.length > 0 && bytes[0] !== 1 && bytes[0] !== 3) {
+        expect(parseFrame(bytes.buffer)).toBeNull();
+      }
     }
   });
 });
@@ -75,7 +85,9 @@ describe('serviceRequest', () => {
   it('is what the independent codec reads', () => {
     const request = { node: 1, values: { 'strain.proportional_W': 0.5 }, text: 'µm' };
     const theirs = parseClientMessage(serviceRequest(3, 9, request));
-    if (theirs.op !== 2) throw new Error('not a request');
+    if (theirs.op !== 2) {
+      throw new Error('not a request');
+    }
     expect([theirs.serviceId, theirs.callId, theirs.encoding]).toEqual([3, 9, 'json']);
     expect(JSON.parse(text(theirs.data))).toEqual(request);
   });
@@ -84,6 +96,8 @@ describe('serviceRequest', () => {
 describe('parseJson', () => {
   it('gives objects only', () => {
     expect(parseJson('{"a": 1}')).toEqual({ a: 1 });
-    for (const other of ['', '[]', '1', 'null', '{', '"text"', '{"a": NaN}']) expect(parseJson(other)).toBeNull();
+    for (const other of ['', '[]', '1', 'null', '{', '"text"', '{"a": NaN}']) {
+      expect(parseJson(other)).toBeNull();
+    }
   });
 });

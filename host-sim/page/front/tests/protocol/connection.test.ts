@@ -2,7 +2,7 @@
 
 import { FoxgloveServer } from '@foxglove/ws-protocol';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { Connection, Events, NamedValue, Socket } from '../../src/protocol/connection';
+import { Connection, type Events, type NamedValue, type Socket } from '../../src/protocol/connection';
 
 type ServerSocket = Parameters<FoxgloveServer['handleConnection']>[0];
 
@@ -16,26 +16,48 @@ class Pipe {
   constructor() {
     const pipe = this;
     this.client = {
-      binaryType: '', onopen: null, onclose: null, onmessage: null,
+      binaryType: '',
+      onopen: null,
+      onclose: null,
+      onmessage: null,
       send(data) {
         pipe.sent.push(data);
-        if (!pipe.closed) setTimeout(() => pipe.server.onmessage?.({ data }), 0);
+        if (!pipe.closed) {
+          setTimeout(() => pipe.server.onmessage?.({ data }), 0);
+        }
       },
       close: () => this.close(''),
     };
     this.server = {
-      binaryType: '', protocol: 'foxglove.websocket.v1', onerror: null, onopen: null, onclose: null, onmessage: null,
+      binaryType: '',
+      protocol: 'foxglove.websocket.v1',
+      onerror: null,
+      onopen: null,
+      onclose: null,
+      onmessage: null,
       send(data) {
-        const copy = typeof data === 'string' ? data
-          : data instanceof ArrayBuffer ? data.slice(0) : new Uint8Array(data.buffer, data.byteOffset, data.byteLength).slice().buffer;
-        if (!pipe.closed) setTimeout(() => { if (!pipe.closed) pipe.client.onmessage?.({ data: copy }); }, 0);
+        const copy =
+          typeof data === 'string'
+            ? data
+            : data instanceof ArrayBuffer
+              ? data.slice(0)
+              : new Uint8Array(data.buffer, data.byteOffset, data.byteLength).slice().buffer;
+        if (!pipe.closed) {
+          setTimeout(() => {
+            if (!pipe.closed) {
+              pipe.client.onmessage?.({ data: copy });
+            }
+          }, 0);
+        }
       },
       close: () => this.close(''),
     };
   }
 
   close(reason: string): void {
-    if (this.closed) return;
+    if (this.closed) {
+      return;
+    }
     this.closed = true;
     this.client.onclose?.({ code: 1006, reason });
     this.server.onclose?.({ code: 1006, reason, wasClean: false });
@@ -57,11 +79,18 @@ const bytes = (value: unknown): Uint8Array<ArrayBuffer> =>
 beforeEach(() => {
   vi.useFakeTimers();
   const server = new FoxgloveServer({
-    name: 'test', capabilities: ['parameters', 'services'], supportedEncodings: ['json'], metadata: { client: '7' },
+    name: 'test',
+    capabilities: ['parameters', 'services'],
+    supportedEncodings: ['json'],
+    metadata: { client: '7' },
   });
   const pipes: Pipe[] = [];
   const events = {
-    opened: vi.fn(), lost: vi.fn(), services: vi.fn(), parameters: vi.fn(), status: vi.fn(),
+    opened: vi.fn(),
+    lost: vi.fn(),
+    services: vi.fn(),
+    parameters: vi.fn(),
+    status: vi.fn(),
   };
   const open = (): Socket => {
     const pipe = new Pipe();
@@ -108,7 +137,10 @@ describe('Connection', () => {
       const { callId } = request;
       try {
         const data = bytes(answer(JSON.parse(new TextDecoder().decode(request.data as Uint8Array))));
-        bench.server.sendServiceCallResponse({ serviceId: id, callId, encoding: 'json', data: new DataView(data.buffer) }, socket);
+        bench.server.sendServiceCallResponse(
+          { serviceId: id, callId, encoding: 'json', data: new DataView(data.buffer) },
+          socket,
+        );
       } catch (error) {
         const { message } = error as Error;
         bench.server.sendServiceCallFailure({ op: 'serviceCallFailure', serviceId: id, callId, message }, socket);
@@ -139,9 +171,15 @@ describe('Connection', () => {
     const store: Record<string, unknown> = { 'node1.a': 1 };
     const all = (): { name: string; value: number }[] =>
       Object.entries(store).map(([name, value]) => ({ name, value: value as number }));
-    bench.server.on('getParameters', (request, socket) => bench.server.publishParameterValues(all(), request.id, socket));
+    bench.server.on('getParameters', (request, socket) =>
+      bench.server.publishParameterValues(all(), request.id, socket),
+    );
     bench.server.on('setParameters', (request, socket) => {
-      for (const { name, value } of request.parameters) if ((value as number) < 10) store[name] = value;
+      for (const { name, value } of request.parameters) {
+        if ((value as number) < 10) {
+          store[name] = value;
+        }
+      }
       bench.server.publishParameterValues(all(), request.id, socket);
     });
     await run();
@@ -149,14 +187,18 @@ describe('Connection', () => {
     await run();
     expect(bench.events.parameters).toHaveBeenLastCalledWith([{ name: 'node1.a', value: 1 }]);
     let inForce: NamedValue[] = [];
-    void bench.connection.setParameters([{ name: 'node1.a', value: 99 }]).then((values) => { inForce = values; });
+    void bench.connection.setParameters([{ name: 'node1.a', value: 99 }]).then((values) => {
+      inForce = values;
+    });
     await run();
     expect(inForce).toEqual([{ name: 'node1.a', value: 1 }]);
   });
 
   it('fails a write whose connection is lost', async () => {
     await run();
-    const lost = expect(bench.connection.setParameters([{ name: 'node1.a', value: 2 }])).rejects.toThrow('connection was lost');
+    const lost = expect(bench.connection.setParameters([{ name: 'node1.a', value: 2 }])).rejects.toThrow(
+      'connection was lost',
+    );
     bench.pipes[0]!.close('the bridge has ended');
     await lost;
   });
@@ -200,8 +242,20 @@ describe('Connection', () => {
   it('takes no harm from what no server should send', async () => {
     await run();
     const { client } = bench.pipes[0]!;
-    const odd = ['', '[]', '{"op":"advertise"}', '{"op":"advertise","channels":[3,null]}', '{"op":"parameterValues"}',
-      '{"op":"serviceCallFailure","callId":"x"}', new ArrayBuffer(0), new ArrayBuffer(13), 5, null];
-    for (const data of odd) expect(() => client.onmessage?.({ data })).not.toThrow();
+    const odd = [
+      '',
+      '[]',
+      '{"op":"advertise"}',
+      '{"op":"advertise","channels":[3,null]}',
+      '{"op":"parameterValues"}',
+      '{"op":"serviceCallFailure","callId":"x"}',
+      new ArrayBuffer(0),
+      new ArrayBuffer(13),
+      5,
+      null,
+    ];
+    for (const data of odd) {
+      expect(() => client.onmessage?.({ data })).not.toThrow();
+    }
   });
 });

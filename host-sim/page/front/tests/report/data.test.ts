@@ -1,12 +1,24 @@
 import { describe, expect, it } from 'vitest';
-import { ascends, parsed, pieces, rowAt, Series, valueAt } from '../../src/report/data';
+import { ascends, parsed, pieces, rowAt, type Series, valueAt } from '../../src/report/data';
 import { randomFrom } from '../random';
 
 const page = JSON.stringify({
-  columns: [[0, 1, 2, 3], [5, null, 7, 8], [0, 0, 1, 1]],
+  columns: [
+    [0, 1, 2, 3],
+    [5, null, 7, 8],
+    [0, 0, 1, 1],
+  ],
   panels: [
-    { title: 'a', height: 200, x: {}, y: {}, right: {}, rules: [], notes: [],
-      series: [{ kind: 'area', name: 's', colour: 'ink', x: 0, y: 1, low: 2 }] },
+    {
+      title: 'a',
+      height: 200,
+      x: {},
+      y: {},
+      right: {},
+      rules: [],
+      notes: [],
+      series: [{ kind: 'area', name: 's', colour: 'ink', x: 0, y: 1, low: 2 }],
+    },
     null,
   ],
 });
@@ -25,7 +37,10 @@ describe('parsed()', () => {
 
 describe('pieces()', () => {
   it('are what stands between gaps of x', () => {
-    expect(pieces(Float64Array.of(NaN, 1, 2, NaN, NaN, 3))).toEqual([{ from: 1, to: 3 }, { from: 5, to: 6 }]);
+    expect(pieces(Float64Array.of(NaN, 1, 2, NaN, NaN, 3))).toEqual([
+      { from: 1, to: 3 },
+      { from: 5, to: 6 },
+    ]);
     expect(pieces(new Float64Array())).toEqual([]);
   });
   it('ascend or not', () => {

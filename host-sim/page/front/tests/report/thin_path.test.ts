@@ -17,7 +17,9 @@ class Lines {
 function drawn(lines: Point[][]): Point[][] {
   const kept = new Lines();
   const path = new ThinPath(kept);
-  for (const line of lines) line.forEach(([x, y], k) => k === 0 ? path.start(x, y) : path.to(x, y));
+  for (const line of lines) {
+    line.forEach(([x, y], k) => (k === 0 ? path.start(x, y) : path.to(x, y)));
+  }
   path.end();
   return kept.all;
 }
@@ -36,7 +38,7 @@ describe('ThinPath', () => {
   const next = randomFrom(5);
   it('keeps ends and extremes of each column, in few points, along any line', () => {
     for (let k = 0; k < 200; ++k) {
-      const back = k % 2 === 1;  // a loop goes back as well
+      const back = k % 2 === 1; // a loop goes back as well
       const line: Point[] = [];
       let x = 100 * next();
       for (let i = 0; i < 2000; ++i) {
@@ -52,7 +54,28 @@ describe('ThinPath', () => {
     }
   });
   it('does not join two lines', () => {
-    const lines: Point[][] = [[[0.1, 1], [0.2, 2], [0.3, 0]], [[0.4, 7], [3, 8]]];
-    expect(drawn(lines)).toEqual([[[0.1, 1], [0.3, 0], [0.2, 2], [0.3, 0]], [[0.4, 7], [3, 8]]]);
+    const lines: Point[][] = [
+      [
+        [0.1, 1],
+        [0.2, 2],
+        [0.3, 0],
+      ],
+      [
+        [0.4, 7],
+        [3, 8],
+      ],
+    ];
+    expect(drawn(lines)).toEqual([
+      [
+        [0.1, 1],
+        [0.3, 0],
+        [0.2, 2],
+        [0.3, 0],
+      ],
+      [
+        [0.4, 7],
+        [3, 8],
+      ],
+    ]);
   });
 });

@@ -16,14 +16,24 @@ export function NumberField({ title, unit, value, testid, set }: NumberFieldProp
   const wrong = text.trim() === '' || !Number.isFinite(read);
   return (
     <label class="field narrow">
-      <span>{title} <small>{unit}</small></span>
-      <input type="text" inputMode="decimal" value={text} aria-invalid={wrong} data-testid={testid}
+      <span>
+        {title} <small>{unit}</small>
+      </span>
+      <input
+        type="text"
+        inputMode="decimal"
+        value={text}
+        aria-invalid={wrong}
+        data-testid={testid}
         onInput={(event) => {
           const written = event.currentTarget.value;
           setText(written);
           const number = Number(written.replace(',', '.'));
-          if (written.trim() !== '' && Number.isFinite(number)) set(number);
-        }} />
+          if (written.trim() !== '' && Number.isFinite(number)) {
+            set(number);
+          }
+        }}
+      />
     </label>
   );
 }

@@ -4,7 +4,7 @@ import { formatNumber } from '../../numbers/format';
 import type { Value } from '../../protocol/bridge';
 
 export interface Check {
-  ok: boolean | null;  ///< null: cannot be judged, as something was not read
+  ok: boolean | null; ///< null: cannot be judged, as something was not read
   text: string;
 }
 
@@ -31,8 +31,10 @@ export function finish_K(settings: Settings, stress_Pa: number): number {
 /** Of the wire when cold: martensite without stress, as the wire's parameters have it. */
 export function cold_ohm(settings: Settings): number {
   const diameter = number(settings, 'wire.diameter_m');
-  return number(settings, 'wire.martensite.resistivity_ohm_m') * number(settings, 'wire.length_m') /
-    (Math.PI / 4 * diameter ** 2);
+  return (
+    (number(settings, 'wire.martensite.resistivity_ohm_m') * number(settings, 'wire.length_m')) /
+    ((Math.PI / 4) * diameter ** 2)
+  );
 }
 
 export function stroke_m(settings: Settings): number {
@@ -49,24 +51,46 @@ export function limitChecks(settings: Settings, stress_Pa: number): Check[] {
   const stress = of('limits.stress_Pa');
   const tripStress = of('trips.stress_Pa');
   const finish = finish_K(settings, stress_Pa);
-  const area = Math.PI / 4 * of('wire.diameter_m') ** 2;
+  const area = (Math.PI / 4) * of('wire.diameter_m') ** 2;
   const density = current / area / 1e6;
   return [
-    judged(current < trip, [current, trip],
-      `limits.current_A is ${formatNumber(1e3 * current)} mA, below the trip at ${formatNumber(1e3 * trip)} mA.`),
-    judged(hottest < tripHottest, [hottest, tripHottest],
-      `limits.temperature_K is ${celsius(hottest)}, below the trip at ${celsius(tripHottest)}.`),
-    judged(hottest > finish, [hottest, finish],
-      `At the measured ${MPa(stress_Pa)} this wire has contracted at ${celsius(finish)}; the limit must be above.`),
-    judged(stress < tripStress, [stress, tripStress],
-      `limits.stress_Pa is ${MPa(stress)}, below the trip at ${MPa(tripStress)}.`),
-    judged(stress_Pa < stress, [stress_Pa, stress],
-      `The measured stress is ${MPa(stress_Pa)}, below the limit of ${MPa(stress)}.`),
-    judged(of('limits.min_strain') < of('axis.zero_strain'), [of('limits.min_strain'), of('axis.zero_strain')],
+    judged(
+      current < trip,
+      [current, trip],
+      `limits.current_A is ${formatNumber(1e3 * current)} mA, below the trip at ${formatNumber(1e3 * trip)} mA.`,
+    ),
+    judged(
+      hottest < tripHottest,
+      [hottest, tripHottest],
+      `limits.temperature_K is ${celsius(hottest)}, below the trip at ${celsius(tripHottest)}.`,
+    ),
+    judged(
+      hottest > finish,
+      [hottest, finish],
+      `At the measured ${MPa(stress_Pa)} this wire has contracted at ${celsius(finish)}; the limit must be above.`,
+    ),
+    judged(
+      stress < tripStress,
+      [stress, tripStress],
+      `limits.stress_Pa is ${MPa(stress)}, below the trip at ${MPa(tripStress)}.`,
+    ),
+    judged(
+      stress_Pa < stress,
+      [stress_Pa, stress],
+      `The measured stress is ${MPa(stress_Pa)}, below the limit of ${MPa(stress)}.`,
+    ),
+    judged(
+      of('limits.min_strain') < of('axis.zero_strain'),
+      [of('limits.min_strain'), of('axis.zero_strain')],
       `Strain may go from ${formatNumber(100 * of('axis.zero_strain'))} % at position 0 down to ` +
-      `${formatNumber(100 * of('limits.min_strain'))} %.`),
-    { ok: null, text: `The limit of the current is ${formatNumber(density)} A/mm² in this wire. The maker's data ` +
-      'sheet says what it bears; the page cannot judge it.' },
+        `${formatNumber(100 * of('limits.min_strain'))} %.`,
+    ),
+    {
+      ok: null,
+      text:
+        `The limit of the current is ${formatNumber(density)} A/mm² in this wire. The maker's data ` +
+        'sheet says what it bears; the page cannot judge it.',
+    },
   ].filter((check) => !check.text.includes('–') || check.ok === null);
 }
 

@@ -47,7 +47,12 @@ export function forget(id: StepId): void {
 export function Read({ rows }: { rows: [string, ComponentChildren][] }) {
   return (
     <dl class="read">
-      {rows.map(([title, value]) => <div key={title}><dt>{title}</dt><dd>{value}</dd></div>)}
+      {rows.map(([title, value]) => (
+        <div key={title}>
+          <dt>{title}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
     </dl>
   );
 }

@@ -5,7 +5,7 @@ import { saveText } from '../../session/download';
 import { bridge, call, feed, mayWrite, node, nodes, own, scan, state } from '../../session/session';
 import { restore, store } from '../../session/tuning';
 import { sayError } from '../../session/notices';
-import { Check, cold_ohm, limitChecks, stroke_m } from './checks';
+import { type Check, cold_ohm, limitChecks, stroke_m } from './checks';
 import { found, Read } from './findings';
 
 export function BusStep() {
@@ -14,17 +14,32 @@ export function BusStep() {
   const good = info?.online && !info.duplicate && now !== null && bridge.value?.trouble === '';
   return (
     <>
-      <Read rows={[
-        ['Bus', bridge.value?.bus ?? 'not read'],
-        ['Devices', nodes.value.map((one) => `${one.node} (${one.name || 'no name'})`).join(', ') || 'none'],
-        ['This servo', info ? `node ${info.node}, ${info.online ? 'answers' : 'does not answer'}` : 'not read'],
-        ['Samples', now ? `${formatNumber(feed.value.rate_hz || now.rate_hz, 3)} a second, ${now.gaps} missing` : 'not read'],
-      ]} />
-      {info?.duplicate && <p class="refused">Two devices answer as node {info.node}. Give one of them another node-id.</p>}
+      <Read
+        rows={[
+          ['Bus', bridge.value?.bus ?? 'not read'],
+          ['Devices', nodes.value.map((one) => `${one.node} (${one.name || 'no name'})`).join(', ') || 'none'],
+          ['This servo', info ? `node ${info.node}, ${info.online ? 'answers' : 'does not answer'}` : 'not read'],
+          [
+            'Samples',
+            now ? `${formatNumber(feed.value.rate_hz || now.rate_hz, 3)} a second, ${now.gaps} missing` : 'not read',
+          ],
+        ]}
+      />
+      {info?.duplicate && (
+        <p class="refused">Two devices answer as node {info.node}. Give one of them another node-id.</p>
+      )}
       <div class="bar">
-        <button type="button" class="primary" disabled={!good} data-testid="guide-bus-done"
-          onClick={() => found('bus', `Node ${info!.node} (${info!.name}) answers on ${bridge.value!.bus}.`)}>It is this one</button>
-        <button type="button" onClick={() => void scan()}>Scan again</button>
+        <button
+          type="button"
+          class="primary"
+          disabled={!good}
+          data-testid="guide-bus-done"
+          onClick={() => found('bus', `Node ${info!.node} (${info!.name}) answers on ${bridge.value!.bus}.`)}>
+          It is this one
+        </button>
+        <button type="button" onClick={() => void scan()}>
+          Scan again
+        </button>
       </div>
     </>
   );
@@ -37,28 +52,53 @@ export function WireStep() {
   const known = has('wire.length_m') && has('wire.diameter_m') && !state.value?.blocking.includes('not_configured');
   const load = async (input: HTMLInputElement): Promise<void> => {
     const file = input.files?.[0];
-    if (file) await restore(file.name, await file.text());
+    if (file) {
+      await restore(file.name, await file.text());
+    }
     input.value = '';
   };
   return (
     <>
       <p>The servo reckons with a certain wire. Compare it with the one that is mounted.</p>
-      <Read rows={[
-        ['Length between the clamps', known ? `${formatNumber(1e3 * number('wire.length_m'))} mm` : 'not configured'],
-        ['Diameter', known ? `${formatNumber(1e6 * number('wire.diameter_m'))} µm` : 'not configured'],
-        ['Nominal stroke', known ? `${formatNumber(100 * number('wire.nominal_stroke'))} %, ${formatNumber(1e6 * stroke_m(own.value))} µm` : 'not configured'],
-        ['Resistance when cold, by these', known ? `${formatNumber(cold_ohm(own.value), 3)} Ω` : 'not configured'],
-      ]} />
-      <p class="soft">Another wire: make its settings on the PC (<code>host-sim wires</code> lists the built-in ones, <code>host-sim
-        identify</code> measures your own), and write the file here. The servo must be disabled for that.</p>
+      <Read
+        rows={[
+          ['Length between the clamps', known ? `${formatNumber(1e3 * number('wire.length_m'))} mm` : 'not configured'],
+          ['Diameter', known ? `${formatNumber(1e6 * number('wire.diameter_m'))} µm` : 'not configured'],
+          [
+            'Nominal stroke',
+            known
+              ? `${formatNumber(100 * number('wire.nominal_stroke'))} %, ${formatNumber(1e6 * stroke_m(own.value))} µm`
+              : 'not configured',
+          ],
+          ['Resistance when cold, by these', known ? `${formatNumber(cold_ohm(own.value), 3)} Ω` : 'not configured'],
+        ]}
+      />
+      <p class="soft">
+        Another wire: make its settings on the PC (<code>host-sim wires</code> lists the built-in ones,{' '}
+        <code>host-sim identify</code> measures your own), and write the file here. The servo must be disabled for that.
+      </p>
       <div class="bar wrap">
-        <button type="button" class="primary" disabled={!known} data-testid="guide-wire-done"
-          onClick={() => found('wire', `Set for ${formatNumber(1e3 * number('wire.length_m'))} mm of ${formatNumber(1e6 * number('wire.diameter_m'))} µm wire. You said that this is the mounted one.`)}>
+        <button
+          type="button"
+          class="primary"
+          disabled={!known}
+          data-testid="guide-wire-done"
+          onClick={() =>
+            found(
+              'wire',
+              `Set for ${formatNumber(1e3 * number('wire.length_m'))} mm of ${formatNumber(1e6 * number('wire.diameter_m'))} µm wire. You said that this is the mounted one.`,
+            )
+          }>
           This is my wire
         </button>
         <label class="button file-button">
           Write a settings file …
-          <input type="file" accept=".toml,text/plain" disabled={!mayWrite.value} onChange={(event) => void load(event.currentTarget)} />
+          <input
+            type="file"
+            accept=".toml,text/plain"
+            disabled={!mayWrite.value}
+            onChange={(event) => void load(event.currentTarget)}
+          />
         </label>
       </div>
     </>
@@ -71,7 +111,10 @@ export function Checks({ checks }: { checks: Check[] }) {
       {checks.map((check) => (
         <li key={check.text} class={check.ok === null ? 'open' : check.ok ? 'yes' : 'no'}>
           <span aria-hidden="true">{check.ok === null ? '?' : check.ok ? '✓' : '✗'}</span>
-          <span><span class="hidden">{check.ok === null ? 'Not judged: ' : check.ok ? 'Right: ' : 'Wrong: '}</span>{check.text}</span>
+          <span>
+            <span class="hidden">{check.ok === null ? 'Not judged: ' : check.ok ? 'Right: ' : 'Wrong: '}</span>
+            {check.text}
+          </span>
         </li>
       ))}
     </ul>
@@ -80,7 +123,7 @@ export function Checks({ checks }: { checks: Check[] }) {
 
 export function LimitsStep() {
   const { ring } = feed.value;
-  const stress = ring.end > ring.first ? ring.column('stress_Pa')?.at(ring.end - 1) ?? NaN : NaN;
+  const stress = ring.end > ring.first ? (ring.column('stress_Pa')?.at(ring.end - 1) ?? NaN) : NaN;
   const checks = limitChecks(own.value, stress);
   const wrong = checks.filter((check) => check.ok === false).length;
   void state.value;
@@ -89,11 +132,22 @@ export function LimitsStep() {
       <p>Limits reduce the output; trips are faults. They are compared with each other and with the wire.</p>
       <Checks checks={checks} />
       <div class="bar">
-        <button type="button" class="primary" disabled={wrong > 0 || Number.isNaN(stress)} data-testid="guide-limits-done"
-          onClick={() => found('limits', `${checks.filter((check) => check.ok).length} comparisons hold; ${checks.filter((check) => check.ok === null).length} could not be judged by the page.`)}>
+        <button
+          type="button"
+          class="primary"
+          disabled={wrong > 0 || Number.isNaN(stress)}
+          data-testid="guide-limits-done"
+          onClick={() =>
+            found(
+              'limits',
+              `${checks.filter((check) => check.ok).length} comparisons hold; ${checks.filter((check) => check.ok === null).length} could not be judged by the page.`,
+            )
+          }>
           Go on
         </button>
-        <a class="button" href="#parameters">Change limits</a>
+        <a class="button" href="#parameters">
+          Change limits
+        </a>
       </div>
     </>
   );
@@ -110,12 +164,28 @@ export function KeepStep() {
   };
   return (
     <>
-      <p>{now?.unsaved ? 'The servo has settings that a reset would lose.' : 'The servo says that all its settings are stored.'}</p>
+      <p>
+        {now?.unsaved
+          ? 'The servo has settings that a reset would lose.'
+          : 'The servo says that all its settings are stored.'}
+      </p>
       <div class="bar wrap">
-        {now?.unsaved && <button type="button" class="primary" disabled={!mayWrite.value} onClick={() => void store()}>Store</button>}
-        <button type="button" onClick={() => void dump()}>Save a settings file</button>
-        <button type="button" class={now?.unsaved ? '' : 'primary'} disabled={now === null || now.unsaved} data-testid="guide-keep-done"
-          onClick={() => found('keep', 'The servo says that its settings are stored.')}>Done</button>
+        {now?.unsaved && (
+          <button type="button" class="primary" disabled={!mayWrite.value} onClick={() => void store()}>
+            Store
+          </button>
+        )}
+        <button type="button" onClick={() => void dump()}>
+          Save a settings file
+        </button>
+        <button
+          type="button"
+          class={now?.unsaved ? '' : 'primary'}
+          disabled={now === null || now.unsaved}
+          data-testid="guide-keep-done"
+          onClick={() => found('keep', 'The servo says that its settings are stored.')}>
+          Done
+        </button>
       </div>
     </>
   );

@@ -3,7 +3,7 @@
 import { useState } from 'preact/hooks';
 import { plain } from '../../live/display';
 import { description } from '../../session/session';
-import { arrange, arrangeAsFirst, arranging, ownPanels, Panel, Place, places } from './panels';
+import { arrange, arrangeAsFirst, arranging, ownPanels, type Panel, type Place, places } from './panels';
 
 export function Arrange({ all }: { all: readonly Panel[] }) {
   const now = places(all);
@@ -22,17 +22,48 @@ export function Arrange({ all }: { all: readonly Panel[] }) {
           const title = all.find((panel) => panel.id === place.id)?.title ?? place.id;
           return (
             <li key={place.id}>
-              <button type="button" class="toggle" aria-pressed={place.shown} data-testid={`show-${place.id}`}
-                onClick={() => put(place.id, { shown: !place.shown })}>{title}</button>
-              <button type="button" class="small" aria-pressed={place.half} title="Half as wide, beside another plot"
-                onClick={() => put(place.id, { half: !place.half })}>half</button>
-              <button type="button" class="small" aria-label={`${title}: up`} disabled={at === 0}
-                onClick={() => move(at, -1)}>↑</button>
-              <button type="button" class="small" aria-label={`${title}: down`} disabled={at === now.length - 1}
-                onClick={() => move(at, 1)}>↓</button>
+              <button
+                type="button"
+                class="toggle"
+                aria-pressed={place.shown}
+                data-testid={`show-${place.id}`}
+                onClick={() => put(place.id, { shown: !place.shown })}>
+                {title}
+              </button>
+              <button
+                type="button"
+                class="small"
+                aria-pressed={place.half}
+                title="Half as wide, beside another plot"
+                onClick={() => put(place.id, { half: !place.half })}>
+                half
+              </button>
+              <button
+                type="button"
+                class="small"
+                aria-label={`${title}: up`}
+                disabled={at === 0}
+                onClick={() => move(at, -1)}>
+                ↑
+              </button>
+              <button
+                type="button"
+                class="small"
+                aria-label={`${title}: down`}
+                disabled={at === now.length - 1}
+                onClick={() => move(at, 1)}>
+                ↓
+              </button>
               {place.id.startsWith('own-') && (
-                <button type="button" class="small" aria-label={`${title}: delete`}
-                  onClick={() => { ownPanels.value = ownPanels.value.filter((one) => one.id !== place.id); }}>×</button>
+                <button
+                  type="button"
+                  class="small"
+                  aria-label={`${title}: delete`}
+                  onClick={() => {
+                    ownPanels.value = ownPanels.value.filter((one) => one.id !== place.id);
+                  }}>
+                  ×
+                </button>
               )}
             </li>
           );
@@ -40,9 +71,18 @@ export function Arrange({ all }: { all: readonly Panel[] }) {
       </ul>
       <OwnPlot />
       <div class="bar">
-        <button type="button" data-testid="arrange-reset" onClick={arrangeAsFirst}>As at first</button>
+        <button type="button" data-testid="arrange-reset" onClick={arrangeAsFirst}>
+          As at first
+        </button>
         <span class="spring" />
-        <button type="button" class="primary" onClick={() => { arranging.value = false; }}>Done</button>
+        <button
+          type="button"
+          class="primary"
+          onClick={() => {
+            arranging.value = false;
+          }}>
+          Done
+        </button>
       </div>
     </section>
   );
@@ -63,25 +103,45 @@ function OwnPlot() {
     setAxes({});
     setOpen(false);
   };
-  if (!open) return <button type="button" data-testid="own-plot" onClick={() => setOpen(true)}>Plot of other signals …</button>;
+  if (!open) {
+    return (
+      <button type="button" data-testid="own-plot" onClick={() => setOpen(true)}>
+        Plot of other signals …
+      </button>
+    );
+  }
   return (
     <fieldset class="own-plot">
       <legend>Signals of the new plot, and their axis</legend>
       <div class="own-list">
         {names.map((name) => (
           <label key={name} class="own-signal">
-            <span title={description.value?.signals.find((signal) => signal.name === name)?.meaning}>{plain(name)}</span>
-            <select value={axes[name] ?? 'none'} data-testid={`own-${name}`}
+            <span title={description.value?.signals.find((signal) => signal.name === name)?.meaning}>
+              {plain(name)}
+            </span>
+            <select
+              value={axes[name] ?? 'none'}
+              data-testid={`own-${name}`}
               onChange={(event) => setAxes({ ...axes, [name]: event.currentTarget.value as Axis })}>
-              <option value="none">–</option><option value="left">left</option><option value="right">right</option>
+              <option value="none">–</option>
+              <option value="left">left</option>
+              <option value="right">right</option>
             </select>
           </label>
         ))}
       </div>
       <div class="bar">
-        <button type="button" class="primary" data-testid="own-add" onClick={add}
-          disabled={chosen('left').length + chosen('right').length === 0}>Add the plot</button>
-        <button type="button" onClick={() => setOpen(false)}>Cancel</button>
+        <button
+          type="button"
+          class="primary"
+          data-testid="own-add"
+          onClick={add}
+          disabled={chosen('left').length + chosen('right').length === 0}>
+          Add the plot
+        </button>
+        <button type="button" onClick={() => setOpen(false)}>
+          Cancel
+        </button>
       </div>
     </fieldset>
   );

@@ -11,7 +11,14 @@ import { allowed, driveNames } from '../state/drive';
 
 export function DriveCard() {
   const now = state.value;
-  if (!now) return <section class="card"><h2>Servo</h2><p class="soft">No state has been read yet.</p></section>;
+  if (!now) {
+    return (
+      <section class="card">
+        <h2>Servo</h2>
+        <p class="soft">No state has been read yet.</p>
+      </section>
+    );
+  }
   const may = allowed(now);
   const enabled = now.drive === 'operation_enabled';
   return (
@@ -23,14 +30,34 @@ export function DriveCard() {
       <Readings />
       <Blocked now={now} />
       <div class="bar">
-        {enabled
-          ? <button type="button" class="big" data-testid="disable" disabled={!mayWrite.value}
-            onClick={() => void act('disable', { node: node.value })}>Disable</button>
-          : <button type="button" class="big primary" data-testid="enable" disabled={!mayWrite.value || !may.enable}
-            onClick={() => void act('enable', { node: node.value })}>Enable</button>}
+        {enabled ? (
+          <button
+            type="button"
+            class="big"
+            data-testid="disable"
+            disabled={!mayWrite.value}
+            onClick={() => void act('disable', { node: node.value })}>
+            Disable
+          </button>
+        ) : (
+          <button
+            type="button"
+            class="big primary"
+            data-testid="enable"
+            disabled={!mayWrite.value || !may.enable}
+            onClick={() => void act('enable', { node: node.value })}>
+            Enable
+          </button>
+        )}
         {may.reset && (
-          <button type="button" class="big" data-testid="reset-faults" disabled={!mayWrite.value}
-            onClick={() => void act('reset_faults', { node: node.value })}>Reset faults</button>
+          <button
+            type="button"
+            class="big"
+            data-testid="reset-faults"
+            disabled={!mayWrite.value}
+            onClick={() => void act('reset_faults', { node: node.value })}>
+            Reset faults
+          </button>
         )}
       </div>
       <Mode now={now} />
@@ -41,17 +68,25 @@ export function DriveCard() {
 
 function Blocked({ now }: { now: State }) {
   const faults = now.latched.length > 0 ? now.latched : now.blocking;
-  if (faults.length === 0) return null;
+  if (faults.length === 0) {
+    return null;
+  }
   return (
     <p class="blocked" data-testid="blocked">
-      {now.latched.length > 0 ? 'Fault: ' : 'Cannot be enabled: '}{faults.join(', ')}.{' '}
-      <button type="button" class="link" onClick={() => go('state')}>What to check</button>
+      {now.latched.length > 0 ? 'Fault: ' : 'Cannot be enabled: '}
+      {faults.join(', ')}.{' '}
+      <button type="button" class="link" onClick={() => go('state')}>
+        What to check
+      </button>
     </p>
   );
 }
 
 const readings = [
-  ['position_m', 'Position'], ['strain', 'Strain'], ['hot_spot_K', 'Hot spot'], ['drive_current_A', 'Current'],
+  ['position_m', 'Position'],
+  ['strain', 'Strain'],
+  ['hot_spot_K', 'Hot spot'],
+  ['drive_current_A', 'Current'],
 ] as const;
 
 /** Written ten times a second, past the virtual DOM. */
@@ -62,10 +97,12 @@ function Readings() {
       const { ring } = feed.peek();
       for (const [signal] of readings) {
         const shown = shownAs(signal);
-        const value = ring.end > ring.first ? ring.column(signal)?.at(ring.end - 1) ?? NaN : NaN;
+        const value = ring.end > ring.first ? (ring.column(signal)?.at(ring.end - 1) ?? NaN) : NaN;
         const element = places.current[signal];
         const text = formatNumber(shown.factor * value + shown.offset);
-        if (element && element.textContent !== text) element.textContent = text;
+        if (element && element.textContent !== text) {
+          element.textContent = text;
+        }
       }
     }, 100);
     return () => clearInterval(timer);
@@ -75,8 +112,16 @@ function Readings() {
       {readings.map(([signal, title]) => (
         <div key={signal}>
           <dt>{title}</dt>
-          <dd><span ref={(element) => { places.current[signal] = element; }} data-testid={`reading-${signal}`}>–</span>
-            <small>{shownAs(signal).unit}</small></dd>
+          <dd>
+            <span
+              ref={(element) => {
+                places.current[signal] = element;
+              }}
+              data-testid={`reading-${signal}`}>
+              –
+            </span>
+            <small>{shownAs(signal).unit}</small>
+          </dd>
         </div>
       ))}
     </dl>
@@ -88,10 +133,19 @@ function Mode({ now }: { now: State }) {
   return (
     <label class="field">
       <span>Mode</span>
-      <select value={String(now.mode)} disabled={!mayWrite.value} data-testid="mode"
+      <select
+        value={String(now.mode)}
+        disabled={!mayWrite.value}
+        data-testid="mode"
         onChange={(event) => void act('mode', { node: node.value, mode: Number(event.currentTarget.value) })}>
-        {!modes.some((one) => one.mode === now.mode) && <option value={String(now.mode)}>{now.mode_name || 'none'}</option>}
-        {modes.map((one) => <option key={one.mode} value={String(one.mode)}>{one.name}</option>)}
+        {!modes.some((one) => one.mode === now.mode) && (
+          <option value={String(now.mode)}>{now.mode_name || 'none'}</option>
+        )}
+        {modes.map((one) => (
+          <option key={one.mode} value={String(one.mode)}>
+            {one.name}
+          </option>
+        ))}
       </select>
     </label>
   );
@@ -113,16 +167,21 @@ function boundsOf(mode: number): Bounds | null {
       return { unit: 'µm', low: Math.min(0, um(of('limits.max_strain'))), high: um(of('limits.min_strain')) };
     }
     case 4:
-    case 10: return { unit: '0.1 %', low: 0, high: 1000 };
-    case -1: return { unit: 'A', low: 0, high: of('limits.current_A') };
-    case -2: return { unit: 'W', low: 0, high: of('limits.power_W') };
-    case -3: return { unit: 'K', low: 293.15, high: of('limits.temperature_K') };
-    default: return null;
+    case 10:
+      return { unit: '0.1 %', low: 0, high: 1000 };
+    case -1:
+      return { unit: 'A', low: 0, high: of('limits.current_A') };
+    case -2:
+      return { unit: 'W', low: 0, high: of('limits.power_W') };
+    case -3:
+      return { unit: 'K', low: 293.15, high: of('limits.temperature_K') };
+    default:
+      return null;
   }
 }
 
-const homing = 6;  // mode of operation
-const pause_ms = 60;  // between the targets of a slider that is moved
+const homing = 6; // mode of operation
+const pause_ms = 60; // between the targets of a slider that is moved
 
 function Target({ now }: { now: State }) {
   const bounds = boundsOf(now.mode);
@@ -136,11 +195,22 @@ function Target({ now }: { now: State }) {
   }, [bounds?.unit, now.node]);
   if (now.mode === homing) {
     return (
-      <button type="button" data-testid="home" disabled={!mayWrite.value || now.drive !== 'operation_enabled'}
-        onClick={() => void act('target', { node: now.node, value: 0 })}>Begin homing</button>
+      <button
+        type="button"
+        data-testid="home"
+        disabled={!mayWrite.value || now.drive !== 'operation_enabled'}
+        onClick={() => void act('target', { node: now.node, value: 0 })}>
+        Begin homing
+      </button>
     );
   }
-  if (!bounds) return <p class="soft small-text" data-testid="no-target">This mode takes no target. Profile position moves the wire by µm.</p>;
+  if (!bounds) {
+    return (
+      <p class="soft small-text" data-testid="no-target">
+        This mode takes no target. Profile position moves the wire by µm.
+      </p>
+    );
+  }
   const send = (value: number): void => {
     sent.current = Date.now();
     call('target', { node: now.node, value }).catch((error) => sayError(error));
@@ -151,39 +221,67 @@ function Target({ now }: { now: State }) {
   const ready = mayWrite.value && now.drive === 'operation_enabled';
   return (
     // The slider may stand beside its steps, which Firefox takes for a reason not to submit.
-    <form class="target" noValidate onSubmit={(event) => {
-      event.preventDefault();
-      if (!Number.isFinite(number)) return;
-      send(number);
-      setTyped(null);
-    }}>
+    <form
+      class="target"
+      noValidate
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (!Number.isFinite(number)) {
+          return;
+        }
+        send(number);
+        setTyped(null);
+      }}>
       <label class="field">
-        <span>Target <small>{bounds.unit}</small></span>
+        <span>
+          Target <small>{bounds.unit}</small>
+        </span>
         <span class="with-button">
-          <input type="text" inputMode="decimal" data-testid="target" disabled={!ready}
+          <input
+            type="text"
+            inputMode="decimal"
+            data-testid="target"
+            disabled={!ready}
             value={typed ?? (dragged !== null ? formatPlain(dragged) : formatPlain(now.target))}
             aria-invalid={typed !== null && !Number.isFinite(number)}
-            onInput={(event) => setTyped(event.currentTarget.value)} />
-          <button type="submit" data-testid="go" disabled={!ready || !Number.isFinite(number)}>Go</button>
+            onInput={(event) => setTyped(event.currentTarget.value)}
+          />
+          <button type="submit" data-testid="go" disabled={!ready || !Number.isFinite(number)}>
+            Go
+          </button>
         </span>
       </label>
       {slider && (
-        <input type="range" aria-label={`Target in ${bounds.unit}`} data-testid="target-slider" disabled={!ready}
-          min={bounds.low} max={bounds.high} step={step} value={dragged ?? now.target ?? 0}
+        <input
+          type="range"
+          aria-label={`Target in ${bounds.unit}`}
+          data-testid="target-slider"
+          disabled={!ready}
+          min={bounds.low}
+          max={bounds.high}
+          step={step}
+          value={dragged ?? now.target ?? 0}
           onInput={(event) => {
             const value = Number(event.currentTarget.value);
             setTyped(null);
             setDragged(value);
-            if (Date.now() - sent.current > pause_ms) send(value);
+            if (Date.now() - sent.current > pause_ms) {
+              send(value);
+            }
           }}
           onChange={(event) => {
             send(Number(event.currentTarget.value));
             setTimeout(() => setDragged(null), 600);
-          }} />
+          }}
+        />
       )}
       <p class="soft small-text">
         {slider && `Within the limits: ${formatNumber(bounds.low)} to ${formatNumber(bounds.high)} ${bounds.unit}. `}
-        {now.drive !== 'operation_enabled' ? 'Enable the servo first.' : now.target_reached ? 'Reached.' : 'On the way.'}
+        {now.drive !== 'operation_enabled'
+          ? 'Enable the servo first.'
+          : now.target_reached
+            ? 'Reached.'
+            : 'On the way.'}
       </p>
     </form>
   );

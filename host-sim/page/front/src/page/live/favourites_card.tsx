@@ -9,10 +9,14 @@ export function FavouritesCard() {
     <section class="card" aria-label="Favourite parameters" data-testid="favourites">
       <div class="card-head">
         <h2>Tuning</h2>
-        <button type="button" class="link" onClick={() => go('parameters')}>All parameters</button>
+        <button type="button" class="link" onClick={() => go('parameters')}>
+          All parameters
+        </button>
       </div>
       {known.length === 0 && <p class="soft">A parameter with a star is shown here.</p>}
-      {known.map((info) => <ParameterRow key={info.name} info={info} compact />)}
+      {known.map((info) => (
+        <ParameterRow key={info.name} info={info} compact />
+      ))}
       <EditBar />
     </section>
   );

@@ -8,7 +8,13 @@ import { FavouritesCard } from './favourites_card';
 import { arranging, ownPanels, panels, places } from './panels';
 import { PlotPanel } from './plot_panel';
 
-const spans: [number, string][] = [[5, '5 s'], [10, '10 s'], [30, '30 s'], [120, '2 min'], [600, '10 min']];
+const spans: [number, string][] = [
+  [5, '5 s'],
+  [10, '10 s'],
+  [30, '30 s'],
+  [120, '2 min'],
+  [600, '10 min'],
+];
 const span = saved<number>('span_s', 30, isNumber);
 const follows = signal(true);
 
@@ -29,8 +35,15 @@ export function LiveView() {
           <TimeControls />
           <span class="spring" />
           <Rate />
-          <button type="button" aria-expanded={arranging.value} data-testid="arrange"
-            onClick={() => { arranging.value = !arranging.value; }}>Arrange plots</button>
+          <button
+            type="button"
+            aria-expanded={arranging.value}
+            data-testid="arrange"
+            onClick={() => {
+              arranging.value = !arranging.value;
+            }}>
+            Arrange plots
+          </button>
         </div>
         {arranging.value && <Arrange all={all} />}
         <div class="plots" data-testid="plots">
@@ -57,10 +70,20 @@ function TimeControls() {
   return (
     <div class="segments" role="group" aria-label="Time shown">
       {spans.map(([seconds, text]) => (
-        <button type="button" key={seconds} data-testid={`span-${seconds}`}
-          aria-pressed={follows.value && span.value === seconds} onClick={() => choose(seconds)}>{text}</button>
+        <button
+          type="button"
+          key={seconds}
+          data-testid={`span-${seconds}`}
+          aria-pressed={follows.value && span.value === seconds}
+          onClick={() => choose(seconds)}>
+          {text}
+        </button>
       ))}
-      <button type="button" class="pause" data-testid="pause" aria-pressed={!follows.value}
+      <button
+        type="button"
+        class="pause"
+        data-testid="pause"
+        aria-pressed={!follows.value}
         onClick={() => (follows.value ? liveGroup.pause() : liveGroup.reset())}>
         {follows.value ? 'Pause' : 'Go on'}
       </button>
@@ -71,7 +94,9 @@ function TimeControls() {
 /** How much comes, and what is known to be missing. */
 function Rate() {
   const now = state.value;
-  if (!now || link.value !== 'open' || !description.value) return null;
+  if (!now || link.value !== 'open' || !description.value) {
+    return null;
+  }
   const mine = bridge.value?.clients.find((one) => one.client === client.value);
   const lost = [
     now.gaps > 0 ? `${now.gaps} samples missing on the bus` : '',
@@ -79,7 +104,10 @@ function Rate() {
   ].filter((text) => text !== '');
   const rate = feed.value.rate_hz || now.rate_hz;
   return (
-    <span class="soft rate" data-testid="rate" data-received={feed.value.received}
+    <span
+      class="soft rate"
+      data-testid="rate"
+      data-received={feed.value.received}
       title={lost.length > 0 ? lost.join('; ') : 'No sample is known to be missing'}>
       {Math.round(rate)} samples/s{lost.length > 0 && <span class="warn">, {lost.join(', ')}</span>}
     </span>

@@ -12,7 +12,7 @@ export interface TimePanel {
   title: string;
   unit?: string;
   series: SeriesSpec[];
-  limits?: boolean;  ///< shows which limits act
+  limits?: boolean; ///< shows which limits act
   smallest?: number;
 }
 export interface LoopPanel {
@@ -30,7 +30,7 @@ export type Panel = TimePanel | LoopPanel;
 export interface Place {
   id: string;
   shown: boolean;
-  half: boolean;  ///< beside another one where there is room
+  half: boolean; ///< beside another one where there is room
 }
 
 /** A plot that somebody has put together. */
@@ -44,7 +44,12 @@ export interface OwnPanel {
 function series(name: string, more: Partial<SeriesSpec> = {}): SeriesSpec {
   const shown = shownAs(name);
   return {
-    key: name, label: labelOf(name), role: roleOf(name), factor: shown.factor, offset: shown.offset, ...more,
+    key: name,
+    label: labelOf(name),
+    role: roleOf(name),
+    factor: shown.factor,
+    offset: shown.offset,
+    ...more,
   };
 }
 
@@ -52,7 +57,12 @@ const percent = { factor: 100 };
 
 const fixed: Panel[] = [
   {
-    kind: 'time', id: 'strain', title: 'Strain', unit: '%', smallest: 0.1, series: [
+    kind: 'time',
+    id: 'strain',
+    title: 'Strain',
+    unit: '%',
+    smallest: 0.1,
+    series: [
       { key: 'band', label: '±2σ', role: 'band', style: 'band', low: 'strain_low', high: 'strain_high', ...percent },
       series('setpoint_strain', { style: 'steps' }),
       series('reference_strain', { style: 'dashed' }),
@@ -60,44 +70,80 @@ const fixed: Panel[] = [
     ],
   },
   {
-    kind: 'time', id: 'power', title: 'Power', unit: 'mW', limits: true, smallest: 1, series: [
+    kind: 'time',
+    id: 'power',
+    title: 'Power',
+    unit: 'mW',
+    limits: true,
+    smallest: 1,
+    series: [
       series('wanted_power_W', { style: 'dashed' }),
       series('power_W'),
       series('drive_current_A', { axis: 'right', unit: 'mA', label: 'current' }),
     ],
   },
   {
-    kind: 'loop', id: 'strain-resistance', title: 'Strain over resistance', unit: '%', x: 'resistance_ohm',
-    y: 'strain', xLabel: 'resistance in Ω', smallest: [0.1, 0.1],
+    kind: 'loop',
+    id: 'strain-resistance',
+    title: 'Strain over resistance',
+    unit: '%',
+    x: 'resistance_ohm',
+    y: 'strain',
+    xLabel: 'resistance in Ω',
+    smallest: [0.1, 0.1],
   },
   {
-    kind: 'loop', id: 'strain-temperature', title: 'Strain over temperature', unit: '%', x: 'wire_temperature_K',
-    y: 'strain', xLabel: 'temperature in °C', smallest: [2, 0.1],
+    kind: 'loop',
+    id: 'strain-temperature',
+    title: 'Strain over temperature',
+    unit: '%',
+    x: 'wire_temperature_K',
+    y: 'strain',
+    xLabel: 'temperature in °C',
+    smallest: [2, 0.1],
   },
   {
-    kind: 'time', id: 'temperature', title: 'Temperature', unit: '°C', smallest: 2, series: [
-      series('estimated_ambient_K', { hidden: true }), series('hot_spot_K'), series('wire_temperature_K'),
-    ],
+    kind: 'time',
+    id: 'temperature',
+    title: 'Temperature',
+    unit: '°C',
+    smallest: 2,
+    series: [series('estimated_ambient_K', { hidden: true }), series('hot_spot_K'), series('wire_temperature_K')],
   },
   {
-    kind: 'time', id: 'resistance', title: 'Resistance', unit: 'Ω', smallest: 0.02, series: [
-      series('resistance_ohm'), series('resistance_model_ohm', { style: 'dashed' }),
-    ],
+    kind: 'time',
+    id: 'resistance',
+    title: 'Resistance',
+    unit: 'Ω',
+    smallest: 0.02,
+    series: [series('resistance_ohm'), series('resistance_model_ohm', { style: 'dashed' })],
   },
   {
-    kind: 'time', id: 'phases', title: 'Phases', series: [
+    kind: 'time',
+    id: 'phases',
+    title: 'Phases',
+    series: [
       { key: 'martensite', label: 'martensite', role: 'martensite', style: 'stack' },
       { key: 'r_phase', label: 'R-phase', role: 'r_phase', style: 'stack' },
       { key: 'austenite', label: 'austenite', role: 'austenite', style: 'stack' },
     ],
   },
   {
-    kind: 'time', id: 'current', title: 'Current', unit: 'mA', limits: true, smallest: 1, series: [
-      series('current_A'), series('drive_current_A', { style: 'dashed' }),
-    ],
+    kind: 'time',
+    id: 'current',
+    title: 'Current',
+    unit: 'mA',
+    limits: true,
+    smallest: 1,
+    series: [series('current_A'), series('drive_current_A', { style: 'dashed' })],
   },
   {
-    kind: 'time', id: 'position', title: 'Position', unit: 'µm', smallest: 10, series: [series('position_m')],
+    kind: 'time',
+    id: 'position',
+    title: 'Position',
+    unit: 'µm',
+    smallest: 10,
+    series: [series('position_m')],
   },
   { kind: 'time', id: 'stress', title: 'Stress', unit: 'MPa', smallest: 1, series: [series('stress_Pa')] },
 ];
@@ -107,7 +153,11 @@ function errorPanel(mode: number): TimePanel {
   const variable = controlled(mode) ?? 'position_m';
   const name = `error:${variable}`;
   return {
-    kind: 'time', id: 'error', title: 'Error', unit: shownAs(name).unit, smallest: 1e-3,
+    kind: 'time',
+    id: 'error',
+    title: 'Error',
+    unit: shownAs(name).unit,
+    smallest: 1e-3,
     series: [series(name, { label: `set-point − ${plain(variable)}`, role: 'error' })],
   };
 }
@@ -124,39 +174,65 @@ function ownPanel(own: OwnPanel, mode: number): TimePanel {
     const shown = shownIn(mode, name);
     const other = axis === 'right' || shown.unit !== unit ? { unit: shown.unit } : {};
     return series(name, {
-      label: plain(name), role: `other${(n % 8) + 1}` as SeriesSpec['role'], axis, factor: shown.factor, offset: shown.offset, ...other,
+      label: plain(name),
+      role: `other${(n % 8) + 1}` as SeriesSpec['role'],
+      axis,
+      factor: shown.factor,
+      offset: shown.offset,
+      ...other,
     });
   };
   return {
-    kind: 'time', id: own.id, title: own.title, unit, series: [
+    kind: 'time',
+    id: own.id,
+    title: own.title,
+    unit,
+    series: [
       ...own.left.map((name, n) => made(name, n, 'left')),
       ...own.right.map((name, n) => made(name, n + own.left.length, 'right')),
     ],
   };
 }
 
-const shownFirst = ['strain', 'power', 'strain-resistance', 'strain-temperature', 'temperature', 'resistance', 'phases', 'error'];
+const shownFirst = [
+  'strain',
+  'power',
+  'strain-resistance',
+  'strain-temperature',
+  'temperature',
+  'resistance',
+  'phases',
+  'error',
+];
 
 const initial: Place[] = [
   ...shownFirst.map((id) => ({ id, shown: true, half: id.startsWith('strain-') })),
   ...['current', 'position', 'stress'].map((id) => ({ id, shown: false, half: false })),
 ];
 
-const isPlaces = (value: unknown): value is Place[] => Array.isArray(value) &&
-  value.every((place) => isObject(place) && typeof place['id'] === 'string');
-const isOwn = (value: unknown): value is OwnPanel[] => Array.isArray(value) &&
+const isPlaces = (value: unknown): value is Place[] =>
+  Array.isArray(value) && value.every((place) => isObject(place) && typeof place['id'] === 'string');
+const isOwn = (value: unknown): value is OwnPanel[] =>
+  Array.isArray(value) &&
   value.every((one) => isObject(one) && Array.isArray(one['left']) && Array.isArray(one['right']));
 
 const kept = saved<Place[]>('plots', initial, isPlaces);
 
 /** Plots that were kept when these signals had other names. */
 const renamed: Record<string, string> = {
-  temperature_K: 'wire_temperature_K', ambient_K: 'estimated_ambient_K', current_A: 'drive_current_A',
-  voltage_V: 'drive_voltage_V', measured_A: 'current_A', measured_V: 'voltage_V',
+  temperature_K: 'wire_temperature_K',
+  ambient_K: 'estimated_ambient_K',
+  current_A: 'drive_current_A',
+  voltage_V: 'drive_voltage_V',
+  measured_A: 'current_A',
+  measured_V: 'voltage_V',
 };
 const withTheirNames = (names: string[]): string[] => names.map((name) => renamed[name] ?? name);
-const keptBefore = read<OwnPanel[]>('own-plots', [], isOwn).map((one) => (
-  { ...one, left: withTheirNames(one.left), right: withTheirNames(one.right) }));
+const keptBefore = read<OwnPanel[]>('own-plots', [], isOwn).map((one) => ({
+  ...one,
+  left: withTheirNames(one.left),
+  right: withTheirNames(one.right),
+}));
 export const ownPanels = saved<OwnPanel[]>('own-panels', keptBefore, isOwn);
 export const arranging = signal(false);
 

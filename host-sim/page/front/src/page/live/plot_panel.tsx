@@ -4,10 +4,10 @@ import { effect } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { plain, shownAs } from '../../live/display';
 import type { Feed } from '../../live/feed';
-import { Flag, Line, TimePlot } from '../../plot/time_plot';
+import { type Flag, type Line, TimePlot } from '../../plot/time_plot';
 import { XYPlot } from '../../plot/xy_plot';
 import { description, feed, liveGroup, own } from '../../session/session';
-import { hiddenSeries, LoopPanel, Panel, TimePanel } from './panels';
+import { hiddenSeries, type LoopPanel, type Panel, type TimePanel } from './panels';
 
 const trail_s = 20;
 
@@ -23,25 +23,32 @@ export function PlotPanel({ panel, half }: { panel: Panel; half: boolean }) {
 
 /** Plots are made anew only when what they show is another thing. */
 function signature(panel: Panel): string {
-  return panel.kind === 'time' ? panel.series.map((series) => `${series.key}/${series.axis}/${series.factor}`).join() + panel.title : '';
+  return panel.kind === 'time'
+    ? panel.series.map((series) => `${series.key}/${series.axis}/${series.factor}`).join() + panel.title
+    : '';
 }
 
 function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => void {
   const known = hiddenSeries.peek();
-  const plot = new TimePlot(parent, liveGroup, {
-    id: panel.id,
-    title: panel.title,
-    ...(panel.unit === undefined ? {} : { unit: panel.unit }),
-    ...(panel.smallest === undefined ? {} : { smallest: panel.smallest }),
-    series: panel.series.map((series) => {
-      const hidden = known[`${panel.id}/${series.key}`] ?? series.hidden;
-      return hidden === undefined ? series : { ...series, hidden };
-    }),
-    ...(panel.limits ? { flags: () => actingLimits(source) } : {}),
-    onToggle: (key, hidden) => {
-      hiddenSeries.value = { ...hiddenSeries.peek(), [`${panel.id}/${key}`]: hidden };
+  const plot = new TimePlot(
+    parent,
+    liveGroup,
+    {
+      id: panel.id,
+      title: panel.title,
+      ...(panel.unit === undefined ? {} : { unit: panel.unit }),
+      ...(panel.smallest === undefined ? {} : { smallest: panel.smallest }),
+      series: panel.series.map((series) => {
+        const hidden = known[`${panel.id}/${series.key}`] ?? series.hidden;
+        return hidden === undefined ? series : { ...series, hidden };
+      }),
+      ...(panel.limits ? { flags: () => actingLimits(source) } : {}),
+      onToggle: (key, hidden) => {
+        hiddenSeries.value = { ...hiddenSeries.peek(), [`${panel.id}/${key}`]: hidden };
+      },
     },
-  }, source.ring);
+    source.ring,
+  );
   const end = effect(() => {
     plot.lines = limitLines(panel.id);
     plot.changed();
@@ -55,11 +62,24 @@ function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => vo
 function loopPlot(parent: HTMLElement, panel: LoopPanel, source: Feed): () => void {
   const x = shownAs(panel.x);
   const y = shownAs(panel.y);
-  const plot = new XYPlot(parent, liveGroup, {
-    id: panel.id, title: panel.title, unit: panel.unit, xLabel: panel.xLabel, smallest: panel.smallest, trail_s,
-    xFactor: x.factor, xOffset: x.offset, yFactor: y.factor, yOffset: y.offset,
-    loops: [{ key: panel.id, label: panel.title, x: panel.x, y: panel.y, role: 'estimate' }],
-  }, source.ring);
+  const plot = new XYPlot(
+    parent,
+    liveGroup,
+    {
+      id: panel.id,
+      title: panel.title,
+      unit: panel.unit,
+      xLabel: panel.xLabel,
+      smallest: panel.smallest,
+      trail_s,
+      xFactor: x.factor,
+      xOffset: x.offset,
+      yFactor: y.factor,
+      yOffset: y.offset,
+      loops: [{ key: panel.id, label: panel.title, x: panel.x, y: panel.y, role: 'estimate' }],
+    },
+    source.ring,
+  );
   return () => plot.destroy();
 }
 
@@ -75,10 +95,15 @@ function limitLines(id: string): Line[] {
   const of = (name: string): number => Number(own.value[name] ?? NaN);
   const line = (y: number, label: string): Line[] => (Number.isNaN(y) ? [] : [{ y, label, role: 'limit' }]);
   switch (id) {
-    case 'temperature': return line(of('limits.temperature_K') - 273.15, 'limit of the hot spot');
-    case 'current': return line(1e3 * of('limits.current_A'), 'limit');
-    case 'power': return line(1e3 * of('limits.power_W'), 'limit');
-    case 'stress': return line(1e-6 * of('limits.stress_Pa'), 'limit');
-    default: return [];
+    case 'temperature':
+      return line(of('limits.temperature_K') - 273.15, 'limit of the hot spot');
+    case 'current':
+      return line(1e3 * of('limits.current_A'), 'limit');
+    case 'power':
+      return line(1e3 * of('limits.power_W'), 'limit');
+    case 'stress':
+      return line(1e-6 * of('limits.stress_Pa'), 'limit');
+    default:
+      return [];
   }
 }

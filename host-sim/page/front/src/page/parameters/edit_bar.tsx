@@ -3,7 +3,19 @@
 import { useEffect, useState } from 'preact/hooks';
 import { mayWrite, state } from '../../session/session';
 import {
-  discard, drafted, drafts, history, historyVersion, keep, redo, revert, store, tryDrafts, trying, trySeconds, undo,
+  discard,
+  drafted,
+  drafts,
+  history,
+  historyVersion,
+  keep,
+  redo,
+  revert,
+  store,
+  tryDrafts,
+  trying,
+  trySeconds,
+  undo,
   writeDrafts,
 } from '../../session/tuning';
 
@@ -18,25 +30,63 @@ export function EditBar() {
       {trying.value && <Trial />}
       {typed > 0 && (
         <div class="bar">
-          <span class="count">{count === 1 ? '1 change' : `${count} changes`}{wrong > 0 && `, ${wrong} refused`}</span>
+          <span class="count">
+            {count === 1 ? '1 change' : `${count} changes`}
+            {wrong > 0 && `, ${wrong} refused`}
+          </span>
           <span class="spring" />
-          <button type="button" class="primary" data-testid="try" disabled={!may || count === 0 || wrong > 0}
-            title="In force at once; reverts by itself. Key: Enter" onClick={() => void tryDrafts()}>Try {trySeconds.value} s</button>
-          <button type="button" data-testid="write" disabled={!may || trying.value || count === 0 || wrong > 0}
-            title="In force at once, until it is changed again. Key: Ctrl Enter" onClick={() => void writeDrafts()}>Write</button>
-          <button type="button" data-testid="discard" onClick={discard}>Discard</button>
+          <button
+            type="button"
+            class="primary"
+            data-testid="try"
+            disabled={!may || count === 0 || wrong > 0}
+            title="In force at once; reverts by itself. Key: Enter"
+            onClick={() => void tryDrafts()}>
+            Try {trySeconds.value} s
+          </button>
+          <button
+            type="button"
+            data-testid="write"
+            disabled={!may || trying.value || count === 0 || wrong > 0}
+            title="In force at once, until it is changed again. Key: Ctrl Enter"
+            onClick={() => void writeDrafts()}>
+            Write
+          </button>
+          <button type="button" data-testid="discard" onClick={discard}>
+            Discard
+          </button>
         </div>
       )}
       <div class="bar">
-        <button type="button" class="small" data-testid="undo" disabled={!may || trying.value || !history.value.canUndo}
-          onClick={() => void undo()}>Undo</button>
-        <button type="button" class="small" data-testid="redo" disabled={!may || trying.value || !history.value.canRedo}
-          onClick={() => void redo()}>Redo</button>
+        <button
+          type="button"
+          class="small"
+          data-testid="undo"
+          disabled={!may || trying.value || !history.value.canUndo}
+          onClick={() => void undo()}>
+          Undo
+        </button>
+        <button
+          type="button"
+          class="small"
+          data-testid="redo"
+          disabled={!may || trying.value || !history.value.canRedo}
+          onClick={() => void redo()}>
+          Redo
+        </button>
         <span class="spring" />
-        {state.value?.unsaved
-          ? <button type="button" data-testid="store" disabled={!may || trying.value} title="Keeps the settings over a reset"
-            onClick={() => void store()}>Store</button>
-          : state.value && <span class="soft">stored</span>}
+        {state.value?.unsaved ? (
+          <button
+            type="button"
+            data-testid="store"
+            disabled={!may || trying.value}
+            title="Keeps the settings over a reset"
+            onClick={() => void store()}>
+            Store
+          </button>
+        ) : (
+          state.value && <span class="soft">stored</span>
+        )}
       </div>
     </div>
   );
@@ -57,10 +107,16 @@ function Trial() {
   return (
     <div class="trial" role="timer" data-testid="trial">
       <div class="trial-bar" style={{ width: `${Math.min(100, (100 * seconds) / Math.max(1, trySeconds.value))}%` }} />
-      <span>On trial: reverts in <strong data-testid="trial-left">{Math.ceil(seconds)} s</strong></span>
+      <span>
+        On trial: reverts in <strong data-testid="trial-left">{Math.ceil(seconds)} s</strong>
+      </span>
       <span class="spring" />
-      <button type="button" class="primary" data-testid="keep" disabled={!mayWrite.value} onClick={() => void keep()}>Keep</button>
-      <button type="button" data-testid="revert" disabled={!mayWrite.value} onClick={() => void revert()}>Revert</button>
+      <button type="button" class="primary" data-testid="keep" disabled={!mayWrite.value} onClick={() => void keep()}>
+        Keep
+      </button>
+      <button type="button" data-testid="revert" disabled={!mayWrite.value} onClick={() => void revert()}>
+        Revert
+      </button>
     </div>
   );
 }

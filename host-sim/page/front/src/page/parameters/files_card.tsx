@@ -26,7 +26,9 @@ export function FilesCard() {
   };
   const compare = async (input: HTMLInputElement): Promise<void> => {
     const file = input.files?.[0];
-    if (!file) return;
+    if (!file) {
+      return;
+    }
     try {
       const toml = await file.text();
       const answer = await call('diff', { node: node.value, toml });
@@ -40,30 +42,69 @@ export function FilesCard() {
     <section class="card" data-testid="files">
       <h2>Settings as a file</h2>
       <div class="bar wrap">
-        <button type="button" data-testid="dump-toml" onClick={() => void dump('toml')}>Save settings file</button>
-        <button type="button" data-testid="dump-can" title="Lines of host-sim can set" onClick={() => void dump('can')}>Save CAN lines</button>
+        <button type="button" data-testid="dump-toml" onClick={() => void dump('toml')}>
+          Save settings file
+        </button>
+        <button type="button" data-testid="dump-can" title="Lines of host-sim can set" onClick={() => void dump('can')}>
+          Save CAN lines
+        </button>
         <label class="button file-button">
           Compare with a file …
-          <input type="file" accept=".toml,text/plain" data-testid="diff-file" onChange={(event) => void compare(event.currentTarget)} />
+          <input
+            type="file"
+            accept=".toml,text/plain"
+            data-testid="diff-file"
+            onChange={(event) => void compare(event.currentTarget)}
+          />
         </label>
       </div>
       {compared && (
         <div data-testid="differences">
-          <p><strong>{compared.name}</strong>: {compared.differences.length === 0 ? 'no differences.' : compared.differences.length === 1 ? '1 difference.' : `${compared.differences.length} differences.`}</p>
+          <p>
+            <strong>{compared.name}</strong>:{' '}
+            {compared.differences.length === 0
+              ? 'no differences.'
+              : compared.differences.length === 1
+                ? '1 difference.'
+                : `${compared.differences.length} differences.`}
+          </p>
           {compared.differences.length > 0 && (
             <>
-              <div class="scroll-x"><table>
-                <thead><tr><th>Parameter</th><th>Servo</th><th>File</th></tr></thead>
-                <tbody>
-                  {compared.differences.map((one) => (
-                    <tr key={one.name}><td>{one.name}</td><td>{valueText(one.node)}</td><td>{valueText(one.file)}</td></tr>
-                  ))}
-                </tbody>
-              </table></div>
+              <div class="scroll-x">
+                <table>
+                  <thead>
+                    <tr>
+                      <th>Parameter</th>
+                      <th>Servo</th>
+                      <th>File</th>
+                    </tr>
+                  </thead>
+                  <tbody>
+                    {compared.differences.map((one) => (
+                      <tr key={one.name}>
+                        <td>{one.name}</td>
+                        <td>{valueText(one.node)}</td>
+                        <td>{valueText(one.file)}</td>
+                      </tr>
+                    ))}
+                  </tbody>
+                </table>
+              </div>
               <div class="bar">
-                <button type="button" class="primary" data-testid="restore" disabled={!mayWrite.value}
-                  onClick={() => { void restore(compared.name, compared.toml); setCompared(null); }}>Write the file's values</button>
-                <button type="button" onClick={() => setCompared(null)}>Close</button>
+                <button
+                  type="button"
+                  class="primary"
+                  data-testid="restore"
+                  disabled={!mayWrite.value}
+                  onClick={() => {
+                    void restore(compared.name, compared.toml);
+                    setCompared(null);
+                  }}>
+                  Write the file's values
+                </button>
+                <button type="button" onClick={() => setCompared(null)}>
+                  Close
+                </button>
               </div>
             </>
           )}

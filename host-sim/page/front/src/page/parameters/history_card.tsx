@@ -9,13 +9,21 @@ export function HistoryCard() {
   return (
     <section class="card" data-testid="history">
       <h2>History</h2>
-      {entries.length === 0 && <p class="soft small-text">What is written from this page is listed here, and can be undone.</p>}
+      {entries.length === 0 && (
+        <p class="soft small-text">What is written from this page is listed here, and can be undone.</p>
+      )}
       <ol class="history">
         {entries.slice(0, shown).map((entry) => (
           <li key={entry.at_ms}>
-            <span class="soft">{new Date(entry.at_ms).toLocaleTimeString('en-GB')}, {entry.how}</span>
+            <span class="soft">
+              {new Date(entry.at_ms).toLocaleTimeString('en-GB')}, {entry.how}
+            </span>
             {entry.changes.slice(0, 4).map((change) => (
-              <span key={change.name} class="change">{change.name}<br />{valueText(change.before)} → <strong>{valueText(change.after)}</strong></span>
+              <span key={change.name} class="change">
+                {change.name}
+                <br />
+                {valueText(change.before)} → <strong>{valueText(change.after)}</strong>
+              </span>
             ))}
             {entry.changes.length > 4 && <span class="soft">and {entry.changes.length - 4} more</span>}
           </li>

@@ -18,13 +18,35 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
   const locked = !mayWrite.value || (info.change === 'not enabled' && running);
   const also = alsoText(info.unit, value, info.name);
   return (
-    <div class={`parameter${differs ? ' drafted' : ''}${compact ? ' compact' : ''}`} data-testid={`parameter-${info.name}`}>
+    <div
+      class={`parameter${differs ? ' drafted' : ''}${compact ? ' compact' : ''}`}
+      data-testid={`parameter-${info.name}`}>
       <div class="parameter-name">
-        <button type="button" class="star" aria-pressed={star} data-testid={`star-${info.name}`}
-          aria-label={`${info.name}: favourite`} onClick={() => toggleFavourite(info.name)}>{star ? '★' : '☆'}</button>
-        <label for={id} title={`${info.name}: ${info.meaning}`}>{compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}</label>
-        {changed && <span class="mark" title={`default: ${valueText(info.default)} ${info.unit}`} data-testid={`changed-${info.name}`}>changed</span>}
-        {info.change !== 'live' && !compact && <span class="mark quiet" title={changeTitle[info.change]}>{info.change}</span>}
+        <button
+          type="button"
+          class="star"
+          aria-pressed={star}
+          data-testid={`star-${info.name}`}
+          aria-label={`${info.name}: favourite`}
+          onClick={() => toggleFavourite(info.name)}>
+          {star ? '★' : '☆'}
+        </button>
+        <label for={id} title={`${info.name}: ${info.meaning}`}>
+          {compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}
+        </label>
+        {changed && (
+          <span
+            class="mark"
+            title={`default: ${valueText(info.default)} ${info.unit}`}
+            data-testid={`changed-${info.name}`}>
+            changed
+          </span>
+        )}
+        {info.change !== 'live' && !compact && (
+          <span class="mark quiet" title={changeTitle[info.change]}>
+            {info.change}
+          </span>
+        )}
       </div>
       <div class="parameter-value">
         <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} />
@@ -41,14 +63,21 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
           </p>
         </div>
       )}
-      {refused && <p class="refused" role="alert" id={`${id}-why`}>{refused}</p>}
+      {refused && (
+        <p class="refused" role="alert" id={`${id}-why`}>
+          {refused}
+        </p>
+      )}
     </div>
   );
 }
 
 /** Without the unit, which stands behind the value. */
 function shortName(name: string): string {
-  return name.replace(/_(A|V|N|K|W|s|m|Pa|ohm|1_s|W_K|W_ohm|W_N)$/, '').replace('.', ': ').replaceAll('_', ' ');
+  return name
+    .replace(/_(A|V|N|K|W|s|m|Pa|ohm|1_s|W_K|W_ohm|W_N)$/, '')
+    .replace('.', ': ')
+    .replaceAll('_', ' ');
 }
 
 const changeTitle = {
@@ -66,21 +95,40 @@ interface EditorProps {
 }
 
 function Editor({ info, id, text, disabled, refused }: EditorProps) {
-  const choices = info.type === 'boolean' ? ['true', 'false'] : info.type === 'choice' ? info.choices ?? [] : null;
+  const choices = info.type === 'boolean' ? ['true', 'false'] : info.type === 'choice' ? (info.choices ?? []) : null;
   if (choices) {
     return (
-      <select id={id} value={text} disabled={disabled} onChange={(event) => draft(info.name, event.currentTarget.value)}>
+      <select
+        id={id}
+        value={text}
+        disabled={disabled}
+        onChange={(event) => draft(info.name, event.currentTarget.value)}>
         {!choices.includes(text) && <option value={text}>{text || '–'}</option>}
-        {choices.map((choice) => <option key={choice} value={choice}>{choice}</option>)}
+        {choices.map((choice) => (
+          <option key={choice} value={choice}>
+            {choice}
+          </option>
+        ))}
       </select>
     );
   }
   return (
-    <input id={id} type="text" inputMode="decimal" autocomplete="off" spellcheck={false} value={text} disabled={disabled}
-      aria-invalid={refused !== undefined} aria-describedby={refused === undefined ? undefined : `${id}-why`}
+    <input
+      id={id}
+      type="text"
+      inputMode="decimal"
+      autocomplete="off"
+      spellcheck={false}
+      value={text}
+      disabled={disabled}
+      aria-invalid={refused !== undefined}
+      aria-describedby={refused === undefined ? undefined : `${id}-why`}
       onInput={(event) => draft(info.name, event.currentTarget.value)}
       onKeyDown={(event) => {
-        if (event.key === 'Enter') void (event.ctrlKey ? writeDrafts() : tryDrafts());
-      }} />
+        if (event.key === 'Enter') {
+          void (event.ctrlKey ? writeDrafts() : tryDrafts());
+        }
+      }}
+    />
   );
 }

@@ -16,14 +16,22 @@ export const driveNames: Record<Drive, string> = {
 export type Kind = 'off' | 'on' | 'fault' | 'unknown';
 
 export function driveWords(state: State): { text: string; kind: Kind } {
-  if (!state.online) return { text: 'offline', kind: 'unknown' };
+  if (!state.online) {
+    return { text: 'offline', kind: 'unknown' };
+  }
   switch (state.drive) {
-    case 'operation_enabled': return { text: 'Enabled: heated', kind: 'on' };
-    case 'quick_stop': return { text: 'Quick stop', kind: 'on' };
-    case 'fault_reaction': return { text: 'Fault reaction', kind: 'fault' };
-    case 'fault': return { text: 'Fault', kind: 'fault' };
-    case 'not_ready': return { text: 'Not ready', kind: 'unknown' };
-    default: return { text: state.blocking.length > 0 ? 'Off: blocked' : 'Off', kind: 'off' };
+    case 'operation_enabled':
+      return { text: 'Enabled: heated', kind: 'on' };
+    case 'quick_stop':
+      return { text: 'Quick stop', kind: 'on' };
+    case 'fault_reaction':
+      return { text: 'Fault reaction', kind: 'fault' };
+    case 'fault':
+      return { text: 'Fault', kind: 'fault' };
+    case 'not_ready':
+      return { text: 'Not ready', kind: 'unknown' };
+    default:
+      return { text: state.blocking.length > 0 ? 'Off: blocked' : 'Off', kind: 'off' };
   }
 }
 
@@ -34,7 +42,9 @@ export interface Allowed {
 }
 
 export function allowed(state: State | null): Allowed {
-  if (!state?.online) return { enable: false, disable: false, reset: false };
+  if (!state?.online) {
+    return { enable: false, disable: false, reset: false };
+  }
   const off = ['switch_on_disabled', 'ready', 'switched_on'].includes(state.drive);
   return {
     enable: off && state.blocking.length === 0,

@@ -12,7 +12,10 @@ export function StateView() {
     <div class="two-columns">
       <section aria-label="State of the drive">
         <div class="card">
-          <div class="card-head"><h2>Drive (CiA 402)</h2><span class="soft">{now ? `${now.nmt}, statusword ${hex(now.statusword)}` : ''}</span></div>
+          <div class="card-head">
+            <h2>Drive (CiA 402)</h2>
+            <span class="soft">{now ? `${now.nmt}, statusword ${hex(now.statusword)}` : ''}</span>
+          </div>
           <Machine now={now?.drive ?? null} />
           <Buttons now={now} />
         </div>
@@ -35,18 +38,32 @@ function hex(word: number): string {
 function Buttons({ now }: { now: State | null }) {
   const may = allowed(now);
   const commands = [
-    { service: 'enable', title: 'Enable', allowed: may.enable, why: now?.blocking.length ? 'blocked, see below' : 'not in this state' },
+    {
+      service: 'enable',
+      title: 'Enable',
+      allowed: may.enable,
+      why: now?.blocking.length ? 'blocked, see below' : 'not in this state',
+    },
     { service: 'disable', title: 'Disable', allowed: may.disable, why: 'nothing to switch off' },
     { service: 'reset_faults', title: 'Reset faults', allowed: may.reset, why: 'no fault to reset' },
   ];
   return (
     <div class="bar wrap">
       {commands.map((command) => (
-        <button type="button" key={command.service} class="big" data-testid={`state-${command.service}`}
-          disabled={!command.allowed || !mayWrite.value} title={command.allowed ? undefined : command.why}
-          onClick={() => void act(command.service, { node: node.value })}>{command.title}</button>
+        <button
+          type="button"
+          key={command.service}
+          class="big"
+          data-testid={`state-${command.service}`}
+          disabled={!command.allowed || !mayWrite.value}
+          title={command.allowed ? undefined : command.why}
+          onClick={() => void act(command.service, { node: node.value })}>
+          {command.title}
+        </button>
       ))}
-      <span class="soft" data-testid="drive-words">{now ? `Now: ${driveNames[now.drive]}.` : 'No state has been read.'}</span>
+      <span class="soft" data-testid="drive-words">
+        {now ? `Now: ${driveNames[now.drive]}.` : 'No state has been read.'}
+      </span>
     </div>
   );
 }
@@ -54,24 +71,38 @@ function Buttons({ now }: { now: State | null }) {
 function Faults({ now }: { now: State }) {
   const latched = [...now.latched].sort((a, b) => Number(b === now.first_cause) - Number(a === now.first_cause));
   const blocking = now.blocking.filter((name) => !now.latched.includes(name));
-  const active = [...new Set([...now.active, ...now.warnings ?? []])].filter((name) => !now.latched.includes(name) && !now.blocking.includes(name));
+  const active = [...new Set([...now.active, ...(now.warnings ?? [])])].filter(
+    (name) => !now.latched.includes(name) && !now.blocking.includes(name),
+  );
   return (
     <>
       <section class="card" data-testid="blocking">
         <h2>{now.blocking.length > 0 ? 'What blocks enabling' : 'Enabling'}</h2>
-        {now.blocking.length === 0 && <p class="good">{now.drive === 'operation_enabled' ? 'The servo is enabled.' : 'Nothing blocks: the servo can be enabled.'}</p>}
-        {blocking.map((name) => <Fault key={name} name={name} tags={tagsOf(now, name)} open />)}
-        {blocking.length === 0 && now.blocking.length > 0 && <p>The faults below. Remove their cause, then reset them.</p>}
+        {now.blocking.length === 0 && (
+          <p class="good">
+            {now.drive === 'operation_enabled' ? 'The servo is enabled.' : 'Nothing blocks: the servo can be enabled.'}
+          </p>
+        )}
+        {blocking.map((name) => (
+          <Fault key={name} name={name} tags={tagsOf(now, name)} open />
+        ))}
+        {blocking.length === 0 && now.blocking.length > 0 && (
+          <p>The faults below. Remove their cause, then reset them.</p>
+        )}
       </section>
       <section class="card" data-testid="faults">
         <h2>Faults</h2>
         {latched.length === 0 && <p class="good">No fault is latched.</p>}
-        {latched.map((name) => <Fault key={name} name={name} tags={tagsOf(now, name)} open={name === now.first_cause} />)}
+        {latched.map((name) => (
+          <Fault key={name} name={name} tags={tagsOf(now, name)} open={name === now.first_cause} />
+        ))}
       </section>
       {active.length > 0 && (
         <section class="card" data-testid="warnings">
           <h2>Conditions present now</h2>
-          {active.map((name) => <Fault key={name} name={name} tags={tagsOf(now, name)} />)}
+          {active.map((name) => (
+            <Fault key={name} name={name} tags={tagsOf(now, name)} />
+          ))}
         </section>
       )}
     </>
@@ -89,19 +120,31 @@ function Fault({ name, tags, open: openFirst = false }: { name: string; tags: st
   const [open, setOpen] = useState(openFirst);
   const [explained, setExplained] = useState<string | null>(null);
   useEffect(() => {
-    if (!open || explained !== null) return;
-    call('explain', { fault: name }).then((answer) => setExplained(String(answer['text'])),
-      (error: Error) => setExplained(`It could not be read: ${error.message}.`));
+    if (!open || explained !== null) {
+      return;
+    }
+    call('explain', { fault: name }).then(
+      (answer) => setExplained(String(answer['text'])),
+      (error: Error) => setExplained(`It could not be read: ${error.message}.`),
+    );
   }, [open]);
   const info = description.value?.faults.find((fault) => fault.name === name);
   return (
     <article class="fault" data-testid={`fault-${name}`}>
       <button type="button" class="fault-head" aria-expanded={open} onClick={() => setOpen(!open)}>
-        <span class="chevron" aria-hidden="true">{open ? '▾' : '▸'}</span>
+        <span class="chevron" aria-hidden="true">
+          {open ? '▾' : '▸'}
+        </span>
         <strong>{name}</strong>
-        {tags.map((tag) => <span key={tag} class={`mark${tag === 'first cause' ? ' strong' : ''}`}>{tag}</span>)}
+        {tags.map((tag) => (
+          <span key={tag} class={`mark${tag === 'first cause' ? ' strong' : ''}`}>
+            {tag}
+          </span>
+        ))}
         <span class="spring" />
-        <span class="soft">{info?.code} {info?.class}</span>
+        <span class="soft">
+          {info?.code} {info?.class}
+        </span>
       </button>
       {(!open || explained === null) && <p>{info?.text}</p>}
       {open && explained !== null && <pre class="explained">{explained}</pre>}
@@ -118,8 +161,12 @@ function FreezeFrame({ values, cause }: { values: Record<string, number | null>;
         {Object.entries(values).map(([name, value]) => {
           const shown = shownAs(name);
           return (
-            <div key={name}><dt title={name}>{plain(name)}</dt>
-              <dd>{value === null ? '–' : formatNumber(shown.factor * value + shown.offset)} <small>{shown.unit}</small></dd></div>
+            <div key={name}>
+              <dt title={name}>{plain(name)}</dt>
+              <dd>
+                {value === null ? '–' : formatNumber(shown.factor * value + shown.offset)} <small>{shown.unit}</small>
+              </dd>
+            </div>
           );
         })}
       </dl>
@@ -131,8 +178,17 @@ function Limits({ now }: { now: State }) {
   return (
     <section class="card" data-testid="limits">
       <h2>Limits that act</h2>
-      {now.limits.length === 0 ? <p class="soft">None.</p>
-        : <p>{now.limits.map((name) => <span key={name} class="mark">{plain(name)}</span>)}</p>}
+      {now.limits.length === 0 ? (
+        <p class="soft">None.</p>
+      ) : (
+        <p>
+          {now.limits.map((name) => (
+            <span key={name} class="mark">
+              {plain(name)}
+            </span>
+          ))}
+        </p>
+      )}
     </section>
   );
 }
@@ -140,41 +196,76 @@ function Limits({ now }: { now: State }) {
 function Bus() {
   const now = bridge.value;
   const [scanning, setScanning] = useState(false);
-  if (!now) return null;
+  if (!now) {
+    return null;
+  }
   return (
     <section class="card" data-testid="bus">
-      <div class="card-head"><h2>Bus</h2><span class="soft">{now.bus}</span></div>
+      <div class="card-head">
+        <h2>Bus</h2>
+        <span class="soft">{now.bus}</span>
+      </div>
       <table class="full">
-        <thead><tr><th>Node</th><th>Name</th><th>State</th></tr></thead>
+        <thead>
+          <tr>
+            <th>Node</th>
+            <th>Name</th>
+            <th>State</th>
+          </tr>
+        </thead>
         <tbody>
           {now.nodes.map((info) => (
-            <tr key={info.node}><td>{info.node}</td><td>{info.name}</td>
-              <td>{info.duplicate ? 'node-id used twice' : info.online ? 'online' : 'does not answer'}</td></tr>
+            <tr key={info.node}>
+              <td>{info.node}</td>
+              <td>{info.name}</td>
+              <td>{info.duplicate ? 'node-id used twice' : info.online ? 'online' : 'does not answer'}</td>
+            </tr>
           ))}
         </tbody>
       </table>
-      <button type="button" data-testid="scan" disabled={scanning} onClick={async () => {
-        setScanning(true);
-        await scan();
-        setScanning(false);
-      }}>{scanning ? 'Scanning …' : 'Scan'}</button>
+      <button
+        type="button"
+        data-testid="scan"
+        disabled={scanning}
+        onClick={async () => {
+          setScanning(true);
+          await scan();
+          setScanning(false);
+        }}>
+        {scanning ? 'Scanning …' : 'Scan'}
+      </button>
     </section>
   );
 }
 
 function Clients() {
   const now = bridge.value;
-  if (!now) return null;
+  if (!now) {
+    return null;
+  }
   return (
     <section class="card" data-testid="clients">
       <h2>Browsers and tools</h2>
       <table class="full">
-        <thead><tr><th>Client</th><th>From</th><th>Left out</th></tr></thead>
+        <thead>
+          <tr>
+            <th>Client</th>
+            <th>From</th>
+            <th>Left out</th>
+          </tr>
+        </thead>
         <tbody>
           {now.clients.map((one) => (
             <tr key={one.client}>
-              <td>{one.client}{one.client === client.value ? ', this one' : ''}</td>
-              <td>{one.address}{one.read_only ? ', view only' : ''}{one.client === now.control ? ', in control' : ''}</td>
+              <td>
+                {one.client}
+                {one.client === client.value ? ', this one' : ''}
+              </td>
+              <td>
+                {one.address}
+                {one.read_only ? ', view only' : ''}
+                {one.client === now.control ? ', in control' : ''}
+              </td>
               <td>{one.dropped}</td>
             </tr>
           ))}

@@ -2,7 +2,7 @@
 
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
-import { plain, roleOf, Shown, shownIn } from '../../live/display';
+import { plain, roleOf, type Shown, shownIn } from '../../live/display';
 import { ArraySamples } from '../../numbers/columns';
 import { formatNumber } from '../../numbers/format';
 import { PlotGroup } from '../../plot/group';
@@ -16,8 +16,12 @@ import { column } from './runs';
 import { SaveButtons } from './save_buttons';
 
 const most = 8;
-const patience_s = 60;  // for the trigger
-const chosen = saved<string[]>('recorded', ['position_m', 'setpoint', 'drive_current_A', 'wire_temperature_K'], isStrings);
+const patience_s = 60; // for the trigger
+const chosen = saved<string[]>(
+  'recorded',
+  ['position_m', 'setpoint', 'drive_current_A', 'wire_temperature_K'],
+  isStrings,
+);
 const seconds = saved<number>('record_s', 2, isNumber);
 const before = saved<number>('record_before_s', 0.2, isNumber);
 const triggerSignal = saved<string>('trigger', '', isString);
@@ -40,7 +44,11 @@ async function record(): Promise<void> {
   try {
     const trigger = triggerSignal.value === '' ? '' : triggerText();
     const answer = await call('record', {
-      node: node.value, signals: chosen.value, seconds: seconds.value, before_s: trigger === '' ? 0 : before.value, trigger,
+      node: node.value,
+      signals: chosen.value,
+      seconds: seconds.value,
+      before_s: trigger === '' ? 0 : before.value,
+      trigger,
       patience_s,
     });
     recording.value = { recording: answer['recording'] as Recording, mode: state.value?.mode ?? 0 };
@@ -54,7 +62,9 @@ export function RecorderCard() {
   const names = (description.value?.signals ?? []).map((one) => one.name);
   const activity = bridge.value?.activity;
   const toggle = (name: string): void => {
-    chosen.value = chosen.value.includes(name) ? chosen.value.filter((one) => one !== name) : [...chosen.value, name].slice(0, most);
+    chosen.value = chosen.value.includes(name)
+      ? chosen.value.filter((one) => one !== name)
+      : [...chosen.value, name].slice(0, most);
   };
   return (
     <section class="card" data-testid="recorder">
@@ -62,32 +72,85 @@ export function RecorderCard() {
       <p class="soft">Up to eight signals, each step of the servo's loop. {chosen.value.length} chosen.</p>
       <div class="chips" role="group" aria-label="Signals to record">
         {names.map((name) => (
-          <button type="button" key={name} class="toggle" aria-pressed={chosen.value.includes(name)}
-            disabled={!chosen.value.includes(name) && chosen.value.length >= most} data-testid={`record-${name}`}
-            onClick={() => toggle(name)}>{plain(name)}</button>
+          <button
+            type="button"
+            key={name}
+            class="toggle"
+            aria-pressed={chosen.value.includes(name)}
+            disabled={!chosen.value.includes(name) && chosen.value.length >= most}
+            data-testid={`record-${name}`}
+            onClick={() => toggle(name)}>
+            {plain(name)}
+          </button>
         ))}
       </div>
       <div class="bar wrap ends">
-        <NumberField title="Duration" unit="s" value={seconds.value} testid="record-seconds" set={(value) => { seconds.value = value; }} />
-        <label class="field narrow"><span>Trigger</span>
-          <select value={triggerSignal.value} data-testid="trigger" onChange={(event) => { triggerSignal.value = event.currentTarget.value; }}>
+        <NumberField
+          title="Duration"
+          unit="s"
+          value={seconds.value}
+          testid="record-seconds"
+          set={(value) => {
+            seconds.value = value;
+          }}
+        />
+        <label class="field narrow">
+          <span>Trigger</span>
+          <select
+            value={triggerSignal.value}
+            data-testid="trigger"
+            onChange={(event) => {
+              triggerSignal.value = event.currentTarget.value;
+            }}>
             <option value="">at once</option>
-            {names.map((name) => <option key={name} value={name}>{plain(name)}</option>)}
+            {names.map((name) => (
+              <option key={name} value={name}>
+                {plain(name)}
+              </option>
+            ))}
           </select>
         </label>
         {triggerSignal.value !== '' && (
           <>
-            <label class="field tiny"><span>is</span>
-              <select value={triggerSign.value} onChange={(event) => { triggerSign.value = event.currentTarget.value; }}>
-                <option value=">">above</option><option value="<">below</option>
+            <label class="field tiny">
+              <span>is</span>
+              <select
+                value={triggerSign.value}
+                onChange={(event) => {
+                  triggerSign.value = event.currentTarget.value;
+                }}>
+                <option value=">">above</option>
+                <option value="<">below</option>
               </select>
             </label>
-            <NumberField title="Level" unit={triggerUnit().unit} value={triggerValue.value} testid="trigger-value" set={(value) => { triggerValue.value = value; }} />
-            <NumberField title="Before it" unit="s" value={before.value} testid="record-before" set={(value) => { before.value = value; }} />
+            <NumberField
+              title="Level"
+              unit={triggerUnit().unit}
+              value={triggerValue.value}
+              testid="trigger-value"
+              set={(value) => {
+                triggerValue.value = value;
+              }}
+            />
+            <NumberField
+              title="Before it"
+              unit="s"
+              value={before.value}
+              testid="record-before"
+              set={(value) => {
+                before.value = value;
+              }}
+            />
           </>
         )}
-        <button type="button" class="big" data-testid="record" onClick={() => void record()}
-          disabled={link.value !== 'open' || readOnly.value || waiting.value || chosen.value.length === 0 || !!activity}>
+        <button
+          type="button"
+          class="big"
+          data-testid="record"
+          onClick={() => void record()}
+          disabled={
+            link.value !== 'open' || readOnly.value || waiting.value || chosen.value.length === 0 || !!activity
+          }>
           {waiting.value ? (triggerSignal.value === '' ? 'Recording …' : 'Waiting for the trigger …') : 'Record'}
         </button>
       </div>
@@ -100,26 +163,43 @@ function Recorded({ recording: shown, mode }: { recording: Recording; mode: numb
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const times = shown.rows.map((_, row) => row * shown.period_s);
-    const samples = new ArraySamples(times, Object.fromEntries(shown.signals.map((name) => [name, column(shown, name)])));
+    const samples = new ArraySamples(
+      times,
+      Object.fromEntries(shown.signals.map((name) => [name, column(shown, name)])),
+    );
     const extent: [number, number] = [0, Math.max(shown.period_s, times.at(-1) ?? 0)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
     const units = [...new Set(shown.signals.map((name) => shownIn(mode, name).unit))];
     const plots = units.map((unit, n) => {
       const names = shown.signals.filter((name) => shownIn(mode, name).unit === unit);
-      return new TimePlot(place.current!, group, {
-        id: `record-${unit || 'none'}`, title: sentence(names.map(plain).join(', ')), unit, height: 130,
-        ...(n === units.length - 1 ? { xLabel: 'time in s' } : {}),
-        series: names.map((name, k) => ({
-          key: name, label: plain(name), role: roleOf(name, k), ...shownIn(mode, name), unit: '',
-        })),
-      }, samples);
+      return new TimePlot(
+        place.current!,
+        group,
+        {
+          id: `record-${unit || 'none'}`,
+          title: sentence(names.map(plain).join(', ')),
+          unit,
+          height: 130,
+          ...(n === units.length - 1 ? { xLabel: 'time in s' } : {}),
+          series: names.map((name, k) => ({
+            key: name,
+            label: plain(name),
+            role: roleOf(name, k),
+            ...shownIn(mode, name),
+            unit: '',
+          })),
+        },
+        samples,
+      );
     });
     return () => plots.forEach((plot) => plot.destroy());
   }, [shown]);
   return (
     <div data-testid="recorded">
       <div class="bar">
-        <span>{shown.rows.length} rows, one each {formatNumber(1e3 * shown.period_s)} ms</span>
+        <span>
+          {shown.rows.length} rows, one each {formatNumber(1e3 * shown.period_s)} ms
+        </span>
         <span class="spring" />
         <SaveButtons recording={shown} />
       </div>

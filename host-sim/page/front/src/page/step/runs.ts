@@ -24,9 +24,16 @@ export interface Run {
 const most = 12;
 const keptRows = 1000;
 
-const isRuns = (value: unknown): value is Run[] => Array.isArray(value) &&
-  value.every((run) => isObject(run) && isObject(run['recording']) && Array.isArray(run['recording']['rows']) &&
-    isObject(run['gains']) && isObject(run['figures']));
+const isRuns = (value: unknown): value is Run[] =>
+  Array.isArray(value) &&
+  value.every(
+    (run) =>
+      isObject(run) &&
+      isObject(run['recording']) &&
+      Array.isArray(run['recording']['rows']) &&
+      isObject(run['gains']) &&
+      isObject(run['figures']),
+  );
 
 const kept = saved<Run[]>('runs', [], isRuns);
 /** Newest first. Those of this visit are whole, those of an earlier one are thinned. */
@@ -40,8 +47,14 @@ function changed(next: Run[]): void {
 function thin(run: Run): Run {
   const { rows, period_s } = run.recording;
   const stride = Math.ceil(rows.length / keptRows);
-  if (stride <= 1) return run;
-  const recording = { ...run.recording, period_s: period_s * stride, rows: rows.filter((_, row) => row % stride === 0) };
+  if (stride <= 1) {
+    return run;
+  }
+  const recording = {
+    ...run.recording,
+    period_s: period_s * stride,
+    rows: rows.filter((_, row) => row % stride === 0),
+  };
   return { ...run, recording, thinned: true };
 }
 
@@ -76,7 +89,9 @@ export function overlay(shown: readonly Run[]): ArraySamples {
   const from = Math.max(-0.2, -Math.max(...shown.map(edge_s)));
   const to = Math.max(...shown.map((run) => run.recording.rows.length * run.recording.period_s - edge_s(run)));
   const times: number[] = [];
-  for (let i = 0; from + i * period_s <= to; ++i) times.push(from + i * period_s);
+  for (let i = 0; from + i * period_s <= to; ++i) {
+    times.push(from + i * period_s);
+  }
   const ys: Record<string, number[]> = {};
   for (const run of shown) {
     const start = edge_s(run);

@@ -21,8 +21,24 @@ export function SaveButtons({ recording, disabled = false }: SaveButtonsProps) {
   const title = disabled ? 'Of an earlier visit only a picture is left, not all samples' : undefined;
   return (
     <>
-      <button type="button" class="small" disabled={disabled} title={title} data-testid="save-csv" onClick={() => void save('csv')}>CSV</button>
-      <button type="button" class="small" disabled={disabled} title={title} data-testid="save-mcap" onClick={() => void save('mcap')}>MCAP</button>
+      <button
+        type="button"
+        class="small"
+        disabled={disabled}
+        title={title}
+        data-testid="save-csv"
+        onClick={() => void save('csv')}>
+        CSV
+      </button>
+      <button
+        type="button"
+        class="small"
+        disabled={disabled}
+        title={title}
+        data-testid="save-mcap"
+        onClick={() => void save('mcap')}>
+        MCAP
+      </button>
     </>
   );
 }

@@ -4,7 +4,7 @@ import { formatNumber } from '../../numbers/format';
 import { valueText } from '../../parameters/values';
 import { PlotGroup } from '../../plot/group';
 import { otherRole, theme } from '../../plot/theme';
-import { SeriesSpec, TimePlot } from '../../plot/time_plot';
+import { type SeriesSpec, TimePlot } from '../../plot/time_plot';
 import type { Recording, StepFigures, Value } from '../../protocol/bridge';
 import { say, sayError } from '../../session/notices';
 import { isNumber, saved } from '../../session/saved';
@@ -12,7 +12,7 @@ import { bridge, call, mayWrite, node, state } from '../../session/session';
 import { NumberField } from '../fields/number_field';
 import { FavouritesCard } from '../live/favourites_card';
 import { RecorderCard } from './recorder_card';
-import { addRun, overlay, removeRun, Run, runs, showRun, tellingGains } from './runs';
+import { addRun, overlay, removeRun, type Run, runs, showRun, tellingGains } from './runs';
 import { SaveButtons } from './save_buttons';
 
 const amplitude = saved<number>('step_um', 500, isNumber);
@@ -40,9 +40,16 @@ async function run(): Promise<void> {
   try {
     const answer = await call('step', { node: node.value, amplitude_um: amplitude.value, seconds: seconds.value });
     addRun({
-      id: Date.now().toString(36), at_ms: Date.now(), node: node.value ?? 0, amplitude_um: amplitude.value,
-      seconds: seconds.value, recording: answer['recording'] as Recording, figures: answer['figures'] as StepFigures,
-      gains: (answer['gains'] ?? {}) as Record<string, Value>, shown: true, thinned: false,
+      id: Date.now().toString(36),
+      at_ms: Date.now(),
+      node: node.value ?? 0,
+      amplitude_um: amplitude.value,
+      seconds: seconds.value,
+      recording: answer['recording'] as Recording,
+      figures: answer['figures'] as StepFigures,
+      gains: (answer['gains'] ?? {}) as Record<string, Value>,
+      shown: true,
+      thinned: false,
     });
     say('The step test is done.');
   } catch (error) {
@@ -54,18 +61,42 @@ async function run(): Promise<void> {
 function Form() {
   const activity = bridge.value?.activity;
   const mine = activity && activity.node === node.value && activity.service === 'step' ? activity : null;
-  const busy = running.value || activity !== null && activity !== undefined;
+  const busy = running.value || (activity !== null && activity !== undefined);
   return (
-    <form class="card" onSubmit={(event) => { event.preventDefault(); void run(); }}>
+    <form
+      class="card"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void run();
+      }}>
       <h2>Step test</h2>
-      <p class="soft">A step of the set-point there and back, from where the wire is. A servo that is off is enabled for
-        the time of the test, and heated.</p>
+      <p class="soft">
+        A step of the set-point there and back, from where the wire is. A servo that is off is enabled for the time of
+        the test, and heated.
+      </p>
       <div class="bar wrap ends">
-        <NumberField title="Amplitude" unit="µm" value={amplitude.value} testid="step-amplitude"
-          set={(value) => { amplitude.value = value; }} />
-        <NumberField title="Time of each step" unit="s" value={seconds.value} testid="step-seconds"
-          set={(value) => { seconds.value = value; }} />
-        <button type="submit" class="big primary" data-testid="step-run"
+        <NumberField
+          title="Amplitude"
+          unit="µm"
+          value={amplitude.value}
+          testid="step-amplitude"
+          set={(value) => {
+            amplitude.value = value;
+          }}
+        />
+        <NumberField
+          title="Time of each step"
+          unit="s"
+          value={seconds.value}
+          testid="step-seconds"
+          set={(value) => {
+            seconds.value = value;
+          }}
+        />
+        <button
+          type="submit"
+          class="big primary"
+          data-testid="step-run"
           disabled={!mayWrite.value || busy || (state.value?.latched.length ?? 0) > 0}>
           {busy ? 'Running …' : 'Run the step'}
         </button>
@@ -97,55 +128,117 @@ function Overlay() {
   const shown = runs.value.filter((run) => run.shown);
   const key = shown.map((run) => run.id).join();
   useEffect(() => {
-    if (shown.length === 0) return undefined;
+    if (shown.length === 0) {
+      return undefined;
+    }
     const samples = overlay(shown);
     const extent: [number, number] = [samples.x(0), samples.x(samples.end - 1)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
     const plots = pictures.map(({ name, title, unit, factor, offset, height }, n) => {
       const lines: SeriesSpec[] = shown.map((run) => ({
-        key: `${run.id}/${name}`, label: `run ${numberOf(run)}`, role: roleOfRun(run), factor, offset,
+        key: `${run.id}/${name}`,
+        label: `run ${numberOf(run)}`,
+        role: roleOfRun(run),
+        factor,
+        offset,
         width: run.id === shown[0]!.id ? 2.2 : 1.4,
       }));
       if (name === 'position_m') {
-        lines.unshift({ key: `${shown[0]!.id}/setpoint`, label: 'set-point', role: 'setpoint', style: 'steps', factor, offset });
+        lines.unshift({
+          key: `${shown[0]!.id}/setpoint`,
+          label: 'set-point',
+          role: 'setpoint',
+          style: 'steps',
+          factor,
+          offset,
+        });
       }
-      return new TimePlot(place.current!, group, {
-        id: `step-${name}`, title, unit, height, series: lines, ...(n === pictures.length - 1 ? { xLabel: timeLabel } : {}),
-      }, samples);
+      return new TimePlot(
+        place.current!,
+        group,
+        {
+          id: `step-${name}`,
+          title,
+          unit,
+          height,
+          series: lines,
+          ...(n === pictures.length - 1 ? { xLabel: timeLabel } : {}),
+        },
+        samples,
+      );
     });
     return () => plots.forEach((plot) => plot.destroy());
   }, [key]);
   if (runs.value.length === 0) {
-    return <p class="empty" data-testid="no-runs">No step test has been run yet. Its response is drawn here, over earlier ones.</p>;
+    return (
+      <p class="empty" data-testid="no-runs">
+        No step test has been run yet. Its response is drawn here, over earlier ones.
+      </p>
+    );
   }
   return <div class="card plots" ref={place} data-testid="step-plots" />;
 }
 
 function Table() {
   const all = runs.value;
-  if (all.length === 0) return null;
+  if (all.length === 0) {
+    return null;
+  }
   const gains = tellingGains(all);
   const number = (value: number | null | undefined, factor = 1, offset = 0): string =>
-    (typeof value === 'number' ? formatNumber(factor * value + offset, 3) : 'never');
+    typeof value === 'number' ? formatNumber(factor * value + offset, 3) : 'never';
   return (
     <section class="card">
       <div class="scroll-x">
         <table class="figures" data-testid="runs">
           <thead>
             <tr>
-              <th>Run</th><th>At</th><th>Step<small>µm</small></th><th>Rise<small>ms</small></th><th>Settling<small>ms</small></th>
-              <th>Overshoot<small>%</small></th><th>Error<small>%</small></th><th>Hottest<small>°C</small></th>
-              {gains.map((name) => <th key={name} title={name}>{name.slice(name.lastIndexOf('.') + 1)}</th>)}
-              <th><span class="hidden">Save, remove</span></th>
+              <th>Run</th>
+              <th>At</th>
+              <th>
+                Step<small>µm</small>
+              </th>
+              <th>
+                Rise<small>ms</small>
+              </th>
+              <th>
+                Settling<small>ms</small>
+              </th>
+              <th>
+                Overshoot<small>%</small>
+              </th>
+              <th>
+                Error<small>%</small>
+              </th>
+              <th>
+                Hottest<small>°C</small>
+              </th>
+              {gains.map((name) => (
+                <th key={name} title={name}>
+                  {name.slice(name.lastIndexOf('.') + 1)}
+                </th>
+              ))}
+              <th>
+                <span class="hidden">Save, remove</span>
+              </th>
             </tr>
           </thead>
           <tbody>
             {all.map((run) => (
               <tr key={run.id} data-testid="run">
                 <td>
-                  <button type="button" class="run-key" aria-pressed={run.shown} onClick={() => showRun(run.id, !run.shown)}
+                  <button
+                    type="button"
+                    class="run-key"
+                    aria-pressed={run.shown}
+                    onClick={() => showRun(run.id, !run.shown)}
                     title={run.shown ? 'Hide this run' : 'Show this run'}>
-                    <i style={{ background: run.shown ? theme()[roleOfRun(run)] : 'transparent', borderColor: theme()[roleOfRun(run)] }} />
+                    <i
+                      style={{
+                        background: run.shown ? theme()[roleOfRun(run)] : 'transparent',
+                        borderColor: theme()[roleOfRun(run)],
+                      }}
+                    />
                     {numberOf(run)}
                   </button>
                 </td>
@@ -156,10 +249,18 @@ function Table() {
                 <td>{number(run.figures.overshoot_percent)}</td>
                 <td>{number(run.figures.error_percent)}</td>
                 <td>{number(run.figures.peak_K, 1, -273.15)}</td>
-                {gains.map((name) => <td key={name}>{valueText(run.gains[name])}</td>)}
+                {gains.map((name) => (
+                  <td key={name}>{valueText(run.gains[name])}</td>
+                ))}
                 <td class="row-buttons">
                   <SaveButtons recording={run.recording} disabled={run.thinned} />
-                  <button type="button" class="small" aria-label={`Remove run ${numberOf(run)}`} onClick={() => removeRun(run.id)}>×</button>
+                  <button
+                    type="button"
+                    class="small"
+                    aria-label={`Remove run ${numberOf(run)}`}
+                    onClick={() => removeRun(run.id)}>
+                    ×
+                  </button>
                 </td>
               </tr>
             ))}
