@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "firmware/canopen/node/index.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/text_table.hpp"
 
@@ -28,7 +29,7 @@ struct Row {
   std::vector<std::string> texts, words;
 };
 
-constexpr Key statusword{0x6041, 0};
+constexpr Key statusword{canopen::index::statusword, 0};
 
 /// The meaning of a code that people would otherwise look up.
 std::string words_of(const text::KnownObject& object, const Bytes& bytes) {

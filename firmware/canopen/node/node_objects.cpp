@@ -1,5 +1,6 @@
 // The node's own objects: reading, writing, and the image that is stored of them.
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/node.hpp"
 
 namespace smaservo::canopen {
@@ -20,7 +21,7 @@ Request request_of(Key key) {
   using enum Request;
   constexpr std::array<Request, 3> store{store_all, store_communication, store_application};
   constexpr std::array<Request, 3> restore{restore_all, restore_communication, restore_application};
-  return (key.index == 0x1010 ? store : restore)[key.sub - 1U];
+  return (key.index == index::store_parameters ? store : restore)[key.sub - 1U];
 }
 
 }  // namespace
@@ -52,10 +53,10 @@ Abort Node::find(Key key, Entry& entry) const {
 }
 
 std::string_view Node::text_of(std::uint16_t index) const {
-  return index == 0x1008   ? config_.device_name
-         : index == 0x1009 ? config_.hardware_version
-         : index == 0x100A ? config_.software_version
-                           : config_.eds;
+  return index == index::device_name        ? config_.device_name
+         : index == index::hardware_version ? config_.hardware_version
+         : index == index::software_version ? config_.software_version
+                                            : config_.eds;
 }
 
 Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) {
@@ -70,7 +71,7 @@ Abort Node::read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_
   if (object.key != entry.key) {
     return application_.read(entry, offset, to);
   }
-  const bool is_error = entry.key.index == 0x1003 && entry.key.sub != 0;
+  const bool is_error = entry.key.index == index::error_field && entry.key.sub != 0;
   if ((is_error && objects_.error_count < entry.key.sub) ||
       (entry.type == Type::domain && config_.eds.empty())) {
     return Abort::no_data;
@@ -105,7 +106,7 @@ Abort Node::write(const Entry& entry, std::span<const std::uint8_t> from, Source
 
 Abort Node::write_own(const Object& object, std::uint32_t value) {
   const Key key = object.key;
-  if (key.index == 0x1010 || key.index == 0x1011) {
+  if (key.index == index::store_parameters || key.index == index::restore_defaults) {
     return check_signature(key, value);
   }
   Abort refused = check(key, value);
@@ -138,18 +139,19 @@ void Node::refused(const Entry& entry, std::span<const std::uint8_t> from, Abort
 }
 
 Abort Node::check_signature(Key key, std::uint32_t value) {
-  const std::uint32_t signature = key.index == 0x1010 ? store_signature : restore_signature;
+  const std::uint32_t signature =
+      key.index == index::store_parameters ? store_signature : restore_signature;
   return value == signature ? ask(request_of(key)) : Abort::transfer;
 }
 
 Abort Node::check(Key key, std::uint32_t value) const {
   switch (key.index) {
-    case 0x1003:
+    case index::error_field:
       return value == 0 ? Abort::none : Abort::value;
-    case 0x1005: {
+    case index::sync_cob_id: {
       return is_plain_cob(value) ? Abort::none : Abort::value;
     }
-    case 0x1014: {
+    case index::emergency_cob_id: {
       if (!is_plain_cob(value)) {
         return Abort::value;
       }
@@ -157,9 +159,9 @@ Abort Node::check(Key key, std::uint32_t value) const {
       return stays_valid && ((value ^ objects_.emergency_cob) & cob_id_mask) != 0 ? Abort::state
                                                                                   : Abort::none;
     }
-    case 0x1016:
+    case index::heartbeat_consumer:
       return check_consumer(key, value);
-    case 0x1019:
+    case index::sync_overflow:
       return objects_.sync_period_us != 0 ? Abort::state : value == 1 ? Abort::value : Abort::none;
     default:
       return is_pdo(key.index) ? pdos_.check(key, value) : Abort::none;
@@ -184,17 +186,17 @@ Abort Node::check_consumer(Key key, std::uint32_t value) const {
 
 void Node::written(Key key) {
   switch (key.index) {
-    case 0x1003:
+    case index::error_field:
       objects_.errors = {};
       break;
-    case 0x1006:
+    case index::sync_period:
       sync_alive_ = false;
       break;
-    case 0x1016:
+    case index::heartbeat_consumer:
       consumers_[key.sub - 1U] = {};
       find_again();
       break;
-    case 0x1017:
+    case index::heartbeat_producer:
       heartbeat_us_ = now_us_;
       break;
     default:

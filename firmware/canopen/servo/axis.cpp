@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/servo/duration.hpp"
 
 namespace smaservo::canopen {
@@ -75,10 +76,11 @@ Abort Axis::check_mode(std::int32_t mode) const {
 
 /// Whether the value is a known option code: not every number in a row's range is one.
 Abort Axis::check_option(std::uint16_t index, std::int32_t value) {
-  const bool known = index == 0x605A   ? value == option_off || value == option_hold
-                     : index == 0x605E ? value == option_off || value == option_safe_state
-                     : index == 0x6098 ? value == 35 || value == 37
-                                       : true;
+  const bool known = index == index::quick_stop_option ? value == option_off || value == option_hold
+                     : index == index::fault_option
+                         ? value == option_off || value == option_safe_state
+                     : index == index::homing_method ? value == 35 || value == 37
+                                                     : true;
   return known ? Abort::none : Abort::value;
 }
 
@@ -308,9 +310,9 @@ bool Axis::moves_position() const {
 bool Axis::follows(Key key) const {
   switch (mode()) {
     case DriveMode::cyclic_position:
-      return key == Key{0x607A, 0};
+      return key == Key{index::target_position, 0};
     case DriveMode::cyclic_force:
-      return key == Key{0x6071, 0};
+      return key == Key{index::target_torque, 0};
     case DriveMode::current:
     case DriveMode::power:
     case DriveMode::temperature:

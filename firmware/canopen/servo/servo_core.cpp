@@ -1,5 +1,6 @@
 #include "firmware/canopen/servo/servo_core.hpp"
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/servo/duration.hpp"
 #include "firmware/safety/failsafe.hpp"
 
@@ -137,7 +138,7 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   if (axis_.follows(entry.key) && value != before) {
     axis_.new_cyclic_setpoint();
   }
-  if (entry.key.index == 0x6040) {
+  if (entry.key.index == index::controlword) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }
   // A PDO repeats its values in each cycle: only a change counts.
@@ -150,14 +151,14 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
 
 Abort ServoCore::check(Key key, std::uint32_t value) const {
   const auto number = static_cast<std::int32_t>(value);
-  if (key.index == 0x6060) {
+  if (key.index == index::mode) {
     // The negative modes set power without a loop of the device.
     return number < 0 && !may_write(Level::tune) ? Abort::local : axis_.check_mode(number);
   }
   if (key.index == 0x2301 || key == Key{0x2300, 5}) {
     return Recorder::check_channel(value);
   }
-  if (key.index == 0x607D && key.sub != 0) {
+  if (key.index == index::position_limit && key.sub != 0) {
     auto limit = objects_.position_limit;
     limit[key.sub - 1U] = number;
     return limit[1] < limit[0] ? Abort::max_below_min : Abort::none;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "firmware/canopen/node/communication.hpp"
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
 #include "firmware/text/reference/object_list.hpp"
@@ -19,6 +20,8 @@
 
 namespace smaservo::text {
 namespace {
+
+namespace index = canopen::index;
 
 using canopen::Type;
 
@@ -253,8 +256,9 @@ std::string value_text(const KnownObject& object, std::span<const std::uint8_t> 
   if (object.type == Type::boolean) return number != 0 ? "true" : "false";
   if (canopen::is_signed(object.type)) return fmt::format("{}", sign_extended(bytes));
   // Codes and sets of bits are easier to read in hexadecimal.
-  const bool bits = object.key.index == 0x6040 || object.key.index == 0x6041 ||
-                    object.key.index == 0x603F || object.key.index == faults_object ||
+  const bool bits = object.key.index == index::controlword ||
+                    object.key.index == index::statusword ||
+                    object.key.index == index::error_code || object.key.index == faults_object ||
                     (object.key.index < 0x2000 && size == 4);
   return bits ? fmt::format("0x{:0{}X}", number, 2 * size) : fmt::format("{}", number);
 }

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include "firmware/canopen/node/communication.hpp"
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/servo/servo_core.hpp"
 #include "firmware/text/reference/object_list.hpp"
 #include "model/files/text_table.hpp"
 
 namespace smaservo::text {
 namespace {
+
+namespace index = canopen::index;
 
 using canopen::Object;
 using canopen::Type;
@@ -39,11 +42,11 @@ std::string number_text(Type type, std::uint32_t value) {
 std::string default_text(const ListedObject& listed) {
   const Object& object = listed.object;
   switch (object.key.index) {
-    case 0x1000:
+    case index::device_type:
       return fmt::format("0x{:X}", canopen::servo_device_type);
-    case 0x1008:
+    case index::device_name:
       return "smaservo";
-    case 0x1018: {
+    case index::identity: {
       constexpr std::array<std::uint32_t, 4> identity{0, canopen::servo_product,
                                                       canopen::servo_revision, 0};
       return fmt::format("0x{:X}", identity.at(object.key.sub - 1U));
@@ -104,8 +107,9 @@ std::string index_text(const ListedIndex& listed, RealDefaults reals) {
   }
   const bool counts_itself = listed.objects[0].object.key.sub == 0;
   const std::size_t subs = listed.objects.size() + (counts_itself ? 0 : 1);
-  const bool is_array = listed.index == 0x1003 || listed.index == 0x1010 ||
-                        listed.index == 0x1011 || listed.index == 0x1016;
+  const bool is_array =
+      listed.index == index::error_field || listed.index == index::store_parameters ||
+      listed.index == index::restore_defaults || listed.index == index::heartbeat_consumer;
   std::string text = fmt::format("[{}]\nParameterName={}\nObjectType=0x{:X}\nSubNumber=0x{:X}\n\n",
                                  section, listed.name, is_array ? 0x8 : 0x9, subs);
   if (!counts_itself) {
@@ -121,7 +125,7 @@ std::string index_text(const ListedIndex& listed, RealDefaults reals) {
 }
 
 bool is_mandatory(std::uint16_t index) {
-  return index == 0x1000 || index == 0x1001 || index == 0x1018;
+  return index == index::device_type || index == index::error_register || index == index::identity;
 }
 bool is_manufacturers(std::uint16_t index) {
   return 0x2000 <= index && index <= 0x5FFF;

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/object.hpp"
 #include "firmware/canopen/servo/servo_core.hpp"
 #include "firmware/text/canopen/change_text.hpp"
@@ -20,6 +21,8 @@
 
 namespace smaservo::page {
 namespace {
+
+namespace index = canopen::index;
 
 using files::UserError;
 using nlohmann::json;
@@ -90,7 +93,7 @@ namespace {
 /// A device of another kind may have no such object.
 bool is_servo(can::Remote& remote) {
   try {
-    return whole(remote, {0x1018, 2}) == canopen::servo_product;
+    return whole(remote, {index::identity, 2}) == canopen::servo_product;
   } catch (const can::SdoError& error) {
     if (error.code() == 0) throw;
     return false;
@@ -119,10 +122,12 @@ bool Operations::join(Servo& servo) {
 /// the end of a long transfer.
 void Operations::read_pdo(Servo& servo, can::Remote& remote) {
   servo.commanded = {};
-  servo.commanded.by_pdo = whole(remote, {0x1400, 1}) == 0x200U + servo.node &&
-                           whole(remote, {0x1400, 2}) >= 254 && whole(remote, {0x1600, 0}) == 2 &&
-                           whole(remote, {0x1600, 1}) == 0x6040'0010 &&
-                           whole(remote, {0x1600, 2}) == 0x6060'0008;
+  servo.commanded.by_pdo =
+      whole(remote, {index::rpdo_communication, 1}) == 0x200U + servo.node &&
+      whole(remote, {index::rpdo_communication, 2}) >= 254 &&
+      whole(remote, {index::rpdo_mapping, 0}) == 2 &&
+      whole(remote, {index::rpdo_mapping, 1}) == canopen::mapped(index::controlword, 0, 16) &&
+      whole(remote, {index::rpdo_mapping, 2}) == canopen::mapped(index::mode, 0, 8);
 }
 
 std::vector<std::size_t> Operations::read_parameters(Servo& servo) {

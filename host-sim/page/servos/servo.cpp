@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/object.hpp"
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/device_names.hpp"
@@ -13,6 +14,8 @@
 
 namespace smaservo::page {
 namespace {
+
+namespace index = canopen::index;
 
 using nlohmann::json;
 
@@ -68,10 +71,10 @@ json target_of(const Servo& servo) {
   switch (servo.mode()) {
     case 1:
     case 8:
-      return servo.signed_value({0x607A, 0});
+      return servo.signed_value({index::target_position, 0});
     case 4:
     case 10:
-      return static_cast<std::int16_t>(servo.value({0x6071, 0}));
+      return static_cast<std::int16_t>(servo.value({index::target_torque, 0}));
     case -1:
     case -2:
     case -3:
@@ -106,10 +109,16 @@ json transaction_of(const Servo& servo) {
 
 const std::vector<StateObject>& state_objects() {
   static const std::vector<StateObject> all = [] {
-    std::vector<StateObject> objects{
-        {{0x6041, 0}, true},  {{0x6061, 0}, false}, {{0x6064, 0}, false}, {{0x607A, 0}, false},
-        {{0x6071, 0}, false}, {{0x605A, 0}, false}, {{0x605E, 0}, false}, {{0x2102, 2}, false},
-        {{0x2102, 5}, false}, {{0x2220, 1}, false}};
+    std::vector<StateObject> objects{{{index::statusword, 0}, true},
+                                     {{index::mode_display, 0}, false},
+                                     {{index::position_actual, 0}, false},
+                                     {{index::target_position, 0}, false},
+                                     {{index::target_torque, 0}, false},
+                                     {{index::quick_stop_option, 0}, false},
+                                     {{index::fault_option, 0}, false},
+                                     {{0x2102, 2}, false},
+                                     {{0x2102, 5}, false},
+                                     {{0x2220, 1}, false}};
     for (std::uint8_t sub = 1; sub <= 11; ++sub) objects.push_back({{0x2202, sub}, false});
     for (std::uint8_t sub = 1; sub <= 3; ++sub) objects.push_back({{0x2201, sub}, false});
     return objects;
@@ -140,8 +149,8 @@ std::int32_t Servo::signed_value(Key key) const {
 
 bool Servo::may_be_heated() const {
   const unsigned status = statusword();
-  return is_enabled() || ((status & 0x6FU) == 0x07 && value({0x605A, 0}) == 6) ||
-         ((status & 0x4FU) == 0x0F && value({0x605E, 0}) == 2);
+  return is_enabled() || ((status & 0x6FU) == 0x07 && value({index::quick_stop_option, 0}) == 6) ||
+         ((status & 0x4FU) == 0x0F && value({index::fault_option, 0}) == 2);
 }
 
 std::string Servo::title() const {
@@ -160,7 +169,7 @@ json state_message(const Servo& servo) {
                {"mode", servo.mode()},
                {"mode_name", mode == rows.end() ? "none" : mode->name},
                {"target", target_of(servo)},
-               {"position_um", servo.signed_value({0x6064, 0})},
+               {"position_um", servo.signed_value({index::position_actual, 0})},
                {"target_reached", (servo.statusword() & reached_bit_of_status) != 0},
                {"active", fault_names(fault_set_at(servo, 3))},
                {"latched", fault_names(fault_set_at(servo, 1))},

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/parameters/parameters.hpp"
 #include "host-sim/can/sdo_client.hpp"
 #include "host-sim/page/servos/history.hpp"
@@ -67,11 +68,11 @@ struct Servo {
 
   unsigned value(Key key) const;
   std::int32_t signed_value(Key key) const;
-  unsigned statusword() const { return value({0x6041, 0}); }
+  unsigned statusword() const { return value({canopen::index::statusword, 0}); }
   bool is_enabled() const { return (statusword() & 0x6FU) == 0x27; }
   /// Current may flow: enabled, or an option code lets heat go on in another state.
   bool may_be_heated() const;
-  int mode() const { return static_cast<std::int8_t>(value({0x6061, 0})); }
+  int mode() const { return static_cast<std::int8_t>(value({canopen::index::mode_display, 0})); }
   /// "node 3 (smaservo)"
   std::string title() const;
 };

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/object.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::page {
 namespace {
+
+namespace index = canopen::index;
 
 constexpr std::uint32_t request_id = 0x600;
 constexpr std::uint32_t answer_id = 0x580;
@@ -166,7 +169,7 @@ void LiveTraffic::take(Servo& servo, Link& link, const hal::CanFrame& frame, std
 void LiveTraffic::take_state(Servo& servo, Link& link, std::uint32_t value, std::int64_t sent_us,
                              std::int64_t now_us) {
   servo.values[link.key] = value;
-  const bool is_status = link.key == Key{0x6041, 0};
+  const bool is_status = link.key == Key{index::statusword, 0};
   // A statusword of before the axis was enabled says nothing.
   if (is_status && servo.enabled_us != 0 && servo.enabled_us < sent_us && !servo.may_be_heated()) {
     servo.enabled_us = 0;
@@ -223,11 +226,11 @@ void LiveTraffic::said(const hal::CanFrame& frame, std::int64_t now_us) {
   const Key key{
       static_cast<std::uint16_t>(canopen::take_number(std::span(frame.data).subspan(1, 2))),
       frame.data[3]};
-  if (key == Key{0x6040, 0}) {
+  if (key == Key{index::controlword, 0}) {
     servo->commanded.word =
         static_cast<std::uint16_t>(canopen::take_number(std::span(frame.data).subspan(4, 2)));
     servo->commanded.time_us = now_us;
-  } else if (key == Key{0x6060, 0}) {
+  } else if (key == Key{index::mode, 0}) {
     servo->commanded.mode = static_cast<std::int8_t>(frame.data[4]);
   }
 }
@@ -283,7 +286,7 @@ void LiveTraffic::renew(std::int64_t now_us) {
           static_cast<std::uint8_t>(last.mode.value_or(static_cast<std::int8_t>(servo->mode())));
       bus_.send(frame);
     } else if (!is_busy(node) && !links_[node].waits) {
-      ask(node, {0x6040, 0}, Reason::renewal, now_us, last.word);
+      ask(node, {index::controlword, 0}, Reason::renewal, now_us, last.word);
     } else {
       continue;
     }
@@ -345,7 +348,7 @@ void LiveTraffic::poll(unsigned node, std::int64_t now_us) {
     if (!is_due || (servo == nullptr && !candidates_[node])) return;
     link.next_try_us = now_us + pause_us;
     candidates_.reset(node);
-    ask(node, {0x1000, 0}, Reason::probe, now_us);
+    ask(node, {index::device_type, 0}, Reason::probe, now_us);
     return;
   }
   // The state goes before, or a full round of live values would keep it away for ever.

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/object.hpp"
 #include "firmware/text/signal_names.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::page {
 namespace {
+
+namespace index = canopen::index;
 
 using canopen::put_number;
 using canopen::take_number;
@@ -42,8 +45,9 @@ void write_whole(can::Remote& remote, Key key, std::uint32_t value, std::size_t 
 
 /// Bytes of the objects of a PDO.
 std::size_t size_of_pdo_object(Key key) {
-  const bool whole = (key.index < 0x1A00 && key.sub == 1) || (key.index >= 0x1A00 && key.sub != 0);
-  return whole ? 4 : key.index < 0x1A00 && (key.sub == 3 || key.sub == 5) ? 2 : 1;
+  const bool whole = (key.index < index::tpdo_mapping && key.sub == 1) ||
+                     (key.index >= index::tpdo_mapping && key.sub != 0);
+  return whole ? 4 : key.index < index::tpdo_mapping && (key.sub == 3 || key.sub == 5) ? 2 : 1;
 }
 
 }  // namespace
@@ -75,8 +79,8 @@ std::vector<unsigned> SyncStream::mapped() const {
 /// What a PDO is now, in the order in which it can be written again: not valid, no objects, the
 /// objects, their number, type and timers, valid.
 SyncStream::Pdo SyncStream::read_pdo(can::Remote& remote, unsigned number) {
-  const std::uint16_t params = index_of(0x1800, number);
-  const std::uint16_t map = index_of(0x1A00, number);
+  const std::uint16_t params = index_of(index::tpdo_communication, number);
+  const std::uint16_t map = index_of(index::tpdo_mapping, number);
   const std::uint32_t cob = read_whole(remote, {params, 1});
   const std::uint32_t count = read_whole(remote, {map, 0});
   Pdo pdo{number, cob & id_mask, {{{params, 1}, cob | not_valid}, {{map, 0}, 0}}};
@@ -92,8 +96,8 @@ SyncStream::Pdo SyncStream::read_pdo(can::Remote& remote, unsigned number) {
 }
 
 void SyncStream::write_pdo(can::Remote& remote, const Pdo& pdo, std::size_t first) const {
-  const std::uint16_t params = index_of(0x1800, pdo.number);
-  const std::uint16_t map = index_of(0x1A00, pdo.number);
+  const std::uint16_t params = index_of(index::tpdo_communication, pdo.number);
+  const std::uint16_t map = index_of(index::tpdo_mapping, pdo.number);
   const std::uint32_t cob = pdo.before.front().second;
   write_whole(remote, {params, 1}, cob | not_valid, 4);
   write_whole(remote, {map, 0}, 0, 1);
@@ -111,8 +115,8 @@ void SyncStream::write_pdo(can::Remote& remote, const Pdo& pdo, std::size_t firs
 }
 
 void SyncStream::map(can::Remote& remote) {
-  if (read_whole(remote, {0x1019, 0}) != 0 ||
-      (read_whole(remote, {0x1005, 0}) & id_mask) != sync_id) {
+  if (read_whole(remote, {index::sync_overflow, 0}) != 0 ||
+      (read_whole(remote, {index::sync_cob_id, 0}) & id_mask) != sync_id) {
     throw files::UserError(
         fmt::format("node {}: its SYNC has a counter or another identifier than 80h; live values "
                     "are polled",
