@@ -7,10 +7,11 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "model/files/error.hpp"
 
 namespace smaservo::hal {
 
@@ -38,9 +39,9 @@ enum class Column : unsigned char {
 inline constexpr std::size_t column_count = static_cast<std::size_t>(Column::count);
 
 /// An error in a trace; the text names file, line and column.
-class TraceError : public std::runtime_error {
+class TraceError : public files::Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 struct TraceOptions {

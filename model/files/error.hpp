@@ -5,10 +5,16 @@
 
 namespace smaservo::files {
 
-/// A mistake of the user's or the machine's that a message explains; ends the program with 1.
-class UserError : public std::runtime_error {
+/// The root of all errors of this project: a message for a person, which names what and where.
+class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// A mistake of the user's or the machine's that a message explains; ends the program with 1.
+class UserError : public Error {
+ public:
+  using Error::Error;
 };
 
 /// One that only a person mends, in a file or an option: to try again changes nothing.
@@ -20,9 +26,9 @@ class ConfigError : public UserError {
 /// What was asked has been done, and its result is one that nobody can use: no valid resistance, a
 /// fit that has not converged, observers that are all lost, a recording that ended early; ends the
 /// program with 3.
-class NoResult : public std::runtime_error {
+class NoResult : public Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 }  // namespace smaservo::files

@@ -2,14 +2,15 @@
 // State and statistics of a CAN port.
 
 #include <cstdint>
-#include <stdexcept>
+
+#include "model/files/error.hpp"
 
 namespace smaservo::hal {
 
 /// A port cannot be opened; the text names it and says why.
-class CanError : public std::runtime_error {
+class CanError : public files::Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 /// The name of a port is malformed.

@@ -2,19 +2,19 @@
 // The files through which the kernel offers its devices.
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "hal/linux/system/descriptor.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::hal {
 
 /// A device cannot be used; the text names the file and says why.
-class DeviceError : public std::runtime_error {
+class DeviceError : public files::Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 /// Another process drives the output.

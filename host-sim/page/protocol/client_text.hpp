@@ -4,18 +4,18 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "host-sim/page/source.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::page::said {
 
 /// What a client says wrongly; becomes a status message.
-class Malformed : public std::runtime_error {
+class Malformed : public files::Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 /// What is wrong with some elements of a list, as one sentence.
