@@ -16,7 +16,7 @@ struct Prepared {
   using Observer = Substepping<MultipleModelFilter<S>>;
 
   Settings<S> settings;
-  MeasurementParams<S> measuring;
+  MeasurementParams<S> measurement;
   typename Observer::Params observer;
   S cold_ohm;  ///< resistance of the wire at rest, at 25 °C and without load, by its file
 };
@@ -24,8 +24,8 @@ struct Prepared {
 template <class S>
 KalmanTuning<S> observer_tuning(const Settings<S>& settings) {
   KalmanTuning<S> tuning = kalman_tuning(settings.wire.accuracy);
-  tuning.start_ambient_sd_K = settings.observer.ambient_sd_K;
-  tuning.start_loss_sd = settings.observer.loss_sd;
+  tuning.start_ambient_sd_K = settings.observer.start_ambient_sd_K;
+  tuning.start_loss_sd = settings.observer.start_loss_sd;
   return tuning;
 }
 
@@ -33,7 +33,7 @@ KalmanTuning<S> observer_tuning(const Settings<S>& settings) {
 template <class S>
 Prepared<S> prepare(const Settings<S>& settings) {
   const Wire<S>& wire = settings.wire;
-  const Measuring<S>& m = settings.measuring;
+  const MeasurementSettings<S>& m = settings.measurement;
   const S ohm = cold_resistance_ohm(wire);
   return {settings,
           {wire.geometry.area_m2(), m.current_offset_A, m.voltage_offset_V, m.current_noise_A,

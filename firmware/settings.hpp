@@ -23,7 +23,7 @@ struct Timing {
 
 /// From raw readings to the wire's voltage, current and load.
 template <class S>
-struct Measuring {
+struct MeasurementSettings {
   S current_offset_A;  ///< read at zero current, subtracted
   S voltage_offset_V;
   S load_offset_N;
@@ -40,8 +40,11 @@ struct Measuring {
 /// What the observer starts from.
 template <class S>
 struct ObserverSettings {
-  S ambient_sd_K;  ///< standard deviation of the air's temperature as first assumed
-  S loss_sd;       ///< standard deviation of the cooling, relative to the wire file's
+  S start_ambient_sd_K;  ///< standard deviation of the air's temperature as first assumed
+  /// Standard deviation of the heat loss, relative to the wire file's. A device is set up for its
+  /// own surroundings: its default is 0.3. A replay, which knows nothing of those of a recording,
+  /// starts from 1.5 (KalmanTuning).
+  S start_loss_sd;
 };
 
 /// What the output stage takes.
@@ -147,7 +150,7 @@ struct Settings {
   Identity identity;
   Timing<S> timing;
   Wire<S> wire;
-  Measuring<S> measuring;
+  MeasurementSettings<S> measurement;
   ObserverSettings<S> observer;
   DriveSettings<S> drive;
   LoopGains<S> strain, temperature, resistance, force;

@@ -23,6 +23,8 @@ using Kind = std::span<const Unit>;
 
 /// 0 degC.
 inline constexpr double zero_degC_K = 273.15;
+/// 25 degC: the air, where nobody says another temperature, and the reference of cold resistances.
+inline constexpr double room_K = 298.15;
 
 namespace kind {
 

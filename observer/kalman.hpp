@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "model/scalar/order.hpp"
 #include "model/scalar/scalar.hpp"
 #include "model/wire/plant.hpp"
 #include "observer/covariance.hpp"
@@ -28,7 +29,9 @@ struct KalmanTuning {
   S start_temperature_sd_K = S(1);
   S start_fraction_sd = S(0.05);
   S start_ambient_sd_K = S(18);
-  S start_loss_sd = S(1.5);  ///< nothing is known of it, but loss_range
+  /// Nothing is known of the heat loss but loss_range. On the project's traces 0.3, a device's
+  /// default, is as good: mean errors differ by 0.05 % of the stroke at most.
+  S start_loss_sd = S(1.5);
   S start_resistance_sd = S(0.03);
   // The slow states stay this close to where they start: a filter that has the phases wrong would
   // rather bend the surroundings than believe it.
@@ -133,11 +136,6 @@ struct KalmanObserver : FilterStates {
   static void keep_on_simplex(const Covariance<S>& P, const Phases<S>& z, Vector& change);
   static void correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
                       const Expected& expect, const S& dt_s);
-
-  static constexpr S clamp(const S& x, const S& low, const S& high) {
-    return x < low ? low : high < x ? high : x;
-  }
-  static constexpr S magnitude(const S& x) { return x < S(0) ? -x : x; }
 };
 
 template <class S>

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "model/scalar/order.hpp"
 #include "observer/kalman.hpp"
 
 namespace smaservo {
@@ -110,7 +111,6 @@ struct MultipleModelFilter {
   static constexpr int places_in_call = 4;
   static constexpr S place_distance_K = S(2.5);
 
-  static S min(const S& a, const S& b) { return a < b ? a : b; }
   static bool is_alive(const State& s, std::size_t i) { return (s.alive >> i & 1U) != 0; }
   static void drop(State& s, std::size_t i) {
     s.alive = static_cast<std::uint8_t>(s.alive & ~(1U << i));

@@ -166,7 +166,7 @@ S Controller<S>::limited_setpoint(const Prepared<S>& p, const Demand<S>& demand,
       return clamp(demand.setpoint, S(0), q.temperature_K - q.hot_spot_K, LimitReason::temperature,
                    reasons);
     case Mode::force:
-      return clamp(demand.setpoint, S(0), q.stress_Pa * p.measuring.area_m2, LimitReason::stress,
+      return clamp(demand.setpoint, S(0), q.stress_Pa * p.measurement.area_m2, LimitReason::stress,
                    reasons);
     case Mode::current:
       return demand.setpoint < S(0) ? S(0) : demand.setpoint;
@@ -273,7 +273,7 @@ auto Controller<S>::wanted(const Prepared<S>& p, State& s, const Demand<S>& dema
       return loop({q.temperature, S(1), known.estimate.temperature_K, hold_W}, s, demand, dt_s);
     }
     case Mode::force: {
-      const S load_N = known.filter.stress_Pa * p.measuring.area_m2;
+      const S load_N = known.filter.stress_Pa * p.measurement.area_m2;
       return loop({q.force, S(1), load_N, loss_W}, s, demand, dt_s);
     }
     case Mode::identification:
@@ -345,7 +345,7 @@ auto Controller<S>::step(const Prepared<S>& p, State& s, const Demand<S>& demand
   s.sustained_W = averaged(s.sustained_W, s.power_W, dt_s, time_constant_s(p));
   s.elapsed_s += dt_s;
   const auto drive =
-      CurrentLoop<S>::step(q.drive, s.current_loop, current_A, known.measured_A, ohm, dt_s);
+      CurrentLoop<S>::step(q.drive, s.current_loop, current_A, known.current_A, ohm, dt_s);
   const S reference = demand.mode == Mode::position
                           ? (q.axis.zero_strain - s.reference) * q.wire.geometry.length_m
                       : demand.mode == Mode::strain ? s.reference

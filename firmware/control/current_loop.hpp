@@ -3,6 +3,7 @@
 // measured current that corrects the stage's errors of gain and offset.
 
 #include "firmware/settings.hpp"
+#include "model/scalar/order.hpp"
 #include "model/scalar/scalar.hpp"
 
 namespace smaservo {
@@ -26,15 +27,10 @@ struct CurrentLoop {
                      const S& ohm, const S& dt_s) {
     const S error = isfinite(measured_A) ? s.asked_A - measured_A : S(0);
     const S bound = max * asked_A;
-    s.trim_A = within(s.trim_A + q.integral_1_s * error * dt_s, bound);
+    s.trim_A = clamp(s.trim_A + q.integral_1_s * error * dt_s, -bound, bound);
     s.asked_A = asked_A;
-    const S current_A = asked_A + within(s.trim_A + q.proportional * error, bound);
+    const S current_A = asked_A + clamp(s.trim_A + q.proportional * error, -bound, bound);
     return {current_A, current_A * ohm};
-  }
-
- private:
-  static S within(const S& x, const S& bound) {
-    return x < -bound ? -bound : bound < x ? bound : x;
   }
 };
 

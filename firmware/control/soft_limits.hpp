@@ -16,9 +16,9 @@ struct ControlInputs {
   const Measurement<S>& measurement;
   const Estimate<S>& estimate;
   const typename KalmanObserver<S>::State& filter;  ///< the most likely filter's: model, air, loss
-  S measured_A;
-  S supply_V;                                     ///< NaN where it is not measured
-  S air_K = std::numeric_limits<S>::quiet_NaN();  ///< of the air; NaN where it is not measured
+  S current_A;
+  S supply_V;                                         ///< NaN where it is not measured
+  S ambient_K = std::numeric_limits<S>::quiet_NaN();  ///< of the air; NaN where it is not measured
   S hot_K = S(0);      ///< the wire's temperature by HotResistance; 0: not known
   S weak_K = S(0);     ///< the wire's temperature by CoolingGuard; 0: not known
   bool probe = false;  ///< the cooling is being tested: no power
@@ -125,7 +125,7 @@ void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>
   const S believed_K = known.filter.ambient_K < known.filter.start_ambient_K
                            ? known.filter.start_ambient_K
                            : known.filter.ambient_K;
-  const S air_K = believed_K < known.air_K ? known.air_K : believed_K;
+  const S air_K = believed_K < known.ambient_K ? known.ambient_K : believed_K;
   const S max_for_long_W =
       q.loss_margin * p.observer.model.body.loss_W(q.temperature_K - q.hot_spot_K - air_K);
   max(LimitReason::temperature, max_for_long_W + S(10) * (max_for_long_W - sustained_W));

@@ -71,7 +71,11 @@ struct Device {
                                                       const S& dt_s);
   static void count_time(const Prepared<S>& p, State& s, const Inputs<S>& in,
                          const Command<S>& command, const S& dt_s);
+  static MonitorInputs<S> seen_in_step(const Prepared<S>& p, const State& s, const Inputs<S>& in,
+                                       const Measurement<S>& m, const Estimate<S>& e,
+                                       const Command<S>& command, const S& dt_s);
   static Verdict protect(const MonitorInputs<S>& seen, State& s);
+  static Output<S> without_heat(const MonitorInputs<S>& seen, const State& s, const Verdict& v);
   static void sense(const Prepared<S>& p, Output<S>& out);
   static void control(const MonitorInputs<S>& seen, State& s, const Demand<S>& demand,
                       Output<S>& out);
@@ -84,7 +88,7 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
   if (stalled(p, dt_s)) [[unlikely]] {
     return after_stall(p, s, dt_s);
   }
-  const Measuring<S>& q = p.settings.measuring;
+  const MeasurementSettings<S>& q = p.settings.measurement;
   Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
   sample.load_N =
       q.has_load_cell ? (sample.load_N - q.load_offset_N) * q.load_gain : q.constant_load_N;
@@ -98,12 +102,11 @@ Measurement<S> Device<S>::observe(const Prepared<S>& p, State& s, const Inputs<S
     }
     return nothing;
   }
-  const Measurement<S> m = measure(p.measuring, sample);
+  const Measurement<S> m = measure(p.measurement, sample);
   if (s.observing) {
     Observer::advance(p.observer, s.observer, m, dt_s);
   } else if (m.stress_valid) {
-    const S room_K = S(298.15);
-    Observer::start(p.observer, s.observer, m, isfinite(in.ambient_K) ? in.ambient_K : room_K);
+    Observer::start(p.observer, s.observer, m, isfinite(in.ambient_K) ? in.ambient_K : S(room_K));
     s.observing = true;
   }
   return m;
@@ -133,47 +136,9 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
                             const Measurement<S>& m, const Estimate<S>& e,
                             const Command<S>& command, const S& dt_s) {
   count_time(p, s, in, command, dt_s);
-  const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
-  const auto& filter = MultipleModelFilter<S>::likeliest(s.observer.observer);
-  const MonitorInputs<S> seen{p,
-                              in,
-                              command,
-                              m,
-                              e,
-                              filter,
-                              s.last,
-                              s.given_before_A,
-                              sample.current_A - p.settings.measuring.current_offset_A,
-                              sample.voltage_V - p.settings.measuring.voltage_offset_V,
-                              s.controller.duty,
-                              s.off_s,
-                              s.since_sample_s,
-                              s.since_command_s,
-                              dt_s,
-                              s.observing,
-                              s.monitor.zero.known(),
-                              stalled(p, dt_s)};
+  const MonitorInputs<S> seen = seen_in_step(p, s, in, m, e, command, dt_s);
   const Verdict v = protect(seen, s);
-  Output<S> out{.drive_current_A = S(0),
-                .drive_voltage_V = S(0),
-                .state = v.state,
-                .mode = Mode::off,
-                .setpoint = S(0),
-                .reference = S(0),
-                .wanted_power_W = S(0),
-                .measurement = m,
-                .estimate = e,
-                .estimated_ambient_K = filter.ambient_K,
-                .hot_spot_K = e.temperature_K + p.settings.limits.hot_spot_K,
-                .limit_reasons = 0,
-                .active = v.active,
-                .latched = v.latched,
-                .first_cause = s.supervisor.first_cause,
-                .warnings = v.warnings,
-                .blocks = v.blocks,
-                .time_us = s.time_us,
-                .first_cause_us = s.supervisor.first_cause_us,
-                .cooling = s.monitor.wire.cooling.known()};
+  Output<S> out = without_heat(seen, s, v);
   const bool safe = v.heat == Heat::hold || v.heat == Heat::release;
   if (v.heat == Heat::sense) {
     sense(p, out);
@@ -210,12 +175,63 @@ void Device<S>::count_time(const Prepared<S>& p, State& s, const Inputs<S>& in,
 }
 
 template <class S>
+MonitorInputs<S> Device<S>::seen_in_step(const Prepared<S>& p, const State& s, const Inputs<S>& in,
+                                         const Measurement<S>& m, const Estimate<S>& e,
+                                         const Command<S>& command, const S& dt_s) {
+  const Sample<S> sample = s.monitor.zero.corrected(p, in.sample);
+  return {.prepared = p,
+          .in = in,
+          .command = command,
+          .measurement = m,
+          .estimate = e,
+          .filter = MultipleModelFilter<S>::likeliest(s.observer.observer),
+          .last = s.last,
+          .given_before_A = s.given_before_A,
+          .current_A = sample.current_A - p.settings.measurement.current_offset_A,
+          .voltage_V = sample.voltage_V - p.settings.measurement.voltage_offset_V,
+          .duty = s.controller.duty,
+          .off_s = s.off_s,
+          .since_sample_s = s.since_sample_s,
+          .since_command_s = s.since_command_s,
+          .dt_s = dt_s,
+          .observing = s.observing,
+          .zeroed = s.monitor.zero.known(),
+          .stalled = stalled(p, dt_s)};
+}
+
+template <class S>
 auto Device<S>::protect(const MonitorInputs<S>& seen, State& s) -> Verdict {
   const FaultSet active = Monitor<S>::step(seen, s.monitor);
   if (s.observing && !isfinite(seen.estimate.strain + seen.estimate.temperature_K)) {
     s.observing = false;  // NaN would never leave the observer: the next sample starts it anew
   }
   return Supervisor<S>::step(seen, s.supervisor, active, s.time_us);
+}
+
+/// The output of this verdict before any current is computed.
+template <class S>
+Output<S> Device<S>::without_heat(const MonitorInputs<S>& seen, const State& s, const Verdict& v) {
+  const S hot_spot_K = seen.prepared.settings.limits.hot_spot_K;
+  return {.drive_current_A = S(0),
+          .drive_voltage_V = S(0),
+          .state = v.state,
+          .mode = Mode::off,
+          .setpoint = S(0),
+          .reference = S(0),
+          .wanted_power_W = S(0),
+          .measurement = seen.measurement,
+          .estimate = seen.estimate,
+          .estimated_ambient_K = seen.filter.ambient_K,
+          .hot_spot_K = seen.estimate.temperature_K + hot_spot_K,
+          .limit_reasons = 0,
+          .active = v.active,
+          .latched = v.latched,
+          .first_cause = s.supervisor.first_cause,
+          .warnings = v.warnings,
+          .blocks = v.blocks,
+          .time_us = s.time_us,
+          .first_cause_us = s.supervisor.first_cause_us,
+          .cooling = s.monitor.wire.cooling.known()};
 }
 
 /// Before the wire has been checked. parameter_check.hpp keeps this current below limits.power_W.

@@ -203,7 +203,7 @@ bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
 template <class S>
 bool idles(Relation relation, const Wire<S>& wire, const S& current_A, const S& b, const S& plus) {
   const S idle_W = current_A * current_A * cold_resistance_ohm(wire);
-  const S above_K = b - plus - S(298.15);
+  const S above_K = b - plus - S(room_K);
   const S allowed_W =
       relation == Relation::idle_power
           ? b

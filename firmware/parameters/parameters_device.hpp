@@ -40,8 +40,8 @@ constexpr auto timing_rows() {
 
 template <class S>
 constexpr auto measuring_rows() {
-  constexpr auto g = &Settings<S>::measuring;
-  using G = Measuring<S>;
+  constexpr auto g = &Settings<S>::measurement;
+  using G = MeasurementSettings<S>;
   constexpr auto when = Change::without_current;
   return std::to_array<Parameter<S>>({
       real<Member<S, g, &G::current_offset_A>>(
@@ -86,13 +86,13 @@ constexpr auto observer_rows() {
   using G = ObserverSettings<S>;
   constexpr auto when = Change::without_current;
   return std::to_array<Parameter<S>>({
-      real<Member<S, g, &G::ambient_sd_K>>(
-          {0x2011, 1}, "observer.ambient_sd_K", kind::temperature_difference, when, 0.1F, 18, 100,
-          "standard deviation of the ambient temperature that the observer starts from"),
-      real<Member<S, g, &G::loss_sd>>({0x2011, 2}, "observer.loss_sd", kind::number, when, 0.01F,
-                                      0.3F, 2,
-                                      "standard deviation of the heat loss that the observer "
-                                      "starts from, relative to the wire file's"),
+      real<Member<S, g, &G::start_ambient_sd_K>>(
+          {0x2011, 1}, "observer.start_ambient_sd_K", kind::temperature_difference, when, 0.1F, 18,
+          100, "standard deviation of the ambient temperature that the observer starts from"),
+      real<Member<S, g, &G::start_loss_sd>>({0x2011, 2}, "observer.start_loss_sd", kind::number,
+                                            when, 0.01F, 0.3F, 2,
+                                            "standard deviation of the heat loss that the observer "
+                                            "starts from, relative to the wire file's"),
   });
 }
 

@@ -108,7 +108,7 @@ Settings<double> settings_for(const Wire<double>& wire) {
   s.limits.temperature_K = std::min(s.limits.temperature_K, wire.limits.temperature_K);
   // A thick wire may take much more than it loses for the second that its maker rates it for.
   const double held_W = thermal_body(wire.geometry, wire.heat)
-                            .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - 298.15);
+                            .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - room_K);
   const double idle_A = std::sqrt(0.5 * max_idle_share * held_W / ohm);
   s.limits.min_current_A = std::min(0.1 * current_A, two_digits(idle_A));
   s.limits.power_W = two_digits(2 * current_A * current_A * ohm);
@@ -116,9 +116,9 @@ Settings<double> settings_for(const Wire<double>& wire) {
   s.trips.current_A = 1.5 * current_A;
   s.trips.current_offset_A = 0.02 * current_A;
   s.trips.stress_Pa = std::min(s.trips.stress_Pa, wire.limits.stress_Pa);
-  s.measuring.current_full_scale_A = 4 * current_A;
-  s.measuring.voltage_full_scale_V =
-      std::max(s.measuring.voltage_full_scale_V, 4 * current_A * ohm);
+  s.measurement.current_full_scale_A = 4 * current_A;
+  s.measurement.voltage_full_scale_V =
+      std::max(s.measurement.voltage_full_scale_V, 4 * current_A * ohm);
   return stored_settings<double>(s);
 }
 

@@ -13,7 +13,7 @@ namespace smaservo::hal {
 
 /// The surroundings of the wire, which events change.
 struct SimSurroundings {
-  double ambient_K = 298.15;
+  double ambient_K = room_K;
   double draught = 1;  ///< factor on still-air convection
   double supply_V = 24;
   double added_stress_Pa = 0;  ///< on top of the load

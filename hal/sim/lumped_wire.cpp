@@ -12,7 +12,7 @@ class LumpedWire : public SimulatedWire {
   explicit LumpedWire(const Wire<double>& wire)
       : params_(plant_params(wire)),
         still_(params_.body),
-        state_(Model::rest(params_, {298.15, 0})) {
+        state_(Model::rest(params_, {room_K, 0})) {
     // A wire turns back after any change of temperature; only an observer needs a threshold,
     // against noise.
     params_.kinetics.smallest_reversal_K = 0;
@@ -60,7 +60,7 @@ class LumpedWire : public SimulatedWire {
   Model::Params params_;
   ThermalBody<double> still_;
   Model::State state_;
-  double ambient_K_ = 298.15;
+  double ambient_K_ = room_K;
   double ohm_ = 0;
 };
 

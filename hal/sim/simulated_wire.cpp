@@ -53,7 +53,7 @@ class DistributedWire : public SimulatedWire {
   using Plant = DistributedPlant<K, segments>;
 
   explicit DistributedWire(const typename Plant::Params& params) : params_(params) {
-    rest(298.15, 0);
+    rest(room_K, 0);
   }
 
   void rest(double temperature_K, double stress_Pa) final {

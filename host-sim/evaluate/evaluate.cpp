@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host-sim/evaluate/runs/calibrate.hpp"
-#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/measurement_params.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/error.hpp"
@@ -19,7 +19,6 @@
 namespace smaservo::evaluate {
 namespace {
 
-constexpr double usual_ambient_K = 298.15;
 constexpr std::string_view model_alone = "open-loop";
 
 /// Runs of all rows have the same seeds, so that rows differ by their conditions only; far from the
@@ -75,7 +74,7 @@ void check(const EvaluateOptions& options, const replay::RunSettings& settings) 
   }
   const Wire<double> preset = files::load_wire(std::string(files::default_wire)).wire;
   for (auto name = options.observers.begin(); name != options.observers.end(); ++name) {
-    replay::make_observer(*name, preset, settings, {}, usual_ambient_K);
+    replay::make_observer(*name, preset, settings, {}, room_K);
     if (std::find(options.observers.begin(), name, *name) != name) {
       throw files::UserError(fmt::format("--observer {}: is given twice", *name));
     }
@@ -156,18 +155,18 @@ double min_current_A(const hal::Sensors& sensors) {
 std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& wire,
                                const replay::RunSettings& settings, const hal::Sensors& sensors,
                                const std::vector<simulate::SimulatedRow>& rows) {
-  MeasurementParams<double> measuring = replay::measuring_params(wire, settings);
-  measuring.min_current_A = std::max(measuring.min_current_A, min_current_A(sensors));
+  MeasurementParams<double> measurement = replay::measurement_params(wire, settings);
+  measurement.min_current_A = std::max(measurement.min_current_A, min_current_A(sensors));
   std::unique_ptr<replay::AnyObserver> running;
   std::vector<JudgedRow> judged;
   judged.reserve(rows.size());
   for (const simulate::SimulatedRow& row : rows) {
     const Measurement<double> m =
-        measure(measuring, Sample<double>{row.current_A, row.voltage_V, row.load_N});
+        measure(measurement, Sample<double>{row.current_A, row.voltage_V, row.load_N});
     if (running) {
       running->advance(m, row.time_s - judged.back().time_s);
     } else {
-      running = replay::make_observer(observer, wire, settings, m, usual_ambient_K);
+      running = replay::make_observer(observer, wire, settings, m, room_K);
     }
     const Estimate<double> e = running->estimate();
     judged.push_back({row.time_s, row.strain, e.strain, e.strain_sd, e.health});

@@ -19,7 +19,7 @@ namespace {
 
 using Model = Plant<ThreePhase<double>>;
 
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 constexpr std::size_t free_runs = 3;
 constexpr double free_stresses_MPa[] = {10, 25, 50, 100, 150, 200, 300, 400};
 constexpr std::size_t first_recipes = 10;

@@ -21,7 +21,6 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double lost_percent = 20;
 constexpr double settling_s = 1;
 constexpr double longest_gap_s = 60;
-constexpr double usual_ambient_K = 298.15;
 
 /// The strain that the trace knows to be true, or NaN.
 class Reference {
@@ -199,8 +198,16 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
     report::PlotPoint point{};
     point.current_A = nan;
     point.stress_MPa = stress_Pa * 1e-6;
-    sink.add({row[hal::Column::time], elongation, nan, drive.temperature_K, z.martensite, z.r_phase,
-              nan, ohm, true, nan},
+    sink.add({.time_s = row[hal::Column::time],
+              .strain = elongation,
+              .strain_sd = nan,
+              .temperature_K = drive.temperature_K,
+              .martensite = z.martensite,
+              .r_phase = z.r_phase,
+              .resistance_ohm = nan,
+              .resistance_model_ohm = ohm,
+              .valid = true,
+              .strain_ref = nan},
              row, point);
     progress.update(trace.bytes());
   }
@@ -239,7 +246,7 @@ using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 Observers start_observers(const ReplayOptions& options, const RunSettings& settings,
                           const ReplayResult& result, const hal::ReplayBoard& board,
                           const Measurement<double>& first) {
-  double ambient_K = usual_ambient_K;
+  double ambient_K = room_K;
   if (options.ambient_K) {
     ambient_K = *options.ambient_K;
   } else if (board.trace().has(hal::Column::ambient)) {
@@ -255,7 +262,7 @@ Observers start_observers(const ReplayOptions& options, const RunSettings& setti
 void replay_electrical(const ReplayOptions& options, const RunSettings& settings,
                        hal::TraceReader reader, ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
-  const MeasurementParams<double> measuring = measuring_params(wire, settings);
+  const MeasurementParams<double> measurement = measurement_params(wire, settings);
   const double load_N = default_load_N(options, reader);
   Sink sink(options, reader, result);
   for (const std::string& name : options.observers) {
@@ -269,10 +276,10 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
   hal::Frame frame{};
   std::int64_t last_ns = 0;
   std::uint32_t piece = 0;
-  Signs signs(measuring.min_current_A);
+  Signs signs(measurement.min_current_A);
   while (board.read(frame) == hal::ReadStatus::frame) {
     const Measurement<double> m =
-        measure(measuring, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
+        measure(measurement, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
     const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
     signs.add(frame.current_A, frame.voltage_V);
     if (observers.empty() || dt_s > longest_gap_s || board.row().piece != piece) {
@@ -291,9 +298,16 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
     report::PlotPoint point{};
     point.current_A = frame.current_A;
     point.stress_MPa = m.stress_Pa * 1e-6;
-    sink.add({board.row()[hal::Column::time], e.strain, e.strain_sd, e.temperature_K, e.martensite,
-              e.r_phase, m.resistance_valid ? m.resistance_ohm : nan, e.resistance_model_ohm,
-              m.resistance_valid, nan},
+    sink.add({.time_s = board.row()[hal::Column::time],
+              .strain = e.strain,
+              .strain_sd = e.strain_sd,
+              .temperature_K = e.temperature_K,
+              .martensite = e.martensite,
+              .r_phase = e.r_phase,
+              .resistance_ohm = m.resistance_valid ? m.resistance_ohm : nan,
+              .resistance_model_ohm = e.resistance_model_ohm,
+              .valid = m.resistance_valid,
+              .strain_ref = nan},
              board.row(), point);
     for (std::size_t i = 1; i < observers.size(); ++i) {
       sink.compare(i, observers[i]->estimate().strain);

@@ -8,7 +8,7 @@
 
 #include "hal/replay/trace.hpp"
 #include "host-sim/replay/error_statistics.hpp"
-#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/measurement_params.hpp"
 #include "host-sim/report/series.hpp"
 #include "model/files/wire/wire_file.hpp"
 

@@ -37,15 +37,15 @@ std::vector<RunKey> make_run_keys() {
   tune("observer.strain_model_sd", kind::count, &Tuning::strain_model_sd);
 
   using Params = MeasurementParams<double>;
-  const auto measuring = [&](const char* path, Kind kind, double Params::* member) {
+  const auto measurement = [&](const char* path, Kind kind, double Params::* member) {
     add(path, kind, -1e6, 1e6, member);
   };
-  measuring("measurement.current_offset", kind::current, &Params::current_offset_A);
-  measuring("measurement.voltage_offset", kind::voltage, &Params::voltage_offset_V);
-  measuring("measurement.current_noise", kind::current, &Params::current_noise_A);
-  measuring("measurement.voltage_noise", kind::voltage, &Params::voltage_noise_V);
-  measuring("measurement.lead_resistance", kind::resistance, &Params::lead_resistance_ohm);
-  measuring("measurement.min_current", kind::current, &Params::min_current_A);
+  measurement("measurement.current_offset", kind::current, &Params::current_offset_A);
+  measurement("measurement.voltage_offset", kind::voltage, &Params::voltage_offset_V);
+  measurement("measurement.current_noise", kind::current, &Params::current_noise_A);
+  measurement("measurement.voltage_noise", kind::voltage, &Params::voltage_noise_V);
+  measurement("measurement.lead_resistance", kind::resistance, &Params::lead_resistance_ohm);
+  measurement("measurement.min_current", kind::current, &Params::min_current_A);
   return keys;
 }
 

@@ -39,7 +39,7 @@ void run_joule(const bench::Scenario& scenario, const bench::JouleScenario& joul
   const long every = std::lround(1 / (joule.rate_Hz * step_s));
   long tick = 0;
   for (const bench::DriveStep& step : joule.drive) {
-    const double level_W = step.level * body.loss_W(hottest_K - 298.15);
+    const double level_W = step.level * body.loss_W(hottest_K - room_K);
     const long begin = tick;
     for (const long stop = tick + std::lround(step.seconds / step_s); tick < stop; ++tick) {
       const double time_s = static_cast<double>(tick) * step_s;

@@ -25,8 +25,8 @@ double estimate_noise(const TunedPlant& plant, const Proposal& p) {
   for (int i = 0; i < last; ++i) {
     Inputs<double> in = bench.inputs();
     Device<double>::observe(prepared, clean, in, dt_s);
-    in.sample.current_A += p.settings.measuring.current_noise_A * normal(random);
-    in.sample.voltage_V += p.settings.measuring.voltage_noise_V * normal(random);
+    in.sample.current_A += p.settings.measurement.current_noise_A * normal(random);
+    in.sample.voltage_V += p.settings.measurement.voltage_noise_V * normal(random);
     Device<double>::observe(prepared, noisy, in, dt_s);
     if (reached <= i) {
       const double off = Device<double>::estimate(prepared, noisy).strain -

@@ -46,7 +46,7 @@ ExpectedRun run(const TunedPlant& plant, double believed_K, const Prepared<doubl
                 const Plan& plan, double rest) {
   const Settings<double>& q = prepared.settings;
   const double dt_s = q.timing.period_s;
-  TunedBench bench(plant, q.measuring.current_noise_A, q.measuring.voltage_noise_V);
+  TunedBench bench(plant, q.measurement.current_noise_A, q.measurement.voltage_noise_V);
   Device<double>::State device = Device<double>::start();
   ExpectedRun r{};
   double next_A = 0;

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "firmware/parameters/parameters.hpp"
-#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/measurement_params.hpp"
 #include "host-sim/tune/estimate_noise.hpp"
 #include "host-sim/tune/linear/uncertainty.hpp"
 #include "host-sim/tune/output/rounding.hpp"
@@ -25,7 +25,8 @@ constexpr double slack_Pa = 1e6;
 constexpr double min_limit_Pa = 10e6;  ///< of the stress, well above slack
 
 /// The current that measures the resistance well, unless it warms the wire.
-double min_current_A(const Measuring<double>& m, const LumpedModel::Params& params, double ohm) {
+double min_current_A(const MeasurementSettings<double>& m, const LumpedModel::Params& params,
+                     double ohm) {
   const double measures_A = resistance_noise_ohm(m, ohm, 1) / (resistance_share * ohm);
   const double warms_A = std::sqrt(params.body.loss_W(sense_heating_K) / ohm);
   return std::min(measures_A, warms_A);
@@ -65,19 +66,19 @@ void choose_rates(const Branches& b, const TuneTask& task, Settings<double>& s) 
 
 }  // namespace
 
-double resistance_noise_ohm(const Measuring<double>& m, double ohm, double current_A) {
+double resistance_noise_ohm(const MeasurementSettings<double>& m, double ohm, double current_A) {
   return std::hypot(m.voltage_noise_V, ohm * m.current_noise_A) / current_A;
 }
 
 Settings<double> bare_settings(const Wire<double>& wire, double current_A) {
-  const MeasurementParams<double> front_end = replay::measuring_params(wire, {});
+  const MeasurementParams<double> front_end = replay::measurement_params(wire, {});
   const double full_V = rounded_up(1.5 * current_A * cold_resistance_ohm(wire));
   Settings<double> s = default_settings<double>();
   s.wire = wire;
-  s.measuring.current_noise_A = rounded_up(front_end.current_noise_A);
-  s.measuring.voltage_noise_V = rounded_up(front_end.voltage_noise_V);
-  s.measuring.current_full_scale_A = rounded_up(1.25 * current_A);
-  s.measuring.voltage_full_scale_V = full_V;
+  s.measurement.current_noise_A = rounded_up(front_end.current_noise_A);
+  s.measurement.voltage_noise_V = rounded_up(front_end.voltage_noise_V);
+  s.measurement.current_full_scale_A = rounded_up(1.25 * current_A);
+  s.measurement.voltage_full_scale_V = full_V;
   for (LoopGains<double>* loop : {&s.strain, &s.temperature, &s.resistance, &s.force}) {
     loop->proportional = loop->integral_1_s = loop->derivative_s = loop->dead_band = 0;
   }
@@ -119,8 +120,8 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   s = bare_settings(wire, current_A);
   p.supply_V = rounded_up(1.1 * current_A * b.max_ohm);
   SoftLimits<double>& q = s.limits;
-  q.min_current_A =
-      rounded_up(min_current_A(s.measuring, lumped_params(task.plant), cold_resistance_ohm(wire)));
+  q.min_current_A = rounded_up(
+      min_current_A(s.measurement, lumped_params(task.plant), cold_resistance_ohm(wire)));
   q.power_W = rounded_up(current_A * current_A * b.max_ohm);
   q.temperature_K = std::min(wire.limits.temperature_K,
                              std::ceil(max_estimate_K(task, b, q.loss_margin) + q.hot_spot_K));
@@ -139,7 +140,7 @@ void choose_limits(const TuneTask& task, Proposal& p) {
   s.trips.min_strain = q.min_strain - 0.005;
   s.trips.max_strain = q.max_strain + 0.01;
   s.axis.zero_strain = q.max_strain;
-  s.measuring.constant_load_N = rounded_up(task.plant.load.low_Pa * wire.geometry.area_m2());
+  s.measurement.constant_load_N = rounded_up(task.plant.load.low_Pa * wire.geometry.area_m2());
   choose_rates(b, task, s);
 }
 
@@ -147,7 +148,7 @@ double resistance_dead_band_ohm(const Proposal& p) {
   double max = 0;
   for (const OperatingPoint& at : p.branches.points) {
     const double holding_A = std::sqrt(at.loss_W / at.ohm);
-    max = std::max(max, resistance_noise_ohm(p.settings.measuring, at.ohm, holding_A));
+    max = std::max(max, resistance_noise_ohm(p.settings.measurement, at.ohm, holding_A));
   }
   return 3 * max;
 }

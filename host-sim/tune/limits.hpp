@@ -7,7 +7,7 @@
 namespace smaservo::tune {
 
 /// Standard deviation of one reading.
-double resistance_noise_ohm(const Measuring<double>& m, double ohm, double current_A);
+double resistance_noise_ohm(const MeasurementSettings<double>& m, double ohm, double current_A);
 
 /// Throws UserError where the wire hardly moves.
 void require_motion(const TuneTask& task, const Branches& branches);

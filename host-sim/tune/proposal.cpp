@@ -187,8 +187,8 @@ class Design {
     for (const Situation& at : answering_) {
       const double power_W = at.point.loss_W;
       const double current_A = std::max(std::sqrt(power_W / at.point.ohm), s.limits.min_current_A);
-      max = std::min(
-          max, noise_share * power_W / resistance_noise_ohm(s.measuring, at.point.ohm, current_A));
+      max = std::min(max, noise_share * power_W /
+                              resistance_noise_ohm(s.measurement, at.point.ohm, current_A));
     }
     return max;
   }

@@ -24,6 +24,7 @@
 #include <cstdint>
 
 #include "model/kinetics.hpp"
+#include "model/scalar/order.hpp"
 
 namespace smaservo::papers {
 
@@ -222,13 +223,10 @@ struct Preisach {
 
   static constexpr S input(const Params& p, const Drive<S>& u) {
     return u.temperature_K -
-           p.shift_K_Pa * clamped(u.stress_Pa, p.stress_Pa[0], p.stress_Pa[p.stress_count - 1]);
+           p.shift_K_Pa * clamp(u.stress_Pa, p.stress_Pa[0], p.stress_Pa[p.stress_count - 1]);
   }
   static constexpr S clamped_input(const Params& p, const Drive<S>& u) {
-    return clamped(input(p, u), p.node_K[0], p.node_K[nodes - 1]);
-  }
-  static constexpr S clamped(const S& x, const S& low, const S& high) {
-    return x < low ? low : high < x ? high : x;
+    return clamp(input(p, u), p.node_K[0], p.node_K[nodes - 1]);
   }
   static S width_K(const Params& p, std::size_t cell) {
     return p.node_K[cell + 1] - p.node_K[cell];

@@ -24,6 +24,7 @@
 
 #include "model/kinetics.hpp"
 #include "model/plants/threshold_spread.hpp"
+#include "model/scalar/order.hpp"
 
 namespace smaservo {
 
@@ -263,7 +264,6 @@ struct Sublayers {
     }
     return moved;
   }
-  static S positive(const S& x) { return x < S(0) ? S(0) : x; }
   static S at_most_1(const S& x) { return S(1) < x ? S(1) : x; }
 
   /// Calls f(layer) for those that a small step of heating, or of cooling, moves.

@@ -19,6 +19,7 @@
 
 #include <cmath>
 
+#include "model/scalar/order.hpp"
 #include "model/three_phase/three_phase_curves.hpp"
 #include "model/three_phase/turning_points.hpp"
 
@@ -256,8 +257,6 @@ struct ThreePhase {
     return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, Reverse{}, slope};
   }
 
-  static S min(const S& a, const S& b) { return a < b ? a : b; }
-  static S positive(const S& x) { return x < S(0) ? S(0) : x; }
   static S scale(const S& to, const S& from) { return S(1e-6) < from ? to / from : S(0); }
   static S share(const S& part, const S& whole) { return S(1e-6) < whole ? part / whole : S(1); }
 

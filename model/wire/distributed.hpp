@@ -227,7 +227,7 @@ struct DistributedPlant {
   }
 
   static S specific_heat_J_kgK(const Params& p, const S& T) {
-    return p.heat.specific_heat_J_kgK * (S(1) + p.specific_heat_1_K * (T - S(298.15)));
+    return p.heat.specific_heat_J_kgK * (S(1) + p.specific_heat_1_K * (T - S(room_K)));
   }
   static PerSegment<S> strains(const Params& p, const Profile& now) {
     const StrainSlopes<S> by = strain_slopes(p.material, now.stress_Pa);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/kinetics.hpp"
+#include "model/units.hpp"
 
 namespace smaservo {
 
@@ -42,7 +43,7 @@ struct StillAir {
   double convection_W_m2K2;
 };
 inline StillAir still_air(double diameter_m) {
-  const double ambient_K = 298.15;
+  const double ambient_K = room_K;
   const double low = natural_convection_W_m2K(diameter_m, ambient_K + 20, ambient_K);
   const double high = natural_convection_W_m2K(diameter_m, ambient_K + 80, ambient_K);
   const double slope = (high - low) / 60;

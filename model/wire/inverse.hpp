@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "model/scalar/order.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo {
@@ -75,7 +76,6 @@ struct Inverse {
     const S min = S(0.02);
     return left < min ? S(0) : S(1) - min / left;
   }
-  static S positive(const S& x) { return x < S(0) ? S(0) : x; }
 
   /// Where a way to a turning point begins.
   struct Start {

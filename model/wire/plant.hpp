@@ -108,9 +108,8 @@ typename Plant<ThreePhase<S>>::Params plant_params(const Wire<S>& wire) {
 template <class S>
 S cold_resistance_ohm(const Wire<S>& wire) {
   using Model = Plant<ThreePhase<S>>;
-  const S room_K = S(298.15);
   const auto params = plant_params(wire);
-  return Model::resistance_ohm(params, Model::rest(params, {room_K, S(0)}), room_K);
+  return Model::resistance_ohm(params, Model::rest(params, {S(room_K), S(0)}), S(room_K));
 }
 
 }  // namespace smaservo

@@ -89,7 +89,7 @@ struct ColdEnds {
 template <class S>
 ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
                       const ThreePhaseParams<S>& kinetics) {
-  const Drive<S> room{S(298.15), S(150e6)};
+  const Drive<S> room{S(room_K), S(150e6)};
   return {S(1.74) * clamp_reach_m(geometry, heat) / geometry.length_m,
           ThreePhase<S>::phases(ThreePhase<S>::rest(kinetics, room))};
 }

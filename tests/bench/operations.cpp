@@ -70,7 +70,7 @@ class Ranges {
   std::map<std::string, Magnitudes> ranges_;
 };
 
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 
 void note(Ranges& ranges, const KalmanObserver<S>::State& f) {
   using Filter = KalmanObserver<S>;
@@ -105,9 +105,9 @@ struct Table {
       const Wire<double> wire = load_unit(trace);
       const auto model = convert<S>(plant_params(wire));
       const KalmanTuning<S> tuning = convert<S>(kalman_tuning(wire.accuracy));
-      const MeasurementParams<S> measuring = convert<S>(measuring_params(wire));
+      const MeasurementParams<S> measurement = convert<S>(measurement_params(wire));
       const auto steps = load_trace(trace);
-      const auto first = measure(measuring, convert<S>(steps.front().sample));
+      const auto first = measure(measurement, convert<S>(steps.front().sample));
       using Model = Plant<ThreePhase<S>>;
       using Search = MultipleModelFilter<S>;
       using Filter = KalmanObserver<S>;
@@ -116,7 +116,7 @@ struct Table {
       Filter::State single = Filter::start({model, tuning}, first, S(ambient_K));
       Search::State many = Search::start({model, tuning}, first, S(ambient_K));
       for (const TraceStep& step : steps) {
-        const auto m = measure(measuring, convert<S>(step.sample));
+        const auto m = measure(measurement, convert<S>(step.sample));
         const S dt_s(std::clamp(step.dt_s, 1e-4, 5e-3));
         plant.count(
             [&] { Model::advance(model, lumped, {m.power_W, m.stress_Pa, S(ambient_K)}, dt_s); });

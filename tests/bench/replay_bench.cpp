@@ -25,7 +25,7 @@ namespace smaservo::benchmarks {
 namespace {
 
 constexpr int rows = 1'000'000;
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 
 /// A folder for the trace and what is made of it, gone at the end.
 class TemporaryFolder {

@@ -21,7 +21,7 @@
 namespace smaservo::benchmarks {
 
 inline constexpr double stress_Pa = 150e6;
-inline constexpr double ambient_K = 298.15;
+inline constexpr double ambient_K = room_K;
 
 inline const Plant<ThreePhase<double>>::Params& default_plant() {
   static const Plant<ThreePhase<double>>::Params params =

@@ -44,7 +44,7 @@ Prepared<S> session_settings(std::uint32_t session) {
   const Settings<S> usual = test_settings<S>();
   Settings<S> settings = random_settings(random);
   settings.wire = usual.wire;
-  settings.measuring = usual.measuring;
+  settings.measurement = usual.measurement;
   settings.trips = usual.trips;
   return prepare(settings);
 }

@@ -30,7 +30,7 @@ class SimulatedServo {
     settings.identity.serial_number = 1000 + node;
     settings.limits.current_A = 0.4;
     settings.trips.current_A = 0.6;
-    settings.measuring.current_full_scale_A = 1;
+    settings.measurement.current_full_scale_A = 1;
     settings.trips.stress_Pa = 300e6;
     settings.limits.stress_Pa = 250e6;
     settings.axis.zero_strain = 0.04;

@@ -17,7 +17,7 @@ using S = float;
 using Model = ThreePhase<S>;
 using Wired = Plant<Model>;
 
-constexpr S room_K = 298.15F;
+constexpr S air_K = static_cast<S>(room_K);
 constexpr S load_Pa = 150e6F;
 
 /// The same numbers on every machine.
@@ -48,7 +48,7 @@ void ramp(const Model::Params& p, Model::State& s, S to_K, S stress_Pa, int step
 
 void fractions_are_fractions(const Settings<S>& settings, Verdict& verdict) {
   Dice dice;
-  Model::State s = Model::rest(settings.wire.kinetics, {room_K, load_Pa});
+  Model::State s = Model::rest(settings.wire.kinetics, {air_K, load_Pa});
   for (int i = 0; i < 3000; ++i) {
     Model::advance(settings.wire.kinetics, s, {dice.between(250, 450), dice.between(0, 400e6F)});
     const Phases<S> z = Model::phases(s);
@@ -60,7 +60,7 @@ void fractions_are_fractions(const Settings<S>& settings, Verdict& verdict) {
 
 void standing_still_does_nothing(const Settings<S>& settings, Verdict& verdict) {
   Dice dice;
-  Model::State s = Model::rest(settings.wire.kinetics, {room_K, load_Pa});
+  Model::State s = Model::rest(settings.wire.kinetics, {air_K, load_Pa});
   for (int i = 0; i < 1000; ++i) {
     const Drive<S> u{dice.between(280, 420), dice.between(50e6F, 300e6F)};
     Model::advance(settings.wire.kinetics, s, u);
@@ -72,7 +72,7 @@ void standing_still_does_nothing(const Settings<S>& settings, Verdict& verdict) 
 
 void the_way_counts_not_the_steps(const Settings<S>& settings, Verdict& verdict) {
   const Model::Params& p = settings.wire.kinetics;
-  Model::State one = Model::rest(p, {room_K, load_Pa});
+  Model::State one = Model::rest(p, {air_K, load_Pa});
   Model::State many = one;
   for (const S to_K : {350.F, 335.F, 360.F, 420.F, 330.F, 345.F, 310.F, 280.F}) {
     ramp(p, one, to_K, load_Pa, 1);
@@ -84,7 +84,7 @@ void the_way_counts_not_the_steps(const Settings<S>& settings, Verdict& verdict)
 void a_full_cycle_forgets(const Settings<S>& settings, Verdict& verdict) {
   const Model::Params& p = settings.wire.kinetics;
   Dice dice;
-  Model::State clean = Model::rest(p, {room_K, load_Pa});
+  Model::State clean = Model::rest(p, {air_K, load_Pa});
   Model::State used = clean;
   for (int i = 0; i < 100; ++i) {
     ramp(p, used, dice.between(290, 400), load_Pa, 3);
@@ -101,22 +101,22 @@ class SimpleWire {
  public:
   explicit SimpleWire(const Settings<S>& settings)
       : params_(plant_params(settings.wire)),
-        state_(Wired::rest(params_, {room_K, load_Pa})),
+        state_(Wired::rest(params_, {air_K, load_Pa})),
         load_N_(load_Pa * settings.wire.geometry.area_m2()) {}
 
   Inputs<S> inputs() {
     Inputs<S> in{};
     in.fresh = true;
     in.sequence = ++sequence_;
-    in.sample = {current_A_, current_A_ * Wired::resistance_ohm(params_, state_, room_K), load_N_};
+    in.sample = {current_A_, current_A_ * Wired::resistance_ohm(params_, state_, air_K), load_N_};
     in.supply_V = 24;
     in.ambient_K = in.driver_K = std::numeric_limits<S>::quiet_NaN();
     return in;
   }
   void advance(S current_A) {
     current_A_ = current_A;
-    const S power_W = current_A * current_A * Wired::resistance_ohm(params_, state_, room_K);
-    Wired::advance(params_, state_, {power_W, load_Pa, room_K}, 1e-3F);
+    const S power_W = current_A * current_A * Wired::resistance_ohm(params_, state_, air_K);
+    Wired::advance(params_, state_, {power_W, load_Pa, air_K}, 1e-3F);
   }
   S strain() const { return Wired::strain(params_, state_); }
 

@@ -108,7 +108,7 @@ Recorder random_use(std::uint32_t seed, std::size_t steps) {
   const Settings<float> usual = test_settings<float>();
   Settings<float> settings = random_settings<float>(random);
   settings.wire = usual.wire;
-  settings.measuring = usual.measuring;
+  settings.measurement = usual.measurement;
   settings.trips = usual.trips;
   Recorder recorder(stored_settings<float>(settings));
   RandomUse<float> use(seed);

@@ -21,7 +21,7 @@ namespace {
 
 using benchmarks::convert;
 
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 
 struct Recorded {
   std::string name;
@@ -92,14 +92,14 @@ Deviation model_deviation(const Recorded& run) {
   using K = ThreePhase<Scaled>;
   const Exact::Params exact = plant_params(run.wire);
   const Plant<K>::Params params = convert<Scaled>(exact);
-  const MeasurementParams<double> measuring = measuring_params(run.wire);
-  const auto first = measure(measuring, run.steps.front().sample);
+  const MeasurementParams<double> measurement = measurement_params(run.wire);
+  const auto first = measure(measurement, run.steps.front().sample);
   Exact::State wire = Exact::rest(exact, {ambient_K, first.stress_Pa});
   ThreePhase<double>::State way = wire.kinetics;
   K::State state = K::rest(params.kinetics, {Scaled(ambient_K), Scaled::of(first.stress_Pa)});
   Deviation deviation;
   for (const TraceStep& step : run.steps) {
-    const auto m = measure(measuring, step.sample);
+    const auto m = measure(measurement, step.sample);
     Exact::advance(exact, wire, {m.power_W, m.stress_Pa, ambient_K}, std::max(step.dt_s, 1e-5));
     const Drive<double> to = ThreePhase<double>::drive(wire.kinetics);
     const Drive<Scaled> scaled{Scaled::of(to.temperature_K), Scaled::of(to.stress_Pa)};
@@ -120,9 +120,9 @@ std::vector<Estimate<S>> estimates(const Recorded& run) {
   using O = Substepping<MultipleModelFilter<S>>;
   const typename O::Params params{convert<S>(plant_params(run.wire)),
                                   convert<S>(kalman_tuning(run.wire.accuracy))};
-  const MeasurementParams<S> measuring = convert<S>(measuring_params(run.wire));
+  const MeasurementParams<S> measurement = convert<S>(measurement_params(run.wire));
   const auto measured = [&](const TraceStep& step) {
-    return measure(measuring, convert<S>(step.sample));
+    return measure(measurement, convert<S>(step.sample));
   };
   typename O::State state = O::start(params, measured(run.steps.front()), S(ambient_K));
   std::vector<Estimate<S>> all;

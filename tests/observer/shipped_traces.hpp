@@ -53,7 +53,7 @@ inline Wire<double> load_unit(const ShippedTrace& trace) {
 }
 
 /// A good front end for this wire.
-inline MeasurementParams<double> measuring_params(const Wire<double>& wire) {
+inline MeasurementParams<double> measurement_params(const Wire<double>& wire) {
   const double ohm = cold_resistance_ohm(wire);
   return {wire.geometry.area_m2(), 0, 0, 1e-5, 3e-4, 0, 1e-3, 0.5 * ohm, 2 * ohm};
 }

@@ -41,7 +41,7 @@ inline Deviations random_deviations(std::mt19937_64& random) {
           0.3e6};
 }
 
-inline constexpr double told_ambient_K = 298.15;
+inline constexpr double told_ambient_K = room_K;
 inline constexpr double sample_s = 1e-3;
 
 /// Power that holds a wire of the observer's model this hot.

@@ -29,7 +29,7 @@ Settings<double> read_device(const files::TomlFile& file, files::TomlTable table
 
 /// Reads the sensors; keys that are left out have the values of a good front end for this device.
 hal::Sensors read_sensors(files::TomlTable table, const Settings<double>& settings) {
-  const Measuring<double>& m = settings.measuring;
+  const MeasurementSettings<double>& m = settings.measurement;
   const double area_m2 = settings.wire.geometry.area_m2();
   hal::Sensors s{};
   s.bits = static_cast<int>(table.number("bits", 8, 32, 16));
@@ -52,7 +52,7 @@ hal::Converter read_converter(files::TomlTable table, const Settings<double>& se
   const std::size_t kind = table.has("type") ? table.choice("type", drive_names)
                                              : static_cast<std::size_t>(settings.drive.kind);
   c.voltage_drive = kind == 1;
-  c.max_A = 1e-3 * table.number("max_mA", 1, 1e5, 1e3 * settings.measuring.current_full_scale_A);
+  c.max_A = 1e-3 * table.number("max_mA", 1, 1e5, 1e3 * settings.measurement.current_full_scale_A);
   c.slew_A_s = table.number("slew_A_s", 0.01, 1e6, std::numeric_limits<double>::infinity());
   c.lead_ohm = table.number("lead_ohm", 0, 1e4, 0.2);
   board.surroundings.supply_V = table.number("supply_V", 0.1, 1000, 24);
@@ -99,7 +99,7 @@ bool is_closed_loop(const std::filesystem::path& path) {
 Settings<double> standard_settings() {
   Settings<double> settings =
       text::settings_for(files::load_wire(std::string(files::default_wire)).wire);
-  settings.measuring.current_full_scale_A = 0.5;
+  settings.measurement.current_full_scale_A = 0.5;
   settings.limits.min_current_A = 0.02;
   settings.limits.current_A = 0.4;
   settings.limits.power_W = 10;

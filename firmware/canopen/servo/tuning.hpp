@@ -35,7 +35,7 @@ class Tuning final : public ParameterAccess {
     return {static_cast<float>((q.axis.zero_strain - q.limits.max_strain) * length_m),
             static_cast<float>((q.axis.zero_strain - q.limits.min_strain) * length_m)};
   }
-  bool has_load_cell() const override { return staging_.active().measuring.has_load_cell; }
+  bool has_load_cell() const override { return staging_.active().measurement.has_load_cell; }
 
   /// Takes over settings that others than the bus have put in force; a transaction is over.
   void replace(const Settings<S>& settings) {

@@ -348,7 +348,7 @@ std::string board_problem(const BoardFile& file, const Settings<double>& setting
     return fmt::format("drive.kind = {}: must be {}, which the board's drive takes",
                        voltage ? "voltage" : "current", voltage ? "current" : "voltage");
   }
-  if (settings.measuring.has_load_cell && !file.calibration.has_load) {
+  if (settings.measurement.has_load_cell && !file.calibration.has_load) {
     return "measurement.has_load_cell = true: must be false, the board file has no front_end.load";
   }
   return "";

@@ -10,7 +10,7 @@ template <class S>
 struct DriveMonitor {
   /// The voltage reading is at the end of its scale.
   static bool voltage_at_end(const MonitorInputs<S>& seen) {
-    return full * seen.prepared.settings.measuring.voltage_full_scale_V <=
+    return full * seen.prepared.settings.measurement.voltage_full_scale_V <=
            magnitude(seen.in.sample.voltage_V);
   }
 
@@ -54,11 +54,11 @@ template <class S>
 void DriveMonitor<S>::current(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   const S I = magnitude(seen.current_A);
-  const S noise_A = S(6) * q.measuring.current_noise_A;
+  const S noise_A = S(6) * q.measurement.current_noise_A;
   const S doubt_A = q.trips.current_offset_A + noise_A;
   now.add(Fault::over_current, q.trips.current_A < I);
   now.add(Fault::current_saturated,
-          full * q.measuring.current_full_scale_A <= magnitude(seen.in.sample.current_A));
+          full * q.measurement.current_full_scale_A <= magnitude(seen.in.sample.current_A));
   // A dead current sensor reads zero; then the voltage shows that a current flows.
   const S floating_V = S(2) * q.limits.min_current_A * seen.prepared.cold_ohm;
   now.add(Fault::current_while_off,
@@ -77,7 +77,7 @@ template <class S>
 void DriveMonitor<S>::voltage(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;
   // Without current a saturated voltage is an open wire: wire_open.
-  const bool flows = seen.prepared.measuring.min_current_A <= magnitude(seen.current_A);
+  const bool flows = seen.prepared.measurement.min_current_A <= magnitude(seen.current_A);
   now.add(Fault::voltage_saturated, flows && voltage_at_end(seen));
   const S slack_V = S(0.5);
   const bool above_supply = S(1.05) * seen.in.supply_V + slack_V < seen.voltage_V;

@@ -1,10 +1,9 @@
 #pragma once
 // What the monitors, the supervisor and the check while arming look at in one step.
 
-#include <cmath>
-
 #include "firmware/command.hpp"
 #include "firmware/prepared.hpp"
+#include "model/scalar/order.hpp"
 
 namespace smaservo {
 
@@ -40,7 +39,7 @@ struct MonitorInputs {
 
   /// Whether the resistance of this sample is known within 0.1 %; at the minimum current it is not.
   bool precise() const {
-    const Measuring<S>& q = prepared.settings.measuring;
+    const MeasurementSettings<S>& q = prepared.settings.measurement;
     const S by_V = q.voltage_noise_V * current_A;
     const S by_I = q.current_noise_A * voltage_V;
     const S max = S(1e-3) * voltage_V * current_A;
@@ -55,11 +54,5 @@ struct MonitorInputs {
     return S(10) * body.capacity_J_K + S(0.2) * body.latent_m2a_J < off_s * body.loss_W_K;
   }
 };
-
-template <class S>
-S magnitude(const S& x) {
-  using std::abs;
-  return abs(x);
-}
 
 }  // namespace smaservo

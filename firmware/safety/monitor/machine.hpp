@@ -32,7 +32,7 @@ FaultSet MachineMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   const Settings<S>& q = seen.prepared.settings;
   const Inputs<S>& in = seen.in;
   FaultSet now = in.external;
-  const bool load = !q.measuring.has_load_cell || isfinite(in.sample.load_N);
+  const bool load = !q.measurement.has_load_cell || isfinite(in.sample.load_N);
   now.add(Fault::sensor_invalid,
           in.fresh && !(isfinite(in.sample.current_A + in.sample.voltage_V) && load));
   now.add(Fault::sample_stale, q.timing.sample_timeout_s <= seen.since_sample_s);
@@ -72,7 +72,7 @@ bool MachineMonitor<S>::frozen(const MonitorInputs<S>& seen, State& s) {
   }
   const S changed_A = magnitude(seen.last.drive_current_A - s.frozen_at_A);
   const Settings<S>& q = seen.prepared.settings;
-  const bool ignored = S(0.05) * seen.last.drive_current_A + S(10) * q.measuring.current_noise_A +
+  const bool ignored = S(0.05) * seen.last.drive_current_A + S(10) * q.measurement.current_noise_A +
                            q.trips.current_offset_A <
                        changed_A;
   return same_sequence || ignored;

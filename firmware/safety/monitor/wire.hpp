@@ -71,7 +71,7 @@ FaultSet WireMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
 
 template <class S>
 void WireMonitor<S>::circuit(const MonitorInputs<S>& seen, FaultSet& now) {
-  const MeasurementParams<S>& band = seen.prepared.measuring;
+  const MeasurementParams<S>& band = seen.prepared.measurement;
   const S R = seen.measurement.resistance_ohm;  // 0 without enough current
   const S low_A = seen.min_given_A();
   const bool measurable =

@@ -28,7 +28,7 @@ struct ZeroCurrent {
   /// Takes a sample without current. Readings that are not numbers, or too large for an offset, do
   /// not count: the monitors report them.
   void take(const Prepared<S>& p, const Sample<S>& sample) {
-    const Measuring<S>& q = p.settings.measuring;
+    const MeasurementSettings<S>& q = p.settings.measurement;
     const S I = sample.current_A - q.current_offset_A;
     const S V = sample.voltage_V - q.voltage_offset_V;
     const bool plausible = magnitude(I) < S(4) * p.settings.trips.current_offset_A;

@@ -15,7 +15,7 @@ Settings<double> loop_settings(const Wire<double>& wire);
 /// The load and surroundings of a unit, and the errors of its sensors.
 struct LoopConditions {
   hal::Load load;
-  double ambient_K = 298.15;
+  double ambient_K = room_K;
   double draught = 1;
   double resistance_gain = 1;
   double load_gain = 1;

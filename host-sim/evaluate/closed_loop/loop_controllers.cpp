@@ -40,7 +40,7 @@ class ResistanceLoop final : public LoopController {
         area_m2_(wire.geometry.area_m2()) {}
   double current_A(const Inputs<double>& in, double goal, double /*true_strain*/) override {
     using Line = LineObserver<double>;
-    const double air_K = 298.15;
+    const double air_K = room_K;
     const Line::State at{air_K, in.sample.load_N / area_m2_, 0};
     const Command<double> command{.fresh = true,
                                   .arm = true,
@@ -79,7 +79,7 @@ class PositionLoop final : public LoopController {
                                 false,
                                 true};
     if (!started_) {
-      state_ = Observer::start(params_, m, 298.15);
+      state_ = Observer::start(params_, m, room_K);
       started_ = true;
     }
     Observer::advance(params_, state_, m, LoopBench::step_s);

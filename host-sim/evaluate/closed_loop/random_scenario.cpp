@@ -110,7 +110,7 @@ class Draw {
     s.safe.state = static_cast<SafeState>(choice(3));
     s.safe.hold_s = 5;
     s.drive.kind = chance(0.2) ? DriveKind::voltage : DriveKind::current;
-    s.measuring.current_full_scale_A = 0.5;
+    s.measurement.current_full_scale_A = 0.5;
     note("limit {:.0f} °C, {:.2f} A", s.limits.temperature_K - zero_degC_K, s.limits.current_A);
   }
 
@@ -407,7 +407,7 @@ class Draw {
   /// Power that holds the wire at its limit in still air.
   double limit_W() {
     return plant_params(known_).body.loss_W(device().limits.temperature_K -
-                                            device().limits.hot_spot_K - 298.15);
+                                            device().limits.hot_spot_K - room_K);
   }
   double setpoint(Mode mode) {
     const bool beyond = result_.beyond;

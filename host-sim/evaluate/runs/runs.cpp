@@ -57,11 +57,11 @@ double overheat_K(const Wire<double>& wire, const bench::JouleScenario& joule) {
     first_Pa = highest_Pa = std::get<hal::ConstantLoad>(joule.load).stress_Pa;
   }
   const double above_ambient_K = finish_K(highest_Pa) + 12 - joule.ambient_K;
-  return 298.15 + joule.draught * above_ambient_K - finish_K(first_Pa);
+  return room_K + joule.draught * above_ambient_K - finish_K(first_Pa);
 }
 
 bench::JouleScenario still_room(const Wire<double>& wire, hal::Load load) {
-  return {.ambient_K = 298.15,
+  return {.ambient_K = room_K,
           .draught = 1,
           .overheat_K = 12,
           .min_current_A = 0.012,

@@ -38,7 +38,7 @@ IdentifiedWire identified(const files::WireDescription& from,
   IdentifiedWire found{fit.wire, static_cast<int>(fit.parameters.size()), {}, 0};
   for (const identify::FittedRun& run : fit.runs) {
     found.ambient_K.push_back(run.circumstances.ambient_K);
-    found.usual_ambient_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
+    found.room_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
   }
   return found;
 }
@@ -75,8 +75,8 @@ identify::Run placed(identify::Run run, const Wire<double>& from) {
   using Model = Plant<ThreePhase<double>>;
   const auto longest = std::ranges::max_element(run.strain);
   const auto row = static_cast<std::size_t>(longest - run.strain.begin());
-  const double room_K = run.ambient_K.empty() ? 298.15 : run.ambient_K.front();
-  const Drive<double> there{run.kind == identify::RunKind::bath ? run.temperature_K[row] : room_K,
+  const double air_K = run.ambient_K.empty() ? room_K : run.ambient_K.front();
+  const Drive<double> there{run.kind == identify::RunKind::bath ? run.temperature_K[row] : air_K,
                             run.stress_Pa[row]};
   const Model::Params params = plant_params(from);
   const double shift = Model::strain(params, Model::rest(params, there)) - *longest;

@@ -6,7 +6,7 @@
 #include "host-sim/papers/compare/system.hpp"
 #include "host-sim/papers/fits/plant_fit.hpp"
 #include "host-sim/papers/fits/strain_resistance_fit.hpp"
-#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/measurement_params.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "model/files/error.hpp"
 
@@ -19,19 +19,18 @@ std::vector<double> nothing_of(const identify::Run& run) {
 
 std::vector<double> observed(const IdentifiedWire& identified, const identify::Run& run) {
   const Wire<double>& wire = identified.wire;
-  const MeasurementParams<double> measuring = replay::measuring_params(wire, {});
+  const MeasurementParams<double> measurement = replay::measurement_params(wire, {});
   std::unique_ptr<replay::AnyObserver> observer;
   std::vector<double> strain;
   strain.reserve(run.time_s.size());
   for (std::size_t i = 0; i < run.time_s.size(); ++i) {
     const Sample<double> sample{run.current_A[i], run.voltage_V[i],
-                                run.stress_Pa[i] * measuring.area_m2};
-    const Measurement<double> m = measure(measuring, sample);
+                                run.stress_Pa[i] * measurement.area_m2};
+    const Measurement<double> m = measure(measurement, sample);
     if (observer) {
       observer->advance(m, run.time_s[i] - run.time_s[i - 1]);
     } else {
-      const double ambient_K =
-          run.ambient_K.empty() ? identified.usual_ambient_K : run.ambient_K.front();
+      const double ambient_K = run.ambient_K.empty() ? identified.room_K : run.ambient_K.front();
       observer = replay::make_observer("kalman", wire, {}, m, ambient_K);
     }
     strain.push_back(observer->estimate().strain);
@@ -70,7 +69,7 @@ System ihyp_alone(const IdentifiedWire& identified) {
   const fits::PlantModel<ThreePhase<double>> model{wire.kinetics, wire.material, wire.heat,
                                                    wire.geometry};
   return {"ihyp", "000: three phases, return-point memory, heat balance", identified.parameters, "",
-          [model, ambient_K = identified.usual_ambient_K](const identify::Run& run) {
+          [model, ambient_K = identified.room_K](const identify::Run& run) {
             return fits::driven_strain(model, fits::every_row(run, ambient_K));
           }};
 }

@@ -87,7 +87,7 @@ System preisach(const IdentifiedWire& identified, const std::vector<identify::Ru
   }
   const fits::PreisachFit fit =
       fits::fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(wire));
-  const auto drive = [fit, wire, ambient_K = identified.usual_ambient_K](const identify::Run& run) {
+  const auto drive = [fit, wire, ambient_K = identified.room_K](const identify::Run& run) {
     const fits::PlantModel<Relays> model{fit.wire.kinetics, wire.material, wire.heat,
                                          wire.geometry};
     std::vector<double> strain;

@@ -44,7 +44,7 @@ struct IdentifiedWire {
   int parameters;
   std::vector<double> ambient_K;  ///< of every training run, as the fit has it
   /// For runs without an ambient temperature: the mean of the training runs.
-  double usual_ambient_K;
+  double room_K;
 };
 
 /// 003. Temperatures are those of the identified heat balance.

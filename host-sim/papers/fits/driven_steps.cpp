@@ -62,7 +62,7 @@ DrivenSteps thinned(const identify::Run& run) {
   require_motion(run);
   const identify::FitRun fit = identify::thin_run(run, identify::coarse_step_s);
   DrivenSteps steps{run.kind == identify::RunKind::bath,
-                    ambient_of(run, usual_room_K),
+                    ambient_of(run, room_K),
                     fit.dt_s,
                     fit.power_W,
                     fit.temperature_K,

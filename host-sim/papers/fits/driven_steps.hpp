@@ -16,11 +16,9 @@ struct DrivenSteps {
   std::vector<double> strain;  ///< at the end of each step; NaN where it does not count
 };
 
-inline constexpr double usual_room_K = 298.15;
-
 /// Every row of a run; `ambient_K` is for runs without an ambient temperature. Throws UserError for
 /// other kinds of runs.
-DrivenSteps every_row(const identify::Run& run, double ambient_K = usual_room_K);
+DrivenSteps every_row(const identify::Run& run, double ambient_K = room_K);
 /// Thinned for a fit: steps of about 24 ms, the power's mean over each.
 DrivenSteps thinned(const identify::Run& run);
 

@@ -30,7 +30,7 @@ struct PlantModel {
   Geometry<double> geometry;
 
   typename Plant<K>::Params plant() const {
-    const Drive<double> room{298.15, 150e6};
+    const Drive<double> room{room_K, 150e6};
     const ColdEnds<double> ends{1.74 * clamp_reach_m(geometry, heat) / geometry.length_m,
                                 K::phases(K::rest(kinetics, room))};
     return {kinetics, material, thermal_body(geometry, heat), ends,

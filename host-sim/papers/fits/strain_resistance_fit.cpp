@@ -298,7 +298,7 @@ std::vector<double> estimate_strain(const Observer::Params& params, const identi
     const double ohm = run.resistance_ohm[i];
     const Measurement<double> m{ohm, 0, 0, run.stress_Pa[i], std::isfinite(ohm), false, true};
     if (i == 0) {
-      s = Observer::start(params, m, 298.15);
+      s = Observer::start(params, m, room_K);
     } else {
       Observer::advance(params, s, m, row_s(run, i));
     }

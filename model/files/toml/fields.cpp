@@ -28,7 +28,9 @@ constexpr Renamed all_renamed[] = {
     {"wire.r_phase.resistivity_ohm_m_Pa", "wire.r_phase.resistivity_stress_ohm_m_Pa"},
     {"wire.austenite.resistivity_ohm_m_K", "wire.austenite.resistivity_temperature_ohm_m_K"},
     {"wire.austenite.resistivity_ohm_m_Pa", "wire.austenite.resistivity_stress_ohm_m_Pa"},
-    {"wire.heat.convection_W_m2K2", "wire.heat.convection_slope_W_m2K2"}};
+    {"wire.heat.convection_W_m2K2", "wire.heat.convection_slope_W_m2K2"},
+    {"observer.ambient_sd_K", "observer.start_ambient_sd_K"},
+    {"observer.loss_sd", "observer.start_loss_sd"}};
 
 /// What a name begins with, in any table.
 constexpr Renamed limits_renamed[] = {{"least_", "min_"}, {"greatest_", "max_"}};

@@ -251,7 +251,7 @@ TEST(Controller, AnUnknownWireGetsNoCurrent) {
   loop.run(0.2, Mode::power, 0.3);
   const auto p = loop.prepared();
   const Measurement<double> m{};
-  const auto filter = KalmanObserver<double>::start(p.observer, m, 298.15);
+  const auto filter = KalmanObserver<double>::start(p.observer, m, room_K);
   Estimate<double> e = loop.estimate();
   for (double* lost : {&e.strain, &e.temperature_K, &e.resistance_model_ohm}) {
     const double was = *lost;

@@ -12,7 +12,7 @@ namespace {
 
 using Filter = KalmanObserver<double>;
 using Model = Plant<ThreePhase<double>>;
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 
 Prepared<double> prepared() {
   Settings<double> settings = test_settings();

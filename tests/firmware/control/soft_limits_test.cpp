@@ -33,7 +33,7 @@ struct Situation {
     Measurement<double> m{};
     m.stress_Pa = stress_Pa;
     m.stress_valid = true;
-    const auto filter = KalmanObserver<double>::start(p.observer, m, 298.15);
+    const auto filter = KalmanObserver<double>::start(p.observer, m, room_K);
     Estimate<double> e{};
     e.temperature_K = temperature_K;
     e.strain = strain;

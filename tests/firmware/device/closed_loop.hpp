@@ -26,8 +26,8 @@ class ClosedLoop {
   explicit ClosedLoop(const Settings<S>& settings, double start_Pa = 150e6)
       : wire(files::load_wire("smartflex-76um").wire, start_Pa), prepared_(prepare(settings)) {
     const Inputs<S> in = wire.inputs<S>();
-    state_ = Observer::start(prepared_.observer, measure(prepared_.measuring, in.sample),
-                             static_cast<S>(298.15));
+    state_ = Observer::start(prepared_.observer, measure(prepared_.measurement, in.sample),
+                             static_cast<S>(room_K));
   }
 
   /// One sample, observed and answered.
@@ -94,7 +94,7 @@ class ClosedLoop {
       if (ideal_sensor) {
         f.kinetics = wire.state().kinetics;
         f.stress_Pa = wire.stress_Pa();
-        f.ambient_K = 298.15;
+        f.ambient_K = room_K;
         f.loss = 1;
       }
     }
@@ -104,7 +104,7 @@ class ClosedLoop {
   using Observer = typename Prepared<S>::Observer;
 
   Measurement<S> observe(const Inputs<S>& in, const S& dt_s) {
-    const Measurement<S> m = measure(prepared_.measuring, in.sample);
+    const Measurement<S> m = measure(prepared_.measurement, in.sample);
     Observer::advance(prepared_.observer, state_, m, dt_s);
     return m;
   }

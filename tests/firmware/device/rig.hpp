@@ -15,7 +15,7 @@ namespace smaservo {
 
 /// How a wire and its surroundings differ from what the settings say.
 struct Unlike {
-  double ambient_K = 298.15;
+  double ambient_K = room_K;
   double loss = 1;        ///< factor
   double resistance = 1;  ///< factor
   double shift_K = 0;     ///< of all transformations
@@ -213,7 +213,7 @@ class Rig {
 
  private:
   Inputs<double> read() {
-    const Measuring<double>& q = settings.measuring;
+    const MeasurementSettings<double>& q = settings.measurement;
     const double I_noise = q.current_noise_A * normal_(random_);
     const double V_noise = q.voltage_noise_V * normal_(random_);
     const double load_noise_Pa = 0.3e6 * normal_(random_);

@@ -16,17 +16,17 @@ Settings<S> test_settings(const Wire<double>& wire = files::load_wire("smartflex
   s.identity = {1, 1};
   s.timing = {S(1e-3), S(0.1), S(0.005)};
   s.wire = benchmarks::convert<S>(wire);
-  s.measuring = {.current_offset_A = S(0),
-                 .voltage_offset_V = S(0),
-                 .load_offset_N = S(0),
-                 .load_gain = S(1),
-                 .current_noise_A = S(1e-5),
-                 .voltage_noise_V = S(3e-4),
-                 .lead_resistance_ohm = S(0),
-                 .constant_load_N = S(0),
-                 .has_load_cell = true,
-                 .current_full_scale_A = S(0.5),
-                 .voltage_full_scale_V = S(20)};
+  s.measurement = {.current_offset_A = S(0),
+                   .voltage_offset_V = S(0),
+                   .load_offset_N = S(0),
+                   .load_gain = S(1),
+                   .current_noise_A = S(1e-5),
+                   .voltage_noise_V = S(3e-4),
+                   .lead_resistance_ohm = S(0),
+                   .constant_load_N = S(0),
+                   .has_load_cell = true,
+                   .current_full_scale_A = S(0.5),
+                   .voltage_full_scale_V = S(20)};
   s.observer = {S(18), S(0.3)};
   s.drive = {DriveKind::current, S(0), S(0), S(5), S(30)};
   s.strain = {.proportional = S(0),
@@ -83,7 +83,7 @@ class TestBench {
  public:
   using Model = Plant<ThreePhase<double>>;
 
-  explicit TestBench(const Wire<double>& wire, double stress_Pa, double ambient_K = 298.15)
+  explicit TestBench(const Wire<double>& wire, double stress_Pa, double ambient_K = room_K)
       : params_(plant_params(wire)),
         state_(Model::rest(params_, {ambient_K, stress_Pa})),
         area_m2_(wire.geometry.area_m2()),

@@ -140,7 +140,7 @@ TEST(ParameterCheck, TheMinimumCurrentHeatsNoMoreThanTheLimitsAllow) {
   EXPECT_EQ(problem(), Problem::none);
   s.limits.power_W = 100;
   const double held_W = thermal_body(s.wire.geometry, s.wire.heat)
-                            .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - 298.15);
+                            .loss_W(s.limits.temperature_K - s.limits.hot_spot_K - room_K);
   s.limits.min_current_A = std::sqrt(0.0999 * held_W / ohm);
   ASSERT_LT(s.limits.min_current_A, s.limits.current_A);
   EXPECT_EQ(problem(), Problem::none);

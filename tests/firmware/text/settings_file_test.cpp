@@ -161,6 +161,10 @@ TEST(SettingsFile, OldKeysSayWhatTheyAreCalledNow) {
   EXPECT_EQ(error_in("wire.heat", "convection_W_m2K2 = 1"),
             "device.toml:4: wire.heat.convection_W_m2K2 = 1: is now called "
             "wire.heat.convection_slope_W_m2K2");
+  EXPECT_EQ(error_in("observer", "loss_sd = 0.2"),
+            "device.toml:4: observer.loss_sd = 0.2: is now called observer.start_loss_sd");
+  EXPECT_EQ(error_of(std::string(with_wire), {{"observer.ambient_sd_K", "5"}}),
+            "--set: observer.ambient_sd_K = 5: is now called observer.start_ambient_sd_K");
   EXPECT_EQ(error_of(std::string(with_wire), {{"measuring.load_gain", "1"}}),
             "--set: measuring.load_gain = 1: is now called measurement.load_gain");
   // The device has limits of its own.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "model/units.hpp"
 #include "tests/hal/replay/traces.hpp"
 
 namespace smaservo::test::replay_board_test {
@@ -70,7 +71,7 @@ TEST(ReplayBoard, ADevicesTraceHasMoreReadings) {
   hal::Frame frame = next(board);
   EXPECT_EQ(frame.sequence, 7U);
   EXPECT_EQ(frame.supply_V, 24);
-  EXPECT_DOUBLE_EQ(frame.ambient_K, 298.15);
+  EXPECT_DOUBLE_EQ(frame.ambient_K, room_K);
   EXPECT_EQ(frame.driver_K, 310);
   EXPECT_FALSE(frame.emergency_stop);
   EXPECT_TRUE(frame.driver_fault);

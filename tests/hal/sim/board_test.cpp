@@ -80,7 +80,7 @@ TEST(SimBoard, FramesFollowThePeriodAndOhmsLaw) {
   EXPECT_EQ(first.current_A, 0);
   EXPECT_NEAR(first.load_N, 150e6 * wire().geometry.area_m2(), 2e-6);
   EXPECT_EQ(first.supply_V, 24);
-  EXPECT_EQ(first.ambient_K, 298.15);
+  EXPECT_EQ(first.ambient_K, room_K);
   EXPECT_EQ(first.driver_K, 308.15);
   const hal::Frame later = driven(board, 0.05, 5);
   EXPECT_EQ(later.time_ns, 5 * ms);

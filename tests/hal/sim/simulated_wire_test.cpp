@@ -70,9 +70,9 @@ TEST_P(SimulatedFamily, TransformsWhereTheRealWireDoes) {
 /// Strain, resistance and temperatures over a heating and a cooling.
 std::vector<double> journey(hal::SimulatedWire& wire) {
   std::vector<double> all;
-  wire.rest(298.15, 150e6);
+  wire.rest(room_K, 150e6);
   for (int i = 0; i < 4000; ++i) {
-    wire.advance(i < 2000 ? 0.135 : 0.012, {150e6, 298.15, 1}, 1e-3);
+    wire.advance(i < 2000 ? 0.135 : 0.012, {150e6, room_K, 1}, 1e-3);
     if (i % 100 == 99) {
       all.insert(all.end(),
                  {wire.strain(), wire.resistance_ohm(), wire.hottest_K(), wire.average_K()});
@@ -91,17 +91,17 @@ TEST_P(SimulatedFamily, SameSeedGivesTheSameWire) {
 
 TEST_P(SimulatedFamily, EndsStayColdAndAirCools) {
   const auto wire = make();
-  wire->rest(298.15, 150e6);
+  wire->rest(room_K, 150e6);
   const double cold_ohm = wire->resistance_ohm();
   for (int i = 0; i < 3000; ++i) {
-    wire->advance(0.135, {150e6, 298.15, 1}, 1e-3);
+    wire->advance(0.135, {150e6, room_K, 1}, 1e-3);
   }
   EXPECT_GT(wire->hottest_K(), 365);
   EXPECT_LT(wire->average_K(), wire->hottest_K() - 1);
   EXPECT_LT(wire->resistance_ohm(), 0.9 * cold_ohm);
   const double still_K = wire->hottest_K();
   for (int i = 0; i < 3000; ++i) {
-    wire->advance(0.135, {150e6, 298.15, 1.2}, 1e-3);
+    wire->advance(0.135, {150e6, room_K, 1.2}, 1e-3);
   }
   EXPECT_LT(wire->hottest_K(), still_K - 5);
 }

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double step_s = 8e-3;
 constexpr double stress_Pa = 120e6;
-constexpr double room_K = 298.15;
 
 const Wire<double>& wire() {
   static const Wire<double> one = files::load_wire("smartflex-76um").wire;

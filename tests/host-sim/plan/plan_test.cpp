@@ -41,7 +41,6 @@ plan::PlanOptions options(std::vector<double> stresses_Pa, double duration_s, in
 /// The hottest that the wire gets, by four steps for each of the plan's.
 double hottest_K(const Wire<double>& wire, const plan::PlannedRun& run, double step_s) {
   const Model::Params params = plant_params(wire);
-  constexpr double room_K = 298.15;
   Model::State state = Model::rest(params, {room_K, run.stress_Pa});
   double hottest = room_K;
   for (const double current_A : run.current_A) {

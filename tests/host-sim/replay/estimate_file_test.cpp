@@ -90,7 +90,16 @@ TEST(AppendFixed, TextsOfEdges) {
 }
 
 replay::EstimateRow plain_row() {
-  return {1.5, 0.0123456789, 0.001, 300, 0.25, 0.5, 24.5, nan, true, 0.04};
+  return {.time_s = 1.5,
+          .strain = 0.0123456789,
+          .strain_sd = 0.001,
+          .temperature_K = 300,
+          .martensite = 0.25,
+          .r_phase = 0.5,
+          .resistance_ohm = 24.5,
+          .resistance_model_ohm = nan,
+          .valid = true,
+          .strain_ref = 0.04};
 }
 
 constexpr const char* own_header =

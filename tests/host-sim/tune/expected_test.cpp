@@ -17,7 +17,7 @@ namespace {
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 TuneTask task_for(const char* wire, double stress_Pa) {
-  return {{files::load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, 298.15, 1}, no_limit, 6, 1};
+  return {{files::load_wire(wire).wire, {stress_Pa, stress_Pa, 0}, room_K, 1}, no_limit, 6, 1};
 }
 
 TEST(JudgeStep, OfALag) {
@@ -103,7 +103,7 @@ class SegmentedLoop {
         area_m2_(task.plant.wire.geometry.area_m2()) {
     std::mt19937_64 random(3);
     wire_ = hal::make_simulated_wire(hal::Family::ihyp, task.plant.wire, {}, 0.5, random);
-    wire_->rest(298.15, stress_Pa_);
+    wire_->rest(room_K, stress_Pa_);
   }
 
   /// Strains while this set-point is held.
@@ -120,10 +120,10 @@ class SegmentedLoop {
       in.sequence = sequence_++;
       in.sample = {current_A_, current_A_ * wire_->resistance_ohm(), stress_Pa_ * area_m2_};
       in.supply_V = in.driver_K = std::numeric_limits<double>::quiet_NaN();
-      in.ambient_K = 298.15;
+      in.ambient_K = room_K;
       const Output<double> out = Device<double>::step(prepared_, device_, in, command_, 1e-3);
       current_A_ = out.drive_current_A;
-      wire_->advance(current_A_, {stress_Pa_, 298.15, 1}, 1e-3);
+      wire_->advance(current_A_, {stress_Pa_, room_K, 1}, 1e-3);
       strain.push_back(wire_->strain());
     }
     return strain;

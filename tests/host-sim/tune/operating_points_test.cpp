@@ -10,7 +10,7 @@ namespace smaservo::tune {
 namespace {
 
 TunedPlant plant(const char* wire, const TunedLoad& load, double draught = 1) {
-  return {files::load_wire(wire).wire, load, 298.15, draught};
+  return {files::load_wire(wire).wire, load, room_K, draught};
 }
 
 constexpr double max_K = 400;

@@ -12,7 +12,7 @@
 namespace smaservo::test::distributed_test {
 namespace {
 
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 constexpr std::size_t segments = 24;
 using Lumped = Plant<ThreePhase<double>>;
 using Divided = DistributedPlant<ThreePhase<double>, segments>;
@@ -74,7 +74,7 @@ void expect_closed_balance(const typename DistributedPlant<K, segments>::Params&
     double sum = 0;
     for (std::size_t i = 0; i < segments; ++i) {
       const double mass_kg = p.heat.density_kg_m3 * area_m2 * p.length_m[i];
-      const double above_K = Plant::temperature_K(s, i) - 298.15;
+      const double above_K = Plant::temperature_K(s, i) - room_K;
       const Phases<double> z = K::phases(s.kinetics[i]);
       sum += s.heat_J[i] +
              mass_kg *

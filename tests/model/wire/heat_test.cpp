@@ -11,8 +11,6 @@
 namespace smaservo::test::heat_test {
 namespace {
 
-constexpr double room_K = 298.15;
-
 TEST(NaturalConvection, IsChurchillAndChusForThe76umWire) {
   // science.md section 3: 186 W/m²K at 80 °C in 25 °C; others measured 170 to 210.
   const double h = natural_convection_W_m2K(76e-6, room_K + 55, room_K);

@@ -43,8 +43,8 @@ void along_histories(const Model::Params& p, double stress_Pa, int histories, F 
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   for (int h = 0; h < histories; ++h) {
-    K::State s = K::rest(p.kinetics, {298.15, stress_Pa});
-    double temperature_K = 298.15;
+    K::State s = K::rest(p.kinetics, {room_K, stress_Pa});
+    double temperature_K = room_K;
     for (int i = 0; i < 30; ++i) {
       const double towards_K = i < 8 ? 6 : 0;
       temperature_K = std::clamp(temperature_K + 15 * normal(random) + towards_K, 290.0, 430.0);

@@ -11,7 +11,7 @@ namespace smaservo::test::plant_test {
 namespace {
 
 using Wire76 = Plant<ThreePhase<double>>;
-constexpr double ambient_K = 298.15;
+constexpr double ambient_K = room_K;
 
 double stored_J(const Wire76::Params& p, const Wire76::State& s) {
   const Phases<double> z = Wire76::phases(s);

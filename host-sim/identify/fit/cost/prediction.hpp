@@ -26,7 +26,7 @@ struct FitRun {
   std::vector<double> current2_A2;    ///< mean square of the current, for the leads' share
   std::vector<double> stress_Pa;      ///< bath, joule, settled
   std::vector<double> temperature_K;  ///< bath, calorimetry
-  double ambient_K = 298.15;          ///< joule, settled: first guess or measured
+  double ambient_K = room_K;          ///< joule, settled: first guess or measured
   // One element for every comparison:
   std::vector<std::size_t> after;  ///< step
   std::vector<double> strain;      ///< NaN where there is none

@@ -38,7 +38,7 @@ double overheat_K(const hal::Load& load) {
 }
 
 bench::Scenario scenario(hal::Family family, const hal::Load& load, Steps drive) {
-  bench::JouleScenario joule{.ambient_K = 298.15,
+  bench::JouleScenario joule{.ambient_K = room_K,
                              .draught = 1,
                              .overheat_K = overheat_K(load),
                              .min_current_A = min_current_A,

@@ -13,7 +13,7 @@ namespace smaservo::figures::bench_002 {
 class Rig {
  public:
   static constexpr double step_s = 1e-3;
-  static constexpr double ambient_K = 298.15;
+  static constexpr double ambient_K = room_K;
 
   Rig(hal::Family family, const hal::Load& load);
 

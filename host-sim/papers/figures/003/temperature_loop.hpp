@@ -106,7 +106,7 @@ struct LoopSetup {
   Wire<double> wire;
   double sample_s = 0.02;
   double limit_A;
-  double ambient_K = 298.15;
+  double ambient_K = room_K;
   double noise_K = 0.1;       ///< of the thermocouple
   double stress_lag_s = 0.2;  ///< of the stress' own loop
   std::uint64_t seed = 1;

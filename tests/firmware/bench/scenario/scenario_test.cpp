@@ -108,7 +108,7 @@ TEST(Scenario, NumbersBecomeSi) {
   const bench::Scenario scenario = load(good);
   const auto& joule = std::get<bench::JouleScenario>(scenario.run);
   EXPECT_EQ(scenario.seed, 1U);
-  EXPECT_DOUBLE_EQ(joule.ambient_K, 298.15);
+  EXPECT_DOUBLE_EQ(joule.ambient_K, room_K);
   EXPECT_DOUBLE_EQ(joule.min_current_A, 0.012);
   EXPECT_DOUBLE_EQ(std::get<hal::ConstantLoad>(joule.load).stress_Pa, 150e6);
   EXPECT_DOUBLE_EQ(joule.sensors.current_full_scale_A, 0.5);

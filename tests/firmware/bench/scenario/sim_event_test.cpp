@@ -49,7 +49,7 @@ TEST(SimEvents, ComeAndGo) {
   EXPECT_EQ(e.at(3).surroundings.added_stress_Pa, -20e6);
   EXPECT_EQ(e.at(3.5).surroundings.draught, 1);
   EXPECT_DOUBLE_EQ(e.at(3.5).surroundings.ambient_K, 313.15);
-  EXPECT_DOUBLE_EQ(e.at(4).surroundings.ambient_K, 298.15);
+  EXPECT_DOUBLE_EQ(e.at(4).surroundings.ambient_K, room_K);
   EXPECT_EQ(e.at(4.9).faults().circuit, hal::Circuit::closed);
   EXPECT_EQ(e.at(8).faults().circuit, hal::Circuit::broken) << "for good";
 }

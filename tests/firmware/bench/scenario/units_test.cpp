@@ -75,7 +75,7 @@ TEST(RandomUnit, TypeFileIsThePresetWithTheUnitsColdResistance) {
       const Wire<double> type = unit.type_file();
       std::mt19937_64 random;
       const auto cold = hal::make_simulated_wire(family, unit.wire.wire, unit.structure, 0, random);
-      cold->rest(298.15, 0);
+      cold->rest(room_K, 0);
       EXPECT_NEAR(cold_resistance_ohm(type) / cold->resistance_ohm(), 1, 1e-6);
       EXPECT_EQ(type.geometry.diameter_m, preset().geometry.diameter_m);
       EXPECT_EQ(type.kinetics.m2a.start_K[0], preset().kinetics.m2a.start_K[0]);

@@ -510,7 +510,7 @@ TEST(Homing, ThePresentPositionBecomesTheHome) {
 TEST(Modes, ThoseOfForceNeedTheSensor) {
   Settings<double> settings = reference_settings();
   for (const bool has : {true, false}) {
-    settings.measuring.has_load_cell = has;
+    settings.measurement.has_load_cell = has;
     Drive drive({}, settings);
     EXPECT_EQ(drive.set({0x6060, 0}, 4, 1), has ? Abort::none : Abort::value);
     EXPECT_EQ(drive.set({0x6060, 0}, 10, 1), has ? Abort::none : Abort::value);

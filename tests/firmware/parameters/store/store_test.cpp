@@ -418,7 +418,7 @@ struct Releases {
 
 Settings<float> example() {
   Settings<float> settings = reference_settings<float>();
-  settings.measuring.load_gain = 0.75F;
+  settings.measurement.load_gain = 0.75F;
   settings.axis.zero_strain = 0.03F;
   settings.trips.following_s = 5;
   settings.drive.integral_1_s = 70;
@@ -436,7 +436,7 @@ TEST(Store, AnOlderImageIsTakenOver) {
   EXPECT_EQ(report.unknown, 1) << "the zero";
   EXPECT_EQ(report.missing, 2) << "the new ones";
   EXPECT_EQ(report.schema_hash, schema_hash<float>(r.older));
-  EXPECT_EQ(loaded.settings.measuring.load_gain, 1.5F);
+  EXPECT_EQ(loaded.settings.measurement.load_gain, 1.5F);
   EXPECT_EQ(loaded.settings.trips.following_s, default_settings<float>().trips.following_s);
 }
 
@@ -450,7 +450,7 @@ TEST(Store, ANewerImageServesAnOlderRelease) {
   EXPECT_EQ(report.unknown, 3) << "the new key and two new parameters";
   EXPECT_EQ(report.missing, 1) << "the zero";
   EXPECT_EQ(report.moved, 0);
-  EXPECT_EQ(loaded.settings.measuring.load_gain, 0.375F) << "written under its old key, too";
+  EXPECT_EQ(loaded.settings.measurement.load_gain, 0.375F) << "written under its old key, too";
 }
 
 TEST(Store, ThereAndBackLosesNothingThatBothKnow) {
@@ -465,7 +465,7 @@ TEST(Store, ThereAndBackLosesNothingThatBothKnow) {
     ASSERT_TRUE(save_settings(storage, settings, r.old_schema).ok());
     const Loaded<float> back = load_settings(storage, r.new_schema);
     EXPECT_EQ(back.settings.limits.power_W, 1.5F) << "the older release saved last";
-    EXPECT_EQ(back.settings.measuring.load_gain, start.measuring.load_gain);
+    EXPECT_EQ(back.settings.measurement.load_gain, start.measurement.load_gain);
     EXPECT_EQ(back.settings.wire.geometry.length_m, start.wire.geometry.length_m);
   }
 }

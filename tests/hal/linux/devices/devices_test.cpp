@@ -352,7 +352,7 @@ TEST(SlowSensors, AFileThatGoesIsNoNumber) {
   tree.put("sys/class/hwmon/hwmon0/temp1_input", "25000\n");
   const hal::SlowSensor air{"class/hwmon/hwmon0/temp1_input", 1e-3, 273150};
   const hal::SlowSensors sensors(tree.roots(), {hal::SlowSensor{}, air, hal::SlowSensor{}});
-  EXPECT_DOUBLE_EQ(sensors.value(hal::SlowSensors::ambient), 298.15);
+  EXPECT_DOUBLE_EQ(sensors.value(hal::SlowSensors::ambient), room_K);
   EXPECT_TRUE(std::isnan(sensors.value(hal::SlowSensors::supply)));
   const hal::SlowSensor missing{"class/hwmon/hwmon9/temp1_input", 1, 0};
   EXPECT_NE(refusal([&] { hal::SlowSensors(tree.roots(), {missing, air, air}); }).find("hwmon9"),

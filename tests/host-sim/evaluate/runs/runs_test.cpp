@@ -104,7 +104,7 @@ TEST(TestRuns, DisturbancesAndLoadsFillTheirRanges) {
     EXPECT_NEAR(std::abs(joule.sensors.resistance_gain - 1), 0.01, 1e-12);
     drifted_up += joule.sensors.resistance_gain > 1 ? 1 : 0;
     const bench::Scenario calm = evaluate::test_run(unit, evaluate::Condition::constant, seed);
-    EXPECT_EQ(std::get<bench::JouleScenario>(calm.run).ambient_K, 298.15);
+    EXPECT_EQ(std::get<bench::JouleScenario>(calm.run).ambient_K, room_K);
     EXPECT_EQ(std::get<bench::JouleScenario>(calm.run).sensors.resistance_gain, 1);
   }
   EXPECT_TRUE(coldest_K > 288.1 && coldest_K < 289.2);
@@ -164,7 +164,7 @@ TEST(CalibrationRuns, CoverTheStressesForAMinuteFromRestAt25DegC) {
          {std::size_t{0}, evaluate::calibration_stresses_MPa.size() - 1}) {
       const bench::Scenario scenario = evaluate::calibration_run(unit, index);
       const auto& joule = std::get<bench::JouleScenario>(scenario.run);
-      EXPECT_EQ(joule.ambient_K, 298.15);
+      EXPECT_EQ(joule.ambient_K, room_K);
       EXPECT_EQ(joule.drive.front().level, 0);
       const std::vector<simulate::SimulatedRow> run = rows(scenario);
       EXPECT_EQ(run.size(), 60000U);

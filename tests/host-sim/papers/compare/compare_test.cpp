@@ -166,7 +166,7 @@ TEST(Compare, PreisachFollowsWhatItKnowsAndIsLostWhereTheHeatBalanceIsWrong) {
   const Runs training{trace("50MPa", 6), trace("150MPa", 60), trace("400MPa", 6),
                       trace("spring", 6)};
   const compare::System system = compare::preisach(
-      {unit_a, 0, std::vector<double>(training.size(), 298.15), 298.15}, training);
+      {unit_a, 0, std::vector<double>(training.size(), room_K), room_K}, training);
   // Slices at 50, 100, 150, 250 (the spring's) and 400 MPa.
   EXPECT_EQ(system.parameters, 5 * (23 * 24 / 2 + 2) + 1);
   const auto mean_percent = [&](const smaservo::identify::Run& run) {

@@ -242,7 +242,7 @@ TEST(DrivenSteps, ThinningKeepsEnergyAndTime) {
 
 TEST(DrivenSteps, LongStepsAreMadeOfSubsteps) {
   const auto model = duhem_model();
-  fits::DrivenSteps slow{false, 298.15, {}, {}, {}, {}, {}};
+  fits::DrivenSteps slow{false, room_K, {}, {}, {}, {}, {}};
   fits::DrivenSteps fine = slow;
   constexpr double slow_s = 0.5;
   constexpr int parts = 17;

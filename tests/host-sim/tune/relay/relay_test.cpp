@@ -50,7 +50,7 @@ TEST(Relay, DoesNotCallSteadyWhatRunsAway) {
 /// The linearisation is right: a relay on the whole wire finds its frequency and gain.
 TEST(Relay, AgreesWithTheLinearisation) {
   const auto checks = [](const char* wire, const TunedLoad& load) {
-    const TuneTask task{{files::load_wire(wire).wire, load, 298.15, 1},
+    const TuneTask task{{files::load_wire(wire).wire, load, room_K, 1},
                         std::numeric_limits<double>::infinity(),
                         1,
                         1};

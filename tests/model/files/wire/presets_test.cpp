@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::Ge;
 using testing::Le;
 
-constexpr double air_K = 298.15;
+constexpr double air_K = room_K;
 
 // Dynalloy's table: size, diameter, resistance, pull force, current.
 struct FlexinolSize {

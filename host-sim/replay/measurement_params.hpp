@@ -8,6 +8,6 @@
 namespace smaservo::replay {
 
 /// The parameters of a good front end for this wire, changed by the user's settings.
-MeasurementParams<double> measuring_params(const Wire<double>& wire, const RunSettings& settings);
+MeasurementParams<double> measurement_params(const Wire<double>& wire, const RunSettings& settings);
 
 }  // namespace smaservo::replay

@@ -1,10 +1,11 @@
-#include "host-sim/replay/measuring.hpp"
+#include "host-sim/replay/measurement_params.hpp"
 
 #include "model/wire/plant.hpp"
 
 namespace smaservo::replay {
 
-MeasurementParams<double> measuring_params(const Wire<double>& wire, const RunSettings& settings) {
+MeasurementParams<double> measurement_params(const Wire<double>& wire,
+                                             const RunSettings& settings) {
   const double ohm = cold_resistance_ohm(wire);
   const double limit_A = wire.limits.current_A;
   const MeasurementParams<double> p{
