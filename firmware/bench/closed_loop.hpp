@@ -5,11 +5,16 @@
 #include <optional>
 
 #include "firmware/bench/scenario/closed_loop_scenario.hpp"
+#include "firmware/device/cycle.hpp"
 #include "firmware/device/device.hpp"
-#include "firmware/text/cycle.hpp"
 #include "hal/sim/pair.hpp"
 
 namespace smaservo::bench {
+
+/// One step of the device, and the truth at the time of its sample.
+struct SimulatedCycle : Cycle {
+  hal::SimTruth truth;
+};
 
 /// The second wire of a pair, at the same instant.
 struct OtherWire {
@@ -28,7 +33,7 @@ class ClosedLoop {
 
   /// Runs one period; false when the scenario's time is over.
   bool step();
-  const text::Cycle& cycle() const { return cycle_; }
+  const SimulatedCycle& cycle() const { return cycle_; }
   std::optional<OtherWire> other() const;
 
  private:
@@ -59,7 +64,7 @@ class ClosedLoop {
   SimEvents events_;
   bool began_ = false;
   std::int64_t time_ns_ = 0;
-  text::Cycle cycle_{};
+  SimulatedCycle cycle_{};
 };
 
 }  // namespace smaservo::bench

@@ -48,7 +48,7 @@ class Comparison {
     }
   }
 
-  void add(const text::Cycle& cycle, const std::vector<std::string_view>& fields) {
+  void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
     bool differs = false;
     for (Pair& pair : pairs_) {
       now_.clear();
@@ -154,7 +154,7 @@ class ReplayFile {
         path, files::mcap::Origin{"host-sim replay --device", source}, std::move(columns), further);
   }
 
-  void add(const text::Cycle& cycle, const std::vector<std::string_view>& fields) {
+  void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
     further_.clear();
     for (const std::size_t position : positions_) {
       further_ += ',';
@@ -216,7 +216,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   const auto prepared = std::make_unique<Prepared<double>>(prepare(options.settings));
   Device<double>::State device = Device<double>::start();
   std::vector<std::string_view> fields;
-  text::Cycle cycle{};
+  Cycle cycle{};
   hal::Frame frame{};
   std::int64_t last_ns = 0;
   for (hal::ReadStatus status = board.read(frame); status != hal::ReadStatus::end;

@@ -30,6 +30,11 @@ struct DeviceStep {
   Output<S> output;
 };
 
+/// One step of the device, and its time.
+struct Cycle : DeviceStep<double> {
+  double time_s;
+};
+
 /// Inputs from a frame; without a frame every reading is NaN.
 template <class S, class Number>
 Inputs<S> inputs_of(const hal::FrameOf<Number>& frame, hal::ReadStatus status) {

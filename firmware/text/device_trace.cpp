@@ -57,13 +57,6 @@ constexpr std::array outputs{
     DeviceColumn{"blocks", text<[](T t) { return names_of(t.output.blocks); }>, true},
 };
 
-constexpr std::array truths{
-    DeviceColumn{"strain_ref", number<[](T t) { return t.truth.strain; }>},
-    DeviceColumn{"hottest_K", number<[](T t) { return t.truth.hottest_K; }>},
-    DeviceColumn{"true_current_A", number<[](T t) { return t.truth.current_A; }>},
-    DeviceColumn{"true_stress_Pa", number<[](T t) { return t.truth.stress_Pa; }>},
-};
-
 }  // namespace
 
 void append_number(std::string& to, double value) {
@@ -113,9 +106,6 @@ Columns log_columns(bool supply, bool ambient, bool driver) {
 
 std::span<const DeviceColumn> output_columns() {
   return outputs;
-}
-std::span<const DeviceColumn> truth_columns() {
-  return truths;
 }
 
 DeviceRows::DeviceRows(Columns columns, const std::vector<std::string>& further)

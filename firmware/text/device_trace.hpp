@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/text/cycle.hpp"
+#include "firmware/device/cycle.hpp"
 #include "model/files/trace_file.hpp"
 
 namespace smaservo::text {
@@ -25,8 +25,6 @@ struct DeviceColumn {
 std::vector<DeviceColumn> log_columns(bool supply, bool ambient, bool driver);
 /// The columns of the step's outputs.
 std::span<const DeviceColumn> output_columns();
-/// The columns of the truth, which only a simulation knows.
-std::span<const DeviceColumn> truth_columns();
 
 void append_number(std::string& to, double value);
 

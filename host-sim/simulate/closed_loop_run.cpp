@@ -30,7 +30,7 @@ double wanted_strain(const Settings<double>& settings, Mode mode, double value) 
 }
 
 /// The variable that a mode controls, as the device measures it.
-double controlled(const text::Cycle& cycle) {
+double controlled(const bench::SimulatedCycle& cycle) {
   const Sample<double>& sample = cycle.inputs.sample;
   switch (cycle.output.mode) {
     case Mode::current:
@@ -59,7 +59,7 @@ class Recorder {
   Recorder(const bench::ClosedLoopScenario& scenario, LoopRecord& record)
       : settings_(scenario.settings), record_(record), gap_s_(scenario.duration_s / 500) {}
 
-  void add(const text::Cycle& cycle) {
+  void add(const bench::SimulatedCycle& cycle) {
     const Output<double>& out = cycle.output;
     const bool length = out.mode == Mode::strain || out.mode == Mode::position;
     const double controlled_now = controlled(cycle);
@@ -123,7 +123,7 @@ class Judge {
         result_(result),
         steps_(scenario.settings.wire.nominal_stroke, scenario.settings.timing.period_s) {}
 
-  void add(const text::Cycle& cycle) {
+  void add(const bench::SimulatedCycle& cycle) {
     const bool runs = cycle.output.state == DeviceState::running;
     steps_.add(cycle.time_s,
                runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
@@ -157,22 +157,19 @@ class Judge {
   FaultSet latched_;
 };
 
-/// The trace of the first wire, with what the second one does beside it.
+/// The log of the first wire's device, with the truth, and with that of the second wire beside it.
 class LoopFile {
  public:
   LoopFile(const std::string& path, const bench::ClosedLoopScenario& scenario)
       : file_(path, {"host-sim simulate", scenario.name}, columns(scenario.board),
-              scenario.pair ? std::vector<std::string>{"other_strain_ref", "other_current_A",
-                                                       "other_hottest_K"}
-                            : std::vector<std::string>{}) {}
+              truths(scenario.pair.has_value())) {}
 
   void add(const bench::ClosedLoop& loop) {
     further_.clear();
+    const hal::SimTruth& truth = loop.cycle().truth;
+    append({truth.strain, truth.hottest_K, truth.current_A, truth.stress_Pa});
     if (const auto other = loop.other()) {
-      for (const double value : {other->strain, other->current_A, other->hottest_K}) {
-        further_ += ',';
-        text::append_number(further_, value);
-      }
+      append({other->strain, other->current_A, other->hottest_K});
     }
     file_.add(loop.cycle(), further_);
   }
@@ -183,8 +180,20 @@ class LoopFile {
     std::vector<text::DeviceColumn> all =
         text::log_columns(board.reads_supply, board.reads_ambient, board.reads_driver);
     all.insert(all.end(), text::output_columns().begin(), text::output_columns().end());
-    all.insert(all.end(), text::truth_columns().begin(), text::truth_columns().end());
     return all;
+  }
+  static std::vector<std::string> truths(bool pair) {
+    std::vector<std::string> all{"strain_ref", "hottest_K", "true_current_A", "true_stress_Pa"};
+    if (pair) {
+      all.insert(all.end(), {"other_strain_ref", "other_current_A", "other_hottest_K"});
+    }
+    return all;
+  }
+  void append(std::initializer_list<double> values) {
+    for (const double value : values) {
+      further_ += ',';
+      text::append_number(further_, value);
+    }
   }
 
   text::DeviceTraceFile file_;

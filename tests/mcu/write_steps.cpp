@@ -95,7 +95,7 @@ Recorder closed_loop(const fs::path& path) {
   bench::ClosedLoop loop(scenario);
   double last_s = -scenario.settings.timing.period_s;
   while (loop.step()) {
-    const text::Cycle& cycle = loop.cycle();
+    const bench::SimulatedCycle& cycle = loop.cycle();
     recorder.add(pack(cycle.inputs, cycle.command, cycle.time_s - last_s, recorder.empty()));
     last_s = cycle.time_s;
   }

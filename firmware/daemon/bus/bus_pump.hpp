@@ -37,7 +37,7 @@ class BusCommandSource : public CommandSource {
   explicit BusCommandSource(double lease_s) : lease_s_(lease_s) {}
 
   Heard<double> listen(double time_s) override;
-  void tell(const text::Cycle& cycle, double dt_s) override {
+  void tell(const Cycle& cycle, double dt_s) override {
     reports_.push({cycle.output, cycle.inputs, dt_s});
   }
 

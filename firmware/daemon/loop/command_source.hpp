@@ -1,7 +1,7 @@
 #pragma once
 // Who tells the device what to do: a bus, a program of commands, a recording.
 
-#include "firmware/text/cycle.hpp"
+#include "firmware/device/cycle.hpp"
 
 namespace smaservo::daemon {
 
@@ -17,7 +17,7 @@ class CommandSource {
   /// notices when it really is late.
   virtual Heard<double> listen(double time_s) = 0;
   /// Gets the inputs and outputs of the cycle that has just run.
-  virtual void tell(const text::Cycle& /*cycle*/, double /*dt_s*/) {}
+  virtual void tell(const Cycle& /*cycle*/, double /*dt_s*/) {}
 };
 
 /// A source without commands: the device stays off.

@@ -8,13 +8,13 @@
 #include "firmware/daemon/loop/histogram.hpp"
 #include "firmware/daemon/loop/prepared_device.hpp"
 #include "firmware/daemon/loop/ring.hpp"
-#include "firmware/text/cycle.hpp"
+#include "firmware/device/cycle.hpp"
 
 namespace smaservo::daemon {
 
 /// What one cycle leaves to the recorder.
 struct CycleRecord {
-  text::Cycle cycle;
+  Cycle cycle;
   std::uint64_t number;  ///< counts cycles; a gap: the ring was full
   /// Number of the parameters that came into force with this cycle; 0: none did.
   std::uint32_t set;

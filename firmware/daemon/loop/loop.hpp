@@ -92,7 +92,7 @@ bool Loop<B, Pacing>::cycle() {
   const std::int64_t sampled_ns = in_monotonic_time<B> ? frame_.time_ns : hal::monotonic_ns();
   count_frame(status);
   const double dt_s = advance_time(gone_ns);
-  text::Cycle& cycle = now_.cycle;
+  Cycle& cycle = now_.cycle;
   Heard<double> heard = source_.listen(cycle.time_s);
   heard.late = heard.late || (in_monotonic_time<B> && (woke.missed > 0 || stalled));
   heard.external = heard.external | FaultSet::from_bits(links_.faults.load());

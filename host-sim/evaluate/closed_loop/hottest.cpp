@@ -92,7 +92,7 @@ HottestRun run_hottest(const RandomScenario& scenario) {
   double since_s = std::numeric_limits<double>::infinity();
   const double limit_K = scenario.loop.settings.limits.temperature_K;
   while (loop.step()) {
-    const text::Cycle& cycle = loop.cycle();
+    const bench::SimulatedCycle& cycle = loop.cycle();
     if (cycle.truth.hottest_K - limit_K > run.above_limit_K) {
       run.above_limit_K = cycle.truth.hottest_K - limit_K;
       run.at_s = cycle.time_s;

@@ -18,7 +18,7 @@ TEST_P(ShippedLoop, StaysFiniteAndCool) {
   double moved = 0;
   double first = 0;
   while (loop.step()) {
-    const text::Cycle& cycle = loop.cycle();
+    const bench::SimulatedCycle& cycle = loop.cycle();
     first = cycle.time_s == 0 ? cycle.truth.strain : first;
     moved = std::max(moved, first - cycle.truth.strain);
     ASSERT_LT(cycle.truth.hottest_K, limit_K + 3) << "at " << cycle.time_s << " s";
@@ -48,7 +48,7 @@ TEST(ClosedLoop, WithoutPowerThereIsNoCurrentAndNoMemory) {
   bench::ClosedLoop loop(scenario);
   double before_A = 0;
   while (loop.step()) {
-    const text::Cycle& cycle = loop.cycle();
+    const bench::SimulatedCycle& cycle = loop.cycle();
     const double between_s = cycle.time_s - 0.0005;  // events come between two steps
     if (between_s < 1) {
       before_A = std::max(before_A, cycle.output.drive_current_A);

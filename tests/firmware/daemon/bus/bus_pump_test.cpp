@@ -113,7 +113,7 @@ TEST(BusPump, SaysTheEndOfTheHeatBeforeNewSettings) {
 TEST(BusPump, CarriesBothWays) {
   Rig rig;
   rig.port.in = {{.id = 5}, {.id = 7}};
-  text::Cycle cycle{};
+  Cycle cycle{};
   cycle.output.drive_current_A = 0.25;
   rig.source.tell(cycle, 1e-3);
   rig.source.tell(cycle, 1e-3);

@@ -524,7 +524,7 @@ struct Stalled {
     }
     end = record.cycle;
   }
-  text::Cycle before{}, after{}, end{};
+  Cycle before{}, after{}, end{};
   double commanded_A = 0;
   int offs = 0;
 };
