@@ -6,7 +6,8 @@ namespace smaservo::files {
 namespace {
 
 struct Renamed {
-  std::string_view was, is;  ///< what a key begins with; the longer ones first
+  /// Beginnings of keys, the old one and the new one; longer ones stand first.
+  std::string_view was, is;
 };
 constexpr Renamed all_renamed[] = {
     {"limits.", "wire.limits."},
@@ -30,7 +31,7 @@ constexpr Renamed all_renamed[] = {
     {"wire.austenite.resistivity_ohm_m_Pa", "wire.austenite.resistivity_stress_ohm_m_Pa"},
     {"wire.heat.convection_W_m2K2", "wire.heat.convection_slope_W_m2K2"}};
 
-/// What a name begins with, in any table.
+/// Beginnings of names that were changed in every table.
 constexpr Renamed limits_renamed[] = {{"least_", "min_"}, {"greatest_", "max_"}};
 
 }  // namespace
