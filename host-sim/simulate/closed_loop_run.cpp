@@ -53,7 +53,7 @@ double controlled(const text::Cycle& cycle) {
   return nan;
 }
 
-/// Collects what a report shows.
+/// Collects the data that a report shows.
 class Recorder {
  public:
   Recorder(const bench::ClosedLoopScenario& scenario, LoopRecord& record)
@@ -113,7 +113,7 @@ class Recorder {
 
   const Settings<double>& settings_;
   LoopRecord& record_;
-  double gap_s_;  ///< shorter interruptions would not be seen
+  double gap_s_;  ///< shorter interruptions would not be visible
 };
 
 class Judge {
@@ -157,7 +157,7 @@ class Judge {
   FaultSet latched_;
 };
 
-/// The trace of the first wire, with what the second one does beside it.
+/// The trace of the first wire, with the values of the second one in additional columns.
 class LoopFile {
  public:
   LoopFile(const std::string& path, const bench::ClosedLoopScenario& scenario)

@@ -78,7 +78,7 @@ System ihyp_alone(const IdentifiedWire& identified) {
 System ihyp_observer(const IdentifiedWire& identified) {
   return {"ihyp observer", "the same, corrected by the resistance; not in a bath",
           identified.parameters, "", [identified](const identify::Run& run) {
-            // In a bath no power tells the temperature.
+            // In a bath there is no power from which the observer could compute the temperature.
             return run.kind == identify::RunKind::joule ? observed(identified, run)
                                                         : nothing_of(run);
           }};
