@@ -1,7 +1,7 @@
 #pragma once
 // Every condition that a device detects. safety/faults/table.hpp describes each once: class, times,
 // texts; the reference page and `host-sim explain` are made from it. safety/monitor.hpp detects the
-// conditions, safety/failsafe.hpp says what follows.
+// conditions, safety/failsafe.hpp decides their consequences.
 //
 // An enumerator's value is its bit in object 2202h and is sent in its EMCY. New faults are
 // therefore appended, whatever their group; none is ever inserted, moved or removed.
@@ -80,13 +80,13 @@ enum class Fault : std::uint8_t {
 inline constexpr std::size_t fault_count = static_cast<std::size_t>(Fault::count);
 static_assert(fault_count <= 64);
 
-/// What follows from a fault. In states without current a condition of any class but L and W blocks
-/// arming as long as it is present; only F0 is latched in these states.
+/// The consequence of a fault. In states without current, a present condition of any class except L
+/// and W blocks arming; in these states only F0 is latched.
 enum class FaultClass : std::uint8_t {
-  F0,  ///< heat off at once, by the hardware as well
+  F0,  ///< heat off at once, also by the hardware
   F1,  ///< heat off
   F2,  ///< the configured safe state: off, hold for a time, controlled release
-  L,   ///< limiter: no more than limits.min_current_A while it lasts
+  L,   ///< limiter: no more than limits.min_current_A while it is present
   B,   ///< blocks arming; a warning while running
   W,   ///< warning
 };
@@ -109,7 +109,7 @@ class FaultSet {
   constexpr void set(Fault fault, bool on = true) {
     bits_ = on ? bits_ | bit(fault) : bits_ & ~bit(fault);
   }
-  /// Adds the fault if `so`. Cost: one instruction in the usual case that it is not so.
+  /// Adds the fault if `so`. Cost: one instruction in the usual case of false.
   constexpr void add(Fault fault, bool so) {
     if (so) [[unlikely]] {
       bits_ |= bit(fault);

@@ -10,8 +10,8 @@ namespace smaservo::hal {
 struct CanFrame {
   std::uint32_t id = 0;                ///< 11 bits, or 29 with `extended`
   bool extended = false;               ///< 29-bit identifier; CANopen uses none
-  bool remote = false;                 ///< asks for a frame instead of bringing one
-  std::uint8_t length = 0;             ///< of the data, 0 to 8
+  bool remote = false;                 ///< requests a frame instead of carrying data
+  std::uint8_t length = 0;             ///< number of data bytes, 0 to 8
   std::array<std::uint8_t, 8> data{};  ///< zero beyond `length`
 
   std::span<const std::uint8_t> payload() const { return std::span(data).first(length); }

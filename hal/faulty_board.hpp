@@ -1,5 +1,5 @@
 #pragma once
-// A board with faults injected into any other board, to test with.
+// A board that wraps any other board and injects faults, for tests.
 
 #include <cstdint>
 #include <limits>
@@ -9,14 +9,14 @@
 
 namespace smaservo::hal {
 
-/// The faults in force from the next read() on; all may be combined.
+/// The faults from the next read() on; all may be combined.
 struct BoardFaults {
-  std::uint32_t lose_every = 0;  ///< n: each n-th frame is lost; 1: all are; 0: none is
-  bool current_missing = false;  ///< NaN, as the next two
+  std::uint32_t lose_every = 0;  ///< n: each n-th frame is lost; 1: every frame; 0: none
+  bool current_missing = false;  ///< the reading is NaN; likewise the next two
   bool voltage_missing = false;
   bool load_missing = false;
-  bool stuck = false;        ///< the last good frame again, with its sequence number
-  std::int64_t late_ns = 0;  ///< frames come so much after their time
+  bool stuck = false;  ///< repeats the readings and the sequence number of the last good frame
+  std::int64_t late_ns = 0;  ///< time by which frames come after their time_ns
   bool emergency_stop = false;
   bool driver_fault = false;
   bool drive_dead = false;  ///< drive() and safe_off() do nothing

@@ -39,7 +39,7 @@ void refuse_to_overwrite(const std::string& file, const std::string& output) {
 int run_host_sim(int argc, char** argv) {
   CLI::App app{"Replays, simulates and describes shape-memory-alloy wires on a PC.", "host-sim"};
   app.set_version_flag("--version", SMASERVO_VERSION);
-  // CLI11's own message, but printable: it quotes the command line.
+  // CLI11's own message, made printable because it quotes the command line.
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return files::printable(error.what()) + "\nRun with --help for more information.\n";
   });

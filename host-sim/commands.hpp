@@ -62,11 +62,11 @@ void add_tune_command(CLI::App& app);
 
 namespace smaservo {
 
-/// Checks that an option's value, if it is given, is in this range. Throws UserError.
+/// Checks that an option's value, if given, is in this range. Throws UserError.
 void require(const char* option, const std::optional<double>& value, double low, double high);
 
-/// Throws UserError when both names are of the same file. A device, "-" or an empty name is no
-/// file.
+/// Throws UserError if both names denote the same file. A device, "-" and an empty name are not
+/// files.
 void refuse_to_overwrite(const std::string& file, const std::string& output);
 
 }  // namespace smaservo

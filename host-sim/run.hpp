@@ -2,7 +2,8 @@
 
 namespace smaservo {
 
-/// Does what the command line says; the exit code. Throws what its command throws.
+/// Runs the command of the command line; returns the exit code. Throws the exceptions of the
+/// command.
 int run_host_sim(int argc, char** argv);
 
 }  // namespace smaservo

@@ -1,6 +1,6 @@
 #pragma once
-// What every model of the phase transformation has in common: temperature and stress in, phase
-// fractions out, history in a small state, no time.
+// The interface of every model of the phase transformation: temperature and stress in, phase
+// fractions out; the history is in a small state, and there is no time.
 
 #include <concepts>
 #include <type_traits>
@@ -23,7 +23,7 @@ struct Phases {
   constexpr S austenite() const { return S(1) - martensite - r_phase; }
 };
 
-/// Which way the wire is going: towards austenite or towards martensite.
+/// The direction of the transformation: towards austenite or towards martensite.
 enum class Heading : unsigned char { heating, cooling };
 
 /// Change of the phase fractions per kelvin of rising temperature.
@@ -54,8 +54,8 @@ concept Kinetics =
       { K::rates(params, state, heading) } -> std::same_as<PhaseRates<typename K::Scalar>>;
     };
 
-/// A model with rates of its own: it also moves while the drive rests. `advance` without a time is
-/// then a jump to the drive and a rest there that is long for the model.
+/// A model with rates of its own, which also moves at a constant drive. Its `advance` without a
+/// time jumps to the drive and rests there for a time that is long for the model.
 template <class K>
 concept TimedKinetics =
     Kinetics<K> && requires(const typename K::Params& params, typename K::State& moving,

@@ -1,5 +1,5 @@
 #pragma once
-// Units at the edges: names of columns and keys end in one, everything inside is SI.
+// Units at the edges: names of columns and keys end in a unit, all values inside are SI.
 
 #include <array>
 #include <optional>
@@ -21,7 +21,7 @@ struct Unit {
 /// All units of one kind; the first one is SI's own. A kind without dimension has the suffix "".
 using Kind = std::span<const Unit>;
 
-/// 0 degC.
+/// 0 °C in kelvin.
 inline constexpr double zero_degC_K = 273.15;
 /// 25 degC: the air, where nobody says another temperature, and the reference of cold resistances.
 inline constexpr double room_K = 298.15;

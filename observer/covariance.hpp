@@ -32,27 +32,26 @@ class Covariance : FilterStates {
  public:
   using Vector = Eigen::Matrix<S, 1, width>;
 
-  /// A phase after a step, if the temperature after it were given: its derivatives by the states
-  /// before.
+  /// The derivatives of a phase after a step by the states before it, at a given temperature after
+  /// the step.
   struct Phase {
     S by_martensite, by_r_phase, by_temperature;
   };
-  /// F as the product of two matrices. G first gives the temperature after the step, and the phases
-  /// as if that did not move them; B then adds to the phases what the temperature moves them by.
-  /// The slow states stay as they are.
+  /// F as the product B G of two matrices. G gives the temperature after the step, and the phases
+  /// as if that temperature did not move them; B then adds the change of the phases with the
+  /// temperature. The slow states stay unchanged.
   struct Transition {
-    const Vector& temperature;      ///< G's first row; nothing by the resistance's factor
-    Phase martensite, r_phase;      ///< its second and third row
-    S martensite_1_K, r_phase_1_K;  ///< what B adds per kelvin
+    const Vector& temperature;  ///< first row of G; its element for the resistance's factor is zero
+    Phase martensite, r_phase;  ///< second and third row of G
+    S martensite_1_K, r_phase_1_K;  ///< what B adds to the phases per kelvin
   };
 
   S& at(int i, int j) { return elements_[i][j]; }
   const S& at(int i, int j) const { return elements_[i][j]; }
   auto row(int i) const { return Row<const Vector>(elements_[i]); }
 
-  /// P <- B (G P Gᵀ + Q_T) Bᵀ. Q_T has the temperature's noise alone: what it adds to the
-  /// temperature moves the phases, too. The noise of the other states is added to their at(i, i)
-  /// afterwards.
+  /// P <- B (G P Gᵀ + Q_T) Bᵀ. Q_T is the noise of the temperature alone, which moves the phases,
+  /// too. The caller adds the noise of the other states to their at(i, i) afterwards.
   [[gnu::always_inline]] void propagate(const Transition& f, const S& temperature_noise_K2);
 
   /// P H. The resistance does not depend on the factor on the loss: that element of H is zero.
@@ -60,7 +59,7 @@ class Covariance : FilterStates {
     return sum_of_rows<iT, iM, iR, iAmbient, iResistance>(H[iT], H[iM], H[iR], H[iAmbient],
                                                           H[iResistance]);
   }
-  /// Hᵀ (P H), the variance that the states give to the resistance.
+  /// Hᵀ (P H), the variance of the expected resistance due to the states.
   static S variance(const Vector& H, const Vector& PH) {
     return dot<iT, iM, iR, iAmbient, iResistance>(H, PH);
   }
@@ -74,7 +73,7 @@ class Covariance : FilterStates {
   using Row = Eigen::Map<V, has_vectors ? Eigen::Aligned16 : Eigen::Unaligned>;
   Row<Vector> own_row(int i) { return Row<Vector>(elements_[i]); }
 
-  /// Σ factor row
+  /// Σ factor · row
   template <int... rows, class... Factors>
   Vector sum_of_rows(const Factors&... factors) const {
     if constexpr (by_rows) {
@@ -87,7 +86,7 @@ class Covariance : FilterStates {
       return sum;
     }
   }
-  /// Of these elements; in a or in b all others are zero.
+  /// The scalar product over these elements; all other elements of a or b are zero.
   template <int... elements>
   static S dot(const Vector& a, const Vector& b) {
     if constexpr (by_rows) {
@@ -103,7 +102,7 @@ class Covariance : FilterStates {
     return sum_of_products(Product<S>{g.by_martensite, v[iM]}, Product<S>{g.by_r_phase, v[iR]},
                            Product<S>{g.by_temperature, v[iT]});
   }
-  /// The rows and columns of T, M and R, but for the nine elements between these three.
+  /// Writes the rows and columns of T, M and R, except for the nine elements between these three.
   [[gnu::always_inline]] void put_rows(const Transition& f, const Vector& T, const Vector& M,
                                        const Vector& R);
   void put(int i, int j, const S& x) { elements_[i][j] = elements_[j][i] = x; }
@@ -115,12 +114,13 @@ template <class S>
 inline void Covariance<S>::propagate(const Transition& f, const S& temperature_noise_K2) {
   using Term = Product<S>;
   const Vector& g = f.temperature;
-  // G P: the rows that G changes
+  // G P: the rows of P that G changes
   const Vector T =
       sum_of_rows<iT, iM, iR, iAmbient, iLoss>(g[iT], g[iM], g[iR], g[iAmbient], g[iLoss]);
   const Vector M = row_of(f.martensite);
   const Vector R = row_of(f.r_phase);
-  // G P Gᵀ + Q_T, and by B the elements of P; those of T with M and R are needed from both.
+  // G P Gᵀ + Q_T, and from it by B the elements of P; the covariances of T with M and R are needed
+  // before and after B.
   const S TT = dot<iT, iM, iR, iAmbient, iLoss>(g, T) + temperature_noise_K2;
   const S given_TM = along(f.martensite, T);
   const S given_TR = along(f.r_phase, T);

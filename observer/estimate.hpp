@@ -1,5 +1,5 @@
 #pragma once
-// What every observer takes and gives.
+// The interface of every observer: its input and output.
 
 #include <concepts>
 #include <type_traits>
@@ -9,12 +9,12 @@ namespace smaservo {
 /// One instant as the observers see it; measure() makes it from a sample.
 template <class S>
 struct Measurement {
-  S resistance_ohm;     ///< of the wire alone
-  S resistance_sd_ohm;  ///< noise of the sensors in it
-  S power_W;            ///< electrical, into the wire
+  S resistance_ohm;     ///< resistance of the wire alone
+  S resistance_sd_ohm;  ///< standard deviation that the sensors' noise gives it
+  S power_W;            ///< electrical power into the wire
   S stress_Pa;
-  // A number that is not valid is not used.
-  bool resistance_valid;  ///< enough current, and in the wire's range
+  // A value that is not valid is not used.
+  bool resistance_valid;  ///< there is enough current, and the value is in the wire's range
   bool power_valid;
   bool stress_valid;
 };
@@ -27,11 +27,12 @@ enum class Health : unsigned char {
 
 template <class S>
 struct Estimate {
-  S strain;     ///< elongation, of the whole wire
-  S strain_sd;  ///< standard deviation of its error as the observer sees it
+  S strain;     ///< elongation of the whole wire
+  S strain_sd;  ///< standard deviation of its error as the observer estimates it
   S temperature_K;
-  S martensite, r_phase;   ///< of the whole wire
-  S resistance_model_ohm;  ///< what the model expects; NaN where an observer has no such model
+  S martensite, r_phase;   ///< means over the whole wire
+  S resistance_model_ohm;  ///< resistance that the model expects; NaN if the observer has no such
+                           ///< model
   Health health;
 };
 
@@ -42,10 +43,11 @@ concept StrainObserver =
     requires(const typename O::Params& params, typename O::State& state,
              const typename O::State& now, const Measurement<typename O::Scalar>& measurement,
              typename O::Scalar number) {
-      /// Nothing is known but this first measurement, whose stress is valid, and a guess of the
-      /// ambient temperature.
+      /// Starts with no knowledge but this first measurement, whose stress is valid, and a guess of
+      /// the ambient temperature.
       { O::start(params, measurement, number) } -> std::same_as<typename O::State>;
-      /// dt_s since the last measurement, up to 20 ms; the measurement holds for this interval.
+      /// dt_s is the time since the last measurement, up to 20 ms; the measurement holds for this
+      /// interval.
       { O::advance(params, state, measurement, number) } -> std::same_as<void>;
       { O::estimate(params, now) } -> std::same_as<Estimate<typename O::Scalar>>;
     };

@@ -13,40 +13,43 @@
 
 namespace smaservo {
 
-/// What the filter assumes. Standard deviations; walks are per square root of a second.
-/// kalman_tuning() makes it for a wire.
+/// The filter's assumptions, made for a wire by kalman_tuning(). Values are standard deviations;
+/// walks are per square root of a second.
 template <class S>
 struct KalmanTuning {
-  S heat_error = S(0.016);    ///< of the temperature above ambient, in steady state: heat that the
-                              ///< balance does not know of
-  S fraction_noise = S(0.2);  ///< per square root of the fraction converted
+  /// Share of the temperature above ambient: its error in steady state by heat that the balance
+  /// does not include.
+  S heat_error = S(0.016);
+  S fraction_noise = S(0.2);  ///< per square root of the converted fraction
   S ambient_walk_K = S(0.35);
-  S loss_walk = S(0.0013);          ///< relative
-  S resistance_walk = S(8e-6);      ///< relative
-  S resistance_model_sd = S(0.05);  ///< relative, of one sample at 1 kHz: the model's error is
-                                    ///< coloured, so it counts for far more than the sensor's
+  S loss_walk = S(0.0013);      ///< relative
+  S resistance_walk = S(8e-6);  ///< relative
+  /// Relative, for one sample at 1 kHz: the model's error is coloured, so it weighs far more than
+  /// the sensor's noise.
+  S resistance_model_sd = S(0.05);
   S stress_filter_s = S(0.023);
   S start_temperature_sd_K = S(1);
   S start_fraction_sd = S(0.05);
   S start_ambient_sd_K = S(18);
-  /// Nothing is known of the heat loss but loss_range. On the project's traces 0.3, a device's
+  /// The heat loss is unknown but for loss_range. On the project's traces 0.3, a device's
   /// default, is as good: mean errors differ by 0.05 % of the stroke at most.
   S start_loss_sd = S(1.5);
   S start_resistance_sd = S(0.03);
-  // The slow states stay this close to where they start: a filter that has the phases wrong would
-  // rather bend the surroundings than believe it.
+  // The slow states stay within these ranges around their start: a filter that has wrong phases
+  // would otherwise explain the resistance by its surroundings.
   S ambient_range_K = S(20);
-  S loss_range = S(1.6);  ///< factor, up and down
+  S loss_range = S(1.6);  ///< factor, upwards and downwards
   S resistance_range = S(0.025);
-  S hottest_K = S(550);  ///< the wire's temperature stays below this, and above the coldest air
+  /// Upper bound of the wire's temperature; the lower one is the coldest air.
+  S hottest_K = S(550);
   // The estimate's variance is the filter's own times reported² plus strain_model_sd². The filter
-  // works best when it takes its variance for greater than it is; reported < 1 corrects this in the
-  // estimate. strain_model_sd stands for errors of the model, which the filter does not know.
+  // works best when it overestimates its variance; reported < 1 corrects this in the estimate.
+  // strain_model_sd covers errors of the model that the filter does not know.
   S reported = S(0.33);
   S strain_model_sd = S(0.0003);
 };
 
-/// The tuning for a wire whose parameters are this good.
+/// The tuning for a wire whose parameters have this accuracy.
 template <class S>
 constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
   KalmanTuning<S> tuning;
@@ -72,55 +75,55 @@ struct KalmanObserver : FilterStates {
   struct State {
     Covariance<S> covariance;
     typename Kinetics::State kinetics;
-    PhaseRates<S> rates;  ///< after the last step
-    S heat_J;             ///< what the last step's linearisation could not place
+    PhaseRates<S> rates;  ///< rates of the kinetics after the last step
+    S heat_J;  ///< heat error of the last step's linearisation, carried into the next step
     S ambient_K;
     S start_ambient_K;
     S loss;
     S resistance;
-    S stress_Pa;            ///< low-pass filtered
-    S model_ohm;            ///< expected at the last measurement, before its correction
-    S innovation_ohm;       ///< its difference to the measured one, 0 where that was not valid
-    S innovation_variance;  ///< its expected square, ohm²
+    S stress_Pa;       ///< low-pass filtered
+    S model_ohm;       ///< resistance expected at the last measurement, before the correction
+    S innovation_ohm;  ///< measured less expected resistance; 0 if the measurement was not valid
+    S innovation_variance;  ///< expected square of the innovation, ohm²
     S mismatch;             ///< relative magnitude of the innovation, averaged over 2 s
   };
 
-  /// At rest at ambient temperature, cooled there.
+  /// A wire that was cooled to the ambient temperature and rests there.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
     State s;
     start_at_rest(p, s, m, ambient_K, rest_slope(p, m.stress_Pa, ambient_K));
     return s;
   }
-  /// How the phases at rest change per kelvin of the room. Cost: half of a start at rest.
+  /// The change of the phases at rest per kelvin of the ambient temperature. Cost: half of a start
+  /// at rest.
   static PhaseRates<S> rest_slope(const Params& p, const S& stress_Pa, const S& ambient_K);
   static void start_at_rest(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
                             const PhaseRates<S>& rest_slope);
-  /// From a guess of temperature and phases.
+  /// Starts from a guess of temperature and phases.
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
                     const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
                     const S& temperature_sd_K);
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static Estimate<S> estimate(const Params& p, const State& s);
-  /// The resistance differs from what the model expects by more than 1 %, averaged over 2 s.
+  /// Whether the resistance differs from the model's by more than 1 %, averaged over 2 s.
   static bool contradicted(const State& s) { return S(0.01) < s.mismatch; }
-  /// Of the whole wire.
+  /// The strain of the whole wire.
   static S whole_strain(const Params& p, const State& s) {
     return smaservo::strain(p.model.material, p.model.ends.average(Kinetics::phases(s.kinetics)),
                             s.stress_Pa);
   }
 
-  // The parts of a step, open to tests of their derivatives.
+  // The parts of a step, public for tests of their derivatives.
 
-  /// Derivatives of a prediction: that of the temperature by all states, and how the phases follow
-  /// the temperature. With z' the rates after the step,
-  /// d(phases after) = T (d(phases before) - z'_before d(temperature before)) + z' d(temperature
-  /// after).
+  /// Derivatives of a prediction: those of the temperature by all states, and how the phases follow
+  /// the temperature. With z' the rates after the step, d(phases after) = T (d(phases before) -
+  /// z'_before d(temperature before)) + z' d(temperature after).
   struct Linear {
     Vector temperature;
     typename Kinetics::Tangent tangent;  ///< T and z'
     PhaseRates<S> moved;                 ///< T z'_before
-    S noise_K2;                          ///< of the temperature
-    S converted_m, converted_r;          ///< what each phase has gained or lost
+    S noise_K2;                          ///< variance that the step adds to the temperature
+    S converted_m, converted_r;          ///< magnitude of each phase's change
   };
   static Linear predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s);
 
@@ -158,7 +161,7 @@ void KalmanObserver<S>::start_at_rest(const Params& p, State& s, const Measureme
   const Phases<S> rest =
       Kinetics::phases(Kinetics::rest(p.model.kinetics, {ambient_K, m.stress_Pa}));
   start(p, s, m, ambient_K, ambient_K, rest, t.start_fraction_sd, t.start_temperature_sd_K);
-  // In a warmer room the wire would be warmer and rest with other phases.
+  // In a warmer room the resting wire would be warmer and have other phases.
   const S along[] = {S(1), rest_slope.martensite_1_K, rest_slope.r_phase_1_K, S(1)};
   const S variance = t.start_ambient_sd_K * t.start_ambient_sd_K;
   s.covariance.at(iAmbient, iAmbient) = S(0);
@@ -226,7 +229,7 @@ Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
           contradicted(s) ? Health::doubtful : Health::good};
 }
 
-/// One step of heat balance and kinetics, as Plant makes it without substeps.
+/// One step of heat balance and kinetics, like Plant's without substeps.
 template <class S>
 auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W, const S& dt_s)
     -> Linear {
@@ -250,7 +253,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   s.heat_J = heat_J - (body.capacity_J_K + loss_J_K) * dT + body.latent_m2a_J * dM +
              body.latent_r2a_J * dR;
 
-  // Where the path has a corner there is no derivative; that of the branch after it is taken.
+  // At a corner of the path there is no derivative; that of the branch after it is used.
   const bool straight = onward && k.heading == heading;
   if (!straight) {
     tangent.transfer = {S(1), S(0), S(0), S(1)};
@@ -266,7 +269,7 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   const PhaseRates<S> moved{t.m_m * rates_before.martensite_1_K + t.m_r * rates_before.r_phase_1_K,
                             t.r_m * rates_before.martensite_1_K + t.r_r * rates_before.r_phase_1_K};
 
-  // Derivatives of the heat that the step takes in. With the carried heat_J the enthalpy is exact.
+  // Derivatives of the heat that the step takes up. With the carried heat_J the enthalpy is exact.
   const S per = S(1) / (body.effective_capacity_J_K(tangent.rates) + loss_J_K);
   Vector temperature = Vector::Zero();
   temperature[iT] = body.effective_capacity_J_K(moved) * per;
@@ -275,15 +278,15 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   temperature[iAmbient] = loss_J_K * per;
   temperature[iLoss] = -(unit_loss_J * per);
 
-  // Noise whose deviation grows until the heat loss holds it at sd_K. The 6 K stand for the air,
-  // which is not exactly known, either.
+  // Noise whose standard deviation grows until the heat loss limits it to sd_K. The 6 K account for
+  // the air temperature, which is not known exactly, either.
   const S sd_K = p.tuning.heat_error * (magnitude(above) + S(6));
   const S noise_K2 = S(2) * sd_K * sd_K * body.loss_W_K * dt_s / body.capacity_J_K;
   return {temperature, tangent, moved, noise_K2, magnitude(dM), magnitude(dR)};
 }
 
-/// P <- F P Fᵀ + Q. Heat that the balance does not know of moves temperature and phases together;
-/// what was converted may have been more or less.
+/// P <- F P Fᵀ + Q. Heat that the balance does not include moves temperature and phases together;
+/// the fraction that was converted has an error of its own.
 template <class S>
 void KalmanObserver<S>::predict_covariance(const Params& p, Covariance<S>& P, const Linear& f,
                                            const S& dt_s) {
@@ -327,10 +330,10 @@ auto KalmanObserver<S>::expected(const Params& p, const State& s) -> Expected {
   return {scale * rho.value * stretch, slope};
 }
 
-/// Makes of a correction the most likely one that leaves no fraction negative: a fraction that
-/// would be is taken as measured exactly at its bound, which moves the other states as well. Were
-/// it only clipped, a correction that takes from one phase and gives to another would only give,
-/// and the filter would diverge.
+/// Changes a correction to the most likely one that keeps all fractions within the simplex: a
+/// fraction that would become negative is treated as measured exactly at its bound, which moves the
+/// other states as well. If it were only clipped, a correction that takes from one phase and gives
+/// to another would only give, and the filter would diverge.
 template <class S>
 void KalmanObserver<S>::keep_on_simplex(const Covariance<S>& P, const Phases<S>& z,
                                         Vector& change) {
@@ -346,8 +349,8 @@ void KalmanObserver<S>::keep_on_simplex(const Covariance<S>& P, const Phases<S>&
   }
 }
 
-/// With y the resistance measured less expected, and σ² its variance, Hᵀ P H and that of model and
-/// sensors:  K = P H/σ²,  x <- x + K y,  P <- P - K (P H)ᵀ.
+/// With y = measured less expected resistance, and its variance σ² = Hᵀ P H plus the variances of
+/// model and sensors:  K = P H/σ²,  x <- x + K y,  P <- P - K (P H)ᵀ.
 template <class S>
 void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
                                 const Expected& expect, const S& dt_s) {

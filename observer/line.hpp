@@ -1,6 +1,7 @@
 #pragma once
 // Strain as a straight line over resistance, from cold martensite to hot austenite at the present
-// stress: how wires are sensed today, without hysteresis, heat or R-phase. A reference.
+// stress, without hysteresis, heat or R-phase: the usual way to sense wires. A reference for
+// comparison.
 
 #include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"
@@ -49,7 +50,8 @@ struct LineObserver {
             Health::good};
   }
 
-  /// The line the other way round: what belongs to a strain at the stress and in the air of `s`.
+  /// The inverse of the line: the resistance for a strain, at the stress and ambient temperature of
+  /// `s`.
   static S resistance_ohm(const Params& p, const State& s, const S& strain) {
     const S austenite = smaservo::strain(p.model.material, Phases<S>{S(0), S(0)}, s.stress_Pa);
     const S martensite = smaservo::strain(p.model.material, Phases<S>{S(1), S(0)}, s.stress_Pa);

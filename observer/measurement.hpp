@@ -12,24 +12,25 @@ namespace smaservo {
 template <class S>
 struct Sample {
   S current_A;
-  S voltage_V;  ///< between the sense leads
+  S voltage_V;  ///< voltage between the sense leads
   S load_N;
 };
 
 template <class S>
 struct MeasurementParams {
-  S area_m2;           ///< of the wire, load to stress
-  S current_offset_A;  ///< read at zero current, subtracted
+  S area_m2;           ///< cross-section of the wire, from load to stress
+  S current_offset_A;  ///< reading at zero current, which is subtracted
   S voltage_offset_V;
   S current_noise_A;  ///< standard deviations
   S voltage_noise_V;
-  S lead_resistance_ohm;  ///< 0 with four wires; with two, that of the leads (002 eq. 4)
-  S min_current_A;        ///< below it there is no resistance, only noise
-  S min_resistance_ohm, max_resistance_ohm;  ///< outside: a broken wire or a short
+  S lead_resistance_ohm;  ///< 0 with four wires; with two, the resistance of the leads (002 eq. 4)
+  S min_current_A;        ///< a lower current gives no resistance, only noise
+  /// A value outside means a broken wire or a short circuit.
+  S min_resistance_ohm, max_resistance_ohm;
 };
 
-/// The resistance of a wire in series with a reference resistor, from the voltage over both and
-/// that over the reference: 002 eq. 4. reference_V must not be zero.
+/// The resistance of a wire in series with a reference resistor, from the voltages over both
+/// together and over the reference: 002 eq. 4. reference_V must not be zero.
 template <class S>
 constexpr S two_wire_resistance_ohm(const S& reference_ohm, const S& net_V, const S& reference_V,
                                     const S& lead_ohm) {
@@ -37,8 +38,8 @@ constexpr S two_wire_resistance_ohm(const S& reference_ohm, const S& net_V, cons
 }
 
 /// Resistance, power and stress with their validity. A reading that is NaN or out of range
-/// makes invalid what is computed from it, and nothing else. An invalid power is 0, as if the wire
-/// were not heated.
+/// invalidates only the values computed from it. An invalid power is 0, as if the wire were not
+/// heated.
 template <class S>
 Measurement<S> measure(const MeasurementParams<S>& p, const Sample<S>& sample) {
   using std::isfinite;

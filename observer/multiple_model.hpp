@@ -1,7 +1,7 @@
 #pragma once
-// Multiple-model filter: several Kalman filters that start from different ideas of where the wire
-// is, each weighed by the likelihood of its innovations, until the resistance has told which one is
-// right. A single filter that starts from the wrong phase stays there.
+// Multiple-model filter: several Kalman filters start from different hypotheses about the wire's
+// state, and each is weighed by the likelihood of its innovations until the resistance has shown
+// which one is right. A single filter that starts from wrong phases keeps them.
 //
 // The work of a search is spread over many calls, so that none costs more than two steps of a
 // filter: observer/README.md, 'The multiple-model filter'.
@@ -25,31 +25,35 @@ struct MultipleModelFilter {
 
   static constexpr std::size_t hypotheses = 6;
 
-  /// What a filter has not been told yet.
+  /// The measurements that a filter has not processed yet.
   struct Missed {
     S time_s;
     S energy_J;
   };
 
   struct State {
-    std::array<typename Filter::State, hypotheses> filter;  ///< each with its own start: open()
+    /// Hypothesis i starts as open() defines it.
+    std::array<typename Filter::State, hypotheses> filter;
     std::array<Missed, hypotheses> missed;
-    std::array<Estimate<S>, hypotheses> last;  ///< after the filter's last step
-    std::array<S, hypotheses> log_likelihood;  ///< of the resistance; a common constant is left out
-    std::array<S, hypotheses> log_weight;      ///< with log_prior(), relative to the best one
-    std::uint8_t alive;                        ///< bit i: filter i is possible
-    std::uint8_t leader;    ///< the most likely one; until a search has opened all, that before it
-    std::uint8_t follower;  ///< of the others, the last one that made a step
-    std::uint8_t last_opened;  ///< of a search
-    std::uint8_t unopened;     ///< hypotheses of a search that are still to come
-    std::uint8_t places;       ///< at which a search has looked for R-phase
-    S max_r_phase;             ///< that it found there
-    PhaseRates<S> rest_slope;  ///< of the phases at rest
-    bool rest_slope_known;     ///< to the search
-    S others_start;            ///< log-likelihood of the hypotheses that do not start at rest
+    std::array<Estimate<S>, hypotheses> last;  ///< estimate after each filter's last step
+    /// Log-likelihood of the measured resistances, up to a common constant.
+    std::array<S, hypotheses> log_likelihood;
+    /// log_likelihood plus log_prior(), relative to the best one.
+    std::array<S, hypotheses> log_weight;
+    std::uint8_t alive;  ///< bit i: hypothesis i is still possible
+    /// The most likely hypothesis; until a search has opened all hypotheses, the leader before it.
+    std::uint8_t leader;
+    std::uint8_t follower;     ///< the last one besides the leader that made a step
+    std::uint8_t last_opened;  ///< the hypothesis that the search opened last
+    std::uint8_t unopened;     ///< number of hypotheses that the search has still to open
+    std::uint8_t places;  ///< number of temperatures at which the search has looked for R-phase
+    S max_r_phase;        ///< most R-phase found at these temperatures
+    PhaseRates<S> rest_slope;  ///< change of the phases at rest per kelvin of ambient temperature
+    bool rest_slope_known;     ///< the search has computed rest_slope
+    S others_start;            ///< initial log-likelihood of hypotheses that do not start at rest
     S start_ambient_K;
     bool compared;  ///< there has been a valid resistance
-    S doubt_s;      ///< for how long the last filter has contradicted the resistance
+    S doubt_s;      ///< time for which the leader has contradicted the resistance without a break
   };
 
   /// Cost: one start at rest, two steps of the filter.
@@ -58,55 +62,58 @@ struct MultipleModelFilter {
     start(p, s, m, ambient_K);
     return s;
   }
-  /// The same in place: a state takes kilobytes, which a small stack has not.
+  /// Like start() above, but in place: a state takes kilobytes, which a small stack does not have.
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K);
 
-  /// Cost: one step of a filter; during a search one step more, or a part of its opening that costs
-  /// as much. The most likely hypothesis makes a step in each call, since the device's protection
+  /// Cost: one step of a filter; during a search one more, or a part of an opening that costs as
+  /// much. The most likely hypothesis makes a step in each call, since the device's protection
   /// relies on it; the others take turns, and a step of theirs covers all that they have missed.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
 
   /// The most likely hypothesis.
   static const typename Filter::State& likeliest(const State& s) { return s.filter[s.leader]; }
 
-  /// So many hypotheses are possible.
+  /// The number of hypotheses that are still possible.
   static int alive(const State& s) { return std::popcount(s.alive); }
 
-  /// The mean of the hypotheses by their likelihood, with their scatter in the deviation. As long
-  /// as a search opens, the filter before it, and that nothing is sure.
+  /// The mean of the hypotheses weighed by their likelihood; the deviation includes their scatter.
+  /// While a search is still opening hypotheses: the estimate of the leader before it, with
+  /// unknown_sd added to the deviation and the health `searching`.
   static Estimate<S> estimate(const Params& /*p*/, const State& s) { return estimate(s); }
 
  private:
-  /// A wire that was switched on is nearly always cold and at rest: exp(4) times as likely.
+  /// Initial log-likelihood of the other hypotheses: a wire that was switched on is nearly always
+  /// cold and at rest, exp(4) times as likely.
   static constexpr S other_starts = S(-4);
-  /// A hypothesis is given up when it is exp(10) times less likely than the best one. To wait
-  /// for more is not safer: then the model's own errors decide.
+  /// A hypothesis is dropped when it is exp(10) times less likely than the best one. A wider margin
+  /// is not safer: the errors of the model would then decide.
   static constexpr S min_log_weight = S(-10);
 
-  /// Added to the deviation of a hypothesis that does not start at rest, and so has not seen the
-  /// wire's resistance there: 2 % of 4 % stroke, as long as it lives.
+  /// Added to the deviation of a hypothesis that does not start at rest and therefore has not seen
+  /// the wire's resistance at rest: 2 % of a 4 % stroke, as long as it lives.
   static constexpr S unseen_rest_sd = S(8e-4);
 
-  /// Of a strain that may be anywhere in a 4 % stroke: 4 %/sqrt(12).
+  /// Standard deviation of a strain that may be anywhere in a 4 % stroke: 4 %/sqrt(12).
   static constexpr S unknown_sd = S(0.0115);
 
-  /// A wire that is seen in motion has one resistance to tell phases, drift and surroundings apart:
-  /// with much freedom for the last two, several starts would go on to explain everything.
+  /// Initial deviations for a wire that is seen in motion: a single resistance must tell phases,
+  /// drift and surroundings apart. With much freedom for drift and surroundings, several hypotheses
+  /// would explain everything for ever.
   static constexpr S moving_loss_sd = S(0.4);
   static constexpr S moving_resistance_sd = S(0.01);
 
-  /// Hypotheses whose strains scatter by less, 2.5 % of 4 % stroke, are no longer a question.
+  /// Hypotheses whose strains scatter by less than this, 2.5 % of a 4 % stroke, count as agreeing.
   static constexpr S agreed_sd = S(1e-3);
 
-  /// What a hypothesis has to believe of the air and of a drift to explain the resistance counts
-  /// against it: the filters themselves leave both nearly free.
+  /// Standard deviations of log_prior(): a hypothesis becomes less likely if it needs unusual air,
+  /// loss or drift to explain the resistance, which the filters themselves leave nearly free.
   static constexpr S plausible_ambient_sd_K = S(10);
   static constexpr S plausible_loss_sd = S(0.25);
   static constexpr S plausible_resistance_sd = S(0.01);
   static S log_prior(const typename Filter::State& f);
 
-  /// A search looks for the most R-phase that a wire has on cooling at so many temperatures, some
-  /// in each call.
+  /// A search looks for the most R-phase that the wire can have on cooling at `all_places`
+  /// temperatures, `places_in_call` of them in each call.
   static constexpr int all_places = 12;
   static constexpr int places_in_call = 4;
   static constexpr S place_distance_K = S(2.5);
@@ -135,7 +142,7 @@ struct MultipleModelFilter {
   static void merge(State& s, std::size_t i);
   static bool agree(const typename Filter::State& a, const typename Filter::State& b);
 
-  /// Where heating and cooling begin to transform, and the middle.
+  /// The temperatures at which heating and cooling begin to transform, and their mean.
   struct Loop {
     S heats_K, cools_K, between_K;
   };
@@ -175,7 +182,8 @@ void MultipleModelFilter<S>::advance(const Params& p, State& s, const Measuremen
   }
 }
 
-/// The present filter leads until the last hypothesis, if all are to open, takes its place.
+/// Keeps the present leader until all hypotheses are open; if `to_open` is all of them, its own
+/// filter is replaced last.
 template <class S>
 void MultipleModelFilter<S>::begin_search(State& s, std::size_t to_open, const S& others_start) {
   s.follower = s.leader;
@@ -189,7 +197,7 @@ void MultipleModelFilter<S>::begin_search(State& s, std::size_t to_open, const S
 }
 
 /// A step of the leader, then a part of the opening or a step of the filter whose turn it is. A
-/// step in which the leader turns from heating to cooling or back is so dear that the others wait.
+/// step in which the leader reverses its heading is so expensive that the others wait.
 template <class S>
 void MultipleModelFilter<S>::search(const Params& p, State& s, const Measurement<S>& m,
                                     const S& dt_s) {
@@ -222,7 +230,7 @@ void MultipleModelFilter<S>::search_further(const Params& p, State& s, const Mea
   }
 }
 
-/// The leader where there is no other.
+/// The next hypothesis whose turn it is; the leader if there is no other.
 template <class S>
 std::uint8_t MultipleModelFilter<S>::next_follower(const State& s) {
   for (std::size_t step = 1; step <= hypotheses; ++step) {
@@ -234,7 +242,7 @@ std::uint8_t MultipleModelFilter<S>::next_follower(const State& s) {
   return s.leader;
 }
 
-/// The search takes the stress that the filter knows: the measurement's may be invalid.
+/// The opening uses the leader's filtered stress, because the measurement's may be invalid.
 template <class S>
 void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measurement<S>& m) {
   Measurement<S> now = m;
@@ -286,15 +294,15 @@ void MultipleModelFilter<S>::open(const Params& p, State& s, std::size_t i,
   s.log_weight[i] = s.log_likelihood[i];
 }
 
-/// Hypothesis 0 is cold and at rest. The others: about to contract; about to stretch; in the middle
-/// of a loop, R-phase or martensite with austenite; hot.
+/// Starts a hypothesis other than 0, which is cold and at rest. 1: about to contract; 2: about to
+/// stretch; 3 and 4: in the middle of a loop, austenite with martensite or with R-phase; 5: hot.
 template <class S>
 void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
                                    const Measurement<S>& m) {
   const Loop at = loop(p, m.stress_Pa);
   const S martensite = matching_share(p, m, s.start_ambient_K, at.between_K, true);
   const S r_phase = matching_share(p, m, s.start_ambient_K, at.between_K, false);
-  // What the R-phase cannot explain is martensite.
+  // The part of the resistance that R-phase cannot explain is due to martensite.
   const auto mixture = [&](const S& share) {
     const S r = min(share * r_phase, s.max_r_phase);
     return Phases<S>{S(0.03) + (S(1) - r / r_phase) * min(martensite, S(0.95)) * S(0.97), r};
@@ -325,7 +333,7 @@ void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
   P.at(Filter::iResistance, Filter::iResistance) = moving_resistance_sd * moving_resistance_sd;
 }
 
-/// Share of martensite (or else R-phase) in austenite that explains the resistance.
+/// The share of martensite (or else of R-phase) in austenite that explains the resistance.
 template <class S>
 S MultipleModelFilter<S>::matching_share(const Params& p, const Measurement<S>& m,
                                          const S& ambient_K, const S& temperature_K,
@@ -341,7 +349,8 @@ S MultipleModelFilter<S>::matching_share(const Params& p, const Measurement<S>& 
   return share < S(0.02) ? S(0.02) : S(0.95) < share ? S(0.95) : share;
 }
 
-/// Tells a filter what it has missed and the present sample, and counts its innovation.
+/// Makes a step of a filter over all that it has missed and the present sample, and counts its
+/// innovation.
 template <class S>
 void MultipleModelFilter<S>::follow(const Params& p, State& s, std::size_t i,
                                     const Measurement<S>& m, const S& dt_s) {
@@ -355,8 +364,8 @@ void MultipleModelFilter<S>::follow(const Params& p, State& s, std::size_t i,
     missed = {S(0), S(0)};
   }
   Filter::advance(p, f, told, told_s);
-  // Without the logarithm of the variance: the filters count the resistance model's coloured
-  // error as white noise, and that term would then decide alone, for the most confident one.
+  // The logarithm of the variance is left out: the filters treat the resistance model's coloured
+  // error as white noise, so that term alone would decide, for the most confident filter.
   if (m.resistance_valid && searching(s)) {
     s.log_likelihood[i] -= S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
     s.log_weight[i] = s.log_likelihood[i] + log_prior(f);
@@ -372,7 +381,7 @@ S MultipleModelFilter<S>::log_prior(const typename Filter::State& f) {
   return S(-0.5) * (ambient * ambient + loss * loss + resistance * resistance);
 }
 
-/// The most likely one leads; what has become unlikely is given up.
+/// Makes the most likely hypothesis the leader; drops those that have become unlikely.
 template <class S>
 void MultipleModelFilter<S>::choose(State& s) {
   std::size_t best = s.leader;
@@ -391,7 +400,7 @@ void MultipleModelFilter<S>::choose(State& s) {
   merge(s, s.follower);
 }
 
-/// Of two that agree the less likely one is dropped. Filter i has just made a step.
+/// Drops the less likely one of two hypotheses that agree. Filter i has just made a step.
 template <class S>
 void MultipleModelFilter<S>::merge(State& s, std::size_t i) {
   for (std::size_t j = 0; j < hypotheses && is_alive(s, i); ++j) {
@@ -443,7 +452,7 @@ Estimate<S> MultipleModelFilter<S>::estimate(const State& s) {
     if (!is_alive(s, i)) {
       continue;
     }
-    const S w = i == s.leader ? S(1) : exp(s.log_weight[i]);  // relative to the leader
+    const S w = i == s.leader ? S(1) : exp(s.log_weight[i]);  // likelihood relative to the leader's
     const Estimate<S>& e = s.last[i];
     weights += w;
     mean.strain += w * e.strain;

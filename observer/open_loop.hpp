@@ -1,6 +1,6 @@
 #pragma once
-// The model alone, driven by the measured power and stress: what an observer without correction
-// would say. A reference, and the part of the Kalman filter that predicts.
+// The model alone, driven by the measured power and stress: the estimate of an observer without
+// correction. A reference for comparison, and the part of the Kalman filter that predicts.
 
 #include "model/wire/plant.hpp"
 #include "observer/estimate.hpp"

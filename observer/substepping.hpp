@@ -1,7 +1,7 @@
 #pragma once
 // An observer for slow or irregular samples: it makes several steps from one sample to the next,
-// with measurements in between on the straight line from one to the other. A wire heats by 3 K in
-// the 10 ms of a 100 Hz trace, which is too much for one linearised step.
+// with measurements interpolated linearly between them. A wire heats by 3 K in the 10 ms of a 100
+// Hz trace, which is too much for one linearised step.
 
 #include <cmath>
 
@@ -21,13 +21,13 @@ struct Substepping {
   };
 
   static constexpr S longest_step_s = S(5e-3);
-  /// No interval is cut into more substeps than these.
+  /// An interval is divided into at most this many substeps.
   static constexpr int max_substeps = 65536;
 
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
     return {O::start(p, m, ambient_K), m};
   }
-  /// In place, where the observer can.
+  /// Like start() above, but in place if the observer supports it.
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K) {
     O::start(p, s.observer, m, ambient_K);
     s.last = m;
@@ -36,7 +36,8 @@ struct Substepping {
   /// dt_s up to a minute. Cost: one step of the observer for each 5 ms.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
     using std::ceil;
-    // A clock that jitters around the longest step does not double the work.
+    // Rounding down by up to half a step keeps a clock that jitters around the longest step from
+    // doubling the work.
     const S wanted = ceil(dt_s / longest_step_s - S(0.5));
     const int substeps = wanted < S(1)              ? 1
                          : wanted < S(max_substeps) ? static_cast<int>(wanted)
@@ -54,7 +55,8 @@ struct Substepping {
   }
 
  private:
-  /// What is valid at one end only is not valid in between: power is 0 then, the rest unused.
+  /// A value that is valid at one end only is not valid in between: power is 0 then, the others are
+  /// unused.
   static Measurement<S> between(const Measurement<S>& a, const Measurement<S>& b, const S& share) {
     const auto at = [&](const S& from, const S& to) { return from + share * (to - from); };
     Measurement<S> m{};

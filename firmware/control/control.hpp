@@ -1,6 +1,6 @@
 #pragma once
-// From an estimate and a set-point to the current of the next step. Every mode asks for heating
-// power; limits, the transfer between modes and the current loop are the same for all.
+// Computes the current of the next step from an estimate and a set-point. Every mode yields a
+// heating power; limits, the transfer between modes and the current loop are the same for all.
 
 #include <cmath>
 
@@ -16,7 +16,7 @@
 
 namespace smaservo {
 
-/// What is asked of the controller.
+/// The request to the controller.
 template <class S>
 struct Demand {
   Mode mode;
@@ -28,55 +28,55 @@ template <class S>
 struct Controller {
   struct State {
     Mode mode;
-    bool entered;  ///< the mode is new
+    bool entered;  ///< the mode has just been entered
     bool rebase;   ///< mode or settings are new: the output must not jump
-    bool moving;   ///< towards the reference, until it is reached
+    bool moving;   ///< the strain has to move towards the reference, until it is reached
     typename Pid<S>::State pid;
     typename CurrentLoop<S>::State current_loop;
-    S reference;    ///< of the trajectory
-    S power_W;      ///< given in the last step
-    S transfer_W;   ///< jump of the power that the last change would have made; fades
-    S duty;         ///< average of the squared share of the current limit
-    S sustained_W;  ///< average of the power over the wire's own time constant
+    S reference;    ///< reference that the trajectory has reached
+    S power_W;      ///< power given in the last step
+    S transfer_W;   ///< jump of the power that the last change would have caused; fades out
+    S duty;         ///< averaged square of the current as a share of the current limit
+    S sustained_W;  ///< power averaged over the wire's thermal time constant
     bool streams;   ///< the set-point moves slowly enough to be followed
-    S moves_1_s;    ///< rate of a set-point that streams, filtered
-    S elapsed_s;    ///< in this mode
+    S moves_1_s;    ///< filtered rate of a set-point that streams
+    S elapsed_s;    ///< time in the present mode
   };
 
   struct Result {
     S drive_current_A, drive_voltage_V;
-    S setpoint;   ///< within the limits
-    S reference;  ///< of the trajectory, in the set-point's unit
+    S setpoint;   ///< set-point clamped to the limits
+    S reference;  ///< reference of the trajectory, in the set-point's unit
     S wanted_power_W;
     std::uint32_t limit_reasons;
     bool invalid;  ///< the wanted power was not a number; the least power is given
   };
 
-  /// A step without current. The loop starts afresh afterwards.
+  /// A step without current. The loop starts anew afterwards.
   static void rest(const Prepared<S>& p, State& s, const S& dt_s);
-  /// The same, though the wire may have been given this current all the time.
+  /// Like rest(), but assumes that the wire may have had this current all the time.
   [[gnu::noinline]] static void persist(const Prepared<S>& p, State& s, const S& current_A,
                                         const S& power_W, const S& dt_s);
 
-  /// New settings are in force from the next step on.
+  /// To be called when new settings take effect from the next step on.
   static void adopt(State& s) { s.rebase = true; }
 
-  /// Gives no current where the estimate is not a number. A set-point that is not a number gives
-  /// the least power, and the mode starts afresh after it. Cost: 550 instructions on average over
-  /// steps of the strain.
+  /// Gives no current if the estimate is not a number. A set-point that is not a number gives the
+  /// least power, and the mode starts anew after it. Cost: 550 instructions on average over steps
+  /// of the strain.
   static Result step(const Prepared<S>& p, State& s, const Demand<S>& demand,
                      const ControlInputs<S>& known, const S& dt_s);
 
  private:
   struct Loop {
     const LoopGains<S>& gains;
-    S direction;  ///< +1 where heat raises the variable
+    S direction;  ///< +1 if heat raises the variable, -1 if it lowers it
     S measured;
     S forward_W;
   };
   struct PowerParts {
-    S forward_W;   ///< by the set-point or the model
-    S feedback_W;  ///< by the loop
+    S forward_W;   ///< feed-forward from the set-point or the model
+    S feedback_W;  ///< output of the loop
   };
 
   static void enter(State& s, const Mode& mode, const S& strain);
@@ -148,7 +148,7 @@ S Controller<S>::clamp(const S& x, const S& low, const S& high, LimitReason why,
 }
 
 /// Clamps the set-point to the soft limits of its mode. Current, power and resistance have no upper
-/// bound here: the limits of the power bound them.
+/// bound here, since the limits of the power bound them.
 template <class S>
 S Controller<S>::limited_setpoint(const Prepared<S>& p, const Demand<S>& demand,
                                   LimitReasons& reasons) {
@@ -231,7 +231,8 @@ auto Controller<S>::strain_loop(const Prepared<S>& p, State& s, const Demand<S>&
   const S size = error < S(0) ? -error : error;
   const S band = q.strain.dead_band;
   // Between the branches of the hysteresis the strain hardly depends on the temperature: inside the
-  // dead band the temperature is held. A motion that has begun goes on to the middle of the band.
+  // dead band the temperature is held. A motion that has begun goes on until the error is below a
+  // quarter of the dead band.
   s.moving = band < size || S(0) < moves * error || (s.moving && S(0.25) * band < size);
   S forward_W = loss_W;
   if (planned.waits) {
@@ -289,8 +290,8 @@ auto Controller<S>::wanted(const Prepared<S>& p, State& s, const Demand<S>& dema
   return strain_loop(p, s, strain, known, loss_W, reasons, dt_s);
 }
 
-/// Applies the limits twice: before the transfer, so that transfer_W is never larger than the
-/// range, and to the sum with it.
+/// Applies the limits twice: to the wanted power, so that transfer_W never exceeds the range, and
+/// to the sum of the allowed power and transfer_W.
 template <class S>
 S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mode,
                                  const PowerRange<S>& range, const PowerParts& wanted,
@@ -310,8 +311,8 @@ S Controller<S>::limited_power_W(const Prepared<S>& p, State& s, const Mode& mod
   }
   const S given_W = range.within(allowed_W + s.transfer_W);
   s.transfer_W -= s.transfer_W * (dt_s / (dt_s + q.transfer_s));
-  // Only the feedback beyond the limits winds the integral back, not the feed-forward: in every
-  // motion the model asks for more cooling than there is.
+  // Only the feedback beyond the limits winds the integral back, not the feed-forward, because in
+  // every motion the model demands more cooling than is possible.
   const S from_model_W = range.within(wanted.forward_W) + wanted.feedback_W;
   Pid<S>::limited(gains(q, mode), s.pid, from_model_W, range.within(from_model_W), dt_s);
   return given_W;

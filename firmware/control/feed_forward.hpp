@@ -1,6 +1,5 @@
 #pragma once
-// What the model says about power: how much keeps a wire as it is, and how much brings it to a
-// strain in a given time.
+// Power by the model: to keep a wire as it is, and to bring it to a strain in a given time.
 
 #include "firmware/prepared.hpp"
 #include "model/wire/inverse.hpp"
@@ -12,22 +11,22 @@ struct FeedForward {
   using Filter = KalmanObserver<S>;
   using Kinetics = typename Filter::Kinetics;
 
-  /// Heat that the wire loses now: the power that holds its temperature.
+  /// The heat that the wire loses now, which equals the power that holds its temperature.
   static S loss_W(const Prepared<S>& p, const typename Filter::State& f) {
     const S above_K = Kinetics::drive(f.kinetics).temperature_K - f.ambient_K;
     return f.loss * p.observer.model.body.loss_W(above_K);
   }
 
-  /// Power that brings in this heat within `time_s`, but not within less than three periods of the
-  /// loop: that leaves room for a sample's delay.
+  /// The power that brings in this heat within `time_s`, but in no less than three periods of the
+  /// loop, which leaves room for the delay of a sample.
   static S power_W(const S& heat_J, const S& time_s, const S& dt_s) {
     const S shortest_s = S(3) * dt_s;
     return heat_J / (time_s < shortest_s ? shortest_s : time_s);
   }
 
-  /// Heat that brings the wire to a strain, by the inverse of its model: strain -> phases ->
-  /// temperature -> heat. `longer` is the strain that the wire is to gain. The heat is negative
-  /// where the wire has to cool. Cost: some 200 instructions to heat, 450 to cool.
+  /// The heat that brings the wire to a strain, by the inverse of its model: strain -> phases ->
+  /// temperature -> heat. `longer` is the strain that the wire has to gain. The heat is negative if
+  /// the wire has to cool. Cost: about 200 instructions to heat, 450 to cool.
   static S heat_J(const Prepared<S>& p, const typename Filter::State& f, const S& longer) {
     const auto& model = p.observer.model;
     const S goal = Filter::whole_strain(p.observer, f) + longer;

@@ -1,6 +1,6 @@
 #pragma once
 // A PID loop with heating power as its output: derivative on the filtered measurement, weights on
-// the set-point, anti-windup by back-calculation, separate gains where less heat is asked for.
+// the set-point, anti-windup by back-calculation, a separate gain when less heat is needed.
 // Source: Astrom and Hagglund, 'Advanced PID Control', 2006, chapters 3.4 and 3.5.
 
 #include "firmware/command.hpp"
@@ -12,29 +12,29 @@ template <class S>
 struct Pid {
   struct State {
     S integral_W;
-    S filtered;  ///< of the controlled variable less its weighted reference
-    S base;      ///< reference at the start; the set-point's weight counts from there
+    S filtered;  ///< controlled variable less the weighted reference, low-pass filtered
+    S base;      ///< reference at the start, from which the set-point's weight counts
   };
 
-  /// State of a loop that starts here, without a history.
+  /// The state of a loop that starts now, without a history.
   static State start(const LoopGains<S>& q, const S& reference, const S& measured) {
     return {S(0), measured - q.derivative_weight * reference, reference};
   }
-  /// Goes on with other gains. The integral is kept: it holds what the model does not know.
+  /// Continues with other gains. The integral is kept: it contains what the model does not know.
   static void resume(const LoopGains<S>& q, State& s, const S& reference, const S& measured) {
     s.filtered = measured - q.derivative_weight * reference;
   }
 
-  /// Power beyond the feed-forward. `direction` is +1 where heat raises the controlled variable, -1
-  /// where it lowers it. cooling_factor scales the proportional and integral part: on the other
-  /// parts it would make a step whenever the error changes its sign. The arguments must be finite:
-  /// NaN would stay in the state. Cost: 30 flops, 2 divisions.
+  /// The power in addition to the feed-forward. `direction` is +1 if heat raises the controlled
+  /// variable, -1 if it lowers it. cooling_factor scales the proportional and integral part: on the
+  /// other parts it would cause a step whenever the error changes its sign. The arguments must be
+  /// finite: NaN would stay in the state. Cost: 30 flops, 2 divisions.
   static S step(const LoopGains<S>& q, const GainScale<S>& scale, const S& direction, State& s,
                 const S& reference, const S& measured, const S& dt_s);
 
-  /// Anti-windup: tells the integral the whole output before the limits (`wanted_W`) and after them
-  /// (`given_W`). With a tracking time far below 1/integral_1_s the integral cancels the
-  /// proportional part while a limit acts, and recovers from that slowly.
+  /// Anti-windup: corrects the integral by the difference of the whole output before the limits
+  /// (`wanted_W`) and after them (`given_W`). If the tracking time is far below 1/integral_1_s, the
+  /// integral cancels the proportional part while a limit acts, and recovers slowly from that.
   static void limited(const LoopGains<S>& q, State& s, const S& wanted_W, const S& given_W,
                       const S& dt_s) {
     const S share = dt_s < q.tracking_s ? dt_s / q.tracking_s : S(1);

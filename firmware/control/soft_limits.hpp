@@ -10,18 +10,20 @@
 
 namespace smaservo {
 
-/// What the controller knows of the wire in one step.
+/// The controller's knowledge of the wire in one step.
 template <class S>
 struct ControlInputs {
   const Measurement<S>& measurement;
   const Estimate<S>& estimate;
-  const typename KalmanObserver<S>::State& filter;  ///< the most likely filter's: model, air, loss
+  /// The most likely filter's state: model, ambient, loss.
+  const typename KalmanObserver<S>::State& filter;
   S current_A;
-  S supply_V;                                         ///< NaN where it is not measured
-  S ambient_K = std::numeric_limits<S>::quiet_NaN();  ///< of the air; NaN where it is not measured
-  S hot_K = S(0);      ///< the wire's temperature by HotResistance; 0: not known
-  S weak_K = S(0);     ///< the wire's temperature by CoolingGuard; 0: not known
-  bool probe = false;  ///< the cooling is being tested: no power
+  S supply_V;  ///< supply voltage; NaN if not measured
+  /// Temperature of the air; NaN if not measured.
+  S ambient_K = std::numeric_limits<S>::quiet_NaN();
+  S hot_K = S(0);      ///< wire temperature by HotResistance; 0: not known
+  S weak_K = S(0);     ///< wire temperature by CoolingGuard; 0: not known
+  bool probe = false;  ///< the cooling is being tested, which needs zero power
 };
 
 /// The limit reasons of one step.
@@ -38,13 +40,13 @@ class LimitReasons {
 template <class S>
 class PowerRange {
  public:
-  /// `duty` and `sustained_W` are averages so far: of the squared share of the current limit, and
-  /// of the power over the wire's own time constant. Cost: 70 flops, 8 divisions.
+  /// `duty` is the averaged square of the current as a share of its limit so far, `sustained_W` the
+  /// power averaged over the wire's thermal time constant. Cost: 70 flops, 8 divisions.
   PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, const S& ohm, const S& loss_W,
              const S& duty, const S& sustained_W, const S& dt_s);
 
-  /// The wanted power, brought into the range. If that changes it, the reason is added: above the
-  /// range, that of the smallest limit. NaN becomes the least power.
+  /// Clamps the wanted power to the range. If that changes it, the reason is added; above the
+  /// range, the reason of the smallest limit. NaN becomes the least power.
   S apply(const S& wanted_W, LimitReasons& reasons) const {
     if (max_W_ < wanted_W) {
       reasons.add(because_);
@@ -53,7 +55,7 @@ class PowerRange {
     }
     return within(wanted_W);
   }
-  /// The same without adding a reason.
+  /// Like apply(), but without adding a reason.
   S within(const S& wanted_W) const {
     const S bounded = max_W_ < wanted_W ? max_W_ : wanted_W;
     return min_W_ <= bounded ? bounded : min_W_;
@@ -61,7 +63,7 @@ class PowerRange {
 
  private:
   /// Time constant with which a wire may approach its limit of temperature or strain, where it is
-  /// held.
+  /// then held.
   static constexpr S approach_s = S(0.01);
 
   void max(LimitReason why, const S& power_W) {
@@ -76,9 +78,9 @@ class PowerRange {
   void limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W);
   void limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W);
 
-  /// Power of the minimum current, which other limits do not reduce: without it the resistance is
-  /// lost, and so is the estimate that the limits need. parameter_check.hpp bounds what it heats.
-  /// Only limits.current_A and limits.power_W may lie below it.
+  /// Power of the minimum current, which other limits do not reduce: without it the resistance
+  /// cannot be measured, and the estimate that the limits need is lost. parameter_check.hpp limits
+  /// its heating effect. Only limits.current_A and limits.power_W may be lower.
   S min_W_;
   S max_W_;
   LimitReason because_ = LimitReason::current;
@@ -109,15 +111,16 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, c
   }
   limit_duty(q, duty, max_W);
   limit_strain(p, known, loss_W, dt_s);
-  // The measured stress, not the filtered one: that lags by more than a wire needs to contract.
+  // The measured stress is used, since the filtered one lags by more time than a wire needs to
+  // contract.
   limit_stress(
       q, known.measurement.stress_valid ? known.measurement.stress_Pa : known.filter.stress_Pa,
       loss_W);
 }
 
-/// Bounds the average power by the wire file alone. A wire held at its temperature limit tells the
-/// observer little: a resistance that is off by 0.3 % is taken for stronger cooling, which lets in
-/// more power, without end.
+/// Bounds the average power by the wire file alone. A wire held at its temperature limit gives the
+/// observer little information: a resistance error of 0.3 % is mistaken for stronger cooling, so
+/// the allowed power would rise without end.
 template <class S>
 void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>& known,
                                     const S& sustained_W) {
@@ -131,10 +134,10 @@ void PowerRange<S>::limit_sustained(const Prepared<S>& p, const ControlInputs<S>
   max(LimitReason::temperature, max_for_long_W + S(10) * (max_for_long_W - sustained_W));
 }
 
-/// Before the limit the wire gets at most the latent heat of the strain that is left, which is less
-/// than it needs to contract by so much. Beyond the limit the power falls within 0.1 % of strain
-/// from what holds the temperature to nothing. If it fell at once, a wire on the limit would cool
-/// through its whole hysteresis and be heated up again.
+/// Below the limit (room > 0) the wire gets at most the latent heat of the remaining strain, which
+/// is less than it needs to contract by that strain. Beyond the limit the power falls within 0.1 %
+/// of strain from the power that holds the temperature to zero. If it fell at once, a wire at the
+/// limit would cool through its whole hysteresis and be heated up again.
 template <class S>
 void PowerRange<S>::limit_strain(const Prepared<S>& p, const ControlInputs<S>& known,
                                  const S& loss_W, const S& dt_s) {
@@ -150,7 +153,7 @@ void PowerRange<S>::limit_strain(const Prepared<S>& p, const ControlInputs<S>& k
 }
 
 /// Contracting against a spring raises the stress. Over the last 10 % below the limit the power is
-/// reduced to what holds the temperature, over the first 1 % above it to nothing.
+/// reduced to that which holds the temperature, over the first 1 % above it to zero.
 template <class S>
 void PowerRange<S>::limit_stress(const SoftLimits<S>& q, const S& stress_Pa, const S& loss_W) {
   const S room = S(10) * (q.stress_Pa - stress_Pa);
@@ -161,8 +164,8 @@ void PowerRange<S>::limit_stress(const SoftLimits<S>& q, const S& stress_Pa, con
   }
 }
 
-/// Over the last 5 % of limits.duty the power falls to nothing. A limits.duty of 1 limits nothing:
-/// it allows the whole current all the time.
+/// Over the last 5 % below limits.duty the greatest power falls from the share limits.duty to zero.
+/// A limits.duty of 1 limits nothing: it allows the whole current all the time.
 template <class S>
 void PowerRange<S>::limit_duty(const SoftLimits<S>& q, const S& duty, const S& max_W) {
   const S room = S(20) * (q.duty - duty);

@@ -1,5 +1,5 @@
 #pragma once
-// The strain that the loop follows: from where the wire is to the set-point.
+// The reference strain that the loop follows, from the wire's present strain to the set-point.
 
 #include "firmware/settings.hpp"
 
@@ -9,16 +9,16 @@ template <class S>
 struct Trajectory {
   struct Result {
     S reference;
-    bool waits;  ///< for the wire: it cannot cool any faster
+    bool waits;  ///< the reference waits, since the wire cannot cool any faster
   };
 
-  /// How far, in strain, the reference may run ahead of a wire that cools: 2 % of a stroke of 4 %.
-  /// There it waits and the heat is off: cooling is passive and cannot be made faster.
+  /// Greatest strain by which the reference may lead a cooling wire: 2 % of a 4 % stroke. At this
+  /// lead the reference waits and the heat is off: cooling is passive and cannot be made faster.
   static constexpr S lead = S(8e-4);
 
-  /// Moves the reference on from `before`, no faster than the rates allow. Only if the wire is more
-  /// than `lead` behind, because its estimate has jumped, the reference comes back at once, to
-  /// `lead` ahead of the wire.
+  /// Moves the reference on from `before`, no faster than the rates allow. Only if it leads the
+  /// wire by more than `lead`, because the estimate has jumped, it is set back at once to the lead
+  /// `lead`.
   static Result step(const TrajectorySettings<S>& q, const S& before, const S& setpoint,
                      const S& strain, const S& dt_s) {
     const S max = strain + lead;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int wrong_command_line = 2;
 
-/// Folders that systemd has made for the service.
+/// The folder that systemd has created for the service, from its environment variable.
 std::string folder_of(const char* variable) {
   const char* const value = std::getenv(variable);
   return value == nullptr ? "" : value;
@@ -22,7 +22,7 @@ std::string folder_of(const char* variable) {
 bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
   CLI::App app{"Drives a shape-memory-alloy wire as a position servo.", "smaservod"};
   app.set_version_flag("--version", SMASERVO_VERSION);
-  // CLI11's own message, but printable: it quotes the command line.
+  // CLI11's own message, made printable because it quotes the command line.
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return files::printable(error.what()) + "\nRun with --help for more information.\n";
   });

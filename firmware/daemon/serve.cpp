@@ -20,7 +20,7 @@ std::string after_equals(const std::string& text) {
   return equals == std::string::npos ? "" : text.substr(equals + 1);
 }
 
-/// What --board sim runs.
+/// The scenario that --board sim runs.
 bench::ClosedLoopScenario simulated(const DaemonOptions& options) {
   const std::string file = after_equals(options.board);
   bench::ClosedLoopScenario scenario =
@@ -39,8 +39,8 @@ Settings<double> recorded(const DaemonOptions& options) {
                                                          : options.device);
 }
 
-/// Where something is refused, the exception ends the check with the exit code that it would end a
-/// run with.
+/// Tries one part of a check. If it is refused, the exception ends the check with the same exit
+/// code as a run.
 template <class Try>
 void report(const char* what, Try attempt) {
   try {
@@ -111,7 +111,7 @@ int serve_replay(const DaemonOptions& options) {
   const Settings<double> settings = recorded(options);
   ServiceSetup setup = service_setup(options, settings);
   setup.settings_file.clear();
-  setup.folder.clear();  // a replay leaves no mark, and takes no settings but the recording's
+  setup.folder.clear();  // a replay leaves no mark, and takes its settings only from the recording
   setup.real_time = setup.paced = false;
   Service service(std::move(setup));
   Replaying board(trace, settings, service.desk());

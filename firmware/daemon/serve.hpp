@@ -1,5 +1,5 @@
 #pragma once
-// From a command line to a board and its service.
+// Makes a board and its service from a command line.
 
 #include "firmware/daemon/bus/kept_settings.hpp"
 #include "firmware/daemon/loop/loop.hpp"
@@ -9,8 +9,8 @@
 
 namespace smaservo::daemon {
 
-/// SCHED_FIFO priority of the bus's thread: above threads without one, below the loop's and, by
-/// default, below the kernel's interrupt threads (50).
+/// SCHED_FIFO priority of the bus's thread: above threads without real-time priority, below the
+/// loop's and, by default, below the kernel's interrupt threads (50).
 constexpr int bus_priority(const RealTimeSettings& loop) {
   return std::max(loop.priority / 2, 1);
 }
@@ -29,17 +29,17 @@ int serve(Service& service, B& board, CommandSource& source, const LoopTiming& t
 LoopTiming timing_of(const Settings<double>& settings, double for_s);
 ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings);
 
-/// All return the exit code: 0, 1, or EX_CONFIG where a file is refused. They throw UserError,
-/// TraceError, DeviceError or CanError; a ConfigError means EX_CONFIG, too.
+/// All return the exit code: 0, 1, or EX_CONFIG if a file is refused. They throw UserError,
+/// TraceError, DeviceError or CanError; a ConfigError also means EX_CONFIG.
 int serve_simulation(const DaemonOptions& options);
 int serve_replay(const DaemonOptions& options);
 int serve_board(const DaemonOptions& options);
 int check_board(const DaemonOptions& options);
-/// Of a simulated wire or a recording: reads the files and opens the bus; runs nothing.
+/// Checks for a simulated wire or a recording: read the files and open the bus, but run nothing.
 int check_simulation(const DaemonOptions& options);
 int check_replay(const DaemonOptions& options);
 int switch_board_off(const DaemonOptions& options);
-/// 0: the board drives the device `options.owns`; 1: it does not.
+/// Returns 0 if the board drives the device `options.owns`, otherwise 1.
 int tell_owned(const DaemonOptions& options);
 
 }  // namespace smaservo::daemon

@@ -18,7 +18,7 @@
 namespace smaservo::daemon {
 namespace {
 
-/// Where the kernel's files are; a test names a tree of its own by SMASERVO_ROOT.
+/// The folders of the kernel's files; tests name another tree by SMASERVO_ROOT.
 hal::LinuxRoots roots() {
   hal::LinuxRoots roots;
   if (const char* const root = std::getenv("SMASERVO_ROOT")) {
@@ -34,7 +34,7 @@ Settings<double> unconfigured() {
 hal::LinuxBoardParts open_parts(const BoardFile& file) {
   const hal::LinuxRoots where = roots();
   hal::LinuxBoardParts parts;
-  // Outputs are opened first, which switches them off before anything else can fail.
+  // Outputs are opened first, because opening switches them off before anything else can fail.
   parts.drive = open_drive(file, where);
   parts.lines = hal::open_lines(where, file.lines);
   parts.slow = std::make_unique<hal::SlowSensors>(where, file.slow);
@@ -43,8 +43,8 @@ hal::LinuxBoardParts open_parts(const BoardFile& file) {
   return parts;
 }
 
-/// Path of the copy of the last run's board file. --off reads it, so that a board file that was
-/// changed or removed since leaves no output on.
+/// Path of the copy of the last run's board file. --off reads it, so that no output stays on if the
+/// board file was changed or removed since.
 std::string kept_board(const std::string& folder) {
   return folder + "/board.toml";
 }
@@ -64,7 +64,7 @@ void keep_board(const std::string& folder, const std::string& text) {
   umask(before);
 }
 
-/// The board file; nullopt where it is refused. Prints why, unless `said`: someone has done so
+/// The board file; nullopt if it is refused. Prints the reason, unless `said`: it has been printed
 /// already.
 std::optional<BoardFile> usable(const std::string& path, bool said) {
   try {
@@ -77,7 +77,7 @@ std::optional<BoardFile> usable(const std::string& path, bool said) {
   }
 }
 
-/// Opens the drive and the lines, which switches them off; each by itself, so that the failure of
+/// Opens the drive and the lines, which switches them off; each separately, so that a failure of
 /// one does not leave the other on.
 bool outputs_off(const BoardFile& file) {
   hal::LinuxRoots where = roots();
@@ -104,7 +104,7 @@ void report_line(std::string_view what, std::string_view text) {
   files::print(fmt::format("{:<16} {}\n", what, files::printable(text)));
 }
 
-/// Prints the report's line on the settings; false: the file is refused, or is beyond the board.
+/// Prints the report's line on the settings; false if the file is refused or exceeds the board.
 bool settings_tried(const BoardFile& file) {
   std::string problem;
   try {
@@ -119,7 +119,7 @@ bool settings_tried(const BoardFile& file) {
   return problem.empty();
 }
 
-/// Prints one line of the report; false: the device cannot be opened.
+/// Prints one line of the report; false if the device cannot be opened.
 bool tried(const char* what, const std::function<void()>& open) {
   try {
     open();
@@ -133,7 +133,7 @@ bool tried(const char* what, const std::function<void()>& open) {
   }
 }
 
-/// `unguarded` says what nothing guards against without this line.
+/// `unguarded` names the danger that nothing guards against without this line.
 bool line_tried(const char* what, const hal::LineSettings& line,
                 hal::LineSettings hal::LinesSettings::* which, std::string_view unguarded = "") {
   if (line.name.empty()) {
@@ -148,7 +148,7 @@ bool line_tried(const char* what, const hal::LineSettings& line,
 }
 
 /// A settings file with an impossible period is refused. Stored settings came over the bus and can
-/// only be mended there: with an impossible period, the daemon runs with another one, and the
+/// only be corrected there: with an impossible period the daemon runs with another one, and the
 /// device cannot be armed.
 KeptSettings board_settings(const BoardFile& file, const DaemonOptions& options) {
   const bool configured = !options.device.empty();
@@ -223,7 +223,7 @@ int switch_board_off(const DaemonOptions& options) {
   const std::string folder = !options.settings.empty() ? options.settings
                              : present                 ? present->folder
                                                        : default_folder;
-  // A result is kept of runs only; a start that was refused was none.
+  // A result is kept for runs only; a start that was refused was no run.
   if (result != nullptr && std::string(result) != "success" && !refused) {
     try {
       keep_service_result(folder, result);
@@ -233,7 +233,8 @@ int switch_board_off(const DaemonOptions& options) {
   }
   bool files = present.has_value();
   bool outputs = true;
-  // Switches off the outputs of both files; a failure in one must not leave those of the other on.
+  // Switches off the outputs of both files; a failure with one must not leave the outputs of the
+  // other on.
   if (const std::string copy = kept_board(folder); hal::exists(copy)) {
     const std::optional<BoardFile> kept = usable(copy, false);
     files = files && kept;
@@ -256,7 +257,7 @@ int serve_board(const DaemonOptions& options) {
   setup.problem = [&](const Settings<double>& settings) { return board_problem(file, settings); };
   Service service(std::move(setup));
   service.links().faults.fetch_or(kept.faults.bits());
-  // The service has locked the folder, and nothing has been heated yet.
+  // At this point the service has locked the folder, and nothing has been heated yet.
   keep_board(with.settings, file.text);
   if (!options.program.empty()) {
     Programmed programmed(bench::load_closed_loop(options.program).program);

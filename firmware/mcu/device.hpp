@@ -1,6 +1,6 @@
 #pragma once
-// The device's step in a file of its own: device.cpp is compiled with small functions inlined, all
-// other files of the firmware for size alone.
+// The device's step in a file of its own: device.cpp is compiled with inlined small functions, all
+// other files of the firmware only for size.
 
 #include "firmware/device/device.hpp"
 
@@ -9,7 +9,7 @@ namespace smaservo::mcu {
 Output<float> step_device(const Prepared<float>& prepared, Device<float>::State& state,
                           const Inputs<float>& in, const Command<float>& command, float dt_s);
 
-/// The first half of the step alone, as Device::observe().
+/// The first half of the step, as Device::observe().
 Measurement<float> observe_device(const Prepared<float>& prepared, Device<float>::State& state,
                                   const Inputs<float>& in, float dt_s);
 

@@ -14,8 +14,8 @@
 namespace smaservo::mcu {
 namespace {
 
-/// Everything that lives as long as the program. It is a static object, so the linker counts its
-/// memory.
+/// All objects that live as long as the program. The class is instantiated statically, so the
+/// linker counts its memory.
 class Loop {
  public:
   Loop(const Settings<float>& settings, std::uint32_t period_us, FaultSet found)
@@ -96,8 +96,8 @@ class Loop {
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());
   Device<float>::State device_ = Device<float>::start();
-  FaultSet found_;             ///< at the start; whoever stores acknowledges it
-  std::uint32_t adopted_ = 0;  ///< the staging_.changes() in force
+  FaultSet found_;             ///< faults found at the start; storing settings acknowledges them
+  std::uint32_t adopted_ = 0;  ///< the staging_.changes() of the settings in force
 };
 
 std::optional<Loop> loop;

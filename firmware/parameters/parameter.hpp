@@ -1,5 +1,6 @@
 #pragma once
-// What a row of the parameter table says, and how one is made. parameters.hpp has the rows.
+// The type of a row of the parameter table, and functions that make rows. parameters.hpp has the
+// rows.
 
 #include <array>
 #include <bit>
@@ -19,12 +20,12 @@ namespace smaservo {
 
 /// When a change takes effect.
 enum class Change : std::uint8_t {
-  live,             ///< in the next step
-  without_current,  ///< likewise, but refused while the device is enabled
-  after_reset,      ///< stored, and in force after the next start
+  live,             ///< takes effect in the next step
+  without_current,  ///< takes effect in the next step, but is refused while the device is enabled
+  after_reset,      ///< stored, and takes effect after the next start
 };
 
-/// 32 bits as they are stored and sent: a float, or an unsigned number.
+/// 32 bits as stored and sent: a float, or an unsigned number.
 struct Value {
   std::uint32_t bits;
 
@@ -36,7 +37,7 @@ struct Value {
   friend constexpr bool operator==(const Value&, const Value&) = default;
 };
 
-/// As std::isfinite, which is not constexpr before C++23.
+/// Like std::isfinite, which is not constexpr before C++23.
 constexpr bool is_finite(float x) {
   constexpr float max = std::numeric_limits<float>::max();
   return -max <= x && x <= max;
@@ -54,14 +55,16 @@ struct ParameterRow {
   Needs needs;
   Lane lane;
   Value min, standard, max;
-  const void* (*at)(const Settings<S>&);  ///< the member, for load_real() and load_whole()
+  /// Address of the member, for load_real() and load_whole().
+  const void* (*at)(const Settings<S>&);
 
   Value get(const Settings<S>& settings) const {
     const void* from = at(settings);
     return type == ValueType::real ? Value::real(static_cast<float>(load_real<S>(from, lane)))
                                    : Value::number(load_whole(from, type));
   }
-  /// Without a check: a real may be any value, but a choice must be one of its values.
+  /// Sets the value without a check: a real may be any value, but a choice must be one of its
+  /// values.
   void set(Settings<S>& settings, Value value) const {
     void* to = const_cast<void*>(at(settings));  // NOLINT(*-const-cast)
     if (type == ValueType::real) {
@@ -82,12 +85,12 @@ struct ParameterRow {
 template <class S>
 struct Parameter : ParameterRow<S> {
   Path path;                                  ///< table and name, with the SI unit as suffix
-  Kind kind;                                  ///< of a real: its units
-  std::span<const std::string_view> choices;  ///< of a choice: names by value
+  Kind kind;                                  ///< unit kind of a real
+  std::span<const std::string_view> choices;  ///< names of a choice, by value
   std::string_view meaning;
 };
 
-/// How a row reaches its member: through pointers to members, from Settings<S> down.
+/// A row's access to its member: through pointers to members, from Settings<S> down.
 template <class S, auto... members>
 struct Member {
   using Scalar = S;
@@ -95,13 +98,13 @@ struct Member {
   static const void* at(const Settings<S>& s) { return &(s.*....*members); }
 };
 
-/// A parameter that may change while the device is enabled is for tuning, unless its group says
-/// otherwise by set_up().
+/// A parameter that may change while the device is enabled is for tuning, unless set_up() sets
+/// another level for its group.
 constexpr Level level_of(Change change) {
   return change == Change::live ? Level::tune : Level::set_up;
 }
 
-/// The same rows, for Level::set_up: they bound heat or motion.
+/// The same rows with Level::set_up, because they bound heat or motion.
 template <class S, std::size_t n>
 constexpr std::array<Parameter<S>, n> set_up(std::array<Parameter<S>, n> rows) {
   for (Parameter<S>& row : rows) {
@@ -136,7 +139,7 @@ constexpr Parameter<S> number(Key key, Path path, Change change, std::uint32_t m
           meaning};
 }
 
-/// `choices` names the enumerators, from 0 on.
+/// `choices` names the enumerators, beginning with 0.
 template <class Access, class S = typename Access::Scalar>
 constexpr Parameter<S> choice(Key key, Path path, std::span<const std::string_view> choices,
                               Change change, typename Access::Type standard,

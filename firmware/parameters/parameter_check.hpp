@@ -1,6 +1,6 @@
 #pragma once
-// What settings must fulfil: each value by itself, and all of them together. A rule names both
-// parameters that contradict each other; the messages for a user are made elsewhere.
+// The conditions that settings must fulfil: each value by itself, and all of them together. A rule
+// names both parameters that contradict each other; messages for users are made elsewhere.
 
 #include <cmath>
 
@@ -12,17 +12,17 @@ namespace smaservo {
 enum class Problem : std::uint8_t {
   none,
   not_finite,
-  below,          ///< its least value
-  above,          ///< its greatest value
-  contradiction,  ///< of two parameters: a rule does not hold
+  below,          ///< below its least value
+  above,          ///< above its greatest value
+  contradiction,  ///< two parameters contradict each other: a rule does not hold
 };
 
-/// What is wrong with settings. `parameter` and `other` are rows of `parameters`.
+/// The problem of settings. `parameter` and `other` are rows of `parameters`.
 struct Finding {
   Problem problem = Problem::none;
   std::size_t parameter = no_parameter;
-  std::size_t other = no_parameter;  ///< of a contradiction
-  std::size_t rule = 0;              ///< of a contradiction: row of `parameter_rules`
+  std::size_t other = no_parameter;  ///< the other parameter of a contradiction
+  std::size_t rule = 0;              ///< for a contradiction: row of `parameter_rules`
 
   constexpr bool ok() const { return problem == Problem::none; }
 };
@@ -30,20 +30,21 @@ struct Finding {
 enum class Relation : std::uint8_t {
   below,       ///< factor a + plus < b
   not_above,   ///< factor a + plus <= b
-  heats,       ///< start a, finish b of a process that heats: within `surface_range`
-  cools,       ///< likewise, of one that cools
-  curvature,   ///< a + b stress of a process: likewise
-  turning,     ///< likewise
+  heats,       ///< start a and finish b of a process on heating are within `surface_range`
+  cools,       ///< start a and finish b of a process on cooling are within `surface_range`
+  curvature,   ///< curvature a + b stress of a process is within `surface_range`
+  turning,     ///< turning a + b stress of a process is within `surface_range`
   idle_power,  ///< the power of the current a in a cold wire <= b
-  idle_heat,   ///< the same power <= max_idle_share of what holds the temperature b - plus
+  idle_heat,  ///< the same power <= max_idle_share of the power that holds the temperature b - plus
 };
 
-/// The minimum current flows whatever the limits of temperature and duty say, since without it the
-/// resistance is lost. So it must not heat the wire by more than this share of what its limit does.
+/// The minimum current flows regardless of the limits of temperature and duty, because the
+/// resistance cannot be measured without it. So it must not heat the wire by more than this share
+/// of what its temperature limit allows.
 inline constexpr double max_idle_share = 0.1;
 
-/// Parameters in a relation, as rows of `parameters`. The rule holds as long as one of its
-/// parameters is not set or not used. Relations of a process are checked at every stress up to
+/// Parameters in a relation, as rows of `parameters`. The rule counts as fulfilled while one of its
+/// parameters is not set or not used. Relations of a process are checked at stresses from 0 to
 /// wire.limits.stress_Pa.
 struct RuleRow {
   std::uint16_t a, b;
@@ -147,7 +148,7 @@ consteval auto all_rules() {
   });
 }
 
-/// The surface that a row belongs to, by its index.
+/// The surface that a row belongs to, by the row's index.
 template <class S>
 Surface<S> surface_of(const ThreePhaseParams<S>& p, std::uint16_t index) {
   switch (index) {
@@ -168,7 +169,7 @@ template <class S>
 bool surface_holds(const Surface<S>& surface, Relation relation, const S& stress_Pa) {
   constexpr SurfaceRange range;
   const Isobar<S> at = isobar(surface, stress_Pa);
-  // A value at the edge of what a wire file allows may be rounded beyond it.
+  // A value at the edge of the range of a wire file may be rounded beyond it.
   const auto within = [](const S& min, const S& x, const S& max) {
     const S slack = S(1e-3) * min;
     return min - slack <= x && x <= max + slack;
@@ -199,7 +200,7 @@ bool process_holds(const RuleRow& rule, const Wire<S>& wire) {
   return true;
 }
 
-/// P = I^2 R of a wire at rest at 25 degC
+/// Relation idle_power or idle_heat: P = I^2 R of a wire at rest at 25 °C.
 template <class S>
 bool idles(Relation relation, const Wire<S>& wire, const S& current_A, const S& b, const S& plus) {
   const S idle_W = current_A * current_A * cold_resistance_ohm(wire);
@@ -208,7 +209,7 @@ bool idles(Relation relation, const Wire<S>& wire, const S& current_A, const S& 
       relation == Relation::idle_power
           ? b
           : S(max_idle_share) * thermal_body(wire.geometry, wire.heat).loss_W(above_K);
-  return !(allowed_W < idle_W);  // holds where the wire is not configured
+  return !(allowed_W < idle_W);  // NaN fulfils the rule: the wire is not configured
 }
 
 }  // namespace detail
@@ -222,13 +223,14 @@ inline constexpr auto rule_rows = [] {
   return rows;
 }();
 
-/// Whether this parameter has a value: a default, or one that is not NaN.
+/// Whether this parameter has a value: it has a default, or its value is not NaN.
 template <class S>
 bool is_set(const ParameterRow<S>& row, const Settings<S>& settings) {
   return row.has_default() || !std::isnan(row.get(settings).real());
 }
 
-/// Row of the first parameter without which the device is not configured; no_parameter: none.
+/// Row of the first parameter without which the device is not configured; no_parameter if there is
+/// none.
 template <class S>
 std::size_t first_missing(const Settings<S>& settings) {
   for (std::size_t i = 0; i < parameter_count; ++i) {
@@ -270,7 +272,7 @@ constexpr Problem problem_of(Fit fit) {
                                   : Problem::above;
 }
 
-/// The first problem of the settings. A parameter that is not set yet is not one: see
+/// The first problem of the settings. A parameter that is not set yet is no problem here: see
 /// first_missing(). Cost: some ten microseconds on a PC; not for the loop.
 template <class S>
 Finding check(const Settings<S>& settings) {

@@ -3,8 +3,8 @@
 // default, when it may change, meaning. Defaults, checks, files, the store, CAN and PARAMETERS.md
 // come from this table. Rows stand in the order of their keys; a new parameter is one more row.
 //
-// There is a table for float and one for double settings; the values are always such as a float can
-// hold. A key never changes its meaning: if a parameter is removed or gets another unit, its key
+// There is one table for float and one for double settings; all values can be represented as a
+// float. A key never changes its meaning: if a parameter is removed or gets another unit, its key
 // stays unused (schemas.hpp).
 
 #include <algorithm>
@@ -40,7 +40,7 @@ inline constexpr auto parameter_rows = [] {
 }();
 inline constexpr std::size_t no_parameter = parameter_count;
 
-/// The row of a key in rows that stand in the order of their keys; nullptr where there is none.
+/// The row of a key in rows that are sorted by their keys; nullptr if there is none.
 template <class S>
 constexpr const ParameterRow<S>* find_row(std::span<const ParameterRow<S>> rows, Key key) {
   while (!rows.empty()) {
@@ -53,7 +53,7 @@ constexpr const ParameterRow<S>* find_row(std::span<const ParameterRow<S>> rows,
   return nullptr;
 }
 
-/// Row of a key or a path; no_parameter where there is none.
+/// Row of a key or a path; no_parameter if there is none.
 constexpr std::size_t find_parameter(Key key) {
   const ParameterRow<float>* row = find_row<float>(parameter_rows<float>, key);
   return row == nullptr ? no_parameter
@@ -68,7 +68,7 @@ constexpr std::size_t find_parameter(std::string_view path) {
   return no_parameter;
 }
 
-/// Settings with every default; the numbers of the wire are NaN: not configured.
+/// Settings with every default; the numbers of the wire are NaN, which means not configured.
 template <class S>
 Settings<S> default_settings() {
   Settings<S> settings{};
@@ -78,7 +78,7 @@ Settings<S> default_settings() {
   return settings;
 }
 
-/// The same settings in another scalar, or rounded to float as the store and CAN keep them. A
+/// The same settings in another scalar, or rounded to float as the store and CAN have them. A
 /// parameter that is not used with these settings gets its default.
 template <class To, class From>
 Settings<To> stored_settings(const Settings<From>& settings) {
@@ -98,7 +98,7 @@ bool same_settings(const Settings<S>& a, const Settings<S>& b) {
   });
 }
 
-/// Where a value lies relative to the range of its row.
+/// The position of a value relative to the range of its row.
 enum class Fit : std::uint8_t { inside, not_finite, below, above };
 
 template <class S>

@@ -1,6 +1,6 @@
 #pragma once
 // The parameters of the wire: the rows of model/wire/wire_parameters.hpp with their keys. No real
-// has a default: a device without its wire is not configured.
+// has a default: a device whose wire is not set is not configured.
 
 #include "firmware/parameters/parameter.hpp"
 
@@ -11,7 +11,8 @@ struct WireObject {
   std::uint16_t index;
   std::uint8_t count;
 };
-/// In the order of the rows. What the maker allows is at 211Ch, the device's own limits at 2020h.
+/// The objects in the order of the rows. The maker's limits are at 211Ch, the device's own limits
+/// at 2020h.
 inline constexpr auto wire_objects = std::to_array<WireObject>({{0x2110, 7},
                                                                 {0x2111, 10},
                                                                 {0x2112, 10},

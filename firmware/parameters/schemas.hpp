@@ -1,8 +1,8 @@
 #pragma once
-// Which parameters the stored images of each release have, and what has moved since. An image is
-// read by its keys, so any release reads any other's: it ignores entries that it does not know, and
-// a parameter without an entry takes its default. Therefore a key never changes its meaning, type
-// or unit; a parameter that must change gets a new key, and a row of `moved_parameters`.
+// The parameters in the stored images of each release, and the ones moved since. An image is read
+// by its keys, so any release can read any other's: it ignores unknown entries, and a parameter
+// without an entry gets its default. Therefore a key never changes its meaning, type or unit; a
+// parameter that must change gets a new key, and a row of `moved_parameters`.
 
 #include "firmware/parameters/parameters.hpp"
 
@@ -29,16 +29,16 @@ inline constexpr auto schema_0_1_0 = std::to_array<SchemaObject>({
 });
 
 struct Schema {
-  std::string_view version;  ///< of the first release that had it
+  std::string_view version;  ///< first release with this schema
   std::span<const SchemaObject> objects;
 };
 
-/// The last schema is that of `parameters`.
+/// The last schema is that of the present `parameters`.
 inline constexpr auto released_schemas = std::to_array<Schema>({{"0.1.0", schema_0_1_0}});
 
 /// A parameter that older releases stored under the key `from`: its value under `to` is factor
 /// times the old one. Images are written with both entries, so that an older release finds its own.
-/// Only reals have factors other than 1.
+/// Only reals may have factors other than 1.
 struct Moved {
   Key from, to;
   float factor;
@@ -87,7 +87,7 @@ constexpr std::uint32_t schema_hash(std::span<const ParameterRow<S>> rows) {
   return hash.value();
 }
 
-/// Version of the release that wrote an image with this hash; empty: none that is known here.
+/// Version of the release that wrote an image with this hash; empty if no known release did.
 constexpr std::string_view schema_version(std::uint32_t hash) {
   for (const Schema& schema : released_schemas) {
     if (schema_hash(schema.objects) == hash) {

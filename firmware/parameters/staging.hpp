@@ -1,16 +1,17 @@
 #pragma once
-// Changes of parameters: staged one by one, checked as a set, in force as a set. A trial is in
-// force for a time and goes back by itself unless it is committed.
+// Changes of parameters: staged one by one, checked and applied as a set. A trial is in force for a
+// limited time and is reverted at its end unless it is committed.
 //
-//   stage, stage, apply                  in force, and what will be stored
+//   stage, stage, apply                  in force, and will be stored
 //   stage, stage, try_for(30 s), commit  in force at once, stored when committed
-//   stage, try_for(30 s), nothing        after 30 s as before
+//   stage, try_for(30 s), no commit      after 30 s as before
 //
-// With a single thread, Staging owns the settings in force; whoever else uses them compares
-// changes() with the number that it has followed. With several threads another object owns them
-// (ParameterDesk of the daemon): it hands settings in by replace() and takes active() out.
+// With a single thread, Staging owns the settings in force; other users compare changes() with the
+// number that they have followed. With several threads another object owns them (ParameterDesk of
+// the daemon): it hands settings in by replace() and takes active() out.
 //
-// apply() and try_for() are not for the loop: they cost some ten microseconds on a PC. tick() is.
+// apply() and try_for() are not for the loop: they cost some ten microseconds on a PC. tick() is
+// for the loop.
 
 #include "firmware/parameters/parameter_check.hpp"
 
@@ -20,24 +21,24 @@ enum class StageResult : std::uint8_t {
   ok,
   unknown_parameter,
   not_finite,
-  below,          ///< its least value
-  above,          ///< its greatest value
-  while_enabled,  ///< may change without current only
+  below,          ///< below its least value
+  above,          ///< above its greatest value
+  while_enabled,  ///< may change only without current
 };
 
 enum class ApplyProblem : std::uint8_t {
   none,
   refused,        ///< the set is out of range or contradictory: see the finding
-  while_enabled,  ///< the device has been enabled since: a staged parameter may not change now
+  while_enabled,  ///< the device was enabled meanwhile: a staged parameter may not change now
   only_live,      ///< a trial takes only parameters that may change at any time
-  on_trial,       ///< commit() or revert() comes first
+  on_trial,       ///< a trial is running: commit() or revert() comes first
   no_trial,       ///< there is nothing to commit
-  duration,       ///< of a trial: 0.1 s to an hour
+  duration,       ///< the duration of a trial must be 0.1 s to an hour
 };
 
 struct Applied {
   ApplyProblem problem = ApplyProblem::none;
-  std::size_t parameter = no_parameter;  ///< the first that may not change
+  std::size_t parameter = no_parameter;  ///< the first parameter that may not change
   Finding finding{};
 
   constexpr bool ok() const { return problem == ApplyProblem::none; }
@@ -50,18 +51,18 @@ class Staging {
   explicit Staging(const Settings<S>& settings)
       : active_(settings), configured_(settings), staged_(settings) {}
 
-  /// The settings in force. They change in apply(), try_for(), revert(), tick() and replace() only,
-  /// and then as a whole.
+  /// The settings in force. They change only in apply(), try_for(), revert(), tick() and replace(),
+  /// and always as a whole.
   const Settings<S>& active() const { return active_; }
-  /// Counts up with each set that comes into force.
+  /// Counts the sets that have come into force.
   std::uint32_t changes() const { return changes_; }
-  /// The settings to store: without those on trial, with those that wait for the next start.
+  /// The settings to store: without those on trial, but with those that wait for the next start.
   const Settings<S>& configured() const { return configured_; }
-  /// The settings in force with the staged changes: what a reader of parameters expects to see.
+  /// The settings in force with the staged changes, as a reader of parameters expects to see them.
   const Settings<S>& staged() const { return staged_; }
 
   bool on_trial() const { return S(0) < trial_s_; }
-  /// The time left of a trial; 0 without one.
+  /// The time left of a trial; 0 if there is none.
   S trial_left_s() const { return trial_s_; }
   bool waits_for_reset() const {
     return !same_settings(configured_, with_boot_values(configured_));
@@ -94,7 +95,7 @@ class Staging {
   /// Drops the staged changes.
   void discard() { staged_ = on_trial() ? with_reset_values(active_) : configured_; }
 
-  /// Puts the staged set in force: all of it or nothing.
+  /// Puts the staged set in force, completely or not at all.
   Applied apply(bool enabled) {
     if (on_trial()) {
       return {ApplyProblem::on_trial};
@@ -107,8 +108,8 @@ class Staging {
     return allowed;
   }
 
-  /// Puts the staged set in force for `duration_s`. While a trial runs, another one takes its
-  /// place; at its end the settings from before the first trial are in force again.
+  /// Puts the staged set in force for `duration_s`. Another trial replaces a running one; at its
+  /// end the settings from before the first trial are in force again.
   Applied try_for(S duration_s) {
     if (!(S(0.1) <= duration_s && duration_s <= S(3600))) {
       return {ApplyProblem::duration};
@@ -127,7 +128,7 @@ class Staging {
     return allowed;
   }
 
-  /// Keeps what is on trial.
+  /// Makes the settings on trial permanent.
   Applied commit() {
     if (!on_trial()) {
       return {ApplyProblem::no_trial};
@@ -144,9 +145,9 @@ class Staging {
     put_in_force(configured_);
   }
 
-  /// Takes over settings that others have put in force and that have passed check(). A trial and
-  /// staged changes are dropped; what waits for the next start goes on waiting, unless it
-  /// contradicts these.
+  /// Takes over settings that were put in force by others and have passed check(). A trial and
+  /// staged changes are dropped; values that wait for the next start keep waiting, unless they
+  /// contradict these settings.
   void replace(const Settings<S>& settings) {
     const Settings<S> waiting = with_after_reset(settings, configured_);
     active_ = settings;
@@ -154,7 +155,7 @@ class Staging {
     revert();
   }
 
-  /// To be called once per step. True if a trial has just run out, so that active() has changed.
+  /// To be called once per step. True if a trial has just ended, so that active() has changed.
   bool tick(S dt_s) {
     if (!on_trial()) {
       return false;
@@ -179,8 +180,8 @@ class Staging {
         return {ApplyProblem::while_enabled, i};
       }
     }
-    // Parameters that wait for the next start keep their old values until then, beside the new
-    // values of the others: the settings must pass in both cases.
+    // Parameters that wait for the next start keep their old values until then, together with the
+    // new values of the others: the settings must pass in both cases.
     for (const Settings<S>& set : {staged_, with_boot_values(staged_)}) {
       const Finding finding = check(set);
       if (!finding.ok()) {
@@ -206,7 +207,7 @@ class Staging {
   }
 
   Settings<S> active_, configured_, staged_;
-  S trial_s_ = S(0);  ///< what is left of it
+  S trial_s_ = S(0);  ///< time left of the trial
   std::uint32_t changes_ = 0;
 };
 

@@ -1,22 +1,22 @@
 #pragma once
 // The check of the wire before it is heated: its resistance is measured with a sense current. The
-// observer may still be unsure of the wire's state: only heating can tell that.
+// observer may still be unsure of the wire's state, which only heating can clarify.
 
 #include "firmware/safety/monitor/estimate.hpp"
 #include "firmware/safety/monitor/wire.hpp"
 
 namespace smaservo {
 
-/// All zero: not begun.
+/// All zero: the check has not begun.
 template <class S>
 struct ArmingCheck {
-  S expected_ohm;  ///< by the model, of a wire that has not aged
+  S expected_ohm;  ///< resistance by the model, for a wire that has not aged
   S sum_ohm, samples;
-  bool cold;  ///< the wire has the air's temperature
+  bool cold;  ///< the wire is known to have the air's temperature
 
   static constexpr S settling_s = S(0.01);
   static constexpr S min_s = S(0.05);
-  static constexpr S max_s = S(0.1);  ///< a check that has not passed by then has failed
+  static constexpr S max_s = S(0.1);  ///< a check that has not passed by this time has failed
 
   /// To be called with the last sample before the sense current flows.
   static ArmingCheck begin(const MonitorInputs<S>& seen) {
@@ -30,9 +30,9 @@ struct ArmingCheck {
     }
   }
 
-  /// Reasons not to heat this wire; none: it may be heated. If the wire may still be warm its
-  /// resistance is not compared with that of a cold one: it only has to be measurable, between a
-  /// short and an open wire.
+  /// The reasons not to heat this wire; empty if it may be heated. If the wire may still be warm,
+  /// its resistance is not compared with that of a cold one: it only has to be measurable, between
+  /// a short circuit and an open wire.
   FaultSet findings(const MonitorInputs<S>& seen) const {
     const Settings<S>& q = seen.prepared.settings;
     const S cold_ohm = seen.prepared.cold_ohm * samples;

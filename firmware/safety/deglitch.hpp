@@ -1,5 +1,5 @@
 #pragma once
-// From conditions that come and go to faults: each has to last for its deglitch time.
+// Turns intermittent conditions into faults: each has to last for its deglitch time.
 
 #include <array>
 
@@ -16,7 +16,7 @@ inline constexpr auto fault_deglitch_s = [] {
   return times;
 }();
 
-/// How long a condition lasts until it is a fault, with these settings.
+/// The time that a condition has to last to be a fault, with these settings.
 template <class S>
 constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
   switch (fault) {
@@ -32,15 +32,16 @@ constexpr S deglitch_s(Fault fault, const Settings<S>& settings) {
 }
 
 /// A timer for each condition. It counts up while the condition is present and down while it is
-/// not: a loose contact that is open for most of the time trips as well. All zero: no condition has
+/// not: so a loose contact that is open most of the time trips as well. All zero: no condition has
 /// been seen.
 template <class S>
 struct Deglitch {
-  std::array<S, fault_count> held_s;  ///< the timers, of pending conditions
-  FaultSet pending;  ///< conditions that were seen and whose timer has not run down
+  std::array<S, fault_count> held_s;  ///< timers of pending conditions
+  FaultSet pending;  ///< conditions that were seen and whose timers have not run down
   FaultSet active;
 
-  /// Cost: some operations for each condition that is present or pending; else next to nothing.
+  /// Cost: some operations for each condition that is present or pending; otherwise next to
+  /// nothing.
   FaultSet step(FaultSet now, const S& dt_s) {
     for_each_fault(now | pending, [&](Fault fault) {
       const auto i = static_cast<std::size_t>(fault);
@@ -57,7 +58,7 @@ struct Deglitch {
       held = pending.has(fault) ? held + dt_s : S(0);
       held = held < limit_s ? held : limit_s;
       pending.set(fault);
-      // A sum of many steps may miss the limit by its rounding.
+      // The rounding of a sum of many steps may keep it just below the limit.
       if (limit_s <= held + S(0.25) * dt_s) {
         active.set(fault);
       }

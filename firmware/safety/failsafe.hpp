@@ -1,6 +1,6 @@
 #pragma once
-// What follows from faults: two pure functions of a few flags, small enough to be tested over every
-// combination (tests/firmware/safety/failsafe_test.cpp).
+// The consequences of faults: two pure functions of a few flags, small enough to be tested over
+// every combination (tests/firmware/safety/failsafe_test.cpp).
 
 #include "firmware/command.hpp"
 #include "firmware/safety/faults/table.hpp"
@@ -8,29 +8,29 @@
 
 namespace smaservo {
 
-/// What the device does with its current.
+/// The kind of current that the device gives.
 enum class Heat : std::uint8_t {
   none,     ///< exactly zero
   sense,    ///< the minimum current, to measure the resistance
-  run,      ///< as commanded
-  hold,     ///< safe state: holds the strain at the fault
-  release,  ///< safe state: cools at a known rate
+  run,      ///< current as commanded
+  hold,     ///< safe state: holds the strain that the wire had at the fault
+  release,  ///< safe state: cools at a set rate
 };
 
 struct FailsafeInput {
   DeviceState state;
-  FaultSet active, latched;  ///< after latch()
+  FaultSet active, latched;  ///< sets after latch()
   // The command.
   bool arm;
   bool arm_edge;  ///< arm has risen and this edge has not been used yet
-  // Of the state.
-  bool started;  ///< the state starting has found out what it must
-  bool blocked;  ///< something active blocks arming
-  bool checked;  ///< the checks of arming are done
-  bool passed;   ///< with success
-  // Of the safe state.
+  // Conditions of the present state.
+  bool started;  ///< the offsets are known and the observer runs: starting may end
+  bool blocked;  ///< an active condition blocks arming
+  bool checked;  ///< the checks of arming are complete
+  bool passed;   ///< the checks of arming have passed
+  // Conditions of the safe state.
   SafeState safe;
-  bool may_hold;   ///< the estimate is good enough to hold or release by
+  bool may_hold;   ///< the estimate is good enough to hold or release the wire
   bool safe_over;  ///< the time of the safe state is over, or the wire is cold
 };
 
@@ -49,7 +49,7 @@ inline constexpr FaultSet acknowledged_faults =
 inline constexpr FaultSet lasting_faults =
     faults_where([](const FaultRow& row) { return row.clears == Clears::reset; });
 
-/// The latched faults after this step. While the wire is heated all faults of the classes F0, F1
+/// The latched faults after this step. While the wire is heated, all faults of the classes F0, F1
 /// and F2 are latched; otherwise only F0, so that a supply that is not yet switched on needs no
 /// clearing. `clear` removes faults that are no longer active, and works only in a state without
 /// heat.
@@ -58,7 +58,7 @@ constexpr FaultSet latch(FaultSet latched, FaultSet active, DeviceState state, b
   return kept | (active & (is_heated(state) ? tripping_faults : faults_of(FaultClass::F0)));
 }
 
-/// What follows from a fault of the classes F0 to F2 in running or stopping.
+/// The output for a fault of the classes F0 to F2 in running or stopping.
 constexpr FailsafeOutput safe_state(const FailsafeInput& in) {
   const bool must_be_off = !((in.active | in.latched) & heat_off_faults).empty();
   const bool possible = in.arm && in.may_hold && !in.safe_over && in.safe != SafeState::off;
@@ -68,7 +68,7 @@ constexpr FailsafeOutput safe_state(const FailsafeInput& in) {
   return {DeviceState::stopping, in.safe == SafeState::hold ? Heat::hold : Heat::release};
 }
 
-/// What follows in arming without a fault of the classes F0 to F2.
+/// The output in arming without a fault of the classes F0 to F2.
 constexpr FailsafeOutput look_at_wire(const FailsafeInput& in) {
   if (!in.arm || in.blocked || (in.checked && !in.passed)) {
     return {DeviceState::ready, Heat::none};
@@ -77,9 +77,9 @@ constexpr FailsafeOutput look_at_wire(const FailsafeInput& in) {
                     : FailsafeOutput{DeviceState::arming, Heat::sense};
 }
 
-/// The next state of the device and the heat that it may have, from this step on. There is no heat
-/// with a fault of class F0 or F1. After a fault the wire is heated again only from ready, with
-/// nothing latched, and after a new rising edge of `arm`.
+/// The next state of the device and its kind of current from this step on. There is no heat with a
+/// fault of class F0 or F1. After a fault the wire is heated again only from ready, with nothing
+/// latched, and after a new rising edge of `arm`.
 constexpr FailsafeOutput failsafe(const FailsafeInput& in) {
   using enum DeviceState;
   const bool tripped = !((in.active | in.latched) & tripping_faults).empty();

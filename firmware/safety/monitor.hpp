@@ -1,9 +1,9 @@
 #pragma once
-// Detects which faults are active, from what is known in one step. It only detects: failsafe.hpp
-// and supervisor.hpp decide what follows.
+// Detects active faults from the inputs of one step. It only detects: failsafe.hpp and
+// supervisor.hpp decide what follows.
 //
-// Thresholds come from the settings, except a few that follow from physics or arithmetic and stand
-// where they are used. A healthy wire never triggers a fault
+// Thresholds come from the settings, except a few that follow from physics or arithmetic and are
+// written where they are used. A healthy wire never triggers a fault
 // (tests/firmware/safety/monitor_test.cpp).
 
 #include "firmware/safety/deglitch.hpp"
@@ -17,7 +17,7 @@ namespace smaservo {
 
 template <class S>
 struct Monitor {
-  /// All zero: nothing has been seen.
+  /// All zero: nothing has been seen yet.
   struct State {
     ZeroCurrent<S> zero;
     typename WireMonitor<S>::State wire;
@@ -26,7 +26,7 @@ struct Monitor {
     Deglitch<S> deglitch;
   };
 
-  /// Conditions that have lasted for their deglitch time.
+  /// Returns the conditions that have lasted for their deglitch time.
   static FaultSet step(const MonitorInputs<S>& seen, State& s) {
     if (seen.stalled) [[unlikely]] {
       return s.deglitch.step(after_stall(seen, s), seen.dt_s);
@@ -44,9 +44,10 @@ struct Monitor {
   [[gnu::noinline]] static FaultSet after_stall(const MonitorInputs<S>& seen, State& s);
 };
 
-/// The sample after a stall is no answer to the last command: the guard or the one-shot may have
-/// ended that at any time. So nothing is concluded from it, not even an open wire. The heat goes on
-/// as seen.measurement tells it; it is never below what the observer makes of the same power.
+/// The sample after a stall is not the response to the last command, because the guard or the
+/// one-shot may have ended the current at any time. So no fault is concluded from it, not even an
+/// open wire. The heat content is continued with seen.measurement; it is never below the observer's
+/// value for the same power.
 template <class S>
 FaultSet Monitor<S>::after_stall(const MonitorInputs<S>& seen, State& s) {
   const StalledTime<S> time(seen.prepared, seen.dt_s);
@@ -62,11 +63,11 @@ FaultSet Monitor<S>::after_stall(const MonitorInputs<S>& seen, State& s) {
     }
     heat.heat_J = heat.heat_J < heat.observed_J ? heat.observed_J : heat.heat_J;
   }
-  // Readings from before the stall are compared with none from after it.
+  // Readings from before the stall must not be compared with readings after it.
   s.wire.steady_ohm = S(0);
   s.wire.unanswered_J = S(0);
   s.wire.was_sure = false;
-  // Nor does a cooling tell anything whose beginning was not seen.
+  // A cooling whose beginning was not seen gives no information either.
   s.wire.cooling.hot = s.wire.cooling.probing = s.wire.cooling.confirmed = false;
   s.machine.sampled = false;
   s.machine.misses = S(0);

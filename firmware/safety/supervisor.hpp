@@ -1,6 +1,6 @@
 #pragma once
-// The device's states: what is latched, what blocks, and when each state ends. failsafe() makes the
-// decisions; its inputs are made here.
+// The device's states: the latched faults, the conditions that block, and the end of each state. It
+// prepares the inputs of failsafe(), which makes the decisions.
 //
 //   starting -> ready -> arming -> running -> stopping -> fault -> ready
 //
@@ -16,31 +16,31 @@ namespace smaservo {
 
 template <class S>
 struct Supervisor {
-  /// All zero: just switched on.
+  /// All zero: the device has just been switched on.
   struct State {
     DeviceState state;
     S in_state_s;
-    bool armed, cleared;  ///< as the last command said
+    bool armed, cleared;  ///< the flags of the last command
     bool arm_edge;        ///< arm has risen and this edge has not been used yet
     FaultSet latched;
     FaultSet acknowledged;
-    FaultSet lasting;   ///< active until a restart
-    FaultSet findings;  ///< what the check of the last arming found
+    FaultSet lasting;   ///< faults that stay active until a restart
+    FaultSet findings;  ///< faults found by the check of the last arming
     Fault first_cause;
     std::uint64_t first_cause_us;
     ArmingCheck<S> check;
-    S safe_strain;  ///< set-point of the safe state
+    S safe_strain;  ///< strain set-point of the safe state
   };
 
   struct Verdict {
     DeviceState state;
     Heat heat;
-    bool limited;  ///< by a fault of class L
-    S strain;      ///< to hold, or to release to
+    bool limited;  ///< a fault of class L limits the current
+    S strain;      ///< strain to hold, or the release's set-point
     FaultSet active, latched, warnings, blocks;
   };
 
-  /// `active` as Monitor gives it; time_us of this step.
+  /// `active` comes from Monitor; `time_us` is the time of this step.
   static Verdict step(const MonitorInputs<S>& seen, State& s, FaultSet active,
                       std::uint64_t time_us);
 
@@ -95,8 +95,8 @@ auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active
     in.safe_over = safe_over(seen, s);
   }
   const FailsafeOutput next = failsafe(in);
-  // An edge of arm is good for one attempt, even a refused one; only in the state starting it
-  // waits.
+  // An edge of arm is used up by one attempt, even a refused one; only in the state starting it is
+  // kept.
   s.arm_edge = s.arm_edge && s.state == DeviceState::starting;
   s.in_state_s += seen.dt_s;
   if (next.state != s.state) {
@@ -118,8 +118,8 @@ auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active
           heated ? FaultSet{} : (active & blocking_faults) | s.latched | s.findings};
 }
 
-/// The active faults, without those that have been acknowledged and are still there, and with those
-/// that only a restart clears.
+/// The active faults without acknowledged ones that are still present, and with those that only a
+/// restart clears.
 template <class S>
 FaultSet Supervisor<S>::remember(State& s, FaultSet active, bool clear) {
   s.acknowledged = s.acknowledged & active;
@@ -138,7 +138,7 @@ void Supervisor<S>::latch_faults(State& s, FaultSet active, bool clear, std::uin
     s.first_cause = Fault::none;
     s.first_cause_us = 0;
   } else if (before.empty()) {
-    // The gravest of several faults that were latched at once.
+    // If several faults were latched at once, the first cause is the gravest.
     const FaultSet at_once = s.latched & faults_of(FaultClass::F0);
     const FaultSet off = s.latched & heat_off_faults;
     s.first_cause = (!at_once.empty() ? at_once : !off.empty() ? off : s.latched).first();

@@ -1,7 +1,7 @@
 #pragma once
 // A microcontroller's board in an emulator: SysTick gives the loop's period; pipes, opened by
-// semihosting, stand for converter, output stage and CAN controller. A real board has registers in
-// place of the pipes; README.md says what to change.
+// semihosting, replace converter, output stage and CAN controller. A real board has registers
+// instead of the pipes; README.md says what to change.
 
 #include <algorithm>
 #include <array>
@@ -36,7 +36,7 @@ class PipeBoard {
     sys_tick().control = SysTick::enable | SysTick::interrupt | SysTick::processor_clock;
   }
 
-  /// Sleeps until the timer's next tick, then reads from the pipe without a wait. On a real board
+  /// Sleeps until the timer's next tick, then reads from the pipe without waiting. On a real board
   /// the tick would start the converter, and the converter's interrupt would end the sleep.
   hal::ReadStatus read(hal::FrameOf<float>& frame) {
     while (ticks == served_) {
@@ -64,7 +64,7 @@ class PipeBoard {
   /// Number of periods that were missed before the last frame.
   std::uint32_t missed() const { return missed_; }
 
-  /// The command's lease may be a second at most.
+  /// The command's lease must not exceed one second.
   void drive(const hal::DriveCommandOf<float>& command) {
     next_.current_A = command.current_A;
     next_.voltage_V = command.voltage_V;
@@ -95,7 +95,7 @@ class PipeBoard {
 };
 static_assert(hal::Board<PipeBoard, float>);
 
-/// A CanPort of two pipes; receive() asks the other end for a frame.
+/// A CanPort made of two pipes; receive() asks the other end for a frame.
 class PipeCan {
  public:
   bool is_open() const { return to_.is_open() && from_.is_open(); }
@@ -142,7 +142,7 @@ class SlotFiles {
     at_ = 0;
     return true;
   }
-  /// Pieces must be written one after the other, from the slot's beginning on.
+  /// The pieces of a slot must be written in order, from its beginning.
   bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from) {
     if (offset != at_) {
       return false;

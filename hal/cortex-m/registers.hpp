@@ -1,6 +1,5 @@
 #pragma once
-// The registers of the processor that are used here, after the Armv7-M and Armv8-M reference
-// manuals.
+// The processor's registers that are used here, as in the Armv7-M and Armv8-M reference manuals.
 
 #include <cstdint>
 
@@ -30,7 +29,7 @@ inline SysTick& sys_tick() {
   return at<SysTick>(0xE000E010);
 }
 
-/// Coprocessor access control: who may use the floating-point unit.
+/// Coprocessor access control: which privilege levels may use the floating-point unit.
 inline volatile std::uint32_t& cpacr() {
   return at<volatile std::uint32_t>(0xE000ED88);
 }

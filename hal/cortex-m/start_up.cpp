@@ -35,7 +35,8 @@ void enable_floating_point() {
 
 }  // namespace
 
-/// Paints the stack below its own frame. Not inline, so that no variable of the caller lies there.
+/// Fills the stack below its own frame with a pattern. Not inlined, so that no variable of the
+/// caller lies there.
 [[gnu::noinline]] void repaint_stack() {
   volatile std::uint32_t* const top = stack_pointer() - 16;
   for (volatile std::uint32_t* at = bss_end; at < top; ++at) {
@@ -63,20 +64,20 @@ void reset() {
   semihosting::leave(application());
 }
 
-// A real board switches its drive off here; otherwise the lease, no longer renewed, does so.
+// A real board switches its drive off here; here the lease does so, as it is no longer renewed.
 [[noreturn]] void fault() {
   smaservo::semihosting::print("processor fault\n");
   smaservo::semihosting::leave(125);
 }
 
-// Functions that the C library calls when it gives up, or to destroy static objects.
+// The C library calls these functions when it gives up, or to destroy static objects.
 [[noreturn]] void abort() {
   fault();
 }
 [[noreturn]] void __cxa_pure_virtual() {
   fault();
 }
-// The library's own function would add 100 bytes of state for files and locales.
+// The C library's own function would add 100 bytes of state for files and locales.
 int* __errno() {
   static int number = 0;
   return &number;

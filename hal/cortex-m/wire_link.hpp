@@ -11,8 +11,8 @@ namespace smaservo::cortex_m::link {
 /// Sent before each period; the answer is the readings at its end.
 struct Drive {
   float current_A, voltage_V;
-  std::int32_t lease_us;  ///< from now on
-  std::uint32_t kicked;   ///< 1: the one-shot is triggered
+  std::int32_t lease_us;  ///< time from now for which the command is valid
+  std::uint32_t kicked;   ///< 1: the one-shot has been triggered
 };
 
 enum Flag : std::uint32_t {
@@ -26,7 +26,8 @@ struct Readings {
   float current_A, voltage_V, load_N, supply_V, ambient_K, driver_K;
 };
 
-/// From the board: a frame, or the question whether one has come. To the board: the answer to that.
+/// From the board: a frame to send, or the question whether one has been received. To the board:
+/// the answer to the question.
 struct Can {
   std::uint32_t frames;  ///< 0 or 1
   std::uint32_t id;

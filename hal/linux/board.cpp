@@ -50,7 +50,7 @@ ReadStatus LinuxBoard::read(Frame& frame) {
 }
 
 void LinuxBoard::drive(const DriveCommand& command) {
-  // The emergency stop switches off at once, not only when a frame has told the device of it.
+  // The emergency stop switches off at once, before a frame tells the device of it.
   if (stopped_) {
     safe_off();
     return;

@@ -1,5 +1,5 @@
 #pragma once
-// A board made of Linux devices, which its setup names.
+// A board made of the Linux devices that its setup names.
 
 #include <array>
 #include <memory>
@@ -13,8 +13,8 @@
 
 namespace smaservo::hal {
 
-/// Makes a reading of a code: in SI it is (code - zero_code) * scale. Codes of a converter at its
-/// rail are not treated differently: the device knows the converter's full scale.
+/// Converts a code to a reading in SI: (code - zero_code) * scale. Codes at the limit of the
+/// converter's range are not treated differently: the device knows the converter's full scale.
 struct Channel {
   std::size_t place;  ///< index in the raw frame
   double scale;       ///< SI per code
@@ -27,7 +27,7 @@ struct Calibration {
   Channel load{};
 };
 
-/// Writes the readings of a raw frame into `frame`, whose other members stay.
+/// Writes the readings of a raw frame into `frame`; its other members are left unchanged.
 void apply(const Calibration& calibration, const RawFrame& raw, Frame& frame);
 
 struct LinuxBoardParts {
@@ -38,7 +38,7 @@ struct LinuxBoardParts {
   Calibration calibration;
 };
 
-/// A failure in operation shows in the frames: there is none, or it has a driver fault. Functions
+/// A failure in operation shows in the frames: a frame is missing or has a driver fault. Functions
 /// that the loop calls allocate nothing.
 class LinuxBoard {
  public:
@@ -52,7 +52,7 @@ class LinuxBoard {
   ReadStatus read(Frame& frame);
   void drive(const DriveCommand& command);
   void safe_off();
-  /// Does nothing after a command that the drive did not take.
+  /// Triggers the one-shot, except after a command that the drive did not accept.
   void kick();
   static std::int64_t now_ns();
 

@@ -7,8 +7,8 @@
 namespace smaservo::hal {
 namespace {
 
-/// A period of a logger's counter (micros() and millis() of 32 bits, milliseconds of 16 bits) after
-/// which `next_s` comes soon after `last_s`; 0: none.
+/// The period of a wrapping counter of a logger (micros() and millis() of 32 bits, milliseconds of
+/// 16 bits) for which `next_s` comes soon after `last_s`; 0 if there is none.
 double wrap_s(double last_s, double next_s, double step_s) {
   for (const double period_s : {4294.967296, 4294967.296, 65.536}) {
     const double gap_s = next_s + period_s - last_s;
@@ -21,7 +21,7 @@ double wrap_s(double last_s, double next_s, double step_s) {
 
 }  // namespace
 
-/// Whether the first row is late, or the second one early; else the first one can be given.
+/// Whether the first row is late or the second one is early; otherwise the first one can be given.
 TimeRepair::Verdict TimeRepair::judge() const {
   if (rows_.size() < 2 || raw_s(1) > raw_s(0)) {
     return Verdict::rises;
@@ -35,7 +35,7 @@ TimeRepair::Verdict TimeRepair::judge() const {
   if (second_follows) {
     return Verdict::late;
   }
-  // The clock fell: for good, where it rises from there.
+  // The clock fell back permanently if it rises from there.
   return third_is_there && raw_s(2) > raw_s(1) ? Verdict::rises : Verdict::early;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// What a lenient reader makes of times that do not rise: one that is odd costs its row, a clock
-// that wraps is unwrapped, and a clock that began anew begins a new piece, whose times go on after
-// the last one's.
+// How a lenient reader treats times that do not rise: a row with an outlying time is dropped; a
+// clock that wraps is unwrapped; a clock that restarts begins a new piece, whose times continue
+// after those of the piece before.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,34 +16,34 @@ namespace smaservo::hal {
 /// A row that waits until the times after it are known.
 struct WaitingRow {
   TraceRow row;
-  std::string text;  ///< of the row, which row.text does not point to
+  std::string text;  ///< text of the row; row.text does not point to it
   std::uint64_t line;
 };
 
 class TimeRepair {
  public:
-  /// Rows that have to wait for the first of them to be judged, where the trace has as many.
+  /// Number of rows that must be known to judge the first of them, if the trace has as many.
   static constexpr std::size_t judged_with = 3;
 
   enum class Verdict : unsigned char {
-    rises,   ///< the first row's time comes after the one before
-    early,   ///< the row does not come after the one before, and those behind it do
-    late,    ///< the row comes after all those behind it
-    wraps,   ///< the counter of a logger began at 0 again; its time is known
-    begins,  ///< the clock began anew: a new piece
+    rises,   ///< the first row's time comes after that of the row before
+    early,   ///< the row does not come after the row before, but the rows behind it do
+    late,    ///< the row's time is later than those of all rows behind it
+    wraps,   ///< the counter of a logger wrapped to 0; the time is known
+    begins,  ///< the clock restarted: a new piece
   };
 
   struct Taken {
     Verdict verdict;
-    double read_s;   ///< the row's time, as it was read
-    double other_s;  ///< the same of the row before; where it is late, of the next one
+    double read_s;   ///< the row's time as read
+    double other_s;  ///< as read: time of the row before; for a late row, of the next one
   };
 
   void add(WaitingRow row) { rows_.push_back(std::move(row)); }
   std::size_t waiting() const { return rows_.size(); }
 
-  /// Takes a row: the first one, whose time and piece it sets, or one that is early or late. There
-  /// must be one.
+  /// Takes out a row: the first one, whose time and piece it sets, or one that is early or late.
+  /// There must be a row.
   Taken take(WaitingRow& row);
 
  private:
@@ -52,9 +52,9 @@ class TimeRepair {
   Verdict place(TraceRow& row);
 
   std::deque<WaitingRow> rows_;
-  double last_raw_s_ = -std::numeric_limits<double>::infinity();  ///< of the last row, as read
-  double last_s_ = last_raw_s_;                                   ///< the same as it was given
-  double step_s_ = 1e-3;                                          ///< between the last two
+  double last_raw_s_ = -std::numeric_limits<double>::infinity();  ///< time of the last row as read
+  double last_s_ = last_raw_s_;                                   ///< time of the last row as given
+  double step_s_ = 1e-3;  ///< time between the last two rows
   double offset_s_ = 0;
   std::uint32_t piece_ = 0;
 };

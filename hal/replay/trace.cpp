@@ -36,7 +36,7 @@ struct TraceReader::Impl {
   std::uint64_t line = 0, read = 0, rows = 0, skipped = 0;
   std::unique_ptr<TraceColumns> columns;
   double last_time_s = -std::numeric_limits<double>::infinity();
-  TimeRepair times;  ///< of a lenient reader
+  TimeRepair times;  ///< used by a lenient reader only
   WaitingRow taken{};
   std::vector<std::string> complaints, clock_notes;
   bool said_cut_off = false;
@@ -78,7 +78,7 @@ struct TraceReader::Impl {
 
   std::string place(std::uint64_t number) const { return source->place(number); }
 
-  /// Reads the next line, without its end; `complete` says whether it had an end.
+  /// Reads the next line without its line end; `complete` says whether there was one.
   bool next_line(std::string_view& text, bool& complete) {
     std::size_t searched = begin;
     for (;;) {
@@ -144,7 +144,7 @@ struct TraceReader::Impl {
                                         columns->names()[bad.column], bad.reason));
   }
 
-  /// Reads a row that is good by itself, whatever the others' times are.
+  /// Reads the next row that is valid by itself, whatever the times of the other rows are.
   bool next_by_itself(TraceRow& row) {
     std::string_view text;
     bool complete = false;
@@ -188,7 +188,7 @@ struct TraceReader::Impl {
     }
   }
 
-  /// The same of rows whose times rise, as TimeRepair makes them.
+  /// Like next_by_itself(), with times that TimeRepair has made rise.
   bool next_in_time(TraceRow& row) {
     for (;;) {
       WaitingRow further{};
@@ -225,7 +225,7 @@ struct TraceReader::Impl {
       ++rows;
       return true;
     }
-    // What an MCAP file has before it is cut off is whole: only the rest is lost.
+    // An MCAP file that was cut off is complete up to there: only the rest is lost.
     if (!source->cut_off().empty() && !said_cut_off) {
       said_cut_off = true;
       complain(source->cut_off());
@@ -237,7 +237,7 @@ struct TraceReader::Impl {
     return false;
   }
 
-  /// A bad row: the end, unless the reader is lenient.
+  /// Handles a bad row: throws, unless the reader is lenient.
   void refuse(const std::string& complaint) {
     if (!options.lenient) {
       fail(complaint);

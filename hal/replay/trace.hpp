@@ -15,7 +15,7 @@
 
 namespace smaservo::hal {
 
-/// The columns that are understood. Others are kept as text.
+/// The columns that the reader understands. Others are kept as text.
 enum class Column : unsigned char {
   time,
   current,
@@ -26,9 +26,9 @@ enum class Column : unsigned char {
   ambient,
   strain_ref,
   displacement,
-  resistance,  ///< this and power: only where TraceOptions ask for them
+  resistance,  ///< this and `power`: read only if TraceOptions ask for them
   power,
-  supply,  ///< from here on: only where TraceOptions ask for a device's columns
+  supply,  ///< this and the following: read only if TraceOptions ask for a device's columns
   driver,
   emergency_stop,
   driver_fault,
@@ -45,26 +45,27 @@ class TraceError : public files::Error {
 };
 
 struct TraceOptions {
-  /// Skip and count bad rows instead of refusing them. Where the clock falls back and goes on from
+  /// Skip and count bad rows instead of refusing them. If the clock falls back and continues from
   /// there, a new piece begins (TraceRow::piece).
   bool lenient = false;
-  double period_s = 0;  ///< above 0: the rows' distance in time where no column has the time
+  double period_s = 0;  ///< above 0: time from row to row, used if no column has the time
   /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5".
   std::vector<std::string> renames;
-  /// Read `resistance` and `power` as well; otherwise they are columns like any other, kept as
-  /// text.
+  /// Interpret `resistance` and `power` as well; otherwise they are kept as text like unknown
+  /// columns.
   bool resistance_and_power = false;
-  /// Read the columns that only a device needs as well. An empty field then is a reading that was
-  /// not taken: NaN.
+  /// Interpret the columns that only a device needs as well. An empty field is then a reading that
+  /// was not taken: NaN.
   bool device = false;
 };
 
-/// One row, in SI; NaN where the trace has no such column.
+/// One row, in SI; NaN for columns that the trace does not have.
 struct TraceRow {
   std::array<double, column_count> values;
-  std::string_view text;  ///< the row as CSV, without the line's end; valid until the next row
-  std::uint64_t number;   ///< among all rows, bad ones as well; the first is 0
-  std::uint32_t piece;    ///< how often the clock began anew before this row; times go on rising
+  std::string_view text;  ///< the row as CSV without its line end; valid until the next row
+  std::uint64_t number;   ///< number among all rows, including bad ones; the first is 0
+  /// Number of times that the clock restarted before this row; times continue to rise.
+  std::uint32_t piece;
 
   double operator[](Column column) const { return values[static_cast<std::size_t>(column)]; }
 };
@@ -72,7 +73,8 @@ struct TraceRow {
 class TraceReader {
  public:
   /// `path` "-" is standard input. Reads and checks the header. A file that begins with MCAP's
-  /// magic bytes is MCAP, and one whose name ends in .mcap must be. Throws TraceError.
+  /// magic bytes is read as MCAP; a file whose name ends in .mcap must begin with them. Throws
+  /// TraceError.
   TraceReader(const std::string& path, TraceOptions options);
   ~TraceReader();
   TraceReader(const TraceReader&) = delete;
@@ -83,25 +85,26 @@ class TraceReader {
   bool has(Column column) const;
   /// Whether the rows have times, from a column or the options' period.
   bool timed() const;
-  /// The name in the file of a column that it has.
+  /// The name that a column of the trace has in the file.
   const std::string& name(Column column) const;
   /// The names of all columns, as read.
   const std::vector<std::string>& names() const;
   /// Positions of the columns that are not understood, to be copied.
   const std::vector<std::size_t>& unknown() const;
 
-  /// Reads the next row; false at the end. Throws TraceError for a bad row, unless lenient; at the
-  /// end also when lenient, where more rows were bad than good.
+  /// Reads the next row; false at the end. Throws TraceError for a bad row, unless lenient; if
+  /// lenient, it throws at the end if more rows were bad than good.
   bool next(TraceRow& row);
 
-  std::uint64_t rows() const;  ///< good rows so far; when lenient, some more may be read already
-  /// Bad rows so far, when lenient; and 1 for the rest of an MCAP file that was not finished.
+  /// Good rows so far; a lenient reader may already have read a few more.
+  std::uint64_t rows() const;
+  /// Bad rows so far, if lenient; the missing rest of an unfinished MCAP file counts as 1.
   std::uint64_t skipped() const;
-  std::uint64_t bytes() const;      ///< read so far
-  std::uint64_t file_size() const;  ///< 0 where it is not known
-  /// Why the first few skipped rows were bad.
+  std::uint64_t bytes() const;      ///< bytes read so far
+  std::uint64_t file_size() const;  ///< bytes; 0 if not known
+  /// The reasons why the first few skipped rows were bad.
   const std::vector<std::string>& complaints() const;
-  /// Where the clock fell back, and what was made of it: the first few.
+  /// The first few places where the clock fell back, and how they were treated.
   const std::vector<std::string>& clock_notes() const;
 
  private:

@@ -17,7 +17,7 @@ namespace {
 struct Known {
   std::string_view base;
   Kind kind;
-  double low, high;  ///< bounds in SI; a value outside makes the row a bad one
+  double low, high;  ///< bounds in SI; a value outside makes the row bad
 };
 
 constexpr std::array<Known, column_count> known_columns{{
@@ -46,8 +46,8 @@ constexpr bool understood(Column column, const TraceOptions& options) {
          (column < Column::supply ? options.resistance_and_power : options.device);
 }
 
-/// Whether the column's fields may be empty: a reading may have failed, while time, sequence and
-/// flags are always there.
+/// Whether the column's fields may be empty: a reading may have failed, but time, sequence and
+/// flags are always present.
 constexpr bool may_be_empty(Column column, const TraceOptions& options) {
   return options.device && column != Column::time &&
          (column <= Column::ambient || column == Column::supply || column == Column::driver);
@@ -65,9 +65,9 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Reads a number at `at` and moves `at` behind it; NaN where there is none. A plain decimal of up
-/// to 15 digits takes one exact division (Clinger 1990); the standard library parses the others, in
-/// four times the time.
+/// Reads a number at `at` and moves `at` behind it; NaN if there is none. A plain decimal of up to
+/// 15 digits needs one exact division (Clinger 1990); the others are parsed by the standard
+/// library, which takes four times as long.
 double parse_number(const char*& at, const char* stop) {
   constexpr std::array<double, 16> powers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                           1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
@@ -221,7 +221,7 @@ void TraceColumns::explain(std::size_t i, const std::string& name) {
       return;
     }
     // A known quantity in an unknown unit is an error, not an unknown column. Power in watts is
-    // allowed: it is another quantity than specific power.
+    // allowed, because it is another quantity than specific power.
     if (k != static_cast<std::size_t>(Column::power) &&
         (name == column.base || (name.starts_with(column.base) && name[column.base.size()] == '_' &&
                                  looks_like_unit(name.substr(column.base.size() + 1))))) {

@@ -1,5 +1,5 @@
 #pragma once
-// The columns of a trace: what its header says, and the values of a row.
+// The columns of a trace: parses its header and the values of its rows.
 
 #include <array>
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace smaservo::hal {
 
-/// Why a row is a bad one.
+/// The reason why a row is bad.
 struct BadRow {
   std::size_t column;
   std::string reason;
@@ -21,25 +21,25 @@ struct BadRow {
 
 class TraceColumns {
  public:
-  /// `place` is what messages call the header. Throws UserError, which does not name the file.
+  /// `place` names the header in messages. Throws UserError, which does not name the file.
   TraceColumns(std::string_view header, const TraceOptions& options, std::string place);
 
   bool has(Column column) const { return has_[static_cast<std::size_t>(column)]; }
-  /// Where the file has this column, which it must have.
+  /// The position of this column, which the file must have.
   std::size_t position(Column column) const;
   const std::vector<std::string>& names() const { return names_; }
-  /// Positions of those that are kept as text.
+  /// The positions of the columns that are kept as text.
   const std::vector<std::size_t>& unknown() const { return unknown_; }
 
-  /// Sets values and text of the row; the reason where it is a bad one.
+  /// Sets the row's values and text; returns the reason if the row is bad.
   std::optional<BadRow> parse(std::string_view text, TraceRow& row) const;
 
  private:
-  /// What the header says of one column.
+  /// How one column is interpreted, as the header says.
   struct Target {
     std::size_t value = column_count;  ///< index into TraceRow::values; column_count: kept as text
     Unit unit{"", 1};
-    double scale = 1;  ///< factor given with a rename
+    double scale = 1;  ///< factor given together with a rename
   };
 
   void apply_rename(const std::string& rename);

@@ -53,8 +53,8 @@ void TraceText::open_file(const std::string& path) {
   }
 }
 
-/// Reads until the first bytes are there; a large block, as a socket of packets gives each only
-/// once.
+/// Reads until the first bytes have arrived; in a large block, because a socket of packets discards
+/// what does not fit.
 void TraceText::read_head() {
   std::string block(std::size_t{1} << 20U, '\0');
   std::size_t used = 0;

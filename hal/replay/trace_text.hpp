@@ -9,27 +9,27 @@
 
 namespace smaservo::hal {
 
-/// The text of a trace: what a CSV file has, or the rows of an MCAP file as CSV. All functions that
-/// read throw files::UserError, which does not name the file.
+/// The text of a trace: the content of a CSV file, or the rows of an MCAP file as CSV. All
+/// functions that read throw files::UserError, which does not name the file.
 class TraceText {
  public:
-  /// `path` "-" is standard input. A file that begins with MCAP's magic bytes is MCAP, and one
-  /// whose name ends in .mcap must be.
+  /// `path` "-" is standard input. A file that begins with MCAP's magic bytes is read as MCAP; a
+  /// file whose name ends in .mcap must begin with them.
   explicit TraceText(const std::string& path);
   ~TraceText();
   TraceText(const TraceText&) = delete;
   TraceText& operator=(const TraceText&) = delete;
 
-  /// Returns how many bytes; 0 at the end.
+  /// Returns the number of bytes; 0 at the end.
   std::size_t read(char* to, std::size_t room);
 
   bool is_mcap() const { return mcap_ != nullptr; }
-  /// What messages call a line of the text, counted from 1.
+  /// The name of a line of the text in messages; lines are counted from 1.
   std::string place(std::uint64_t line) const;
-  /// Where an MCAP file ends that was not finished, after the end; else empty.
+  /// After the end: where an unfinished MCAP file ends; empty if it was finished.
   std::string cut_off() const { return mcap_ ? mcap_->cut_off() : ""; }
-  std::uint64_t bytes() const { return bytes_; }  ///< read of the file
-  std::uint64_t size() const { return size_; }    ///< of the file; 0 where it is not known
+  std::uint64_t bytes() const { return bytes_; }  ///< bytes of the file read so far
+  std::uint64_t size() const { return size_; }    ///< bytes of the file; 0 if not known
 
  private:
   void open_file(const std::string& path);
@@ -38,7 +38,7 @@ class TraceText {
 
   int file_ = -1;
   std::uint64_t size_ = 0, bytes_ = 0;
-  std::string head_;                              ///< first bytes of the file, which say what it is
+  std::string head_;  ///< first bytes of the file, which tell its format
   std::unique_ptr<files::mcap::CsvOfRows> mcap_;  ///< null: the file is CSV
 };
 

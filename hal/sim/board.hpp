@@ -11,13 +11,13 @@
 
 namespace smaservo::hal {
 
-/// The surroundings of the wire, which events change.
+/// The surroundings of the wire, which events can change.
 struct SimSurroundings {
   double ambient_K = room_K;
   double draught = 1;  ///< factor on still-air convection
   double supply_V = 24;
-  double added_stress_Pa = 0;  ///< on top of the load
-  double slip = 0;             ///< slip of the wire out of its clamps, as a strain
+  double added_stress_Pa = 0;  ///< stress in addition to the load's
+  double slip = 0;             ///< strain by which the wire has slipped out of its clamps
   double driver_above_K = 10;  ///< temperature of the output stage above ambient
 };
 
@@ -26,15 +26,15 @@ struct SimSetup {
   Converter converter;
   Sensors sensors;
   Load load;
-  Geometry<double> geometry;  ///< the wire's true one
+  Geometry<double> geometry;  ///< true geometry of the wire
   SimSurroundings surroundings;
   bool reads_supply, reads_ambient, reads_driver;
   std::uint64_t seed;
 };
 
-/// The true values, which no sensor shows, to judge control and estimates by.
+/// The true values, which no sensor shows; control and estimates are judged by them.
 struct SimTruth {
-  double strain;  ///< of the wire, with its slip
+  double strain;  ///< strain of the wire, including its slip
   double hottest_K;
   double current_A, stress_Pa;
 };
@@ -44,7 +44,7 @@ class SimBoard {
   /// The wire rests at ambient temperature under its load.
   SimBoard(std::unique_ptr<SimulatedWire> wire, const SimSetup& setup);
 
-  // The members of a Board. The first frame is at 0 s, of the wire at rest.
+  // The members that Board requires. The first frame is at 0 s, with the wire at rest.
   ReadStatus read(Frame& frame);
   void drive(const DriveCommand& command) { command_ = command; }
   void safe_off() { command_ = {}; }
@@ -57,13 +57,13 @@ class SimBoard {
   SimTruth truth() const;
   const SimulatedWire& wire() const { return *wire_; }
 
-  // read() in smaller steps, for a load that is coupled to another board. A period consists of
-  // parts() parts of equal length, up to 1 ms; before the first frame there are none.
+  // The steps of read(), for a load that is coupled to another board. A period consists of parts()
+  // parts of equal length, up to 1 ms; before the first frame there are none.
   int parts() const { return started_ ? parts_ : 0; }
   double part_s() const { return part_s_; }
   /// Computes the converter's current in the next part.
   void begin_part();
-  /// The wire's strain after this part under this stress, with its slip.
+  /// The strain, including slip, that the wire would have after this part under this stress.
   double strain_after(double stress_Pa) const;
   void finish_part(double stress_Pa);
   /// Reads the sensors now.

@@ -38,7 +38,7 @@ std::uint64_t SensorNoise::bits() {
 double SensorNoise::operator()() {
   const std::uint64_t x = bits();
   const auto sum = (x & 0xFFFFU) + (x >> 16U & 0xFFFFU) + (x >> 32U & 0xFFFFU) + (x >> 48U);
-  // Four uniform numbers of 0..65535: mean 131070, variance 4 (65536² - 1)/12.
+  // Sum of four uniform numbers of 0..65535: mean 131070, variance 4 (65536² - 1)/12.
   constexpr double per_sd = 1 / 37837.22700343;
   return (static_cast<double>(sum) - 131070) * per_sd;
 }
@@ -68,7 +68,7 @@ double FrontEnd::advance(const DriveCommand* command, double supply_V, double wi
     driven_V_ = std::clamp(command->voltage_V, 0.0, max_V);
     wanted_A = driven_V_ / path_ohm;
   } else if (command != nullptr) {
-    // A current source puts out up to its supply voltage, also into an open circuit.
+    // A current source raises its voltage up to the supply's, also into an open circuit.
     wanted_A = std::min(std::max(command->current_A, 0.0), max_V / path_ohm);
     driven_V_ = wanted_A > 0 ? max_V : 0;
   }
@@ -128,8 +128,8 @@ void FrontEnd::spoil(Frame& frame) {
 bool FrontEnd::read(const Truth& truth, Frame& frame) {
   const double load_N = faults.circuit == Circuit::broken ? 0 : truth.load_N;
   const double wire_V = between_sense_leads_V(truth.wire_ohm) * sensors_.resistance_gain;
-  // The sensors' noise is drawn also where a fault makes it unneeded, so that a fault changes
-  // nothing else; in one statement each, so that the order does not depend on the compiler.
+  // The sensors' noise is also drawn when a fault makes it unnecessary, so that a fault changes
+  // nothing else; each in its own statement, so that the order does not depend on the compiler.
   const double current_noise_A = sensors_.current_noise_A * noise_();
   const double voltage_noise_V = sensors_.voltage_noise_V * noise_();
   const double load_noise_N = sensors_.load_noise_N * noise_();

@@ -1,6 +1,6 @@
 #pragma once
 // The electronics between a simulated wire and the frames of a board: the converter that drives the
-// wire and the sensors that read it, with faults of both.
+// wire and the sensors that read it, with the faults of both.
 
 #include <algorithm>
 #include <array>
@@ -13,24 +13,24 @@ namespace smaservo::hal {
 
 /// The output stage.
 struct Converter {
-  bool voltage_drive = false;  ///< takes DriveCommand::voltage_V, else current_A
-  double max_A;                ///< saturates at this current
+  bool voltage_drive = false;  ///< takes DriveCommand::voltage_V instead of current_A
+  double max_A;                ///< current at which the converter saturates
   double slew_A_s;             ///< slew rate of the current; infinite: no limit
-  double lead_ohm;             ///< in series with the wire, outside of the sense leads
+  double lead_ohm;             ///< resistance in series with the wire, outside of the sense leads
 };
 
-/// Readings that a sensor can spoil.
+/// Readings that a sensor fault can affect.
 enum class Reading : unsigned char { current, voltage, load, supply, ambient, driver };
 inline constexpr std::size_t reading_count = 6;
 
 enum class SensorFault : unsigned char {
   none,
-  missing,  ///< NaN
-  stuck,    ///< the last reading, bit for bit
-  offset,   ///< plus `amount`, in the reading's unit
-  noise,    ///< plus white noise with the standard deviation `amount`
-  value,    ///< always `amount`: an open sense lead reads 0, or its rail
-  gain,     ///< times `amount`
+  missing,  ///< reads NaN
+  stuck,    ///< repeats the last reading bit for bit
+  offset,   ///< adds `amount`, in the reading's unit
+  noise,    ///< adds white noise with the standard deviation `amount`
+  value,    ///< always reads `amount`: an open sense lead reads 0 or the supply rail
+  gain,     ///< multiplies by `amount`
 };
 
 struct SpoiltSensor {
@@ -38,7 +38,7 @@ struct SpoiltSensor {
   double amount = 0;
 };
 
-/// The wire's electrical path.
+/// The state of the wire's electrical path.
 enum class Circuit : unsigned char {
   closed,
   broken,  ///< torn wire: no current, no load, the converter's voltage between the sense leads
@@ -48,12 +48,12 @@ enum class Circuit : unsigned char {
 
 /// White noise whose bits do not depend on compiler or mathematics library: the sum of four uniform
 /// numbers, so never beyond 3.5 standard deviations. It takes a twentieth of the time of
-/// std::normal_distribution, which would be a fifth of a closed loop's time.
+/// std::normal_distribution, which would take a fifth of the time of a closed loop.
 class SensorNoise {
  public:
   explicit SensorNoise(std::uint64_t seed) : state_(seed) {}
   double operator()();
-  double uniform();  ///< 0 to 1, 1 excluded
+  double uniform();  ///< uniformly distributed, 0 <= x < 1
 
  private:
   std::uint64_t bits();
@@ -61,7 +61,7 @@ class SensorNoise {
   std::uint64_t state_;
 };
 
-/// The faults, as events set them.
+/// The faults in force, as events set them.
 struct FrontEndFaults {
   Circuit circuit = Circuit::closed;
   double bridged_share = 0;  ///< share of the wire that is bridged when shorted
@@ -76,7 +76,7 @@ struct FrontEndFaults {
   }
 };
 
-/// A converter's step, its inverse, and its full scale.
+/// Quantisation of a reading: step, its inverse, and full scale.
 struct Quantiser {
   double step, per_step, full_scale;
 };
@@ -87,11 +87,11 @@ class FrontEnd {
 
   FrontEndFaults faults;
 
-  /// The current into this wire during the next dt_s with this command (null: off).
+  /// The current into the wire during the next dt_s under this command (null: off).
   double advance(const DriveCommand* command, double supply_V, double wire_ohm, double dt_s);
 
-  /// Writes the readings of these true values into `frame`, whose time and sequence stay. False:
-  /// the frame is lost.
+  /// Writes the readings of these true values into `frame`; its time and sequence are left
+  /// unchanged. False if the frame is lost.
   struct Truth {
     double wire_ohm, load_N, supply_V, ambient_K, driver_K;
   };

@@ -13,8 +13,8 @@ class LumpedWire : public SimulatedWire {
       : params_(plant_params(wire)),
         still_(params_.body),
         state_(Model::rest(params_, {room_K, 0})) {
-    // A wire turns back after any change of temperature; only an observer needs a threshold,
-    // against noise.
+    // A wire reverses after any change of temperature; only an observer needs a threshold, because
+    // of noise.
     params_.kinetics.smallest_reversal_K = 0;
     look(ambient_K_);
   }

@@ -8,8 +8,8 @@
 
 namespace smaservo::hal {
 
-/// The wire is at rest at 25 °C without load. Its heat loss is the wire file's times the draught;
-/// its hottest point has the wire's one temperature.
+/// The wire is at rest at 25 °C without load. Its heat loss is that of the wire file times the
+/// draught; its hottest point has the single temperature of the wire.
 std::unique_ptr<SimulatedWire> make_lumped_wire(const Wire<double>& wire);
 
 }  // namespace smaservo::hal

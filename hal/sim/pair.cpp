@@ -27,8 +27,8 @@ double SimPair::excess_m(double force_N) const {
          second_.strain_after(force_N / second_wire_.area_m2()) * second_wire_.length_m - space_m_;
 }
 
-/// More force makes both wires longer, so there is one root. It is found by the Illinois method
-/// between two bounds.
+/// The force at which the lengths of both wires fit. More force makes both wires longer, so there
+/// is one root; it is found by the Illinois method between two bounds.
 double SimPair::balanced_N() const {
   double step_N = 1e6 * second_wire_.area_m2();
   double low_N = force_N_;

@@ -42,7 +42,7 @@ void LoadModel::advance(double time_s, double dt_s, double strain, std::mt19937_
 Readings read_sensors(const Sensors& sensors, double current_A, double ohm, double load_N,
                       std::normal_distribution<double>& normal, std::mt19937_64& random) {
   Readings r{};
-  // One draw per statement: their order must not depend on the compiler.
+  // Each noise value is drawn in its own statement: the order must not depend on the compiler.
   r.current_A = quantised(current_A + sensors.current_noise_A * normal(random),
                           sensors.current_full_scale_A, sensors.bits);
   r.voltage_V = quantised(

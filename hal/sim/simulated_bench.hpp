@@ -12,13 +12,14 @@ struct ConstantLoad {
   double stress_Pa;
 };
 struct SpringLoad {
-  double low_Pa, high_Pa;  ///< stress on the long and on the short wire
-  double stroke;           ///< difference in strain between the two
-  double lag_s;            ///< time constant of the mass that moves along
+  double low_Pa, high_Pa;  ///< stress when the wire is long, and when it is short
+  double stroke;           ///< difference between the strains of the long and the short wire
+  double lag_s;            ///< time constant of the mass that moves with the wire
 };
 struct VaryingLoad {
   double stress_Pa, amplitude_Pa, period_s;
-  double walk_Pa;  ///< random walk in 1 s; pulled back with a time constant of 3 s
+  double walk_Pa;  ///< standard deviation of a random walk after 1 s; pulled back with a time
+                   ///< constant of 3 s
   double min_Pa;
 };
 using Load = std::variant<ConstantLoad, SpringLoad, VaryingLoad>;
@@ -29,8 +30,8 @@ class LoadModel {
   explicit LoadModel(const Load& load);
 
   double stress_Pa() const { return stress_Pa_; }
-  /// Does one step of dt_s from the wire's strain before it. The first strain is taken as that of a
-  /// spring's long wire.
+  /// Makes one step of dt_s with the wire's strain before it. A spring takes the first strain as
+  /// that of the long wire.
   void advance(double time_s, double dt_s, double strain, std::mt19937_64& random);
 
  private:

@@ -8,7 +8,7 @@
 namespace smaservo::hal {
 namespace {
 
-/// Temperature at which a process has converted this fraction.
+/// The temperature at which a process has converted this fraction.
 double temperature_K(const Surface<double>& surface, double converted, double stress_Pa) {
   const Isobar<double> at = isobar(surface, stress_Pa);
   return at.start_K + ihyp_temperature(at.shape, {converted, 1 - converted}) / at.per_K;
@@ -19,7 +19,7 @@ ThresholdSpread spread(const Surface<double>& surface) {
   const double a_K = temperature_K(surface, 0.2, 0);
   const double b_K = temperature_K(surface, 0.8, 0);
   const double per_K = 1 / std::log(4.0);  // logistic: the quantile at 80 % is ln 4 scales away
-  // The parabola through the medians at 0, 200 and 400 MPa
+  // The parabola through the medians at 0, 200 and 400 MPa.
   const double step_Pa = 200e6;
   const double one_K = temperature_K(surface, 0.5, step_Pa) - median_K;
   const double two_K = temperature_K(surface, 0.5, 2 * step_Pa) - median_K;
@@ -106,7 +106,7 @@ class DistributedWire : public SimulatedWire {
 
 std::unique_ptr<SimulatedWire> make_ihyp(const Wire<double>& wire, double scatter_K,
                                          std::mt19937_64& random) {
-  // A memory of 24 loops is enough for the tiny loops that the load's noise makes inside the large
+  // A memory of 24 loops is enough for the tiny loops that the load's noise makes within large
   // ones.
   using K = ThreePhase<double, 24>;
   constexpr std::size_t segments = 24;
@@ -128,7 +128,7 @@ std::unique_ptr<SimulatedWire> make_ihyp(const Wire<double>& wire, double scatte
   return std::make_unique<DistributedWire<K, segments>>(p);
 }
 
-/// With all thresholds shifted.
+/// The spread with all thresholds shifted by by_K.
 template <class Spread>
 Spread warmer(Spread spread, double by_K) {
   for (ThresholdSpread* process : {&spread.m2a, &spread.a2m, &spread.r2a, &spread.a2r}) {
@@ -193,7 +193,7 @@ SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure
   if (!k.separate_r2a) {
     s.r2a.median_K -= structure.r2a_lead_K;
   }
-  // At any stress R-phase must have transformed before martensite does.
+  // At any stress R-phase must transform before martensite does.
   s.r2a.per_Pa = std::min(s.r2a.per_Pa, s.m2a.per_Pa);
   s.r2a.per_Pa2 = std::min(s.r2a.per_Pa2, s.m2a.per_Pa2);
   // bend = 4 t (1 - t) with t = σ/400 MPa

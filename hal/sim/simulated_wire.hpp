@@ -17,44 +17,49 @@
 namespace smaservo::hal {
 
 enum class Family : unsigned char {
-  ihyp,       ///< the observers' transformation curves in 24 segments, loops remembered 24 deep
-  sublayers,  ///< model/plants/sublayers.hpp in 12 segments, c(T), resistivities partly in parallel
-  free_energy  ///< model/plants/free_energy.hpp in 12 segments, c(T), resistivities in parallel
+  ihyp,  ///< the observers' transformation curves in 24 segments, up to 24 remembered loops
+  /// model/plants/sublayers.hpp in 12 segments, temperature-dependent specific heat, resistivities
+  /// partly in parallel.
+  sublayers,
+  /// model/plants/free_energy.hpp in 12 segments, temperature-dependent specific heat,
+  /// resistivities in parallel.
+  free_energy
 };
 inline constexpr std::array families{Family::ihyp, Family::sublayers, Family::free_energy};
-/// Those that observers and control may be tuned with. The others are for tests only.
+/// The families with which observers and control may be tuned. The others are for tests only.
 inline constexpr std::array tuning_families{Family::ihyp, Family::sublayers};
 std::string_view family_name(Family family);
 
-/// Parameters of the family sublayers beyond those of a wire.
+/// Parameters of the family `sublayers` in addition to those of a wire.
 struct SublayerStructure {
-  double m_correlation = 0.6;   ///< SublayerSpread's
-  double r_correlation = -0.6;  ///< SublayerSpread's; who becomes martensite late, R-phase early
-  double a2m_tail = 1.3;        ///< factor on the spread of A2M below its median
-  double a2r_width = 2;         ///< factor on the spread of A2R, so that R-phase peaks at 70 %
-  double ramp_K = 1.5;          ///< SublayerSpread's
-  double r2a_lead_K = 3;        ///< R2A is so far below M2A where the wire has no R2A of its own
-  double bend_K = 1;            ///< A2M is so far above a straight line at 200 MPa; 0 at 400 MPa
-  double a2r_K_MPa = 0.01;      ///< added to the slope of A2R with stress
-  double parallel_share = 0.5;  ///< DistributedPlant's
-  double specific_heat_1_K = 1e-3;  ///< DistributedPlant's
-  std::uint64_t seed = 1;           ///< draws the layers
+  double m_correlation = 0.6;  ///< as in SublayerSpread
+  /// As in SublayerSpread; negative: a layer that becomes martensite late becomes R-phase early.
+  double r_correlation = -0.6;
+  double a2m_tail = 1.3;  ///< factor on the spread of A2M below its median
+  double a2r_width = 2;   ///< factor on the spread of A2R, so that R-phase peaks at 70 %
+  double ramp_K = 1.5;    ///< as in SublayerSpread
+  double r2a_lead_K = 3;  ///< distance of R2A below M2A if the wire has no R2A surface of its own
+  double bend_K = 1;  ///< height of A2M above a straight line over stress at 200 MPa; 0 at 400 MPa
+  double a2r_K_MPa = 0.01;          ///< added to the slope of A2R with stress
+  double parallel_share = 0.5;      ///< as in DistributedPlant
+  double specific_heat_1_K = 1e-3;  ///< as in DistributedPlant
+  std::uint64_t seed = 1;           ///< random seed for the ranks of the layers
 };
 
 /// The layers' thresholds. Without stress they have the 20, 50 and 80 % quantiles of the wire's
-/// surfaces, and at 0, 200 and 400 MPa their medians, plus what the structure adds. Their tails are
-/// logistic, much shorter than those of the surfaces.
+/// surfaces, and at 0, 200 and 400 MPa their medians; the structure's changes are added. Their
+/// tails are logistic, much shorter than those of the surfaces.
 SublayerSpread sublayer_spread(const Wire<double>& wire, const SublayerStructure& structure);
 
-/// Parameters of the family free-energy beyond those of a wire.
+/// Parameters of the family `free_energy` in addition to those of a wire.
 struct FreeEnergyStructure {
-  double r_correlation = -0.5;      ///< FreeEnergySpread's
-  double width_K = 1.5;             ///< FreeEnergySpread's
-  double attempt_s = 1e-3;          ///< FreeEnergySpread's
-  double coupling_K = 4;            ///< FreeEnergySpread's
+  double r_correlation = -0.5;      ///< as in FreeEnergySpread
+  double width_K = 1.5;             ///< as in FreeEnergySpread
+  double attempt_s = 1e-3;          ///< as in FreeEnergySpread
+  double coupling_K = 4;            ///< as in FreeEnergySpread
   double a2r_width = 2.3;           ///< factor on the spread of A2R, so that R-phase peaks at 70 %
-  double r_hysteresis_K = 4;        ///< R2A above A2R; real wires have 2 to 6
-  double specific_heat_1_K = 5e-4;  ///< DistributedPlant's
+  double r_hysteresis_K = 4;        ///< distance of R2A above A2R; real wires have 2 to 6
+  double specific_heat_1_K = 5e-4;  ///< as in DistributedPlant
 };
 
 /// The medians are those of the wire's surfaces, as in sublayer_spread().
@@ -64,18 +69,18 @@ class SimulatedWire {
  public:
   struct Surroundings {
     double stress_Pa;
-    double ambient_K;  ///< of the air and of the clamps
+    double ambient_K;  ///< temperature of the air and of the clamps
     double draught;    ///< factor on still-air convection
   };
 
   virtual ~SimulatedWire() = default;
   /// Puts the wire at rest: cooled to this temperature from far above.
   virtual void rest(double temperature_K, double stress_Pa) = 0;
-  /// Gives the whole wire this temperature, without heat balance.
+  /// Sets the whole wire to this temperature, without heat balance.
   virtual void soak(double temperature_K, double stress_Pa) = 0;
   /// Does one step; dt_s is up to 1 ms.
   virtual void advance(double current_A, const Surroundings& around, double dt_s) = 0;
-  /// The strain after advance() with these arguments; the wire itself does not change.
+  /// The strain that advance() with these arguments would give; the wire itself does not change.
   virtual double strain_after(double current_A, const Surroundings& around, double dt_s) const = 0;
 
   virtual double strain() const = 0;
@@ -85,7 +90,7 @@ class SimulatedWire {
   virtual Phases<double> phases() const = 0;  ///< mean of the whole wire
 };
 
-/// What a family has beyond a wire's parameters; the structures of other families do not matter.
+/// The parameters of a family in addition to those of a wire; only the chosen family's are used.
 struct Structure {
   SublayerStructure sublayers;
   FreeEnergyStructure free_energy;

@@ -31,7 +31,7 @@ struct Common {
   double timeout_s = 0.5;
 };
 
-/// The bus and the node of a run.
+/// The bus and the node that a run uses.
 class Session {
  public:
   explicit Session(const Common& common) : bus_(common.can), remote_({bus_, common.node}) {
@@ -71,7 +71,7 @@ CLI::Validator seconds_of(double low, double high) {
           fmt::format("{} to {}", low, high)};
 }
 
-/// Adds a command without options of its own.
+/// Adds a command that has no options of its own.
 void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char* name,
                const char* meaning, void (*run)(Remote&)) {
   add(can, name, meaning, [common, run] {
@@ -157,7 +157,7 @@ void restore(Remote& remote, const std::string& path) {
 void diff(Remote& remote, const std::string& path) {
   const auto all = differences(remote, path);
   print(can::differences_text(all));
-  // As with diff(1), exit status 1 means that there are differences.
+  // As with diff(1), the exit status 1 means that there are differences.
   if (!all.empty()) throw CLI::RuntimeError(1);
 }
 
@@ -170,7 +170,7 @@ struct StepArguments {
   unsigned overlay = 4;
 };
 
-/// The newest first.
+/// The files of earlier runs, the newest first.
 std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -184,7 +184,7 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
 void step(Remote& remote, const StepArguments& a) {
   files::prepare_folder("--runs", a.runs);
   const auto before = earlier_runs(a.runs);
-  // Earlier runs are read before anything moves, so that an unreadable file stops the test in time.
+  // Earlier runs are read before anything moves, so that an unreadable file stops the test early.
   std::vector<can::StepRun> runs;
   for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
     runs.push_back(can::load_step(before[i].string()));

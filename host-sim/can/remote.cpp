@@ -46,7 +46,7 @@ constexpr auto drive_states = std::to_array<StateName>({
     {0x08, 0x4F, "Fault"},
 });
 
-/// A hint to add to the node's refusal: the allowed values, or what to do.
+/// A hint to append to the node's refusal: the allowed values, or what to do.
 std::string hint(const text::KnownObject& object, std::uint32_t code) {
   const std::string allowed = text::allowed_text(object);
   switch (code) {
@@ -92,7 +92,7 @@ std::string drive_state_text(unsigned statusword) {
 
 Bytes Remote::read(const text::KnownObject& object) {
   try {
-    // A domain may be long.
+    // The value of a domain may be long.
     return canopen::size_of(object.type) == 0 && object.type == canopen::Type::domain
                ? client_.upload_block(object.key)
                : client_.upload(object.key);
@@ -153,7 +153,7 @@ void Remote::change(const std::vector<Change>& changes) {
   }
 }
 
-/// `command` is 3, commit, or 2, try.
+/// `command` is "3" for commit or "2" for try.
 void Remote::stage(const std::vector<Change>& changes, const char* command) {
   set("tuning.command", "1");
   try {
@@ -188,8 +188,8 @@ void Remote::revert_trial() {
   set("tuning.command", "4");
 }
 
-/// Takes back the changes of a set. When the node does not answer, it takes them back by itself
-/// after a time.
+/// Takes the staged changes of a set back. If the node does not answer, it takes them back by
+/// itself after a time.
 void Remote::revert() {
   try {
     set("tuning.command", "4");
@@ -198,7 +198,7 @@ void Remote::revert() {
   }
 }
 
-/// Says which parameters of a refused set contradict each other.
+/// Prints which parameters of a refused set contradict each other.
 void Remote::explain_refusal(const SdoError& error) {
   const auto named = [&](const char* object) {
     const auto bits = whole(object);
@@ -285,7 +285,7 @@ void Remote::reset_faults() {
 
 void Remote::set_mode(int mode) {
   set("6060", std::to_string(mode));
-  // The mode is in force once 6061h (mode of operation display) shows it.
+  // The mode is in force when 6061h (mode of operation display) shows it.
   const auto shown = [&](unsigned) { return number("6061") == mode; };
   if (!wait_for(shown, state_patience_s)) {
     throw files::UserError(fmt::format("node {} does not change to mode {}", node(), mode));

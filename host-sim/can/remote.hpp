@@ -1,5 +1,5 @@
 #pragma once
-// A servo at the other end of the bus: its objects by name, its states, its parameters as a set.
+// A servo on the bus: access to its objects by name, its states, and its parameters as a set.
 
 #include <cstdint>
 #include <functional>
@@ -21,7 +21,7 @@ enum class NmtCommand : std::uint8_t {
   reset_communication = 0x82,
 };
 
-/// The name of the state in a heartbeat's byte, such as "operational".
+/// The name of the state that the byte of a heartbeat encodes, such as "operational".
 std::string nmt_state_text(unsigned state);
 
 /// The name of the CiA 402 state that a statusword encodes.
@@ -29,8 +29,8 @@ std::string drive_state_text(unsigned statusword);
 
 using Change = std::pair<text::KnownObject, Bytes>;
 
-/// All functions throw UserError. When the node refuses a value, the message names the object, the
-/// value and what is allowed.
+/// All functions throw UserError. If the node refuses a value, the message names the object, the
+/// value and the allowed values.
 class Remote {
  public:
   explicit Remote(SdoClient client) : client_(client) {}
@@ -41,44 +41,45 @@ class Remote {
 
   Bytes read(const text::KnownObject& object);
   void write(const text::KnownObject& object, const Bytes& value);
-  /// `name` as find_object() takes it.
+  /// `name` as for find_object().
   Bytes read(const std::string& name) { return read(text::find_object(name)); }
   std::string text(const std::string& name);
   double number(const std::string& name);
-  /// Of an object that counts, numbers states or has bits. Throws UserError where the node answers
-  /// with none, as a node of another make may.
+  /// The value of an object that is a counter, a state or a set of bits. Throws UserError if the
+  /// node answers with no such value, as a node of another make may.
   std::uint32_t whole(const std::string& name);
   void set(const std::string& name, const std::string& value);
 
-  /// Writes changes of parameters as one set: they take effect in the same step of the loop, or
-  /// none does. A single change, or one of another object, is written directly.
+  /// Writes changes of parameters as one set: all take effect in the same step of the loop, or none
+  /// does. A single change, or a change of another object, is written directly.
   void change(const std::vector<Change>& changes);
 
-  /// Puts changes of parameters in force as one set for so long; then the node takes them back,
-  /// unless they are kept. When it throws, nothing has changed.
+  /// Puts changes of parameters in force as one set for this time; then the node takes them back
+  /// unless they are kept. If it throws, nothing has changed.
   void try_for(const std::vector<Change>& changes, double seconds);
   void keep_trial();
   void revert_trial();
 
   void nmt(NmtCommand command);
-  /// Goes through the states of CiA 402 until current may flow. The error says why it may not.
+  /// Goes through the states of CiA 402 until current may flow. The error gives the reason if that
+  /// is not possible.
   void enable();
   void disable();
-  /// Acknowledges faults. Throws when one remains.
+  /// Acknowledges faults. Throws if a fault remains.
   void reset_faults();
   /// Sets a mode of CiA 402 and waits until it is in force.
   void set_mode(int mode);
   /// Sets mode 1 of CiA 402 and waits until it is in force.
   void set_profile_position() { set_mode(1); }
-  /// Gives an enabled axis a new target of mode Profile position, and waits until it is taken.
+  /// Gives an enabled axis a new target in mode Profile position, and waits until it is accepted.
   void start_move(std::int32_t target_um);
   /// Sets mode Profile position and the target, and waits up to `patience_s` until it is reached.
   void move(std::int32_t target_um, double patience_s);
-  /// Keeps an enabled axis enabled for so long, by commanding what it was commanded last. Ends with
-  /// an error when the axis is no longer enabled, or somebody else commands it.
+  /// Keeps an enabled axis enabled for this time, by repeating the last command. Throws if the axis
+  /// is no longer enabled, or if somebody else commands it.
   void hold(double for_s);
-  /// Tells the node that whoever commands is still there: writes the controlword again. To be
-  /// called often while heat is wanted; does so every renewal_us only.
+  /// Shows the node that the commander is still present, by writing the controlword again. To be
+  /// called often while heat is wanted; it writes only every renewal_us.
   void renew();
   /// Stores parameters and communication settings (1010h:1).
   void store();

@@ -17,20 +17,21 @@ constexpr std::uint32_t request_base = 0x600;
 constexpr std::uint32_t answer_base = 0x580;
 constexpr std::size_t max_in_segment = 7;
 
-// What a node can be asked for without that it keeps its client for ever.
-/// The longest value. The longest known, a daemon's recorder, has 256 kB.
+// Bounds that keep a node from occupying its client for ever.
+/// The longest value. The longest known one, that of a daemon's recorder, has 256 kB.
 constexpr std::size_t max_value = std::size_t{1} << 20U;
-/// A node may use its whole time for each seven bytes, and this many times more; one that sends its
-/// value byte by byte so slowly is given up.
+/// A node may use its whole time-out for each seven bytes, and this many time-outs in addition; a
+/// node that sends its value byte by byte at that pace is given up.
 constexpr std::int64_t spare_timeouts = 16;
-/// A node has one SDO server, which answers the later of two requests that meet: where another
-/// client asks as well, or where a frame is lost, a read is asked for again. A write is not: its
-/// answer may be what was lost, and what heats a wire is never done twice by itself.
+/// Number of attempts of a read. A node has one SDO server, which answers the later of two requests
+/// that collide with those of another client, and a frame may be lost: so a read is repeated. A
+/// write is not repeated, because only its answer may have been lost, and a command that heats a
+/// wire must never be executed twice.
 constexpr int reads = 2;
-/// Times that a block may bring nothing before the transfer is given up.
+/// Number of times that a block may bring nothing new before the transfer is given up.
 constexpr unsigned max_vain_blocks = 3;
 
-// Commands of the first byte, its three highest bits (CiA 301, 7.2.4.3).
+// Command specifiers: the three highest bits of the first byte (CiA 301, 7.2.4.3).
 constexpr std::uint8_t start_download = 0x20;
 constexpr std::uint8_t start_upload = 0x40;
 constexpr std::uint8_t upload_segment = 0x60;
@@ -68,7 +69,7 @@ bool SdoClient::next_answer(Data& data, std::int64_t until_us) {
       data = frame.data;
       return true;
     }
-    // On a bus that is never quiet there is always a frame.
+    // This ends the loop on a bus that is never quiet, on which there is always another frame.
     if (bus_.now_us() >= until_us) return false;
   }
   return false;
@@ -81,7 +82,8 @@ SdoClient::Data SdoClient::answer(Key key) {
   return data;
 }
 
-/// Frames that are already queued answer transfers that timed out. A bus may never be silent.
+/// Drops queued frames, which answer transfers that timed out. The number is bounded, because a bus
+/// may never be silent.
 void SdoClient::drop_old() {
   constexpr int max_queued = 100'000;
   hal::CanFrame old;
@@ -89,7 +91,7 @@ void SdoClient::drop_old() {
   }
 }
 
-/// Sends the first frame of a transfer and returns its answer. Answers for other objects are
+/// Sends the first frame of a transfer and returns the answer. Answers for other objects are
 /// skipped: they belong to earlier transfers that timed out, or to another client.
 SdoClient::Data SdoClient::request(Key key, const Data& data, int times) {
   drop_old();
@@ -117,7 +119,7 @@ void SdoClient::silent(Key key, int times) const {
       0);
 }
 
-/// Whether a request is answered twice: on the bus are two devices with this node-id.
+/// Whether a request is answered twice: then two devices on the bus have this node-id.
 bool SdoClient::two_answer() {
   constexpr std::int64_t patience_us = 100'000;
   drop_old();
@@ -134,8 +136,8 @@ bool SdoClient::two_answer() {
   return answers == 2;
 }
 
-/// What lies behind an abort code. A second device with the same node-id disturbs transfers in such
-/// a way that either side finds the other's frames wrong.
+/// A likely cause behind an abort code. A second device with the same node-id disturbs transfers so
+/// that either side receives frames of the other's transfer.
 std::string SdoClient::cause_of(std::uint32_t code) {
   const bool disturbed = (code & 0xFFFF'0000U) == 0x0503'0000 || code == 0x05040001 ||
                          code == 0x05040003 || code == 0x05040004;
@@ -171,7 +173,7 @@ Bytes SdoClient::upload(Key key) {
   return {value.begin(), value.end()};
 }
 
-/// How long a value may be: as long as it was announced.
+/// The greatest length of a value: the announced one, if it was announced.
 std::size_t SdoClient::expected_size(Key key, bool announced, std::size_t size) {
   if (!announced) return max_value;
   if (size > max_value) abort(key, 0x05040005);
@@ -242,8 +244,8 @@ void SdoClient::send_segments(Key key, std::span<const std::uint8_t> value) {
 
 namespace {
 
-constexpr std::uint8_t block_upload = 0xA0;    ///< both ways: request, and acknowledgement
-constexpr std::uint8_t block_download = 0xC0;  ///< request, end
+constexpr std::uint8_t block_upload = 0xA0;    ///< both directions: request, and acknowledgement
+constexpr std::uint8_t block_download = 0xC0;  ///< request, and end
 constexpr std::uint8_t block_upload_answer = 0xC0;
 constexpr std::uint8_t block_download_answer = 0xA0;
 constexpr std::uint8_t with_crc = 0x04;
@@ -280,8 +282,8 @@ Bytes SdoClient::upload_block(Key key) {
   return value;
 }
 
-/// Appends whole segments to `value`, the last one with its padding. A lost segment is requested
-/// again.
+/// Appends whole segments to `value`, including the padding of the last one. Lost segments are
+/// requested again.
 void SdoClient::receive_blocks(Key key, Bytes& value, std::size_t longest) {
   unsigned vain = 0;
   for (bool last = false; !last;) {
@@ -291,13 +293,13 @@ void SdoClient::receive_blocks(Key key, Bytes& value, std::size_t longest) {
     vain = value.size() > before ? 0 : vain + 1;
     if (vain == max_vain_blocks && heard == 0) silent(key);
     if (vain == max_vain_blocks) abort(key, 0x05040003);
-    // The last segment is filled up; nothing is one segment, too.
+    // The last segment is padded, and an empty value is sent as one segment.
     if (value.size() >= std::max<std::size_t>(longest, 1) + max_in_segment) abort(key, 0x06070012);
     send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, max_segments});
   }
 }
 
-/// Appends the segments of a block up to the first that is missing; returns how many.
+/// Appends the segments of a block up to the first missing one; returns their number.
 std::uint8_t SdoClient::receive_block(Key key, Bytes& value, bool& last, unsigned& heard) {
   std::uint8_t good = 0;
   for (Data data{}; heard < max_segments && next_answer(data, bus_.now_us() + timeout_us_);) {
@@ -353,7 +355,7 @@ void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsign
     }
     vain = got[1] > 0 ? 0 : vain + 1;
     if (vain == max_vain_blocks) abort(key, 0x05040003);
-    // Segments behind the first one that the node missed are sent again.
+    // Segments after the first one that the node missed are sent again.
     value = value.subspan(std::min(value.size(), got[1] * max_in_segment));
     block_size = got[2];
     if (block_size == 0 || block_size > max_segments) abort(key, 0x05040002);

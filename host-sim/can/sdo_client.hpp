@@ -1,5 +1,5 @@
 #pragma once
-// Reading and writing objects of a node: SDO transfers of CiA 301, all kinds.
+// Reads and writes objects of a node by SDO transfers of CiA 301, of all kinds.
 
 #include <array>
 #include <cstdint>
@@ -14,28 +14,28 @@ namespace smaservo::can {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A transfer that the node refused, or that it did not answer.
+/// A transfer that the node refused or did not answer.
 class SdoError : public files::UserError {
  public:
   SdoError(const std::string& text, std::uint32_t code) : files::UserError(text), code_(code) {}
 
-  /// The abort code; 0: no answer.
+  /// The abort code; 0 if there was no answer.
   std::uint32_t code() const { return code_; }
 
  private:
   std::uint32_t code_;
 };
 
-/// "2100h:1"
+/// The text of a key, such as "2100h:1".
 std::string key_text(Key key);
 
-/// All calls throw SdoError, also for a node that would keep them for ever: one that sends without
-/// end, or nothing new again and again. A read that is not answered is asked for once more, a write
-/// is not.
+/// All functions throw SdoError, also for a node that would occupy them for ever: one that sends
+/// without end, or sends nothing new again and again. A read without an answer is repeated once, a
+/// write is not.
 class SdoClient {
  public:
   static constexpr std::int64_t usual_timeout_us = 500'000;
-  /// For writes that the node answers only after it has stored them.
+  /// Time-out for writes that the node answers only after it has stored the values.
   static constexpr std::int64_t store_timeout_us = 10'000'000;
 
   /// `node` is 1 to 127.
@@ -46,11 +46,11 @@ class SdoClient {
   std::int64_t timeout_us() const { return timeout_us_; }
   void set_timeout(std::int64_t microseconds) { timeout_us_ = microseconds; }
 
-  /// Expedited or segmented, as the node chooses.
+  /// Reads by an expedited or segmented transfer, as the node chooses.
   Bytes upload(Key key);
-  /// Expedited up to four bytes, else segmented.
+  /// Writes up to four bytes by an expedited transfer, otherwise by a segmented one.
   void download(Key key, std::span<const std::uint8_t> value);
-  /// Segmented, whatever the length.
+  /// Writes by a segmented transfer, whatever the length.
   void download_segmented(Key key, std::span<const std::uint8_t> value);
   Bytes upload_block(Key key);
   void download_block(Key key, std::span<const std::uint8_t> value);
@@ -58,7 +58,7 @@ class SdoClient {
  private:
   using Data = std::array<std::uint8_t, 8>;
 
-  /// Tells the bus that a transfer goes on.
+  /// Informs the bus of the beginning and end of a transfer.
   class Transfer {
    public:
     explicit Transfer(const SdoClient& client) : client_(client) {

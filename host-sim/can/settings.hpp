@@ -1,31 +1,31 @@
 #pragma once
-// All parameters of a servo as a settings file, and back.
+// Converts between all parameters of a servo and a settings file.
 
 #include "host-sim/can/remote.hpp"
 
 namespace smaservo::can {
 
-/// Reads all parameters of the node. Throws UserError when it has no wire yet.
+/// Reads all parameters of the node. Throws UserError if its wire is not configured yet.
 Settings<double> read_settings(Remote& remote);
 
-/// The settings of a file for this node; serial number and node-id stay the node's own.
+/// The settings of a file for this node; serial number and node-id are those of the node.
 Settings<double> file_settings(const std::string& path, const Settings<double>& of_node);
 
-/// The same from a text, which messages call `origin`. Throws UserError where it names a file: the
-/// text comes from somebody who may not read those of this machine.
+/// Like file_settings(), from a text, which messages name `origin`. Throws UserError if the text
+/// refers to a file: its sender may not be allowed to read the files of this machine.
 Settings<double> text_settings(const std::string& toml, const std::string& origin,
                                const Settings<double>& of_node);
 
 struct Difference {
   const Parameter<double>* row;
-  Value here, there;  ///< in the file, in the node
+  Value here, there;  ///< the value in the file, and that in the node
 };
 std::vector<Difference> differences(const Settings<double>& file, const Settings<double>& node);
 
-/// One line for each: path, the file's value, the node's value.
+/// One line for each difference: path, the file's value, the node's value.
 std::string differences_text(const std::vector<Difference>& differences);
 
-/// Writes the file's values as one set. When it throws UserError, nothing has changed.
+/// Writes the file's values as one set. If it throws UserError, nothing has changed.
 void restore(Remote& remote, const std::vector<Difference>& differences);
 
 }  // namespace smaservo::can

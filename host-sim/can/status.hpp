@@ -9,13 +9,14 @@ namespace smaservo::can {
 /// Identity, versions, states, loop and bus.
 std::string info_text(Remote& remote);
 
-/// Faults that are active or latched, the first cause, what blocks and limits, the error history.
+/// Faults that are active or latched, the first cause, the conditions that block and limit, the
+/// error history.
 std::string faults_text(Remote& remote);
 
-/// The last writes and refused writes, the newest at the end.
+/// The last writes and refused writes, the newest last.
 std::string changes_text(Remote& remote);
 
-/// The first cause of the latched faults; Fault::none where there is none.
+/// The first cause of the latched faults; Fault::none if there is none.
 Fault first_cause(Remote& remote);
 
 }  // namespace smaservo::can

@@ -47,7 +47,7 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
   }
 }
 
-/// The figures of a step are taken from the position of a wire at rest.
+/// Waits until the wire is at rest, because the figures of a step are computed from there.
 void wait_until_still(Remote& remote) {
   constexpr double patience_s = 5;
   constexpr double still_um_s = 100;
@@ -67,8 +67,8 @@ void wait_until_still(Remote& remote) {
   }
 }
 
-/// A recording must begin before the step, which is found where the set-point leaves its first
-/// value.
+/// Waits until the recording has begun, which must be before the step: the step is found where the
+/// set-point leaves its first value.
 void wait_until_recording(Remote& remote) {
   constexpr double patience_s = 5;
   Bus& bus = remote.bus();
@@ -105,7 +105,7 @@ class EnabledForAWhile {
   bool was_enabled_;
 };
 
-/// Where the set-point leaves its first value, and where it comes back.
+/// The rows at which the set-point leaves its first value, and at which it returns.
 struct Edges {
   std::size_t there, back;
 };
@@ -119,7 +119,7 @@ Edges edges_of(const std::vector<double>& setpoints, double amplitude_m) {
           static_cast<std::size_t>(back - setpoints.begin())};
 }
 
-/// The signed distance of the set-point from its first value where it is greatest.
+/// The signed distance of the set-point from its first value, at the row where it is greatest.
 double amplitude_of(const std::vector<double>& setpoints) {
   double amplitude = 0;
   for (const double value : setpoints) {
@@ -129,7 +129,8 @@ double amplitude_of(const std::vector<double>& setpoints) {
   return amplitude;
 }
 
-/// Time since the step, contraction and set-point from their first values, temperature, current.
+/// Columns: time since the step, contraction and set-point relative to their first values,
+/// temperature, current.
 struct StepColumns {
   report::Column time_s, way_um, setpoint_um, temperature_degC, current_mA;
 };
@@ -152,7 +153,7 @@ StepColumns columns_of(const StepRun& run) {
       report::column_of(run.recording.column("drive_current_A"), [](double A) { return 1e3 * A; })};
 }
 
-/// The time axis of a text plot; 0 is where the set-point leaves its first value.
+/// The time axis of a text plot; 0 is the time at which the set-point leaves its first value.
 struct TimeAxis {
   double from_s, to_s;
   std::size_t columns = 64;
@@ -164,8 +165,8 @@ TimeAxis axis_of(const StepRun& run) {
   return {from_s, from_s + static_cast<double>(setpoints.size()) * run.recording.period_s};
 }
 
-/// The contraction from its first value, averaged over each column of a text plot; NaN for columns
-/// without rows.
+/// The contraction relative to its first value, averaged over each column of a text plot; NaN for
+/// columns without rows.
 std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
   const auto positions = run.recording.column("position_m");
   const double first_s = axis_of(run).from_s;

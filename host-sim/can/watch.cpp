@@ -31,7 +31,7 @@ struct Row {
 
 constexpr Key statusword{canopen::index::statusword, 0};
 
-/// The meaning of a code that people would otherwise look up.
+/// The meaning of a code, in words.
 std::string words_of(const text::KnownObject& object, const Bytes& bytes) {
   return object.key == statusword
              ? fmt::format("  {}",
@@ -56,8 +56,8 @@ std::vector<text::KnownObject> chosen_objects(const std::vector<std::string>& na
   return objects;
 }
 
-/// The index of the object to plot, which is added if it is missing; without one, the number of
-/// objects.
+/// The index of the object to plot, which is added if it is missing; if there is none to plot, the
+/// number of objects.
 std::size_t place_of_plot(const std::string& name, std::vector<text::KnownObject>& objects) {
   if (name.empty()) return objects.size();
   const text::KnownObject wanted = text::find_object(name);

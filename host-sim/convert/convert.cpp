@@ -29,7 +29,7 @@ namespace mcap = files::mcap;
 
 constexpr std::size_t block = std::size_t{1} << 16U;
 
-/// The file that is read, from its beginning.
+/// The input file, read from its beginning.
 class Input {
  public:
   explicit Input(const std::string& path)
@@ -48,7 +48,7 @@ class Input {
   }
 
   bool is_mcap() const { return is_mcap_; }
-  /// Whether it can be read twice.
+  /// Whether the input can be read twice.
   bool rewinds() const { return rewinds_; }
   void rewind() {
     if (std::fseek(file_.get(), 0, SEEK_SET) != 0) {
@@ -56,7 +56,7 @@ class Input {
     }
     head_.clear();
   }
-  /// 0 at the end.
+  /// Returns the number of bytes; 0 at the end.
   std::size_t read(char* to, std::size_t size) {
     const std::size_t part = head_.copy(to, size);
     head_.erase(0, part);
@@ -79,7 +79,7 @@ class Input {
   std::string head_;
 };
 
-/// An MCAP file that is written, as CSV text goes in.
+/// Writes an MCAP file from CSV text.
 class McapSink {
  public:
   McapSink(const ConvertOptions& options, const std::string& source, files::OutputFile& file,
@@ -118,7 +118,7 @@ void each_piece(Input& input, const std::function<void(std::string_view)>& take)
   }
 }
 
-/// The columns of a file, by all its rows.
+/// The columns of a file, with the counts of their values in all rows.
 struct SurveyedColumns {
   std::vector<std::string> names;
   std::vector<mcap::FieldCounts> counts;
@@ -126,13 +126,13 @@ struct SurveyedColumns {
   std::vector<mcap::Kind> kinds() const {
     std::vector<mcap::Kind> all;
     for (const mcap::FieldCounts& column : counts) {
-      // Without a value it is a text: most of these are faults that have not happened.
+      // A column without values is a text: most such columns are faults that did not happen.
       const mcap::Kind kind = column.kind();
       all.push_back(kind == mcap::Kind::unknown ? mcap::Kind::text : kind);
     }
     return all;
   }
-  /// The columns that have numbers and are texts.
+  /// Remarks on the columns that contain numbers but are texts.
   std::vector<std::string> remarks() const {
     std::vector<std::string> all;
     for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -149,7 +149,7 @@ struct SurveyedColumns {
 };
 
 SurveyedColumns survey(Input& input) {
-  constexpr std::size_t longest_line = std::size_t{1} << 20U;  // a longer one will be refused
+  constexpr std::size_t longest_line = std::size_t{1} << 20U;  // a longer line will be refused
   std::string rest, header;
   SurveyedColumns found;
   std::vector<std::string_view> fields;
@@ -180,8 +180,8 @@ SurveyedColumns survey(Input& input) {
   return found;
 }
 
-/// Refuses a file whose columns are separated by something else, and one whose times are in a
-/// column that is not understood: each row would be 1 ms.
+/// Refuses a file whose columns are separated by another character, and a file whose times are in a
+/// column that is not understood: each row would otherwise last 1 ms.
 void check_header(const std::vector<std::string>& names) {
   const std::size_t other = names.size() == 1 ? names[0].find_first_of(";\t|") : std::string::npos;
   if (other != std::string::npos) {

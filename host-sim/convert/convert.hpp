@@ -1,5 +1,5 @@
 #pragma once
-// A trace in another format.
+// Converts a trace to another format.
 
 #include <cstdint>
 #include <string>
@@ -8,22 +8,22 @@
 namespace smaservo::convert {
 
 struct ConvertOptions {
-  std::string in;     ///< CSV or MCAP, by its first bytes; "-": standard input
-  std::string out;    ///< MCAP where it ends in .mcap, else CSV; "-": CSV on standard output
-  std::string topic;  ///< of an MCAP file's channel; empty: /trace, or the only one
+  std::string in;   ///< CSV or MCAP, told by its first bytes; "-": standard input
+  std::string out;  ///< MCAP if the name ends in .mcap, otherwise CSV; "-": CSV on standard output
+  std::string topic;  ///< topic of an MCAP file's channel; empty: /trace, or the only one
   bool compressed = true;
 };
 
 struct Converted {
   std::uint64_t rows = 0;
   std::size_t columns = 0;
-  std::string cut_off;               ///< where an MCAP file ends that was not finished; else empty
-  std::vector<std::string> remarks;  ///< what an MCAP file does not hold as the CSV text did
+  std::string cut_off;               ///< where an unfinished MCAP file ends; otherwise empty
+  std::vector<std::string> remarks;  ///< how an MCAP file differs from the CSV text
 };
 
-/// Keeps the columns, their order, and the text of each field; of a number that JSON does not write
-/// so (".5"), its value. What is no number in a column of numbers is left out, and said in the
-/// remarks. Throws UserError, also where no column has numbers.
+/// Keeps the columns, their order, and the text of each field; of a number that JSON writes in
+/// another way (".5"), only the value. Values that are not numbers are left out of a column of
+/// numbers, which the remarks report. Throws UserError, also if no column has numbers.
 Converted convert(const ConvertOptions& options);
 
 }  // namespace smaservo::convert

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::string_view model_alone = "open-loop";
 
-/// Runs of all rows have the same seeds, so that rows differ by their conditions only; far from the
-/// units' own seeds.
+/// The seed of a run, far from the seeds of units. It is the same in all rows, so rows differ only
+/// by their conditions.
 std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
   return 100'000 * options.seed + run;
 }
@@ -32,7 +32,7 @@ struct JudgedUnit {
   Wire<double> type_file, calibrated;
 };
 
-/// One run of the work list.
+/// One run in the work list.
 struct Job {
   std::size_t row;
   std::size_t unit;
@@ -111,7 +111,7 @@ std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrat
   return units;
 }
 
-/// The runs of a row go through all units, then to the next condition; after all conditions they
+/// The runs of a row use all units in turn, then the next condition; after all conditions they
 /// change from undisturbed to disturbed or back.
 std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std::size_t>& rows,
                            const std::vector<JudgedUnit>& units) {
@@ -135,8 +135,7 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
   return jobs;
 }
 
-/// The observers of a row. The model alone joins them in a hold, to show how far it drifts
-/// uncorrected.
+/// The observers of a row. In a hold the model alone is added, to show its uncorrected drift.
 std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_t row) {
   std::vector<std::string> observers = options.observers;
   const bool hold = evaluation_rows()[row].conditions.front() == Condition::hold_ripple;
@@ -192,7 +191,7 @@ JudgedRun judge(const EvaluatedRun& run, const bench::JouleScenario& joule,
   return judged;
 }
 
-/// Simulates a run once and shows it to all observers of its row.
+/// Simulates a run once and gives it to all observers of its row.
 std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSettings& settings,
                              const Job& job, const JudgedUnit& unit, double stroke) {
   const bench::Scenario scenario =

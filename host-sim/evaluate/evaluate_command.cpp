@@ -31,7 +31,7 @@ struct EvaluateArguments {
   std::optional<std::uint64_t> random_seed, random_from;
 };
 
-/// Where `out` is a folder, the file in it gets its default name.
+/// The path of the JSON file; if `out` is a folder, the file in it gets its default name.
 std::string json_file(const std::string& out) {
   if (!out.empty() && std::filesystem::is_directory(out)) {
     return (std::filesystem::path(out) / "evaluate.json").string();
@@ -58,7 +58,7 @@ class Stages {
   std::optional<files::Progress> line_;
 };
 
-/// Runs one of the random scenarios alone.
+/// Runs only one of the random scenarios.
 void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   const RandomScenario scenario =
       random_scenario(calibrated_units(a.options.units, a.options.seed, a.options.wires), seed);
@@ -66,7 +66,7 @@ void run_random_scenario(const EvaluateArguments& a, std::uint64_t seed) {
   files::print(simulate::summary(scenario.loop, result), a.out == "-" ? stderr : stdout);
 }
 
-/// The output files for numbers and table. They are opened first, since an evaluation may take an
+/// The output files for numbers and table. They are opened before the evaluation, which may take an
 /// hour.
 struct Destination {
   std::optional<files::OutputFile> json;

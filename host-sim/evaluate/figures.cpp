@@ -10,7 +10,7 @@ namespace {
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double coarse_allowance_percent = 0.2;
 
-/// The target of the mean error; NaN where there is none.
+/// The target of the mean error; NaN if there is none.
 double max_mean(const ObserverEvaluation& observer, const RowResult& result) {
   if (std::ranges::count(row_of(result).conditions, Condition::coarse) == 0) {
     return row_of(result).mean;

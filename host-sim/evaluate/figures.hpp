@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of the table with their targets.
+// The numbers of the table, with their targets.
 
 #include <string_view>
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace smaservo::evaluate {
 
-/// A number of a row and what it should be.
+/// A number of a row, and its target.
 struct Figure {
   std::string_view name;
   double value;
-  double min, max;  ///< the target; NaN where there is none
+  double min, max;  ///< the target; NaN if there is none
 
   bool has_target() const;
   bool missed() const;  ///< a NaN misses every target
@@ -24,7 +24,8 @@ struct Figure {
 /// The target of "coarse" is 0.2 above the mean of "standard", if that was evaluated.
 std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row);
 
-/// The same for some of a row's runs; max_mean is the target of their mean, NaN: none.
+/// Like row_figures() above, for some runs of a row; max_mean is the target of their mean, NaN:
+/// none.
 std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& figures,
                                 double max_mean);
 

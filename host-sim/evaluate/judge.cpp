@@ -38,7 +38,7 @@ bool is_near(const JudgedRow& row, double stroke) {
   return std::abs(error_percent(row, stroke)) <= near_percent;
 }
 
-/// The row at which the first half second with a small error begins; run.size() without one.
+/// The row at which the first half second with a small error begins; run.size() if there is none.
 std::size_t first_near(Rows run, double stroke) {
   std::size_t begin = 0;
   for (std::size_t i = 0; i < run.size(); ++i) {
@@ -65,7 +65,8 @@ double motion_s(Rows run, double stroke) {
   return moving_s;
 }
 
-/// The time at which the first heating has contracted the wire; without one, the end of the run.
+/// The time at which the first heating has contracted the wire; the end of the run if there is
+/// none.
 double heated_s(Rows run, double stroke) {
   const double shortest = std::ranges::min_element(run, {}, &JudgedRow::strain)->strain;
   double longest = shortest;

@@ -14,15 +14,16 @@ namespace smaservo::evaluate {
 
 enum class Disturbed : unsigned char { never, always, every_other };
 
-/// Targets are in % of the stroke; NaN where there is none.
+/// Targets are in % of the stroke; NaN if there is none.
 struct EvaluationRow {
   std::string_view name;
   std::string_view meaning;
-  std::vector<Condition> conditions;  ///< in turn
+  std::vector<Condition> conditions;  ///< conditions, used in turn
   Disturbed disturbed = Disturbed::never;
-  bool calibrated =
-      true;        ///< by identification; otherwise the type file and a one-point resistance
-  int runs = 108;  ///< of all units together, unless the options say otherwise
+  /// By identification; otherwise the wire is the type file with a resistance measured at one
+  /// point.
+  bool calibrated = true;
+  int runs = 108;  ///< runs of all units together, unless the options give another number
   double mean = std::numeric_limits<double>::quiet_NaN();
   double p95 = std::numeric_limits<double>::quiet_NaN();
   double maximum = std::numeric_limits<double>::quiet_NaN();
@@ -31,7 +32,7 @@ struct EvaluationRow {
 /// "standard", "disturbed", "light", "uncalibrated", "unknown-start", "hold", "coarse".
 const std::vector<EvaluationRow>& evaluation_rows();
 
-/// What identifies a run: test_run(random_unit(family, unit), ...) makes it again.
+/// The data that identify a run: test_run(random_unit(family, unit), ...) repeats it.
 struct EvaluatedRun {
   hal::Family family;
   std::uint64_t unit;
@@ -40,21 +41,23 @@ struct EvaluatedRun {
   std::uint64_t seed;
 };
 
-/// The figures of an observer in that run.
+/// The figures of an observer in one run.
 struct JudgedRun {
   EvaluatedRun run;
   RunFigures figures;
-  double drift_percent = std::numeric_limits<double>::quiet_NaN();  ///< of hold_ripple
-  std::optional<StartFigures> start;                                ///< of unknown_start
+  /// Drift in the condition hold_ripple.
+  double drift_percent = std::numeric_limits<double>::quiet_NaN();
+  std::optional<StartFigures> start;  ///< figures of the condition unknown_start
 };
 
-/// Runs that are counted together.
+/// The figures of several runs together.
 struct RowFigures {
   int runs = 0;
-  replay::ErrorStatistics
-      error;  ///< of all instants after the first second of each run, in % of the stroke
+  /// Error at all instants after the first second of each run, in % of the stroke.
+  replay::ErrorStatistics error;
   int lost = 0;
-  double within_2_sd;  ///< share of these instants; NaN where an observer has no deviation
+  /// Share of errors within two deviations; NaN if an observer has no deviation.
+  double within_2_sd;
   // Magnitudes of the drifts; NaN in rows without a drift.
   double drift_mean, drift_p95, drift_maximum;
   // NaN in rows without unknown starts.

@@ -20,7 +20,7 @@ constexpr double no_scale = std::numeric_limits<double>::quiet_NaN();
 
 using Figures = std::vector<Figure>;
 
-/// Counts have no decimals.
+/// The text of a figure; counts have no decimals.
 std::string number(const Figure& figure) {
   const bool count = figure.name == "locked" || figure.name == "unsure";
   return std::isnan(figure.value)   ? ""

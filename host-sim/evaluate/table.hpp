@@ -11,7 +11,7 @@ namespace smaservo::evaluate {
 
 std::string table_text(const Evaluation& evaluation);
 std::string table_json(const Evaluation& evaluation);
-/// One table for each observer; families side by side.
+/// One table for each observer; families are side by side.
 std::string table_markdown(const Evaluation& evaluation);
 /// Throws UserError.
 void write_table_report(const std::string& path, const Evaluation& evaluation);
@@ -20,7 +20,7 @@ void write_table_report(const std::string& path, const Evaluation& evaluation);
 /// "<!-- end of MARK -->".
 class TableFile {
  public:
-  /// Throws UserError when there is no such file, or no such line in it.
+  /// Throws UserError if there is no such file, or no such line in it.
   explicit TableFile(std::string path, std::string_view mark = "evaluate");
   void rewrite(const std::string& markdown) const;
 

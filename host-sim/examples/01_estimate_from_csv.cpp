@@ -10,7 +10,7 @@
 #include "observer/multiple_model.hpp"
 #include "observer/substepping.hpp"
 
-// The Kalman filter from several starts at once, for samples at any distance from each other.
+// The Kalman filter started from several hypotheses at once, for samples at any time intervals.
 using Observer = smaservo::Substepping<smaservo::MultipleModelFilter<double>>;
 
 int main(int argc, char** argv) {
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   const std::string wire_file = argc > 2 ? argv[2] : "host-sim/traces/units/a.toml";
   const Wire<double> wire = files::load_wire(wire_file).wire;
 
-  // The accuracy of the sensors, and the range of resistances that this wire can have.
+  // The accuracy of the sensors, and the range of resistances that is possible for this wire.
   const double cold_ohm = cold_resistance_ohm(wire);
   MeasurementParams<double> sensors{};
   sensors.area_m2 = wire.geometry.area_m2();
@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
   sensors.min_resistance_ohm = 0.5 * cold_ohm;
   sensors.max_resistance_ohm = 2 * cold_ohm;
 
-  // The trace is replayed as a board that reads its rows. The first row starts the observer, in air
-  // of 25 degC.
+  // The trace is replayed like a board that reads its rows. The first row starts the observer, in
+  // air of 25 degC.
   hal::ReplayBoard board(hal::TraceReader(trace, {}), 0, sensors.area_m2);
   hal::Frame frame{};
   board.read(frame);

@@ -7,7 +7,7 @@
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
-// A wire of one temperature that transforms by the three-phase model, computed in double.
+// A wire of one temperature that transforms by the three-phase model, computed in double precision.
 using Model = smaservo::Plant<smaservo::ThreePhase<double>>;
 
 int main() {
@@ -16,7 +16,7 @@ int main() {
   constexpr double stress_Pa = 150e6;
   constexpr double dt_s = 1e-3;
 
-  // The presets have names; a file of your own is load_wire("mine.toml").
+  // Presets are loaded by name; a file of your own is load_wire("mine.toml").
   const Model::Params wire = plant_params(files::load_wire("smartflex-76um").wire);
   Model::State state = Model::rest(wire, {ambient_K, stress_Pa});
 

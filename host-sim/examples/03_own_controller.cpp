@@ -1,4 +1,4 @@
-// Holds a strain with a controller of one's own, a proportional one, on the observer's estimate.
+// Holds a strain with a proportional controller of one's own, which uses the observer's estimate.
 
 #include <algorithm>
 #include <cmath>
@@ -16,15 +16,16 @@ int main() {
   constexpr double ambient_K = 298.15;
   constexpr double stress_Pa = 150e6;
   constexpr double dt_s = 1e-3;
-  constexpr double sense_A = 0.012;  // always flows: without it there is no resistance to read
-  constexpr double max_A = 0.2;      // the converter's maximum
+  // Always flows, since the resistance cannot be measured without it.
+  constexpr double sense_A = 0.012;
+  constexpr double max_A = 0.2;  // the converter's maximum
 
-  // The wire that is simulated is also the observer's model.
+  // The simulated wire is also the observer's model.
   const Wire<double> wire = files::load_wire("smartflex-76um").wire;
   const Model::Params plant = plant_params(wire);
   Model::State state = Model::rest(plant, {ambient_K, stress_Pa});
 
-  // Area, two offsets, two noises, leads, least current, and the range of its resistance.
+  // Area, two offsets, two noises, lead resistance, least current, and the range of the resistance.
   const double cold_ohm = cold_resistance_ohm(wire);
   const MeasurementParams<double> sensors{
       wire.geometry.area_m2(), 0, 0, 1e-5, 3e-4, 0, 0.005, 0.5 * cold_ohm, 2 * cold_ohm};
@@ -45,7 +46,7 @@ int main() {
     }
     const double strain = Observer::estimate(model, observer).strain;
 
-    // A wire that is too long needs heat. The heat that holds it comes from an error that remains.
+    // A wire that is too long needs heat. The heat that holds it comes from a remaining error.
     const double wanted = i < 2000 ? 0.02 : 0.03;
     power_W = std::clamp(100 * (strain - wanted), 0.0, 1.0);
 

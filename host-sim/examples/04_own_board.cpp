@@ -10,7 +10,8 @@
 using namespace smaservo;
 using Model = Plant<ThreePhase<double>>;
 namespace {
-/// Here with a simulated wire under 0.68 N; yours waits for its timer and reads its converters.
+/// This board has a simulated wire under 0.68 N; yours waits for its timer and reads its
+/// converters.
 class OwnBoard {
  public:
   explicit OwnBoard(const Model::Params& wire) : wire_(wire) {}
@@ -24,7 +25,7 @@ class OwnBoard {
   }
   void drive(const hal::DriveCommand& command) { command_ = command; }
   void safe_off() { command_ = {}; }
-  void kick() {}  // yours pulses the circuit that cuts the heat when the program hangs
+  void kick() {}  // yours triggers the circuit that cuts the heat when the program hangs
   std::int64_t now_ns() const { return time_ns_; }
 
  private:

@@ -1,5 +1,6 @@
-// The whole device as a microcontroller's main calls it: in float, without heap or exceptions, one
-// step each millisecond. Only the simulated wire, the settings' file and the printing are a PC's.
+// The whole device as a microcontroller's main program calls it: in float, without heap or
+// exceptions, one step each millisecond. Only the simulated wire, the settings file and the
+// printing need a PC.
 
 #include <cmath>
 #include <fmt/format.h>
@@ -11,7 +12,7 @@
 using namespace smaservo;
 using Model = Plant<ThreePhase<float>>;
 namespace {
-/// In the place of your registers: a wire under 0.68 N, and the current through it.
+/// Replaces your registers: a wire under 0.68 N, and the current through it.
 class Hardware {
  public:
   explicit Hardware(const Model::Params& wire) : wire_(wire) {}
@@ -24,7 +25,7 @@ class Hardware {
     in.sequence = ++sequence_;
     in.sample = {current_A_, V, 0.68F};
     in.supply_V = 24;
-    in.ambient_K = in.driver_K = NAN;  // no such sensors
+    in.ambient_K = in.driver_K = NAN;  // there are no such sensors
     return in;
   }
   void drive(float current_A) { current_A_ = current_A; }
@@ -38,7 +39,7 @@ class Hardware {
 }  // namespace
 
 int main() {
-  // A microcontroller has its settings in flash: firmware/parameters/store/store.hpp.
+  // On a microcontroller the settings are in flash: firmware/parameters/store/store.hpp.
   const char* const file = "host-sim/scenarios/devices/smartflex-76um.toml";
   static const Prepared<float> prepared =
       prepare(stored_settings<float>(text::load_settings_file(file)));

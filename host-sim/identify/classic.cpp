@@ -25,7 +25,7 @@ constexpr int plateaus = 2;
 constexpr std::size_t form_count(Shape shape) {
   return shape == Shape::bezier ? 4 : shape == Shape::ihyp ? 2 : 0;
 }
-/// Distance from the index of a heating branch's parameter to that of the cooling branch.
+/// Offset from the index of a heating branch's parameter to that of the cooling branch.
 constexpr int cooling(Shape shape) {
   return 2 + static_cast<int>(form_count(shape));
 }
@@ -34,8 +34,8 @@ constexpr int shape_parameters(Shape shape) {
 }
 
 /// The martensite fraction at `u` widths above the centre. The widths of cosine, Bezier and ihyp
-/// are from start to finish; one width above the centre, tanh has 12 % left to convert and arctan
-/// 25 %.
+/// extend from start to finish; one width above the centre, tanh has 12 % left to convert and
+/// arctan 25 %.
 template <Shape shape, class S>
 S fraction(const S* own, const S& u) {
   using std::atan;
@@ -112,7 +112,7 @@ bool is_one_cycle(const Cycle& cycle) {
   return true;
 }
 
-/// The temperature at which a branch has passed half of the stroke.
+/// The temperature at which a branch has covered half of the stroke.
 double start_K(const Cycle& cycle, std::size_t from, std::size_t to) {
   const double half = cycle.shortest + 0.5 * cycle.stroke;
   std::size_t nearest = from;
@@ -236,7 +236,7 @@ ClassicFit fitted(std::string_view name, const Cycle& cycle) {
   return fit;
 }
 
-/// The run as a cycle; none where the fits would mean nothing.
+/// The run as a cycle; none if fits would be meaningless.
 std::optional<Cycle> cycle_of(const Run& run) {
   if (run.kind != RunKind::bath || run.strain.empty() || !has_constant_stress(run)) {
     return {};

@@ -1,6 +1,6 @@
 #pragma once
-// The transformation functions that most models use. Their errors are the yardstick for a fit of
-// the project's model.
+// The transformation functions that most models use. The errors of a fit of the project's model are
+// compared with theirs.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,8 @@ namespace smaservo::identify {
 /// and (1, 0) (000, 'Transformation function', after Enemark and Santos 2016).
 template <class S>
 struct BezierShape {
-  S t_1, t_2;  ///< of the inner support points, 0.02..0.98: so the slope is finite everywhere
+  /// Abscissae of the inner support points, 0.02..0.98, so that the slope is finite everywhere.
+  S t_1, t_2;
   S z_1, z_2;
 };
 
@@ -36,7 +37,7 @@ inline double bezier_ratio(double t_1, double t_2, double x) {
     const double y = largest > 0 ? largest - p / largest : 0;
     return (q < 0 ? y : -y) - b / 3;
   }
-  // Three real roots; only the greatest is positive.
+  // All three roots are real; only the greatest is positive.
   const double r = std::sqrt(-p);
   const double cosine = std::clamp(-q / (r * r * r), -1.0, 1.0);
   return 2 * r * std::cos(std::acos(cosine) / 3) - b / 3;
@@ -44,10 +45,11 @@ inline double bezier_ratio(double t_1, double t_2, double x) {
 
 }  // namespace detail
 
-/// z at t, 1 before the curve and 0 behind it. Each point is a function of a parameter s in 0..1;
-/// 000 finds it by iteration. Here it follows from Cardano's formula: with the ratio w = s/(1 - s)
-/// and seen from the nearer end, the cubic has one positive root and a leading coefficient that is
-/// never small. One Newton step takes off rounding and carries the derivatives of another scalar.
+/// The ordinate z at t, which is 1 before the curve and 0 behind it. Each point is a function of a
+/// parameter s in 0..1; 000 finds s by iteration. Here it follows from Cardano's formula: with the
+/// ratio w = s/(1 - s), counted from the nearer end, the cubic has one positive root and a leading
+/// coefficient that is never small. One Newton step removes rounding errors and yields the
+/// derivatives for other scalars.
 template <class S>
 S bezier_fraction(const BezierShape<S>& shape, const S& t) {
   if (t <= S(0)) return S(1);
@@ -75,29 +77,30 @@ S bezier_fraction(const BezierShape<S>& shape, const S& t) {
   return u * u * u + S(3) * s * u * (u * shape.z_1 + s * shape.z_2);
 }
 
-/// A run's strain by eps_A + (eps_M - eps_A) xi(T), with the martensite fraction xi on heating and
-/// on cooling, each of its own centre and width, and plateau strains that both share:
-/// cosine (Liang and Rogers 1990), tanh and arctan. No unloading, no minor loops, no R-phase.
-/// Bezier and ihyp curves have a shape for each direction besides.
+/// Fits a run's strain by eps_A + (eps_M - eps_A) xi(T). The martensite fraction xi has its own
+/// centre and width on heating and on cooling; both share the plateau strains. The functions are
+/// cosine (Liang and Rogers 1990), tanh and arctan. There is no unloading, no minor loop and no
+/// R-phase. Bezier and ihyp curves also have a shape for each direction.
 struct ClassicFit {
-  std::string_view name;       ///< "cosine", "tanh", "arctan", "Bezier" or "ihyp"
-  double rms, p95, max;        ///< of the error, as a share of the stroke: the span of the strain
+  std::string_view name;  ///< "cosine", "tanh", "arctan", "Bezier" or "ihyp"
+  /// Statistics of the error, as shares of the stroke, which is the span of the strain.
+  double rms, p95, max;
   std::vector<double> strain;  ///< the fitted strain of each row
   double martensite_strain, austenite_strain;
   double heating_K, heating_width_K;  ///< centre and width, see fraction() in classic.cpp
   double cooling_K, cooling_width_K;
 };
 
-/// Least squares over all rows, which count alike; of more than 2000 rows every n-th. Takes some
-/// 20 ms for 500 rows.
-/// Empty where the fits mean nothing: for runs that are not in a bath, have no strain, whose stress
-/// leaves its median by more than an eighth (and 5 MPa) in more than a twentieth of the rows to
-/// either side, or that are not one heating and one cooling through the whole transformation.
+/// Least squares over all rows, with equal weights; if there are more than 2000 rows, over every
+/// n-th. Takes about 20 ms for 500 rows.
+/// Empty if the fits would be meaningless: for runs that are not in a bath, have no strain, whose
+/// stress leaves its median by more than an eighth (and 5 MPa) in more than a twentieth of the rows
+/// to either side, or that are not one heating and one cooling through the whole transformation.
 std::vector<ClassicFit> fit_classics(const Run& run);
 
-/// The same for the functions that adapt to a curve: a Bezier curve of four support points, whose
-/// width is from the first to the last of them, and ihyp, whose width is from start to finish.
-/// Takes some 0.1 s for 500 rows.
+/// Like fit_classics(), for the functions that adapt to a curve: a Bezier curve of four support
+/// points, whose width extends from the first to the last of them, and ihyp, whose width extends
+/// from start to finish. Takes about 0.1 s for 500 rows.
 std::vector<ClassicFit> fit_adaptable(const Run& run);
 
 }  // namespace smaservo::identify

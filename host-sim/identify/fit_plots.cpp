@@ -11,7 +11,7 @@
 namespace smaservo::identify {
 namespace {
 
-/// The time of every comparison in seconds; of settled states, their number.
+/// The time of every comparison in seconds; for settled states, their numbers.
 std::vector<double> places(const Run& run) {
   const FitRun fit = thin_run(run);
   std::vector<double> all;
@@ -26,7 +26,7 @@ std::vector<double> places(const Run& run) {
   return all;
 }
 
-/// All comparisons of a run as columns; of what a run does not have, NaN.
+/// All comparisons of a run as columns; NaN for quantities that a run does not have.
 struct FitColumns {
   report::Column place, temperature, measured, model, residual, resistance, resistance_model;
 };
@@ -103,7 +103,7 @@ class RunDrawing {
  private:
   static constexpr const char* residual_label = "model - measured in % of the stroke";
 
-  /// The fitted parameters of this run alone, in words.
+  /// The fitted parameters of this run only, in words.
   std::string circumstances() const {
     const Circumstances<double>& c = run_.circumstances;
     std::string text;
@@ -168,7 +168,7 @@ class RunDrawing {
     return panel;
   }
 
-  /// Over the temperature half as wide as over the time.
+  /// A plot over temperature is half as wide as one over time.
   report::Panel plot(std::string title, std::string caption, std::string x_label,
                      const char* y_label, const report::Column& x) const {
     const bool half = x == columns_.temperature;

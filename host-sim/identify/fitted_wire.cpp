@@ -44,7 +44,7 @@ std::string deviation_text(const FittedRun& run) {
              : fmt::format("resistance by {:.1f} %", 100 * run.resistance.rms);
 }
 
-/// The standard deviation of what was measured where the model has a value, too.
+/// The standard deviation of measured values for which the model has a value, too.
 double spread(const std::vector<double>& model, const std::vector<double>& measured) {
   double sum = 0, squares = 0, count = 0;
   for (std::size_t i = 0; i < model.size(); ++i) {
@@ -67,7 +67,7 @@ double difference(const std::vector<double>& model, const std::vector<double>& m
   return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
-/// Refuses a fit that is further from a run than the run's own mean, where the run moves at all.
+/// Refuses a fit that is farther from a run than the run's own mean, if the run moves at all.
 void check_better_than_mean(const FittedRun& run) {
   constexpr double min_strain = 0.003, min_resistance = 0.02;
   struct Channel {
@@ -129,7 +129,7 @@ bool stands_above(std::string_view path, std::string_view key) {
   return key == path || (key.starts_with(path) && key[path.size()] == '.');
 }
 
-/// The source that applies to a key: its own, or that of the nearest table.
+/// The source that applies to a key: its own, or that of the nearest table above.
 std::string inherited(const files::WireDescription& from, std::string_view key) {
   std::string text;
   std::size_t longest = 0;
@@ -181,7 +181,7 @@ std::string source_of(const std::string& group, const Groups::mapped_type& param
   return text;
 }
 
-/// Whether the fit replaces the values that this source is for.
+/// Whether the fit replaces the values that this source describes.
 bool replaced(const std::string& path, const Groups& groups) {
   for (const auto& [group, parameters] : groups) {
     // A source of the whole wire still applies to keys that no fit changes.
@@ -239,7 +239,7 @@ std::string with_deviation(double value, double sd) {
   }
   const int power = static_cast<int>(std::floor(std::log10(sd)));
   const int decimals = std::clamp(1 - power, 0, 12);
-  const bool nothing = std::abs(value) < 0.5 * std::pow(10, -decimals);  // not "-0.0"
+  const bool nothing = std::abs(value) < 0.5 * std::pow(10, -decimals);  // avoids "-0.0"
   return fmt::format("{:.{}f} ± {:.{}f}", nothing ? 0.0 : value, decimals, sd, decimals);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The result of a fit as a wire description with a source for each number.
+// The result of a fit as a wire description, with a source for each number.
 
 #include <string>
 #include <string_view>
@@ -28,12 +28,12 @@ std::string moved_text(const FittedParameter& fitted, std::string_view name);
 /// "wire.m2a" of "wire.m2a.width"; "wire.heat" of "wire.heat.convection".
 std::string group_of(std::string_view key);
 
-/// The fitted wire with sources by group: from which runs, what they determine and how well, and
-/// what they leave as it was. What a fit does not touch keeps the sources of `from`.
-/// Throws UserError, which names the run that is worst, when the fit explains less than half of the
-/// runs: strain within 15 % of the nominal stroke (RMS), without strain the resistance within 10 %,
-/// in calorimetry the heat flow within 50 % of its greatest; when it is further from a run than the
-/// run's own mean; and when a wire file could not hold the wire.
+/// The fitted wire with sources by group: the runs, what they determine and how well, and what is
+/// left unchanged. Values that a fit does not change keep the sources of `from`. Throws UserError,
+/// which names the worst run, if the fit explains less than half of the runs (strain within 15 % of
+/// the nominal stroke (RMS), without strain the resistance within 10 %, in calorimetry the heat
+/// flow within 50 % of its greatest value); if it is farther from a run than the run's own mean;
+/// and if a wire file could not hold the wire.
 files::WireDescription fitted_wire(const files::WireDescription& from, const FitResult& fit,
                                    const std::string& name);
 

@@ -25,7 +25,7 @@ struct IdentifyArguments {
   std::string out, report;
   bool json = false;
   bool circuit = false;
-  int threads = 0;  ///< 0: as many as cores
+  int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
 };
 
@@ -146,7 +146,8 @@ void run(const IdentifyArguments& a) {
   }
   files::print(a.json ? fit_json(all) : fit_summary(all), a.report == "-" ? stderr : stdout);
   if (all.fit.interrupted) {
-    // The program ends by the signal itself, so that a shell or script sees it was interrupted.
+    // The program ends by the signal itself, so that a shell or script sees that it was
+    // interrupted.
     std::fflush(stdout);
     std::raise(SIGINT);
   }

@@ -51,8 +51,8 @@ std::string circuit(const FitResult& fit) {
       fit.circuit.lead_ohm, fit.circuit.load_gain, fit.circuit.lead_ohm, 1 / fit.circuit.load_gain);
 }
 
-/// For each group that has some: "wire.m2a: bend, turning" of what the runs do not determine; of
-/// what they do, from where to where it has moved.
+/// One line for each group that has such parameters: for undetermined ones "wire.m2a: bend,
+/// turning"; for determined ones the values before and after the fit.
 std::vector<std::string> parameters_text(const FitResult& fit, bool determined) {
   std::vector<std::string> lines;
   std::string open;
@@ -74,7 +74,7 @@ std::vector<std::string> parameters_text(const FitResult& fit, bool determined) 
   return lines;
 }
 
-/// The errors of each run, with columns for the classic functions when a run has them.
+/// The errors of each run, with columns for the classic functions if a run has them.
 files::TextTable runs_table(const Identification& all) {
   std::vector<files::TextTable::Column> columns{{"run"},
                                                 {"kind"},

@@ -11,30 +11,30 @@
 
 namespace smaservo::identify {
 
-/// A fit and what it was made from.
+/// A fit and its inputs.
 struct Identification {
-  std::string from;  ///< name of the wire that it started from
-  std::string out;   ///< file of the wire
+  std::string from;  ///< name of the wire that the fit started from
+  std::string out;   ///< file for the fitted wire
   std::vector<Run> runs;
   FitResult fit;
   files::WireDescription wire;
-  std::vector<std::vector<ClassicFit>> classics;  ///< of each run, see fit_classics()
+  std::vector<std::vector<ClassicFit>> classics;  ///< fits of each run, see fit_classics()
   double elapsed_s = 0;
 };
 
-/// Over all compared rows of all runs, in shares of the nominal stroke; none without strain.
+/// RMS over all compared rows of all runs, as a share of the nominal stroke; none without strain.
 std::optional<double> joint_strain_rms(const FitResult& fit);
 
-/// RMS of a classic function in shares of the nominal stroke, as the fit's own.
+/// RMS of a classic function as a share of the nominal stroke, like that of the fit.
 double classic_rms(const ClassicFit& classic, const Run& run, double nominal_stroke);
 
-/// For a terminal.
+/// The result as text for a terminal.
 std::string fit_summary(const Identification& all);
 
 /// All numbers as one JSON object: runs, parameters with prior and deviation, correlations.
 std::string fit_json(const Identification& all);
 
-/// Writes one HTML file that opens without a network. Throws UserError.
+/// Writes one HTML file that can be opened without a network. Throws UserError.
 void write_fit_report(const std::string& path, const Identification& all);
 
 }  // namespace smaservo::identify

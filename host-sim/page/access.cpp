@@ -23,7 +23,8 @@ std::string lower(std::string_view text) {
   return all;
 }
 
-/// Signs of a host with a port: no others can stand in a header or in a Content-Security-Policy.
+/// Whether the text has only the characters of a host with a port: no others may stand in a header
+/// or in a Content-Security-Policy.
 bool is_host(std::string_view text) {
   return !text.empty() && text.size() < 256 &&
          std::ranges::all_of(
@@ -34,7 +35,7 @@ bool is_host(std::string_view text) {
              });
 }
 
-/// The name without the port: "[::1]" of "[::1]:8765".
+/// The name without the port: "[::1]" for "[::1]:8765".
 std::string_view name_of(std::string_view host) {
   const std::size_t bracket = host.find(']');
   const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
@@ -58,7 +59,7 @@ std::string_view bearer(std::string_view authorization) {
              : std::string_view{};
 }
 
-/// 4, 6 or, of no address, 0.
+/// 4 or 6 for an address of IPv4 or IPv6; 0 if the text is no address.
 int family(const std::string& address) {
   std::array<unsigned char, sizeof(in6_addr)> bytes{};
   if (inet_pton(AF_INET, address.c_str(), bytes.data()) == 1) return 4;
@@ -105,7 +106,8 @@ Verdict judge(const AccessRules& rules, const Request& request) {
     return {400, "the request has no Host that could be one"};
   }
   const std::string_view name = name_of(host);
-  // With a token a foreign name leads nowhere: no browser adds the token by itself.
+  // If there is a token, a foreign host name is harmless, because no browser adds the token by
+  // itself.
   if (rules.token.empty() && !is_loopback_name(name, rules.listen)) {
     return {403, "this Host is not the server's: open it by the address that it has printed"};
   }

@@ -1,9 +1,9 @@
 #pragma once
-// Who may connect: rules on one request's headers, as a pure function.
+// Decides who may connect, by the headers of one request, as a pure function.
 //
-// A page of any origin can make a browser send requests to this machine, so on a loopback address
-// it is the Host that tells a foreign name which resolves to it (DNS rebinding), and the Origin
-// that tells a foreign page. On any other address whoever connects needs the token.
+// A page of any origin can make a browser send requests to this machine. So on a loopback address
+// the Host reveals a foreign name that resolves to it (DNS rebinding), and the Origin reveals a
+// foreign page. On any other address every client needs the token.
 
 #include <cstdint>
 #include <optional>
@@ -13,13 +13,13 @@
 
 namespace smaservo::page {
 
-/// Where the server listens.
+/// The address and port at which the server listens.
 struct Listen {
   std::string address;  ///< IPv4 or IPv6, without brackets
   std::uint16_t port = 0;
   bool loopback = true;
 
-  /// As it stands in a URL: 127.0.0.1:8765, [::1]:8765.
+  /// The address as in a URL: 127.0.0.1:8765, [::1]:8765.
   std::string text() const;
 };
 
@@ -28,17 +28,17 @@ Listen parse_listen(std::string_view text);
 
 struct AccessRules {
   Listen listen;
-  std::string token;                 ///< "": none is asked for
-  std::vector<std::string> origins;  ///< allowed beside the server's own
+  std::string token;                 ///< "": no token is needed
+  std::vector<std::string> origins;  ///< allowed in addition to the server's own
 };
 
-/// What a request says of itself; "" is a header that is not there.
+/// The headers of a request; "" for a missing header.
 struct Request {
   std::string host, origin, authorization;
-  std::string token;  ///< of the query
+  std::string token;  ///< from the query of the URL
 };
 
-/// `status` is HTTP's, 200 where the request may go on; `why` says why not.
+/// `status` is that of HTTP, 200 if the request is allowed; `why` is the reason for a refusal.
 struct Verdict {
   int status;
   std::string why;
@@ -46,7 +46,7 @@ struct Verdict {
 
 Verdict judge(const AccessRules& rules, const Request& request);
 
-/// Whether two texts are equal, in a time that depends on the length of the first only.
+/// Whether two texts are equal, in a time that depends only on the length of the first.
 bool equal_in_constant_time(std::string_view given, std::string_view secret);
 
 }  // namespace smaservo::page

@@ -25,7 +25,8 @@ sigset_t ending_signals() {
   return signals;
 }
 
-/// Where a browser finds it. No address is one of the whole network, but the machine has a name.
+/// The host by which a browser finds the server. If it listens on the whole network there is no
+/// single address, but the machine has a name.
 std::string host_of(const Listen& listen) {
   if (listen.address != "0.0.0.0" && listen.address != "::") {
     return listen.text();
@@ -35,7 +36,7 @@ std::string host_of(const Listen& listen) {
   return fmt::format("{}:{}", files::printable(name.data()), listen.port);
 }
 
-/// The journal of a service may be read by others than its user.
+/// Whether the output goes to the journal of a service, which other users may read.
 bool is_journal() {
   return std::getenv("JOURNAL_STREAM") != nullptr;  // NOLINT(concurrency-mt-unsafe): at the start
 }
@@ -57,7 +58,7 @@ void print_address(const BridgeSettings& settings, const AccessRules& rules,
   }
 }
 
-/// Ends the server at a signal, in a thread of its own.
+/// Ends the server at a signal; runs in a thread of its own.
 class EndBySignal {
  public:
   explicit EndBySignal(Server& server)
@@ -68,7 +69,8 @@ class EndBySignal {
           server.stop();
         }) {}
   ~EndBySignal() {
-    // Where the server has ended by itself, nobody has sent one. It is blocked: sigwait takes it.
+    // If the server ended by itself, no signal was sent, so this sends one. It is blocked and is
+    // received by sigwait.
     // NOLINTNEXTLINE(bugprone-bad-signal-to-kill-thread)
     pthread_kill(thread_.native_handle(), SIGTERM);
     thread_.join();
@@ -94,7 +96,7 @@ void run_bridge(const BridgeSettings& settings,
     if (token_file.empty()) token_file = default_token_file();
     rules.token = token_of(token_file);
   }
-  // All threads inherit that.
+  // All threads inherit this signal mask.
   const sigset_t signals = ending_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   const std::unique_ptr<Source> source = make_source();

@@ -1,5 +1,6 @@
 #pragma once
-// The whole bridge: a server before a source, from the options to the end by a signal.
+// The whole bridge: a server with a source behind it, from reading the options to the end by a
+// signal.
 
 #include <functional>
 #include <memory>
@@ -14,7 +15,7 @@ namespace smaservo::page {
 struct BridgeSettings {
   std::string listen = "127.0.0.1:8765";
   bool read_only = false;
-  std::string token_file;  ///< "": the usual one, where a token is needed
+  std::string token_file;  ///< "": the default file, if a token is needed
   std::string certificate, key;
   std::vector<std::string> origins;
   unsigned clients = 8;
@@ -24,7 +25,7 @@ struct BridgeSettings {
 };
 
 /// Makes the source, prints the address to open, and serves until SIGINT or SIGTERM; heat that the
-/// source has switched on is off when this returns. Throws UserError.
+/// source has switched on is off on return. Throws UserError.
 void run_bridge(const BridgeSettings& settings,
                 const std::function<std::unique_ptr<Source>()>& make_source);
 

@@ -1,6 +1,6 @@
 #pragma once
-// What the socket serves, as an interface: channels that give messages, parameters, services. The
-// server knows nothing of servos, and the source nothing of sockets. PROTOCOL.md has what is said.
+// The interface of what the socket serves: channels of messages, parameters, services. The server
+// knows nothing of servos, and the source nothing of sockets. PROTOCOL.md describes the content.
 
 #include <cstdint>
 #include <functional>
@@ -12,14 +12,14 @@ namespace smaservo::page {
 
 enum class Encoding : std::uint8_t {
   json,  ///< with a JSON schema
-  cdr,   ///< ROS 2's bytes, with a ROS 2 message definition
+  cdr,   ///< ROS 2's encoding, with a ROS 2 message definition
 };
 
 struct Channel {
   std::uint32_t id;
   std::string topic;
   std::string schema_name;
-  std::string schema;  ///< of its messages
+  std::string schema;  ///< schema of its messages
   Encoding encoding = Encoding::json;
 };
 
@@ -35,19 +35,20 @@ struct NamedValue {
   std::string value;
 };
 
-/// Who asks. A read-only client is refused what writes, whoever has control.
+/// The client that makes a request. A read-only client is refused anything that writes, whoever has
+/// control.
 struct Caller {
   std::uint32_t client;
   bool read_only;
 };
 
-/// `text` is JSON when ok, else what went wrong, for a person.
+/// `text` is JSON if ok, otherwise the error, for a person.
 struct Answer {
   bool ok;
   std::string text;
 };
 
-/// How a client's queue stands.
+/// The state of a client's queue.
 struct ClientState {
   std::uint32_t client;
   std::string address;
@@ -55,19 +56,19 @@ struct ClientState {
   bool read_only;
 };
 
-/// Where a source sends what nobody has asked for. All functions may be called from any thread and
-/// never wait.
+/// The receiver of a source's messages that are no answers to requests. All functions may be called
+/// from any thread and never block.
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// A message of a channel; everybody who has subscribed gets it.
+  /// Sends a message of a channel to all clients that have subscribed to it.
   virtual void message(std::uint32_t channel, std::int64_t time_ns,
                        std::shared_ptr<const std::string> bytes) = 0;
-  /// The list of channels is another one: servos have come or gone.
+  /// Called when the list of channels has changed, because servos have appeared or disappeared.
   virtual void channels_changed() = 0;
-  /// Parameters that have new values.
+  /// Sends parameters that have new values.
   virtual void parameters_changed(const std::vector<NamedValue>& values) = 0;
-  /// All clients, as they stand now.
+  /// The present state of all clients.
   virtual std::vector<ClientState> clients() = 0;
 };
 
@@ -77,19 +78,20 @@ class Source {
  public:
   virtual ~Source() = default;
   virtual void start(Sink& sink) = 0;
-  /// Ends its threads; heat that it has switched on is off when this returns.
+  /// Ends the source's threads; heat that the source has switched on is off on return.
   virtual void stop() = 0;
 
   virtual std::vector<Channel> channels() = 0;
   virtual std::vector<Service> services() = 0;
-  /// How many clients want a channel. What nobody wants need not be read from the bus. When a
-  /// channel has been removed nobody wants it any more, and this is not called for it.
+  /// Tells how many clients have subscribed to a channel. Unwanted values need not be read from the
+  /// bus. The subscriptions of a removed channel have ended, without a call of this function.
   virtual void subscribed(std::uint32_t channel, unsigned clients) = 0;
 
-  /// An empty list of names asks for all.
+  /// An empty list of names requests all parameters.
   virtual void get_parameters(std::vector<std::string> names,
                               std::function<void(std::vector<NamedValue>)> reply) = 0;
-  /// One set: all or none. `reply` gets the values in force, and why a set was refused, or "".
+  /// Writes all values or none. `reply` gets the values in force, and the reason if the set was
+  /// refused, otherwise "".
   virtual void set_parameters(
       Caller caller, std::vector<NamedValue> values,
       std::function<void(std::vector<NamedValue>, std::string refusal)> reply) = 0;

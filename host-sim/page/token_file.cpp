@@ -61,7 +61,7 @@ std::string checked(const std::string& path, std::string token) {
   return token;
 }
 
-/// What the file holds; none: there is no such file.
+/// The content of the file; none if it does not exist.
 std::optional<std::string> read_token(const std::string& path) {
   const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (file.get() < 0) {
@@ -81,8 +81,8 @@ std::optional<std::string> read_token(const std::string& path) {
   return checked(path, {bytes.data(), static_cast<std::size_t>(length)});
 }
 
-/// Beside the file, then by a link to its name: who starts a second server at the same time reads
-/// the same token.
+/// Writes the token to another file and links it to its name: so two servers started at the same
+/// time read the same token.
 void make_token(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (std::error_code error; !folder.empty()) {

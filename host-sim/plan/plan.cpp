@@ -24,21 +24,21 @@ constexpr std::size_t free_runs = 3;
 constexpr double free_stresses_MPa[] = {10, 25, 50, 100, 150, 200, 300, 400};
 constexpr std::size_t first_recipes = 10;
 constexpr std::size_t rounds = 3;
-constexpr std::size_t variations = 6;  ///< of each run in each round
+constexpr std::size_t variations = 6;  ///< variations of each run in each round
 constexpr std::size_t max_comparisons = 1500;
-/// The least current by the greatest: enough to measure the resistance.
+/// The least current as a share of the greatest: enough to measure the resistance.
 constexpr double min_share = 0.1;
 constexpr double overheat_K = 15;
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-/// Some sixtieths of the wire's time constant, in whole hundredths of a second.
+/// About a sixtieth of the wire's time constant, in whole hundredths of a second.
 double step_s(const Wire<double>& wire) {
   const ThermalBody<double> body = thermal_body(wire.geometry, wire.heat);
   const double fine_s = body.capacity_J_K / body.loss_W_K / 60;
   return 0.01 * std::clamp(std::floor(fine_s / 0.01), 1.0, 10.0);
 }
 
-/// Holds the wire 15 K above the end of its transformation, or at its limits.
+/// The current that holds the wire 15 K above the end of its transformation, or at its limits.
 double max_current_A(const Wire<double>& wire, double stress_Pa) {
   const Model::Params params = plant_params(wire);
   const Isobar<double> m2a = isobar(wire.kinetics.m2a, stress_Pa);
@@ -90,7 +90,7 @@ class Expectation {
 
   const std::vector<identify::FitParameter>& parameters() const { return problem_.parameters; }
 
-  /// JᵀJ of the wire's parameters, without what the run needs for its own ones.
+  /// JᵀJ of the wire's parameters, less the information that the run needs for its own parameters.
   Eigen::MatrixXd information(const Driven& driven) const {
     identify::FitRun run = fit_run(driven);
     const identify::Assumed<double> truth{wire_, {0, 1}, {ambient_K, 1, 0, 1, 1, 0}};
@@ -118,13 +118,13 @@ class Expectation {
     const auto own = static_cast<Eigen::Index>(active.size()) - n;
     const Eigen::MatrixXd full = all.information(identify::values(active));
     const Eigen::MatrixXd coupling = full.topRightCorner(n, own);
-    // The matrix of each run contains the prior, which counts only once in all.
+    // The matrix of each run contains the prior, which may be counted only once in total.
     return full.topLeftCorner(n, n) - Eigen::MatrixXd::Identity(n, n) -
            coupling * full.bottomRightCorner(own, own).llt().solve(coupling.transpose());
   }
 
  private:
-  /// A parameter that is known: its deviation changes nothing.
+  /// A parameter that is known: its deviation has no effect.
   static identify::FitParameter without(double value) {
     return {"", "", 1, identify::Form::sum, value, 0};
   }
@@ -152,8 +152,8 @@ class Expectation {
   double dt_s_;
   identify::FitVariant variant_;
   identify::FitProblem problem_;
-  /// The run's own parameters as a fit has them, with a measured ambient temperature. Load cell and
-  /// leads are known.
+  /// The run's own parameters as in a fit, with a measured ambient temperature. Load cell and leads
+  /// are known.
   identify::CircumstanceParameters circumstances_{
       {{"ambient", "degC", 1, identify::Form::sum, ambient_K, 0.5},
        {"loss", "", 1, identify::Form::factor, 1, 0.05},
@@ -163,7 +163,7 @@ class Expectation {
        without(0)}};
 };
 
-/// The deviations of all parameters relative to their priors', with this information.
+/// The deviations of all parameters with this information, relative to those of the prior.
 std::vector<double> deviations(const Eigen::MatrixXd& information) {
   const Eigen::Index n = information.rows();
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
@@ -176,7 +176,7 @@ std::vector<double> deviations(const Eigen::MatrixXd& information) {
   return all;
 }
 
-/// Mean logarithm of these deviations: the lower, the better.
+/// Mean logarithm of these deviations; a lower value is better.
 double score(const Eigen::MatrixXd& information) {
   double sum = 0;
   const std::vector<double> all = deviations(information);
@@ -220,7 +220,7 @@ class Search {
     std::vector<std::pair<double, Recipe>> wanted;
     for (std::size_t i = 0; i < first_recipes; ++i) {
       for (const double stress_Pa : stresses_Pa_) {
-        // The first one is the triangle itself, so that no plan is worse.
+        // The first profile is the triangle itself, so that no plan is worse than it.
         wanted.emplace_back(stress_Pa, i == 0 ? Recipe{} : random_recipe(random));
       }
     }
@@ -286,8 +286,8 @@ class Search {
     return true;
   }
 
-  /// Replaces each run in turn by the profile that is best beside the other runs, until nothing
-  /// changes.
+  /// Replaces each run in turn by the profile that is best together with the other runs, until
+  /// nothing changes.
   void choose() {
     for (bool changed = true; changed;) {
       changed = false;
@@ -338,10 +338,10 @@ class Search {
   double dt_s_;
   std::size_t steps_;
   Expectation expectation_;
-  bool fixed_;  ///< the stresses are given
+  bool fixed_;  ///< the stresses were given
   std::vector<double> stresses_Pa_;
   std::vector<Candidate> pool_;
-  std::vector<std::size_t> chosen_;  ///< of the pool, for each run
+  std::vector<std::size_t> chosen_;  ///< index in pool_ for each run
   std::size_t total_ = 0;
 };
 

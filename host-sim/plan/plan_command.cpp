@@ -25,7 +25,7 @@ struct PlanArguments {
   std::vector<double> loads_N, stresses_MPa;
   double duration_s = 60;
   bool json = false;
-  int threads = 0;  ///< 0: as many as cores
+  int threads = 0;  ///< 0: as many as there are cores
 };
 
 /// The content of all outputs.

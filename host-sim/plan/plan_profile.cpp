@@ -15,7 +15,7 @@ int whole(std::mt19937_64& random, int low, int high) {
   return std::uniform_int_distribution<int>(low, high)(random);
 }
 
-/// Straight up in the first half of u = 0..1 and down in the second, as far as it is not held.
+/// Straight up in the first half of u = 0..1 and down in the second, with holds if ramp < 1.
 double trapezoid(double u, double ramp) {
   const double up = u < 0.5 ? 2 * u : 2 - 2 * u;
   const double rise = u < 0.5 ? up / ramp : 1 - (1 - up) / ramp;
@@ -89,7 +89,7 @@ Part random_holds(const Recipe& r, std::size_t steps) {
 Recipe random_recipe(std::mt19937_64& random) {
   Recipe r;
   for (double& share : r.shares) {
-    // Some parts are left out.
+    // Some parts get the share 0 and are left out.
     share = std::max(0.0, uniform(random, -0.3, 1));
   }
   r.shares[0] = std::max(r.shares[0], 0.3);

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own that disappears with its owner.
+/// A temporary folder that is removed with its owner.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -29,7 +29,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-// `light-dark` is too new for the browsers of Debian 12: colours are named twice.
+// `light-dark` is too new for the browsers of Debian 12, so colours are listed twice.
 constexpr const char* head = R"(<meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
@@ -81,8 +81,8 @@ constexpr std::string_view data_element = R"(<script type="application/json" cla
 
 }  // namespace
 
-// An <img>, not an <object>: Chromium leaves some of the documents that many objects hold
-// unpainted.
+// Uses <img> instead of <object>, because Chromium leaves some documents unpainted if there are
+// many objects.
 std::string plots_html(const std::vector<Panel>& panels, const std::vector<std::string>& svg,
                        int heading) {
   std::string html = "<div class=\"plots\">\n";

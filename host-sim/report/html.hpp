@@ -11,14 +11,14 @@
 namespace smaservo::report {
 
 /// All panels as pictures, those of half the width side by side, and the data from which a browser
-/// draws them again to be explored (assets.hpp), if the program has what draws them. Throws
-/// UserError when gnuplot is missing or fails.
+/// draws interactive panels (assets.hpp), if the program contains the script. Throws UserError if
+/// gnuplot is missing or fails.
 std::string plots_html(const std::vector<Panel>& panels);
-/// The same with pictures that have been drawn, and titles of this level.
+/// Like plots_html() above, with pictures already drawn, and titles of this heading level.
 std::string plots_html(const std::vector<Panel>& panels, const std::vector<std::string>& svg,
                        int heading);
 
-/// A text as it stands, under a heading.
+/// A text in its original layout, under a heading.
 std::string listing_html(std::string_view heading, std::string_view text);
 
 /// Writes a complete document around the body. Throws UserError.

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t rows_of_a_panel = 20'000;
 constexpr std::size_t max_numbers = 300'000;
 
-/// The columns of a page. Those of one series are thinned together: each row stays a row.
+/// The columns of a page. Those of one series are thinned together, so that rows are preserved.
 class PageColumns {
  public:
   std::size_t place_of(const Column& values, bool along_x) {
@@ -84,7 +84,7 @@ class PageColumns {
 
 constexpr const char* kind_names[] = {"line", "steps", "points", "band", "area", "spans"};
 
-/// Only what differs from the usual stands in the page.
+/// Writes a member only if it differs from its default.
 void put(Json& json, const char* key, const std::string& text) {
   if (!text.empty()) {
     json[key] = files::printable(text);
@@ -179,7 +179,7 @@ std::string panels_json(std::span<const Panel> panels) {
   }
   const std::string text = fmt::format("{{\"columns\":[{}],\n\"panels\":{}}}", columns.json(),
                                        all.dump(-1, ' ', false, Json::error_handler_t::replace));
-  // No text ends the element, nor begins a comment in it.
+  // The escapes keep any text from ending the script element or beginning a comment in it.
   std::string safe;
   safe.reserve(text.size());
   for (const char c : text) {

@@ -11,7 +11,7 @@
 namespace smaservo::report {
 namespace {
 
-/// Rows of a series in a picture, which is a thousand points wide.
+/// Greatest number of rows of a series in a picture, which is a thousand points wide.
 constexpr std::size_t max_drawn_rows = 2000;
 
 using Drawn = std::vector<const std::vector<double>*>;
@@ -30,7 +30,7 @@ Drawn drawn_columns(const Series& series) {
   return all;
 }
 
-/// The series as gnuplot's data block. An undefined row ends a filled area only where it is blank.
+/// The series as gnuplot's data block. An undefined row ends a filled area only if it is blank.
 std::string data_block(std::size_t number, const Series& series) {
   const Drawn columns = drawn_columns(series);
   const bool filled = series.low != nullptr;
@@ -44,7 +44,7 @@ std::string data_block(std::size_t number, const Series& series) {
   return text + "EOD\n";
 }
 
-/// The bars of a row, which are never too short to be seen.
+/// The bars of a row, which are always long enough to be visible.
 std::string spans_block(std::size_t number, const Series& series, int row, double shortest) {
   std::string text = fmt::format("$s{} << EOD\n", number);
   for (std::size_t i = 0; i < series.x->size(); ++i) {
@@ -171,7 +171,7 @@ std::string drawn(Panel panel, bool names_at_the_left) {
       continue;
     }
     data += spans ? "" : data_block(i, series);
-    // Of several series with one name, one entry.
+    // Several series of one name get a single entry.
     const auto first = std::ranges::find(panel.series, series.name, &Series::name);
     const bool named = !spans && !series.name.empty() && &*first == &series;
     legend = legend || named;

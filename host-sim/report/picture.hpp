@@ -1,5 +1,5 @@
 #pragma once
-// The picture of a panel: what a report shows in print and without JavaScript.
+// The picture of a panel, which a report shows in print and without JavaScript.
 
 #include <span>
 #include <string>
@@ -8,9 +8,8 @@
 
 namespace smaservo::report {
 
-/// One SVG for each panel, drawn by gnuplot; `svg` of those that bring their own. The y axes of all
-/// that have the full width stand above each other. Throws UserError when gnuplot is missing or
-/// fails.
+/// One SVG for each panel, drawn by gnuplot, or the panel's own `svg`. The y axes of all panels of
+/// full width are aligned. Throws UserError if gnuplot is missing or fails.
 std::vector<std::string> pictures(std::span<const Panel> panels);
 
 }  // namespace smaservo::report

@@ -9,10 +9,10 @@
 
 namespace smaservo::report {
 
-/// A run of any length in some thousand points, as it comes: of each stretch of rows those in which
-/// one of the `values` is smallest or greatest, so that no peak of any of them is lost. When it is
-/// full, stretches become twice as long. The first and the last point stay as well. A value that is
-/// not finite is no peak; a stretch of nothing else keeps its first point.
+/// A run of any length, collected as some thousand points: in each stretch of rows those in which
+/// one of the `values` is smallest or greatest, so that no peak is lost. When there are too many
+/// points, stretches become twice as long. The first and the last point are kept as well. A value
+/// that is not finite is no peak; a stretch without finite values keeps its first point.
 template <class Point, double Point::*... values>
 class SeriesOf {
  public:
@@ -31,7 +31,7 @@ class SeriesOf {
     close();
   }
 
-  /// All points in order: `max_points` at most, and those of the stretch that is not finished yet.
+  /// All points in order: at most `max_points`, plus those of the unfinished stretch.
   std::vector<Point> points() const {
     std::vector<Point> all;
     const auto put = [&](const Stretch& stretch) {
@@ -60,9 +60,9 @@ class SeriesOf {
   using Stretch = std::vector<Row>;
   static constexpr std::size_t peaks = 2 * sizeof...(values);
   static constexpr std::size_t crowded =
-      2 * peaks + 64;  ///< rows of a stretch, before it is thinned
+      2 * peaks + 64;  ///< number of rows of a stretch at which it is thinned
 
-  /// Ends the open stretch; makes all twice as long as long as there are too many points.
+  /// Ends the open stretch; doubles the length of all stretches until there are few enough points.
   void close() {
     keep_peaks(open_);
     total_ += open_.size();
@@ -72,7 +72,7 @@ class SeriesOf {
     if (total_ <= max_) {
       return;
     }
-    // Down to three quarters, so that it is not done for every stretch.
+    // Thins to three quarters, so that it is not repeated for every stretch.
     while (4 * total_ > 3 * max_ && stretches_.size() > 1) {
       halve();
     }
@@ -89,7 +89,7 @@ class SeriesOf {
         keep_peaks(both);
         total_ += both.size();
       } else {
-        // Half a stretch, which goes on.
+        // A single stretch is half of a new one and is continued.
         both.insert(both.end(), open_.begin(), open_.end());
         open_ = std::move(both);
         rows_in_open_ += rows_per_stretch_ / 2;
@@ -139,14 +139,14 @@ class SeriesOf {
   std::size_t total_ = 0;  ///< points of all finished stretches
   Stretch open_;
   std::vector<Stretch> stretches_;
-  Point last_{};  ///< of all
+  Point last_{};  ///< last point of the run
 };
 
 /// One point of a replay's plots, in the units of their axes. NaN leaves a gap.
 struct PlotPoint {
   double time_s;
   double strain_percent, strain_sd_percent, strain_ref_percent;
-  double error_percent;  ///< of the nominal stroke
+  double error_percent;  ///< error in per cent of the nominal stroke
   double resistance_ohm, resistance_model_ohm;
   double temperature_degC, temperature_ref_degC;
   double martensite, r_phase;

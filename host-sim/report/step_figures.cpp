@@ -39,7 +39,7 @@ StepFigures StepJudge::judged() const {
   StepFigures f{from_s_, at_s(n), strains_.front(), setpoint_, unknown, unknown, 0, 0};
   const double way = f.to - f.from;
   const double sign = way < 0 ? -1 : 1;
-  std::size_t outside = 0;  ///< behind the last sample outside of the band
+  std::size_t outside = 0;  ///< index after the last sample outside of the band
   double ten_s = unknown;
   for (std::size_t i = 0; i < n; ++i) {
     const double error_percent = 100 * (strains_[i] - f.to) / stroke_;

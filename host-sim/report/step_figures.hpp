@@ -1,5 +1,5 @@
 #pragma once
-// Figures of how a wire followed the set-points of a strain loop, step by step.
+// Figures that show how a wire followed the set-points of a strain loop, step by step.
 
 #include <vector>
 
@@ -7,26 +7,27 @@
 
 namespace smaservo::report {
 
-/// The response to one set-point. Percentages are of the nominal stroke and of the true strain.
-/// NaN: the response did not get there.
+/// The response to one set-point. Percentages relate to the nominal stroke and to the true strain.
+/// NaN if the response did not get there.
 struct StepFigures {
   double from_s;
   double seconds;
-  double from, to;    ///< true strain at its beginning; set-point
-  double rise_s;      ///< from 10 to 90 % of the way; only for steps of at least 2 % of the stroke
-  double settling_s;  ///< until it stays within +-2 % of the stroke
-  double overshoot_percent;  ///< beyond the set-point; 0: none
+  double from, to;  ///< true strain at the beginning of the step; set-point
+  /// Time from 10 to 90 % of the way; only for steps of at least 2 % of the stroke.
+  double rise_s;
+  double settling_s;         ///< time until the strain stays within +-2 % of the stroke
+  double overshoot_percent;  ///< greatest excess over the set-point; 0: none
   double error_percent;      ///< mean magnitude over the last quarter
 };
 
-/// Takes a run in equal steps. Set-points that last less than 0.2 s are no steps.
+/// Takes a run at equal time steps. Set-points that last less than 0.2 s are not counted as steps.
 class StepJudge {
  public:
   StepJudge(double stroke, double period_s) : stroke_(stroke), period_s_(period_s) {}
 
-  /// A NaN as set-point: the strain is not controlled.
+  /// A set-point of NaN means that the strain is not controlled.
   void add(double time_s, double setpoint, double strain);
-  /// The last step ends here.
+  /// Ends the last step.
   void finish();
   const std::vector<StepFigures>& steps() const { return steps_; }
 

@@ -9,7 +9,7 @@ namespace {
 
 using ThinColumns = std::span<const std::vector<double>* const>;
 
-/// Appends the peaks and first gaps of the rows [from, to), in order and each once.
+/// Appends the peaks and first gaps of the rows [from, to), in order, each row once.
 void append_peaks(ThinColumns columns, std::size_t from, std::size_t to,
                   std::vector<std::size_t>& rows) {
   const auto first = static_cast<std::ptrdiff_t>(rows.size());
@@ -45,7 +45,7 @@ std::vector<std::size_t> rows_to_show(ThinColumns columns, std::size_t max_rows)
     std::iota(rows.begin(), rows.end(), 0);
     return rows;
   }
-  // A stretch keeps three rows of each column at most, so this ends.
+  // A stretch keeps at most three rows of each column, so the loop ends.
   for (std::size_t stretch = 4; rows.size() > max_rows && stretch < 2 * count; stretch *= 2) {
     rows.assign(1, 0);
     for (std::size_t from = 0; from < count; from += stretch) {

@@ -16,7 +16,7 @@ using report::Series;
 
 constexpr const char* in_time = "time";
 
-/// One line of the picture of states and faults: a name and the spans in which it held.
+/// One line of the picture of states and faults: a name and the spans of time in which it applied.
 struct Row {
   std::string name;
   const char* colour;
@@ -37,7 +37,7 @@ std::vector<Row> time_table(const LoopRecord& record) {
   return rows;
 }
 
-/// A member of all points as a column of the report.
+/// Makes report columns from members of all points.
 class LoopColumns {
  public:
   explicit LoopColumns(std::vector<LoopPoint> points) : points_(std::move(points)) {}
@@ -179,7 +179,7 @@ class LoopPlots {
                 {.name = "estimate", .colour = "estimate", .x = x, .y = estimate_, .at = time_}}};
   }
 
-  /// Leaves out what has nothing to show.
+  /// Adds a series, unless it has nothing to show.
   void add(Panel& panel, double LoopPoint::* value, Series series) const {
     series.x = time_;
     series.y = of_(value);

@@ -6,8 +6,8 @@
 
 namespace smaservo::simulate {
 
-/// Writes one HTML file that opens without a network: numbers, plots, the device's faults. Without
-/// a record in the result there are no plots. Throws UserError.
+/// Writes one HTML file that can be opened without a network: numbers, plots, the device's faults.
+/// If the result has no record, there are no plots. Throws UserError.
 void write_report(const std::string& path, const bench::ClosedLoopScenario& scenario,
                   const LoopRunResult& result);
 

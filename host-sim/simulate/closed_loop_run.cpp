@@ -53,7 +53,7 @@ double controlled(const bench::SimulatedCycle& cycle) {
   return nan;
 }
 
-/// Collects what a report shows.
+/// Collects the data that a report shows.
 class Recorder {
  public:
   Recorder(const bench::ClosedLoopScenario& scenario, LoopRecord& record)
@@ -113,7 +113,7 @@ class Recorder {
 
   const Settings<double>& settings_;
   LoopRecord& record_;
-  double gap_s_;  ///< shorter interruptions would not be seen
+  double gap_s_;  ///< shorter interruptions would not be visible
 };
 
 class Judge {
@@ -157,7 +157,7 @@ class Judge {
   FaultSet latched_;
 };
 
-/// The log of the first wire's device, with the truth, and with that of the second wire beside it.
+/// The log of the first wire's device, with the truth about both wires in additional columns.
 class LoopFile {
  public:
   LoopFile(const std::string& path, const bench::ClosedLoopScenario& scenario)

@@ -19,11 +19,11 @@ namespace smaservo::simulate {
 struct LoopPoint {
   double time_s;
   double setpoint_percent, reference_percent, strain_percent, estimate_percent;
-  double estimate_error_percent, control_error_percent;  ///< of the nominal stroke
+  double estimate_error_percent, control_error_percent;  ///< in per cent of the nominal stroke
   double current_A, power_W;
   double wire_degC, hot_spot_degC, hottest_degC;
   double stress_MPa, resistance_ohm;
-  double other_setpoint, other_measured;  ///< of modes that do not control the length, in SI
+  double other_setpoint, other_measured;  ///< for modes that do not control the length, in SI
 };
 
 using LoopSeries =
@@ -35,7 +35,7 @@ using LoopSeries =
                      &LoopPoint::resistance_ohm, &LoopPoint::other_setpoint,
                      &LoopPoint::other_measured>;
 
-/// Spans of time, as from and to.
+/// Spans of time, each from its beginning to its end.
 using Spans = std::vector<std::pair<double, double>>;
 
 /// The part of a run that a report shows.
@@ -53,15 +53,15 @@ struct LoopRunResult {
   double max_hottest_K = 0;
   double max_hottest_s = 0;
   double max_current_A = 0;
-  double max_estimate_error = 0;  ///< of the strain, after the first second
-  std::vector<std::pair<Fault, double>>
-      faults;  ///< in the order in which they latched, with the times
+  double max_estimate_error = 0;  ///< greatest error of the strain after the first second
+  /// Faults with their times, in the order in which they were latched.
+  std::vector<std::pair<Fault, double>> faults;
   std::optional<LoopRecord> record;
 };
 
 struct LoopRunOptions {
-  std::string out;      ///< CSV, "-" for standard output; empty: none
-  bool record = false;  ///< for a report
+  std::string out;      ///< CSV file, "-" for standard output; empty: none
+  bool record = false;  ///< collects the data for a report
 };
 
 /// Throws UserError.

@@ -30,7 +30,7 @@ void run_joule(const bench::Scenario& scenario, const bench::JouleScenario& joul
   const auto plant = make_wire(scenario, random);
   hal::LoadModel load(joule.load);
   plant->rest(joule.ambient_K, load.stress_Pa());
-  // Levels are computed by the lumped heat balance; the plant may end at another temperature.
+  // Levels are computed by the lumped heat balance, so the plant may end at another temperature.
   const auto body = thermal_body(wire.geometry, wire.heat);
   const double hottest_K = [&] {
     const Isobar<double> m2a = isobar(wire.kinetics.m2a, load.stress_Pa());

@@ -17,15 +17,15 @@ using RowSink = std::function<void(const SimulatedRow&)>;
 /// Writes the trace; the same scenario gives the same trace.
 void simulate(const bench::Scenario& scenario, files::TraceFile& trace);
 
-/// The same rows in memory, before they are rounded to the digits of a file. The scenario's run
-/// must be a JouleScenario; throws std::bad_variant_access for a bath.
+/// Gives the same rows before they are rounded to the digits of a file. The scenario's run must be
+/// a JouleScenario; throws std::bad_variant_access for a bath.
 void simulate_rows(const bench::Scenario& scenario, const RowSink& sink);
 
 /// The readings of a bath at each of its steps; the temperature is noisy.
 struct SimulatedBathRow {
   double temperature_K, stress_Pa, strain;
 };
-/// The same for a BathScenario.
+/// Like simulate_rows(), for a BathScenario.
 void simulate_bath_rows(const bench::Scenario& scenario,
                         const std::function<void(const SimulatedBathRow&)>& sink);
 

@@ -23,7 +23,7 @@ void run_loop(const SimulateArguments& a) {
   if (!a.report.empty()) {
     write_report(a.report, scenario, result);
   }
-  // Where a file takes standard output, the summary must not mix with it.
+  // If a file is written to standard output, the summary must not mix with it.
   const bool taken = a.out == "-" || a.report == "-";
   files::print(summary(scenario, result), taken ? stderr : stdout);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A lumped wire with its load and sensors, as a device meets it.
+// A lumped wire with its load and sensors, as a device would be connected to it.
 
 #include <random>
 
@@ -10,8 +10,8 @@ namespace smaservo::tune {
 
 class TunedBench {
  public:
-  /// The wire is at rest. Current and voltage have white noise with these deviations, the same in
-  /// each run.
+  /// The wire is at rest. Current and voltage have white noise with these deviations, which is the
+  /// same in each run.
   TunedBench(const TunedPlant& plant, double current_noise_A, double voltage_noise_V);
 
   /// Reads a new frame.

@@ -81,7 +81,7 @@ std::string chosen_toml(const std::vector<Chosen>& chosen, const std::string& he
       text += fmt::format("\n[{}]\n", table);
     }
     const std::string line = fmt::format("{} = {:.6g}", c.key, c.value);
-    // TOML would read a whole number as an integer.
+    // The decimal point keeps TOML from reading a whole number as an integer.
     const bool whole = line.find_first_of(".e", line.find('=')) == std::string::npos;
     text += fmt::format("{:<36}# {}\n", line + (whole ? ".0" : ""), c.why);
   }

@@ -12,13 +12,14 @@ namespace {
 
 constexpr double contraction[] = {0.5, 0.85, 0.4, 0.15};
 constexpr std::size_t step_count = std::size(contraction);
-constexpr double settled = 0.02;  ///< of the nominal stroke
+/// Band in which a step has settled, as a share of the nominal stroke.
+constexpr double settled = 0.02;
 
 /// The times at which the device is armed and the set-points change.
 struct Plan {
-  std::size_t arms;   ///< ticks until the device is to run
-  std::size_t first;  ///< ticks until the first step, when it has armed
-  std::size_t holds;  ///< of each step
+  std::size_t arms;   ///< tick at which the device is armed
+  std::size_t first;  ///< tick of the first step, when the device has armed
+  std::size_t holds;  ///< ticks of each step
   double setpoint[step_count];
 
   std::size_t ticks() const { return begins(step_count); }
@@ -54,14 +55,14 @@ ExpectedRun run(const TunedPlant& plant, double believed_K, const Prepared<doubl
   DeviceState state = DeviceState::starting;
   for (std::size_t i = 0; i < plan.ticks(); ++i) {
     command.fresh = true;
-    // Arming is refused while the observer is unsure, so it is asked for again.
+    // Arming is refused while the observer is unsure, so the request is repeated.
     command.arm = plan.arms <= i && !(command.arm && state == DeviceState::ready);
     command.mode = Mode::strain;
     command.setpoint = plan.at(i, rest);
     Inputs<double> in = bench.inputs();
     in.ambient_K = believed_K;
-    // A test of the cooling lengthens the wire for 0.2 s, which would count as ripple of the
-    // control.
+    // The test of the cooling is suppressed: it would lengthen the wire for 0.2 s, which would
+    // count as ripple of the control.
     device.monitor.wire.cooling.confirm();
     const Output<double> out = Device<double>::step(prepared, device, in, command, dt_s);
     state = out.state;

@@ -15,16 +15,16 @@
 namespace smaservo::tune {
 namespace {
 
-/// The whole stroke at the current limit takes this time, or this share of what stretching takes.
+/// The whole stroke at the current limit takes this time, or this share of the time for stretching.
 constexpr double stroke_s = 0.1;
 constexpr double stroke_share = 0.2;
-constexpr double max_rate_1_s = 0.35;      ///< faster, the cold ends heat along with the wire
+constexpr double max_rate_1_s = 0.35;  ///< at a faster rate the cold ends heat along with the wire
 constexpr double resistance_share = 1e-3;  ///< noise of the resistance at the least current
-constexpr double sense_heating_K = 2;      ///< that the least current may cause
+constexpr double sense_heating_K = 2;      ///< heating that the least current may cause
 constexpr double slack_Pa = 1e6;
-constexpr double min_limit_Pa = 10e6;  ///< of the stress, well above slack
+constexpr double min_limit_Pa = 10e6;  ///< least limit of the stress, well above slack
 
-/// The current that measures the resistance well, unless it warms the wire.
+/// The current at which the resistance is measured well, unless it warms the wire too much.
 double min_current_A(const MeasurementSettings<double>& m, const LumpedModel::Params& params,
                      double ohm) {
   const double measures_A = resistance_noise_ohm(m, ohm, 1) / (resistance_share * ohm);
@@ -38,8 +38,8 @@ double hottest_loss_W(const TuneTask& task, const Branches& b) {
 }
 
 /// The temperature at the end of the stroke, or the higher one with which a wire can be held at 90
-/// % of it in the greatest draught: the device gives no more power for long than the file's wire
-/// takes at the limit, times the margin.
+/// % of it in the greatest draught: in the long run the device gives no more power than the file's
+/// wire takes up at the limit, times the margin.
 double max_estimate_K(const TuneTask& task, const Branches& b, double loss_margin) {
   const LumpedModel::Params params = lumped_params(task.plant);
   double contracted_K = 0;

@@ -17,20 +17,21 @@
 namespace smaservo::tune {
 namespace {
 
-/// No loop is faster than this many periods. It is then slow compared with what its model lacks,
-/// such as the front end's filters and the wire's cold ends.
+/// The time constant of a loop is at least this many periods. It is then slow compared to effects
+/// that its model lacks, such as the filters of the front end and the wire's cold ends.
 constexpr double loop_periods = 10;
-/// A variable answers to heat in a state where its slope is at least this share of its maximum over
+/// A variable responds to heat in a state if its slope is at least this share of its maximum over
 /// the states.
 constexpr double min_slope = 0.25;
-/// The resistance's noise may move the power by this share of what holds the wire.
+/// The noise of the resistance may change the power by this share of the power that holds the wire.
 constexpr double noise_share = 0.1;
 constexpr int law_stops = 49;
-/// The margins of a loop with an integral: 60° of phase, so that a step does not swing.
+/// The margins of a loop with an integral part: 60° of phase, so that a step response does not
+/// oscillate.
 constexpr AskedMargins damped{2, std::numbers::pi / 3, 2};
 
-/// Slope of the controlled variable over temperature, positive where it moves the way that its loop
-/// expects.
+/// Slope of the controlled variable over temperature, positive if it moves in the direction that
+/// its loop expects.
 double slope_1_K(LoopName name, const OperatingPoint& p) {
   switch (name) {
     case LoopName::strain:
@@ -62,7 +63,7 @@ LoopGains<double>& gains(LoopName name, Settings<double>& s) {
 std::vector<Situation> all_situations(const TuneTask& task, const Settings<double>& bare,
                                       const Branches& fine, double max_K) {
   const HeatLaw law(bare, task.plant, fine);
-  // The estimate is off by twice the wire's accuracy.
+  // The estimate is assumed to be off by twice the wire's accuracy.
   const double off = 2 * task.plant.wire.accuracy.strain / std::max(fine.stroke(), 1e-6);
   std::vector<Situation> all;
   const std::vector<TunedPlant> plants = uncertain_plants(task.plant, task.members, task.seed);
@@ -75,7 +76,7 @@ std::vector<Situation> all_situations(const TuneTask& task, const Settings<doubl
   return all;
 }
 
-/// The states in which the variable follows the heat.
+/// The states in which the variable responds to heat.
 std::vector<Situation> answering(LoopName name, const std::vector<Situation>& situations) {
   double max = 0;
   for (const Situation& s : situations) {
@@ -89,7 +90,7 @@ std::vector<Situation> answering(LoopName name, const std::vector<Situation>& si
   return all;
 }
 
-/// One of the loops while its gains are being looked for.
+/// One of the loops while its gains are being determined.
 class Design {
  public:
   Design(LoopName name, const std::vector<Situation>& situations, double period_s)
@@ -123,8 +124,8 @@ class Design {
     });
   }
 
-  /// The deadbeat time of the heat law: ten periods; down to five where the planner's lead would
-  /// else hold up a wire that stretches at `fastest_1_s`; more until the margins are kept.
+  /// The deadbeat time of the heat law: ten periods; down to five if otherwise the planner's lead
+  /// would delay a wire that stretches at `fastest_1_s`; more until the margins are kept.
   double feed_forward_s(const LoopGains<double>& gains, double fastest_1_s) const {
     const double lead_s = Trajectory<double>::lead / fastest_1_s;
     double time_s = std::clamp(lead_s, 0.5 * target_s_, target_s_);
@@ -135,9 +136,9 @@ class Design {
     return rounded_up(time_s);
   }
 
-  /// Proportional gain by lambda tuning, K = C/(y' τ) where that is least, at most `max`, and less
-  /// until the margins are kept; then the fastest integral that leaves 60° of phase, at most 1/(4
-  /// τ).
+  /// Proportional gain by lambda tuning, K = C/(y' τ) in the state where that is least, at most
+  /// `max`, and reduced until the margins are kept; then the fastest integral that leaves 60° of
+  /// phase, at most 1/(4 τ).
   void tune(LoopGains<double>& gains, double max) const {
     const double target_s =
         name_ == LoopName::force ? 2 * KalmanTuning<double>{}.stress_filter_s : target_s_;
@@ -181,7 +182,8 @@ class Design {
     return d;
   }
 
-  /// K at which the resistance's noise moves the power by no more than its share.
+  /// The greatest K at which the noise of the resistance changes the power by no more than its
+  /// share.
   double max_by_noise(const Settings<double>& s) const {
     double max = 1e6;
     for (const Situation& at : answering_) {

@@ -1,6 +1,6 @@
 #pragma once
 // Gains, limits and rates for a wire under a load, from its linearisation; every loop keeps its
-// margins in every state of every wire that the file may stand for.
+// margins in every state of every wire that the file may represent.
 
 #include <array>
 #include <string>
@@ -17,46 +17,49 @@ inline constexpr std::array loop_names{LoopName::strain, LoopName::temperature,
                                        LoopName::resistance, LoopName::force};
 const char* loop_text(LoopName name);
 
-/// A state of one of the wires, and what the device believes of it.
+/// A state of one of the wires, and the device's assumptions on it.
 struct Situation {
   std::size_t member;
   OperatingPoint point;
-  double law_J;         ///< of the heat law by strain, at the worst place within the accuracy
-  double believed_W_K;  ///< slope of the loss
+  double law_J;         ///< heat law by strain, at the worst place within the accuracy
+  double believed_W_K;  ///< slope of the loss that the device assumes
 };
 
 /// One loop with its margins.
 struct DesignedLoop {
   LoopName name;
-  bool possible;     ///< false: no state of the wire answers to heat by this variable
-  double answering;  ///< share of the states that do; the wire only passes through the others
+  bool possible;  ///< false: in no state of the wire this variable responds to heat
+  /// Share of the states in which the variable responds; the wire only passes through the others.
+  double answering;
   Margins nominal, worst;
-  Situation worst_at;                            ///< where the phase margin is least
-  std::vector<LinearLoop> nominal_loops, loops;  ///< of the states that answer; all wires
+  Situation worst_at;  ///< situation with the least phase margin
+  /// States that respond: of the file's wire, and of all wires.
+  std::vector<LinearLoop> nominal_loops, loops;
 };
 
 struct Proposal {
-  Settings<double> settings;  ///< a whole device's; chosen_settings() says which of it was chosen
-  Branches branches;          ///< of the wire itself
+  /// Settings of a whole device; chosen_settings() gives the chosen ones.
+  Settings<double> settings;
+  Branches branches;  ///< branches of the file's wire
   std::vector<Situation> situations;
   std::vector<DesignedLoop> loops;
-  double holding_A;  ///< keeps the wire short in the greatest draught
-  double supply_V;   ///< that the current limit needs
+  double holding_A;  ///< current that keeps the wire short in the greatest draught
+  double supply_V;   ///< voltage that the current limit needs
 };
 
 struct TuneTask {
   TunedPlant plant;      ///< the wire of the file
-  double max_current_A;  ///< infinite: whatever the stroke in 0.1 s needs
+  double max_current_A;  ///< infinite: no bound but the current for the stroke in 0.1 s
   int members = 24;
   std::uint64_t seed = 1;
 };
 
-/// Proposes settings, with the smallest useful dead band of the strain. Throws UserError when the
-/// wire does not move at this load and ambient temperature, or when the current does not suffice to
+/// Proposes settings, with the smallest useful dead band of the strain. Throws UserError if the
+/// wire does not move at this load and ambient temperature, or if the current is not sufficient to
 /// hold it.
 Proposal propose(const TuneTask& task);
 
-/// The device's settings for this wire with none of its gains; `current_A` is its limit.
+/// The device's settings for this wire without any gains; `current_A` is the limit.
 Settings<double> bare_settings(const Wire<double>& wire, double current_A);
 
 }  // namespace smaservo::tune

@@ -13,7 +13,7 @@ namespace {
 /// Number of uncertain wires on which the steps are simulated.
 constexpr int expected_members = 12;
 
-/// The smallest dead band with which the fewest wires are restless.
+/// Chooses the smallest dead band with which the number of restless wires is least.
 void try_dead_bands(Tuned& t) {
   const std::vector<TunedPlant> plants =
       uncertain_plants(t.task.plant, expected_members, t.task.seed);

@@ -1,5 +1,5 @@
 #pragma once
-// host-sim tune: gains for a wire and a load, the margins that they keep, and what to expect.
+// host-sim tune: gains for a wire and a load, their margins, and the expected behaviour.
 
 #include <string>
 #include <vector>
@@ -12,19 +12,21 @@
 namespace smaservo::tune {
 
 struct Tuned {
-  std::string wire;      ///< its name
-  std::string based_on;  ///< the name for a settings file; empty: the wire was changed and has none
+  std::string wire;  ///< name of the wire
+  /// The wire's name for a settings file; empty: the wire was changed and has no name.
+  std::string based_on;
   TuneTask task;
   Proposal proposal;
   std::vector<Chosen> chosen;
   std::vector<RelayCheck> relays;
   ExpectedSteps expected;
-  std::vector<StepResponse> worst;  ///< of the expected steps
+  std::vector<StepResponse> worst;  ///< worst values of the expected steps
   std::vector<std::string> warnings;
 };
 
-/// All of it. The dead band of the strain is the least that makes sense, or up to eight times that:
-/// the smallest with which every expected step holds. Throws UserError as propose() does.
+/// Makes the whole tuning. The dead band of the strain is the least useful one, or up to eight
+/// times that: the smallest with which every expected step settles. Throws UserError as propose()
+/// does.
 Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask& task);
 
 std::string tuned_text(const Tuned& tuned);

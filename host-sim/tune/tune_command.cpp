@@ -20,7 +20,7 @@ struct TuneArguments {
   std::string wire{files::default_wire};
   std::vector<std::string> settings;
   std::optional<double> load_N, stress_MPa, current_A;
-  std::vector<double> spring;  ///< low and high stress in MPa, stroke
+  std::vector<double> spring;  ///< low and high stress in MPa, and stroke
   double ambient_degC = 25;
   std::string out, report;
   bool json = false;

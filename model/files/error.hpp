@@ -11,20 +11,21 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A mistake of the user's or the machine's that a message explains; ends the program with 1.
+/// A mistake of the user or a fault of the machine that a message explains; ends the program with
+/// 1.
 class UserError : public Error {
  public:
   using Error::Error;
 };
 
-/// One that only a person mends, in a file or an option: to try again changes nothing.
+/// An error that only a person can mend, in a file or an option: trying again changes nothing.
 class ConfigError : public UserError {
  public:
   using UserError::UserError;
 };
 
-/// What was asked has been done, and its result is one that nobody can use: no valid resistance, a
-/// fit that has not converged, observers that are all lost, a recording that ended early; ends the
+/// The program has done what was asked, but nobody can use the result: no valid resistance, a fit
+/// that has not converged, observers that are all lost, a recording that ended early; ends the
 /// program with 3.
 class NoResult : public Error {
  public:

@@ -16,7 +16,7 @@ std::string whole_file(const std::string& path) {
   const std::ifstream in(path, std::ios::binary);
   const int reason = errno;
   std::ostringstream text;
-  // Of an empty file nothing is copied, which the stream calls a failure.
+  // The stream calls it a failure when an empty file gives nothing to copy.
   std::error_code error;
   if (!in || (!(text << in.rdbuf()) && !std::filesystem::is_empty(path, error)) ||
       std::filesystem::is_directory(path, error)) {

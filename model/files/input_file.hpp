@@ -4,7 +4,7 @@
 
 namespace smaservo::files {
 
-/// All that a file holds, which may be nothing. Throws ConfigError where it cannot be read.
+/// The whole content of a file, which may be empty. Throws ConfigError if it cannot be read.
 std::string whole_file(const std::string& path);
 
 }  // namespace smaservo::files

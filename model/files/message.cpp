@@ -11,7 +11,7 @@ namespace {
 
 constexpr char32_t no_symbol = 0xFFFFFFFF;
 
-/// What a text begins with: a whole symbol, or one byte that begins none.
+/// The first symbol of a text: a whole UTF-8 symbol, or one byte that begins none.
 struct Symbol {
   std::string_view bytes;
   char32_t code;  ///< no_symbol: not UTF-8
@@ -38,15 +38,15 @@ Symbol first_symbol(std::string_view text) {
     }
     code = code << 6U | (byte & 0x3FU);
   }
-  // A longer form of a shorter symbol is none: some terminals would take it for the shorter one.
+  // An overlong encoding is no symbol: some terminals would take it for the shorter one.
   constexpr std::array<char32_t, 5> least{0, 0, 0x80, 0x800, 0x10000};
   const bool surrogate = 0xD800 <= code && code <= 0xDFFF;
   return code < least.at(size) || code > 0x10FFFF || surrogate ? none
                                                                : Symbol{text.substr(0, size), code};
 }
 
-/// Control characters of ASCII and Latin-1; what breaks a line, has no width, or turns the
-/// direction of writing; no symbol at all.
+/// Control characters of ASCII and Latin-1; characters that break a line, have no width or turn the
+/// direction of writing; bytes that are no symbol.
 bool is_unprintable(char32_t code) {
   const auto within = [&](char32_t low, char32_t high) { return low <= code && code <= high; };
   return code < 0x20 || within(0x7F, 0x9F) || code == 0x61C || within(0x200B, 0x200F) ||
@@ -82,7 +82,7 @@ std::string code_of(const Symbol& symbol) {
                                   : fmt::format("\\U{:08x}", code);
 }
 
-/// Calls take(text) for each symbol, or what stands in its place.
+/// Calls take(text) for each symbol, with its replacement if it is unprintable.
 template <class Take>
 void each(std::string_view text, std::string (*in_place_of)(const Symbol&), bool in_lines,
           const Take& take) {
@@ -100,8 +100,8 @@ std::string whole(std::string_view text, std::string (*in_place_of)(const Symbol
   return out;
 }
 
-/// Not more than this of a text at either end is looked at, so that a file of gigabytes costs
-/// nothing.
+/// Greatest number of bytes that are kept of the printable head and of a text's tail. What lies
+/// between is not read, so that a file of gigabytes costs no time.
 constexpr std::size_t longest_head = 3000;
 constexpr std::size_t longest_tail = 900;
 
@@ -110,7 +110,7 @@ constexpr std::size_t longest_tail = 900;
 std::string printable(std::string_view text) {
   std::string out;
   std::size_t head = 0;
-  // A message that fits is whole; of another one, head and tail.
+  // A text that fits is kept whole; of a longer one, the head and the tail are kept.
   each(text.substr(0, longest_message + 1), bytes_of, false, [&](std::string_view part) {
     out += part;
     head = out.size() <= longest_head ? out.size() : head;
@@ -146,7 +146,7 @@ std::string printable_toml(std::string_view text) {
 
 void complain(std::string_view program, std::string_view text) noexcept {
   try {
-    // In one piece, so that the lines of several threads do not mix.
+    // The line is written by one call, so that lines of several threads do not mix.
     const std::string line = fmt::format("{}: {}\n", program, printable(text));
     std::fwrite(line.data(), 1, line.size(), stderr);
   } catch (...) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Whether this is still the file of that name.
+/// Whether the open file is still the one that has this name.
 bool is_named(int file, const std::string& path) {
   struct stat open_one{};
   struct stat named{};
@@ -26,10 +26,10 @@ bool is_named(int file, const std::string& path) {
          open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
 }
 
-/// Removes what a program has left that was killed while it wrote. False: somebody writes it now,
-/// and holds its lock.
+/// Removes the partial file of a program that was killed while it wrote. False if another program
+/// is writing it now and holds its lock.
 bool remove_left_over(const std::string& beside) {
-  // A link or a pipe is nobody's part: it is removed without being opened.
+  // A link or a pipe cannot be a partial file: it is removed without being opened.
   const int file = open(beside.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   const bool taken = file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   const bool removed = !taken && (file < 0 || is_named(file, beside)) &&
@@ -42,8 +42,8 @@ bool remove_left_over(const std::string& beside) {
   return removed;
 }
 
-/// A new file that its writer has locked. Its name tells programs apart by their process number,
-/// but every program in a container may be number 1: so what lies there already is looked at.
+/// Creates and locks a new file. Its name contains the process number, but every program in a
+/// container may be number 1: therefore an existing file of that name is examined first.
 int create_locked(const std::string& beside) {
   for (int tries = 0; tries < 10; ++tries) {
     const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -53,7 +53,7 @@ int create_locked(const std::string& beside) {
       }
       continue;
     }
-    // Where a file system knows no locks, the process number has to do.
+    // If the file system has no locks, the process number must be enough.
     const bool mine = flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
     if (mine && is_named(file, beside)) {
       return file;
@@ -73,14 +73,14 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   std::error_code ignored;
   if (fs::exists(path_, ignored) && !fs::is_regular_file(path_, ignored)) {
-    // A device or a pipe has nothing to be replaced.
+    // A device or a pipe is written directly, since it cannot be replaced.
     file_ = std::fopen(path_.c_str(), "wb");
     if (file_ == nullptr) {
       fail("cannot be written");
     }
     return;
   }
-  // What a link points to is replaced, not the link.
+  // If the path is a link, the file that it points to is replaced, not the link.
   target_ = fs::is_symlink(path_, ignored) ? fs::weakly_canonical(path_).string() : path_;
   const std::string beside = fmt::format("{}.{}.part", target_, getpid());
   const int file = create_locked(beside);
@@ -102,7 +102,8 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
 }
 
 OutputFile::~OutputFile() {
-  // Removed before the lock ends with the file: afterwards the name may be another writer's.
+  // The file is removed before closing ends the lock: afterwards the name may belong to another
+  // writer.
   if (!beside_.empty()) {
     std::remove(beside_.c_str());
   }
@@ -124,7 +125,8 @@ void OutputFile::commit() {
   if (beside_.empty()) {
     return;
   }
-  // Renamed before it is closed, as the lock ends with that; nothing is left to be written.
+  // The file is renamed before it is closed, since closing ends the lock; all data are written
+  // already.
   if (std::rename(beside_.c_str(), target_.c_str()) != 0) {
     fail("cannot be written");
   }
@@ -146,7 +148,7 @@ bool sync_folder_of(const std::string& path) {
   if (folder < 0) {
     return false;
   }
-  // EINVAL: a file system that makes its names durable by itself, or never.
+  // EINVAL: the file system either makes names durable by itself or cannot do so.
   const bool synced = fsync(folder) == 0 || errno == EINVAL;
   const int why = errno;
   close(folder);

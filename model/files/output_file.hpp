@@ -6,15 +6,15 @@
 
 namespace smaservo::files {
 
-/// A file that appears under its name only when it is complete: written beside as
-/// PATH.PROCESS.part, then renamed. After commit() a loss of power takes neither the content nor
-/// the name. What a killed program left beside is removed; what another one is writing is not.
-/// "-" is standard output; devices and pipes are written as they are. Throws UserError when it
-/// cannot be written.
+/// A file that appears under its name only when it is complete: it is written as PATH.PROCESS.part
+/// and then renamed. After commit() a loss of power destroys neither the content nor the name.
+/// Partial files of killed programs are removed; partial files that another program is writing are
+/// kept. "-" is the standard output; devices and pipes are written directly. Throws UserError if
+/// the file cannot be written.
 class OutputFile {
  public:
   explicit OutputFile(std::string path);
-  ~OutputFile();  ///< removes what was not committed
+  ~OutputFile();  ///< removes the file if it was not committed
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
@@ -25,16 +25,16 @@ class OutputFile {
   [[noreturn]] void fail(const char* what) const;
 
   std::string path_;
-  std::string target_;  ///< what will be replaced
-  std::string beside_;  ///< what is being written; empty when it is written in place
+  std::string target_;  ///< the file that will be replaced
+  std::string beside_;  ///< the partial file; empty when the target is written directly
   std::FILE* file_ = nullptr;
 };
 
-/// Makes durable which files the folder of this one has: what was created, renamed or removed.
-/// False: it fails, errno says why.
+/// Makes the list of files durable in the folder that contains `path`: files created, renamed or
+/// removed. False if this fails; errno says why.
 bool sync_folder_of(const std::string& path);
 
-/// Makes the folder that an option names where it is missing. Throws UserError when files cannot
+/// Creates the folder that an option names, if it does not exist. Throws UserError if files cannot
 /// be written there.
 void prepare_folder(const char* option, const std::string& folder);
 

@@ -11,9 +11,10 @@
 
 namespace smaservo::files {
 
-/// Calls part(i) for all i below count, in order but by several threads at once. `done` is called
-/// after each part with how many there have been, never from two threads at once. Throws what the
-/// first of the parts that failed has thrown; later ones may not have begun then.
+/// Calls part(i) for all i below count, in order but by several threads at once. After each part
+/// `done` is called with the number of finished parts, never by two threads at once. If parts
+/// throw, rethrows the exception of the one with the lowest number; later parts may not have begun
+/// then.
 template <class Part>
 void parallel(std::size_t count, int threads, const Part& part,
               const std::function<void(std::size_t)>& done) {

@@ -5,10 +5,11 @@
 
 namespace smaservo::files {
 
-/// A line on the terminal that says how far a long job is; silent where standard error is none.
+/// A line on the terminal that shows the progress of a long job; silent if standard error is no
+/// terminal.
 class Progress {
  public:
-  /// `total` 0: not known.
+  /// `total` 0: the amount of work is not known.
   Progress(std::string what, std::uint64_t total);
   ~Progress();  ///< clears the line
   Progress(const Progress&) = delete;

@@ -28,7 +28,7 @@ std::size_t width_of(std::string_view text) {
   return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_continuation));
 }
 
-/// A text in lines of a width, as far as its words allow.
+/// Breaks a text into lines of the given width, as far as its words allow.
 std::vector<std::string> broken(std::string_view text, std::size_t width) {
   std::vector<std::string> lines{""};
   while (!text.empty()) {
@@ -45,7 +45,7 @@ std::vector<std::string> broken(std::string_view text, std::size_t width) {
   return lines;
 }
 
-// What people see of a table.
+// The table as people see it.
 
 struct Printed {
   std::string text;
@@ -102,7 +102,7 @@ View view(const Columns& columns, const std::vector<TextTable::Row>& rows,
 /// A table on a terminal.
 class Layout {
  public:
-  /// Headings stand in one line each, or are broken to the width of the cells.
+  /// Headings stand in one line each; with `breaks` they are broken to the width of the cells.
   Layout(const View& all, bool breaks) : all_(all), widths_(all.columns.size()) {
     for (const Line& line : all.lines) {
       for (std::size_t i = 0; i < line.size(); ++i) {
@@ -133,7 +133,7 @@ class Layout {
   }
 
  private:
-  /// The last one of these lines stands right above the cells.
+  /// The last one of `lines` stands right above the cells.
   void add_head(std::size_t column, const std::vector<std::string>& lines) {
     for (std::size_t up = 0; up < lines.size() && !lines[up].empty(); ++up) {
       const std::string& text = lines[lines.size() - 1 - up];
@@ -156,7 +156,7 @@ class Layout {
 
   const View& all_;
   std::vector<std::size_t> widths_;
-  std::vector<Line> heads_;  ///< from the lowest up
+  std::vector<Line> heads_;  ///< lines of the headings, from the lowest one up
   bool has_stars_ = false;
 };
 
@@ -224,7 +224,7 @@ std::string TextTable::html() const {
   const View all = view(columns_, rows_, nothing_);
   const Line head = headings(all.columns);
   const bool has_head = !std::ranges::all_of(head, &std::string::empty, &Printed::text);
-  // What is printed repeats the head on each page.
+  // A browser repeats <thead> on each printed page.
   std::string html = "<table>\n";
   if (has_head) {
     html += "<thead>" + html_line(head, "th") + "</thead>\n";

@@ -15,20 +15,22 @@ namespace smaservo::files {
 
 class TextTable {
  public:
-  /// A column with a format has numbers and stands right, one without has texts and stands left.
-  /// A column without a key is not in the JSON; one with a key and no heading is there only.
+  /// A column with a format has numbers and is aligned to the right, one without has texts and is
+  /// aligned to the left. A column without a key is left out of the JSON; one with a key and no
+  /// heading stands only there.
   struct Column {
-    // g++ warns of what designated initializers leave out, unless it has one of its own.
+    // g++ warns of members that designated initializers leave out, unless they have their own
+    // initializer.
     // NOLINTBEGIN(readability-redundant-member-init)
     std::string heading = {};
-    std::string format = {};  ///< of its real numbers, with a unit: "{:.1f} mA"
+    std::string format = {};  ///< format of its real numbers, with the unit: "{:.1f} mA"
     std::string key = {};     ///< its name in JSON
     // NOLINTEND(readability-redundant-member-init)
-    double scale = 1;  ///< of real numbers for people; in JSON they stand as given
+    double scale = 1;  ///< factor on real numbers for people; JSON has them unscaled
   };
 
-  /// A text, a number, a truth value or nothing; NaN is nothing. What is marked has a star where it
-  /// stands right, is bold in Markdown and of the class "lost" in HTML.
+  /// A text, a number, a truth value or nothing; NaN counts as nothing. A marked cell has a star if
+  /// its column is aligned to the right, is bold in Markdown and has the class "lost" in HTML.
   struct Cell {
     Cell() = default;
     template <class T>
@@ -50,16 +52,16 @@ class TextTable {
   };
   using Row = std::vector<Cell>;
 
-  /// `nothing` stands for people where there is nothing.
+  /// `nothing` is the text that people see in empty cells.
   explicit TextTable(std::vector<Column> columns, std::string nothing = "-")
       : columns_(std::move(columns)), nothing_(std::move(nothing)) {}
 
-  /// There is nothing in cells that are not given.
+  /// Cells that a row does not give are empty.
   void add(Row row);
   bool empty() const { return rows_.empty(); }
 
-  /// Columns as wide as they must be; headings are broken where the table then has 80 columns or
-  /// less.
+  /// Columns are as wide as they must be; headings are broken if the table then has at most 80
+  /// columns of characters.
   std::string text() const;
   std::string markdown() const;
   std::string html() const;
@@ -72,10 +74,11 @@ class TextTable {
   std::string nothing_;
 };
 
-/// Text as HTML shows it, also inside an attribute; control characters as on a terminal.
+/// The text escaped for HTML, also inside an attribute; control characters are replaced as on a
+/// terminal.
 std::string escaped(std::string_view text);
-/// A document in lines, or without an indent (-1) in one. A terminal may show it: bytes that are no
-/// UTF-8 are replaced, control characters are \u001b.
+/// The document as text: indented on several lines, or on one line with indent -1. Safe for a
+/// terminal: bytes that are not UTF-8 are replaced, control characters are written as \u001b.
 std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
 
 }  // namespace smaservo::files

@@ -13,11 +13,11 @@ namespace smaservo::files {
 /// Whether a file of this name is written as MCAP: it ends in .mcap.
 bool is_mcap_name(std::string_view path);
 
-/// A trace that a program writes, as CSV text; where its name ends in .mcap, the file is MCAP. Like
+/// A trace that a program writes as CSV text; if its name ends in .mcap, the file is MCAP. Like an
 /// OutputFile it appears when it is complete. Throws UserError.
 class TraceFile {
  public:
-  /// `kinds` are those of the columns, as mcap::RowsWriter takes them.
+  /// `kinds` are the kinds of the columns, as for mcap::RowsWriter.
   TraceFile(const std::string& path, const mcap::Origin& origin,
             std::vector<mcap::Kind> kinds = {});
 

@@ -1,8 +1,8 @@
 #pragma once
 // The classical two-phase model: martensite and austenite, cosine curves over temperature.
 // Source: Liang and Rogers (1990), 'One-dimensional thermomechanical constitutive relations for
-// shape memory materials'; paper 002 section 6, eq. 31 to 34. It is what three phases and ihyp
-// curves are compared with, in accuracy and in speed.
+// shape memory materials'; paper 002 section 6, eq. 31 to 34. The three-phase model with its ihyp
+// curves is compared with this one in accuracy and in speed.
 
 #include "model/papers/cosine_process.hpp"
 
@@ -20,7 +20,7 @@ struct Cosine {
   struct State {
     Drive<S> drive;
     S martensite;
-    CosineBranch<S> branch;  ///< the fraction belongs to its farthest progress
+    CosineBranch<S> branch;  ///< `martensite` is the fraction at its farthest progress
     Heading heading;
   };
 
@@ -29,10 +29,10 @@ struct Cosine {
     return {u, S(1) - cosine_left(x), {S(1), x}, Heading::cooling};
   }
 
-  /// Exact for any step size. A process acts while its progress grows beyond the branch's
-  /// farthest; it begins at the drive before the step, scaled to the fraction there. Where stress
-  /// and temperature rise so that both could act, the one that is already acting does.
-  /// Cost: one cosine on a branch, two at a reversal, none outside start to finish.
+  /// Exact for any step size. A process acts while its progress grows beyond the farthest of its
+  /// branch; a new branch begins at the drive before the step, scaled to the fraction there. If
+  /// stress and temperature rise so that both processes could act, the one that is already acting
+  /// does. Cost: one cosine on a branch, two at a reversal, none outside start to finish.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     const S x = process(p, s.heading).progress(u);
     if (s.branch.progress < x) {

@@ -14,7 +14,7 @@ template <class S>
 struct CosineProcess {
   S start_K;
   S finish_K;
-  S stress_Pa_K;  ///< Clausius-Clapeyron slope C, by which stress raises both temperatures
+  S stress_Pa_K;  ///< Clausius-Clapeyron slope C: a stress σ raises both temperatures by σ/C
 
   /// How far the drive is from start to finish, 0..1.
   constexpr S progress(const Drive<S>& u) const {
@@ -23,33 +23,34 @@ struct CosineProcess {
   }
 };
 
-/// What a complete run has left of its pool: (cos(π x) + 1)/2 (002 eq. 31 and 33).
+/// The share of its pool that a complete run has left at progress x: (cos(π x) + 1)/2 (002 eq. 31
+/// and 33).
 template <class S>
 S cosine_left(const S& x) {
   using std::cos;
   return S(0.5) * cos(S(std::numbers::pi) * x) + S(0.5);
 }
 
-/// A run of a process through its pool, from wherever it began.
+/// A run of a process through its pool, from the point where it began.
 template <class S>
 struct CosineBranch {
-  S amplitude;  ///< what it converts from start to finish; above 1 when it began between
-  S progress;   ///< the farthest
+  S amplitude;  ///< pool at start; above 1 if the branch began between start and finish
+  S progress;   ///< the farthest so far, 0..1
 
-  /// Begins here with this pool.
+  /// A branch that begins at progress x with this pool.
   static CosineBranch at(const S& pool, const S& x) {
     const S remaining = cosine_left(x);
     return {S(0) < remaining ? pool / remaining : S(0), x};
   }
 
-  /// What is left of the pool when the branch goes on to x; never more than before.
+  /// The pool that is left when the branch advances to progress x; never more than before.
   S convert(const S& pool, const S& x) {
     progress = x;
     const S scaled = amplitude * cosine_left(x);
     return scaled < pool ? scaled : pool;
   }
 
-  /// Slope of the pool at x.
+  /// The slope of the pool over temperature at progress x.
   S pool_1_K(const CosineProcess<S>& process, const S& x) const {
     using std::sin;
     return S(-0.5 * std::numbers::pi) * amplitude * sin(S(std::numbers::pi) * x) /

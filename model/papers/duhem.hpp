@@ -1,8 +1,8 @@
 #pragma once
-// A differential hysteresis model of two phases: martensite over temperature, the slopes of its
-// major loop being Gaussian, those of minor loops scaled by where they lie within it.
-// Source: paper 001 section III, eq. 4 to 12; the minor loops are Likhachev's. Stress is not in the
-// paper: here it shifts the centres.
+// A differential hysteresis model of two phases: martensite over temperature. The slopes of its
+// major loop are Gaussian; those of minor loops are scaled by the position within the major loop.
+// Source: paper 001 section III, eq. 4 to 12; the minor loops are Likhachev's. The paper has no
+// stress: here it shifts the centres.
 
 #include <cmath>
 #include <numbers>
@@ -19,17 +19,17 @@ struct Duhem {
   struct Process {
     S centre_K;     ///< μ, at zero stress
     S deviation_K;  ///< σ of the paper, > 0
-    S stress_K_Pa;  ///< by which stress raises μ, the inverse Clausius-Clapeyron slope; 001 has 0
+    S stress_K_Pa;  ///< shift of μ per stress, the inverse Clausius-Clapeyron slope; 0 in 001
 
     constexpr S deviations(const Drive<S>& u) const {
       return (u.temperature_K - centre_K - stress_K_Pa * u.stress_Pa) / deviation_K;
     }
   };
 
-  /// μ_+ above μ_-, or there is no loop: where the heating curve does not lie below the cooling
-  /// curve there is one curve for both directions, the cooling curve. With unequal deviations they
-  /// always cross somewhere, at (μ_+ - μ_-)/(σ_+ - σ_-) deviations from both centres: 8.3 in 001,
-  /// where less than 1e-16 is left to transform.
+  /// There is a loop only where μ_+ is above μ_-: at drives where the heating curve does not lie
+  /// below the cooling curve, the cooling curve serves for both directions. With unequal deviations
+  /// the curves always cross somewhere, at (μ_+ - μ_-)/(σ_+ - σ_-) deviations from both centres:
+  /// 8.3 in 001, where less than 1e-16 is left to transform.
   struct Params {
     Process m2a;  ///< μ_+, σ_+
     Process a2m;  ///< μ_-, σ_-
@@ -45,13 +45,13 @@ struct Duhem {
 
   static State rest(const Params& p, const Drive<S>& u) { return {u, right(p.a2m.deviations(u))}; }
 
-  /// The way to the drive is straight in temperature and stress. On it a process acts while its own
-  /// curve advances, so stress transforms, too. One step is as good as many, to 1e-10 of a fraction
+  /// The path to the drive is straight in temperature and stress. A process acts on it while its
+  /// own curve advances, so stress transforms, too. One step equals many to 1e-10 of a fraction
   /// while the curves are a deviation or more apart; where a stress pushes both processes at once,
   /// M2A goes first, an error of first order. As in the paper there is no memory: every rise and
-  /// fall of a ripple converts a little, so minor loops do not close and the fraction walks to
+  /// fall of a ripple converts a little, so minor loops do not close and the fraction drifts to
   /// where both directions balance. Cost: 2 complementary error functions for each process that
-  /// acts, 8 more and 4 exponentials for each half deviation of the way.
+  /// acts, plus 8 of them and 4 exponentials for each half deviation of the path.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     const Place from = heating_place(p, s.drive);
     const Place to = heating_place(p, u);
@@ -84,9 +84,10 @@ struct Duhem {
   }
 
  private:
-  /// Where the acting process and the other one stand, in deviations from their centres, counted so
-  /// that the acting one goes up. Cooling is heating seen in a mirror, with austenite for
-  /// martensite, so the formulas are written once. `pool` is what the acting process consumes.
+  /// The positions of the acting process and of the other one, in deviations from their centres,
+  /// counted so that the acting one rises. Cooling is the mirror image of heating, with austenite
+  /// in place of martensite, so the formulas are written once. `pool` is the phase that the acting
+  /// process consumes.
   struct Place {
     S own, other;
   };
@@ -108,13 +109,14 @@ struct Duhem {
     return S(0.5 * std::numbers::sqrt2 * std::numbers::inv_sqrtpi) * exp(S(-0.5) * z * z);
   }
 
-  /// The major loop at a place: what of the pool its two curves have left, and the distance.
+  /// The major loop at a place: the shares of the pool that both curves have left, and their
+  /// distance.
   struct Band {
     S own, other, width;
   };
   static Band band(const Place& place) {
     if (place.other < S(0)) {
-      // Both shares are near 1: subtract the small ones.
+      // Both shares are near 1: the difference is taken from the small complements.
       const S own = right(-place.own);
       const S other = right(-place.other);
       return {S(1) - own, S(1) - other, other - own};
@@ -128,17 +130,17 @@ struct Duhem {
   static S slope(const S& pool, const Place& place) {
     const Band major = band(place);
     const S above = pool - major.other;
-    // 001 eq. 9, in 0..1; beyond it is rounding
+    // 001 eq. 9, in 0..1; anything outside is rounding
     const S n = !(S(0) < above) ? S(0) : above < major.width ? above / major.width : S(1);
     return -n * density(place.own);
   }
 
-  /// What is left of the pool after a straight way. With a and b the places of both processes, p
-  /// the pool and Q = right, 001 eq. 11 reads dp/da = -φ(a) (p - Q(b))/(Q(a) - Q(b)). The distance
-  /// from the acting curve, Q(a) - p, obeys an equation without p, and its solution is
+  /// The pool that is left after a straight path. With a and b the places of both processes, p the
+  /// pool and Q = right, 001 eq. 11 reads dp/da = -φ(a) (p - Q(b))/(Q(a) - Q(b)). The distance from
+  /// the acting curve, Q(a) - p, obeys an equation without p, and its solution is
   ///     p_1 = Q(a_1)/Q(a_0) [p_0 + (Q(a_0) - p_0) (1 - e^-c)].
-  /// The fraction in front is the closed form where the two curves do not overlap; c is what the
-  /// overlap adds.
+  /// The fraction Q(a_1)/Q(a_0) alone is the closed form where the two curves do not overlap; c is
+  /// the effect of the overlap.
   static S converted(const S& pool, const Place& from, const Place& to) {
     using std::expm1;
     const S begun = right(from.own);
@@ -156,8 +158,8 @@ struct Duhem {
     return left < min ? min : left;
   }
 
-  /// c = ∫ φ(a)/Q(a) q/(1 - q) da with q = Q(b)/Q(a), by Gauss and Legendre's four points in each
-  /// half deviation. What lies more than 8.5 deviations out is below rounding.
+  /// c = ∫ φ(a)/Q(a) q/(1 - q) da with q = Q(b)/Q(a), by four-point Gauss-Legendre quadrature in
+  /// each half deviation. The part more than 8.5 deviations from the centre is below rounding.
   static S overlap(const Place& from, const Place& to) {
     const S own = to.own - from.own;
     const S other = to.other - from.other;
@@ -198,7 +200,7 @@ struct Duhem {
   static S overlap_slope(const Place& place) {
     const Band major = band(place);
     if (!(S(0) < major.width)) {
-      return S(1e6);  // no width left: nothing keeps a distance from the acting curve
+      return S(1e6);  // no width left: the pool falls onto the acting curve at once
     }
     return density(place.own) * major.other / (major.own * major.width);
   }

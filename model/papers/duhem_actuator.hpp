@@ -13,18 +13,18 @@
 
 namespace smaservo::papers {
 
-/// Convection that depends on direction, and a heat capacity that rises where austenite begins:
-/// the paper's stand-in for latent heat. Its temperatures are in °C.
+/// Convection that depends on direction, and a heat capacity that rises where austenite begins,
+/// which is the paper's substitute for latent heat. The paper's temperatures are in °C.
 template <class S>
 struct DuhemHeat {
   S heating_W_m2K;        ///< a_1, h at 0 °C while the temperature rises
-  S heating_W_m2K2;       ///< a_2, by which it falls per kelvin
-  S cooling_W_m2K;        ///< a_3, the middle of h while the temperature falls
-  S cooling_step_W_m2K;   ///< a_4, half its step
+  S heating_W_m2K2;       ///< a_2, decrease of h per kelvin
+  S cooling_W_m2K;        ///< a_3, mean of the two levels of h while the temperature falls
+  S cooling_step_W_m2K;   ///< a_4, half the step between the two levels
   S cooling_centre_K;     ///< m_1
   S cooling_width_K;      ///< n_1
-  S capacity_J_kgK;       ///< b_1, the middle
-  S capacity_step_J_kgK;  ///< b_2, half its step
+  S capacity_J_kgK;       ///< b_1, mean of the two levels of the heat capacity
+  S capacity_step_J_kgK;  ///< b_2, half the step between them
   S capacity_centre_K;    ///< m_2
   S capacity_width_K;     ///< n_2
 
@@ -45,7 +45,7 @@ struct DuhemHeat {
   }
 };
 
-/// What drives the current.
+/// The source that drives the current.
 template <class S>
 struct VoltageSource {
   S voltage_V;
@@ -57,7 +57,7 @@ struct PowerSource {
   S power_W(const S& /*resistance_ohm*/) const { return constant_W; }
 };
 
-/// Strain by the balance of forces (eq. 17) or by the polynomial (eq. 18).
+/// How strain is computed: by the balance of forces (eq. 17) or by the polynomial (eq. 18).
 enum class StrainLaw : unsigned char { balance, polynomial };
 
 template <class S>
@@ -84,12 +84,12 @@ struct DuhemActuator {
     S transformation_strain;  ///< ε_r
     S stress_Pa;
     S resistance_ohm;
-    bool temperature_valid;  ///< within the range of martensite's resistivity
-    bool strain_valid;       ///< below ε_m^d; the paper has nothing beyond it
+    bool temperature_valid;  ///< the temperature is within the range of martensite's resistivity
+    bool strain_valid;       ///< the strain is below ε_m^d; the paper has no equations beyond it
   };
 
-  /// At the ambient temperature and all martensite, as 001 eq. 12 begins. (A wire that was cooled
-  /// to 24 °C keeps 4 % of austenite by Table I.)
+  /// A wire at the ambient temperature that is all martensite, as 001 eq. 12 begins. (A wire that
+  /// was cooled to 24 °C keeps 4 % of austenite by Table I.)
   static State rest(const Params& p) { return {{drive(p, p.ambient_K), S(1)}, Heading::heating}; }
 
   static Output output(const Params& p, const State& s) {
@@ -106,9 +106,10 @@ struct DuhemActuator {
   }
 
   /// dt_s > 0, meant for 0.1 to 100 ms. The midpoint rule: the error is of second order in dt_s
-  /// while the temperature goes one way, and of first order at each turn, where h jumps. A step
-  /// that would move the temperature by more than 0.1 K is made of substeps, 0.2 of the width over
-  /// which the heat capacity changes. Cost of a part: 2 steps of Duhem, 2 resistances.
+  /// while the temperature moves one way, and of first order at each turn, where h jumps. A step
+  /// that would move the temperature by more than 0.1 K (0.2 of the width over which the heat
+  /// capacity changes) is divided into substeps. Cost of a substep: 2 steps of Duhem, 2
+  /// resistances.
   template <class Source>
   static void advance(const Params& p, State& s, const Source& source, const S& dt_s) {
     const S rate = rate_K_s(p, s, source);
@@ -123,8 +124,8 @@ struct DuhemActuator {
   }
 
  private:
-  /// The transformation feels the stress of the prestrained wire, whatever the strain: 001 section
-  /// III neglects the rest.
+  /// The transformation is driven by the stress of the prestrained wire, independent of the strain:
+  /// 001 section III neglects the difference.
   static Drive<S> drive(const Params& p, const S& temperature_K) {
     return {temperature_K, p.bias.austenite_Pa * p.bias.prestrain()};
   }
@@ -156,8 +157,10 @@ struct DuhemActuator {
     return (source.power_W(resistance(p, s)) - loss_W) / capacity_J_K;
   }
 
-  /// h depends on the direction that it decides on (eq. 2). Where both directions agree with
-  /// themselves the wire goes on as it went; where neither does, it stands.
+  /// The rate of the temperature. Its sign gives the heading, which h depends on (eq. 2): a heading
+  /// is consistent if the rate computed with it has its sign. The present heading is kept if it is
+  /// consistent, otherwise the other one is tried; if neither is consistent, the temperature stands
+  /// still.
   template <class Source>
   static S rate_K_s(const Params& p, State& s, const Source& source) {
     const auto agrees = [](const S& rate, Heading heading) {

@@ -1,5 +1,5 @@
 #pragma once
-// Resistivities of two phases that bend over temperature, the phases side by side.
+// Resistivities of two phases that are curved over temperature; the phases conduct in parallel.
 // Source: paper 001 section V, eq. 20 to 23.
 
 #include <cmath>
@@ -12,14 +12,14 @@ namespace smaservo::papers {
 template <class S>
 struct DuhemResistivity {
   S austenite_ohm_m;         ///< p_1
-  S austenite_cold_ohm_m;    ///< p_2, what it has more at the ambient temperature
+  S austenite_cold_ohm_m;    ///< p_2, additional resistivity at the ambient temperature
   S austenite_decay_1_K;     ///< p_3
-  S step_ohm_m;              ///< q_1, of martensite's step; at 0 °C
+  S step_ohm_m;              ///< q_1, height of martensite's step at 0 °C
   S step_ohm_m_K;            ///< q_2
   S step_centre_K;           ///< m_3
   S step_width_K;            ///< n_3
   S martensite_ohm_m_K[10];  ///< α_0 ... α_9, by power of the temperature above ambient
-  S lowest_K, highest_K;     ///< where the polynomial was fitted; beyond, it runs away
+  S lowest_K, highest_K;     ///< range in which the polynomial was fitted; outside, it diverges
 
   constexpr bool valid(const S& temperature_K) const {
     return !(temperature_K < lowest_K) && !(highest_K < temperature_K);
@@ -45,7 +45,7 @@ struct DuhemResistivity {
            sum;
   }
 
-  /// Of the mixture.
+  /// The resistivity of the mixture.
   S parallel(const S& martensite_fraction, const S& temperature_K, const S& ambient_K) const {
     // 001 eq. 21
     return S(1) / ((S(1) - martensite_fraction) / austenite(temperature_K, ambient_K) +

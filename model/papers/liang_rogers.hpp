@@ -5,9 +5,10 @@
 //   heating: M2A and R2A along A_s, A_f, C_A       cooling: A2R along R_s, R_f, C_R
 //                                                           A2M and R2M along M_s, M_f, C_M
 //
-// Restored, because 002 has no equations for it: martensite grows at the expense of both other
-// phases alike, and austenite becomes R-phase meanwhile, so eq. 48 gives the share of R-phase in
-// what is not martensite, at any temperature. On heating the R-phase follows eq. 31, too.
+// Added here, because 002 has no equations for it: martensite grows at the expense of both other
+// phases in proportion, and austenite becomes R-phase at the same time, so eq. 48 gives the share
+// of R-phase in the part that is not martensite, at any temperature. On heating the R-phase follows
+// eq. 31, too.
 
 #include "model/papers/cosine_process.hpp"
 #include "model/wire/material.hpp"
@@ -28,8 +29,11 @@ struct LiangRogers {
   struct State {
     Drive<S> drive;
     S martensite, r_phase;
-    CosineBranch<S> main;   ///< on heating of all that is not austenite, on cooling not martensite
-    CosineBranch<S> share;  ///< on cooling: of austenite's share in what is not martensite
+    /// The branch of the pool: martensite and R-phase on heating, everything but martensite on
+    /// cooling.
+    CosineBranch<S> main;
+    /// On cooling, the branch of austenite's share in the part that is not martensite.
+    CosineBranch<S> share;
     Heading heading;
   };
 
@@ -41,10 +45,11 @@ struct LiangRogers {
             {S(1), x}, {S(1), y},     Heading::cooling};
   }
 
-  /// Exact for any step size. A direction acts while one of its processes goes beyond its branch's
-  /// farthest; it begins at the drive before the step, scaled to the fractions there, as in eq. 31
-  /// and 33. Where stress and temperature rise so that both could act, the one that is already
-  /// acting does. Cost: up to two cosines on a branch, four at a reversal.
+  /// Exact for any step size. A direction acts while one of its processes advances beyond the
+  /// farthest progress of its branch; a new branch begins at the drive before the step, scaled to
+  /// the fractions there, as in eq. 31 and 33. If stress and temperature rise so that both
+  /// directions could act, the one that is already acting does. Cost: up to two cosines on a
+  /// branch, four at a reversal.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     if (s.heading == Heading::heating) {
       if (!heat(p, s, u) && cools(p, s.drive, u)) {
@@ -141,9 +146,9 @@ struct LiangRogers {
 };
 
 /// Strain with mixed moduli: ε = σ/E + Σ z_i ε_i, E = Σ z_i E_i (002 eq. 29 and 30 with the terms
-/// of the R-phase). Of a single phase the same as strain(); of a mixture stiffer, since here the
-/// phases stretch alike and there they bear the same stress. Resistivity is that of Material with
-/// Mixture::series (eq. 3), where k = α ρ_0 (eq. 2).
+/// of the R-phase). For a single phase it equals strain(); a mixture is stiffer than there, because
+/// here all phases have the same strain and in strain() all bear the same stress. The resistivity
+/// is that of Material with Mixture::series (eq. 3), where k = α ρ_0 (eq. 2).
 template <class S>
 constexpr S mixed_modulus_strain(const Material<S>& m, const Phases<S>& z, const S& stress_Pa) {
   const S a = z.austenite();

@@ -4,9 +4,9 @@
 // Source: paper 003, eq. 2, figure 2 and section III; for the staircase, the wiping-out and the
 // congruency property Mayergoyz, 'Mathematical Models of Hysteresis' (1991).
 //
-// A relay becomes austenite at α on heating and martensite again at β <= α on cooling. What has
-// to be known of their distribution μ is F(α, β, σ), the weight of the relays that turn back
-// between a reversal at α and β: of the triangle α' <= α, β' >= β.
+// A relay becomes austenite at α on heating and martensite again at β <= α on cooling. The only
+// function of their distribution μ that is needed is F(α, β, σ), the weight of the relays in the
+// triangle α' <= α, β' >= β: those that switch back between a reversal at α and β.
 //
 //   α |        . /      F stands on the grid nodes. Between them it is bilinear, so μ is constant
 //     |------.  /       on each cell; on the diagonal's cells F is linear in α - β, so what is
@@ -16,8 +16,8 @@
 //     |     / β         The staircase between the relays that are austenite and those that are
 //                       martensite has its corners at the turning points that are still open.
 //
-// F is a share of martensite here; 003's is in strain: times the strain of full martensite less
-// that of austenite, Material's strain_slopes().
+// F is a share of martensite here; in 003 it is a strain: this F times the strain of full
+// martensite less that of austenite, Material's strain_slopes().
 
 #include <array>
 #include <cstddef>
@@ -29,7 +29,7 @@
 namespace smaservo::papers {
 
 /// The turning points of an input that are still open, outermost first, alternately hot and cold;
-/// the first is hot and is where the input came from. Each lies inside the two before it.
+/// the first is hot and is where the input came from. Each lies between the two before it.
 template <class S, std::size_t depth>
 struct Staircase {
   static_assert(4 <= depth && depth < 256);
@@ -49,10 +49,10 @@ struct Staircase {
   constexpr bool heats() const { return count % 2 == 0; }
   constexpr const S& newest() const { return turns[count - 1U]; }
 
-  /// Returns whether the turning points have changed. Where they are too many, those two
-  /// neighbours are forgotten that matter least: `weight(hot, hotter, cold, warmer)` tells it of
-  /// the relays that this turns over, hot <= α < hotter and cold <= β < warmer. To forget the
-  /// outermost ones would turn over most of the relays.
+  /// Returns whether the turning points have changed. If there are too many, the two neighbours
+  /// that matter least are forgotten: `weight(hot, hotter, cold, warmer)` gives the weight of the
+  /// relays that this switches, hot <= α < hotter and cold <= β < warmer. Forgetting the outermost
+  /// ones would switch most of the relays.
   template <class Weight>
   constexpr bool move(const S& to, Weight weight) {
     const std::uint8_t before = count;
@@ -70,8 +70,8 @@ struct Staircase {
     return turns_here || count != before;
   }
 
-  /// Calls visit(sign, hot, cold) for the triangles whose sum is the martensite, but for the one
-  /// that ends at the input.
+  /// Calls visit(sign, hot, cold) for each triangle whose signed sum is the martensite, except the
+  /// triangle that ends at the input.
   template <class Visit>
   constexpr void each_settled(Visit visit) const {
     for (std::size_t i = 1; i < count; ++i) {
@@ -106,20 +106,21 @@ struct Staircase {
   }
 };
 
-/// Everything that was identified, a plain value: 24 nodes and 8 stresses take 9 kB in float.
+/// All identified parameters, a plain value: 24 nodes and 8 stresses take 9 kB in float.
 template <class S, std::size_t nodes = 24, std::size_t max_stresses = 8>
 struct PreisachParams {
-  /// F at two nodes, hot > cold, at hot (hot - 1)/2 + cold.
+  /// F at each pair of nodes with hot > cold; the index is hot (hot - 1)/2 + cold.
   using Increments = std::array<S, nodes*(nodes - 1) / 2>;
 
   std::array<S, nodes> node_K;  ///< rising; all relays have both thresholds between the outer two
-  /// The input is T - shift_K_Pa σ, and so are the nodes: stress raises all thresholds alike and
-  /// therefore switches relays. 003 has none of this: 0, where stress only weighs the relays anew.
+  /// The input is T - shift_K_Pa σ, and so are the nodes: stress raises all thresholds by the same
+  /// amount and therefore switches relays. It is 0 in 003, where stress only changes the weights of
+  /// the relays.
   S shift_K_Pa;
-  std::size_t stress_count;  ///< 1..max_stresses; with one F is the same under any stress
+  std::size_t stress_count;               ///< 1..max_stresses; with 1, F is the same at any stress
   std::array<S, max_stresses> stress_Pa;  ///< rising, the first stress_count of them
-  /// 1 between the outermost nodes; no cell of the grid with a negative weight, so that the
-  /// fractions stay between 0 and 1.
+  /// The increment between the outermost nodes is 1, and no cell of the grid has a negative weight,
+  /// so that the fractions stay between 0 and 1.
   std::array<Increments, max_stresses> increments;
 
   static constexpr std::size_t index(std::size_t hot, std::size_t cold) {
@@ -127,8 +128,8 @@ struct PreisachParams {
   }
 };
 
-/// Remembers `memory_depth` turning points. The martensite of this model is whatever elongates: a
-/// wire with an R-phase has some of it in there.
+/// Remembers `memory_depth` turning points. The martensite of this model is all that elongates: for
+/// a wire with an R-phase it includes a part of the R-phase.
 template <class S, std::size_t nodes = 24, std::size_t max_stresses = 8,
           std::size_t memory_depth = 16>
 struct Preisach {
@@ -138,11 +139,11 @@ struct Preisach {
   struct State {
     Drive<S> drive;
     Staircase<S, memory_depth> memory;
-    S settled;     ///< martensite without the branch that the input is on
-    S martensite;  ///< of the memory at the drive's stress
+    S settled;     ///< martensite without the contribution of the branch that the input is on
+    S martensite;  ///< fraction that the memory gives at the drive's stress
   };
 
-  /// Whether this was identified. Elsewhere the stress counts as the nearest that was, and the
+  /// Whether the drive is in the identified range. Outside, the stress is clamped to it, and the
   /// relays are all austenite or all martensite.
   static constexpr bool valid(const Params& p, const Drive<S>& u) {
     const S x = input(p, u);
@@ -159,10 +160,11 @@ struct Preisach {
     return s;
   }
 
-  /// Exact for any step size on which T - shift σ does not turn. A turning point does not know at
-  /// which stress it was made: the same staircase is weighed by the stress of the step (003 eq. 2),
-  /// so with shift_K_Pa = 0 unloading takes the way of loading back. Cost: one F on a branch at
-  /// constant stress, with another stress or at a reversal one for each turning point.
+  /// Exact for any step size on which T - shift σ does not reverse. A turning point does not
+  /// remember the stress at which it was made: the same staircase is weighed at the stress of the
+  /// step (003 eq. 2), so with shift_K_Pa = 0 unloading returns along the path of loading. Cost:
+  /// one F on a branch at constant stress; at a new stress or at a reversal one for each turning
+  /// point.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     const Place at = stress_place(p, u.stress_Pa);
     const bool turned = s.memory.move(
@@ -183,7 +185,7 @@ struct Preisach {
   static Drive<S> drive(const State& s) { return s.drive; }
   static Phases<S> phases(const State& s) { return {s.martensite, S(0)}; }
 
-  /// Of the cell that the branch is in.
+  /// The slopes in the cell that the branch is in.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     const bool heating = heading == Heading::heating;
     const S x = input(p, s.drive);
@@ -211,12 +213,13 @@ struct Preisach {
   }
 
  private:
-  /// Between a grid line and the next.
+  /// A position between a grid line and the next.
   struct Place {
     std::size_t index;
     S share;  ///< 0..1
   };
-  /// F at the corners of a cell: at its lower α and β, one α up, one β up, both up.
+  /// F at the corners of a cell: at its lower α and β, at the upper α, at the upper β, at both
+  /// upper ones.
   struct Corners {
     S low, hotter, warmer, high;
   };
@@ -257,7 +260,8 @@ struct Preisach {
     const S low = p.increments[at.index][i];
     return at.share > S(0) ? low + at.share * (p.increments[at.index + 1][i] - low) : low;
   }
-  /// On the diagonal F is 0, and beyond it F(β, α) = -F(α, β): a diagonal's cell is bilinear, too.
+  /// F is 0 on the diagonal, and beyond it F(β, α) = -F(α, β): so the cells on the diagonal are
+  /// bilinear, too.
   static Corners corners(const Params& p, const Place& at, std::size_t hot, std::size_t cold) {
     if (hot == cold) {
       const S whole = at_nodes(p, at, hot + 1, cold);
@@ -277,7 +281,8 @@ struct Preisach {
     return low + cold.share * (high - low);
   }
 
-  /// What the branch from the newest turning point to the input has converted.
+  /// The martensite that the branch from the newest turning point to the input has added (less than
+  /// 0: removed).
   static S branch(const Params& p, const Place& at, const State& s) {
     return s.memory.heats() ? -increment(p, at, s.memory.input, s.memory.newest())
                             : increment(p, at, s.memory.newest(), s.memory.input);

@@ -29,8 +29,8 @@ struct ResistanceBranch {
   ResistanceLine<S> line;
 };
 
-/// The ends of both transformations and the lines through them. A cooling line is not valid where
-/// R-phase brings the resistance of M_s to within 0.2 % of that of M_f: it is upright there.
+/// The ends of both transformations and the lines through them. The cooling line is not valid if
+/// R-phase brings the resistance at M_s to within 0.2 % of that at M_f: the line would be vertical.
 template <class S>
 struct ResistanceLines {
   ResistanceBranch<S> heating, cooling;
@@ -46,11 +46,11 @@ struct ResistanceLines {
     };
     const Phases<S> martensite{S(1), S(0)};
     const Phases<S> austenite{S(0), S(0)};
-    // 002 eq. 48, held at its ends where M_s is not between R_s and R_f
+    // 002 eq. 48, clamped at its ends if M_s is not between R_s and R_f
     const Drive<S> ms{kinetics.a2m.start_K + stress_Pa / kinetics.a2m.stress_Pa_K, stress_Pa};
     const Phases<S> mixture{S(0), S(1) - cosine_left(kinetics.a2r.progress(ms))};
-    // 002 eq. 38 to 41 and 44 to 47. Eq. 44 and 46 have all of ε_LR; with a fraction of R-phase it
-    // can only be that fraction of it, as in eq. 29.
+    // 002 eq. 38 to 41 and 44 to 47. Eq. 44 and 46 contain the whole ε_LR; with a fraction of
+    // R-phase it can only be that fraction of ε_LR, as in eq. 29.
     return {through(point(kinetics.m2a, kinetics.m2a.start_K, martensite),
                     point(kinetics.m2a, kinetics.m2a.finish_K, austenite)),
             through(point(kinetics.a2m, kinetics.a2m.start_K, mixture),

@@ -13,7 +13,7 @@ struct SpringBias {
   S length_m;          ///< L_0, in austenite without load
   S diameter_m;        ///< d_0
   S spring_N_m;        ///< k
-  S deformation_m;     ///< Δ, of the spring while the wire is all austenite
+  S deformation_m;     ///< Δ, deformation of the spring while the wire is all austenite
   S austenite_Pa;      ///< E_a
   S twinned_Pa;        ///< E_m
   S part_twinned_Pa;   ///< E_T
@@ -22,22 +22,23 @@ struct SpringBias {
   S detwinned_strain;  ///< ε_m^d, where it has ended
   S smooth[3];         ///< k_1, k_2, k_3 of eq. 18
 
-  /// ε_0, where spring and austenite balance. Needs 16 k Δ <= π d_0² E_a: a spring that the wire
-  /// can hold.
+  /// ε_0, the strain at which spring and austenite balance. Requires 16 k Δ <= π d_0² E_a, a spring
+  /// that the wire can hold.
   S prestrain() const {
     using std::sqrt;
     // 001 eq. 14
     return S(0.5) - S(0.5) * sqrt(S(1) - S(4) * pull_N() / (section() * austenite_Pa));
   }
 
-  /// The pull of the spring over the section of the strained wire, which thins as it stretches.
+  /// The pull of the spring divided by the section of the strained wire, which becomes thinner as
+  /// it stretches.
   S spring_stress_Pa(const S& strain) const {
     // 001 eq. 15
     return S(4) * spring_N_m * (deformation_m - length_m * (strain - prestrain())) /
            (section() * (S(1) - strain));
   }
 
-  /// What the phases bear side by side, each by its own curve (001 fig. 10).
+  /// The stress that the phases bear in parallel, each on its own curve (001 fig. 10).
   S wire_stress_Pa(const S& martensite, const S& strain) const {
     S twinned = twinned_Pa * strain;
     if (!(strain < detwinned_strain)) {
@@ -50,8 +51,8 @@ struct SpringBias {
     return (S(1) - martensite) * austenite_Pa * strain + martensite * twinned;
   }
 
-  /// ε in which both balance; martensite 0..1. Continuous, with kinks at ε_m^y and ε_m^d. Cost: 2
-  /// to 4 square roots.
+  /// The strain at which both balance; martensite 0..1. Continuous, with kinks at ε_m^y and ε_m^d.
+  /// Cost: 2 to 4 square roots.
   S balanced_strain(const S& martensite) const {
     const S first = on_piece(martensite, twinned_Pa, S(0));
     if (first < yield_strain) {
@@ -66,8 +67,8 @@ struct SpringBias {
     return on_piece(martensite, detwinned_Pa, to_yield + to_detwinned);
   }
 
-  /// The same as a polynomial with slopes everywhere, which the paper fitted below ε_m^d; within
-  /// 3.5e-4 of balanced_strain() with its parameters.
+  /// The same strain as a polynomial with continuous slopes, which the paper fitted below ε_m^d;
+  /// with its parameters within 3.5e-4 of balanced_strain().
   S smooth_strain(const S& martensite) const {
     const S second = martensite * martensite;
     const S fourth = second * second;

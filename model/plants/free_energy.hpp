@@ -12,12 +12,12 @@
 //
 //   ΔG = (σ_c - σ)² / 2E      rate  p = 1/τ exp(-ΔG V / kT)
 //
-// V: volume of what jumps together; τ: time between two tries. By Clausius and Clapeyron's slope,
-// a distance in stress is one in temperature, and sqrt(kTE/V) a width w in kelvin:
+// V: volume that jumps together; τ: time between two attempts. The Clausius-Clapeyron slope
+// converts a distance in stress to one in temperature, and sqrt(kTE/V) to a width w in kelvin:
 //
 //   p(T) = 1/τ exp(-z²/2)     z = max(0, distance of T to where the barrier is gone) / w
 //
-// The parameters have the temperature at which half of a part jumps within 0.1 s. A part consists
+// The parameters give the temperature at which half of a part jumps within 0.1 s. A part consists
 // of martensite m, R-phase r and austenite a = 1 - m - r:
 //
 //   a <-> r                   at a2r_K, r2a_K
@@ -36,13 +36,14 @@
 
 namespace smaservo {
 
-/// A wire's parts in a few numbers.
+/// A few numbers that describe the parts of a wire.
 struct FreeEnergySpread {
   ThresholdSpread m2a, a2m, r2a, a2r;
-  double r_correlation;  ///< of a part's interaction in A2R and R2A with that in A2M and M2A, -1..1
-  double width_K;        ///< w, > 0
-  double attempt_s;      ///< τ, 1e-6 to 1e-2
-  double coupling_K;     ///< J, >= 0
+  /// Correlation of a part's interaction stress in A2R and R2A with that in A2M and M2A, -1..1.
+  double r_correlation;
+  double width_K;     ///< w, > 0
+  double attempt_s;   ///< τ, 1e-6 to 1e-2
+  double coupling_K;  ///< J, >= 0
 };
 
 template <class S, std::size_t parts = 16>
@@ -52,7 +53,7 @@ struct FreeEnergy {
   static_assert(parts % 7 != 0);
 
   struct Barrier {
-    PerPart gone_K;  ///< where a part has none, without stress
+    PerPart gone_K;  ///< temperature at which a part's barrier is gone, without stress
     S per_Pa, per_Pa2;
   };
 
@@ -66,11 +67,11 @@ struct FreeEnergy {
   struct State {
     PerPart martensite, r_phase;
     Drive<S> drive;
-    Phases<S> phases;  ///< of all parts together
-    S dt_s;            ///< of the last step, for rates()
+    Phases<S> phases;  ///< means of all parts
+    S dt_s;            ///< duration of the last step, for rates()
   };
 
-  /// A jump to a drive is followed by a rest of this time.
+  /// advance() without a time jumps to the drive and rests there for this time.
   static constexpr S rest_s = S(1);
 
   static Params params(const FreeEnergySpread& spread) {
@@ -79,7 +80,8 @@ struct FreeEnergy {
     const double across = std::sqrt(1 - spread.r_correlation * spread.r_correlation);
     for (std::size_t i = 0; i < parts; ++i) {
       const double m = normal_quantile(i);
-      // Any order will do that is not the martensite's; 7 and the number of parts share no factor.
+      // Any order will do that differs from the martensite's; 7 has no common factor with the
+      // number of parts.
       const double r = spread.r_correlation * m + across * normal_quantile(7 * i % parts);
       p.m2a.gone_K[i] = S(at_K(spread.m2a, m) + beyond_K);
       p.r2a.gone_K[i] = S(at_K(spread.r2a, r) + beyond_K);
@@ -100,7 +102,7 @@ struct FreeEnergy {
     return p;
   }
 
-  /// Cooled by 20 K/s, which is about what a thin wire does in air.
+  /// Cooled from far above at 20 K/s, which is about the rate of a thin wire in air.
   static State rest(const Params& p, const Drive<S>& u) {
     State s{};
     const S hot_K = u.temperature_K < S(500) ? S(500) : u.temperature_K;
@@ -117,8 +119,8 @@ struct FreeEnergy {
     }
   }
 
-  /// Exact for two wells at a drive that rests. Cost: where many parts are on their way, 4 exp()
-  /// for each; else a few comparisons.
+  /// Exact for two wells at a constant drive. Cost: 4 exp() for each part that is transforming,
+  /// otherwise a few comparisons.
   static void advance(const Params& p, State& s, const Drive<S>& u, const S& dt_s) {
     const Felt T = felt(p, s, u);
     S m_sum = S(0);
@@ -131,7 +133,8 @@ struct FreeEnergy {
       const S cooling_1_s = rate(p, T.a2m_K - p.a2m.gone_K[i]);
       const S before = m;
       exchange(cooling_1_s, rate(p, p.m2a.gone_K[i] - T.m2a_K), S(1), m, dt_s);
-      // Martensite takes from R-phase and austenite as they are; what it leaves becomes austenite.
+      // Martensite grows from R-phase and austenite in proportion; martensite that transforms back
+      // becomes austenite.
       if (before < m) {
         r *= (S(1) - m) / (S(1) - before);
       }
@@ -146,7 +149,8 @@ struct FreeEnergy {
   static Drive<S> drive(const State& s) { return s.drive; }
   static Phases<S> phases(const State& s) { return s.phases; }
 
-  /// How the next step, as long as the last one, would change with the temperature at its end.
+  /// How the result of a next step of the same duration would change with the temperature at its
+  /// end.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading /*heading*/) {
     const Felt T = felt(p, s, s.drive);
     S martensite = S(0);
@@ -166,10 +170,11 @@ struct FreeEnergy {
 
  private:
   static constexpr double half_s = 0.1;
-  /// Beyond this distance, in widths, nothing jumps: exp(-50).
+  /// A barrier that is farther away than this, in widths, is not crossed: the rate is below
+  /// exp(-50).
   static constexpr S far = S(10);
 
-  /// The temperature less what stress and neighbours shift.
+  /// The temperature less the shifts by stress and neighbours, for each process.
   struct Felt {
     S m2a_K, a2m_K, r2a_K, a2r_K;
   };
@@ -181,7 +186,7 @@ struct FreeEnergy {
     return {shifted(p.m2a) - easier_K, shifted(p.a2m) - easier_K, shifted(p.r2a), shifted(p.a2r)};
   }
 
-  /// p(T) so far away from where the barrier is gone.
+  /// The rate p(T) at this distance from the temperature at which the barrier is gone.
   static S rate(const Params& p, const S& distance_K) {
     const S z = distance_K * p.per_width_1_K;
     if (far < z) {
@@ -195,7 +200,7 @@ struct FreeEnergy {
     return S(0) < z && z < far ? rate(p, distance_K) * z * p.per_width_1_K : S(0);
   }
 
-  /// The share x of `both` after dt_s at these rates into it and out of it.
+  /// The share x of the sum `both` of two phases after dt_s, with these rates into x and out of x.
   static void exchange(const S& in_1_s, const S& out_1_s, const S& both, S& x, const S& dt_s) {
     const S sum_1_s = in_1_s + out_1_s;
     if (!(S(0) < sum_1_s)) {
@@ -209,8 +214,9 @@ struct FreeEnergy {
   static double at_K(const ThresholdSpread& spread, double score) {
     return spread.median_K + (score < 0 ? spread.below_K : spread.above_K) * score;
   }
-  /// Of the middle of the i-th of equal parts, in logistic scales: a normal distribution with their
-  /// standard deviation, π/√3. By bisection of erfc().
+  /// The quantile at the middle of the i-th of equal parts, in logistic scales: of a normal
+  /// distribution with the logistic distribution's standard deviation, π/√3. Found by bisection of
+  /// erfc().
   static double normal_quantile(std::size_t i) {
     const double share = (static_cast<double>(i) + 0.5) / parts;
     double low = -8;

@@ -1,19 +1,19 @@
 #pragma once
-// A wire as parallel sublayers, each with thresholds of its own between its phases.
+// A wire as parallel sublayers, each with its own thresholds between its phases.
 // Source: the model of Müller, Achenbach and Seelecke (Achenbach 1989, 'A model for an alloy with
 // shape memory'; Seelecke and Müller 2004, 'Shape memory alloy actuators in smart structures') in
-// the limit of fast rates, where every layer is a play operator: the Preisach class, as paper
-// 003's. The R-phase and its rules are ours. The model shares neither the curves nor the memory of
-// the three-phase model, which it is there to test.
+// the limit of fast rates, where every layer is a play operator: the Preisach class, like the model
+// of paper 003. The R-phase and its rules are ours. The model shares neither the curves nor the
+// memory of the three-phase model, which it serves to test.
 //
-// Layer i consists of the martensite fraction m and of q, the R-phase's share of what is left:
+// Layer i consists of the martensite fraction m and of q, the R-phase's share of the rest:
 //
 //   m <- max(L, min(U, m))   L rises from 0 to 1 over `ramp_K` below a2m_K[i], on cooling
 //   q <- max(L, min(U, q))   U falls from 1 to 0 over `ramp_K` above m2a_K[i], on heating
 //                            the same for q with a2r_K[i] and r2a_K[i]
 //
-// Martensite takes from austenite and R-phase as they are; it never becomes R-phase, because a
-// layer's R-phase has gone (r2a_K[i] + ramp_K <= m2a_K[i]) before its martensite goes.
+// Martensite grows from austenite and R-phase in proportion; it never becomes R-phase, because a
+// layer's R-phase has vanished (r2a_K[i] + ramp_K <= m2a_K[i]) before its martensite begins to.
 
 #include <algorithm>
 #include <array>
@@ -28,13 +28,13 @@
 
 namespace smaservo {
 
-/// A wire's sublayers in a few numbers. r2a.per_Pa and per_Pa2 must not exceed m2a's.
+/// A few numbers that describe the sublayers. r2a.per_Pa and per_Pa2 must not exceed m2a's.
 struct SublayerSpread {
   ThresholdSpread m2a, a2m, r2a, a2r;
-  double m_correlation;  ///< of a layer's ranks in m2a and a2m, -1..1; r2a ranks as m2a
-  double r_correlation;  ///< of its ranks in a2m and a2r, -1..1
-  double ramp_K;         ///< over which one layer converts, > 0
-  std::uint64_t seed;    ///< of the ranks; the thresholds themselves are the quantiles
+  double m_correlation;  ///< correlation of a layer's ranks in m2a and a2m, -1..1; r2a ranks as m2a
+  double r_correlation;  ///< correlation of its ranks in a2m and a2r, -1..1
+  double ramp_K;         ///< temperature range over which one layer converts, > 0
+  std::uint64_t seed;    ///< random seed of the ranks; the thresholds are the quantiles
 };
 
 template <class S, std::size_t layers = 40>
@@ -43,14 +43,14 @@ struct Sublayers {
   static_assert(layers % 4 == 0 && layers < 256);
   using PerLayer = std::array<S, layers>;
 
-  /// T begins to convert at threshold + per_Pa σ + per_Pa2 σ².
+  /// A layer begins to convert at the temperature threshold + per_Pa σ + per_Pa2 σ².
   struct Thresholds {
     PerLayer at_K;
-    PerLayer sorted_K;                       ///< the same, rising
-    std::array<std::uint8_t, layers> layer;  ///< that each of them belongs to
+    PerLayer sorted_K;                       ///< at_K in rising order
+    std::array<std::uint8_t, layers> layer;  ///< index of the layer that each sorted_K belongs to
     S per_Pa, per_Pa2;
 
-    /// The temperature less what the stress shifts.
+    /// The temperature less the shift by the stress.
     constexpr S felt_K(const Drive<S>& u) const {
       return u.temperature_K - u.stress_Pa * (per_Pa + u.stress_Pa * per_Pa2);
     }
@@ -59,11 +59,11 @@ struct Sublayers {
   struct Params {
     Thresholds m2a, a2m, r2a, a2r;
     S ramp_K;
-    /// How far stress may shift A2M above M2A, A2R above R2A, before L meets U in a layer.
+    /// How far stress may shift A2M above M2A, and A2R above R2A, before L and U of a layer meet.
     S m_apart_K, r_apart_K;
   };
 
-  /// How many thresholds the wire is beyond, for heating and for cooling.
+  /// The number of thresholds that the wire has passed, for heating and for cooling.
   struct Place {
     std::uint8_t heating, cooling;
   };
@@ -73,11 +73,12 @@ struct Sublayers {
     PerLayer r_phase_part;  ///< q
     Place m_place, r_place;
     Drive<S> drive;
-    Phases<S> phases;  ///< of all layers together
+    Phases<S> phases;  ///< means of all layers
   };
 
-  /// Stratified quantiles: the same spread gives the same thresholds, in any order of the layers.
-  /// Where a layer's thresholds would cross, the lower one gives way. Cost: layers² comparisons.
+  /// Stratified quantiles: the same spread gives the same thresholds, up to the order of the
+  /// layers. If a layer's thresholds would cross, the lower one is moved down. Cost: layers²
+  /// comparisons.
   static Params params(const SublayerSpread& spread) {
     std::mt19937_64 random(spread.seed);
     const double ramp_K = spread.ramp_K;
@@ -130,8 +131,8 @@ struct Sublayers {
     return s;
   }
 
-  /// Exact for any step on which temperature and stress push the same way. Cost: what it converts,
-  /// 15 flops for each layer on its ramp, and 4 a layer for the sums.
+  /// Exact for any step on which temperature and stress push in the same direction. Cost: 15 flops
+  /// for each layer on its ramp, and 4 per layer for the sums.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     const bool m = move(p.m2a, p.a2m, p.m_apart_K, p.ramp_K, s.drive, u, s.m_place, s.martensite);
     const bool q = move(p.r2a, p.a2r, p.r_apart_K, p.ramp_K, s.drive, u, s.r_place, s.r_phase_part);
@@ -146,7 +147,7 @@ struct Sublayers {
   static Drive<S> drive(const State& s) { return s.drive; }
   static Phases<S> phases(const State& s) { return s.phases; }
 
-  /// Of the layers that are on their ramps.
+  /// The slopes of the layers that are on their ramps.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     S martensite = S(0);
     S r_phase = S(0);
@@ -185,7 +186,8 @@ struct Sublayers {
     return lower_ones;
   }
 
-  /// Less than the ramp: rounding is not to matter.
+  /// The least distance of a layer's two thresholds, plus half of the ramp. L and U would meet at
+  /// the whole ramp; the other half keeps rounding from mattering.
   static S apart_K(const Thresholds& heating, const Thresholds& cooling, const S& ramp_K) {
     S min_K = heating.at_K[0] - cooling.at_K[0];
     for (std::size_t i = 1; i < layers; ++i) {
@@ -195,7 +197,7 @@ struct Sublayers {
     return min_K + S(0.5) * ramp_K;
   }
 
-  /// In four sums side by side, which do not wait for each other.
+  /// The mean of of(i) over all layers, in four independent sums that need not wait for each other.
   template <class F>
   static S mean(F of) {
     S sum[4] = {of(0), of(1), of(2), of(3)};
@@ -207,7 +209,7 @@ struct Sublayers {
     return ((sum[0] + sum[2]) + (sum[1] + sum[3])) / S(layers);
   }
 
-  /// How many of these lie below T, counted from a place nearby.
+  /// The number of thresholds below T, searched from a place nearby.
   static std::uint8_t below(const PerLayer& sorted_K, const S& T, std::uint8_t place) {
     while (place < layers && sorted_K[place] < T) {
       ++place;
@@ -218,7 +220,8 @@ struct Sublayers {
     return place;
   }
 
-  // Before their ends at 0 and 1: L, the least that a layer has at T; U, the most.
+  // Bounds of a layer's fraction at T before they are clamped to 0..1: the least, L, and the
+  // greatest, U.
   static S min(const S& threshold_K, const S& T, const S& per_K) {
     return (threshold_K - T) * per_K;
   }
@@ -226,8 +229,9 @@ struct Sublayers {
     return S(1) - (T - threshold_K) * per_K;
   }
 
-  /// Goes through the layers that U or L can have moved: from the threshold that T has come to on
-  /// to where it had done so before. Where L is above U both hold everywhere: all layers.
+  /// Visits the layers that U or L can have moved: from the threshold that T has now reached back
+  /// to those whose ramp was complete before the step. If L may exceed U in a layer, all layers are
+  /// visited and both bounds apply.
   static bool move(const Thresholds& heating, const Thresholds& cooling, const S& apart_K,
                    const S& ramp_K, const Drive<S>& from, const Drive<S>& to, Place& place,
                    PerLayer& fraction) {
@@ -266,7 +270,8 @@ struct Sublayers {
   }
   static S at_most_1(const S& x) { return S(1) < x ? S(1) : x; }
 
-  /// Calls f(layer) for those that a small step of heating, or of cooling, moves.
+  /// Calls f(layer) for the layers that a small step of heating moves (for_each_rising: of
+  /// cooling).
   template <class F>
   static void for_each_falling(const Thresholds& heating, const Drive<S>& u, const S& ramp_K,
                                const Place& place, const PerLayer& fraction, F f) {

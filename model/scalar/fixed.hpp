@@ -11,10 +11,10 @@
 
 namespace smaservo {
 
-/// -2^(31 - fraction_bits) up to one step below 2^(31 - fraction_bits). Every operation rounds to
-/// the nearest step (a tie upwards) and saturates. What has overflowed says so, and so does
-/// everything that is computed from it: the flag is part of the value, nothing is shared between
-/// computations. A literal that does not fit is a compile error.
+/// Range: -2^(31 - fraction_bits) up to one step below 2^(31 - fraction_bits). Every operation
+/// rounds to the nearest step (a tie upwards) and saturates. A flag in the value records an
+/// overflow and passes to every result computed from it; nothing is shared between computations. A
+/// literal that does not fit is a compile error.
 template <int fraction_bits>
 class Fixed {
   static_assert(fraction_bits >= 0 && fraction_bits <= 30);
@@ -30,13 +30,13 @@ class Fixed {
   }
   explicit constexpr Fixed(int whole)
       : Fixed(within(static_cast<std::int64_t>(whole) * one, false)) {}
-  /// From another format.
+  /// Converts from another format.
   template <int from>
     requires(from != fraction_bits)
   explicit constexpr Fixed(const Fixed<from>& x)
       : Fixed(within(moved(x.raw(), from), x.overflowed())) {}
 
-  /// From a number that is known only at run time; for edges, not for loops.
+  /// Converts a number that is known only at run time; for edges, not for loops.
   static constexpr Fixed of(double x) {
     const double steps = x * static_cast<double>(one) + 0.5;
     if (!(steps < static_cast<double>(max) + 1 && static_cast<double>(min) <= steps)) {
@@ -52,7 +52,7 @@ class Fixed {
   explicit constexpr operator double() const {
     return static_cast<double>(raw_) / static_cast<double>(one);
   }
-  /// Towards zero.
+  /// Rounds towards zero.
   explicit constexpr operator int() const { return static_cast<int>(raw_ / one); }
 
   friend constexpr Fixed operator+(const Fixed& a, const Fixed& b) {
@@ -70,13 +70,13 @@ class Fixed {
   constexpr Fixed& operator*=(const Fixed& b) { return *this = *this * b; }
   constexpr Fixed& operator/=(const Fixed& b) { return *this = *this / b; }
 
-  /// Of two numbers in formats of their own, without a step in between.
+  /// The product of two numbers of other formats, rounded once.
   template <int of_a, int of_b>
   static constexpr Fixed product(const Fixed<of_a>& a, const Fixed<of_b>& b) {
     return within(moved(std::int64_t{a.raw()} * b.raw(), of_a + of_b),
                   a.overflowed() || b.overflowed());
   }
-  /// Division by zero saturates, that of zero too.
+  /// The quotient of two numbers of other formats. Division by zero saturates, also 0/0.
   template <int of_a, int of_b>
   static constexpr Fixed quotient(const Fixed<of_a>& a, const Fixed<of_b>& b) {
     constexpr int up = fraction_bits + of_b - of_a;
@@ -87,7 +87,7 @@ class Fixed {
     const std::int64_t divisor = b.raw() < 0 ? -std::int64_t{b.raw()} : std::int64_t{b.raw()};
     const std::int64_t dividend =
         (b.raw() < 0 ? -std::int64_t{a.raw()} : std::int64_t{a.raw()}) * (std::int64_t{1} << up);
-    // The nearest; a tie upwards
+    // Rounded to the nearest, a tie upwards
     const std::int64_t twice = 2 * (dividend % divisor);
     const std::int64_t towards_zero = dividend / divisor;
     const std::int64_t nearest = twice >= divisor   ? towards_zero + 1
@@ -105,7 +105,7 @@ class Fixed {
     const std::int64_t up = std::int64_t{x.raw_} + one - 1;
     return within(up - (up & (one - 1)), x.overflowed_);
   }
-  /// Of what is negative: 0, overflowed. Exact to the last bit.
+  /// The root of a negative number is 0 with the overflow flag. Exact to the last bit.
   friend constexpr Fixed sqrt(const Fixed& x) {
     if (x.raw_ < 0) {
       return Fixed(0, true);
@@ -120,7 +120,7 @@ class Fixed {
     const std::int64_t raw = x.raw_ < -bound ? -bound : bound < x.raw_ ? bound : x.raw_;
     return powered(moved(raw * integer_math::per_ln_2, fraction_bits + 30, 32), x.overflowed_);
   }
-  /// Error 1e-9 and half a step. Of what is not positive: the least number, overflowed.
+  /// Error 1e-9 plus half a step. For x <= 0 the result is the least number with the overflow flag.
   friend constexpr Fixed log(const Fixed& x) {
     if (x.raw_ <= 0) {
       return Fixed(min, true);
@@ -160,7 +160,7 @@ class Fixed {
     }
     return raw < min ? Fixed(min, true) : Fixed(static_cast<std::int32_t>(raw), overflowed);
   }
-  /// From so many bits behind the point to others: this format's where nothing is said.
+  /// Converts from `from` fraction bits to `to`, by default those of this format.
   static constexpr std::int64_t moved(std::int64_t value, int from, int to = fraction_bits) {
     return to < from ? integer_math::rounded_shift(value, from - to)
                      : value * (std::int64_t{1} << (to - from));

@@ -6,7 +6,7 @@
 
 namespace smaservo::integer_math {
 
-/// value/2^bits to the nearest, a tie upwards. bits 0..62
+/// value/2^bits, rounded to the nearest, a tie upwards. bits 0..62
 constexpr std::int64_t rounded_shift(std::int64_t value, int bits) {
   return bits == 0 ? value : ((value >> (bits - 1)) + 1) >> 1;
 }
@@ -30,7 +30,7 @@ constexpr std::uint32_t root(std::uint64_t x) {
   }
   auto r = static_cast<std::int64_t>(a * y >> 31U);
   r += (normal - r * r) * static_cast<std::int64_t>(y >> 8U) >> 54U;
-  // Off by one at most.
+  // The root is off by one at most.
   if (r * r > normal) {
     --r;
   } else if (normal - r * r > 2 * r) {
@@ -41,14 +41,14 @@ constexpr std::uint32_t root(std::uint64_t x) {
   return static_cast<std::uint32_t>(x - whole * whole > whole ? whole + 1 : whole);
 }
 
-/// n 2^30/d or, where that is not less than 2^30, half of it: to the nearest, at least 2^29. For n
-/// and d in 2^29..2^30 - 1. Cost: one division of 32 bits, 4 products.
+/// n 2^30/d, or half of it if that is not less than 2^30: rounded to the nearest, at least 2^29.
+/// For n and d in 2^29..2^30 - 1. Cost: one division of 32 bits, 4 products.
 struct Quotient {
   std::uint32_t mantissa;
   bool halved;
 };
 constexpr Quotient quotient(std::uint32_t n, std::uint32_t d) {
-  // 2^60/d, good to 15 bits, and Newton's step, which never gives more than that.
+  // 2^60/d, good to 15 bits, and one Newton step, whose result is never too great.
   const std::uint32_t rough = (0xffff'ffffU / (d >> 14U)) << 14U;
   const auto missing =
       static_cast<std::int64_t>((std::uint64_t{1} << 60U) - static_cast<std::uint64_t>(rough) * d);
@@ -58,7 +58,7 @@ constexpr Quotient quotient(std::uint32_t n, std::uint32_t d) {
   const bool halved = d <= n;
   const std::uint64_t wide = static_cast<std::uint64_t>(n) * reciprocal;
   auto q = static_cast<std::uint32_t>(halved ? wide >> 31U : wide >> 30U);
-  // What is left of the dividend is less than 4 d.
+  // The remainder is less than 4 d.
   std::uint32_t rest = (halved ? n << 29U : n << 30U) - q * d;
   while (d <= rest) {
     rest -= d;
@@ -91,7 +91,7 @@ constexpr Power power_of_two(std::int64_t x) {
 /// Natural logarithm with 32 bits behind the point. Error: 1e-9.
 constexpr std::int64_t logarithm(const Power& x) {
   constexpr std::int64_t ln_2 = 2977044472;
-  constexpr std::int64_t root_2 = 759250125;  // of a mantissa
+  constexpr std::int64_t root_2 = 759250125;  // sqrt(2) as a mantissa: times 2^29
   const bool upper = x.mantissa > root_2;
   const std::int64_t m = x.mantissa;
   const std::int64_t one = std::int64_t{1} << (upper ? 30 : 29);

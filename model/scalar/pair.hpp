@@ -27,13 +27,14 @@ constexpr bool any(bool condition) {
   return condition;
 }
 
-/// Any scalar (automatic differentiation, fixed point, pairs again): one lane after the other.
+/// A pair of any scalar (automatic differentiation, fixed point, pairs again): one lane after the
+/// other.
 template <class S>
 class Pair {
  public:
   Pair() = default;
   explicit constexpr Pair(const S& both) : first_(both), second_(both) {}
-  /// A constant, for scalars that do not convert from numbers by themselves.
+  /// Both lanes from a constant, for scalars that do not convert from numbers by themselves.
   template <class T>
     requires std::is_arithmetic_v<T>
   explicit constexpr Pair(T both) : first_(both), second_(both) {}

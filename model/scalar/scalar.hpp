@@ -1,13 +1,13 @@
 #pragma once
-// What the core asks of every scalar beyond its arithmetic: + - * /, their assignments, the unary
-// minus and the comparisons. -x has the bits of 0 - x but for the sign of an IEEE zero, and nothing
-// in the core may depend on that sign.
+// The operations that the core needs of every scalar beyond its arithmetic, which is: + - * /,
+// their assignments, the unary minus and the comparisons. -x must have the bits of 0 - x except for
+// the sign of an IEEE zero, and nothing in the core may depend on that sign.
 
 #include <cmath>
 
 namespace smaservo {
 
-// Those of other scalars are found beside them.
+// For other scalars isfinite() is found in their own namespace.
 using std::isfinite;
 
 /// A number that is not known when it is compiled, or comes from a table.
@@ -25,7 +25,7 @@ struct Product {
   S a, b;
 };
 
-/// start + Σ a b, from left to right; a scalar that has a cheaper way takes it.
+/// start + Σ a b, from left to right; a scalar with a cheaper way (add_products) uses it.
 template <class S, class... More>
 constexpr S sum_of_products(const S& start, const Product<S>& first, const More&... more) {
   if constexpr (requires { S::add_products(start, first, more...); }) {

@@ -1,8 +1,8 @@
 #pragma once
 // A fixed-point number whose point moves with it: a 30-bit mantissa and a power of two, both in
-// integer registers. For processors that have no floating point, where a range is too wide for one
-// Q format; FIXED.md says where that is. Six more bits than a float, and on such processors
-// cheaper: nothing is packed, and there are no denormal numbers.
+// integer registers. For processors that have no floating point, where the range is too wide for
+// one Q format; FIXED.md lists these places. It has six more bits than a float, and on such
+// processors it is cheaper: nothing is packed, and there are no denormal numbers.
 
 #include <bit>
 #include <cstddef>
@@ -15,10 +15,10 @@
 namespace smaservo {
 
 /// Magnitudes 2^-200 to 2^200 with a relative error of 2^-30 in each operation (nearest, a tie
-/// upwards); less is zero. What is more, or has no value (x/0, the root of a negative number), is
-/// not finite, and stays so in everything that is computed from it: the flag is part of the value,
-/// nothing is shared between computations. As with NaN every comparison with it is false. A literal
-/// that does not fit is a compile error.
+/// upwards); smaller magnitudes become zero. A result that is greater or undefined (x/0, the root
+/// of a negative number) is not finite, and so is every result computed from it: the flag is part
+/// of the value, nothing is shared between computations. As with NaN every comparison with it is
+/// false. A literal that does not fit is a compile error.
 class Scaled {
  public:
   Scaled() = default;
@@ -33,7 +33,7 @@ class Scaled {
                    ? normal(whole, bias)
                    : normal((whole >> 2) + (whole >> 1 & 1), bias + 2)) {}
 
-  /// From a number that is known only at run time; in integer arithmetic, too.
+  /// Converts a number that is known only at run time, also in integer arithmetic.
   static constexpr Scaled of(double x) {
     const auto bits = std::bit_cast<std::uint64_t>(x);
     const auto exponent = static_cast<int>(bits >> 52U & 0x7ffU);
@@ -65,7 +65,7 @@ class Scaled {
     const auto unit = static_cast<std::uint64_t>(power() + 1023) << 52U;
     return mantissa_ == 0 ? 0.0 : mantissa_ * std::bit_cast<double>(unit);
   }
-  /// Within the range of a float.
+  /// The value must be within the range of a float.
   explicit constexpr operator float() const {
     if (!isfinite(*this)) {
       return std::numeric_limits<float>::quiet_NaN();
@@ -80,7 +80,7 @@ class Scaled {
     const auto bits = (static_cast<std::uint32_t>(exponent - 1) << 23U) + rounded;
     return std::bit_cast<float>(mantissa_ < 0 ? bits | 1U << 31U : bits);
   }
-  /// Towards zero; |x| < 2^31.
+  /// Rounds towards zero; |x| < 2^31.
   explicit constexpr operator int() const {
     const std::int32_t magnitude = mantissa_ < 0 ? -mantissa_ : mantissa_;
     const int whole = power() >= 0    ? magnitude << (power() & 1)
@@ -105,8 +105,9 @@ class Scaled {
     return unpacked(ratio(a.packed(), b.packed()));
   }
 
-  // Up to eight terms are added at the greatest one's exponent and brought to a mantissa once.
-  // Error: 2^-27 of the greatest term for each, half of that for up to four and a quarter for two.
+  // Up to eight terms are added at the exponent of the greatest one and normalised once. Error per
+  // term, relative to the greatest term: 2^-27; half of that for up to four terms and a quarter for
+  // two.
   template <class... More>
   [[gnu::always_inline]] static constexpr Scaled add_products(const Scaled& start,
                                                               const Product<Scaled>& first,
@@ -209,8 +210,8 @@ class Scaled {
  private:
   static void literal_does_not_fit();  // has no body, and is not constexpr
 
-  // Zero is all bits zero, as a State{} has it. It and what is not finite have exponents so far
-  // from every number's that sum() returns the greater one.
+  // Zero is all bits zero, like a State{}. Zero and the value that is not finite have exponents so
+  // far from those of every number that sum() returns the term with the greater one.
   static constexpr std::int32_t bias = 1 << 10;
   static constexpr std::int32_t invalid_exponent = 1 << 20;
   static constexpr std::int32_t max_exponent = bias + 200 - 30;
@@ -249,7 +250,7 @@ class Scaled {
                   : Scaled(mantissa * (1 << up), exponent - up);
   }
 
-  /// So that so many terms stay below 2^31.
+  /// The number of low bits to drop so that a sum of this many terms stays below 2^31.
   static constexpr int spare_bits(std::size_t terms) { return terms <= 2 ? 0 : terms <= 4 ? 1 : 2; }
   struct Sum {
     std::int32_t mantissa, exponent;
@@ -270,7 +271,7 @@ class Scaled {
     }
   };
 
-  /// As a pair of registers: a class of this size would be given and taken in memory.
+  /// Packed into a pair of registers: a class of this size would be passed in memory.
   using Packed = std::uint64_t;
   constexpr Packed packed() const {
     return static_cast<std::uint32_t>(mantissa_) |
@@ -281,7 +282,7 @@ class Scaled {
             static_cast<std::int32_t>(static_cast<std::uint32_t>(x >> 32U))};
   }
 
-  // Out of line: a filter has a thousand of them.
+  // Not inlined, because a filter has a thousand sums.
   [[gnu::noinline]] static constexpr Packed sum(Packed x, Packed y) {
     const Scaled a = unpacked(x);
     const Scaled b = unpacked(y);
@@ -334,7 +335,7 @@ class Scaled {
   }
 
   std::int32_t mantissa_;  ///< 0 or of a magnitude of 2^29 to 2^30 - 1
-  std::int32_t exponent_;  ///< of two, plus bias
+  std::int32_t exponent_;  ///< exponent of two, plus bias
 };
 
 }  // namespace smaservo

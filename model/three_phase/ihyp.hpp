@@ -1,5 +1,6 @@
 #pragma once
-// The ihyp transformation function: how far one phase transformation has come at a temperature.
+// The ihyp transformation function: the converted fraction of one phase transformation over
+// temperature.
 // Source: paper 000, 'Transformation function' (two hyperbolas and a line). Its formula is
 // reconstructed from the properties stated there and simplified; model/README.md has the steps.
 
@@ -14,7 +15,8 @@ namespace smaservo {
 template <class S>
 struct IhypShape {
   S curvature;  ///< Γ, bends both ends of the straight line; real wires need 2..6
-  S turning;    ///< z_T, converted fraction at the turning point, where the curve is steepest
+  S turning;    ///< z_T, converted fraction at the turning point (inflection), where the curve is
+                ///< steepest
 };
 
 /// A converted fraction x and its complement 1 - x, each to its own relative accuracy.

@@ -1,5 +1,5 @@
 #pragma once
-// One kind of kinetics many times side by side, as in the segments of a wire.
+// Many instances of one kind of kinetics side by side, as in the segments of a wire.
 
 #include <array>
 #include <cstddef>
@@ -8,14 +8,14 @@
 
 namespace smaservo {
 
-/// One after the other. Kinetics that gain from being stepped together specialise it.
+/// Steps them one after the other. Kinetics that are faster when stepped together specialise it.
 template <Kinetics K, std::size_t count>
 struct Row {
   using S = typename K::Scalar;
   template <class T>
   using Each = std::array<T, count>;
 
-  /// What is kept from step to step besides the states, for speed only: it changes no result.
+  /// Data kept from step to step besides the states, for speed only: they change no result.
   struct Kept {};
 
   static Each<PhaseRates<S>> rates(const Each<typename K::Params>& p,

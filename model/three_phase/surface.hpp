@@ -10,11 +10,11 @@
 
 namespace smaservo {
 
-/// What a surface must fulfil at every stress from 0 to the wire's limit. Wire files and a device's
-/// settings are checked at so many stresses, equally far apart.
+/// Bounds that a surface must fulfil at every stress from 0 to the wire's limit. Wire files and a
+/// device's settings are checked at `stresses` stresses, equally far apart.
 struct SurfaceRange {
-  double min_K = 150, max_K = 600;  ///< of start and finish
-  double min_span_K = 1;            ///< from start to finish, in the direction of the process
+  double min_K = 150, max_K = 600;  ///< range of start and finish
+  double min_span_K = 1;  ///< least distance from start to finish, in the direction of the process
   double min_curvature = 1e-3, max_curvature = 30;
   double min_turning = 0.05, max_turning = 0.95;
   int stresses = 21;
@@ -29,13 +29,13 @@ struct Surface {
   S curvature[2];  ///< Γ, linear
   S turning[2];    ///< z_T, linear
 
-  /// What a change of the stress does to T_s.
+  /// The shift of T_s when the stress changes.
   constexpr S start_shift_K(const S& from_Pa, const S& to_Pa) const {
     return (to_Pa - from_Pa) * (start_K[1] + (to_Pa + from_Pa) * start_K[2]);
   }
 };
 
-/// Two surfaces side by side, and each of them back.
+/// Combines two surfaces side by side; the functions below give each of them back.
 template <class S>
 Surface<Pair<S>> pair_surfaces(const Surface<S>& first, const Surface<S>& second) {
   Surface<Pair<S>> both;
@@ -51,7 +51,7 @@ Surface<Pair<S>> pair_surfaces(const Surface<S>& first, const Surface<S>& second
   return both;
 }
 
-/// Applies `f` to every coefficient: to another scalar, or to one lane of a pair.
+/// Applies `f` to every coefficient: converts to another scalar, or to one lane of a pair.
 template <class To, class From, class F>
 Surface<To> convert_surface(const Surface<From>& from, F f) {
   Surface<To> to;
@@ -86,7 +86,7 @@ struct Isobar {
   S remaining(S temperature_K) const {
     return ihyp_fraction(shape, (temperature_K - start_K) * per_K).remaining;
   }
-  /// Its derivative by temperature, from the remaining fraction there.
+  /// Derivative of remaining() over temperature, from the remaining fraction there.
   S remaining_1_K(S remaining) const {
     return -(per_K / ihyp_slope(shape, Split<S>{S(1) - remaining, remaining}));
   }
@@ -100,7 +100,7 @@ constexpr Isobar<Pair<S>> pair_isobars(const Isobar<S>& first, const Isobar<S>& 
            Pair<S>(first.shape.turning, second.shape.turning)}};
 }
 
-/// The first of two that lie side by side.
+/// The first of two isobars that lie side by side.
 template <class S>
 constexpr Isobar<S> first_isobar(const Isobar<Pair<S>>& both) {
   return {both.start_K.first(),

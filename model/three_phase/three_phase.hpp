@@ -15,7 +15,7 @@
 // value at the turning point. Passing a turning point wipes its loop out. An outer branch is the
 // same with its turning point at infinity, where s* = 0. model/README.md draws it.
 //
-// One file, though long: step, memory and derivatives share their private parts.
+// This file is long because step, memory and derivatives share their private parts.
 
 #include <cmath>
 
@@ -25,7 +25,7 @@
 
 namespace smaservo {
 
-/// Remembers `memory_depth` open loops; of more, the outermost are forgotten.
+/// Remembers up to `memory_depth` open loops; if there are more, the outermost are forgotten.
 template <class S, std::size_t memory_depth = 8>
 struct ThreePhase {
   using Scalar = S;
@@ -51,25 +51,26 @@ struct ThreePhase {
     Drive<S> drive;
     Drive<S> reached;  ///< farthest point of the current heading; the fractions belong to it
     S martensite, r_phase;
-    S returning;  ///< austenite that becomes R-phase on the way to the newest cold turn, and stays
-    Reverse reverse;  ///< at `reached`, when heating
-    Forward forward;  ///< at `reached`, when cooling
+    /// Austenite that becomes R-phase on the way to the newest cold turn, and stays R-phase.
+    S returning;
+    Reverse reverse;  ///< what the outer curves have left at `reached`; set when heating
+    Forward forward;  ///< what the outer curves have left at `reached`; set when cooling
     Heading heading;
     TurningPoints<HotTurn, memory_depth> hot;
     TurningPoints<ColdTurn, memory_depth> cold;
   };
 
-  /// Derivatives of the fractions after a step by those before it: m_r is that of martensite by
-  /// R-phase. The remembered turning points change along as in correct(). The derivative
-  /// by the temperature after the step is rates() after it. The one by the temperature before is
-  /// minus this matrix times rates() before: exactly on outer branches, on inner ones as long as
-  /// the step is small against the loop.
+  /// Derivatives of the fractions after a step by those before it: m_r is the derivative of
+  /// martensite by R-phase. The remembered turning points are assumed to change along with them as
+  /// in correct(). The derivative by the temperature after the step is rates() after it; the
+  /// derivative by the temperature before is minus this matrix times rates() before: exact on outer
+  /// branches, and on inner ones as long as the step is small compared to the loop.
   struct Transfer {
     S m_m, m_r, r_m, r_r;
   };
 
-  /// A step's derivatives. `rates` hold after the step; the slopes are those of the outer curves at
-  /// `reached`, and only those of the current heading are set.
+  /// The derivatives of a step. `rates` hold after the step; the slopes are those of the outer
+  /// curves at `reached`, and only those of the current heading are set.
   struct Tangent {
     Transfer transfer;
     PhaseRates<S> rates;
@@ -81,8 +82,8 @@ struct ThreePhase {
     State s;
     start(p, s, u, {S(0), S(0)});
     const Forward now = s.forward;
-    // In one step from infinite temperature: exact when R2M shares A2M's surface, and with a
-    // surface of its own close enough for a state that nothing is known about.
+    // One step from infinite temperature: exact if R2M shares A2M's surface, and with a surface of
+    // its own close enough for a state of which nothing is known.
     s.forward = {Pair<S>(S(1)), S(1)};
     cool<true>(p, s, now);
     return s;
@@ -94,7 +95,7 @@ struct ThreePhase {
     start(p, s, u, phases);
     return s;
   }
-  /// The same in place: a small stack has no room for states.
+  /// Like with_phases(), but in place: a small stack has no room for states.
   static void start(const Params& p, State& s, const Drive<S>& u, const Phases<S>& phases) {
     s.hot.start({{S(0), S(0)}, S(0), S(0)});
     s.cold.start({{Pair<S>(S(0)), S(0)}, S(0), S(0), S(0)});
@@ -108,8 +109,8 @@ struct ThreePhase {
     s.forward = Curves::forward_left(p, u);
   }
 
-  /// Exact for any step size at one stress when the processes share their surfaces as in 000; with
-  /// a separate R2M of second order in the step, and of first order where a step with another
+  /// Exact for any step size at one stress if the processes share their surfaces as in 000; with a
+  /// separate R2M the error is of second order in the step, and of first order if a step at another
   /// stress passes a turning point. Cost: one curve when heating, two when cooling, all three at a
   /// reversal.
   static void advance(const Params& p, State& s, const Drive<S>& u) {
@@ -119,10 +120,10 @@ struct ThreePhase {
     return move<true>(p, AtStress{p, u.stress_Pa}, s, u);
   }
 
-  /// An observer's correction after a step: the wire was warmer by `warmer_K` all along this
-  /// branch and has these fractions (on the simplex). A fraction that is corrected by 1 % is so
-  /// at all remembered turning points. A small shift of the temperature follows the step's
-  /// tangents; a larger one evaluates the curves again.
+  /// Applies an observer's correction after a step: the wire was warmer by `warmer_K` all along
+  /// this branch and has the fractions `to` (on the simplex). A correction of a fraction by 1 %
+  /// also corrects it by 1 % at all remembered turning points. A small shift of the temperature
+  /// follows the step's tangents; a larger one evaluates the curves again.
   static void correct(const Params& p, State& s, const Tangent& tangent, const S& warmer_K,
                       const Phases<S>& to) {
     const S m = scale(to.martensite, s.martensite);
@@ -132,7 +133,7 @@ struct ThreePhase {
       turn.martensite *= m;
       turn.r_phase = min(turn.r_phase * r, S(1) - turn.martensite);
     }
-    S outer = S(0);  // no more can return than the turning point before had
+    S outer = S(0);  // no more R-phase can return than at the turning point before
     for (ColdTurn& turn : s.cold) {
       // R-phase that the turning point has beyond the present state is austenite now.
       const S more = turn.r_phase - s.r_phase;
@@ -158,20 +159,20 @@ struct ThreePhase {
   }
 
   static Cut cut(const Params& p, const S& stress_Pa) { return Curves::cut(p, stress_Pa); }
-  /// The same step with the cut at hand; a quarter cheaper.
+  /// Like advance() above with a cut computed before; a quarter cheaper.
   static void advance(const Params& p, const Cut& cut, State& s, const S& temperature_K) {
     move<false>(p, AtCut{cut}, s, {temperature_K, cut.stress_Pa});
   }
 
-  // The same in parts, for many wires side by side: three_phase_row.hpp evaluates the curves of all
-  // of them at once and hands the results to these functions.
+  // The parts of a step, for many wires side by side: three_phase_row.hpp evaluates the curves of
+  // all wires at once and passes the results to these functions.
 
   /// Curves of the processes of one heading: M2A and R2A, or A2M and A2R.
   static Isobar<Pair<S>> curves(const Params& p, const S& stress_Pa, Heading heading) {
     const AtStress at{p, stress_Pa};
     return heading == Heading::heating ? pair_isobars(at.m2a(), at.r2a()) : at.a2m_a2r();
   }
-  /// What they have left at the farthest point.
+  /// What these processes have left at the farthest point.
   static Pair<S> left(const State& s) {
     return s.heading == Heading::heating ? Pair<S>(s.reverse.m2a, s.reverse.r2a)
                                          : s.forward.a2m_a2r;
@@ -180,12 +181,12 @@ struct ThreePhase {
   static void advance(const Params& p, State& s, const Drive<S>& u, const Pair<S>& left) {
     move<false>(p, typename Curves::AtNext{{p, u.stress_Pa}, left}, s, u);
   }
-  /// Whether rates() are more than zero.
+  /// Whether rates() may differ from zero.
   static bool acts(const State& s, Heading heading) {
     return heading == s.heading && !(s.drive.temperature_K < s.reached.temperature_K) &&
            !(s.reached.temperature_K < s.drive.temperature_K);
   }
-  /// rates() of a state that acts, with the slopes of curves() at left() and the stress there.
+  /// rates() of a state that acts, given the slopes of curves() at left() and at its stress.
   static PhaseRates<S> rates(const Params& p, const State& s, const Pair<S>& slopes_1_K) {
     const AtStress at{p, s.reached.stress_Pa};
     return s.heading == Heading::heating
@@ -196,8 +197,8 @@ struct ThreePhase {
   static Drive<S> drive(const State& s) { return s.drive; }
   static Phases<S> phases(const State& s) { return {s.martensite, s.r_phase}; }
 
-  /// Zero where the next small step transforms nothing: against the heading, or not yet back at
-  /// the farthest point.
+  /// Zero if the next small step transforms nothing: it goes against the heading, or has not yet
+  /// returned to the farthest point.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     if (!acts(s, heading)) {
       return {S(0), S(0)};
@@ -260,7 +261,7 @@ struct ThreePhase {
   static S scale(const S& to, const S& from) { return S(1e-6) < from ? to / from : S(0); }
   static S share(const S& part, const S& whole) { return S(1e-6) < whole ? part / whole : S(1); }
 
-  /// How far the drive has come back from its farthest point, as a temperature.
+  /// The distance by which the drive has come back from its farthest point, as a temperature.
   static S returned_K(const Params& p, const State& s) {
     const S cooler = s.reached.temperature_K - s.drive.temperature_K;
     const S from = s.reached.stress_Pa;
@@ -270,14 +271,14 @@ struct ThreePhase {
                : -cooler - p.a2m_a2r.start_shift_K(Pair<S>(from), Pair<S>(to)).first();
   }
 
-  /// Where temperature and stress change together so that nothing transforms, the farthest point
-  /// goes with them: the other direction's processes are not to begin where the wire was long ago.
+  /// When temperature and stress change together so that nothing transforms, the farthest point
+  /// follows them, lest the processes of the other direction begin where the wire was long ago.
   static void follow_stress(const Params& p, State& s) {
     const S change_Pa = s.drive.stress_Pa - s.reached.stress_Pa;
     const S by_Pa = change_Pa < S(0) ? -change_Pa : change_Pa;
     const S returned = returned_K(p, s);
-    // 2 MPa: less is a load cell's noise, which would drag the farthest point along by steps
-    // that do not belong to it.
+    // Changes below 2 MPa are ignored: they may be noise of a load cell, which would drag the
+    // farthest point along.
     if (S(2e6) < by_Pa || returned < S(0)) {
       const S back_K = positive(returned);
       s.reached = {s.drive.temperature_K + (s.heading == Heading::heating ? back_K : -back_K),
@@ -285,7 +286,7 @@ struct ThreePhase {
     }
   }
 
-  /// Share of a pool that a step leaves: 1 where the process does not act, 0 on arrival at the
+  /// The share of a pool that a step leaves: 1 if the process does not act, 0 on arrival at the
   /// turning point.
   static S ratio(const S& now, const S& before, const S& target) {
     if (!(now < before)) {
@@ -294,10 +295,10 @@ struct ThreePhase {
     return target < now ? (now - target) / (before - target) : S(0);
   }
 
-  // At one stress all processes of a direction come to a turning point together. Where the stress
-  // has changed since, M2A and A2M decide when it has been passed; a process that is late then
-  // goes on towards the next one, and one whose turning point is not ahead goes as M2A or A2M
-  // does. So nothing jumps.
+  // At one stress all processes of a direction reach a turning point together. If the stress has
+  // changed since, M2A and A2M decide when it has been passed; a process that has not reached it by
+  // then goes on towards the next one, and a process whose turning point is not ahead keeps the
+  // ratio of M2A or A2M. So nothing jumps.
   static bool ahead(const S& before, const S& target) { return target < before; }
   static bool late(const S& now, const S& before, const S& target) {
     return target < now && ahead(before, target);
@@ -325,7 +326,7 @@ struct ThreePhase {
     }
     s.heading = Heading::heating;
     s.reverse = Curves::reverse_left(p, s.reached);
-    // What the stress has passed meanwhile is no longer a target.
+    // Turning points that the stress has passed meanwhile are no longer targets.
     while (s.hot.size() > 0 && !ahead(s.reverse.m2a, s.hot.newest().left.m2a)) {
       close_innermost_loop(s);
     }
@@ -364,8 +365,8 @@ struct ThreePhase {
     return moves;
   }
 
-  // Reversals and starts call heat<true>() and cool<true>() without a need of derivatives: the
-  // program of a microcontroller's observer then contains only one version of each.
+  // Reversals and starts use heat<true>() and cool<true>() although they need no derivatives: so
+  // the program of a microcontroller's observer contains only one version of each.
 
   // 000, 'Heating process for three phase fractions': M2A and R2A are independent.
   template <bool linearise>
@@ -398,8 +399,8 @@ struct ThreePhase {
   }
 
   // 000, 'Cooling process for three phase fractions': A2M and A2R compete for the austenite, R2M
-  // follows. Of the austenite above the target, `returning` becomes R-phase and stays; the rest is
-  // on its way to martensite, directly or through the R-phase.
+  // follows. Of the austenite above the target, the part `returning` becomes R-phase and stays
+  // R-phase; the rest transforms to martensite, directly or through the R-phase.
   template <bool linearise>
   static Transfer cool(const Params& p, State& s, const Forward& now) {
     const Phases<S> start = phases(s);
@@ -411,7 +412,8 @@ struct ThreePhase {
     return_r_phase(s, now);
     pass_by_a2r(s, now);
     const ColdTurn& target = s.cold.newest();
-    // R-phase that must leave, and austenite; what R-phase lacks comes back as martensite comes.
+    // r: R-phase that must transform (less than 0: R-phase that is still missing and comes in step
+    // with martensite); a: austenite that must transform to martensite.
     const S r = s.r_phase - target.r_phase + s.returning;
     const S a = phases(s).austenite() - target.austenite - s.returning;
     // r_A2M towards the target, r_A2R without one
@@ -421,8 +423,8 @@ struct ThreePhase {
     const Pair<S> ratios = select(acts, (now.a2m_a2r - goal) / (before - goal), Pair<S>(S(1)));
     const S r_a2m = ratios.first();
     const S r_a2r = ratios.second();
-    S stays_r = r_a2m;     // of r
-    S on_the_way = r_a2m;  // of a: austenite or R-phase; exact for any step
+    S stays_r = r_a2m;     // share of r that is left
+    S on_the_way = r_a2m;  // share of a that is left as austenite or R-phase; exact for any step
     if (p.separate_r2m && ahead(s.forward.r2m, target.left.r2m)) {
       // Strang's symmetric splitting: half of A2R before the others, half after.
       using std::sqrt;
@@ -439,8 +441,8 @@ struct ThreePhase {
     s.forward.r2m = p.separate_r2m ? min(now.r2m, s.forward.r2m) : s.forward.a2m_a2r.first();
     s.reached = s.drive;
     if constexpr (linearise) {
-      // Of the austenite before, the share `stays` is still there and g is R-phase now; of the
-      // R-phase before, b is still there.
+      // Of the austenite before the step, the share `stays` is still austenite and the share g is
+      // R-phase now; of the R-phase before, the share b is still R-phase.
       lost_r += excess_r * (S(1) - stays_r);
       const S a0 = start.austenite();
       const S stays = share(phases(s).austenite(), a0);
@@ -451,15 +453,15 @@ struct ThreePhase {
     return {};
   }
 
-  /// How much of the R-phase r comes back by A2R: all of it, but none where A2R has less than r/2
-  /// of its curve left to the turning point, since the return would be a jump there. It then comes
-  /// back in step with martensite.
+  /// The part of the R-phase r that returns by A2R: all of it, or none if A2R has less than r/2 of
+  /// its curve left before the turning point, since the return would be a jump there. It then
+  /// returns in step with martensite.
   static S by_a2r(const State& s, const S& r) {
     const S way = s.forward.a2m_a2r.second() - s.cold.newest().left.a2m_a2r.second();
     return r < S(2) * way ? r : S(0);
   }
 
-  /// Returns the R-phase that this has taken.
+  /// Returns the R-phase that passing the turning point has taken.
   static S pass_cold_turn(State& s, const Forward& now) {
     const ColdTurn passed = s.cold.newest();
     const S a2r = s.forward.a2m_a2r.second();
@@ -484,8 +486,8 @@ struct ThreePhase {
     return leaves_r;
   }
 
-  /// Where A2R passes a turning point before A2M does, the austenite that stays there becomes
-  /// R-phase like all other.
+  /// If A2R passes a turning point before A2M does, the austenite that was to stay there becomes
+  /// R-phase like all other austenite.
   static void pass_by_a2r(State& s, const Forward& now) {
     ColdTurn& turn = s.cold.newest();
     const S a2r = now.a2m_a2r.second();
@@ -494,7 +496,7 @@ struct ThreePhase {
       s.r_phase += stays * move_by_a2r(turn, a2r);
     }
   }
-  /// Returns the share of its austenite.
+  /// Returns the share of the turning point's austenite that has become R-phase.
   static S move_by_a2r(ColdTurn& turn, const S& a2r) {
     const Pair<S> left = turn.left.a2m_a2r;
     const S share = S(1) - a2r / left.second();
@@ -540,13 +542,13 @@ struct ThreePhase {
     if (S(0) < s.returning) {
       a2r += flow(slope.a2m_a2r.second(), left.second(), goal.second(), s.returning);
     }
-    // Per kelvin of rising temperature: what cooling adds is negative.
+    // Per kelvin of rising temperature, so gains of cooling are negative.
     return {-a2m - r2m, r2m - a2r};
   }
 
-  /// What a pool loses per kelvin. Nearer than 0.05 K to its turning point the rate is that at
-  /// 0.05 K: an observer's correction may have left more there than the rest of the way can
-  /// transform.
+  /// The rate at which a pool is consumed, per kelvin. Closer than 0.05 K to the turning point the
+  /// rate is that at 0.05 K: an observer's correction may have left more in the pool than the rest
+  /// of the way can transform.
   static S flow(const S& slope, const S& left, const S& target, const S& pool) {
     const S room = left - target;
     const S shortest = S(0.05) * (slope < S(0) ? -slope : slope);

@@ -1,14 +1,14 @@
 #pragma once
-// The outer curves of the three-phase model's five processes: what each has left at a temperature
-// and a stress. Source: paper 000, 'Stress dependence of the material parameters'; three_phase.hpp
-// steps along them.
+// The outer curves of the three-phase model's five processes: the share that each has left at a
+// temperature and a stress. Source: paper 000, 'Stress dependence of the material parameters';
+// three_phase.hpp steps along them.
 
 #include "model/three_phase/surface.hpp"
 
 namespace smaservo {
 
-/// How inner loops behave: `plain` is paper 000's scaling, `return_point` goes back to remembered
-/// turning points (three_phase.hpp).
+/// How inner loops behave: `plain` is the scaling of paper 000, `return_point` returns to
+/// remembered turning points (three_phase.hpp).
 enum class Memory : unsigned char { plain, return_point };
 
 template <class S>
@@ -20,9 +20,8 @@ struct ThreePhaseParams {
   bool separate_r2a = false;  ///< R2A has a surface of its own; 000 shares M2A's
   bool separate_r2m = false;  ///< R2M has a surface of its own; 000 shares A2M's
   Memory memory = Memory::return_point;
-  /// A reversal counts when it is larger than this; until then nothing transforms. Then
-  /// the part that was held back follows at once, so larger motions at one stress do not depend on
-  /// it.
+  /// Only a reversal larger than this counts; until then nothing transforms. Then the part that was
+  /// held back follows at once, so larger motions at one stress do not depend on it.
   S smallest_reversal_K = S(0);
 };
 
@@ -30,7 +29,7 @@ template <class S>
 struct ThreePhaseCurves {
   using Params = ThreePhaseParams<S>;
 
-  /// What the outer curves of one direction's processes have left, s.
+  /// The shares s that the outer curves of one direction's processes have left.
   struct Reverse {
     S m2a, r2a;
   };
@@ -46,7 +45,7 @@ struct ThreePhaseCurves {
     Isobar<Pair<S>> a2m_a2r;
   };
 
-  // Where the isobars come from: cut when they are needed, or cut before.
+  // Sources of the isobars: cut when they are needed (AtStress), or cut before (AtCut).
   struct AtStress {
     const Params& p;
     S stress_Pa;
@@ -63,7 +62,7 @@ struct ThreePhaseCurves {
     const Isobar<Pair<S>>& a2m_a2r() const { return cut.a2m_a2r; }
   };
 
-  /// With what the heading's processes have left where the step goes.
+  /// AtStress with the shares that the heading's processes have left at the end of the step.
   struct AtNext : AtStress {
     Pair<S> left;
   };
@@ -90,7 +89,7 @@ struct ThreePhaseCurves {
     return forward_left(p, AtStress{p, u.stress_Pa}, u.temperature_K);
   }
 
-  // Where a step goes, in the heading that it finds.
+  // The curves at the end of a step, in the heading before the step.
   template <class Isobars>
   static Reverse reverse_next(const Params& p, const Isobars& at, const S& temperature_K) {
     return reverse_left(p, at, temperature_K);

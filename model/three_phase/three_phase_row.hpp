@@ -1,6 +1,6 @@
 #pragma once
-// Three-phase models side by side: each to the bit what it would be by itself. One curve
-// alone waits for its divisions and square roots; here the processor has eight at work at once.
+// Three-phase models side by side, each to the bit as if it were stepped alone. One curve alone has
+// to wait for its divisions and square roots; here the processor computes eight at once.
 
 #include "model/three_phase/row.hpp"
 #include "model/three_phase/three_phase.hpp"
@@ -14,7 +14,7 @@ struct Row<ThreePhase<S, memory_depth>, count> {
   template <class T>
   using Each = std::array<T, count>;
 
-  /// For what the surfaces were cut last. Where the stress has not changed, the cut is used again.
+  /// The heading and stress of the last cut. If they have not changed, the cut is used again.
   struct Cut {
     bool known;
     Heading heading;

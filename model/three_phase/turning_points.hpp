@@ -7,14 +7,14 @@
 namespace smaservo {
 
 /// The turning points of one direction that are still open, newest last, above one that lies at
-/// infinity and is never removed. When it is full the owner drops the oldest pair: a branch that
-/// leaves all the others behind heads for infinity a little early. To forget the newest ones
-/// instead would send every small loop along the branch of a great one.
+/// infinity and is never removed. When the list is full, the owner drops the oldest pair: a branch
+/// that passes all the others then heads for infinity a little early. Dropping the newest ones
+/// instead would send every small loop along the branch of a large one.
 template <class Turn, std::size_t depth>
 class TurningPoints {
  public:
   TurningPoints() = default;
-  /// Forgets all of them, with this one at infinity.
+  /// Forgets all turning points and sets the one at infinity.
   constexpr void start(const Turn& at_infinity) {
     turns_ = {};
     turns_[0] = at_infinity;
@@ -25,10 +25,10 @@ class TurningPoints {
   constexpr Turn& newest() { return turns_[top_]; }
   constexpr bool full() const { return top_ == depth; }
   constexpr std::size_t size() const { return top_; }
-  /// 0 is the one at infinity, size() the newest.
+  /// Index 0 is the turning point at infinity, size() the newest.
   constexpr const Turn& at(std::size_t i) const { return turns_[i]; }
 
-  /// Precondition: not full.
+  /// The list must not be full.
   constexpr void push(const Turn& turn) { turns_[++top_] = turn; }
   constexpr void pop() { top_ = static_cast<std::uint8_t>(top_ - (top_ > 0 ? 1 : 0)); }
 
@@ -39,7 +39,7 @@ class TurningPoints {
     pop();
   }
 
-  /// All but the one at infinity.
+  /// The range of all turning points except the one at infinity.
   constexpr Turn* begin() { return turns_.data() + 1; }
   constexpr Turn* end() { return turns_.data() + 1 + top_; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Natural convection of a wire for loops: heat.hpp's formula, with a table of what depends on
-// the film temperature, so that one cheap root is all that is left to compute.
+// Natural convection of a wire for loops: the formula of heat.hpp, with a table for the factors
+// that depend on the film temperature, so that only one cheap root is left to compute.
 
 #include <array>
 #include <bit>
@@ -14,8 +14,8 @@
 
 namespace smaservo {
 
-/// x^(1/6) for x in 1e-37..1e37, below it that of 1e-37. Worst relative error: double 5e-12, float
-/// 3e-7. Cost: 22 flops, 2 divisions, no call and no branch: a loop over it is vectorised.
+/// x^(1/6) for x in 1e-37..1e37; smaller x count as 1e-37. Worst relative error: double 5e-12,
+/// float 3e-7. Cost: 22 flops, 2 divisions, no call and no branch: a loop over it is vectorised.
 template <class S>
 S sixth_root(const S& x) {
   static_assert(std::is_floating_point_v<S>);
@@ -23,7 +23,7 @@ S sixth_root(const S& x) {
   // A float's bits are nearly its logarithm; the constant spreads the error evenly, 3.4 %.
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(a));
   S y = static_cast<S>(std::bit_cast<float>(bits / 6 + 887'480'000U));
-  // Halley's method cubes it: y <- y (5 y⁶ + 7 x)/(7 y⁶ + 5 x)
+  // Halley's method cubes the error: y <- y (5 y⁶ + 7 x)/(7 y⁶ + 5 x)
   for (int i = 0; i < 2; ++i) {
     const S y3 = y * y * y;
     const S y6 = y3 * y3;
@@ -37,16 +37,16 @@ S sixth_root(const S& x) {
 template <class S>
 class ConvectionTable {
  public:
-  /// Cost: 2000 powers.
+  /// Builds the table. Cost: 2000 powers.
   ConvectionTable() {
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       cells_[i] = cell(coldest_K + width_K * static_cast<double>(i));
     }
   }
 
-  /// Within 1e-6 (float: 2e-6) of natural_convection_W_m2K() in its whole range, relative; beyond
-  /// it as long as the mean of the temperatures is 200..800 K. Cost for each temperature: 45 flops,
-  /// 2 divisions.
+  /// Relative error to natural_convection_W_m2K(): 1e-6 (float: 2e-6) in its whole range, and
+  /// beyond it as long as the mean of the temperatures is 200..800 K. Cost for each temperature: 45
+  /// flops, 2 divisions.
   template <std::size_t n>
   std::array<S, n> h_W_m2K(const S& diameter_m, const std::array<S, n>& temperature_K,
                            const S& ambient_K) const {
@@ -62,7 +62,7 @@ class ConvectionTable {
       still[k] = c.conductivity_W_mK.at(x) * per_m;
       moving[k] = c.root.at(x) * root_m;
     }
-    // By itself: here vector registers can be used.
+    // A separate loop, so that vector registers can be used.
     for (std::size_t k = 0; k < n; ++k) {
       const S difference_K = temperature_K[k] - ambient_K;
       const S apart_K = difference_K < S(0) ? -difference_K : difference_K;
@@ -88,7 +88,7 @@ class ConvectionTable {
     Cubic root;  ///< b
   };
 
-  /// Of the nearest cell; that of NaN is the first.
+  /// The index of the nearest cell; NaN gives the first one.
   static int index(const S& at) {
     const S last = static_cast<S>(std::tuple_size_v<decltype(cells_)> - 1);
     const S inside = S(0) < at ? (at < last ? at : last) : S(0);
@@ -99,7 +99,7 @@ class ConvectionTable {
     std::array<double, 4> k, b;
     for (std::size_t i = 0; i < 4; ++i) {
       const double film_K = from_K + width_K * node(i);
-      // A wire of 1 m and 1 K: (d³ |T - T_a|)^(1/6) = 1
+      // For a wire of 1 m diameter and a difference of 1 K, (d³ |T - T_a|)^(1/6) = 1.
       const double still = natural_convection_W_m2K(1.0, film_K, film_K);
       const double moving = natural_convection_W_m2K(1.0, film_K + 0.5, film_K - 0.5);
       k[i] = still / (0.60 * 0.60);
@@ -107,13 +107,13 @@ class ConvectionTable {
     }
     return {cubic(k), cubic(b)};
   }
-  /// Chebyshev's, in 0..1
+  /// The i-th Chebyshev node, in 0..1
   static double node(std::size_t i) {
     constexpr std::array<double, 4> cosines{-0.92387953251128674, -0.38268343236508978,
                                             0.38268343236508978, 0.92387953251128674};
     return 0.5 + 0.5 * cosines[i];
   }
-  /// Through these values at the nodes, by Newton's divided differences.
+  /// The cubic through these values at the nodes, by Newton's divided differences.
   static Cubic cubic(std::array<double, 4> value) {
     for (std::size_t order = 1; order < 4; ++order) {
       for (std::size_t i = 3; i >= order; --i) {

@@ -27,13 +27,15 @@ struct DistributedPlant {
     HeatParams<S> heat;
     Geometry<S> geometry;
     PerSegment<S> length_m;      ///< sums up to geometry.length_m
-    S specific_heat_1_K = S(0);  ///< what the specific heat gains per kelvin above 25 °C, relative
-    S parallel_share = S(0);     ///< 0: the material's mixture of resistivities; else its way from
-                                 ///< series to parallel, up to 1
+    S specific_heat_1_K = S(0);  ///< relative increase of the specific heat per kelvin above 25 °C
+    /// 0: the material's own mixture of resistivities; above 0: the share of the way from phases in
+    /// series to phases in parallel (1).
+    S parallel_share = S(0);
     ConvectionTable<S> convection;
   };
 
-  /// What the segments' states say, side by side: loops over it run in vector registers.
+  /// The segments' temperatures and fractions side by side: loops over them run in vector
+  /// registers.
   struct Profile {
     PerSegment<S> temperature_K, martensite, r_phase;
     S stress_Pa;  ///< the same in all segments
@@ -41,15 +43,16 @@ struct DistributedPlant {
 
   struct State {
     PerSegment<typename K::State> kinetics;
-    PerSegment<S> heat_J;  ///< what a segment's last linearisation could not place
-    Profile profile;       ///< of `kinetics`
+    /// Heat error of each segment's last linearisation, carried into the next step.
+    PerSegment<S> heat_J;
+    Profile profile;  ///< copies from `kinetics`
     typename Row<K, segments>::Kept kept;
   };
 
   /// What surrounds the wire during one step.
   struct Surroundings {
     S stress_Pa;
-    S ambient_K;  ///< of the air and of the clamps
+    S ambient_K;  ///< temperature of the air and of the clamps
   };
 
   static State rest(const Params& p, const Drive<S>& u) {
@@ -62,7 +65,7 @@ struct DistributedPlant {
     return s;
   }
 
-  /// Without heat balance: all segments go to this drive.
+  /// Moves all segments to this drive without a heat balance.
   static void soak(const Params& p, State& s, const Drive<S>& u) {
     for (std::size_t i = 0; i < segments; ++i) {
       K::advance(p.kinetics[i], s.kinetics[i], u);
@@ -91,9 +94,9 @@ struct DistributedPlant {
     return s.profile.temperature_K[segment];
   }
 
-  /// As Plant::advance() for each segment, with the conduction between neighbours solved along
-  /// with it, implicitly. There are no substeps: dt_s up to 1 ms. Convection is Churchill and
-  /// Chu's times `draught`, taken at the step's start.
+  /// Like Plant::advance() for each segment, with the conduction between neighbours solved
+  /// together, implicitly. There are no substeps: dt_s up to 1 ms. Convection is Churchill and
+  /// Chu's times `draught`, computed at the start of the step.
   static void advance(const Params& p, State& s, const S& current_A, const Surroundings& around,
                       const S& draught, const S& dt_s) {
     const Profile before = s.profile;
@@ -114,7 +117,8 @@ struct DistributedPlant {
     const Profile& after = s.profile;
     const PerLink flow_J = flows_J(b, dT, S(0));
     for (std::size_t i = 0; i < segments; ++i) {
-      // The specific heat is a line: its mean over the step is that of the step's middle.
+      // The specific heat is linear in temperature: its mean over the step is its value at the
+      // middle.
       const S capacity_J_K =
           b.mass_kg[i] * specific_heat_J_kgK(p, after.temperature_K[i] - S(0.5) * dT[i]);
       s.heat_J[i] =
@@ -137,10 +141,11 @@ struct DistributedPlant {
     return now;
   }
 
-  /// Between a segment and its left neighbour or clamp; last: the right clamp.
+  /// One value for each link between a segment and its left neighbour or clamp; the last one is the
+  /// right clamp.
   using PerLink = std::array<S, segments + 1>;
 
-  /// One step's heat, linear in the changes of the temperatures.
+  /// The heat balance of one step, linear in the changes of the temperatures.
   struct Balance {
     PerSegment<S> mass_kg, heat_J, effective_J_K, loss_J_K;
     PerLink link_J_K;
@@ -183,7 +188,8 @@ struct DistributedPlant {
     return b;
   }
 
-  /// From the left neighbour to the right one, through each link; `ends` is that of the clamps.
+  /// The flow through each link from the right neighbour to the left one; `ends` is the value at
+  /// the clamps.
   static PerLink flows_J(const Balance& b, const PerSegment<S>& value, const S& ends) {
     PerLink flow;
     flow[0] = b.link_J_K[0] * (value[0] - ends);
@@ -194,8 +200,8 @@ struct DistributedPlant {
     return flow;
   }
 
-  /// Gauss' elimination on the symmetric tridiagonal system, from both ends to the middle: two
-  /// chains of divisions that do not wait for each other.
+  /// Gaussian elimination on the symmetric tridiagonal system, from both ends to the middle: two
+  /// chains of divisions that are independent of each other.
   static PerSegment<S> solve(const Balance& b) {
     constexpr std::size_t middle = segments / 2;
     PerSegment<S> diagonal, factor, right = b.heat_J;

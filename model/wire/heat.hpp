@@ -36,8 +36,8 @@ S natural_convection_W_m2K(S diameter_m, S temperature_K, S ambient_K) {
 }
 
 /// Convection of a horizontal wire in still air of 25 °C, as a line through Churchill and Chu's
-/// values at 20 and 80 K above it; within 2 % of them from 10 to 110 K for
-/// wires up to 100 µm, within 4 % up to 510 µm.
+/// values at 20 and 80 K above it; within 2 % of their formula from 10 to 110 K for wires up to 100
+/// µm, within 4 % up to 510 µm.
 struct StillAir {
   double convection_W_m2K;
   double convection_W_m2K2;
@@ -55,9 +55,10 @@ template <class S>
 struct ThermalBody {
   S capacity_J_K;  ///< m c
   S latent_m2a_J;  ///< m ΔH of M2A
-  S latent_r2a_J;  ///< m ΔH of R2A and A2R; R2M takes the difference: a cycle is closed
-  S loss_W_K;      ///< convection and clamps at the ambient temperature
-  S loss_W_K2;     ///< and what they gain per kelvin above it
+  S latent_r2a_J;  ///< m ΔH of R2A and A2R; R2M has the difference, so that a cycle releases no net
+                   ///< heat
+  S loss_W_K;      ///< loss through convection and clamps at the ambient temperature
+  S loss_W_K2;     ///< increase of loss_W_K per kelvin above ambient
 
   constexpr S loss_W(S above_ambient_K) const {
     return (loss_W_K + loss_W_K2 * above_ambient_K) * above_ambient_K;
@@ -65,8 +66,8 @@ struct ThermalBody {
   constexpr S loss_slope_W_K(S above_ambient_K) const {
     return loss_W_K + S(2) * loss_W_K2 * above_ambient_K;
   }
-  /// Heat that the wire takes up per kelvin while it transforms at these rates. Never less than
-  /// without them: latent heat only adds.
+  /// Heat that the wire takes up per kelvin while it transforms at these rates; never less than
+  /// capacity_J_K, as latent heat only adds.
   constexpr S effective_capacity_J_K(const PhaseRates<S>& rates) const {
     const S latent_J_K = -(latent_m2a_J * rates.martensite_1_K) - latent_r2a_J * rates.r_phase_1_K;
     return latent_J_K < S(0) ? capacity_J_K : capacity_J_K + latent_J_K;

@@ -1,7 +1,7 @@
 #pragma once
-// The three-phase model the other way round: the temperature at which a wire, from where it is now,
-// would have a given strain. It follows the branch from one turning point to the next. The
-// ihyp curve is explicit in this direction (000, 'Inverse'), so nothing iterates to a tolerance.
+// The inverse of the three-phase model: the temperature at which a wire, from its present state,
+// would have a given strain. It follows the branch from one turning point to the next. The ihyp
+// curve is explicit in this direction (000, 'Inverse'), so nothing iterates to a tolerance.
 
 #include <cstddef>
 
@@ -14,7 +14,7 @@ namespace smaservo {
 template <class S>
 struct BranchPoint {
   S temperature_K;
-  Phases<S> phases;  ///< of the wire's middle
+  Phases<S> phases;  ///< fractions in the wire's middle
 };
 
 template <class S, std::size_t depth = 8>
@@ -22,23 +22,24 @@ struct Inverse {
   using K = ThreePhase<S, depth>;
   using Model = Plant<K>;
 
-  /// Where heating brings the wire to `goal`, a strain not above its present one. For a goal
-  /// that heat cannot reach: the end of the transformation, where 2 % is left. Exact for a wire
-  /// whose R2A shares M2A's surface; with a surface of its own up to 3 % of the stroke off under 50
-  /// MPa, 1 % from 150 MPa on.
+  /// The point at which heating brings the wire to the strain `goal`, which must not exceed the
+  /// present one. If heat cannot reach the goal: the end of the transformation, where 2 % is left.
+  /// Exact for a wire whose R2A shares M2A's surface; with a surface of its own the error is up to
+  /// 3 % of the stroke below 50 MPa, 1 % from 150 MPa on.
   static BranchPoint<S> heating(const typename Model::Params& p, const typename K::State& s,
                                 const S& stress_Pa, const S& goal);
 
-  /// Where cooling brings the wire to `goal`, a strain not below its present one. A2R runs beside
-  /// A2M there, so this is two steps of Newton's method from a guess: at worst 4 % of the stroke
-  /// off under 10 MPa, where there is most R-phase, 1.2 % under 50 MPa, 0.04 % from 100 MPa on;
-  /// 0.12 % in 95 of 100 cases. A greater strain never needs a higher temperature from 50 MPa on,
-  /// and below that by 0.1 K at most. An R2M of its own is taken for A2M.
+  /// The point at which cooling brings the wire to the strain `goal`, which must not be below the
+  /// present one. A2R acts beside A2M there, so this takes two Newton steps from a first guess.
+  /// Worst error: 4 % of the stroke below 10 MPa, where there is most R-phase, 1.2 % below 50 MPa,
+  /// 0.04 % from 100 MPa on; 0.12 % in 95 of 100 cases. A greater strain never needs a higher
+  /// temperature from 50 MPa on, and below that by 0.1 K at most. An R2M of its own is treated as
+  /// A2M.
   static BranchPoint<S> cooling(const typename Model::Params& p, const typename K::State& s,
                                 const S& stress_Pa, const S& goal);
 
  private:
-  /// Strain by the phases of the middle.
+  /// The strain of the whole wire as a linear function of the phases of its middle.
   struct Slopes {
     S none, martensite, r_phase;
     S strain(const Phases<S>& z) const {
@@ -54,8 +55,8 @@ struct Inverse {
         middle * by.martensite, middle * by.r_phase};
   }
 
-  /// Which share of the way from `from` to `to` leads to `goal`: 0 to `max`, and `max` where the
-  /// way has no length.
+  /// The share of the way from `from` to `to` that leads to `goal`: 0 to `max`; `max` if the way
+  /// has no length.
   static S share(const S& from, const S& to, const S& goal, const S& max) {
     const S way = to - from;
     const S tiny = S(1e-7);
@@ -70,20 +71,20 @@ struct Inverse {
     const S bounded = left < min ? min : S(1) - min < left ? S(1) - min : left;
     return at.start_K + ihyp_temperature(at.shape, {S(1) - bounded, bounded}) / at.per_K;
   }
-  /// An outer branch ends where its curve has 2 % left, up to 200 K beyond its start: the share of
-  /// the way from here. The tail behind it is for no wire.
+  /// The share of the way from here to the end of an outer branch, where its curve has 2 % left, up
+  /// to 200 K beyond its start. No wire is meant to use the tail beyond.
   static S to_the_end(const S& left) {
     const S min = S(0.02);
     return left < min ? S(0) : S(1) - min / left;
   }
 
-  /// Where a way to a turning point begins.
+  /// The state where a way to a turning point begins.
   struct Start {
     Phases<S> phases;
     Pair<S> left;
     S returning;
   };
-  /// A share of a way that is left, with its slope over the temperature.
+  /// The share of a way that is left, with its slope over temperature.
   struct Line {
     S value, slope_1_K;
   };
@@ -95,8 +96,8 @@ struct Inverse {
   }
 
   static constexpr int corrections = 2;
-  /// A step of Newton's method on both curves, A2M and A2R, as ThreePhase follows them from the
-  /// start to the turning point.
+  /// One Newton step on both curves, A2M and A2R, as ThreePhase follows them from the start to the
+  /// turning point.
   static void correct(const Slopes& by, const Isobar<Pair<S>>& at, const Start& from,
                       const typename K::ColdTurn& turn, const S& goal, BranchPoint<S>& point);
 };
@@ -110,7 +111,7 @@ BranchPoint<S> Inverse<S, depth>::heating(const typename Model::Params& p,
   Phases<S> from = K::phases(s);
   S left = s.heading == Heading::heating ? s.reverse.m2a : at.remaining(s.reached.temperature_K);
   const auto& turns = s.hot;
-  // From the newest turning point outwards; the last one is the end at infinity.
+  // The loop runs from the newest turning point outwards; the last target is the end at infinity.
   for (std::size_t i = turns.size();; --i) {
     const typename K::HotTurn& turn = turns.at(i);
     const S there = by.strain({turn.martensite, turn.r_phase});
@@ -144,7 +145,7 @@ BranchPoint<S> Inverse<S, depth>::cooling(const typename Model::Params& p,
     const S there = by.strain(to);
     const S here = by.strain(from.phases);
     if (i == 0 || goal < there) {
-      // In a first guess R-phase comes and goes in step with martensite.
+      // The first guess assumes that R-phase comes and goes in step with martensite.
       const S part = share(here, there, goal, i == 0 ? to_the_end(from.left.first()) : S(1));
       const S left = from.left.first() + part * (turn.left.a2m_a2r.first() - from.left.first());
       BranchPoint<S> point{temperature_K(first_isobar(at), left), {}};
@@ -164,8 +165,8 @@ void Inverse<S, depth>::correct(const Slopes& by, const Isobar<Pair<S>>& at, con
   const Pair<S> way = from.left - turn.left.a2m_a2r;
   const Pair<S> left = at.remaining(Pair<S>(point.temperature_K));
   const Pair<S> slope_1_K = at.remaining_1_K(left);
-  // What A2M has left of its way to the turning point, A2R without one, and of its way there: all
-  // of it before the start.
+  // Shares that are left of each process' way: of A2M's to the turning point, of A2R's to its end,
+  // and of A2R's way back to the turning point, which is 1 before its start.
   const Line a2m = ratio(left.first() - turn.left.a2m_a2r.first(), slope_1_K.first(), way.first());
   const Line a2r = ratio(left.second(), slope_1_K.second(), from.left.second());
   const Line back =

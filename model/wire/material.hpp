@@ -17,7 +17,7 @@ struct Phase {
   S resistivity_ohm_m_Pa;  ///< q, its slope over stress
 };
 
-/// How the phases share the current. 000 puts them in series, 001 eq. 20 side by side.
+/// How the phases share the current: in series (000) or in parallel (001 eq. 20).
 enum class Mixture : unsigned char { series, parallel };
 
 template <class S>
@@ -27,8 +27,8 @@ struct Material {
   Mixture mixture = Mixture::series;
 };
 
-/// Derivatives of the strain by the fractions at constant stress: what one of them gains, austenite
-/// loses.
+/// Derivatives of the strain by the fractions at constant stress, where a gain of one fraction is a
+/// loss of austenite.
 template <class S>
 struct StrainSlopes {
   S austenite;  ///< the strain of austenite itself
@@ -51,7 +51,7 @@ constexpr S strain(const Material<S>& m, const Phases<S>& z, const S& stress_Pa)
   return by.austenite + z.martensite * by.martensite + z.r_phase * by.r_phase;
 }
 
-/// Resistivity with its derivatives; those by the fractions as in StrainSlopes.
+/// Resistivity with its derivatives; those by the fractions are defined as in StrainSlopes.
 template <class S>
 struct Resistivity {
   S value;

@@ -30,7 +30,7 @@ struct Plant {
 
   struct State {
     typename K::State kinetics;
-    S heat_J;  ///< heat that the last step took in and could not place: its linearisation error
+    S heat_J;  ///< heat error of the last step's linearisation, carried into the next step
   };
 
   static State rest(const Params& p, const Drive<S>& u) { return {K::rest(p.kinetics, u), S(0)}; }
@@ -43,7 +43,7 @@ struct Plant {
   static S resistance_ohm(const Params& p, const State& s, const S& ambient_K) {
     return resistance_ohm(p, phases(s), K::drive(s.kinetics), ambient_K);
   }
-  /// Of a wire whose middle is at `u` and has these phases.
+  /// The resistance of a wire whose middle is at the drive `u` and has these phases.
   static S resistance_ohm(const Params& p, const Phases<S>& phases, const Drive<S>& u,
                           const S& ambient_K) {
     const Drive<S> average{p.ends.average_K(u.temperature_K, ambient_K), u.stress_Pa};
@@ -54,8 +54,8 @@ struct Plant {
   }
 
   /// dt_s > 0, meant for 10 us to 20 ms. Latent heat enters through the effective heat capacity,
-  /// implicitly, so no step is stiff; what the linearisation misses is carried into the next step,
-  /// so no energy is lost. A step that would move the temperature by more than 1 K is made of
+  /// implicitly, so no step is stiff; the error of the linearisation is carried into the next step,
+  /// so no energy is lost. A step that would move the temperature by more than 1 K is divided into
   /// substeps.
   static void advance(const Params& p, State& s, const PlantInput<S>& in, const S& dt_s) {
     const int parts = substeps(p, s, in, dt_s);
@@ -97,7 +97,7 @@ struct Plant {
   }
 };
 
-/// A plant with the wire's own model.
+/// The parameters of a plant with the wire's own model.
 template <class S>
 typename Plant<ThreePhase<S>>::Params plant_params(const Wire<S>& wire) {
   return {wire.kinetics, wire.material, thermal_body(wire.geometry, wire.heat),

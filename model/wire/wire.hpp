@@ -27,10 +27,11 @@ struct HeatParams {
   S latent_r2a_J_kg;
   S convection_W_m2K;         ///< h at the ambient temperature
   S convection_W_m2K2;        ///< its slope over the temperature above ambient
-  S clamp_conductivity_W_mK;  ///< of the wire, towards clamps at ambient temperature; 0: none
+  S clamp_conductivity_W_mK;  ///< conductivity of the wire towards clamps at ambient temperature;
+                              ///< 0: none
 };
 
-/// What the maker allows and where the parameters hold.
+/// The limits that the maker states, and the range in which the parameters hold.
 template <class S>
 struct Limits {
   S current_A;
@@ -38,19 +39,20 @@ struct Limits {
   S temperature_K;
 };
 
-/// How far the model is from the wire: what a calibration could not explain, root mean square. The
-/// observers take from `strain` how far to trust their model; `resistance` is for information only.
+/// How far the model is from the wire: root mean square of the errors that a calibration could not
+/// explain. The observers derive from `strain` how far to trust their model; `resistance` is for
+/// information only.
 template <class S>
 struct Accuracy {
-  S strain;      ///< of the model by itself, from power and load
-  S resistance;  ///< relative, of the resistance that it gives to a strain
+  S strain;      ///< error of the model's strain, driven by power and load alone
+  S resistance;  ///< relative error of the resistance that the model gives to a strain
 };
 
 template <class S>
 struct Wire {
   Geometry<S> geometry;
   Limits<S> limits;
-  S nominal_stroke;  ///< strain that errors are related to, 0.04 by convention
+  S nominal_stroke;  ///< strain to which errors are related, 0.04 by convention
   ThreePhaseParams<S> kinetics;
   Material<S> material;
   HeatParams<S> heat;
@@ -67,12 +69,12 @@ S clamp_reach_m(const Geometry<S>& geometry, const HeatParams<S>& heat) {
   return sqrt(heat.clamp_conductivity_W_mK * geometry.diameter_m / (S(4) * heat.convection_W_m2K));
 }
 
-/// The ends that a clamp keeps cold. They neither contract nor lose resistance, so a wire of one
-/// temperature that takes no account of them ends up to 3 % of its stroke too short.
+/// The ends that a clamp keeps cold. They neither contract nor lose resistance; a model of one
+/// temperature that ignores them makes the wire up to 3 % of its stroke too short.
 template <class S>
 struct ColdEnds {
-  S share;           ///< of the wire's length
-  Phases<S> phases;  ///< what they consist of
+  S share;           ///< share of the wire's length
+  Phases<S> phases;  ///< fractions in the ends
 
   constexpr Phases<S> average(const Phases<S>& middle) const {
     return {middle.martensite + share * (phases.martensite - middle.martensite),
@@ -83,9 +85,9 @@ struct ColdEnds {
   }
 };
 
-/// The temperature rises over the reach λ as 1 - exp(-x/λ); where the front of the transformation
-/// stands in it depends on how hot the middle is. 0.87 λ at each end is the best constant against
-/// the distributed plant.
+/// The temperature rises over the reach λ as 1 - exp(-x/λ); the position of the transformation
+/// front in it depends on how hot the middle is. A constant of 0.87 λ at each end fits the
+/// distributed plant best.
 template <class S>
 ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
                       const ThreePhaseParams<S>& kinetics) {
@@ -94,8 +96,9 @@ ColdEnds<S> cold_ends(const Geometry<S>& geometry, const HeatParams<S>& heat,
           ThreePhase<S>::phases(ThreePhase<S>::rest(kinetics, room))};
 }
 
-/// The wire's middle as one body. A fin of length L between two cold clamps is in its middle
-/// cooler than without them by the factor 1 - 1/cosh(L/2λ); the loss is raised by the inverse.
+/// The wire's middle as one body. The middle of a fin of length L between two cold clamps is cooler
+/// than without them by the factor 1 - 1/cosh(L/2λ); the loss is raised by the inverse of this
+/// factor.
 template <class S>
 ThermalBody<S> thermal_body(const Geometry<S>& geometry, const HeatParams<S>& heat) {
   using std::exp;

@@ -1,7 +1,7 @@
 #pragma once
-// Every number of a wire, described once, without heap: path with its SI unit, range, meaning, and
-// where it is in a Wire. Wire files, a device's parameters and their CAN objects come from this
-// table; firmware/parameters adds the keys, by the order of the rows.
+// Every number of a wire, described once and without heap: path with its SI unit, range, meaning,
+// and its place in a Wire. Wire files, a device's parameters and their CAN objects are derived from
+// this table; firmware/parameters adds the keys, in the order of the rows.
 
 #include <array>
 #include <cstdint>
@@ -24,7 +24,7 @@ class Path {
   constexpr Path(const char* a, const char* b = "", const char* c = "") {
     for (const std::string_view part : {a, b, c}) {
       for (const char letter : part) {
-        text_[size_++] = letter;  // Too long a path does not compile.
+        text_[size_++] = letter;  // A path that is too long does not compile.
       }
     }
   }
@@ -35,7 +35,7 @@ class Path {
   std::size_t size_ = 0;
 };
 
-/// One array after the other.
+/// Concatenates arrays.
 template <class T, std::size_t... n>
 constexpr auto joined(const std::array<T, n>&... parts) {
   std::array<T, (n + ...)> all{};
@@ -49,7 +49,7 @@ constexpr auto joined(const std::array<T, n>&... parts) {
   return all;
 }
 
-/// The numbers are those of a device's stored image: never change one.
+/// These numbers stand in a device's stored image: never change one.
 enum class ValueType : std::uint8_t {
   real = 0,     ///< REAL32
   number = 1,   ///< UNSIGNED32
@@ -57,7 +57,7 @@ enum class ValueType : std::uint8_t {
   boolean = 3,  ///< BOOLEAN
 };
 
-/// Without which a parameter has no meaning.
+/// The surface without which a parameter has no meaning.
 enum class Needs : std::uint8_t { nothing, own_r2a, own_r2m };
 
 template <class S>
@@ -66,10 +66,10 @@ constexpr bool is_used(Needs needs, const Wire<S>& wire) {
   return needs == Needs::nothing || (needs == Needs::own_r2a ? k.separate_r2a : k.separate_r2m);
 }
 
-/// Where a real is part of a Pair.
+/// The lane of the Pair that a real is part of.
 enum class Lane : std::uint8_t { none, first, second };
 
-/// A real that may be part of a pair.
+/// Reads a real that may be part of a pair.
 template <class S>
 S load_real(const void* from, Lane lane) {
   if (lane == Lane::none) {
@@ -88,7 +88,7 @@ void keep_real(void* to, Lane lane, const S& value) {
   both = lane == Lane::first ? Pair<S>(value, both.second()) : Pair<S>(both.first(), value);
 }
 
-/// A number of 32 bits, an enumerator of 8, a bool.
+/// Reads a number of 32 bits, an enumerator of 8, or a bool.
 inline std::uint32_t load_whole(const void* from, ValueType type) {
   return type == ValueType::number   ? *static_cast<const std::uint32_t*>(from)
          : type == ValueType::choice ? *static_cast<const std::uint8_t*>(from)
@@ -108,19 +108,19 @@ template <class S>
 struct WireParameter {
   Path path;  ///< table and name, with the SI unit as suffix
   ValueType type;
-  Kind kind;                                  ///< of a real
-  double min, max;                            ///< of a real, inclusive
-  std::span<const std::string_view> choices;  ///< of a choice: names by value
+  Kind kind;                                  ///< unit kind of a real
+  double min, max;                            ///< range of a real, inclusive
+  std::span<const std::string_view> choices;  ///< names of a choice, by value
   std::string_view meaning;
-  const void* (*at)(const Wire<S>&);  ///< as load_real() and load_whole() want it
+  const void* (*at)(const Wire<S>&);  ///< address of the value, for load_real() and load_whole()
   Needs needs = Needs::nothing;
   Lane lane = Lane::none;
-  /// Of a polynomial's constant: how many rows the polynomial has.
+  /// The number of rows of a polynomial; stands in the row of its constant.
   std::uint8_t coefficients = 1;
-  /// What it is where a wire file leaves it out; NaN: the file needs it, or it follows from others.
+  /// The default if a wire file leaves it out; NaN: the file needs it, or it follows from others.
   double standard = std::numeric_limits<double>::quiet_NaN();
   // NOLINTNEXTLINE(readability-redundant-member-init): for designated initializers
-  std::string_view follows = {};  ///< how, in words
+  std::string_view follows = {};  ///< how the default follows from others, in words
 
   constexpr WireParameter with_default(double value) const {
     WireParameter row = *this;
@@ -134,7 +134,7 @@ struct WireParameter {
   }
 
   constexpr bool is_used(const Wire<S>& wire) const { return smaservo::is_used(needs, wire); }
-  /// A choice by its index, a boolean as 0 or 1.
+  /// The value; a choice as its index, a boolean as 0 or 1.
   double get(const Wire<S>& wire) const {
     return type == ValueType::real ? static_cast<double>(load_real<S>(at(wire), lane))
                                    : load_whole(at(wire), type);
@@ -152,7 +152,7 @@ struct WireParameter {
 inline constexpr std::string_view memory_names[] = {"plain", "return-point"};
 inline constexpr std::string_view mixture_names[] = {"series", "parallel"};
 
-/// The rows of one scalar, by table.
+/// The rows for one scalar, in groups by table.
 template <class S>
 struct WireRows {
   using Row = WireParameter<S>;
@@ -219,8 +219,8 @@ struct WireRows {
     return &(wire.kinetics.*surface.*polynomial)[i];
   }
 
-  /// The ten coefficients of one transformation process, by power of the stress in Pa: of a surface
-  /// of its own, or of a lane of the pair.
+  /// The ten coefficients of one transformation process, by power of the stress in Pa; the process
+  /// has a surface of its own, or is one lane of the pair.
   template <auto surface, Lane lane = Lane::none, Needs needs = Needs::nothing>
   static constexpr auto process(const char* p) {
     using Q = std::remove_cvref_t<decltype(std::declval<K&>().*surface)>;

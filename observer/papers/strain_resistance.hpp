@@ -12,10 +12,10 @@
 //     |          /     /
 //     +--------------------- λ      with z the distance to the line along λ
 //
-// Ours: a step is integrated in closed form, so it is exact for any size at one stress, where
-// eq. 28 takes the slope at its start. Noise must not turn the heading, or it walks the strain to
-// the middle of the loop: the resistance is smoothed, and a reversal counts when it is large
-// enough. Two strains are carried along from the start, one from each line: while they differ
+// Ours: a step is integrated in closed form, so it is exact for any size at one stress, whereas eq.
+// 28 uses the slope at its start. Noise must not reverse the heading, or it drives the strain to
+// the middle of the loop: the resistance is smoothed, and only a large enough reversal counts. Two
+// hypotheses of the strain are carried along from the start, one from each line: while they differ
 // the strain is not known.
 
 #include <cmath>
@@ -41,7 +41,7 @@ struct StressPolynomial {
   }
 };
 
-/// A line ε = a λ + b for every stress.
+/// A line ε = a λ + b whose coefficients depend on the stress.
 template <class S>
 struct StressLine {
   StressPolynomial<S> slope, offset;
@@ -53,24 +53,26 @@ struct StrainResistance {
 
   /// identify_strain_resistance() makes them from measured runs.
   struct Params {
-    S martensite_ohm;                ///< R_0: λ = R/R_0 (002 eq. 17)
-    S min_stress_Pa, max_stress_Pa;  /// where the lines were identified; σ_max is the latter
-    StressLine<S> heating, cooling;  ///< slopes above initial_slope in that range
-    S initial_slope;                 ///< a_0, strain by λ, 0 or more
-    S decay;                         ///< τ, by λ, above 0
-    S smallest_reversal;             ///< of the smoothed λ
+    S martensite_ohm;  ///< R_0: λ = R/R_0 (002 eq. 17)
+    /// Range in which the lines were identified; σ_max is its upper end.
+    S min_stress_Pa, max_stress_Pa;
+    StressLine<S> heating, cooling;  ///< their slopes exceed initial_slope in that range
+    S initial_slope;                 ///< a_0, strain per λ, 0 or more
+    S decay;                         ///< τ, per λ, above 0
+    S smallest_reversal;             ///< least change of the smoothed λ that counts as a reversal
     S strain_sd;                     ///< rms error in the runs of the identification
   };
 
   struct State {
     S stress_Pa;
     S smoothed;   ///< λ after the low-pass
-    S reached;    ///< λ that the strains belong to: the farthest of this heading
+    S reached;    ///< λ that the strains belong to: the farthest in this heading
     S low, high;  ///< strains of the two hypotheses
     Heading heading;
   };
 
-  /// Of the low-pass. A wire that contracts in half a second lags by 1 % of its stroke.
+  /// Time constant of the low-pass. A wire that contracts in half a second lags by 1 % of its
+  /// stroke.
   static constexpr double smoothing_s = 5e-3;
 
   static State start(const Params& p, const Measurement<S>& m, const S& /*ambient_K*/) {
@@ -107,7 +109,7 @@ struct StrainResistance {
     }
   }
 
-  /// Doubtful where the stress is outside the identified range, whose nearer end then counts;
+  /// Doubtful if the stress is outside the identified range, whose nearer end is then used;
   /// searching while the two hypotheses differ by more than the standard deviation to either side.
   static Estimate<S> estimate(const Params& p, const State& s) {
     using std::abs;
@@ -136,7 +138,7 @@ struct StrainResistance {
   }
 
  private:
-  /// Goes on by this much in the heading, from `reached` to `smoothed`.
+  /// Moves both strains by `way` in the present heading, from `reached` to `smoothed`.
   static void move(const Params& p, State& s, const S& way) {
     using std::exp;
     const bool heats = s.heading == Heading::heating;
@@ -151,13 +153,14 @@ struct StrainResistance {
     s.reached = s.smoothed;
   }
 
-  /// 002 eq. 11, 13 and 15, integrated: dz/dλ = (1 - a_0/a_line) (1 - exp(-τ z)), hence
-  /// exp(τ z) - 1 decays exponentially with λ. Beyond the line, where a change of the stress may
-  /// leave a strain, z is below zero and the slope steeper than the line's, so it comes back, too.
+  /// 002 eq. 11, 13 and 15, integrated: dz/dλ = (1 - a_0/a_line) (1 - exp(-τ z)), hence exp(τ z) -
+  /// 1 decays exponentially with λ. A change of the stress may leave a strain beyond the line; z is
+  /// then negative and the slope steeper than the line's, so the strain returns to it, too.
   static S approached(const Params& p, const S& z, const S& decayed) {
     using std::exp;
     using std::log;
-    const S farthest = S(-80) / p.decay;  // exp() of more would not fit into a float
+    // For a greater magnitude exp() would not fit into a float.
+    const S farthest = S(-80) / p.decay;
     const S from = z < farthest ? farthest : z;
     const S near = exp(-p.decay * from);
     const S after = from + log(near * (S(1) - decayed) + decayed) / p.decay;

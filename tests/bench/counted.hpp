@@ -50,7 +50,8 @@ class Counted {
   constexpr explicit operator int() const { return static_cast<int>(x_); }
 
   static inline Operations operations;
-  static inline Magnitudes results;  ///< of additions, multiplications and divisions
+  /// Magnitudes of the results of additions, multiplications and divisions.
+  static inline Magnitudes results;
 
   friend Counted operator+(const Counted& a, const Counted& b) {
     return result(operations.additions, a.x_ + b.x_);

@@ -31,7 +31,7 @@ class Recording {
 
   Prepared<S> prepared = prepare(test_settings<S>());
   typename Device<S>::State state = Device<S>::start();
-  typename Device<S>::State begin{};  ///< of the recorded moments
+  typename Device<S>::State begin{};  ///< state at the beginning of the recorded moments
   std::vector<Moment<S>> moments;
 
  private:

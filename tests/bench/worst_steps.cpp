@@ -35,7 +35,7 @@ struct Moment {
 };
 
 bool cheaper(const Moment& a, const Moment& b) {
-  return a.cost_ns > b.cost_ns;  // of a heap the cheapest comes first
+  return a.cost_ns > b.cost_ns;  // the cheapest is then at the top of the heap
 }
 
 /// Every session has other settings, for the same wire and sensors.

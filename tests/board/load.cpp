@@ -233,7 +233,7 @@ class Master {
  private:
   struct Cycle {
     std::int64_t synced_ns;
-    std::int32_t target_um;  ///< of the last RPDO before; 0: none
+    std::int32_t target_um;  ///< target of the last RPDO before the SYNC; 0: none
   };
 
   /// Up and down by 1 um in each cycle: no two in succession are the same.
@@ -332,7 +332,7 @@ class Master {
   std::uint16_t status_ = 0;
   std::int32_t target_ = 0;
   std::array<Cycle, 1024> cycles_{};  ///< the last ones, by their number
-  daemon::Histogram delays_;          ///< from SYNC to the second TPDO
+  daemon::Histogram delays_;          ///< delays from SYNC to the second TPDO
   std::int64_t synced_ = 0, answered_syncs_ = 0, tpdos_ = 0, checked_ = 0, lost_ = 0;
 };
 

@@ -17,11 +17,11 @@ struct BoardCodes {
 struct BoardOutput {
   std::uint64_t now_ns;
   std::uint64_t period_ns;
-  std::uint64_t duty_ns;       ///< as the PWM's user has set it
-  std::uint64_t effective_ns;  ///< what gets through
-  std::uint64_t changed_ns;    ///< since when that is zero, or is not
+  std::uint64_t duty_ns;       ///< duty time that the user of the PWM has set
+  std::uint64_t effective_ns;  ///< duty time that reaches the output
+  std::uint64_t changed_ns;    ///< time since which effective_ns is zero, or is not zero
   std::uint64_t kicked_ns;
-  std::uint64_t cuts;  ///< how often the one-shot has ended heat
+  std::uint64_t cuts;  ///< number of times that the one-shot has ended heat
 };
 
 /// A channel: 2.5 V are 2^bits codes.

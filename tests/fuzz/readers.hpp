@@ -11,8 +11,9 @@ using Input = std::span<const std::uint8_t>;
 
 // Texts.
 void wire(Input input);      ///< what is accepted is written and read back to the same text
-void settings(Input input);  ///< likewise, and it passes check(); also changes in a trace's row
-void scenario(Input input);  ///< of a closed loop, and of the sweeps of a plant
+void settings(Input input);  ///< accepted settings are written and read back to the same text, and
+                             ///< pass check(); also changes in a trace's row
+void scenario(Input input);  ///< scenarios of a closed loop, and of the sweeps of a plant
 void board(Input input);
 void actuator(Input input);
 void trace(Input input);  ///< all rows of a CSV file, read strictly, leniently, and for a device
@@ -21,8 +22,9 @@ void trace(Input input);  ///< all rows of a CSV file, read strictly, leniently,
 /// messages. What is accepted is written and read back to the same rows.
 void mcap(Input input);
 
-void recording(Input input);  ///< of the recorder or a step test; written and read back likewise
-void mark(Input input);       ///< of the last run, and systemd's word on how it ended
+void recording(Input input);  ///< recordings of the recorder or a step test; accepted ones are
+                              ///< written and read back
+void mark(Input input);       ///< the mark of the last run, and systemd's result of how it ended
 
 /// Edits of a store's two slots, which are read, and written anew. Of four bytes each: slot and
 /// whether its checksum is made right afterwards, position (two), value.

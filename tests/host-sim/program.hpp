@@ -68,7 +68,7 @@ class Program {
             out_.starts_with("/dev/") ? "" : file_text(out_), file_text(streams_ / "err")};
   }
 
-  std::string terminal;  ///< where its errors go in the place of a file; empty: none
+  std::string terminal;  ///< terminal for its errors instead of a file; empty: none
   Texts environment{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8"};
 
  private:
@@ -81,8 +81,8 @@ class Program {
     return all;
   }
 
-  TemporaryFolder folder_;   ///< where it works
-  TemporaryFolder streams_;  ///< what it says
+  TemporaryFolder folder_;   ///< working folder of the program
+  TemporaryFolder streams_;  ///< outputs of the program
   std::string out_;
 };
 

@@ -52,8 +52,9 @@ double place(LumpedWire& wire, Place where, double stress_Pa, std::mt19937_64& r
 }
 
 struct Search {
-  double found_s = 0;  ///< after the end of the heating the error stays within 6 % of the stroke
-  double late = 0;     ///< mean error of the last five seconds, share of the stroke
+  /// Time after the end of the heating from which on the error stays within 6 % of the stroke.
+  double found_s = 0;
+  double late = 0;  ///< mean error of the last five seconds, share of the stroke
   double worst_late = 0;
   bool decided = false;
 };
@@ -121,7 +122,8 @@ void expect_found(const Searches& all) {
   EXPECT_LE(quantile(all.late, 0.9), 0.025);
   EXPECT_LE(quantile(all.late, 1), 0.06);
   EXPECT_LE(quantile(all.worst_late, 1), 0.15);
-  EXPECT_LE(all.undecided, 4);  // of 48; the filter costs as many steps as it has hypotheses
+  // Of 48 searches; the filter costs as many steps as it has hypotheses.
+  EXPECT_LE(all.undecided, 4);
 }
 
 class MultipleModelPlaces : public testing::TestWithParam<Place> {};

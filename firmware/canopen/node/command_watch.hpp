@@ -1,10 +1,10 @@
 #pragma once
-// Whether whoever commands the axis is still there: a dead-man watch.
+// A dead-man watch: whether the source that commands the axis is still present.
 //
-// Only what commands counts: a written set-point, mode or controlword, also with the value that it
-// had. Reading, tuning and network management do not, since anybody on the bus may do that while
-// the commander has long gone. Frames on CAN have no sender, so that a second commander counts,
-// too.
+// Only commands count: a written set-point, mode or controlword, even with an unchanged value.
+// Reading, tuning and network management do not count, since any node on the bus may do that long
+// after the commander has gone. CAN frames do not name their sender, so commands of a second
+// commander count, too.
 
 #include <algorithm>
 #include <cstdint>
@@ -15,16 +15,17 @@ namespace smaservo::canopen {
 
 class CommandWatch {
  public:
-  /// So many PDOs in a row, none later than this after the one before, make a source that sends
-  /// cyclically. Fewer may be a source that sends on events and has just enabled the axis.
+  /// `cyclic_pdos` PDOs in a row, none later than this after the one before, show that the source
+  /// sends cyclically. Fewer may come from a source that sends on events and has just enabled the
+  /// axis.
   static constexpr std::uint64_t cyclic_gap_us = 500'000;
   static constexpr unsigned cyclic_pdos = 10;
-  /// And this is the longest silence of such a source.
+  /// The longest silence that is allowed to a source that sends cyclically.
   static constexpr std::uint64_t cyclic_timeout_us = 1'000'000;
 
   void reset() { *this = CommandWatch{}; }
 
-  /// An object that commands has been written.
+  /// To be called when an object that commands has been written.
   void commanded(std::uint64_t now_us, Source source) {
     if (source == Source::rpdo && now_us != pdo_us_) {  // one PDO may write several objects
       in_a_row_ = now_us - pdo_us_ <= cyclic_gap_us ? std::min(in_a_row_ + 1, cyclic_pdos) : 1;
@@ -35,8 +36,8 @@ class CommandWatch {
   }
 
   bool is_cyclic() const { return in_a_row_ == cyclic_pdos; }
-  /// Whether the last command is no older than `timeout_us`, and than cyclic_timeout_us of a source
-  /// that sends cyclically.
+  /// Whether the last command is no older than `timeout_us`; for a source that sends cyclically, no
+  /// older than cyclic_timeout_us either.
   bool is_alive(std::uint64_t now_us, std::uint64_t timeout_us) const {
     const std::uint64_t longest_us =
         is_cyclic() ? std::min(timeout_us, cyclic_timeout_us) : timeout_us;

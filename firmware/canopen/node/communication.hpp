@@ -6,12 +6,12 @@
 
 namespace smaservo::canopen {
 
-inline constexpr std::size_t pdo_count = 4;     ///< of each direction
+inline constexpr std::size_t pdo_count = 4;     ///< PDOs in each direction
 inline constexpr std::size_t mapped_count = 8;  ///< greatest number of objects in a PDO
 inline constexpr std::size_t consumer_count = 4;
 inline constexpr std::size_t error_history = 8;
 
-/// 1400h or 1800h.
+/// The communication parameters of a PDO, 1400h or 1800h.
 struct PdoParams {
   std::uint32_t cob;
   std::uint16_t inhibit_100us;
@@ -20,7 +20,7 @@ struct PdoParams {
   std::uint8_t sync_start;
 };
 
-/// 1600h or 1A00h: index, sub-index, bits.
+/// The mapping of a PDO, 1600h or 1A00h: index, sub-index, bits.
 struct Mapping {
   std::array<std::uint32_t, mapped_count> objects;
   std::uint8_t count;
@@ -68,8 +68,8 @@ struct PdoDefaults {
   std::uint16_t inhibit_100us = 0;
 };
 
-// The first two PDOs are as ros2_canopen configures a drive; 2200h are live values in REAL32, which
-// change in each step: an inhibit time of 20 ms bounds them.
+// The first two PDOs are as ros2_canopen configures a drive. 2200h are live values in REAL32, which
+// change in each step: an inhibit time of 20 ms limits their frames.
 inline constexpr std::array<PdoDefaults, pdo_count> rpdo_defaults{{
     {0x200, 255, 0, {mapped(index::controlword, 0, 16), mapped(index::mode, 0, 8)}},
     {0x300, 255, 0, {mapped(index::target_position, 0, 32), mapped(index::target_velocity, 0, 32)}},

@@ -78,7 +78,8 @@ LssAction Lss::configure(Request request) {
   }
 }
 
-/// Begins or ends a configuration. At its end a node without a node-id may start with the new one.
+/// Begins or ends a configuration. When it ends, a node without a node-id may start with the new
+/// one.
 LssAction Lss::switch_global(Request request) {
   const bool begins = request[1] == 1;
   const bool ended = configures_ && request[1] == 0;
@@ -91,7 +92,7 @@ LssAction Lss::switch_global(Request request) {
                                                                                : LssAction::none;
 }
 
-/// The parts come in order: vendor, product, revision, serial number.
+/// The parts come in this order: vendor, product, revision, serial number.
 void Lss::select(Request request) {
   const auto part = static_cast<std::size_t>(request[0] - select_first);
   const auto before = static_cast<std::uint8_t>((1U << part) - 1U);
@@ -104,7 +105,7 @@ void Lss::select(Request request) {
   }
 }
 
-/// The parts come in order: vendor, product, min and max revision, min and max serial number.
+/// The parts come in this order: vendor, product, min and max revision, min and max serial number.
 void Lss::identify(Request request) {
   const auto step = static_cast<unsigned>(request[0] - identify_first);
   constexpr std::array<std::uint8_t, 6> part{0, 1, 2, 2, 3, 3};

@@ -18,13 +18,14 @@ constexpr bool may_be_node_id(std::uint8_t id) {
 /// What the owner has to do after a request.
 enum class LssAction : std::uint8_t {
   none,
-  node_id,   ///< the pending node-id is in force from the next reset of the communication on, or,
-             ///< where the node has had none, at once when the configuration ends
-  store,     ///< pending node-id and bit rate; finish_store() answers
+  /// The pending node-id takes effect at the next reset of the communication; if the node has had
+  /// none, at once when the configuration ends.
+  node_id,
+  store,     ///< store the pending node-id and bit rate; finish_store() answers
   activate,  ///< change to the pending bit rate after delay_ms, then silence for as long again
 };
 
-/// Of an entry of CiA 305's table; the first where there is no such entry.
+/// The bit rate of an entry of CiA 305's table; that of the first one if there is no such entry.
 constexpr float bits_per_s(std::uint8_t entry) {
   constexpr std::array kbit_s{1000, 800, 500, 250, 125, 100, 50, 20, 10};
   return 1e3F * static_cast<float>(kbit_s[entry < kbit_s.size() ? entry : 0]);
@@ -37,7 +38,7 @@ class Lss {
   Lss(std::array<std::uint32_t, 4> identity, std::uint16_t bit_rates)
       : identity_(identity), bit_rates_(bit_rates) {}
 
-  /// After a reset: what is in force.
+  /// To be called after a reset, with the node-id and bit rate in force.
   void reset(std::uint8_t node_id, std::uint8_t bit_rate);
   LssAction receive(std::span<const std::uint8_t, 8> request);
   bool take(std::span<std::uint8_t, 8> answer);
@@ -66,8 +67,8 @@ class Lss {
   std::uint8_t node_id_ = unconfigured, pending_node_id_ = unconfigured;
   std::uint8_t pending_bit_rate_ = 0;
   std::uint8_t selected_ = 0;    ///< parts of the selective switch that have matched, as bits
-  std::uint8_t identified_ = 0;  ///< likewise of the identification
-  std::uint8_t scanned_ = 0;     ///< part that fastscan looks at
+  std::uint8_t identified_ = 0;  ///< parts of the identification that have matched, as bits
+  std::uint8_t scanned_ = 0;     ///< index of the part that fastscan compares
   bool scanning_ = false;
   bool configures_ = false;
   bool answer_waits_ = false;

@@ -15,7 +15,8 @@ constexpr std::uint8_t generic_error = 0x01;
 constexpr std::uint8_t communication_error = 0x10;
 constexpr std::uint16_t sync_length = 0x8240;
 
-/// A frame of a wrong length: it does nothing, and whoever sends it may do so for ever.
+/// Whether the error is a frame of a wrong length: the frame has no effect, and its sender may
+/// repeat it for ever.
 bool is_mild(std::uint16_t code) {
   return code == static_cast<std::uint16_t>(PdoEvent::too_short) ||
          code == static_cast<std::uint16_t>(PdoEvent::too_long) || code == sync_length;
@@ -30,7 +31,7 @@ hal::CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
 
 }  // namespace
 
-// Life.
+// Starting.
 
 bool Node::start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
   const bool only_communication = request_ == Request::reset_communication;
@@ -97,7 +98,7 @@ void Node::raise(Request request) {
   ++request_number_;
 }
 
-/// One request at a time. Only a reset (command()) takes the place of one that waits; it makes the
+/// Accepts one request at a time. Only a reset (command()) replaces a waiting request; it makes the
 /// node silent until it is started.
 Abort Node::ask(Request request) {
   if (request_ != Request::none) {
@@ -119,7 +120,7 @@ void Node::finish(std::uint32_t number, bool done) {
   request_ = Request::none;
   if (request == Request::store_lss) {
     if (!done) {
-      // What is not stored must not be stored with something else, later.
+      // Values that could not be stored must not be stored later together with others.
       lss_node_id_ = lss_before_.node_id;
       lss_bit_rate_ = lss_before_.bit_rate;
     }
@@ -213,7 +214,7 @@ void Node::receive_heartbeat(const hal::CanFrame& frame) {
   find_again();
 }
 
-/// The communication error of 1001h ends when everybody who is watched has come back.
+/// The communication error of 1001h ends when all watched sources have come back.
 void Node::find_again() {
   const bool any_lost =
       std::ranges::any_of(consumers_, [](const Consumer& consumer) { return consumer.lost; });
@@ -246,8 +247,9 @@ void Node::receive_lss(const hal::CanFrame& frame) {
   }
 }
 
-/// LSS has no numbers: its master takes the next answer for that to its last request. So a request
-/// that is refused while an earlier one is under way takes that one's answer away.
+/// LSS requests have no numbers: the master takes the next answer as that to its last request. So
+/// when a request is refused while an earlier one is being carried out, the earlier one gets no
+/// answer.
 void Node::store_lss() {
   if (ask(Request::store_lss) != Abort::pending) {
     lss_waits_ = false;
@@ -298,7 +300,8 @@ void Node::watch_sync() {
   }
 }
 
-/// 1029h says what becomes of the node, the application what becomes of the wire.
+/// Loss of a watched source: 1029h decides the state of the node, the application what happens to
+/// the wire.
 void Node::lose(std::uint16_t code, std::uint8_t who) {
   lost_ = true;
   show_errors();
@@ -342,8 +345,8 @@ void Node::emergency(std::uint16_t code, std::uint64_t info) {
   queue({info, code, objects_.error_register});
 }
 
-/// 1003h, newest first. Where the list is full, the oldest mild entry makes room; a mild entry
-/// makes no severe one leave.
+/// Adds an entry to 1003h, newest first. If the list is full, the oldest mild entry is removed; a
+/// mild entry is not added if all others are severe.
 void Node::remember(std::uint16_t code, std::uint64_t info) {
   const std::span history(objects_.errors);
   std::size_t last = objects_.error_count;
@@ -364,8 +367,9 @@ void Node::remember(std::uint16_t code, std::uint64_t info) {
   history[0] = code | static_cast<std::uint32_t>(info & 0xFFFFU) << 16U;
 }
 
-/// What is told last always gets a place, so that the last EMCY on the bus agrees with 1001h. The
-/// oldest that tells of an end or of something mild makes room, else the oldest.
+/// Queues an EMCY. The newest always gets a place, so that the last EMCY on the bus agrees with
+/// 1001h. If the queue is full, the oldest that is mild or says that an error has ended is dropped,
+/// otherwise the oldest.
 void Node::queue(const Emergency& emergency) {
   if (state_ == Nmt::initialising) {
     return;
@@ -388,7 +392,8 @@ void Node::set_errors(std::uint8_t bits) {
   }
 }
 
-/// 1001h, of what is wrong now. When some of it has ended, an EMCY tells what is left.
+/// Updates 1001h from the present conditions. When a condition has ended, an EMCY with the
+/// remaining ones is queued.
 void Node::show_errors() {
   const std::uint8_t before = objects_.error_register;
   const unsigned conditions = (lost_ ? 1U : 0U) + (wrong_sync_ ? 1U : 0U) + pdos_.wrong_lengths();
@@ -423,7 +428,7 @@ bool Node::take_heartbeat(hal::CanFrame& frame) {
   if (!boots_ && !due) {
     return false;
   }
-  // The next one counts from when this one was due, unless it is very late.
+  // The next heartbeat is timed from when this one was due, unless it is very late.
   heartbeat_us_ =
       boots_ || 2 * period_us <= now_us_ - heartbeat_us_ ? now_us_ : heartbeat_us_ + period_us;
   frame = frame_of(heartbeat_id + node_id_, 1);

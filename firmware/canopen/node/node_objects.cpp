@@ -1,4 +1,4 @@
-// The node's own objects: reading, writing, and the image that is stored of them.
+// The node's own objects: reading, writing, and the image in which they are stored.
 
 #include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/node.hpp"
@@ -12,7 +12,7 @@ bool is_pdo(std::uint16_t index) {
   return 0x1400 <= index && index <= 0x1BFF;
 }
 
-/// An identifier of 11 bits that is not restricted; of the other bits only cob_invalid may be set.
+/// An unrestricted 11-bit identifier; of the other bits only cob_invalid may be set.
 bool is_plain_cob(std::uint32_t value) {
   return (value & ~cob_id_mask & ~cob_invalid) == 0 && !is_restricted(value & cob_id_mask);
 }
@@ -27,7 +27,7 @@ Request request_of(Key key) {
 }  // namespace
 
 std::byte* Node::memory() {
-  // The table's offsets are of this struct, which is plain.
+  // The table's offsets are those of this struct, which is plain.
   return reinterpret_cast<std::byte*>(&objects_);  // NOLINT(*-reinterpret-cast)
 }
 
@@ -124,7 +124,7 @@ Abort Node::write_own(const Object& object, std::uint32_t value) {
   return Abort::none;
 }
 
-/// The log holds values of up to four bytes.
+/// The log records at most four bytes of a value.
 void Node::refused(const Entry& entry, std::span<const std::uint8_t> from, Abort why) {
   std::array<std::uint8_t, 4> before{};
   const std::uint32_t size = size_of(entry.type);
@@ -168,7 +168,7 @@ Abort Node::check(Key key, std::uint32_t value) const {
   }
 }
 
-/// `value` is node-id and time. One node must not be watched with two times.
+/// `value` consists of node-id and time. One node must not be watched with two times.
 Abort Node::check_consumer(Key key, std::uint32_t value) const {
   const std::uint32_t id = value >> 16U;
   const bool counts = id != 0 && (value & 0xFFFFU) != 0;
@@ -251,7 +251,8 @@ std::size_t Node::image(std::span<std::uint8_t> to) const {
   return at + image_crc;
 }
 
-/// After a reset of the communication alone the node-id set by LSS is in force, stored or not.
+/// After a reset of the communication alone the node-id set by LSS stays in force, whether stored
+/// or not.
 bool Node::load_image(std::span<const std::uint8_t> image, bool keeps_node_id) {
   const std::size_t min = image_head + image_crc;
   const bool good =

@@ -1,5 +1,5 @@
 #pragma once
-// What the services of a CANopen node know of its objects, whoever keeps them.
+// Objects of a CANopen node as its services see them, independent of who holds their values.
 
 #include <bit>
 #include <cstddef>
@@ -29,7 +29,7 @@ enum class Type : std::uint8_t {
   u64 = 0x1B,
 };
 
-/// Bytes of a value; 0: they vary.
+/// Bytes of a value; 0 if the length varies.
 constexpr std::uint32_t size_of(Type type) {
   switch (type) {
     case Type::boolean:
@@ -59,24 +59,26 @@ constexpr bool is_signed(Type type) {
   return type == Type::i8 || type == Type::i16 || type == Type::i32 || type == Type::i64;
 }
 
-// What may be done with an object; bits.
+// Access flags of an object; bits.
 inline constexpr std::uint16_t readable = 1;
 inline constexpr std::uint16_t writable = 2;
 inline constexpr std::uint16_t in_rpdo = 4;   ///< may be written by a PDO
 inline constexpr std::uint16_t in_tpdo = 8;   ///< may be sent in a PDO
 inline constexpr std::uint16_t stored = 16;   ///< stored by 1010h, in the node's image
-inline constexpr std::uint16_t by_node = 32;  ///< the node-id is added to its default
+inline constexpr std::uint16_t by_node = 32;  ///< its default is increased by the node-id
 inline constexpr std::uint16_t constant = 64;
 inline constexpr std::uint16_t needs_tune = 128;    ///< Level::tune
 inline constexpr std::uint16_t needs_set_up = 256;  ///< Level::set_up
 
-// Who may write an object, by what it can do to the heat. Tables use these, never `writable` alone.
-/// Set-points within the limits, states that end heat or keep it, and what only measures or tells.
+// Levels needed to write an object, by its possible effect on the heat. Tables use these constants,
+// never `writable` alone.
+/// For set-points within the limits, states that end or keep heat, and objects that only concern
+/// measuring or reporting.
 inline constexpr std::uint16_t operated = writable;
-/// How a set-point is approached, and power that no loop of the device asks for.
+/// For the way a set-point is approached, and power that does not come from a loop of the device.
 inline constexpr std::uint16_t tuned = writable | needs_tune;
-/// What bounds heat or motion, and what says when heat ends: after a fault, a stop, or with the
-/// command source.
+/// For bounds of heat or motion, and for conditions that end the heat: a fault, a stop, or loss of
+/// the command source.
 inline constexpr std::uint16_t set_up = writable | needs_set_up;
 
 constexpr std::uint16_t written_at(Level level) {
@@ -88,10 +90,10 @@ constexpr Level level_of(std::uint16_t access) {
                                       : Level::operate;
 }
 
-/// Why a transfer has failed: CiA 301's SDO abort codes.
+/// The reason why a transfer has failed: CiA 301's SDO abort codes.
 enum class Abort : std::uint32_t {
   none = 0,
-  pending = 1,  ///< no code: the answer comes later
+  pending = 1,  ///< no abort code: the answer comes later
   toggle = 0x05030000,
   timeout = 0x05040000,
   command = 0x05040001,
@@ -114,15 +116,15 @@ enum class Abort : std::uint32_t {
   too_low = 0x06090032,
   max_below_min = 0x06090036,
   transfer = 0x08000020,
-  local = 0x08000021,  ///< by local control: the access level does not allow it
-  state = 0x08000022,  ///< in the present state of the device
+  local = 0x08000021,  ///< prevented by local control: the access level does not allow it
+  state = 0x08000022,  ///< prevented by the present state of the device
   no_data = 0x08000024,
 };
 
-/// Who writes.
+/// The origin of a write.
 enum class Source : std::uint8_t { sdo, rpdo, lss, device, image, file };
 
-/// An object that has been found. `handle` has a meaning only for the dictionary that found it.
+/// An object that was found. `handle` is meaningful only for the dictionary that found it.
 struct Entry {
   Key key;
   Type type;
@@ -131,18 +133,18 @@ struct Entry {
   std::uint32_t size;  ///< present size in bytes
 };
 
-/// A dictionary of objects: found once, then read and written by what find() gave.
+/// A dictionary of objects: find() gives an Entry by which the object is read and written.
 class Dictionary {
  public:
   /// Abort::none, no_object or no_sub.
   virtual Abort find(Key key, Entry& entry) const = 0;
-  /// Fills `to` from the byte `offset` on; it lies within the entry's size.
+  /// Fills `to` with the value's bytes from `offset` on; all of them are within the entry's size.
   virtual Abort read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) = 0;
-  /// A whole value; its length fits the type. Checks range and state; a refused value changes
-  /// nothing.
+  /// Writes a whole value, whose length fits the type. Checks range and state; a refused value
+  /// changes nothing.
   virtual Abort write(const Entry& entry, std::span<const std::uint8_t> from, Source source) = 0;
-  /// A client's write has been refused before it came to write(): for its length, a wrong checksum,
-  /// or because the object is read-only. `from` is as much of the value as is known.
+  /// Called when a client's write was refused before write(): for its length, a wrong checksum, or
+  /// because the object is read-only. `from` is the part of the value that is known.
   virtual void refused(const Entry& /*entry*/, std::span<const std::uint8_t> /*from*/,
                        Abort /*why*/) {}
 
@@ -175,7 +177,7 @@ constexpr std::uint32_t as_bits(std::int32_t value) {
   return static_cast<std::uint32_t>(value);
 }
 
-/// CRC-16/XMODEM, which block transfers use; continues from `crc`.
+/// CRC-16/XMODEM, as used by block transfers; continues from `crc`.
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>(crc ^ static_cast<unsigned>(byte) << 8U);
@@ -187,11 +189,11 @@ constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t
   return crc;
 }
 
-/// Compares a value with a range; Abort::none: it is inside. All are 32 bits as they are sent,
+/// Compares a value with a range; Abort::none if it is inside. All are 32 bits as sent,
 /// sign-extended.
 constexpr Abort check_range(Type type, std::uint32_t value, std::uint32_t min, std::uint32_t max) {
   if (type == Type::real) {
-    constexpr std::uint32_t exponent = 0x7F80'0000;  // all ones: no number
+    constexpr std::uint32_t exponent = 0x7F80'0000;  // all exponent bits set: infinite or NaN
     const float x = as_real(value);
     return (value & exponent) == exponent ? Abort::value
            : x < as_real(min)             ? Abort::too_low

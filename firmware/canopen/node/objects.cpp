@@ -36,7 +36,7 @@ Abort find_row(std::size_t count, Key (*key_of)(const void* rows, std::size_t ro
     row = first;
     return Abort::none;
   }
-  // Rows of the same index stand beside the place where this one would be.
+  // Rows of the same index stand next to the place where the key would be.
   const auto same_index = [&](std::size_t i) {
     return i < count && key_of(rows, i).index == key.index;
   };

@@ -1,6 +1,6 @@
 #pragma once
-// How an object is described: once, with its name, for the EDS, the reference and the node. The
-// node itself keeps a copy without texts.
+// The description of an object, written once with its name, for the EDS, the reference and the
+// node. The node itself keeps a copy without texts.
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@
 
 namespace smaservo::canopen {
 
-/// One object of up to 4 bytes that lives at an offset of a plain struct; or, at `nowhere`, one
-/// that its owner serves by code. Numbers are 32 bits: sign-extended integers, or the bits of a
-/// float.
+/// An object of up to 4 bytes that lives at an offset of a plain struct; at the offset `nowhere`,
+/// an object that its owner handles by code. Numbers are 32 bits: sign-extended integers, or the
+/// bits of a float.
 struct Object {
   Key key;
   Type type;
@@ -27,7 +27,7 @@ struct DescribedObject {
   std::string_view name, meaning;
 };
 
-/// What EDS and reference call an index with several sub-indices.
+/// The name of an index with several sub-indices in EDS and reference.
 struct IndexName {
   std::uint16_t index;
   std::string_view name;
@@ -51,7 +51,7 @@ constexpr std::uint32_t max_of(Type type) {
   return is_signed(type) ? all >> 1U : all;
 }
 
-/// A row without limits but those of its type.
+/// A row limited only by the range of its type.
 constexpr DescribedObject row(Key key, Type type, unsigned access, std::size_t at,
                               std::string_view name, std::uint32_t standard = 0,
                               std::string_view meaning = "") {
@@ -70,7 +70,7 @@ constexpr DescribedObject row(Key key, Type type, unsigned access, std::size_t a
           meaning};
 }
 
-/// A row as a node keeps it, in few bytes: `range` is an index into a table of ranges.
+/// A row in the few bytes that a node keeps: `range` is an index into a table of ranges.
 struct ObjectRow {
   std::uint16_t index;
   std::uint8_t sub;
@@ -95,7 +95,7 @@ class ObjectRows {
   std::size_t size() const { return rows_.size(); }
   Object operator[](std::size_t i) const;
   Key key(std::size_t i) const { return {rows_[i].index, rows_[i].sub}; }
-  /// The row of a key; size() where there is none.
+  /// The row of a key; size() if there is none.
   std::size_t find(Key key) const;
 
  private:
@@ -110,7 +110,7 @@ struct DistinctRanges {
   std::array<ObjectRange, n> ranges{};
   std::size_t size = 0;
 
-  /// The index of a range, which is added if it is new.
+  /// The index of a range in the table, to which it is added if it is new.
   constexpr std::size_t add(const ObjectRange& range) {
     const auto end = ranges.begin() + static_cast<std::ptrdiff_t>(size);
     const auto known = std::find(ranges.begin(), end, range);
@@ -170,7 +170,8 @@ constexpr bool in_order(std::span<const DescribedObject> rows) {
   return true;
 }
 
-/// The entry of sub-index 0, "highest sub-index", in any dictionary; the number is in the handle.
+/// The entry of sub-index 0, "highest sub-index", in any dictionary; its value is encoded in the
+/// handle.
 constexpr Entry highest_sub_entry(Key key, std::uint8_t highest) {
   return {key, Type::u8, readable | constant, static_cast<std::uint16_t>(0xFF00U | highest), 1};
 }
@@ -178,17 +179,17 @@ constexpr bool is_highest_sub(const Entry& entry) {
   return entry.handle >> 8U == 0xFF;
 }
 
-/// Finds a key in `count` rows that stand in the order of their keys, which key_of() gives. A
-/// sub-index 0 without a row of its own is the highest sub-index: then `row` is `count` and `entry`
-/// is complete. In all other cases the caller fills `entry`.
+/// Finds a key in `count` rows that are sorted by their keys, which key_of() gives. A sub-index 0
+/// without a row of its own is the highest sub-index: `row` is then `count` and `entry` is
+/// complete. In all other cases the caller has to fill `entry`.
 Abort find_row(std::size_t count, Key (*key_of)(const void* rows, std::size_t row),
                const void* rows, Key key, Entry& entry, std::size_t& row);
 Abort find_object(const ObjectRows& rows, Key key, Entry& entry);
 
-/// Reads and writes the value of an object that lives in `memory`.
+/// Functions that read and write the value of an object that lives in `memory`.
 std::uint32_t load(const Object& object, std::span<const std::byte> memory);
 void keep(const Object& object, std::span<std::byte> memory, std::uint32_t value);
-/// Gives every object its default, plus the node-id where by_node says so.
+/// Sets every object to its default, plus the node-id for objects with `by_node`.
 void reset_objects(const ObjectRows& rows, std::span<std::byte> memory, std::uint8_t node_id);
 constexpr std::uint32_t default_of(const Object& object, std::uint8_t node_id) {
   return object.standard + ((object.access & by_node) != 0 ? node_id : 0U);

@@ -12,7 +12,8 @@ constexpr std::uint8_t first_event_type = 254;
 bool is_valid(const PdoParams& params) {
   return (params.cob & cob_invalid) == 0;
 }
-/// A PDO into which nothing is mapped is not sent, and a frame with its identifier is ignored.
+/// Whether the PDO is valid and has mapped objects. Otherwise it is not sent, and a frame with its
+/// identifier is ignored.
 bool is_used(const PdoParams& params, const Mapping& map) {
   return is_valid(params) && map.count != 0;
 }
@@ -33,7 +34,7 @@ std::uint32_t bits_of(std::uint32_t object) {
   return object & 0xFFU;
 }
 
-/// The dummy objects 0001h to 0007h fill space in an RPDO; their values are ignored.
+/// The dummy objects 0001h to 0007h fill unused bytes in an RPDO; their values are ignored.
 bool is_dummy(std::uint32_t object) {
   const Key key = key_of(object);
   return 1 <= key.index && key.index <= 7 && key.sub == 0;
@@ -113,7 +114,8 @@ Abort Pdos::check_params(const PdoParams& params, Key key, std::uint32_t value) 
   }
 }
 
-/// A mapping may change only while the PDO is invalid; its objects, only while their number is 0.
+/// The mapping may change only while the PDO is invalid; a mapped object, only while their number
+/// is 0.
 Abort Pdos::check_mapping(const PdoParams& params, const Mapping& map, Key key,
                           std::uint32_t value) const {
   if (is_valid(params)) {
@@ -205,7 +207,7 @@ PdoEvent Pdos::receive(const hal::CanFrame& frame, std::uint64_t now_us) {
   return event;
 }
 
-/// A value that is refused leaves the old one, and the others are still written.
+/// If a value is refused, the object keeps the old one, and the other objects are still written.
 void Pdos::apply(const Mapping& map, std::span<const std::uint8_t> data) {
   std::size_t at = 0;
   for (const std::uint32_t object : objects_of(map)) {
@@ -234,7 +236,8 @@ BusLoad Pdos::load(float step_s) const {
     if (period_s <= 0) {
       continue;
     }
-    // 47 bits around the data, of which 34 and the data may be stuffed: one bit after each four.
+    // A frame has 47 bits besides the data. 34 of these and the data may be stuffed: at most one
+    // bit after each four.
     const std::uint32_t data = 8 * length_of(objects_.tpdo_map[i]);
     const std::uint32_t stuffed = (33 + data) / 4;
     load.frames += 1 / period_s;
@@ -290,7 +293,7 @@ void Pdos::sync(std::uint8_t counter) {
     if (counter != 0 && params.sync_start != 0 && !tx.started && counter != params.sync_start) {
       continue;
     }
-    // The SYNC with the start value is the first one and is answered.
+    // The SYNC whose counter is the start value is the first one, and is answered.
     tx.syncs = !tx.started && counter != 0 && params.sync_start != 0
                    ? params.type
                    : static_cast<std::uint8_t>(tx.syncs + 1);
@@ -303,7 +306,7 @@ void Pdos::sync(std::uint8_t counter) {
   }
 }
 
-/// Takes the values at the SYNC. They are sent even if frames after it change the objects before.
+/// Takes the values at the SYNC. These are sent even if later frames change the objects before.
 void Pdos::sample(std::size_t i) {
   Transmit& tx = tx_[i];
   tx.length = pack(objects_.tpdo_map[i], tx.data);

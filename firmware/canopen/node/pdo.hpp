@@ -2,23 +2,23 @@
 // Four PDOs in each direction, mapped at run time: CiA 301's transmission types 0, 1 to 240, 254
 // and 255, inhibit and event timers, answers to remote requests.
 //
-// Cost per call: each mapped object is found and read or written once, at most 32 of them.
+// Cost per call: at most 32 mapped objects, each found and read or written once.
 
 #include "firmware/canopen/node/communication.hpp"
 #include "hal/can_frame.hpp"
 
 namespace smaservo::canopen {
 
-/// What a received PDO led to, as EMCY codes.
+/// The result of a received PDO, as EMCY codes.
 enum class PdoEvent : std::uint16_t {
   none = 0,
-  ignored = 1,  ///< no PDO of ours
+  ignored = 1,  ///< the frame is no PDO of this node
   too_short = 0x8210,
   too_long = 0x8220,
   timed_out = 0x8250,
 };
 
-/// Per second; bits with all stuff bits that there may be.
+/// Load per second; `bits` includes all stuff bits that are possible.
 struct BusLoad {
   float frames, bits;
 };
@@ -28,32 +28,34 @@ class Pdos {
   Pdos(Dictionary& dictionary, Communication& objects)
       : dictionary_(dictionary), objects_(objects) {}
 
-  /// To be called after the objects have been given other values. A mapping that is not possible is
+  /// To be called after the objects have been set to other values. An impossible mapping is
   /// cleared.
   void reset();
-  /// To be called at each change of the NMT state: what waits is neither sent nor applied any more.
+  /// To be called at each change of the NMT state: waiting PDOs are neither sent nor applied any
+  /// more.
   void stop();
 
   /// Whether an object of 1400h..1BFFh may get this value now.
   Abort check(Key key, std::uint32_t value) const;
-  /// The object has got a new value.
+  /// To be called when the object has a new value.
   void changed(Key key);
 
-  /// A wrong length is told once, until a frame of the right length has come.
+  /// A wrong length is reported once, until a frame of the right length has come.
   PdoEvent receive(const hal::CanFrame& frame, std::uint64_t now_us);
-  /// `counter` of the SYNC; 0: it has none.
+  /// `counter` is that of the SYNC; 0 if it has none.
   void sync(std::uint8_t counter);
-  /// Events and timers. PdoEvent::timed_out when an RPDO with an event timer stays away.
+  /// Handles events and timers. Returns PdoEvent::timed_out when an RPDO with an event timer is
+  /// missing.
   PdoEvent advance(std::uint64_t now_us);
   bool take(hal::CanFrame& frame, std::uint64_t now_us);
 
-  /// What the TPDOs put on the bus at most, if event-driven values change each `step_s`. Those of
-  /// types 1 to 240 count where 1006h says how often SYNC comes.
+  /// The greatest load of the bus by the TPDOs if event-driven values change every `step_s`. TPDOs
+  /// of the types 1 to 240 are included only if 1006h gives the period of SYNC.
   BusLoad load(float step_s) const;
-  /// How many RPDOs had another length than their mapping when they last came.
+  /// The number of RPDOs whose last frame did not have the length of their mapping.
   unsigned wrong_lengths() const;
-  bool has_deadline() const;  ///< some RPDO has an event timer
-  bool on_time() const;       ///< all RPDOs with an event timer have come in time
+  bool has_deadline() const;  ///< at least one RPDO has an event timer
+  bool on_time() const;       ///< all RPDOs with an event timer are on time
 
  private:
   struct Transmit {
@@ -63,16 +65,17 @@ class Pdos {
     std::uint8_t syncs;  ///< SYNCs since the PDO was last due
     bool started;        ///< the SYNC with the start value has come
     bool due;
-    bool sampled;  ///< its data are those of the SYNC
-    bool ever;     ///< sent since the start
+    bool sampled;  ///< `data` were taken at the SYNC
+    bool ever;     ///< it has been sent since the start
   };
   struct Receive {
     std::uint64_t came_us;
     std::array<std::uint8_t, 8> data;
-    bool waits;    ///< for the next SYNC
-    bool watched;  ///< it has come once: its event timer runs
+    bool waits;    ///< the data are applied at the next SYNC
+    bool watched;  ///< it has come once, so that its event timer runs
     bool late;
-    bool was_short, was_long;  ///< since the last frame of the right length
+    /// A wrong length has been reported; cleared by a frame of the right length.
+    bool was_short, was_long;
   };
 
   static Abort check_params(const PdoParams& params, Key key, std::uint32_t value);

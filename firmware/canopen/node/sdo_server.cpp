@@ -20,8 +20,8 @@ unsigned specifier(std::uint8_t command) {
   return command >> 5U;
 }
 
-/// Whether the bytes may be the first request of an expedited or segmented transfer: the server's
-/// dictionary has the object that they name.
+/// Whether these bytes may be the first request of an expedited or segmented transfer of an object
+/// that the dictionary has.
 bool may_begin(const Dictionary& dictionary, std::span<const std::uint8_t, 8> request) {
   const Key key{static_cast<std::uint16_t>(take_number(request.subspan(1, 2))), request[3]};
   const unsigned cs = specifier(request[0]);
@@ -37,9 +37,9 @@ void SdoServer::receive(Request request, std::uint64_t now_us) {
   const unsigned cs = specifier(request[0]);
   // Within a block the first byte is a sequence number, except for an abort.
   const unsigned number = request[0] & 0x7FU;
-  // Numbers grow within a block. One that has passed, after a pause, is of nobody who sends the
-  // block: where it reads as the begin of a transfer, the block is abandoned. A segment that came
-  // twice is not.
+  // Sequence numbers rise within a block. A number that has passed and comes after a pause cannot
+  // be from the client that sends the block: if the bytes can be read as the beginning of a
+  // transfer, the block is abandoned. A segment that is merely repeated does not abandon it.
   constexpr std::uint64_t pause_us = 50'000;
   const bool has_passed =
       number <= highest_ && number != sequence_ && number != sequence_ + 1U && number != 0;
@@ -79,7 +79,8 @@ void SdoServer::receive(Request request, std::uint64_t now_us) {
 }
 
 void SdoServer::advance(std::uint64_t now_us) {
-  if (sent_) {  // a block may take long on a slow bus: the client's time begins with its end
+  if (sent_) {  // a block may take long on a slow bus: the client's time-out starts when the block
+                // has been sent
     sent_ = false;
     waits_since_us_ = now_us;
   }
@@ -124,7 +125,7 @@ void SdoServer::reset() {
 
 // Finding, reading, writing.
 
-/// Finds the object of a new request, which drops a transfer that was going on.
+/// Finds the object of a new request, which ends any transfer in progress.
 bool SdoServer::find(Request request) {
   reset();
   key_ = {static_cast<std::uint16_t>(take_number(request.subspan(1, 2))), request[3]};
@@ -157,13 +158,13 @@ bool SdoServer::find_writable(Request request, Data known) {
   return may;
 }
 
-/// Aborts a download whose object is known, and tells the dictionary.
+/// Aborts a download whose object is known, and informs the dictionary.
 void SdoServer::refuse(Abort code, Data known) {
   dictionary_.refused(entry_, known, code);
   abort(code);
 }
 
-/// Whether a value of `size` bytes fits the object's type; if not, it is refused.
+/// Whether a value of `size` bytes fits the object's type; if not, the download is refused.
 bool SdoServer::fits(std::uint32_t size, Data known) {
   const std::uint32_t wanted = size_of(entry_.type);
   Abort wrong = Abort::none;
@@ -178,7 +179,7 @@ bool SdoServer::fits(std::uint32_t size, Data known) {
   return wrong == Abort::none;
 }
 
-/// A value that fits into the buffer is read at once, since it may change while it is sent.
+/// A value that fits into the buffer is read at once, since it may change during the transfer.
 bool SdoServer::open_upload() {
   size_ = entry_.size;
   offset_ = 0;
@@ -204,7 +205,7 @@ bool SdoServer::fetch(std::uint32_t offset, std::span<std::uint8_t> to) {
   return result == Abort::none;
 }
 
-/// Writes a value. Whether the confirmation may be sent now.
+/// Writes a value. Returns whether the confirmation may be sent now.
 bool SdoServer::store(Data data) {
   const Abort result = dictionary_.write(entry_, data, Source::sdo);
   state_ = result == Abort::pending ? State::pending : State::idle;
@@ -220,7 +221,7 @@ std::span<std::uint8_t, 8> SdoServer::answer(std::uint8_t command) {
   return answer_;
 }
 
-/// An answer that names the object.
+/// Begins an answer that names the object.
 void SdoServer::keyed(std::uint8_t command) {
   const auto to = answer(command);
   put_number(to.subspan(1, 2), key_.index);
@@ -364,10 +365,10 @@ void SdoServer::receive_block_download(Request request) {
   answer_[4] = block_size_ = max_block;
 }
 
-/// A segment that does not follow the last one is dropped; the acknowledgement of the block tells
-/// the client. Numbers that grow show that the client goes on after a lost segment, and renew its
-/// time. Others do not: they may be requests of a client that polls while another one, that began
-/// the block, has gone.
+/// Drops a segment that does not follow the last one; the acknowledgement of the block tells the
+/// client. A rising number shows that the client continues after a lost segment, and restarts its
+/// time-out. Other numbers do not: they may be requests of a client that polls, after the client
+/// that began the block has gone.
 void SdoServer::receive_block(Request request, std::uint64_t now_us) {
   const auto number = static_cast<std::uint8_t>(request[0] & 0x7FU);
   const bool last = (request[0] & 0x80U) != 0;
@@ -382,7 +383,7 @@ void SdoServer::receive_block(Request request, std::uint64_t now_us) {
   }
   if (follows) {
     sequence_ = number;
-    // The last segment may be padded beyond what the buffer takes.
+    // The last segment may be padded beyond the end of the buffer.
     const auto room = static_cast<std::uint32_t>(buffer_.size()) - offset_;
     const std::uint32_t size = std::min<std::uint32_t>(7, room);
     if (room < 7 && !last) {
@@ -445,7 +446,7 @@ void SdoServer::start_block_upload(Request request) {
   if (!open_upload()) {
     return;
   }
-  // 0: the client does not allow a change to another protocol.
+  // 0: the client does not allow a change to another transfer protocol.
   const std::uint32_t threshold = request[5];
   if (threshold != 0 && size_ <= threshold) {
     answer_upload();
@@ -509,7 +510,7 @@ void SdoServer::segment_of_block(std::span<std::uint8_t, 8> to) {
   }
 }
 
-/// What the client has not got is sent again, in the next block.
+/// Segments that the client has not received are sent again in the next block.
 void SdoServer::acknowledge_block(Request request) {
   const std::uint8_t good = request[1];
   if (sequence_ < good) {

@@ -1,8 +1,8 @@
 #pragma once
 // SDO server of CiA 301: expedited, segmented and block transfers, one at a time.
 //
-// Frames go in by receive(), answers are made when take() asks for them: a block upload needs no
-// queue. A value that is longer than the buffer is read piece by piece and cannot be written.
+// Frames go in by receive(), and answers are made when take() asks for them: so a block upload
+// needs no queue. A value that is longer than the buffer is read in pieces and cannot be written.
 // Cost: one object access and at most 8 bytes of CRC per call; the end of a block download adds the
 // CRC over the whole buffer.
 
@@ -11,13 +11,13 @@
 
 namespace smaservo::canopen {
 
-/// After which silence of its client a transfer is given up with Abort::timeout.
+/// The silence of a client after which its transfer is ended with Abort::timeout.
 struct SdoTimeouts {
-  /// Between two segments of a block download. Until then the server takes whatever comes for a
-  /// segment, so that nobody else is answered.
+  /// Between two segments of a block download. Until it has passed, the server takes any request as
+  /// a segment, so that no other client is answered.
   std::uint64_t segment_us = 1'000'000;
-  /// For everything else that the client owes: the next request, or the acknowledgement of a block.
-  /// Nobody waits for this one: a new request drops the old transfer.
+  /// In all other cases, while the next request of the client or its acknowledgement of a block is
+  /// due. It keeps no other client waiting: a new request ends the old transfer.
   std::uint64_t client_us = 5'000'000;
 };
 
@@ -26,19 +26,19 @@ class SdoServer {
   SdoServer(Dictionary& dictionary, std::span<std::uint8_t> buffer)
       : dictionary_(dictionary), buffer_(buffer) {}
 
-  /// The 8 bytes of a request.
+  /// Handles the 8 bytes of a request.
   void receive(std::span<const std::uint8_t, 8> request, std::uint64_t now_us);
   void advance(std::uint64_t now_us);
-  /// The 8 bytes of the next answer, if there is one.
+  /// Gives the 8 bytes of the next answer; false if there is none.
   bool take(std::span<std::uint8_t, 8> answer);
-  /// Answers a write that was Abort::pending. Does nothing if none is.
+  /// Answers a write that returned Abort::pending; does nothing if there is none.
   void finish(Abort result);
-  /// Drops a transfer that is going on.
+  /// Drops the transfer in progress.
   void reset();
-  /// In force at once, also for a transfer that is going on.
+  /// Takes effect at once, also for a transfer in progress.
   void set_timeouts(const SdoTimeouts& timeouts) { timeouts_ = timeouts; }
 
-  /// When the last request came.
+  /// The time at which the last request came.
   std::uint64_t last_request_us() const { return last_us_; }
 
  private:
@@ -47,11 +47,11 @@ class SdoServer {
     pending,
     download,
     upload,
-    block_download,      ///< within a block
-    block_download_end,  ///< all blocks are there
-    block_upload_start,  ///< answered, the client starts it
-    block_upload,        ///< within a block
-    block_upload_ack,    ///< a block is sent
+    block_download,      ///< a block is being received
+    block_download_end,  ///< all blocks have been received
+    block_upload_start,  ///< the request is answered; the client has to start the upload
+    block_upload,        ///< a block is being sent
+    block_upload_ack,    ///< a block has been sent and has to be acknowledged
     block_upload_end,    ///< all blocks are acknowledged
   };
 
@@ -87,17 +87,19 @@ class SdoServer {
   SdoTimeouts timeouts_;
   std::uint64_t last_us_ = 0, waits_since_us_ = 0;
   Entry entry_{};
-  std::uint32_t size_ = 0;     ///< of an upload; of a download as announced, 0: not announced
+  /// Bytes of an upload; of a download the announced number, 0 if none was announced.
+  std::uint32_t size_ = 0;
   std::uint32_t offset_ = 0;   ///< bytes transferred and acknowledged
-  std::uint32_t crc_end_ = 0;  ///< offset up to which crc_ is computed
+  std::uint32_t crc_end_ = 0;  ///< crc_ is computed up to this offset
   Key key_{};
   std::uint16_t crc_ = 0;
   State state_ = State::idle;
   std::uint8_t block_size_ = 127;
   std::uint8_t sequence_ = 0;
-  std::uint8_t highest_ = 0;  ///< of the numbers seen in a block download since one that was taken
+  /// Highest number seen in a block download since the last segment that was accepted.
+  std::uint8_t highest_ = 0;
   bool toggle_ = false;
-  bool snapshot_ = false;  ///< the upload is whole in the buffer
+  bool snapshot_ = false;  ///< the whole value of the upload is in the buffer
   bool with_crc_ = false;
   bool answer_waits_ = false;
   bool sent_ = false;  ///< the last segment of a block has just been taken

@@ -74,7 +74,7 @@ Abort Axis::check_mode(std::int32_t mode) const {
   return Abort::value;
 }
 
-/// Whether the value is a known option code: not every number in a row's range is one.
+/// Whether the value is a defined option code: not every number within a row's range is one.
 Abort Axis::check_option(std::uint16_t index, std::int32_t value) {
   const bool known = index == index::quick_stop_option ? value == option_off || value == option_hold
                      : index == index::fault_option
@@ -110,15 +110,15 @@ void Axis::feedback(const AxisFeedback& feedback) {
   o_.velocity = rounded(feedback.velocity_m_s * um);
   o_.force = rounded_16(feedback.force_N * um / static_cast<float>(o_.rated_force_mN));
   if (!moves_position() || !may_heat()) {
-    // A position that is held from the next step on is the present one.
+    // A position that is held from the next step on is the present position.
     stand_still();
     active_um_ = o_.actual;
     waits_ = moving_ = beyond_ = false;
   }
 }
 
-/// Makes a fault of a device that does not arm, or that stops by itself without a fault. The code
-/// says why.
+/// Raises a fault if the device does not arm, or stops without reporting a fault itself. The code
+/// gives the reason.
 void Axis::watch_arming() {
   if (state_ != DriveState::enabled) {
     heated_ = false;
@@ -169,14 +169,15 @@ void Axis::transition() {
     return;
   }
   if (!react_to_faults()) {
-    // A fault reset also acknowledges what blocks arming without a fault, such as unclean_boot.
+    // A fault reset also acknowledges conditions that block arming without being a fault, such as
+    // unclean_boot.
     clear_steps_ = reset_edge_ && in_.blocked ? 3 : clear_steps_;
     reset_edge_ = false;
     command();
   }
 }
 
-/// Transitions by faults. False: there is no fault, and the controlword decides.
+/// Transitions caused by faults. False if there is no fault, so that the controlword decides.
 bool Axis::react_to_faults() {
   const bool device_fault = in_.device == DeviceState::fault;
   const bool stopping = in_.device == DeviceState::stopping;
@@ -214,7 +215,7 @@ void Axis::reset_fault() {
   clear_steps_ = 3;
 }
 
-/// One transition by the controlword.
+/// At most one transition by the controlword.
 void Axis::command() {
   using enum DriveState;
   const unsigned word = o_.controlword;
@@ -335,8 +336,8 @@ void Axis::set_mode() {
   acknowledged_ = waits_ = homed_ = false;
 }
 
-/// The target within 607Dh and within the reach, which has the last word. Bit 11 of the statusword
-/// tells that it was beyond, until the next target.
+/// The target clamped to 607Dh and then to the reach, which has priority. Bit 11 of the statusword
+/// shows that it had to be clamped, until the next target.
 std::int32_t Axis::limited(std::int32_t target_um) {
   const auto [low, high] = o_.position_limit;
   const auto shift_um = static_cast<float>(shift_um_);
@@ -348,8 +349,8 @@ std::int32_t Axis::limited(std::int32_t target_um) {
   return reachable;
 }
 
-/// A new set-point is followed at once, or waits for the present one to be reached; a third one is
-/// not acknowledged.
+/// A new set-point is followed at once, or waits until the present one is reached; a further one is
+/// not acknowledged while another waits.
 void Axis::new_setpoint(std::uint16_t word) {
   if (waits_ && (word & at_once) == 0) {
     return;
@@ -375,7 +376,7 @@ void Axis::start_move(std::int32_t target_um) {
   within_s_ = 0;
 }
 
-/// Homing methods 35 and 37: the present position becomes the home.
+/// Homing methods 35 and 37: the present position becomes the home position.
 void Axis::home() {
   shift_um_ = o_.home_offset - (o_.actual - shift_um_);
   o_.actual = o_.home_offset;
@@ -385,14 +386,14 @@ void Axis::home() {
 }
 
 void Axis::new_cyclic_setpoint() {
-  // 60C2h:2 is -6 to 0.
+  // 60C2h:2, the exponent of ten, is -6 to 0.
   constexpr std::array unit_s{1.F, 1e-1F, 1e-2F, 1e-3F, 1e-4F, 1e-5F, 1e-6F};
   const auto unit = static_cast<std::size_t>(-o_.period_exponent);
   to_setpoint_s_ = static_cast<float>(o_.period_value) * unit_s[std::min(unit, unit_s.size() - 1)];
 }
 
-/// A step on the straight line that reaches `to` when the time of 60C2h is over. Such a set-point
-/// comes as often, so that the set-points are joined by straight lines.
+/// One step along the straight line that reaches `to` when the period of 60C2h has passed. New
+/// set-points come with the same period, so they are joined by straight lines.
 float Axis::interpolated(float from, float to, float dt_s) const {
   constexpr float rounding = 1.001F;
   return to_setpoint_s_ <= rounding * dt_s ? to : from + (to - from) * dt_s / to_setpoint_s_;
@@ -458,7 +459,7 @@ void Axis::watch_position(float dt_s) {
   if (following_) {
     fail(following_code);
   }
-  // The demand has arrived, and the wire has followed it into the window.
+  // The demand has reached the target, and the wire has followed it into the window.
   const auto left_um = static_cast<std::uint64_t>(std::abs(std::int64_t{active_um_} - o_.actual));
   const bool is_there = o_.demand == active_um_ && left_um <= o_.target_window;
   within_s_ = is_there ? within_s_ + dt_s : 0;

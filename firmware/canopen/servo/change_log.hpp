@@ -1,6 +1,5 @@
 #pragma once
-// What was written over the bus: the last changes and refusals with old and new value, source and
-// result.
+// The last changes and refusals of writes over the bus, with old and new value, source and result.
 
 #include <array>
 
@@ -9,19 +8,19 @@
 namespace smaservo::canopen {
 
 struct LoggedChange {
-  std::uint32_t time_ms;  ///< of the node; starts again after 49 days
+  std::uint32_t time_ms;  ///< the node's time; wraps after 49 days
   Key key;
   Source source;
-  std::uint32_t before, value;  ///< as they are sent; a REAL32's bits
-  Abort result;                 ///< Abort::none, or why it was refused
+  std::uint32_t before, value;  ///< bits as sent; for a REAL32, those of the float
+  Abort result;                 ///< Abort::none, or the reason of the refusal
 };
 
 class ChangeLog {
  public:
   static constexpr std::size_t capacity = 16;
-  static constexpr std::size_t bytes = 20;  ///< of an entry, as it is read
+  static constexpr std::size_t bytes = 20;  ///< bytes of an entry when it is read
 
-  /// A refused write that a PDO repeats is logged once.
+  /// A refused write that a PDO repeats is logged only once.
   void add(const LoggedChange& change) {
     if (change.source == Source::rpdo && change.result != Abort::none && stands(change)) {
       return;
@@ -33,10 +32,10 @@ class ChangeLog {
   std::uint32_t kept() const {
     return count_ < capacity ? count_ : static_cast<std::uint32_t>(capacity);
   }
-  /// The i-th last one, from 0.
+  /// The i-th newest entry, counted from 0.
   const LoggedChange& last(std::uint32_t i) const { return ring_[(count_ - 1 - i) % capacity]; }
-  /// The next change that the owner has not taken yet, for its own log. False: there is none.
-  /// Changes that have been overwritten are skipped.
+  /// Gives the next change that the owner has not taken yet, for its own log; false if there is
+  /// none. Overwritten changes are skipped.
   bool take(LoggedChange& change) {
     if (taken_ == count_) {
       return false;

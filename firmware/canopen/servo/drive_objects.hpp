@@ -1,13 +1,13 @@
 #pragma once
-// The objects of the drive beside parameters and signals: CiA 402 and the manufacturer's services,
-// as a plain struct and the table that describes it.
+// The objects of the drive other than parameters and signals: those of CiA 402 and the
+// manufacturer's services, as a plain struct and the table that describes it.
 
 #include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/objects.hpp"
 
 namespace smaservo::canopen {
 
-/// Modes of 6060h. The negative ones are the manufacturer's and set the heating directly.
+/// Modes of 6060h. The negative ones are manufacturer-specific and set the heating directly.
 enum class DriveMode : std::int8_t {
   identification = -4,
   temperature = -3,
@@ -21,14 +21,15 @@ enum class DriveMode : std::int8_t {
   cyclic_force = 10,
 };
 
-// Option codes: what becomes of the heat.
-inline constexpr std::int16_t option_off = 0;         ///< no current: the wire relaxes
-inline constexpr std::int16_t option_hold = 6;        ///< 605Ah: holds, stays in Quick stop active
+// Option codes: what happens to the heat.
+inline constexpr std::int16_t option_off = 0;  ///< no current: the wire relaxes
+/// 605Ah: holds the position and stays in Quick stop active.
+inline constexpr std::int16_t option_hold = 6;
 inline constexpr std::int16_t option_halt_hold = 1;   ///< 605Dh: holds the set-point
-inline constexpr std::int16_t option_safe_state = 2;  ///< 605Eh: as safe.state says
+inline constexpr std::int16_t option_safe_state = 2;  ///< 605Eh: acts as safe.state says
 
-/// 6502h: profile position, homing, cyclic position; with a force sensor the two force modes. The
-/// upper 16 bits are the manufacturer's modes, -1 to -4.
+/// 6502h: profile position, homing, cyclic position; with a force sensor also the two force modes.
+/// The upper 16 bits are the manufacturer's modes -1 to -4.
 constexpr std::uint32_t supported_modes(bool has_force) {
   constexpr std::uint32_t positions = 1U | 1U << 5U | 1U << 7U;
   constexpr std::uint32_t forces = 1U << 3U | 1U << 9U;
@@ -368,7 +369,7 @@ inline constexpr auto drive_object_names = std::to_array<IndexName>({
     {index::supported_homing, "Supported homing methods"},
 });
 
-/// Manufacturer's objects and those of CiA 402, in the order of their keys.
+/// The manufacturer's objects and those of CiA 402, sorted by key.
 inline constexpr auto drive_object_rows = [] {
   std::array<DescribedObject, detail::manufacturer_rows.size() + detail::drive_rows.size()> rows{};
   std::ranges::copy(detail::drive_rows,

@@ -1,20 +1,20 @@
 #pragma once
 // Converts between the node's clock, which counts microseconds, and seconds, without 64-bit
-// conversions: a microcontroller would do them in software, in double.
+// conversions, which a microcontroller would have to do in software in double precision.
 
 #include <algorithm>
 #include <cstdint>
 
 namespace smaservo::canopen {
 
-/// Longer times than 71 minutes give 71 minutes.
+/// Times longer than 71 minutes give 71 minutes.
 constexpr float seconds_of(std::uint64_t us) {
   constexpr std::uint64_t max = 0xFFFF'FFFF;
   return 1e-6F * static_cast<float>(static_cast<std::uint32_t>(std::min(us, max)));
 }
 
-/// Starts again after 49 days. The division is written out, since a library's 64-bit division takes
-/// as much as 700 bytes.
+/// Wraps after 49 days. The division is written out, since a library's 64-bit division needs up to
+/// 700 bytes.
 constexpr std::uint32_t milliseconds_of(std::uint64_t us) {
   constexpr std::uint32_t by = 1000;
   std::uint32_t rest = static_cast<std::uint32_t>(us >> 32U) % by;

@@ -1,5 +1,6 @@
 #pragma once
-// How the node reaches the parameters of a device, whatever its scalar; and what bounds them.
+// The node's access to the parameters of a device, independent of its scalar type; and their upper
+// bounds.
 
 #include <limits>
 
@@ -8,7 +9,7 @@
 namespace smaservo::canopen {
 
 /// Upper bounds of parameters that no write over the bus can raise: they come from a file that only
-/// the administrator can change, or from the board's own design. Infinity: no ceiling.
+/// the administrator can change, or from the board's design. Infinity: no ceiling.
 struct Ceilings {
   static constexpr float none = std::numeric_limits<float>::infinity();
   float current_A = none;      ///< limits.current_A
@@ -18,7 +19,7 @@ struct Ceilings {
   float trip_current_A = none, trip_temperature_K = none, trip_stress_Pa = none;  ///< trips.*
 };
 
-/// The ceiling of a parameter; infinity: it has none.
+/// The ceiling of a parameter; infinity if it has none.
 constexpr float ceiling_of(const Ceilings& c, Key key) {
   switch (static_cast<std::uint32_t>(key.index) << 8U | key.sub) {
     case 0x202002:
@@ -40,7 +41,7 @@ constexpr float ceiling_of(const Ceilings& c, Key key) {
   }
 }
 
-/// Positions between limits.max_strain and limits.min_strain.
+/// The positions that correspond to limits.max_strain (low) and limits.min_strain (high).
 struct Reach {
   float low_m, high_m;
 };
@@ -48,21 +49,21 @@ struct Reach {
 enum class TuningState : std::uint8_t { none, open, on_trial };
 enum class TuningCommand : std::uint8_t { none, begin, attempt, commit, revert };
 
-/// Parameters by key. Handles are rows of the table.
+/// Access to parameters by key. Handles are rows of the table.
 class ParameterAccess {
  public:
   virtual Abort find(Key key, Entry& entry) const = 0;
   virtual std::uint32_t read(std::uint16_t row) const = 0;
   virtual Level level(std::uint16_t row) const = 0;
-  /// The value is in force at once; within a transaction, together with that.
+  /// The value takes effect at once, or within a transaction together with the others.
   virtual Abort write(std::uint16_t row, std::uint32_t value, bool enabled) = 0;
   virtual Abort tune(TuningCommand command, float trial_s, bool enabled) = 0;
-  /// Whether a trial has just run out.
+  /// To be called once per step; returns whether a trial has just ended.
   virtual bool tick(float dt_s) = 0;
 
   virtual TuningState state() const = 0;
   virtual float remaining_s() const = 0;
-  /// The parameter for which the last set was refused, and the one that it contradicts; 0: none.
+  /// The parameter whose last write was refused, and the one that it contradicts; key 0: none.
   virtual Key refused() const = 0;
   virtual Key refused_other() const = 0;
   virtual bool has_load_cell() const = 0;

@@ -25,7 +25,7 @@ Abort Recorder::command(std::uint8_t command) {
   return Abort::none;
 }
 
-/// The channels chosen now are recorded, whatever is written to 2301h later.
+/// Records the channels that are chosen now, whatever is written to 2301h later.
 Abort Recorder::arm() {
   width_ = 0;
   for (const std::uint8_t channel : o_.channels) {
@@ -70,7 +70,7 @@ void Recorder::record(const Signals& signals) {
   if (state() != State::armed && state() != State::triggered) {
     return;
   }
-  // A trigger counts only after enough samples for the pretrigger.
+  // A trigger counts only when enough samples for the pretrigger have been recorded.
   if (state() == State::armed) {
     const bool crossed =
         o_.trigger_signal == 0 || crosses(signals[o_.trigger_signal - std::size_t{1}]);

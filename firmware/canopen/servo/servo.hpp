@@ -3,14 +3,14 @@
 //
 //   Servo<float> servo(config, staging);
 //   servo.start(image, now);
-//   forever: receive() each frame; advance(); send what take() gives; answer request();
-//            step the device with command() and external(); publish() what came of it;
+//   forever: receive() each frame; advance(); send the frames of take(); answer request();
+//            step the device with command() and external(); publish() its result;
 //            when staging.changes() has counted, adopt() staging.active() between two steps
 //
-// Requests (Node::request()): store and restore are answered by finish() with the request's number,
-// when the result is durable; a reset by start() with the stored image, after the heat is off.
-// Before a start() for reset_node the main may put other settings into the Staging. The wire is
-// heated only while command().arm is set.
+// Requests (Node::request()): store and restore are answered by finish() with the request's number
+// when the result is durable; a reset is answered by start() with the stored image, after the heat
+// is off. Before a start() for reset_node the main program may put other settings into the Staging.
+// The wire is heated only while command().arm is set.
 
 #include <cmath>
 
@@ -22,7 +22,7 @@ namespace smaservo::canopen {
 
 namespace detail {
 
-/// Constructed before the core that refers to it.
+/// A base class, so that it is constructed before the core that refers to it.
 template <class S>
 struct OwnTuning {
   explicit OwnTuning(Staging<S>& staging) : tuning(staging) {}
@@ -49,12 +49,13 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
         ServoCore(detail::with_identity(config, staging.active()), this->tuning),
         staging_(staging) {}
 
-  /// After switching on, and as the answer to a reset. False: the image is damaged, defaults hold.
+  /// To be called after switching on, and as the answer to a reset. False if the image is damaged;
+  /// the defaults are then used.
   bool start(std::span<const std::uint8_t> image, std::uint64_t now_us) {
     return node().start(image, now_us);
   }
   void receive(const hal::CanFrame& frame, std::uint64_t now_us) { node().receive(frame, now_us); }
-  /// At least every millisecond.
+  /// To be called at least every millisecond.
   using ServoCore::advance;
   bool take(hal::CanFrame& frame) { return node().take(frame); }
 
@@ -62,7 +63,7 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   Command<S> command() const;
   using ServoCore::external;
   using ServoCore::setpoints;
-  /// The result of a step and its inputs. To be called once per step.
+  /// Takes the result of a step and its inputs. To be called once per step.
   void publish(const Output<S>& output, const Inputs<S>& inputs, const S& dt_s);
   using ServoCore::set_bus;
   /// To be called with EMCY code 8140h when the port reports bus off; 6007h says what follows.
@@ -72,17 +73,18 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
 
   const Settings<S>& settings() const { return staging_.active(); }
   std::uint32_t settings_changes() const { return staging_.changes(); }
-  /// To be called when others than the bus give settings, which have passed check(). Ends a tuning
-  /// transaction; each parameter that changes is logged like a write.
+  /// To be called when the settings have been changed other than over the bus; they must have
+  /// passed check(). Ends a tuning transaction; each parameter that changes is logged like a write.
   void replace_settings(const Settings<S>& settings, Source source);
   using ServoCore::note_change;
-  /// Whether hold_settings() holds.
+  /// Whether hold_settings() is in force.
   using ServoCore::holds_settings;
 
   Request request() const { return node().request(); }
   std::uint32_t request_number() const { return node().request_number(); }
   void finish(std::uint32_t number, bool done) { node().finish(number, done); }
-  /// What 1010h stores beside the settings (Staging::configured()): at most Node::image_size bytes.
+  /// The bytes that 1010h stores besides the settings (Staging::configured()): at most
+  /// Node::image_size.
   std::size_t image(std::span<std::uint8_t> to) const { return node().image(to); }
   using ServoCore::take_change;
 
@@ -91,7 +93,7 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::objects;
 
  private:
-  /// Position, its filtered rate, force.
+  /// Computes position, its filtered rate, and force.
   Motion advance_motion(const Output<S>& out, float dt_s);
 
   Staging<S>& staging_;

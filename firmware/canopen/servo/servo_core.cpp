@@ -9,8 +9,8 @@ namespace {
 
 constexpr const ObjectRows& drive_rows = without_texts<drive_object_rows>;
 
-// The handle tells what an entry is: below these numbers an object of the drive, from the first on
-// a parameter, from the second on a signal.
+// Ranges of an entry's handle: below parameter_handle an object of the drive, from parameter_handle
+// on a parameter, from signal_handle on a signal.
 constexpr std::uint16_t parameter_handle = 0x4000;
 constexpr std::uint16_t signal_handle = 0x8000;
 
@@ -29,7 +29,7 @@ std::uint16_t code_of(Fault fault) {
   return fault_codes[static_cast<std::size_t>(fault)];
 }
 
-/// The bits of 1001h for an error code.
+/// The bits of 1001h for an EMCY code.
 std::uint8_t register_of(std::uint16_t code) {
   constexpr unsigned generic = 1, current = 2, voltage = 4, temperature = 8, bus = 0x10,
                      manufacturer = 0x80;
@@ -52,7 +52,7 @@ std::uint8_t register_of(std::uint16_t code) {
 }  // namespace
 
 std::byte* ServoCore::memory() {
-  // The table's offsets are of this struct, which is plain.
+  // The table's offsets are those of this struct, which is plain.
   return reinterpret_cast<std::byte*>(&objects_);  // NOLINT(*-reinterpret-cast)
 }
 
@@ -141,7 +141,7 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
   if (entry.key.index == index::controlword) {
     axis_.controlword(static_cast<std::uint16_t>(before), static_cast<std::uint16_t>(value));
   }
-  // A PDO repeats its values in each cycle: only a change counts.
+  // A PDO repeats its values in each cycle: only a changed value counts.
   if ((object.access & stored) != 0 && (source != Source::rpdo || value != before)) {
     node_.touch();
     log(entry.key, before, value, source, result);
@@ -152,7 +152,7 @@ Abort ServoCore::write_object(const Entry& entry, std::uint32_t value, Source so
 Abort ServoCore::check(Key key, std::uint32_t value) const {
   const auto number = static_cast<std::int32_t>(value);
   if (key.index == index::mode) {
-    // The negative modes set power without a loop of the device.
+    // The negative modes set the power without a loop of the device.
     return number < 0 && !may_write(Level::tune) ? Abort::local : axis_.check_mode(number);
   }
   if (key.index == 0x2301 || key == Key{0x2300, 5}) {
@@ -166,7 +166,7 @@ Abort ServoCore::check(Key key, std::uint32_t value) const {
   return Axis::check_option(key.index, number);
 }
 
-/// Runs an object that is a command.
+/// Carries out a write to an object that is a command.
 Abort ServoCore::run(Key key, std::uint32_t value) {
   const auto command = static_cast<std::uint8_t>(value);
   if (key == access_key) {
@@ -239,7 +239,7 @@ void ServoCore::revert_tuning(Source source) {
   show_tuning();
 }
 
-/// Reverts the transaction of a client that has gone.
+/// Reverts the transaction of a client that is no longer there.
 void ServoCore::watch_client() {
   const std::uint64_t last_us = std::max(tuned_us_, node_.last_sdo_us());
   const std::uint64_t timeout_us = microseconds_of(objects_.client_timeout_s);
@@ -288,7 +288,7 @@ void ServoCore::started(std::uint8_t /*node_id*/) {
 
 void ServoCore::nmt_changed(Nmt state) {
   constexpr std::uint16_t stopped_code = 0x8100;
-  // Bit 9 of the statusword says whether controlwords are carried out: by SDO in PRE-OPERATIONAL,
+  // Bit 9 of the statusword shows whether controlwords are carried out: by SDO in PRE-OPERATIONAL,
   // by SDO and PDO in OPERATIONAL.
   axis_.remote(state == Nmt::operational || state == Nmt::pre_operational);
   if (state == Nmt::initialising) {
@@ -332,9 +332,9 @@ bool ServoCore::is_fresh() const {
          command_watch_.is_alive(now_us_, microseconds_of(objects_.command_source_timeout_s));
 }
 
-/// Heat without a command source is told once, with what is missing. What the node has told by
-/// itself has come through connection_lost(); this tells a silence without a watch, a SYNC that
-/// stays away, and whatever is watched but has not come when the axis is enabled.
+/// Reports heat without a command source, once, with the source that is missing. Losses that the
+/// node detects arrive through connection_lost(); this function reports silence where nothing is
+/// watched, a missing SYNC, and a watched source that has not come by the time the axis is enabled.
 void ServoCore::watch_command_source() {
   const bool fresh = is_fresh();
   const bool gone = axis_.may_heat() && !fresh;
@@ -385,7 +385,7 @@ void ServoCore::advance(std::uint64_t now_us) {
   }
 }
 
-/// The bits of 1001h: latched faults, the axis in Fault, a command source that is silent.
+/// The bits of 1001h: latched faults, the axis in Fault, a silent command source.
 std::uint8_t ServoCore::errors() const {
   const bool faulty = axis_.state() == DriveState::fault || axis_.state() == DriveState::reacting;
   const std::uint16_t own = axis_.own_fault();
@@ -424,7 +424,7 @@ void ServoCore::publish(const StepReport& report) {
   recorder_.record(signals_);
 }
 
-/// An EMCY for each fault that has just been latched.
+/// Sends an EMCY for each fault that has just been latched.
 void ServoCore::show_faults(const StepReport& report) {
   const std::array<FaultSet, 4> sets{report.latched, report.active, report.warnings, report.blocks};
   for (std::size_t i = 0; i < sets.size(); ++i) {

@@ -1,6 +1,6 @@
 #pragma once
-// The part of the servo node that does not depend on the scalar type: objects beyond 1FFFh, the
-// drive, faults, recorder, change log. servo.hpp puts it between a device and the bus.
+// The part of the servo node that is independent of the scalar type: objects beyond 1FFFh, the
+// drive, faults, recorder, change log. servo.hpp connects it to a device.
 
 #include "firmware/canopen/node/command_watch.hpp"
 #include "firmware/canopen/node/node.hpp"
@@ -16,8 +16,8 @@ inline constexpr std::uint32_t servo_device_type = 0x0002'0192;  ///< servo driv
 inline constexpr std::uint32_t servo_product = 0x534D'4101;
 inline constexpr std::uint32_t servo_revision = 0x0001'0000;
 
-/// Keys of 2003h, one for each Level above `operate`. They prevent mistakes, not attacks: whoever
-/// reads the bus reads them. 0: no key is needed.
+/// Keys of 2003h, one for each Level above `operate`. They prevent mistakes, not attacks: anyone
+/// who reads the bus can see them. 0: no key is needed.
 struct AccessKeys {
   std::uint32_t tune = 0, set_up = 0;
 };
@@ -26,14 +26,15 @@ struct ServoConfig {
   NodeConfig node;  ///< identity, type and node-id are filled in by Servo
   Ceilings ceilings;
   AccessKeys keys;
-  /// Heat may go on without anybody who commands. False: it ends 2002h:1 after the last command,
-  /// unless 1016h or the event timers of RPDOs watch the command source.
+  /// Heat may continue without a command source. If false, it ends when the time of 2002h:1 has
+  /// passed since the last command, unless 1016h or the event timers of RPDOs watch the command
+  /// source.
   bool unattended = false;
   std::span<float> recorder;  ///< memory of the recorder; may be empty
-  float step_s = 1e-3F;       ///< of the loop
+  float step_s = 1e-3F;       ///< period of the loop
 };
 
-/// Timing of the loop since the start.
+/// Timing of the loop since its start.
 struct LoopTiming {
   std::uint32_t steps, missed;
   float mean_late_s, max_late_s, mean_busy_s, max_busy_s;
@@ -68,19 +69,19 @@ class ServoCore : public Application {
     objects_.bus = {dropped, off, queue_full};
   }
   /// While held, the loop cannot take further settings: writes of parameters, and commands that
-  /// would put settings in force, are refused.
+  /// would change the settings in force, are refused.
   void hold_settings(bool held) { held_ = held; }
   bool holds_settings() const { return held_; }
   /// Logs a change of a parameter that did not come over the bus.
   void note_change(Key key, std::uint32_t before, std::uint32_t value, Source source);
 
   AxisDemand demand() const { return axis_.demand(); }
-  /// The command source is there, or need not be.
+  /// Whether the command source is present or not required.
   bool is_fresh() const;
-  /// The faults that only the bus can know, for Inputs::external.
+  /// The faults that only the bus can detect, for Inputs::external.
   FaultSet external() const;
-  /// Number of set-points written since the start in modes that follow them at once; repeated ones
-  /// count as well.
+  /// Number of set-points written since the start in modes that follow them at once; repeated
+  /// values count as well.
   std::uint32_t setpoints() const { return setpoints_; }
 
   Node& node() { return node_; }
@@ -89,7 +90,7 @@ class ServoCore : public Application {
   const DriveObjects& objects() const { return objects_; }
   bool take_change(LoggedChange& change) { return log_.take(change); }
 
-  // Application.
+  // The members of Application.
   Abort find(Key key, Entry& entry) const override;
   Abort read(const Entry& entry, std::uint32_t offset, std::span<std::uint8_t> to) override;
   Abort write(const Entry& entry, std::span<const std::uint8_t> from, Source source) override;
@@ -136,11 +137,11 @@ class ServoCore : public Application {
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
   std::uint32_t setpoints_ = 0;
-  std::uint8_t errors_ = 0;  ///< bits of 1001h by the device's faults
-  bool missed_ = false;      ///< the command source has gone, and that has been told
-  bool silent_ = false;      ///< it has been told, and the source has not come back
+  std::uint8_t errors_ = 0;  ///< bits of 1001h caused by the device's faults
+  bool missed_ = false;      ///< the loss of the command source has been reported
+  bool silent_ = false;      ///< its loss was reported, and it has not come back
   bool held_ = false;
-  bool load_changes_ = true;  ///< something that PDOs depend on has been written
+  bool load_changes_ = true;  ///< an object that pdo_load depends on has been written
 };
 
 }  // namespace smaservo::canopen

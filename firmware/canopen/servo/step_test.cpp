@@ -70,7 +70,7 @@ void StepTest::step(const Signals& signals, float dt_s, Axis& axis) {
   }
 }
 
-/// Updates the figures. `share` is the part of the amplitude that the wire has moved.
+/// Updates the figures. `share` is the part of the amplitude that the wire has covered.
 void StepTest::look(float share) {
   constexpr float band = 0.05F;
   if (!rose_from_ && 0.1F <= share) {

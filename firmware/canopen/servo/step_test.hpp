@@ -1,5 +1,5 @@
 #pragma once
-// A step of the position there and back, started over CAN (2400h), with the figures of the
+// A step of the position to a target and back, started over CAN (2400h), with the figures of the
 // response; it triggers the recorder.
 
 #include "firmware/canopen/servo/axis.hpp"
@@ -14,9 +14,9 @@ class StepTest {
   explicit StepTest(DriveObjects& objects) : o_(objects) {}
 
   void reset();
-  /// 2400h:1.
+  /// Carries out a write to 2400h:1.
   Abort command(std::uint8_t command, Axis& axis, Recorder& recorder);
-  /// Once per step of the loop.
+  /// To be called once per step of the loop.
   void step(const Signals& signals, float dt_s, Axis& axis);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The parameters of a device as objects: staged, tried, in force as a set (staging.hpp).
+// The parameters of a device as objects: staged, tried and applied as a set (staging.hpp).
 
 #include "firmware/canopen/node/objects.hpp"
 #include "firmware/canopen/servo/parameter_access.hpp"
@@ -37,7 +37,7 @@ class Tuning final : public ParameterAccess {
   }
   bool has_load_cell() const override { return staging_.active().measurement.has_load_cell; }
 
-  /// Takes over settings that others than the bus have put in force; a transaction is over.
+  /// Takes over settings that were put in force other than over the bus; ends a transaction.
   void replace(const Settings<S>& settings) {
     staging_.replace(settings);
     open_ = false;
@@ -87,8 +87,8 @@ Abort Tuning<S>::abort_of(StageResult result) {
   return Abort::state;
 }
 
-/// The abort code of a result. If the set contradicts itself, both parameters are kept for
-/// refused().
+/// The abort code of a result. If the set contradicts itself, the two parameters are kept for
+/// refused() and refused_other().
 template <class S>
 Abort Tuning<S>::done(const Applied& applied) {
   const auto key = [](std::size_t row) {
@@ -142,7 +142,7 @@ Abort Tuning<S>::tune(TuningCommand command, float trial_s, bool enabled) {
       if (state() == TuningState::none) {
         return Abort::state;
       }
-      // What has been staged since the trial began is part of the transaction.
+      // Changes staged since the trial began belong to the transaction.
       const bool tried = staging_.on_trial();
       const Abort result = tried ? done(staging_.try_for(S(trial_s))) : Abort::none;
       const Abort kept = result != Abort::none ? result

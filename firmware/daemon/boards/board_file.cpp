@@ -29,7 +29,7 @@ T whole(files::TomlTable& table, std::string_view key, double low, double high, 
   return static_cast<T>(value);
 }
 
-/// The n, 0 to `max`, for which base << n is `value`; any other value is refused.
+/// The n in 0..`max` for which base << n equals `value`; any other value is refused.
 unsigned exponent(const files::TomlTable& table, std::string_view key, double value, unsigned base,
                   unsigned max) {
   for (unsigned n = 0; n <= max; ++n) {
@@ -73,13 +73,13 @@ hal::IioSettings read_iio(files::TomlTable& table) {
   return iio;
 }
 
-/// Volts at the pins per code.
+/// Volts at the pins per code of the converter.
 double volt_per_code(const Ads131m04FrontEnd& front, std::size_t place) {
   const unsigned gain = 1U << front.settings.gain_exponents.at(place);
   return hal::ads131m04::reference_V / gain / 0x1p23;
 }
 
-// Where a front end has a channel, and what its codes mean.
+// The place of a channel in a front end's frame, and the scale of its codes.
 hal::Channel place_of(files::TomlTable& table, const Ads131m04FrontEnd& ads) {
   const auto place =
       static_cast<std::size_t>(table.number("channel", 0, hal::ads131m04::channels - 1));
@@ -126,7 +126,7 @@ hal::DacScale read_scale(files::TomlTable& table) {
   return scale;
 }
 
-/// A key that is left out sets no ceiling.
+/// A missing key means no ceiling.
 canopen::Ceilings read_ceilings(files::TomlTable table) {
   const auto ceiling = [&](std::string_view key, double low, double high, double factor,
                            double offset) {
@@ -197,7 +197,7 @@ hal::SlowSensor read_slow(files::TomlTable& slow, std::string_view key, bool tem
   files::TomlTable table = slow.table(key);
   hal::SlowSensor sensor{table.text("file"), table.number("scale", -1e6, 1e6),
                          table.number("offset", -1e9, 1e9, 0)};
-  // The kernel's temperatures are in degrees Celsius.
+  // The kernel gives temperatures in degrees Celsius.
   if (temperature && sensor.scale != 0) {
     sensor.offset += zero_degC_K / sensor.scale;
   }
@@ -217,8 +217,8 @@ BusSettings read_bus(files::TomlTable table) {
   return bus;
 }
 
-// The devices that the settings name, opened. Each kind of settings has its function, so that a new
-// kind does not compile without one.
+// Opens the device that the settings name. Each kind of settings has its own function, so that a
+// new kind does not compile without one.
 std::unique_ptr<hal::Digitizer> opened(const Ads131m04FrontEnd& ads, const hal::LinuxRoots& roots) {
   return std::make_unique<hal::Ads131m04Digitizer>(std::make_unique<hal::SpiDevice>(roots, ads.spi),
                                                    roots.dev + "/" + ads.spi.device, ads.settings);
@@ -239,7 +239,7 @@ std::unique_ptr<hal::OutputStage> opened(const hal::PwmSettings& pwm,
   return std::make_unique<hal::PwmDrive>(roots, pwm);
 }
 
-// Whether an output stage takes a voltage; else it takes a current.
+// Whether an output stage takes a voltage; otherwise it takes a current.
 bool takes_voltage(const hal::IioDacSettings& dac) {
   return dac.scale.voltage;
 }
@@ -309,7 +309,7 @@ bool drives(const BoardFile& file, const hal::LinuxRoots& roots, const std::stri
           return !line->name.empty() && hal::has_line(roots, device, line->name);
         });
   }
-  // IIO numbers its devices and triggers; the board file has their names.
+  // IIO numbers its devices and triggers, but the board file names them.
   std::string name;
   if (const std::string path = roots.sys + "/bus/iio/devices/" + device + "/name";
       hal::exists(path)) {
@@ -324,7 +324,7 @@ bool drives(const BoardFile& file, const hal::LinuxRoots& roots, const std::stri
 
 std::string period_problem(const Settings<double>& settings) {
   const double period_s = settings.timing.period_s;
-  // Stored settings are floats: their rounding must not make an allowed period a forbidden one.
+  // Stored settings are floats: rounding must not turn an allowed period into a forbidden one.
   constexpr double slack = 1e-6;
   const bool possible =
       shortest_period_s * (1 - slack) <= period_s && period_s <= longest_period_s * (1 + slack);

@@ -1,5 +1,5 @@
 #pragma once
-// The board file: which devices a Linux board has, and what their codes mean. README.md has the
+// The board file: the devices of a Linux board and the meaning of their codes. README.md has the
 // keys, hal/linux/boards/ has examples.
 
 #include <array>
@@ -24,10 +24,10 @@ struct Ads131m04FrontEnd {
 
 struct BusSettings {
   std::string interface;  ///< "can0", or "udp", "udp:GROUP", "udp:GROUP:PORT"
-  unsigned node_id;       ///< 0: the settings' node-id
-  double lost_after_s;    ///< time without a frame that raises bus_lost; 0: never
+  unsigned node_id;       ///< 0: the node-id of the settings
+  double lost_after_s;    ///< time without a frame after which bus_lost is raised; 0: never
   canopen::AccessKeys keys;
-  bool unattended;  ///< heat may go on without anybody who commands
+  bool unattended;  ///< heat may continue without a command source
 };
 
 struct BoardFile {
@@ -35,7 +35,7 @@ struct BoardFile {
   std::string device;  ///< settings file
   std::string folder;  ///< folder of the store
   RealTimeSettings thread;
-  canopen::Ceilings ceilings;  ///< the current's is at most drive.max_mA
+  canopen::Ceilings ceilings;  ///< the ceiling of the current is at most drive.max_mA
   std::variant<Ads131m04FrontEnd, hal::IioSettings> front_end;
   hal::Calibration calibration;
   std::array<hal::SlowSensor, hal::SlowSensors::count> slow;
@@ -45,26 +45,26 @@ struct BoardFile {
   std::string text;  ///< the whole file
 };
 
-/// Folder of the store, unless the board file names another one.
+/// The store's folder if the board file does not name another one.
 inline constexpr const char* default_folder = "/var/lib/smaservo";
 
 /// Throws ConfigError, which names file, line, key, value and what is allowed.
 BoardFile load_board_file(const std::string& path);
 
-/// Both open the device that the file names, and throw DeviceError.
+/// These two functions open the device that the file names, and throw DeviceError.
 std::unique_ptr<hal::Digitizer> open_front_end(const BoardFile& file, const hal::LinuxRoots& roots);
 std::unique_ptr<hal::OutputStage> open_drive(const BoardFile& file, const hal::LinuxRoots& roots);
 
-/// Whether the board writes to this device of the kernel: a name in /sys, such as "spidev0.0",
-/// "iio:device0", "trigger0", "gpiochip0" or "pwmchip0".
+/// Whether the board writes to this device of the kernel, given by its name in /sys, such as
+/// "spidev0.0", "iio:device0", "trigger0", "gpiochip0" or "pwmchip0".
 bool drives(const BoardFile& file, const hal::LinuxRoots& roots, const std::string& device);
 
-/// timing.period_s on a board: 100 Hz to 2 kHz.
+/// Range of timing.period_s on a board: 100 Hz to 2 kHz.
 inline constexpr double shortest_period_s = 0.5e-3, longest_period_s = 10e-3;
-/// What is wrong with the period of these settings; empty: nothing.
+/// The reason why the period of these settings is not possible; empty if it is possible.
 std::string period_problem(const Settings<double>& settings);
 
-/// Why these settings are beyond the board; empty: they are not.
+/// The reason why the board cannot use these settings; empty if it can.
 std::string board_problem(const BoardFile& file, const Settings<double>& settings);
 
 }  // namespace smaservo::daemon

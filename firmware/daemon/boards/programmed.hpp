@@ -1,6 +1,6 @@
 #pragma once
-// Commands of a scenario file as a board's command source: for a first try without a bus, and for
-// tests.
+// The commands of a scenario file as a command source for a board: for a first test without a bus,
+// and for automated tests.
 
 #include <utility>
 #include <vector>

@@ -12,8 +12,8 @@
 
 namespace smaservo::daemon {
 
-/// Time, commands and changes of parameters come from the trace. It allocates memory in the loop,
-/// so it is no board for real-time use.
+/// Time, commands and changes of parameters come from the trace. The loop allocates memory, so this
+/// is no board for real-time use.
 class Replaying : public CommandSource {
  public:
   static constexpr bool in_monotonic_time = false;
@@ -21,14 +21,14 @@ class Replaying : public CommandSource {
   /// Throws TraceError, UserError.
   Replaying(const std::string& trace, const Settings<double>& settings, ParameterDesk& desk);
 
-  // The members of a hal::Board.
+  // The members that hal::Board requires.
   hal::ReadStatus read(hal::Frame& frame) { return board_.read(frame); }
   void drive(const hal::DriveCommand& command) { board_.drive(command); }
   void safe_off() { board_.safe_off(); }
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
 
-  // The member of a CommandSource.
+  // The member that CommandSource requires.
   Heard<double> listen(double time_s) override;
 
  private:

@@ -9,24 +9,24 @@
 
 namespace smaservo::daemon {
 
-/// Time is the simulation's: each frame advances it by one period, whatever the clock says. There
-/// are no more frames after the scenario's end.
+/// Time is that of the simulation: each frame advances it by one period, independent of the clock.
+/// No more frames come after the scenario's end.
 class Simulation : public CommandSource {
  public:
   static constexpr bool in_monotonic_time = false;
 
-  /// Throws ConfigError for a pair of wires and for events that restart the device: a daemon can do
-  /// neither.
+  /// Throws ConfigError for a pair of wires and for events that restart the device, since a daemon
+  /// supports neither.
   explicit Simulation(const bench::ClosedLoopScenario& scenario);
 
-  // The members of a hal::Board.
+  // The members that hal::Board requires.
   hal::ReadStatus read(hal::Frame& frame);
   void drive(const hal::DriveCommand& command) { board_.drive(command); }
   void safe_off() { board_.safe_off(); }
   void kick() { board_.kick(); }
   std::int64_t now_ns() const { return board_.now_ns(); }
 
-  // The member of a CommandSource.
+  // The member that CommandSource requires.
   Heard<double> listen(double time_s) override;
 
   hal::SimTruth truth() const { return board_.truth(); }
@@ -41,7 +41,7 @@ class Simulation : public CommandSource {
 
 static_assert(hal::Board<Simulation>);
 
-/// Moves the wire up and down between two lengths, 2 s each, for ever; for a first try.
+/// Moves the wire up and down between two lengths, 2 s each, for ever; for a first test.
 class Demonstration : public CommandSource {
  public:
   explicit Demonstration(const Settings<double>& settings);

@@ -14,8 +14,8 @@
 namespace smaservo::daemon {
 namespace {
 
-/// Empty: there is no such file. One that has nothing in it, or cannot be read, is a damaged
-/// image.
+/// The content of a file; empty if it does not exist. An empty file, or one that cannot be read, is
+/// a damaged image.
 Image read_image(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const Image image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -24,8 +24,8 @@ Image read_image(const std::string& path) {
   return image.empty() && !is_missing ? Image(1) : image;
 }
 
-/// Returns what went wrong; empty: there is no such file, and there will be none after a loss of
-/// power.
+/// Removes a file. Returns the error; empty if the file does not exist any more, even after a loss
+/// of power.
 std::string remove_durably(const std::string& path) {
   std::error_code error;
   std::filesystem::remove(path, error);
@@ -37,7 +37,7 @@ std::string remove_durably(const std::string& path) {
              : fmt::format("{}: a loss of power may bring it back: {}", path, std::strerror(errno));
 }
 
-/// Returns what went wrong; empty: the file is durable.
+/// Returns the error; empty if the file has been written durably.
 std::string write_image(const std::string& path, const Image& image) {
   try {
     files::OutputFile file(path);
@@ -69,9 +69,8 @@ std::string BusFiles::keep(const StoreJob& job, bool image_lost) const {
     case store_application:
       return store_settings(folder_, job.settings);
     case store_lss:
-      // The image holds all stored objects. Written now, it would hold defaults in the place of
-      // those that are lost, and the next start would take these defaults for what a user has
-      // stored.
+      // The image holds all stored objects. If it were written now, it would hold defaults in place
+      // of the lost ones, and the next start would take these defaults for stored values.
       return image_lost ? image_path() + " is damaged: store (1010h) or restore (1011h) first"
                         : write_image(image_path(), job.image);
     case store_communication:

@@ -35,8 +35,8 @@ void BusJournal::write() {
       ++left_out;
     }
   }
-  // Changes that were added after the count was read make `seen_` greater than it; the next count
-  // includes them.
+  // Changes that were added after the count was read make `seen_` greater than `count`; the next
+  // count includes them.
   if (seen_ < count) {
     left_out += count - seen_;
     seen_ = count;

@@ -15,23 +15,23 @@
 
 namespace smaservo::daemon {
 
-/// What a cycle of the loop tells the node.
+/// The report of a cycle of the loop to the node.
 struct CycleReport {
   Output<double> output;
   Inputs<double> inputs;
   double dt_s;
 };
 
-/// What the node tells the loop.
+/// The node's message to the loop.
 struct NodeSays {
   Command<double> command;
   FaultSet external;
-  std::uint32_t setpoints = 0;  ///< received in cyclic modes since the start
+  std::uint32_t setpoints = 0;  ///< set-points received in cyclic modes since the start
 };
 
-/// The loop's side. A command is fresh in one cycle only. After `lease_s` without a sign of life
-/// from the bus's thread the command source counts as lost, so that heat does not outlive the
-/// thread that asks for it.
+/// The command source as the loop sees it. A command is fresh in one cycle only. After `lease_s`
+/// without a sign of life from the bus's thread the command source counts as lost, so that heat
+/// does not outlive the thread that requests it.
 class BusCommandSource : public CommandSource {
  public:
   explicit BusCommandSource(double lease_s) : lease_s_(lease_s) {}
@@ -48,7 +48,8 @@ class BusCommandSource : public CommandSource {
  private:
   double lease_s_;
   Latest<NodeSays> says_;
-  Ring<CycleReport> reports_{256};  ///< when full, the node misses reports, which does no harm
+  /// When it is full, the node misses reports, which does no harm.
+  Ring<CycleReport> reports_{256};
   NodeSays last_{};
   double said_s_ = 0;
   std::uint32_t setpoints_ = 0;
@@ -69,10 +70,10 @@ inline Heard<double> BusCommandSource::listen(double time_s) {
   return {last_.command, external, false, come};
 }
 
-/// round() is one round of the bus's thread. It gives the node the frames that have come, the
-/// reports of the loop's cycles and the time, and sends the node's frames. Once the node has put
-/// other settings in force, each round calls `changed()` until that returns true, which means that
-/// the loop will get them; until then the node refuses further changes.
+/// round() is one round of the bus's thread. It gives the node the received frames, the reports of
+/// the loop's cycles and the time, and sends the node's frames. After the node has put other
+/// settings in force, each round calls `changed()` until that returns true, which means that the
+/// loop will get them; until then the node refuses further changes.
 template <hal::CanPort Port, class Node>
 class BusPump {
  public:
@@ -92,7 +93,8 @@ class BusPump {
     }
     node_.advance(now_us);
     const NodeSays says{node_.command(), node_.external() | port_faults, node_.setpoints()};
-    // The end of the heat goes before settings that need it, and settings before the heat.
+    // A command that ends the heat goes before new settings, which may need that; a command to heat
+    // goes after them.
     if (!says.command.arm) {
       source_.say(says);
     }
@@ -107,23 +109,23 @@ class BusPump {
   }
 
   std::uint64_t frames() const { return frames_; }
-  /// Whether the next round shall come at once: the node may have more to send.
+  /// Whether the next round must follow at once, because the node may have more to send.
   bool has_more() const { return has_more_; }
   /// Frames that were not sent.
   std::uint64_t dropped() const { return dropped_; }
-  /// Times that the queue was full.
+  /// Number of times that the queue was full.
   std::uint64_t queue_full() const { return queue_full_; }
 
  private:
-  // Frames sent in one round. More of an SDO block would keep the thread from receiving for so long
-  // that a SYNC is handled only after the next one has come.
+  // Greatest number of frames sent in one round. Sending more of an SDO block would keep the thread
+  // from receiving for so long that a SYNC is handled only after the next one has come.
   static constexpr int max_sent = 4;
-  // In this time even a slow bus sends ten frames.
+  // Time after which a frame is dropped: long enough for ten frames even on a slow bus.
   static constexpr std::uint64_t patience_us = 20'000;
 
   /// The kernel's queue holds ten frames, an SDO block has 127. A frame that the queue does not
-  /// take is tried again in the next rounds; the node makes its next frame when that one is sent or
-  /// dropped. No call waits.
+  /// accept is tried again in the next rounds; the node makes its next frame only when this one has
+  /// been sent or dropped. No call blocks.
   void send(std::uint64_t now_us) {
     has_more_ = false;
     int tries = 0;
@@ -144,7 +146,8 @@ class BusPump {
     has_more_ = tries == max_sent;
   }
 
-  // Frames received in one round: a flood on the bus must not stop the node's time.
+  // Greatest number of frames received in one round: a flood on the bus must not stop the node's
+  // time.
   static constexpr int max_frames = 256;
 
   Port& port_;

@@ -1,6 +1,6 @@
 #pragma once
-// What the bus's thread does, one round after the other. Time is an argument and nothing waits, so
-// that a test steps through it.
+// The work of the bus's thread, one round after the other. Time is an argument and nothing blocks,
+// so that a test can step through it.
 
 #include <cstdint>
 #include <string>
@@ -18,7 +18,7 @@
 namespace smaservo::daemon {
 
 /// `Port` is hal::LinuxCan, `Store` StoreThread, `Journal` BusJournal, or classes with the same
-/// members. All functions but source() are the bus's thread's.
+/// members. All functions except source() are for the bus's thread.
 template <hal::CanPort Port, class Store, class Journal>
 class BusRounds {
  public:
@@ -43,7 +43,7 @@ class BusRounds {
   BusRounds(const BusRounds&) = delete;
   BusRounds& operator=(const BusRounds&) = delete;
 
-  /// Before the first round.
+  /// To be called before the first round.
   void start(std::uint64_t now_us) {
     begin(now_us);
     for (const LostValue& lost : setup_.lost) {
@@ -66,14 +66,14 @@ class BusRounds {
               now_us);
   }
 
-  /// Whether the next round shall come at once; otherwise when a frame has come, or after a
-  /// millisecond.
+  /// Whether the next round must follow at once; otherwise it follows when a frame has come, or
+  /// after a millisecond.
   bool has_more() const { return pump_.has_more(); }
   BusCommandSource& source() { return source_; }
   Store& store() { return store_; }
 
  private:
-  /// Without a round for so long, the loop ends the heat.
+  /// Time without a round after which the loop ends the heat.
   static constexpr double lease_s = 0.1;
   static constexpr std::size_t recorder_values = 65536;
 
@@ -115,15 +115,15 @@ class BusRounds {
     if (reset == canopen::Request::reset_communication) {
       begin(now_us);
     } else if (reset == canopen::Request::reset_node) {
-      // The node sends no more and withdraws its arm command; the loop ends in its next cycle.
+      // The node sends nothing more and withdraws its arm command; the loop ends in its next cycle.
       links_.restart.store(true);
       links_.stop.store(true);
     }
   }
 
-  /// Whoever stores has seen what is in force: that acknowledges a store that was not whole, and
-  /// makes it whole. Restored settings are in force after a reset only; until then the older ones
-  /// still are.
+  /// A user who stores settings has seen those in force: that acknowledges a damaged store and
+  /// repairs it. Restored settings take effect only after a reset; until then the older ones stay
+  /// in force.
   void stored(const StoreResult& result) {
     if (!result.problem.empty()) {
       files::complain("smaservod: storing", result.problem);

@@ -34,7 +34,7 @@ struct BusService::Parts {
   hal::LinuxCan port;
   BusJournal journal;
   BusRounds<hal::LinuxCan, StoreThread, BusJournal> rounds;
-  std::jthread thread;  // declared last: ends before what it uses
+  std::jthread thread;  // declared last, so that it ends before the members that it uses
 };
 
 BusService::BusService(const BusSetup& setup, ParameterDesk& desk, LoopLinks& links,
@@ -55,7 +55,7 @@ void BusService::start() {
 
 void BusService::Parts::run(const std::stop_token& stop) {
   name_thread("bus");
-  // The warnings are not needed: the loop's thread warns of the same missing rights.
+  // The warnings are dropped: the loop's thread warns of the same missing rights.
   if (priority > 0) {
     make_real_time({.priority = priority});
   }

@@ -9,10 +9,10 @@
 
 namespace smaservo::daemon {
 
-/// Takes the device's settings from the desk and gives changed ones back to it; as long as it lives
-/// nobody else changes them, and settings files that were read anew go through here. A reset of the
-/// node ends the loop, with LoopLinks::restart; from then on the bus is silent. LSS cannot change
-/// the bit rate, which is the interface's.
+/// Takes the device's settings from the desk and gives changed ones back to it; during its life no
+/// other thread changes them, and settings files that are read anew go through this service. A
+/// reset of the node ends the loop with LoopLinks::restart; from then on the bus is silent. LSS
+/// cannot change the bit rate, which belongs to the interface.
 class BusService {
  public:
   /// Throws CanError.

@@ -17,15 +17,16 @@ struct BusSetup {
   std::string folder;  ///< folder of the store; empty: nothing can be stored
   canopen::Ceilings ceilings;
   canopen::AccessKeys keys;
-  bool unattended = false;  ///< heat may go on without anybody who commands
-  std::string board;        ///< its name in 1009h
-  int priority = 0;         ///< the thread's, in SCHED_FIFO; 0: none
-  /// For the change log: what the store may have lost.
-  // g++ warns of what designated initializers leave out, unless it has one of its own.
+  bool unattended = false;  ///< heat may continue without a command source
+  std::string board;        ///< name of the board, in 1009h
+  int priority = 0;         ///< priority of the thread in SCHED_FIFO; 0: none
+  /// Values that the store may have lost, for the change log.
+  // g++ warns of members that designated initializers leave out, unless they have their own
+  // initializer.
   std::vector<LostValue> lost = {};  // NOLINT(readability-redundant-member-init)
 };
 
-/// The node's; what it points to must outlive it.
+/// The node's configuration; the objects that it refers to must outlive it.
 canopen::ServoConfig config_of(const BusSetup& setup, std::span<float> recorder,
                                std::string_view eds);
 

@@ -24,7 +24,8 @@ std::string_view name_of(const SlotReport& report) {
   return slot_names.at(static_cast<std::size_t>(report.state));
 }
 
-/// What differs from the settings in force, as far as the bad slot can still be read.
+/// The values of the bad slot that differ from the settings in force, as far as they can still be
+/// read.
 std::vector<LostValue> lost_values(hal::FileStore& store, unsigned slot,
                                    const Settings<double>& in_force) {
   std::vector<LostValue> lost;

@@ -9,13 +9,13 @@
 
 namespace smaservo::daemon {
 
-/// A parameter that a bad slot of the store has with another value than the one in force.
+/// A parameter whose value in a bad slot of the store differs from the one in force.
 struct LostValue {
   Key key;
-  std::uint32_t stored, in_force;  ///< bits, as they are sent
+  std::uint32_t stored, in_force;  ///< bits as sent
 };
 
-/// Which settings a run begins with, and why.
+/// The settings with which a run begins, and where they come from.
 struct KeptSettings {
   Settings<double> settings;
   FaultSet faults;                ///< not_configured, store_corrupt, store_outdated
@@ -23,20 +23,20 @@ struct KeptSettings {
   std::vector<LostValue> lost;
 };
 
-/// Reads the settings from the store in this folder; where it has none, takes `otherwise`. A store
-/// that cannot be read back whole is a fault, also where it still has older settings: then those
-/// are in force, and `lost` has what a bad slot still says of newer ones. `configured` says that
-/// `otherwise` is meant for this wire.
+/// Reads the settings from the store in this folder; if it has none, takes `otherwise`. A store
+/// that cannot be read back completely is a fault, even if it still has older settings: these are
+/// then in force, and `lost` has the newer values that a bad slot still contains. `configured` says
+/// that `otherwise` is meant for this wire.
 KeptSettings keep_settings(const std::string& folder, const Settings<double>& otherwise,
                            bool configured);
 
-/// Writes the settings to the store in this folder. Returns what went wrong; empty: nothing.
+/// Writes the settings to the store in this folder. Returns the error; empty if there is none.
 std::string store_settings(const std::string& folder, const Settings<double>& settings);
 
 /// Whether a start would take its settings from the store in this folder.
 bool has_settings(const std::string& folder);
 
-/// Erases the store in this folder. Returns what went wrong; empty: nothing.
+/// Erases the store in this folder. Returns the error; empty if there is none.
 std::string forget_settings(const std::string& folder);
 
 }  // namespace smaservo::daemon

@@ -1,6 +1,7 @@
 #pragma once
-// Answers the node's requests: stores beside the bus, one request at a time. A result belongs to
-// the request whose number it has; where a reset has come meanwhile it answers nothing.
+// Answers the node's requests: stores in parallel to the bus, one request at a time. A result
+// belongs to the request with its number; if a reset has replaced that request meanwhile, the
+// result is ignored.
 
 #include <chrono>
 #include <functional>
@@ -16,7 +17,7 @@ namespace smaservo::daemon {
 
 using Image = std::vector<std::uint8_t>;
 
-/// What is to be stored, by value: the bus goes on meanwhile.
+/// The data to be stored, copied because the bus goes on meanwhile.
 struct StoreJob {
   canopen::Request request = canopen::Request::none;
   std::uint32_t number = 0;
@@ -26,17 +27,17 @@ struct StoreJob {
 struct StoreResult {
   canopen::Request request = canopen::Request::none;
   std::uint32_t number = 0;
-  std::string problem;  ///< empty: it is durable
+  std::string problem;  ///< empty if the result is durable
 };
 
-/// Stores in a thread of its own, since a disk may be slow.
+/// Stores in a thread of its own, because a disk may be slow.
 class StoreThread {
  public:
-  /// Returns what went wrong; empty: nothing.
+  /// Stores; returns the error, empty if there is none.
   using Keep = std::function<std::string(const StoreJob&)>;
   explicit StoreThread(Keep keep) : keep_(std::move(keep)) {}
 
-  /// Only after the former job's result was taken.
+  /// To be called only after the result of the previous job was taken.
   void start(StoreJob job) {
     result_ = std::async(std::launch::async, [keep = keep_, job = std::move(job)] {
       return StoreResult{job.request, job.number, keep(job)};
@@ -62,10 +63,10 @@ class RequestDesk {
  public:
   RequestDesk(Node& node, Store& store) : node_(node), store_(store) {}
 
-  /// To be called after each round of the bus. `configured()` are the settings to be stored;
-  /// `done(result)` hears of each result, of those that nobody waits for as well. Returns a reset
-  /// that the caller has to carry out, else Request::none. A reset waits until what is being stored
-  /// is stored: what is in force after it is what the store then has.
+  /// To be called after each round of the bus. `configured()` gives the settings to store;
+  /// `done(result)` is called with each result, even if no request waits for it any more. Returns a
+  /// reset that the caller has to carry out, otherwise Request::none. A reset waits until a store
+  /// in progress has ended, so that the settings in force after it are those in the store.
   template <class Configured, class Done>
   canopen::Request round(Configured configured, Done done) {
     StoreResult result;
@@ -88,7 +89,7 @@ class RequestDesk {
     return none;
   }
 
-  /// Something is being stored, or its result has not been seen.
+  /// Whether a store is in progress, or its result has not been taken.
   bool is_busy() const { return busy_; }
 
  private:

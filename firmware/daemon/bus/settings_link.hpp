@@ -1,6 +1,6 @@
 #pragma once
-// The settings between the node, the desk and files that were read anew. All of it is called by the
-// bus's thread, which is the only one that changes settings as long as there is a bus.
+// Passes settings between the node, the desk and files that were read anew. All functions are
+// called by the bus's thread, which is the only one that changes settings while there is a bus.
 
 #include <cstdint>
 #include <optional>
@@ -17,16 +17,17 @@ class SettingsLink {
                const LoopLinks& links)
       : servo_(servo), staging_(staging), desk_(desk), links_(links) {}
 
-  /// Before each round of the bus. A file waits while something is being stored.
+  /// To be called before each round of the bus. A file has to wait while a store is in progress.
   void before_round(bool is_storing) {
     follow_desk();
     if (!is_storing) {
       take_reload();
     }
   }
-  /// The store has what was in force; or it has been emptied.
+  /// To be called after a store: whether the store has the settings, or has been emptied.
   void note_stored(bool has_settings) { stored_ = has_settings; }
-  /// For BusPump: gives what the node has put in force to the loop. False: again in the next round.
+  /// For BusPump: gives the settings that the node has put in force to the loop. False if it must
+  /// be called again in the next round.
   bool give_to_desk() {
     const std::optional<std::uint32_t> number = desk_.change(staging_.active(), followed_);
     followed_ = number.value_or(followed_);
@@ -34,7 +35,7 @@ class SettingsLink {
   }
 
  private:
-  /// The node gets the settings in force where the loop has refused what the node believes.
+  /// Gives the node the settings in force if the loop has refused those of the node.
   void follow_desk() {
     const std::uint32_t changes = desk_.changes();
     if (followed_ != changes) {
@@ -43,8 +44,8 @@ class SettingsLink {
     }
   }
 
-  /// A file is a write like one over the bus: after those that came before it, not while the loop
-  /// has no room, in the log with old and new values.
+  /// Treats a settings file like a write over the bus: it comes after earlier writes, waits while
+  /// the loop has no room, and is logged with old and new values.
   void take_reload() {
     if (servo_.holds_settings()) {
       return;
@@ -70,7 +71,8 @@ class SettingsLink {
   const Staging<double>& staging_;
   ParameterDesk& desk_;
   const LoopLinks& links_;
-  bool stored_ = false;         ///< in this run: whoever read a file did not see it
+  /// Settings were stored in this run, unknown to the reader of a waiting file.
+  bool stored_ = false;
   std::uint32_t followed_ = 0;  ///< number of the desk's last change that the node has
 };
 

@@ -6,7 +6,7 @@
 namespace smaservo::daemon {
 namespace {
 
-// Global, since a signal handler gets nothing but its signal.
+// Global, because a signal handler has no argument but its signal.
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 std::atomic<const CrashGuard*> installed{nullptr};
 
@@ -19,7 +19,8 @@ void set_handlers(void (*handler)(int)) {
   }
 }
 
-// AddressSanitizer gives each thread such a stack, and frees whatever is one when the thread ends.
+// AddressSanitizer gives each thread a signal stack, and frees whichever one is installed when the
+// thread ends.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool has_own_stack = true;
 #elif defined(__has_feature)
@@ -71,8 +72,8 @@ void CrashGuard::handle(int signal) {
       }
     }
   }
-  // The system's handler is in force again (SA_RESETHAND); it ends the program as soon as this one
-  // returns.
+  // The default handler is in force again (SA_RESETHAND); it ends the program as soon as this
+  // handler returns.
   raise(signal);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Switches the heat off when the program crashes, before it ends.
+// Switches the heat off when the program crashes, before the program ends.
 
 #include <array>
 #include <atomic>
@@ -12,15 +12,15 @@
 
 namespace smaservo::daemon {
 
-/// Signals that a mistake in the program raises, and SIGQUIT, which asks for a core dump.
+/// Signals that are raised by an error in the program, and SIGQUIT, which requests a core dump.
 inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGFPE,  SIGILL,
                                           SIGABRT, SIGSYS, SIGTRAP, SIGQUIT};
 
-/// Memory for a crash handler where the thread's own stack is the reason of the crash.
+/// Stack for a crash handler, needed if the thread's own stack caused the crash.
 class SignalStack {
  public:
   SignalStack() : memory_(size) {}
-  /// The calling thread's handlers run on it from now on; it must outlive the thread.
+  /// From now on the calling thread's handlers run on this stack; it must outlive the thread.
   void use();
 
  private:
@@ -29,9 +29,9 @@ class SignalStack {
   std::vector<std::byte> memory_;
 };
 
-/// While a CrashGuard lives, such a signal switches the outputs off, leaves a mark and then ends
-/// the program as it would without the guard. Only one may live at a time. The handler makes system
-/// calls only.
+/// While a CrashGuard lives, one of crash_signals switches the outputs off, leaves a mark and then
+/// ends the program as it would without the guard. Only one guard may live at a time. The handler
+/// makes system calls only.
 class CrashGuard {
  public:
   /// `mark` null: no mark is left. `heated` and the board must outlive the guard. The calling

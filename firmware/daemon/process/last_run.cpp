@@ -99,7 +99,8 @@ RunMark::RunMark(const std::string& folder, const std::string& boot) : boot_(boo
   }
   std::error_code none;
   std::filesystem::remove(result, none);
-  // The name as well: a mark that a loss of power takes away says that there was no run.
+  // The folder is synchronised as well: if a loss of power removed the mark, there would seem to
+  // have been no run.
   if (file_.number() < 0 || !set(State::idle) || !files::sync_folder_of(path)) {
     throw files::UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
   }

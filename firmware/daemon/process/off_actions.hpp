@@ -1,5 +1,5 @@
 #pragma once
-// System calls, prepared beforehand, that switch a board's outputs off: for a signal handler, and
+// System calls, prepared in advance, that switch a board's outputs off: for a signal handler, and
 // for the guard while the loop hangs.
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace smaservo::daemon {
 
-/// The board's off_actions(); none for a board without this function.
+/// The board's off_actions(); empty for a board without this function.
 template <class B>
 std::vector<hal::OffAction> off_actions_of(const B& board) {
   if constexpr (requires { board.off_actions(); }) {

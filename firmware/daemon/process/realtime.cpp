@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t stack_size = std::size_t{256} * 1024;
 
-/// Maps the stack's pages before the loop needs them.
+/// Maps the pages of the stack before the loop needs them.
 [[gnu::noinline]] void touch_stack() {
   std::byte stack[stack_size];
   std::memset(stack, 1, sizeof(stack));
@@ -72,8 +72,8 @@ std::string lock_memory() {
 }
 
 std::vector<std::string> make_real_time(const RealTimeSettings& settings) {
-  // Done before the thread has its priority: it takes half a millisecond, and no other real-time
-  // thread shall wait for it.
+  // Done before the thread has its priority: it takes half a millisecond, during which no other
+  // real-time thread should wait.
   touch_stack();
   std::vector<std::string> warnings;
   if (settings.processor >= 0) {

@@ -1,5 +1,6 @@
 #pragma once
-// Memory, priority and counters of a real-time thread. What the machine refuses becomes a warning.
+// Memory, priority and counters of a real-time thread. A request that the machine refuses becomes a
+// warning.
 
 #include <cstdint>
 #include <optional>
@@ -11,19 +12,20 @@
 namespace smaservo::daemon {
 
 struct RealTimeSettings {
-  int priority = 80;   ///< in SCHED_FIFO, 1 to 99
-  int processor = -1;  ///< the one to stay on; -1: any
+  int priority = 80;   ///< priority in SCHED_FIFO, 1 to 99
+  int processor = -1;  ///< processor to run on; -1: any
 };
 
-/// The name of the calling thread in `top -H` and /proc, 15 characters at most. Before the sandbox.
+/// Sets the name of the calling thread in `top -H` and /proc, 15 characters at most. To be called
+/// before the sandbox.
 void name_thread(const char* name);
 
 /// Keeps all pages of the process in memory, and freed memory in the heap. Returns a warning, or an
 /// empty text.
 std::string lock_memory();
 
-/// Touches the stack, then gives the calling thread its processor and SCHED_FIFO, which threads
-/// that it starts do not inherit. Returns warnings.
+/// Touches the stack, then sets the processor of the calling thread and SCHED_FIFO, which threads
+/// started by it do not inherit. Returns warnings.
 std::vector<std::string> make_real_time(const RealTimeSettings& settings);
 
 struct PageFaults {
@@ -38,7 +40,8 @@ class WatchedThread {
 
   /// Page faults since the thread began.
   std::optional<PageFaults> page_faults() const;
-  /// Instructions of the program, not the kernel's; nothing where the machine does not count them.
+  /// Instructions of the program without those of the kernel; nothing if the machine does not count
+  /// them.
   std::optional<std::uint64_t> instructions() const;
 
  private:

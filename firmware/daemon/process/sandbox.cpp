@@ -19,13 +19,13 @@ constexpr std::array allowed{
     SYS_write,           SYS_pwrite64,      SYS_ioctl,          SYS_ppoll,
     SYS_futex,           SYS_sched_yield,   SYS_exit,           SYS_exit_group,
     SYS_rt_sigreturn,    SYS_madvise,       SYS_rt_sigprocmask,
-    SYS_munmap,  // at its end a thread frees its stack: madvise and rt_sigprocmask, too
+    SYS_munmap,  // a thread that ends frees its stack, with madvise and rt_sigprocmask as well
 };
 
 }  // namespace
 
 std::string allow_loop_calls_only() {
-  // SIGSYS, whose handler switches the heat off first.
+  // Any other call raises SIGSYS, whose handler switches the heat off first.
   std::vector<sock_filter> filter;
   filter.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
   for (std::size_t i = 0; i < allowed.size(); ++i) {

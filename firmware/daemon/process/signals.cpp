@@ -27,8 +27,9 @@ sigset_t waited_for() {
   return set;
 }
 
-/// Not by sigaction(), which refuses the two signals that glibc keeps for itself (32 and 33). It
-/// puts its own handlers in their place when it needs them; until then they would end the process.
+/// Ignores a signal by the system call, because sigaction() refuses the two signals that glibc
+/// keeps for itself (32 and 33). glibc installs its own handlers when it needs them; until then
+/// these signals would end the process.
 void ignore(int signal) {
   struct {
     void (*handler)(int);

@@ -1,6 +1,6 @@
 #pragma once
-// Enforces the lease in software: when the loop hangs, in a device's driver as well, its outputs
-// are still switched off. When the whole program stops, only the hardware's one-shot helps.
+// Enforces the lease in software: if the loop hangs, even in a device's driver, its outputs are
+// still switched off. If the whole program stops, only the hardware's one-shot helps.
 
 #include <atomic>
 #include <cstdint>
@@ -13,10 +13,11 @@
 
 namespace smaservo::daemon {
 
-/// When the outputs have to be switched off.
+/// Decides when the outputs have to be switched off.
 class LeaseWatch {
  public:
-  /// Whether the lease that ends at `ends_ns` has run out; of each lease once. 0: there is none.
+  /// Whether the lease that ends at `ends_ns` has run out; reported once for each lease. 0: there
+  /// is none.
   bool has_run_out(std::int64_t ends_ns, std::int64_t now_ns) {
     if (ends_ns == 0 || ends_ns == revoked_ns_ || ends_ns >= now_ns) {
       return false;
@@ -29,12 +30,12 @@ class LeaseWatch {
   std::int64_t revoked_ns_ = 0;
 };
 
-/// While it lives, a thread of its own looks at the lease every 2 ms.
+/// During its life a thread of its own checks the lease every 2 ms.
 class LeaseGuard {
  public:
   /// `loop`: the loop's real-time settings, if any; the guard's priority is one higher. The
-  /// outputs, the lease (LoopLinks::lease_ends_ns) and `stops`, which counts how often it had to
-  /// switch off, must outlive the guard.
+  /// outputs, the lease (LoopLinks::lease_ends_ns) and `stops`, which counts how often the guard
+  /// had to switch off, must outlive the guard.
   LeaseGuard(const std::vector<hal::OffAction>& off, const std::optional<RealTimeSettings>& loop,
              const std::atomic<std::int64_t>& lease_ends_ns, std::atomic<std::uint64_t>& stops);
 
@@ -45,7 +46,7 @@ class LeaseGuard {
   std::optional<RealTimeSettings> loop_;
   const std::atomic<std::int64_t>& lease_ends_ns_;
   std::atomic<std::uint64_t>& stops_;
-  std::jthread thread_;  // declared last: ends before what it uses
+  std::jthread thread_;  // declared last, so that it ends before the members that it uses
 };
 
 }  // namespace smaservo::daemon

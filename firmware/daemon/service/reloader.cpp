@@ -10,7 +10,7 @@
 namespace smaservo::daemon {
 namespace {
 
-/// The settings with all of the file's that may change now; says which may not.
+/// The settings with all values of the file that may change now; `said` gets those that may not.
 Settings<double> merged(const Settings<double>& before, const Reload& reload, bool heated,
                         std::vector<std::string>& said) {
   Settings<double> to = before;

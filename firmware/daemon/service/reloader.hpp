@@ -1,6 +1,6 @@
 #pragma once
-// Reads the settings file anew, which SIGHUP asks for. The order of precedence is that of a start,
-// which README.md states: settings that are stored go before the file.
+// Reads the settings file anew on SIGHUP. The order of precedence is the same as at a start, see
+// README.md: stored settings have precedence over the file.
 
 #include <string>
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace smaservo::daemon {
 
-/// What becomes of settings by a file that was read anew.
+/// The result of reading a settings file anew.
 struct Reloaded {
-  bool taken = false;  ///< else nothing changes
+  bool taken = false;  ///< false: no settings change
   Settings<double> settings;
   std::vector<std::string> said;  ///< what has changed, what has not, and why
 };
 
-/// Changes the settings as a whole or not at all. Parameters that cannot change now, but only with
-/// the next start or without heat, keep their values.
+/// Changes the settings as a whole or not at all. Parameters that can change only at the next start
+/// or without heat keep their values.
 Reloaded reloaded(const Settings<double>& before, const Reload& reload, bool heated);
 
 struct ReloadSetup {
-  std::string file;    ///< empty: there is nothing to read
-  std::string folder;  ///< of the store; empty: there is none
+  std::string file;    ///< empty: there is no file to read
+  std::string folder;  ///< folder of the store; empty: there is none
   decltype(Reload::problem) problem;
 };
 
@@ -32,8 +32,8 @@ class Reloader {
   Reloader(ReloadSetup setup, ParameterDesk& desk, const std::atomic<bool>& heated)
       : setup_(std::move(setup)), desk_(desk), heated_(heated) {}
 
-  /// The file goes to the thread that changes the settings, by the desk's ReloadBox, which has the
-  /// answer later.
+  /// Passes the file to the thread that changes the settings, through the desk's ReloadBox, which
+  /// gets the answer later.
   void reload() const;
 
  private:

@@ -85,7 +85,7 @@ int Service::run(const Served& served) {
       manager.ready();
       watch(manager);
     } catch (...) {
-      // The threads are joined now, and the loop's ends only when it is told to.
+      // The threads are about to be joined, and the loop's thread ends only when it is told to.
       links_.stop.store(true);
       throw;
     }
@@ -153,7 +153,8 @@ void Service::watch(ServiceManager& manager) {
       status_.write(true);
       manager.status(sentence(status_.output().state, status_.output().latched));
     }
-    // The watchdog is served only while the loop makes cycles, not because this thread runs.
+    // The watchdog is triggered only while the loop makes cycles, not just because this thread
+    // runs.
     const std::uint64_t cycles_now = figures_->cycles.load();
     if (cycles_now != cycles && manager.alive_every_ns() > 0 &&
         now_ns - alive_ns >= manager.alive_every_ns() / 2) {
@@ -194,7 +195,7 @@ void Service::look() {
   }
 }
 
-/// At once, once a second at most.
+/// Logs new stops by the guard at once, but at most once a second.
 void Service::say_guard_stops() {
   const std::uint64_t stops = figures_->guard_stops.load();
   const std::int64_t now_ns = hal::monotonic_ns();

@@ -1,6 +1,6 @@
 #pragma once
-// Everything around the loop, the same for every board: the threads of loop, guard and recorder,
-// and the main thread, which handles signals, status and the run's mark.
+// Everything around the loop that is the same for every board: the threads of loop, guard and
+// recorder, and the main thread, which handles signals, status and the run's mark.
 
 #include <functional>
 #include <memory>
@@ -16,26 +16,26 @@
 namespace smaservo::daemon {
 
 struct ServiceSetup {
-  std::string board;  ///< its name in the status
+  std::string board;  ///< name of the board in the status
   Settings<double> settings;
-  std::string settings_file;  ///< read anew at SIGHUP; empty: none
-  std::string folder;         ///< of the store and the mark; empty: nothing is kept
+  std::string settings_file;  ///< settings file that is read anew at SIGHUP; empty: none
+  std::string folder;         ///< folder of the store and the mark; empty: nothing is kept
   std::string record;         ///< file or folder; empty: nothing is recorded
   std::string status;         ///< file; empty: none
-  bool json = false;          ///< the status at the end is JSON
+  bool json = false;          ///< the status at the end is printed as JSON
   bool real_time = true;      ///< locks memory, sets priorities
-  bool paced = true;          ///< runs in real time: the guard watches the lease
+  bool paced = true;          ///< runs in real time, so that the guard watches the lease
   bool sandboxed = false;     ///< restricts the loop's system calls, see sandbox.hpp
   RealTimeSettings thread;
   decltype(Reload::problem) problem = nullptr;
 };
 
-/// Result of Service::run() in place of an exit code: start anew with the stored settings, as after
+/// Result of Service::run() in place of an exit code: restart with the stored settings, as after
 /// switching on.
 inline constexpr int start_anew = -1;
 
-/// What a board and its loop give to the service. The loop's thread calls both functions; after its
-/// end the main thread calls safe_off() once more.
+/// The functions that a board and its loop give to the service. The loop's thread calls both; after
+/// it has ended, the main thread calls safe_off() once more.
 struct Served {
   std::function<bool()> cycle;
   std::function<void()> safe_off;
@@ -58,8 +58,8 @@ class Service {
   ParameterDesk& desk() { return desk_; }
   PreparedDevice& device() { return device_; }
 
-  /// Runs until cycle() returns false or a signal comes. Returns the exit code: 1 where the board
-  /// or the recording failed; start_anew where LoopLinks::restart asks for it.
+  /// Runs until cycle() returns false or a signal comes. Returns the exit code: 1 if the board or
+  /// the recording failed; start_anew if LoopLinks::restart asks for it.
   int run(const Served& served);
 
  private:
@@ -83,13 +83,13 @@ class Service {
   LoopUsage usage_;
   SignalStack loop_signal_stack_;
   // Written by the loop's thread.
-  std::vector<std::string> thread_warnings_;  ///< complete once usage_ has begun
-  std::string error_;                         ///< why the loop ended by itself
+  std::vector<std::string> thread_warnings_;  ///< complete when usage_ has begun
+  std::string error_;                         ///< reason why the loop ended by itself
   std::atomic<bool> loop_over_{false};
   // Used by the main thread only.
   StatusWriter status_;
   bool asked_to_end_ = false;
-  std::string ended_by_;  ///< why it was told to end, if that is no usual end
+  std::string ended_by_;  ///< reason why the run was told to end, unless that is usual
   std::uint64_t said_stops_ = 0;
   std::int64_t said_stops_ns_ = 0;
 };

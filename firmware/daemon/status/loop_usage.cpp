@@ -8,7 +8,7 @@ void LoopUsage::begin() {
 }
 
 void LoopUsage::look(std::uint64_t cycles) {
-  // The first cycles touch pages for the first time.
+  // The first cycles are left out, because they touch pages for the first time.
   constexpr std::uint64_t first_cycles = 100;
   if (counts_ || !has_begun() || cycles < first_cycles) {
     return;

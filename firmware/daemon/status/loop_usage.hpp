@@ -16,17 +16,17 @@ class LoopUsage {
  public:
   struct Taken {
     std::optional<PageFaults> page_faults;
-    std::optional<double> instructions;  ///< per cycle
+    std::optional<double> instructions;  ///< instructions per cycle
   };
 
   // Called by the loop's thread.
   void begin();
-  /// Reads the counters for the last time: those of a thread that has ended cannot be read.
+  /// Reads the counters for the last time, since those of a thread that has ended cannot be read.
   void end() { ask(); }
 
   // Called by one other thread.
   bool has_begun() const { return thread_.load(std::memory_order_acquire) != nullptr; }
-  /// To be called now and then, with the number of cycles so far.
+  /// To be called from time to time, with the number of cycles so far.
   void look(std::uint64_t cycles);
   Taken taken(std::uint64_t cycles, bool runs);
 
@@ -35,7 +35,7 @@ class LoopUsage {
 
   std::unique_ptr<WatchedThread> watched_;
   std::atomic<const WatchedThread*> thread_{nullptr};
-  // Used by the other thread only.
+  // Used only by the other thread.
   bool counts_ = false;
   PageFaults first_faults_;
   std::uint64_t first_instructions_ = 0, first_cycle_ = 0;

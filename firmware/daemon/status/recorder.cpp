@@ -109,7 +109,7 @@ void Recorder::add(const CycleRecord& record) {
   }
 }
 
-/// Takes the rows to the file; those of an MCAP file may wait for their chunk.
+/// Writes the rows to the file; rows of an MCAP file may have to wait for their chunk.
 void Recorder::write() {
   if (ended_) {
     buffer_.clear();
@@ -126,7 +126,7 @@ void Recorder::write() {
   buffer_.clear();
 }
 
-/// Makes MCAP of the rows; false where that fails, which ends the recording.
+/// Converts the rows to MCAP; false if that fails, which ends the recording.
 bool Recorder::encode(Then then) {
   try {
     mcap_->add(buffer_);
@@ -164,7 +164,7 @@ void Recorder::write_encoded() {
   encoded_.clear();
 }
 
-/// Writes what an MCAP file has behind its rows.
+/// Writes the part of an MCAP file that follows its rows.
 void Recorder::write_end() {
   if (mcap_ && !ended_ && encode(Then::finish)) {
     write_encoded();
@@ -181,12 +181,13 @@ void Recorder::make_durable() {
   if (ended_) {
     return;
   }
-  if (fdatasync(file_.number()) != 0 && errno != EINVAL) {  // EINVAL: it is a pipe or a device
+  // EINVAL: the file is a pipe or a device.
+  if (fdatasync(file_.number()) != 0 && errno != EINVAL) {
     end(std::strerror(errno));
   }
 }
 
-/// Ends the recording and cuts off a row that was written in part.
+/// Ends the recording and cuts off a partly written row.
 void Recorder::end(const std::string& why) {
   ended_ = true;
   const bool whole = ftruncate(file_.number(), written_) == 0 && fdatasync(file_.number()) == 0;

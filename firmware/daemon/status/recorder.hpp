@@ -1,5 +1,5 @@
 #pragma once
-// Writes the trace of a run beside the loop, for `host-sim replay --device`.
+// Writes the trace of a run in parallel to the loop, for `host-sim replay --device`.
 
 #include <cstdint>
 #include <memory>
@@ -12,28 +12,28 @@
 
 namespace smaservo::daemon {
 
-/// Appends whole rows and makes them durable once a second: a power cut costs the last second. A
+/// Appends whole rows and makes them durable once a second: a power cut loses the last second. A
 /// full disk ends the recording; so does a missing cycle, when the disk is too slow for the ring,
-/// because what follows a gap could not be replayed. FILE.csv.toml beside it has the settings at
-/// its beginning. FILE.mcap is MCAP: its rows become a chunk once a second, and its summary is
-/// written at the end; without that it is read as far as it goes.
+/// because rows after a gap could not be replayed. The settings at the beginning are in
+/// FILE.csv.toml. FILE.mcap is MCAP: its rows become a chunk once a second, and its summary is
+/// written at the end; a file without a summary can be read up to its end.
 class Recorder {
  public:
-  /// An existing file is not overwritten. Where `path` is a folder, the file in it is named by the
+  /// An existing file is not overwritten. If `path` is a folder, the file in it is named after the
   /// time. Throws UserError.
   Recorder(const std::string& path, const Settings<double>& settings, Ring<CycleRecord>& ring,
            ParameterDesk& desk, const std::string& board = "");
 
-  /// Writes the rows that have come since the last call. One thread calls it several times a
-  /// second.
+  /// Writes the rows that have come since the last call. To be called several times a second by one
+  /// thread.
   void pump();
-  /// Writes the rest and makes it durable.
+  /// Writes the remaining rows and makes them durable.
   void finish();
 
   const std::string& path() const { return path_; }
-  /// Those that are written.
+  /// The number of rows written.
   std::uint64_t rows() const { return rows_.load(std::memory_order_relaxed); }
-  /// Why it has ended before its time; empty while it goes on.
+  /// The reason why the recording ended early; empty while it goes on.
   std::string problem() const;
 
  private:
@@ -53,7 +53,7 @@ class Recorder {
   std::unique_ptr<files::mcap::RowsWriter> mcap_;
   hal::Descriptor file_;
   std::string buffer_;          ///< rows as CSV
-  std::string encoded_;         ///< what they are in the file
+  std::string encoded_;         ///< the rows as they are written to the file
   std::uint64_t last_ = 0;      ///< number of the last cycle
   std::int64_t written_ = 0;    ///< bytes of whole rows
   std::uint64_t buffered_ = 0;  ///< rows that have been in buffer_

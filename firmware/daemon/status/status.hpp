@@ -21,11 +21,11 @@ struct Status {
   std::string board;
   std::int64_t period_ns;
   const LoopFigures& figures;
-  const Output<double>& output;  ///< the newest
+  const Output<double>& output;  ///< the newest output
   LoopUsage::Taken usage;
   std::optional<RecordingStatus> recording;
-  std::string last_run;               ///< empty: nothing is kept
-  std::vector<std::string> warnings;  ///< all so far
+  std::string last_run;               ///< empty if no marks are kept
+  std::vector<std::string> warnings;  ///< all warnings so far
 };
 
 /// JSON in one line; names carry their units, null is an unknown value.

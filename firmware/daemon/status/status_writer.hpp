@@ -1,6 +1,6 @@
 #pragma once
-// What the daemon says while it runs: sentences in the log, and its status. The main thread uses
-// it.
+// The daemon's messages during a run: sentences in the log, and its status. Used by the main
+// thread.
 
 #include <memory>
 #include <string>
@@ -13,7 +13,7 @@ namespace smaservo::daemon {
 
 class Recorder;
 
-/// What the status is made of; all of it must outlive the writer.
+/// The sources of the status; all of them must outlive the writer.
 struct StatusSources {
   LoopLinks& links;
   const LoopFigures& figures;

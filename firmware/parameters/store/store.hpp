@@ -1,7 +1,7 @@
 #pragma once
 // Keeps the settings over a power cut: two slots, of which the older one is overwritten.
-// load_settings() says which slot it took and why, and whether what was stored last may be lost;
-// there are no silent defaults, and no silent return to older values.
+// load_settings() reports which slot it took and why, and whether the settings stored last may be
+// lost; it never silently takes defaults or older values.
 
 #include <concepts>
 
@@ -9,55 +9,55 @@
 
 namespace smaservo {
 
-/// Two slots of memory. Each call may fail, or be cut off by a loss of power at any byte; then what
-/// was to be erased or written may hold anything. read() fails beyond the end of a slot.
+/// Two slots of memory. Each call may fail, or be cut off by a loss of power at any byte; the bytes
+/// to be erased or written may then have any value. read() fails beyond the end of a slot.
 template <class T>
 concept Storage = requires(T storage, unsigned slot, std::size_t offset, std::span<std::byte> to,
                            std::span<const std::byte> from) {
   { storage.read(slot, offset, to) } -> std::same_as<bool>;
   { storage.erase(slot) } -> std::same_as<bool>;
   { storage.write(slot, offset, from) } -> std::same_as<bool>;
-  { storage.sync() } -> std::same_as<bool>;  ///< returns when what was written is durable
+  { storage.sync() } -> std::same_as<bool>;  ///< returns when all that was written is durable
 };
 inline constexpr unsigned slot_count = 2;
 
 enum class SlotState : std::uint8_t {
   valid,
   empty,           ///< never written, or erased
-  unreadable,      ///< the storage fails
+  unreadable,      ///< the storage cannot be read
   damaged,         ///< not an image, or its checksum is wrong
-  unknown_format,  ///< of a newer release
+  unknown_format,  ///< an image of a newer release
   refused,         ///< intact, but its settings are out of range or contradict each other
 };
 
 struct SlotReport {
   SlotState state = SlotState::unreadable;
-  std::uint32_t sequence = 0;  ///< means something if intact(), as do all members that follow
+  std::uint32_t sequence = 0;  ///< valid only if intact(), as are all members below
   std::uint32_t schema_hash = 0;
   std::uint16_t entries = 0;
   std::uint16_t unknown = 0;  ///< entries that this release does not know
   std::uint16_t moved = 0;    ///< parameters taken from an old key
-  std::uint16_t missing = 0;  ///< parameters that have their default
-  Finding finding;            ///< why it is refused
+  std::uint16_t missing = 0;  ///< parameters that got their default
+  Finding finding;            ///< the reason if it is refused
 
-  /// What was written is there, whether this release can use it or not.
+  /// Whether the image that was written is complete, even if this release cannot use it.
   constexpr bool intact() const {
     return state == SlotState::valid || state == SlotState::unknown_format ||
            state == SlotState::refused;
   }
 };
 
-/// Whether `a` was given after `b`. The number of saves wraps from FFFFFFFFh to 0 (as the serial
-/// numbers of RFC 1982): of two, the later one is less than half of all numbers ahead.
+/// Whether the sequence number `a` was given after `b`. The number wraps from FFFFFFFFh to 0 (like
+/// the serial numbers of RFC 1982): the later one is ahead by less than half of all numbers.
 constexpr bool is_later(std::uint32_t a, std::uint32_t b) {
   constexpr std::uint32_t half = 0x8000'0000;
   return a != b && a - b < half;
 }
 
 enum class LoadReason : std::uint8_t {
-  newer,      ///< of two valid slots
-  only_one,   ///< the other one is empty
-  other_bad,  ///< the other one is not valid: its report says why
+  newer,      ///< the newer of two valid slots
+  only_one,   ///< the other slot is empty
+  other_bad,  ///< the other slot is not valid: its report says why
   none,       ///< no slot is valid
 };
 
@@ -66,8 +66,8 @@ struct Loaded {
   LoadReason reason = LoadReason::none;
   unsigned slot = 0;
   std::array<SlotReport, slot_count> slots;
-  Settings<S> settings;  ///< all zero where the reason is none
-  /// The other slot is bad or missing, and it may have held settings that were stored after these.
+  Settings<S> settings;  ///< all zero if the reason is `none`
+  /// The other slot is bad or missing, and may have held settings that were stored later.
   bool may_be_older = false;
 };
 
@@ -75,10 +75,10 @@ enum class SaveProblem : std::uint8_t {
   none,
   refused,    ///< settings out of range or contradictory: see the finding; nothing was written
   erase,      ///< the storage failed to erase
-  write,      ///< likewise
-  sync,       ///< likewise
+  write,      ///< the storage failed to write
+  sync,       ///< the storage failed to make the data durable
   read_back,  ///< the storage failed when it was read back
-  differs,    ///< what was read back is not what was written
+  differs,    ///< the data read back differ from those written
 };
 
 struct Saved {
@@ -139,8 +139,8 @@ SlotReport read_slot(T& storage, unsigned slot, const StoreSchema<S>& schema,
 }
 
 /// Whether settings stored later than those of the valid slot may have been lost with the other
-/// one. A damaged slot does not tell its number. Each save leaves two slots: an empty one was lost,
-/// but beside number 1, which has the same settings as number 2.
+/// slot. A damaged slot does not tell its sequence number. Each save leaves two filled slots, so an
+/// empty one was lost; if the valid slot has number 1, the lost number 2 had the same settings.
 constexpr bool may_have_lost_newer(const SlotReport& valid, const SlotReport& other) {
   switch (other.state) {
     case SlotState::valid:
@@ -160,8 +160,8 @@ constexpr bool may_have_lost_newer(const SlotReport& valid, const SlotReport& ot
 }  // namespace detail
 
 /// Calls f(row, value) for each parameter of which a slot still has an entry with a possible value.
-/// Its checksum is not looked at, nor its head: this is for a message on what a bad slot may have
-/// said, and for nothing else.
+/// Neither the checksum nor the header is checked: the values are only for a message on the
+/// possible content of a bad slot.
 template <class S, Storage T, class F>
 void salvage(T& storage, unsigned slot, F f, const StoreSchema<S>& schema = own_schema<S>) {
   std::array<std::byte, image::entry_size> bytes{};
@@ -177,7 +177,7 @@ void salvage(T& storage, unsigned slot, F f, const StoreSchema<S>& schema = own_
   }
 }
 
-/// Reads both slots. Never fails; what it found is in the reports.
+/// Reads both slots. Never fails; problems are in the reports.
 template <class S, Storage T>
 Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>) {
   Loaded<S> loaded{};
@@ -203,8 +203,8 @@ Loaded<S> load_settings(T& storage, const StoreSchema<S>& schema = own_schema<S>
 
 namespace detail {
 
-/// The number of a save that leaves `kept` as it is and overwrites `replaced`: it must be later
-/// than what stays. The other one counts only where nothing stays.
+/// The number of a save that keeps the slot `kept` and overwrites `replaced`: it must be later than
+/// that of `kept`. The number of `replaced` counts only if `kept` is not intact.
 constexpr std::uint32_t next_sequence(const SlotReport& kept, const SlotReport& replaced) {
   return kept.intact() ? kept.sequence + 1 : replaced.intact() ? replaced.sequence + 1 : 1;
 }
@@ -244,12 +244,12 @@ SaveProblem write_slot(T& storage, unsigned slot, const Settings<S>& settings,
 }  // namespace detail
 
 /// Writes into the slot that load_settings() would not take, reads it back and compares. Whatever
-/// fails, and wherever power is cut, load_settings() gives either the former settings or these. Not
-/// for the loop.
+/// fails, and whenever power is cut, load_settings() gives either the former settings or the new
+/// ones. Not for the loop.
 ///
-/// The first save writes both slots. So a slot that is empty later was lost, and the other one is
-/// older, but for number 1, which the first save has written before its copy, number 2. Where
-/// number 1 would stay beside other settings, it is overwritten, too.
+/// The first save writes both slots, as numbers 1 and 2. So a slot found empty later was lost, and
+/// the remaining one may be older, except if it is number 1, whose copy is number 2. If number 1
+/// would remain next to other settings, it is overwritten, too.
 template <class S, Storage T>
 Saved save_settings(T& storage, const Settings<S>& settings,
                     const StoreSchema<S>& schema = own_schema<S>) {

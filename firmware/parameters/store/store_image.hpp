@@ -18,8 +18,8 @@
 
 namespace smaservo {
 
-/// The parameters that an image is written from and read into, and their history. Tests use tables
-/// of their own.
+/// The parameters that an image is written from and read into, and their history. Tests use other
+/// tables.
 template <class S>
 struct StoreSchema {
   std::span<const ParameterRow<S>> rows;
@@ -104,7 +104,7 @@ constexpr Entry take_entry(std::span<const std::byte, entry_size> from) {
           {take<std::uint32_t>(from.subspan(4))}};
 }
 
-/// Gathers bytes into chunks for `sink(span) -> bool`.
+/// Collects bytes into chunks for `sink(span) -> bool`.
 template <class Sink>
 class Writer {
  public:
@@ -121,7 +121,7 @@ class Writer {
       }
     }
   }
-  /// Appends the CRC. Whether the sink has taken everything.
+  /// Appends the CRC. Returns whether the sink has accepted everything.
   bool finish() {
     flush();
     add(crc_.value());
@@ -144,7 +144,7 @@ class Writer {
   bool ok_ = true;
 };
 
-/// Gives the image to the sink, piece by piece; false when it refuses one.
+/// Passes the image to the sink in pieces; false if it refuses one.
 template <class S, class Sink>
 bool write(const StoreSchema<S>& schema, const Settings<S>& settings, std::uint32_t sequence,
            Sink sink) {
@@ -173,7 +173,7 @@ bool write(const StoreSchema<S>& schema, const Settings<S>& settings, std::uint3
   return out.finish();
 }
 
-/// Makes settings of the entries of an image, with defaults where there is no entry.
+/// Makes settings from the entries of an image, with defaults for missing entries.
 template <class S>
 class Reader {
  public:
@@ -200,7 +200,7 @@ class Reader {
   const Settings<S>& settings() const { return settings_; }
   std::uint16_t unknown() const { return unknown_; }
   std::uint16_t moved() const { return static_cast<std::uint16_t>((from_moved_ & ~own_).count()); }
-  /// Parameters that have kept their default.
+  /// The number of parameters that have kept their default.
   std::uint16_t missing() const {
     return static_cast<std::uint16_t>(schema_.rows.size() - (own_ | from_moved_).count());
   }
@@ -211,7 +211,7 @@ class Reader {
     return static_cast<std::size_t>(&row - schema_.rows.data());
   }
   void set(const ParameterRow<S>& row, Value value) {
-    // Reals are checked in finding(), all together: whether one is used depends on others.
+    // Reals are checked together in finding(), because whether one is used depends on others.
     const Fit inside = row.type == ValueType::real ? Fit::inside : fit(row, value);
     if (inside == Fit::inside) {
       row.set(settings_, value);
@@ -219,7 +219,8 @@ class Reader {
       finding_ = {problem_of(inside), position(row)};
     }
   }
-  /// An entry under the parameter's own key counts instead, whether it came before or comes later.
+  /// Takes the value of an old key, unless there is an entry under the parameter's own key, before
+  /// or after this one.
   void take_moved(const Moved& old, ValueType type, Value value) {
     const ParameterRow<S>* row = find_row(schema_.rows, old.to);
     if (row == nullptr || row->type != type) {

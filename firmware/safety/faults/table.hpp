@@ -32,7 +32,7 @@ constexpr const FaultRow& fault_row(Fault fault) {
   return fault_rows[static_cast<std::size_t>(fault) - 1];
 }
 
-/// Such as "wire_open"; "none" for Fault::none.
+/// The fault's name, such as "wire_open"; "none" for Fault::none.
 constexpr std::string_view fault_name(Fault fault) {
   return fault == Fault::none ? "none" : fault_row(fault).name;
 }
@@ -55,8 +55,8 @@ constexpr std::string_view class_name(FaultClass severity) {
   return names[static_cast<std::size_t>(severity)];
 }
 
-/// The setting that says how long a condition has to last; empty for most faults, whose time is in
-/// their row.
+/// The setting that gives the time that a condition has to last; empty for most faults, whose time
+/// is in their row.
 constexpr std::string_view time_setting(Fault fault) {
   switch (fault) {
     case Fault::following_error:

@@ -12,7 +12,7 @@ constexpr std::uint32_t largest_standard_id = 0x7FF;
 constexpr std::uint32_t largest_extended_id = 0x1FFF'FFFF;
 constexpr std::uint64_t max_data = 8;
 
-/// A flag, false where it is missing; nullopt where the value is no flag.
+/// The value of a flag; false if it is missing, nullopt if the value is not a flag.
 std::optional<bool> flag(const json& map, const char* key) {
   const auto found = map.find(key);
   if (found == map.end()) return false;
@@ -20,7 +20,7 @@ std::optional<bool> flag(const json& map, const char* key) {
   return found->get<bool>();
 }
 
-/// A whole number; nullopt where it is missing, something else or above `max`.
+/// The value of a whole number; nullopt if it is missing, of another kind or above `max`.
 std::optional<std::uint64_t> number(const json& map, const char* key, std::uint64_t max) {
   const auto found = map.find(key);
   if (found == map.end() || !found->is_number_unsigned()) return std::nullopt;
@@ -28,7 +28,7 @@ std::optional<std::uint64_t> number(const json& map, const char* key, std::uint6
   return value <= max ? std::optional(value) : std::nullopt;
 }
 
-/// Reads the data, which a remote frame does not need; false where it is wrong.
+/// Reads the data, which a remote frame does not need; false if they are malformed.
 bool read_data(const json& map, CanFrame& frame) {
   const auto found = map.find("data");
   if (frame.remote) return true;

@@ -11,11 +11,11 @@
 
 namespace smaservo::hal {
 
-/// `time_s` counts from 1970; receivers replace it by their own time.
+/// `time_s` counts from 1970; receivers replace it by the time of reception.
 std::vector<std::uint8_t> to_datagram(const CanFrame& frame, double time_s);
 
-/// nullopt where the datagram is no frame of classic CAN: it is no such map, an error frame, CAN
-/// FD, or has an identifier or length beyond the standard's.
+/// nullopt if the datagram is not a frame of classic CAN: not a map of this kind, an error frame,
+/// CAN FD, or an identifier or length beyond the standard's.
 std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram);
 
 }  // namespace smaservo::hal

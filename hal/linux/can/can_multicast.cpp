@@ -18,10 +18,10 @@ static_assert(CanPort<CanMulticast>);
 
 namespace {
 
-/// python-can's value; a frame takes about 170 bytes.
+/// python-can's value; a frame needs about 170 bytes.
 constexpr std::size_t longest_datagram = 4096;
 
-/// Number of datagrams that one call skips at most.
+/// Greatest number of datagrams that one call skips.
 constexpr int max_datagrams = 64;
 
 template <class Address>
@@ -32,7 +32,7 @@ Address as(const sockaddr_storage& general) {
   return address;
 }
 
-// The functions of the sockets API take addresses of all families by this type.
+// The functions of the sockets API take addresses of all families as this type.
 // NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast)
 sockaddr* general(sockaddr_storage& address) {
   return reinterpret_cast<sockaddr*>(&address);
@@ -74,7 +74,7 @@ int join(int socket, const MulticastAddress& group) {
   return set_option(socket, level, MCAST_JOIN_GROUP, request);
 }
 
-/// Receives the group's datagrams, but no others to the same port.
+/// Receives the datagrams of the group, but no others that are sent to the same port.
 int listen_to(int socket, const MulticastAddress& group) {
   const int error = set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
   if (error != 0) return error;
@@ -144,7 +144,7 @@ CanMulticast::CanMulticast(const std::string& group, std::uint16_t port)
   if (error != 0) throw CanError(name_ + ": " + std::strerror(error));
 }
 
-/// Opens the sender; where there is no route to the group, leaves it closed and sets errno.
+/// Opens the sender; if there is no route to the group, leaves it closed and sets errno.
 void CanMulticast::connect_sender() {
   Descriptor sender = udp_socket(group_.address.ss_family);
   if (sender.number() >= 0 && choose_interface(sender.number(), group_) == 0 &&
@@ -178,7 +178,7 @@ bool CanMulticast::receive(CanFrame& frame) {
 }
 
 bool CanMulticast::send(const CanFrame& frame) {
-  // The network may have gone and come back with another address.
+  // The network may have been lost and have come back with another address.
   if (sender_.number() < 0) connect_sender();
   const auto datagram = to_datagram(frame, now_s());
   if (sender_.number() >= 0 && ::send(sender_.number(), datagram.data(), datagram.size(),

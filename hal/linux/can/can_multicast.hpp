@@ -19,7 +19,7 @@ inline constexpr std::uint16_t default_multicast_port = 43113;
 struct MulticastAddress {
   sockaddr_storage address{};
   socklen_t size = 0;
-  unsigned interface = 0;  ///< number of the interface; 0: the route's
+  unsigned interface = 0;  ///< number of the interface; 0: chosen by the route
 };
 
 /// `group` is a numeric address; "%INTERFACE" after it selects the interface. Throws CanError.
@@ -28,18 +28,18 @@ MulticastAddress multicast_address(const std::string& group, std::uint16_t port)
 /// A CanPort. Its own frames do not come back. Datagrams do not leave the local network.
 class CanMulticast {
  public:
-  /// Throws CanError, for example where the machine has no route to the group.
+  /// Throws CanError, for example if the machine has no route to the group.
   explicit CanMulticast(const std::string& group = default_multicast_group,
                         std::uint16_t port = default_multicast_port);
 
-  /// Two system calls. Datagrams that are no frame are counted and skipped.
+  /// Makes two system calls. Datagrams that are not frames are counted and skipped.
   bool receive(CanFrame& frame);
   bool send(const CanFrame& frame);
 
   CanState state() const { return state_; }
   const CanStatistics& statistics() const { return statistics_; }
   const std::string& name() const { return name_; }
-  /// For poll(): readable when a datagram has come.
+  /// The descriptor for poll(): readable when a datagram has been received.
   int descriptor() const { return receiver_.number(); }
 
  private:
@@ -48,8 +48,8 @@ class CanMulticast {
   std::string name_;
   MulticastAddress group_;
   Descriptor receiver_;
-  Descriptor sender_;               ///< by its port the own datagrams are recognised
-  sockaddr_storage own_address_{};  ///< of the sender
+  Descriptor sender_;               ///< its port identifies the port's own datagrams
+  sockaddr_storage own_address_{};  ///< local address of the sender
   CanState state_ = CanState::active;
   CanStatistics statistics_;
 };

@@ -22,7 +22,7 @@ static_assert(CanPort<CanSocket>);
 
 namespace {
 
-/// Asks the kernel for the interface's number, flags or the like. False: there is no such
+/// Asks the kernel for the interface's number, flags or the like. False if there is no such
 /// interface.
 bool ask(int socket, const std::string& interface, unsigned long question, ifreq& answer) {
   answer = {};
@@ -35,10 +35,10 @@ bool is_up(int socket, const std::string& interface) {
   return ask(socket, interface, SIOCGIFFLAGS, answer) && (answer.ifr_flags & IFF_UP) != 0;
 }
 
-/// Number of error frames that one call skips at most.
+/// Greatest number of error frames that one call skips.
 constexpr int max_reads = 64;
 
-/// Errors of the controller as a whole. Errors of single bits are left out: they come by thousands.
+/// Errors of the whole controller. Errors of single bits are excluded: they come by thousands.
 constexpr can_err_mask_t watched_errors =
     CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_ACK;
 
@@ -72,8 +72,8 @@ CanFrame from_kernel(const RawFrame& raw) {
   return frame;
 }
 
-/// Reads one frame, and the kernel's count of frames that it had no room for. Returns -1 and errno
-/// as read() does.
+/// Reads one frame, and the kernel's count of frames that it had no room for. Returns -1 and sets
+/// errno like read().
 ssize_t read_frame(int socket, RawFrame& raw, std::uint32_t& overflow) {
   iovec place{&raw, sizeof raw};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof overflow)> control{};
@@ -146,15 +146,15 @@ int CanSocket::set_filters() {
                                                                                           : errno;
 }
 
-/// Clears the socket's pending error. It would fail the next call, and the interface that has come
-/// back would count as gone again.
+/// Clears the socket's pending error. Otherwise it would make the next call fail, and an interface
+/// that has come back would count as gone again.
 void CanSocket::forget_error() const {
   int error = 0;
   socklen_t size = sizeof error;
   getsockopt(descriptor(), SOL_SOCKET, SO_ERROR, &error, &size);
 }
 
-/// Called after a failure: whether frames can pass again.
+/// Called after a failure; returns whether frames can pass again.
 bool CanSocket::bring_back() {
   if (state_ == CanState::gone) {
     if (bind_interface() != 0) return false;
@@ -173,7 +173,7 @@ bool CanSocket::bring_back() {
 void CanSocket::failed(int error) {
   const bool was_there = state_ != CanState::down && state_ != CanState::gone;
   ifreq answer;
-  // ENODEV or ENXIO although the interface is there: it has come back under another number.
+  // ENODEV or ENXIO although the interface exists: it has come back under another number.
   if (error == ENETDOWN) {
     state_ = CanState::down;
   } else if (error == ENODEV || error == ENXIO ||

@@ -12,27 +12,28 @@
 
 namespace smaservo::hal {
 
-/// A CanPort. The interface may go down, come up, disappear and come back: frames are dropped and
-/// counted meanwhile. Its own frames do not come back; it receives those of other programs on the
-/// same machine.
+/// A CanPort. The interface may go down, come up, disappear and come back: meanwhile frames are
+/// dropped and counted. The port does not receive its own frames, but those of other programs on
+/// the same machine.
 class CanSocket {
  public:
   /// `interface`: the name that `ip link` shows; the interface may be down. Throws CanError.
   explicit CanSocket(std::string interface);
 
-  /// One or two system calls. Error frames are counted, not returned.
+  /// Makes one or two system calls. Error frames are counted, not returned.
   bool receive(CanFrame& frame);
-  /// One system call; false where the queue is full or the interface down. Never tries again.
+  /// Makes one system call; false if the queue is full or the interface down. Never tries again.
   bool send(const CanFrame& frame);
 
-  /// From now on receive() returns only data frames with these 11-bit identifiers, at most 512 of
-  /// which may be given; the kernel drops all others. Throws CanError.
+  /// From now on receive() returns only data frames with these 11-bit identifiers, of which at most
+  /// 512 may be given; the kernel drops all others. Throws CanError.
   void accept(std::span<const std::uint32_t> ids);
 
   CanState state() const { return state_; }
   const CanStatistics& statistics() const { return statistics_; }
   const std::string& name() const { return interface_; }
-  /// For poll(): readable when a frame has come. It stays the same for the port's whole life.
+  /// The descriptor for poll(): readable when a frame has been received. It never changes during
+  /// the port's life.
   int descriptor() const { return socket_.number(); }
 
  private:

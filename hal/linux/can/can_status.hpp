@@ -21,9 +21,9 @@ class CanNameError : public CanError {
 
 enum class CanState : unsigned char {
   active,
-  passive,  ///< after many errors the controller receives, but sends with restrictions
-  bus_off,  ///< the controller is off the bus; for ever where restart-ms is 0
-  down,     ///< the interface has been set down
+  passive,  ///< after many errors: the controller receives, but sends with restrictions
+  bus_off,  ///< the controller is off the bus; permanently if restart-ms is 0
+  down,     ///< the interface was set down
   gone,     ///< the interface has disappeared
 };
 
@@ -47,14 +47,15 @@ constexpr const char* name(CanState state) {
 struct CanStatistics {
   std::uint64_t received = 0;
   std::uint64_t sent = 0;
-  std::uint64_t dropped_full = 0;  ///< not sent: the queue was full
-  std::uint64_t dropped_down = 0;  ///< not sent: down, gone or unreachable
-  std::uint64_t lost = 0;          ///< came, but the receive queue was full
-  std::uint64_t malformed = 0;     ///< came, but is no frame of classic CAN
+  std::uint64_t dropped_full = 0;  ///< frames not sent because the queue was full
+  /// Frames not sent because the port was down, gone or unreachable.
+  std::uint64_t dropped_down = 0;
+  std::uint64_t lost = 0;       ///< frames received, but lost because the receive queue was full
+  std::uint64_t malformed = 0;  ///< datagrams received that are not frames of classic CAN
   std::uint64_t error_frames = 0;
   std::uint64_t bus_offs = 0;
-  std::uint64_t downs = 0;    ///< the interface went down or disappeared
-  std::uint64_t reopens = 0;  ///< it had disappeared and came back
+  std::uint64_t downs = 0;    ///< times that the interface went down or disappeared
+  std::uint64_t reopens = 0;  ///< times that the interface came back after it had disappeared
 };
 
 }  // namespace smaservo::hal

@@ -16,7 +16,7 @@ struct GroupAndPort {
   std::string port;  ///< empty: the default port
 };
 
-/// Splits what follows "udp:".
+/// Splits the text after "udp:".
 GroupAndPort split(const std::string& text) {
   if (text.starts_with('[')) {
     const std::size_t end = text.find(']');
@@ -26,7 +26,7 @@ GroupAndPort split(const std::string& text) {
     }
     return {text.substr(1, end - 1), rest.empty() ? "" : rest.substr(1)};
   }
-  // More than one colon: an address of IPv6 without a port.
+  // With more than one colon it is an IPv6 address without a port.
   const std::size_t colon = text.find(':');
   if (colon != std::string::npos && std::ranges::count(text, ':') == 1) {
     return {text.substr(0, colon), text.substr(colon + 1)};

@@ -22,7 +22,8 @@ class LinuxCan {
   bool send(const CanFrame& frame) {
     return std::visit([&](auto& port) { return port.send(frame); }, port_);
   }
-  /// Only frames with these identifiers are wanted. A CanMulticast cannot filter and returns all.
+  /// Restricts receive() to frames with these identifiers. A CanMulticast cannot filter and returns
+  /// all.
   void accept(std::span<const std::uint32_t> ids) {
     if (auto* socket = std::get_if<CanSocket>(&port_)) socket->accept(ids);
   }
@@ -44,8 +45,8 @@ class LinuxCan {
 };
 
 /// `text` is the name of a CAN interface of the kernel, such as "can0"; or "udp", "udp:GROUP",
-/// "udp:GROUP:PORT" for a multicast group, as in python-can's udp_multicast. A group of IPv6 stands
-/// in brackets where a port follows; "%INTERFACE" after the group selects the interface. Throws
+/// "udp:GROUP:PORT" for a multicast group, as in python-can's udp_multicast. An IPv6 group must be
+/// in brackets if a port follows; "%INTERFACE" after the group selects the interface. Throws
 /// CanError.
 LinuxCan open_can(const std::string& text);
 

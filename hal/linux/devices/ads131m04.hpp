@@ -1,8 +1,8 @@
 #pragma once
 // The SPI frames of Texas Instruments' ADS131M04 (data sheet SBAS890, sections 8.5 and 8.6),
 // without I/O. A frame is six words of 24 bits, most significant bit first: the response, four
-// channels and a CRC of these. 16-bit commands, registers and the CRC stand in the upper bits of a
-// word.
+// channels and a CRC of these five. 16-bit commands, registers and the CRC are in the upper bits of
+// a word.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ enum class Register : std::uint8_t { id = 0, status = 1, mode = 2, clock = 3, ga
 
 inline constexpr std::uint16_t null_command = 0x0000;
 inline constexpr std::uint16_t reset_command = 0x0011;
-inline constexpr std::uint16_t reset_response = 0xFF24;  ///< FF20h and the number of channels
+inline constexpr std::uint16_t reset_response = 0xFF24;  ///< FF20h plus the number of channels
 inline constexpr std::uint16_t id_mask = 0xFF00;
 inline constexpr std::uint16_t id = 0x2400;
 /// Mode register: 24-bit words, SPI time-out on, CRC of the CCITT; clears the reset flag.
@@ -64,7 +64,7 @@ constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-/// The frame to send: a command, and the value for a write.
+/// The frame that sends a command, with the value if it is a write.
 constexpr FrameBytes command_frame(std::uint16_t command, std::uint16_t value = 0) {
   FrameBytes bytes{};
   bytes[0] = static_cast<std::uint8_t>(command >> 8U);
@@ -75,12 +75,12 @@ constexpr FrameBytes command_frame(std::uint16_t command, std::uint16_t value = 
 }
 
 struct Reply {
-  /// Response to the command in the frame before; to null_command it is the status.
+  /// The response to the command in the previous frame; for null_command it is the status.
   std::uint16_t response;
   std::array<std::int32_t, channels> codes;
 };
 
-/// Reads a received frame; nullopt where the CRC is wrong.
+/// Reads a received frame; nullopt if the CRC is wrong.
 constexpr std::optional<Reply> parse(const FrameBytes& bytes) {
   const std::span<const std::uint8_t> all(bytes);
   const std::size_t end = frame_bytes - word_bytes;
@@ -99,7 +99,7 @@ constexpr std::optional<Reply> parse(const FrameBytes& bytes) {
   return reply;
 }
 
-/// Whether a status says that all channels have a sample that was not read before.
+/// Whether a status says that all channels have a new sample.
 constexpr bool all_fresh(std::uint16_t status) {
   return (status & 0x000FU) == 0x000FU;
 }

@@ -83,7 +83,7 @@ bool Ads131m04Digitizer::set(Register r, std::uint16_t value) {
   return get(r) == value;
 }
 
-/// Reads a register. The answer comes with the frame after the command's.
+/// Reads a register. The answer comes with the frame after that of the command.
 std::optional<std::uint16_t> Ads131m04Digitizer::get(Register r) {
   exchange(ads131m04::command_frame(ads131m04::read_command(r)));
   const std::optional<Reply> reply = exchange(ads131m04::command_frame(ads131m04::null_command));

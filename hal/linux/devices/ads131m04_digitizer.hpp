@@ -9,16 +9,17 @@
 namespace smaservo::hal {
 
 struct Ads131m04Settings {
-  unsigned osr_exponent = 3;  ///< 128 << 3 = 1024: 4000 samples a second with a clock of 8.192 MHz
+  /// Oversampling 128 << 3 = 1024: 4000 samples a second with a clock of 8.192 MHz.
+  unsigned osr_exponent = 3;
   std::array<unsigned, ads131m04::channels> gain_exponents{};
 };
 
 /// An ADS131M04 at an SPI port. The converter keeps two samples: both are read and the newer one is
-/// used. After a reset, by a dip of its supply, it is set up anew before its samples are used
-/// again.
+/// used. After a reset, for example by a dip of its supply, it is set up again before its samples
+/// are used.
 class Ads131m04Digitizer : public Digitizer {
  public:
-  /// Resets the converter and sets it up; throws DeviceError where it does not answer as it should.
+  /// Resets the converter and sets it up; throws DeviceError if its answers are wrong.
   Ads131m04Digitizer(std::unique_ptr<SpiPort> port, std::string name,
                      const Ads131m04Settings& settings);
   bool read(RawFrame& raw) override;

@@ -1,6 +1,6 @@
 #pragma once
-// Raw codes of one instant. Their meaning is not known here: a board calibrates what a converter
-// reads.
+// Raw codes of one instant. Their meaning is not known here: a board calibrates the codes of its
+// converter.
 
 #include <array>
 #include <cstddef>
@@ -14,7 +14,7 @@ inline constexpr std::size_t max_channels = 16;
 
 struct RawFrame {
   std::int64_t time_ns;
-  std::uint32_t sequence;  ///< counts samples
+  std::uint32_t sequence;  ///< number of the sample
   std::array<std::int64_t, max_channels> codes;
 };
 
@@ -26,8 +26,8 @@ class Digitizer {
   Digitizer(const Digitizer&) = delete;
   Digitizer& operator=(const Digitizer&) = delete;
 
-  /// Reads the newest frame; waits for it at most for a part of a period. False: none has come, or
-  /// it was damaged, and `raw` is meaningless. Allocates nothing.
+  /// Reads the newest frame; waits for it at most a part of a period. False if there is no new
+  /// frame or it was damaged; `raw` is then meaningless. Allocates nothing.
   virtual bool read(RawFrame& raw) = 0;
 };
 

@@ -97,7 +97,8 @@ PwmDrive::PwmDrive(const LinuxRoots& roots, const PwmSettings& settings) : setti
   wait_until_writable(folder + "/duty_cycle");
   duty_ = open_file(folder + "/duty_cycle", O_WRONLY);
   take_output(duty_.number(), folder + "/duty_cycle", roots);
-  // The kernel refuses a period below the duty cycle, of which another program may have left one.
+  // The kernel refuses a period below the duty cycle, and another program may have left a large
+  // duty cycle.
   if (!off()) {
     throw DeviceError(folder + "/duty_cycle: 0 cannot be written");
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Output stages, which take the drive command. They keep their value when nobody writes, so the
-// hardware's one-shot must enforce the lease: see firmware/HARDWARE.md.
+// Output stages, which carry out the drive command. They keep their value if it is not written
+// again, so the hardware's one-shot must enforce the lease: see firmware/HARDWARE.md.
 
 #include <array>
 #include <memory>
@@ -20,26 +20,27 @@ class OutputStage {
   OutputStage(const OutputStage&) = delete;
   OutputStage& operator=(const OutputStage&) = delete;
 
-  /// Puts a command out; false: it was not taken. One system call, no allocation.
+  /// Outputs a command; false if it was not accepted. One system call, no allocation.
   virtual bool put(const DriveCommand& command) = 0;
-  /// Switches off; false: that failed.
+  /// Switches off; false if that failed.
   virtual bool off() = 0;
-  /// The same as off(), for a signal handler. The result is valid as long as the stage lives.
+  /// The system call of off(), for a signal handler. The result is valid as long as the stage
+  /// lives.
   virtual OffAction off_action() = 0;
 };
 
-/// How a command becomes a converter's code, which is bounded by 0 and max_code.
+/// How a command is converted to a converter's code, which is bounded by 0 and max_code.
 struct DacScale {
-  double codes_per_unit;  ///< per ampere, or per volt where the drive takes a voltage
-  double zero_code = 0;   ///< code for no output
+  double codes_per_unit;  ///< codes per ampere, or per volt if the drive takes a voltage
+  double zero_code = 0;   ///< code at which there is no output
   double max_code = 65535;
-  bool voltage = false;  ///< takes DriveCommand::voltage_V
+  bool voltage = false;  ///< uses DriveCommand::voltage_V instead of current_A
 };
-/// The code of a command; a command that is NaN means off.
+/// The code for a command; NaN switches off.
 std::int64_t dac_code(const DacScale& scale, const DriveCommand& command);
 
 struct IioDacSettings {
-  std::string device;  ///< its attribute `name`
+  std::string device;  ///< value of its attribute `name`
   std::string channel = "out_voltage0";
   DacScale scale;
 };
@@ -59,10 +60,11 @@ class IioDac final : public OutputStage {
 
 struct SpiDacSettings {
   SpiSettings spi;
-  /// 2 or 3 bytes, the most significant one first; the code stands in the lowest bits.
+  /// 2 or 3 bytes, the most significant one first; the code is in the lowest bits, shifted by
+  /// `shift`.
   unsigned frame_bytes = 3;
-  std::uint32_t command = 0;  ///< bits above the code, already in their place
-  unsigned shift = 0;         ///< by so many bits the code is shifted to the left
+  std::uint32_t command = 0;  ///< bits above the code, already at their position
+  unsigned shift = 0;         ///< number of bits by which the code is shifted to the left
   DacScale scale;
 };
 
@@ -71,7 +73,7 @@ std::array<std::uint8_t, 3> dac_frame(const SpiDacSettings& settings, std::int64
 
 class SpiDac final : public OutputStage {
  public:
-  /// `port` null: the device of the settings is opened. A test gives a port of its own.
+  /// `port` null: opens the device of the settings. Tests give a port of their own.
   SpiDac(const LinuxRoots& roots, const SpiDacSettings& settings,
          std::unique_ptr<SpiPort> port = nullptr);
   ~SpiDac() override;

@@ -29,8 +29,8 @@ ScanElement element_of(const std::string& folder, const std::string& channel) {
   return {channel, static_cast<unsigned>(read_number(base + "_index")), *type};
 }
 
-/// An attribute of the channel, or else of all channels of its kind: in_voltage0_scale,
-/// in_voltage_scale.
+/// An attribute of the channel (in_voltage0_scale), or otherwise that of all channels of its kind
+/// (in_voltage_scale).
 double attribute(const std::string& folder, const std::string& channel, const char* what,
                  double otherwise) {
   const std::string own = folder + "/" + channel + "_" + what;
@@ -89,8 +89,8 @@ void IioDigitizer::enable(const IioSettings& settings) {
   if (has_time_) {
     write_text(folder_ + "/current_timestamp_clock", "monotonic");
   }
-  // Disables the elements that another program has left enabled, since they would stand between our
-  // samples.
+  // Disables the elements that another program has left enabled, since their samples would stand
+  // between ours.
   for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/scan_elements")) {
     const std::string name = entry.path().filename().string();
     if (name.ends_with("_en")) {
@@ -111,7 +111,7 @@ IioDigitizer::~IioDigitizer() {
   try {
     write_text(folder_ + "/buffer/enable", "0");
   } catch (const DeviceError&) {
-    return;  // the device has gone
+    return;  // the device is gone
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A converter read through a buffer of the kernel's Industrial I/O (IIO).
+// A converter that is read through a buffer of the kernel's Industrial I/O (IIO).
 
 #include <string>
 #include <vector>
@@ -11,10 +11,11 @@
 namespace smaservo::hal {
 
 struct IioSettings {
-  std::string device;                 ///< its attribute `name`
-  std::vector<std::string> channels;  ///< scan elements, such as "in_voltage0"
-  std::string trigger;                ///< its name; empty: the device's own
-  double hrtimer_Hz = 0;              ///< above 0: makes a missing trigger, a timer
+  std::string device;                 ///< value of its attribute `name`
+  std::vector<std::string> channels;  ///< names of scan elements, such as "in_voltage0"
+  std::string trigger;                ///< name of the trigger; empty: the device's own
+  /// Above 0: frequency of a timer trigger, which is created if it does not exist.
+  double hrtimer_Hz = 0;
   unsigned buffer_length = 16;
   std::int64_t longest_wait_ns = 500'000;
 };
@@ -30,7 +31,7 @@ class IioDigitizer : public Digitizer {
 
   bool read(RawFrame& raw) override;
 
-  /// The driver's calibration: SI is (code + offset) * scale. Where the driver has none, scale is 1
+  /// The driver's calibration: SI is (code + offset) * scale. If the driver has none, scale is 1
   /// and offset 0.
   struct Meaning {
     double scale, offset;

@@ -16,30 +16,31 @@ namespace smaservo::hal {
 struct ScanType {
   bool big_endian;
   bool is_signed;
-  unsigned bits;     ///< of the value, 1 to 64
-  unsigned storage;  ///< bits in the buffer: 8, 16, 32 or 64
-  unsigned shift;    ///< to the right, before the bits above `bits` are cut off
+  unsigned bits;     ///< bits of the value, 1 to 64
+  unsigned storage;  ///< bits of the sample in the buffer: 8, 16, 32 or 64
+  unsigned shift;  ///< number of bits by which a sample is shifted to the right before it is cut to
+                   ///< `bits`
 
   bool operator==(const ScanType&) const = default;
 };
-/// nullopt where it is no such text, or one of repeated elements, which are not supported.
+/// nullopt if the text is not such a format, or has repeated elements, which are not supported.
 std::optional<ScanType> parse_scan_type(std::string_view text);
 
 struct ScanElement {
   std::string name;  ///< "in_voltage0"
-  unsigned index;    ///< its place in the scan
+  unsigned index;    ///< position in the scan
   ScanType type;
 };
 
 struct PlacedElement {
   ScanType type;
-  std::size_t offset;  ///< bytes from the beginning of a scan
+  std::size_t offset;  ///< position in bytes from the beginning of a scan
 };
 
-/// In a scan the elements are in the order of their indices, each aligned to its own size.
+/// The elements of a scan are in the order of their indices, each aligned to its own size.
 struct ScanLayout {
-  std::vector<PlacedElement> elements;  ///< in the order of lay_out()'s argument
-  std::size_t size;                     ///< of one scan
+  std::vector<PlacedElement> elements;  ///< in the order of the argument of lay_out()
+  std::size_t size;                     ///< bytes of one scan
 };
 ScanLayout lay_out(std::span<const ScanElement> elements);
 

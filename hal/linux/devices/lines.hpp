@@ -1,5 +1,5 @@
 #pragma once
-// Digital lines of a board by their names, through libgpiod 2.
+// Digital lines of a board, found by their names through libgpiod 2.
 
 #include <memory>
 #include <string>
@@ -11,7 +11,7 @@
 namespace smaservo::hal {
 
 struct LineSettings {
-  std::string name;  ///< as `gpioinfo` shows it; empty: the board has no such line
+  std::string name;  ///< name as in `gpioinfo`; empty: the board has no such line
   bool active_low = false;
 };
 
@@ -30,19 +30,20 @@ class Lines {
   Lines(const Lines&) = delete;
   Lines& operator=(const Lines&) = delete;
 
-  // Each takes one system call, kick() two. Where the board has no such line, an input is false and
-  // an output does nothing.
-  virtual bool emergency_stop() = 0;  ///< true also where the line cannot be read
-  virtual bool driver_fault() = 0;    ///< true also where the line cannot be read
+  // Each makes one system call, kick() two. If the board has no such line, an input is false and an
+  // output does nothing.
+  virtual bool emergency_stop() = 0;  ///< also true if the line cannot be read
+  virtual bool driver_fault() = 0;    ///< also true if the line cannot be read
   virtual bool enable(bool on) = 0;   ///< false: the line was not set
   virtual bool kick() = 0;            ///< false: the line was not set
   virtual std::vector<OffAction> off_actions() = 0;
 };
 
-/// Whether a chip of these roots, such as "gpiochip0", can be opened and has a line of this name.
+/// Whether a chip, such as "gpiochip0", below these roots can be opened and has a line of this
+/// name.
 bool has_line(const LinuxRoots& roots, const std::string& chip, const std::string& name);
 
-/// Opens the lines; outputs are inactive then. Throws DeviceError.
+/// Opens the lines and makes the outputs inactive. Throws DeviceError.
 std::unique_ptr<Lines> open_lines(const LinuxRoots& roots, const LinesSettings& settings);
 
 }  // namespace smaservo::hal

@@ -11,13 +11,13 @@ namespace smaservo::hal {
 
 /// A sensor whose reading is one number in a file of the kernel: SI is (number + offset) * scale.
 struct SlowSensor {
-  std::string path;  ///< below the root of sysfs; empty: the board has no such sensor
+  std::string path;  ///< file below the root of sysfs; empty: the board has no such sensor
   double scale = 1;
   double offset = 0;
 };
 
-/// Reads supply and temperatures several times a second in a thread of its own, because such a read
-/// may sleep for milliseconds. A sensor that fails is NaN until it works again.
+/// Reads supply and temperatures several times a second in a thread of its own, because a read may
+/// sleep for milliseconds. The value of a sensor that fails is NaN until it works again.
 class SlowSensors {
  public:
   enum Which : unsigned char { supply, ambient, driver };

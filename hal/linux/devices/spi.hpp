@@ -15,8 +15,8 @@ class SpiPort {
   SpiPort(const SpiPort&) = delete;
   SpiPort& operator=(const SpiPort&) = delete;
 
-  /// Sends `out` and receives `in`, of equal sizes, at the same time, with the chip selected.
-  /// False: the transfer failed.
+  /// Sends `out` and receives `in`, of equal sizes, at the same time, with the chip selected. False
+  /// if the transfer failed.
   virtual bool transfer(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) = 0;
 };
 
@@ -26,8 +26,8 @@ struct SpiSettings {
   std::uint32_t clock_Hz = 8'000'000;
 };
 
-/// An SpiPort through spidev. Cost of a transfer: one system call, which takes its time on the bus
-/// and some 10 us.
+/// An SpiPort through spidev. Cost of a transfer: one system call, which takes the time on the bus
+/// plus about 10 us.
 class SpiDevice : public SpiPort {
  public:
   /// Throws DeviceError.

@@ -12,8 +12,8 @@ inline std::int64_t monotonic_ns() {
   return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-/// By how much CLOCK_BOOTTIME is ahead of CLOCK_MONOTONIC, which stands still while the machine is
-/// suspended: between these two bounds, since the clocks are read one after the other.
+/// Bounds of the lead of CLOCK_BOOTTIME over CLOCK_MONOTONIC, which stands still while the machine
+/// is suspended. There are two bounds because the clocks are read one after the other.
 struct BootLead {
   std::int64_t min_ns, max_ns;
 };
@@ -27,10 +27,10 @@ inline BootLead boot_lead() {
   return {boot_ns - monotonic_ns(), boot_ns - before_ns};
 }
 
-/// Finds out for how long the machine has been suspended.
+/// Measures for how long the machine was suspended.
 class SuspendWatch {
  public:
-  /// Since the last call; 0 in the first one. Never more than it really was.
+  /// Time suspended since the last call, never overestimated; 0 in the first call.
   std::int64_t suspended_ns(const BootLead& now) {
     const std::int64_t gone_ns = began_ ? now.min_ns - before_ns_ : 0;
     began_ = true;
@@ -43,8 +43,8 @@ class SuspendWatch {
   std::int64_t before_ns_ = 0;
 };
 
-/// CLOCK_MONOTONIC with sleeps to absolute times. std::this_thread::sleep_until computes a
-/// difference first; an interruption at that point would make it late.
+/// CLOCK_MONOTONIC with sleeps until absolute times. std::this_thread::sleep_until computes a
+/// difference first; an interruption at that point would delay the wake-up.
 struct MonotonicClock {
   static std::int64_t now_ns() { return monotonic_ns(); }
   static BootLead boot_lead() { return hal::boot_lead(); }

@@ -81,8 +81,8 @@ bool FileStore::sync() {
 
 bool FileStore::replace(unsigned slot) {
   const std::string beside = path(slot) + ".part";
-  // What was left there may be another user's, a link, a pipe: one process at a time stores here,
-  // so it is nobody's any more.
+  // An existing file of this name may be another user's, a link or a pipe. Only one process at a
+  // time stores here, so nobody uses it any more.
   std::remove(beside.c_str());
   {
     const Descriptor file(open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640));

@@ -17,7 +17,7 @@ class FileStore {
 
   explicit FileStore(std::string folder) : folder_(std::move(folder)) {}
 
-  // The members of a Storage.
+  // The members that Storage requires.
   bool read(unsigned slot, std::size_t offset, std::span<std::byte> to);
   bool erase(unsigned slot);
   bool write(unsigned slot, std::size_t offset, std::span<const std::byte> from);

@@ -10,9 +10,9 @@ namespace smaservo::hal {
 /// One system call that switches an output off. `data` lives as long as the board.
 struct OffAction {
   int descriptor;
-  unsigned long request;  ///< of ioctl(); 0: the call is pwrite() to the file's beginning
+  unsigned long request;  ///< request of ioctl(); 0: the call is pwrite() to the file's beginning
   void* data;
-  std::size_t size;  ///< of `data`, for pwrite()
+  std::size_t size;  ///< bytes of `data`, for pwrite()
 };
 
 /// Makes all calls, even if some fail. Safe in a signal handler.

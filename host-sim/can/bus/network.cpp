@@ -19,7 +19,8 @@ constexpr std::uint32_t lss_answer = 0x7E4;
 constexpr std::uint8_t identify_unconfigured = 0x4C;
 constexpr std::uint8_t identified_unconfigured = 0x50;
 
-/// The functions of CiA 301's pre-defined connection set, by the upper four bits of the identifier.
+/// The functions of CiA 301's pre-defined connection set, indexed by the upper four bits of the
+/// identifier.
 constexpr std::array<const char*, 16> functions{
     "NMT",    "EMCY",   "TIME",   "TPDO 1",     "RPDO 1",      "TPDO 2", "RPDO 2",    "TPDO 3",
     "RPDO 3", "TPDO 4", "RPDO 4", "SDO answer", "SDO request", "",       "heartbeat", "LSS"};
@@ -70,7 +71,7 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
   bus.send({.id = lss_request, .length = 8, .data = {identify_unconfigured}});
   for (unsigned node = 1; node <= max_nodes; ++node) {
     bus.send({.id = 0x600 + node, .length = 8, .data = {0x40, 0x00, 0x10, 0x00}});
-    // Requests are a millisecond apart, so that no queue on the way has to hold all of them.
+    // Requests are sent a millisecond apart, so that no queue on the way has to hold all of them.
     const std::int64_t until_us = bus.now_us() + 1000;
     while (bus.receive(frame, until_us)) note(nodes, found, frame);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The nodes on a bus, and its frames in words.
+// Finds the nodes on a bus, and describes frames in words.
 
 #include <optional>
 #include <string>
@@ -11,15 +11,15 @@ namespace smaservo::can {
 
 struct FoundNode {
   unsigned node;
-  std::optional<unsigned>
-      nmt_state;         ///< from a heartbeat or a boot-up message; none: neither was heard
-  bool answers = false;  ///< to SDO requests; a stopped node does not
-  std::uint32_t device_type = 0;  ///< 1000h
+  /// From a heartbeat or a boot-up message; none if neither was received.
+  std::optional<unsigned> nmt_state;
+  bool answers = false;           ///< answers SDO requests; a stopped node does not
+  std::uint32_t device_type = 0;  ///< value of 1000h
 };
 
 struct FoundNodes {
-  std::vector<FoundNode> nodes;  ///< in the order of their numbers
-  bool without_id = false;       ///< a device without a node-id has answered to LSS
+  std::vector<FoundNode> nodes;  ///< sorted by node-id
+  bool without_id = false;       ///< a device without a node-id has answered the LSS request
 };
 
 /// Sends a request to every node-id, then listens for `listen_us`.

@@ -10,8 +10,8 @@
 namespace smaservo::can {
 namespace {
 
-/// Attempts, a millisecond apart, to put a frame into a full queue. The queue empties within the
-/// time of a few frames unless no node acknowledges them.
+/// Number of attempts, a millisecond apart, to put a frame into a full queue. The queue empties
+/// within the time of a few frames unless no node acknowledges them.
 constexpr int queue_tries = 200;
 
 hal::LinuxCan opened(const std::string& name) {
@@ -53,9 +53,10 @@ bool PortBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
                       name(), name()));
     }
     pollfd waiting{port_.descriptor(), POLLIN, 0};
-    // Not poll(): its milliseconds are too long for whoever sends SYNC each millisecond.
+    // ppoll() instead of poll(), whose milliseconds are too coarse for sending SYNC each
+    // millisecond.
     const std::int64_t wait_us = std::min<std::int64_t>(left_us, 1'000'000);
-    // Both are of 32 bits on armhf.
+    // Both members have 32 bits on armhf.
     const timespec wait{static_cast<time_t>(wait_us / 1'000'000),
                         static_cast<long>(wait_us % 1'000'000 * 1000)};
     ppoll(&waiting, 1, &wait, nullptr);

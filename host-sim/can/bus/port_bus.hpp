@@ -8,7 +8,7 @@ namespace smaservo::can {
 /// An interface or multicast group of this machine, in real time.
 class PortBus final : public Bus {
  public:
-  /// `name` as open_can() takes it. Throws UserError.
+  /// `name` as for open_can(). Throws UserError.
   explicit PortBus(const std::string& name);
 
   void send(const hal::CanFrame& frame) override;

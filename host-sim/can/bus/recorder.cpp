@@ -37,15 +37,15 @@ void set_trigger(Remote& remote, const std::string& trigger) {
   remote.set("recorder.trigger_level", trigger.substr(sign + 1));
 }
 
-/// Whole periods. The device says its period as a float, which may be a little more than the number
-/// that people mean.
+/// The number of whole periods. The device sends its period as a float, which may be slightly more
+/// than the intended number.
 double rows_within(double time_s, double period_s) {
   return std::floor(time_s / period_s + 1e-3);
 }
 
-/// The first row of the requested time. A memory that was not full holds all since the recorder was
-/// armed; where the trigger's signal has been recorded, the trigger is found as the device does. 0
-/// where it is not.
+/// The index of the first row of the requested time. A memory that was not full contains all rows
+/// since the recorder was armed; if the trigger's signal was recorded, the trigger is found as the
+/// device does, otherwise the result is 0.
 std::size_t first_row(const Recording& recording, const RecordingPlan& plan) {
   const std::size_t sign = plan.trigger.find_first_of("<>");
   const auto found = std::ranges::find(plan.signals, plan.trigger.substr(0, sign));
@@ -94,7 +94,7 @@ void arm_recorder(Remote& remote, const RecordingPlan& plan) {
     set(remote, fmt::format("recorder.channel_{}", i + 1), sub);
   }
   set_trigger(remote, plan.trigger);
-  // The recorder tells its capacity only after it has been armed.
+  // The recorder shows its capacity only after it has been armed.
   set(remote, "recorder.divisor", 1);
   set(remote, "recorder.pretrigger", 0);
   try {
@@ -120,8 +120,8 @@ RecorderWatch::RecorderWatch(Remote& remote, const RecordingPlan& plan, double p
       patience_s_(patience_s),
       until_us_(remote.bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6)),
       after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)),
-      // The recording is complete with this many rows, even if the memory holds more. A loop that
-      // misses cycles takes longer to collect them.
+      // The recording is complete with this many rows, even if the memory has room for more. A loop
+      // that misses cycles takes longer to collect them.
       rows_(std::ceil(plan.seconds / period_of(remote))) {}
 
 bool RecorderWatch::is_complete() {
@@ -166,8 +166,8 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
     }
     recording.rows.push_back(std::move(row));
   }
-  // Rows that came between the end of the requested time and the stop are dropped, and those of
-  // before.
+  // Drops the rows between the end of the requested time and the stop, and those before the
+  // requested time.
   const auto max = static_cast<std::size_t>(std::ceil(plan.seconds / recording.period_s));
   const std::size_t first = first_row(recording, plan);
   auto& rows = recording.rows;

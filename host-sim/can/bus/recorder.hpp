@@ -1,5 +1,5 @@
 #pragma once
-// The device's recorder (2300h): signals at the rate of the loop.
+// The device's recorder (2300h), which records signals at the rate of the loop.
 
 #include "host-sim/can/bus/recording.hpp"
 #include "host-sim/can/remote.hpp"
@@ -10,7 +10,8 @@ struct RecordingPlan {
   std::vector<std::string> signals;  ///< names of firmware/signals.hpp, at most 8
   double seconds = 1;
   double before_s = 0;  ///< the part of `seconds` that lies before the trigger
-  std::string trigger;  ///< "wire_temperature_K>350", "drive_current_A<0.1"; empty: starts at once
+  std::string trigger;  ///< "wire_temperature_K>350", "drive_current_A<0.1"; empty: recording
+                        ///< starts at once
 };
 
 /// Sets the recorder's signals, rate and trigger, and arms it. Throws UserError.
@@ -21,7 +22,7 @@ class RecorderWatch {
  public:
   RecorderWatch(Remote& remote, const RecordingPlan& plan, double patience_s);
 
-  /// Throws UserError, and stops the recorder, when the trigger has not come within `patience_s`.
+  /// Throws UserError and stops the recorder if the trigger has not come within `patience_s`.
   bool is_complete();
 
  private:
@@ -31,14 +32,14 @@ class RecorderWatch {
   double rows_;
 };
 
-/// Waits until the recorder is full or has the rows of the requested time. Throws UserError when
-/// the trigger has not come within `patience_s`.
+/// Waits until the recorder is full or has the rows of the requested time. Throws UserError if the
+/// trigger has not come within `patience_s`.
 void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s);
 
-/// Stops the recorder and reads what it has. Throws UserError.
+/// Stops the recorder and reads its rows. Throws UserError.
 Recording read_recording(Remote& remote, const RecordingPlan& plan);
 
-/// Throws NoResult where the recording that `file` holds has ended before its time.
+/// Throws NoResult if the recording, which is in `file`, ended early.
 void require_complete(const Recording& recording, const RecordingPlan& plan,
                       const std::string& file);
 

@@ -14,13 +14,13 @@
 namespace smaservo::can {
 namespace {
 
-/// The device sends float, and so to_csv() writes it.
+/// The device sends floats, and to_csv() writes them.
 constexpr auto max_number = static_cast<double>(std::numeric_limits<float>::max());
 
-/// Times are written with nine digits.
+/// Relative tolerance of the period, because times are written with nine digits.
 constexpr double period_tolerance = 0.01;
 
-/// An empty field is NaN. Otherwise the whole text must be a number.
+/// The number in a field. An empty field is NaN; otherwise the whole text must be a number.
 double field_number(const std::string& text, const std::string& path, unsigned line) {
   if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
   double number = 0;
@@ -33,8 +33,8 @@ double field_number(const std::string& text, const std::string& path, unsigned l
   return number;
 }
 
-/// Takes the time of a row, which lies a period after the one before: the first two rows say how
-/// long that is.
+/// Takes the time of a row, which must be one period after that of the row before; the first two
+/// rows define the period.
 void take_time(double time_s, Recording& recording, double& last_s, const std::string& where) {
   const std::size_t rows = recording.rows.size();
   const double step_s = time_s - last_s;
@@ -82,7 +82,7 @@ Recording load_recording(const std::string& path) {
         fmt::format("{}: is not a recording: its first line must begin with time_s,", path));
   }
   Recording recording;
-  // The additional comma keeps a last field that is empty.
+  // The appended comma preserves an empty last field.
   std::istringstream header(line.substr(line.find(',') + 1) + ",");
   for (std::string name; std::getline(header, name, ',');) recording.signals.push_back(name);
   if (std::ranges::count(recording.signals, "") != 0) {

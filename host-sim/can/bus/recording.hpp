@@ -1,5 +1,5 @@
 #pragma once
-// Signals that were recorded at one rate, and their file.
+// Signals recorded at one rate, and their file.
 
 #include <string>
 #include <vector>
@@ -9,16 +9,15 @@ namespace smaservo::can {
 struct Recording {
   std::vector<std::string> signals;
   double period_s = 0;
-  std::vector<std::vector<double>> rows;  ///< a column for each signal
+  std::vector<std::vector<double>> rows;  ///< each row has a value for each signal
 
-  /// Throws UserError for a signal that was not recorded.
+  /// Throws UserError if the signal was not recorded.
   std::vector<double> column(const std::string& signal) const;
 };
 
-/// As CSV with a header; times begin at 0.
+/// The recording as CSV with a header; times begin at 0.
 std::string to_csv(const Recording& recording);
-/// Reads a file that to_csv() has made. Throws UserError, also where the rows are not evenly spaced
-/// in time.
+/// Reads a file made by to_csv(). Throws UserError, also if the rows are not evenly spaced in time.
 Recording load_recording(const std::string& path);
 
 }  // namespace smaservo::can

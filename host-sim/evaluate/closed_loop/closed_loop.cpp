@@ -90,7 +90,7 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
       [&](std::size_t i) {
         const std::size_t run = i / loop_kinds.size();
         const std::size_t kind = i % loop_kinds.size();
-        // Rows have the same seeds, so that they differ by their loads only.
+        // All rows of the table use the same seeds, so they differ only by their loads.
         const std::uint64_t seed = 100'000 * options.seed + run;
         results[run].at(kind) = run_steps(loop_kinds.at(kind), units[run % units.size()],
                                           conditions(row, seed), options.steps, seed);
@@ -112,7 +112,7 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
   return result;
 }
 
-/// Steps and sines of every controller.
+/// Judges steps and sines of every controller.
 void judge_loops(ClosedLoopEvaluation& result, const std::vector<KnownUnit>& units,
                  const ClosedLoopOptions& options) {
   for (const LoopRow row : closed_loop_rows) {

@@ -1,6 +1,7 @@
 #pragma once
-// The table by which control is judged. The firmware runs on simulated units that are not its
-// model, with wires calibrated by identify, beside an ideal sensor and two simpler loops.
+// The table by which control is judged. The firmware runs on simulated units that differ from its
+// model, with wires calibrated by `identify`, and is compared with an ideal sensor and two simpler
+// loops.
 
 #include <cstdint>
 #include <functional>
@@ -16,19 +17,19 @@
 namespace smaservo::evaluate {
 
 struct ClosedLoopOptions {
-  int units = 3;      ///< of each family, with seeds from `seed` on
-  int runs = 108;     ///< of each row
-  int steps = 27;     ///< of each run
-  int random = 1000;  ///< scenarios, see hottest.hpp
-  /// Where it is set, only the random scenarios are run, with seeds from here on.
+  int units = 3;      ///< units of each family, with seeds from `seed` on
+  int runs = 108;     ///< runs in each row
+  int steps = 27;     ///< steps in each run
+  int random = 1000;  ///< number of random scenarios, see hottest.hpp
+  /// If set, only the random scenarios are run, with seeds from this one on.
   std::optional<std::uint64_t> random_from;
   std::uint64_t seed = 1000;
-  int threads = 1;    ///< the result does not depend on them
-  std::string wires;  ///< folder of the calibrated wires, as EvaluateOptions has it
+  int threads = 1;    ///< does not affect the result
+  std::string wires;  ///< folder of the calibrated wires, as in EvaluateOptions
   std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress;
 };
 
-/// A row's loads.
+/// The loads of a row.
 enum class LoopRow : unsigned char {
   weights,  ///< 100..300 MPa
   spring,   ///< 100..300 MPa
@@ -38,13 +39,14 @@ inline constexpr std::array closed_loop_rows{LoopRow::weights, LoopRow::spring, 
 
 /// The figures of one controller in one row. Errors are in per cent of the nominal stroke.
 struct LoopFigures {
-  replay::ErrorStatistics error;             ///< at the end of each step
-  std::vector<double> heating_s, cooling_s;  ///< sorted; infinite where a step never settled
-  int heated_in_time = 0;                    ///< settled within 0.10 s
-  int cooled_in_time = 0;    ///< settled within 1.3 times what the ideal sensor needed
+  replay::ErrorStatistics error;  ///< error at the end of each step
+  /// Settling times, sorted; infinite if a step never settled.
+  std::vector<double> heating_s, cooling_s;
+  int heated_in_time = 0;    ///< steps settled within 0.10 s
+  int cooled_in_time = 0;    ///< steps settled within 1.3 times the ideal sensor's time
   int cycles = 0;            ///< steps that end in a limit cycle
-  double above_limit_K = 0;  ///< of the hottest point in all runs
-  std::vector<Fault> trips;  ///< of the runs that ended switched off
+  double above_limit_K = 0;  ///< excess of the hottest point over the limit, in all runs
+  std::vector<Fault> trips;  ///< faults of the runs that ended switched off
 
   double quantile_s(bool heats, double share) const;
 };
@@ -59,12 +61,12 @@ struct ClosedLoopEvaluation {
   std::uint64_t seed;
   double stroke;
   std::vector<LoopRowResult> rows;
-  /// Of each controller: the bandwidth on each unit at 200 MPa.
+  /// For each controller: the bandwidth on each unit at 200 MPa.
   std::array<std::vector<double>, loop_kinds.size()> bandwidth_Hz;
-  std::vector<HottestRun> hottest;  ///< of the random scenarios
+  std::vector<HottestRun> hottest;  ///< results of the random scenarios
 };
 
-/// Throws UserError. Takes some 3 s a run, and the calibration of the units.
+/// Throws UserError. Takes about 3 s per run, plus the calibration of the units.
 ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options);
 
 std::string closed_loop_markdown(const ClosedLoopEvaluation& evaluation);

@@ -15,7 +15,7 @@ namespace {
 
 struct RowText {
   std::string_view name, meaning;
-  double target_percent;  ///< for the mean of the steady error
+  double target_percent;  ///< target for the mean of the steady error
 };
 
 RowText text_of(LoopRow row) {
@@ -30,7 +30,7 @@ RowText text_of(LoopRow row) {
   return {"light", "50 MPa", 2};
 }
 
-/// An infinite time, which never came, becomes NaN: an empty field.
+/// An infinite time, which means never, becomes NaN: an empty field.
 double finite(double value) {
   return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
 }
@@ -48,7 +48,7 @@ std::string trips(const LoopFigures& f) {
   return text;
 }
 
-/// Marked values miss their target; the firmware alone has targets.
+/// Marked values miss their target; only the firmware has targets.
 files::TextTable steps(const ClosedLoopEvaluation& e) {
   files::TextTable table({{"load", "", "load"},
                           {"loop", "", "loop"},

@@ -21,7 +21,7 @@ double quantile(const std::vector<HottestRun>& sorted, double share) {
   return sorted[static_cast<std::size_t>(std::lround(share * last))].above_limit_K;
 }
 
-/// Counts the scenarios of a class and finds the worst.
+/// Counts the scenarios of a class and finds the worst one.
 struct Tally {
   int runs = 0, violations = 0, tripped = 0;
   double worst_K = -std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ void add_line(files::TextTable& table, const std::string& what, const Tally& t) 
   table.add({what, t.runs, {t.violations, t.violations > 0}, t.worst_K, t.worst_seed, t.tripped});
 }
 
-/// A line for each class.
+/// Adds a line for each class.
 void add_lines(files::TextTable& table, const std::vector<HottestRun>& runs, std::string_view kind,
                std::string_view (*name)(const HottestRun&)) {
   std::map<std::string_view, Tally> classes;
@@ -101,7 +101,8 @@ HottestRun run_hottest(const RandomScenario& scenario) {
       run.first_cause = cycle.output.first_cause;
       run.tripped_s = cycle.time_s;
     }
-    // It is answered by a fault while it is above, or within hottest_answered_s afterwards.
+    // A fault while the point is too hot, or up to hottest_answered_s after it first was, counts as
+    // an answer.
     if (cycle.truth.hottest_K - limit_K > hottest_allowed_K) {
       run.over_s += cycle.time_s - before_s;
       since_s = std::min(since_s, cycle.time_s);

@@ -1,5 +1,6 @@
 #pragma once
-// The hottest point of the wire in random scenarios, and the faults that the device finds in them.
+// The hottest point of the wire in random scenarios, and the faults that the device detects in
+// them.
 
 #include <cstdint>
 #include <functional>
@@ -10,11 +11,11 @@
 
 namespace smaservo::evaluate {
 
-/// The true hottest point may exceed limits.temperature_K by this much.
+/// Allowed excess of the true hottest point over limits.temperature_K.
 inline constexpr double hottest_allowed_K = 3;
-/// What it should never be.
+/// An excess that should never occur.
 inline constexpr double hottest_far_K = 15;
-/// Time within which a device has to end in a fault where it is hotter.
+/// Time within which a device has to be in a fault after a greater excess than allowed.
 inline constexpr double hottest_answered_s = 5;
 
 /// The outcome of one scenario, and the properties by which scenarios are classed.
@@ -26,30 +27,30 @@ struct HottestRun {
   bool beyond;
   double duration_s;
   double above_limit_K;  ///< maximum of the true hottest point less limits.temperature_K
-  double at_s;           ///< when
-  Fault first_cause;     ///< of the first trip; Fault::none: never
-  double tripped_s;      ///< when; infinite: never
-  double over_s;         ///< for so long above what is allowed, all such times together
-  bool unanswered;       ///< not in a fault hottest_answered_s after it was above
+  double at_s;           ///< time of above_limit_K
+  Fault first_cause;     ///< cause of the first trip; Fault::none: there was none
+  double tripped_s;      ///< time of the first trip; infinite: there was none
+  double over_s;         ///< total time above the allowed excess
+  bool unanswered;       ///< no fault within hottest_answered_s after an excess
 
   bool violates() const { return above_limit_K > hottest_allowed_K; }
-  /// Nothing happened to the wire and nothing was asked beyond its limits.
+  /// Nothing happened to the wire, and nothing was demanded beyond its limits.
   bool harmless() const {
     return !beyond && trouble == RandomTrouble::none &&
            (air == RandomAir::still || air == RandomAir::draught);
   }
   /// A harmless scenario has tripped. A following error is no false alarm: the current limit or a
-  /// draught may put a set-point out of reach.
+  /// draught may make a set-point unreachable.
   bool false_alarm() const {
     return harmless() && first_cause != Fault::none && first_cause != Fault::following_error;
   }
 };
 
-/// Cost: 20 to 600 s of a closed loop, 0.03 to 0.1 s for each 20 s.
+/// Cost: each 20 s of the 20 to 600 s of a closed loop take 0.03 to 0.1 s.
 HottestRun run_hottest(const RandomScenario& scenario);
 
-/// `count` scenarios with seeds from `seed` on, by several threads; the result does not depend on
-/// them.
+/// Runs `count` scenarios with seeds from `seed` on, in several threads, whose number does not
+/// affect the result.
 std::vector<HottestRun> run_hottest(const std::vector<CalibratedUnit>& units, std::uint64_t seed,
                                     int count, int threads,
                                     const std::function<void(std::size_t)>& done);

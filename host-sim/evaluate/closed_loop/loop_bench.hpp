@@ -1,5 +1,5 @@
 #pragma once
-// A closed loop to judge controllers by: a unit on a simulated board, driven step by step.
+// A closed loop for judging controllers: a unit on a simulated board, driven step by step.
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@
 
 namespace smaservo::evaluate {
 
-/// The device's settings for this wire, with which every run begins.
+/// The device's settings for this wire at the beginning of every run.
 Settings<double> loop_settings(const Wire<double>& wire);
 
 /// The load and surroundings of a unit, and the errors of its sensors.
@@ -28,13 +28,13 @@ class LoopBench {
 
   LoopBench(const bench::WireUnit& unit, const LoopConditions& conditions, std::uint64_t seed);
 
-  /// Takes the readings of this instant. drive() then simulates one period.
+  /// Reads the sensors at this instant. drive() then simulates one period.
   Inputs<double> read();
   void drive(double current_A);
 
   hal::SimBoard& board() { return board_; }
   hal::SimTruth truth() const { return board_.truth(); }
-  /// Highest temperature anywhere in the wire so far.
+  /// The highest temperature so far anywhere in the wire.
   double peak_K() const { return peak_K_; }
 
  private:

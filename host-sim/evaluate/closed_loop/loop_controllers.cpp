@@ -129,7 +129,7 @@ KnownUnit known_unit(hal::Family family, std::uint64_t seed, const std::string& 
   known.wire = calibrated_wire(known.unit, folder);
   std::vector<identify::Run> runs;
   for (std::size_t i = 0; i < calibration_stresses_MPa.size(); ++i) {
-    // The estimator's lines cannot follow light loads, under which much R-phase forms.
+    // The estimator's lines cannot represent light loads, at which much R-phase forms.
     if (calibration_stresses_MPa.at(i) >= 50) {
       runs.push_back(calibration_measurement(known.unit, i));
     }

@@ -11,7 +11,7 @@
 namespace smaservo::evaluate {
 namespace {
 
-/// A controller on a wire, and the range of strains that the wire has.
+/// A controller on a wire, and the range of strains of the wire.
 class Loop {
  public:
   Loop(LoopKind kind, const KnownUnit& known, const LoopConditions& conditions, std::uint64_t seed)
@@ -27,7 +27,7 @@ class Loop {
     longest_ = bench_.truth().strain;
     shortest_ = strain(known.wire.material, Phases<double>{0, 0}, hot_Pa);
     bench_.drive(controller_->current_A(at_rest, longest_, longest_));
-    // One full stroke: at rest, hot, and back.
+    // Makes one full stroke: at rest, hot, and back.
     hold(longest_, 1);
     hold(at(0.05), 1);
     hold(at(0.95), loop_hold_s);
@@ -60,7 +60,7 @@ class Loop {
   double shortest_ = 0, longest_ = 0;
 };
 
-/// Counts the turns of the strain by more than `min`.
+/// The number of reversals of the strain by more than `min`.
 int reversals(std::span<const double> strain, double min) {
   int count = 0;
   double lowest = strain.front();

@@ -26,8 +26,8 @@ constexpr std::array<std::string_view, random_trouble_count> trouble_names{
     "weak converter", "broken",      "shorted",   "slip",        "reboot"};
 constexpr std::array<std::string_view, 3> sensor_names{"current", "voltage", "load"};
 
-/// Draws one scenario, part by part. Another order of the calls makes another scenario of the same
-/// seed.
+/// Draws one scenario, part by part. Another order of the calls gives another scenario from the
+/// same seed.
 class Draw {
  public:
   Draw(const std::vector<CalibratedUnit>& units, std::uint64_t seed) : dice_(seed) {
@@ -50,7 +50,7 @@ class Draw {
   bench::ClosedLoopScenario& loop() { return result_.loop; }
   Settings<double>& device() { return result_.loop.settings; }
 
-  /// 0 to count - 1.
+  /// A random number in 0..count - 1.
   std::size_t choice(std::size_t count) {
     return std::min(static_cast<std::size_t>(dice_.uniform(0, static_cast<double>(count))),
                     count - 1);
@@ -66,7 +66,7 @@ class Draw {
         (loop().note.empty() ? "" : ", ") + fmt::format(text, std::forward<Parts>(parts)...);
   }
 
-  /// Draws the true wire and the wire file that the device is given.
+  /// Draws the true wire, and the wire file that the device gets.
   void wire(const std::vector<CalibratedUnit>& units) {
     const CalibratedUnit& known = units[choice(units.size())];
     bench::PlantSetup& plant = loop().plant;
@@ -78,7 +78,7 @@ class Draw {
       plant.structure = known.unit.structure;
       known_ = known.wire;
     } else {
-      // A lumped plant whose loss and heat capacity are as far off as a calibration leaves them.
+      // A lumped plant whose loss and heat capacity have the errors that a calibration leaves.
       plant.family = bench::PlantFamily::lumped;
       plant.wire = files::load_wire(std::string(files::default_wire));
       known_ = dice_.coin() ? plant.wire.wire : known.wire;
@@ -252,7 +252,7 @@ class Draw {
     }
   }
 
-  /// The cooling falls by little steps within some seconds, as where a cover slides over the wire.
+  /// The cooling falls in small steps over some seconds, as when a cover slides over the wire.
   void fading() {
     constexpr int steps = 20;
     const double to = dice_.uniform(0.3, 0.9);
@@ -266,8 +266,8 @@ class Draw {
     note("cooling falls to {:.2f} from {:.1f} s within {:.1f} s", to, from_s, within_s);
   }
 
-  /// The wire was calibrated in the draught of a fan, which fails once or more often. It may also
-  /// not run at the start.
+  /// The wire was calibrated in the draught of a fan, which fails once or several times; it may be
+  /// off from the start.
   void fan() {
     loop().board.surroundings.draught = fan_;
     note("fan {:.2f}", fan_);
@@ -279,7 +279,7 @@ class Draw {
     }
   }
 
-  /// Close to a wall, or to other wires, which keep the air and are warmed by the wire.
+  /// The wire is close to a wall or to other wires, which enclose the air; the wire warms this air.
   void wall() {
     constexpr int steps = 12;
     hal::SimSurroundings& around = loop().board.surroundings;
@@ -295,7 +295,7 @@ class Draw {
     note("cooling {:.2f}, air {:.0f} K warmer within {:.0f} s", around.draught, by_K, within_s);
   }
 
-  /// None in 40 %; in the others two at once in a quarter.
+  /// No trouble in 40 % of the scenarios; two at once in a quarter of the others.
   void trouble() {
     result_.trouble = result_.second = RandomTrouble::none;
     if (chance(0.4)) {
@@ -342,7 +342,7 @@ class Draw {
         note("{:.1f} V", *e.supply_V);
         break;
       case RandomTrouble::weak_converter:
-        // A converter is weak for the whole run, so this trouble is no event.
+        // The converter is weak during the whole run, so this trouble is no event.
         loop().events.pop_back();
         loop().board.converter.max_A = dice_.uniform(0.05, 0.3);
         loop().board.converter.slew_A_s = log_uniform(2, 200);
@@ -404,7 +404,7 @@ class Draw {
 
   // Set-points.
 
-  /// Power that holds the wire at its limit in still air.
+  /// The power that holds the wire at its limit in still air.
   double limit_W() {
     return plant_params(known_).body.loss_W(device().limits.temperature_K -
                                             device().limits.hot_spot_K - room_K);
@@ -474,7 +474,7 @@ class Draw {
     }
   }
 
-  /// Clears faults and arms the device again, as a user does who wants to go on.
+  /// Clears faults and arms the device again, like a user who wants to go on.
   void insist() {
     stretch(Mode::off, 0.05, 0, 0);
     loop().program.back().command.clear_faults = true;
@@ -506,7 +506,7 @@ class Draw {
   double low_Pa_ = 0, high_Pa_ = 0;
   double used_s_ = 0;
   double duration_s_ = 20;
-  double fan_ = 1;  ///< convection under which the wire's file was fitted, relative to still air
+  double fan_ = 1;  ///< convection in which the wire's file was fitted, relative to still air
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Closed loops drawn at random: what users ask of a device, and what may happen to it meanwhile.
+// Randomly drawn closed loops: the demands of users on a device, and disturbances meanwhile.
 
 #include <cstdint>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace smaservo::evaluate {
 
-/// A piece of wire and the wire file that identify has made of it.
+/// A piece of wire, and the wire file that `identify` has made for it.
 struct CalibratedUnit {
   bench::WireUnit unit;
   Wire<double> wire;
@@ -29,17 +29,17 @@ enum class RandomAir : unsigned char {
   gusts,
   shielded,  ///< a little less cooling for a time
   ambient_step,
-  weak,     ///< less cooling than the file says, from the start
-  lost,     ///< cooling falls at once
-  fading,   ///< cooling falls within seconds
+  weak,     ///< slightly less cooling for a time
+  lost,     ///< cooling falls suddenly
+  fading,   ///< cooling falls over some seconds
   fan,      ///< the file was fitted in a fan's draught, and the fan fails
-  touched,  ///< much more cooling for a moment
+  touched,  ///< much more cooling for a short time
   wall,     ///< less cooling, in air that the wire warms
 };
 inline constexpr std::size_t random_air_count = 11;
 std::string_view random_air_name(RandomAir air);
 
-/// What happens to wire, load, sensors, converter and device.
+/// Disturbances of wire, load, sensors, converter and device.
 enum class RandomTrouble : unsigned char {
   none,
   load_change,
@@ -61,16 +61,16 @@ inline constexpr std::size_t random_trouble_count = 15;
 std::string_view random_trouble_name(RandomTrouble trouble);
 
 struct RandomScenario {
-  bench::ClosedLoopScenario loop;  ///< its note says what was drawn
-  Mode mode;                       ///< the mode of most of its commands
+  bench::ClosedLoopScenario loop;  ///< its note describes what was drawn
+  Mode mode;                       ///< mode of most of its commands
   RandomAir air;
   RandomTrouble trouble;
-  RandomTrouble second;  ///< at once with it
-  bool beyond;           ///< set-points beyond what limits and load allow
+  RandomTrouble second;  ///< a trouble at the same time as the first one
+  bool beyond;           ///< there are set-points beyond the limits or what the load allows
 };
 
-/// Draws a scenario of 20, 60 or 600 s from this seed. host-sim/evaluate/README.md lists what is
-/// drawn from which range.
+/// Draws a scenario of 20, 60 or 600 s from this seed. host-sim/evaluate/README.md lists the ranges
+/// of all random values.
 RandomScenario random_scenario(const std::vector<CalibratedUnit>& units, std::uint64_t seed);
 
 }  // namespace smaservo::evaluate

@@ -1,5 +1,5 @@
 #pragma once
-// A unit's wire as `host-sim identify` would find it from its calibration runs.
+// The wire of a unit as `host-sim identify` would find it from the unit's calibration runs.
 
 #include <string>
 
@@ -8,19 +8,19 @@
 
 namespace smaservo::evaluate {
 
-/// One of the unit's calibration runs, as a bench would record it. The stress is that of the wire's
-/// nominal diameter.
+/// One of the unit's calibration runs, as a bench would record it. The stress is computed with the
+/// wire's nominal diameter.
 identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t index);
 
-/// Fits the wire to all calibration_runs, from the unit's type file on; one thread. Takes about a
-/// minute.
+/// Fits the wire to all calibration_runs, starting from the unit's type file; one thread. Takes
+/// about a minute.
 files::WireDescription calibrate(const bench::WireUnit& unit);
 
-/// The same with a folder that keeps the wires: a wire that is in it is read, another one is
+/// Like calibrate(), with a folder that keeps the wires: a wire in it is read, another one is
 /// calibrated and written. An empty name keeps nothing. Throws UserError.
 Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder);
 
-/// "ihyp-1000.toml": the file of a unit's calibrated wire.
+/// The file name of a unit's calibrated wire, such as "ihyp-1000.toml".
 std::string calibrated_name(hal::Family family, std::uint64_t seed);
 
 }  // namespace smaservo::evaluate

@@ -1,5 +1,5 @@
 #pragma once
-// What all simulated runs of `evaluate` are measured and driven with.
+// The sensors and the converter of all simulated runs of `evaluate`.
 
 #include <limits>
 
@@ -9,7 +9,8 @@
 
 namespace smaservo::evaluate {
 
-/// 16 bits over 0.5 A, 20 V and 5 N; noise of 10 uA, 0.3 mV and a load that is 0.5 MPa in the wire.
+/// 16 bits over 0.5 A, 20 V and 5 N; noise of 10 uA, 0.3 mV, and of a load that causes 0.5 MPa in
+/// the wire.
 inline hal::Sensors sensors(const Geometry<double>& geometry, double load_gain,
                             double resistance_gain) {
   return {.bits = 16,
@@ -23,7 +24,7 @@ inline hal::Sensors sensors(const Geometry<double>& geometry, double load_gain,
           .resistance_gain = resistance_gain};
 }
 
-/// 0.5 A at once; leads of 0.1 ohm.
+/// A converter that reaches 0.5 A at once, with leads of 0.1 ohm.
 inline hal::Converter converter(bool voltage_drive) {
   return {.voltage_drive = voltage_drive,
           .max_A = 0.5,

@@ -30,16 +30,16 @@ void shrinking_loops(Steps& drive, double center, double amplitude, double each_
 
 void random_steps(Steps& drive, double seconds, bench::Dice& dice) {
   while (seconds > 5e-4) {
-    // Whole milliseconds, as the plant's steps.
+    // Durations are whole milliseconds, like the plant's steps.
     const double part_s = std::min(1e-3 * std::round(dice.uniform(300, 3000)), seconds);
     drive.push_back({dice.uniform(0, 1), part_s});
     seconds -= part_s;
   }
 }
 
-/// The `overheat_K` with which level 1 ends 12 K above the finish of the transformation under the
-/// highest stress and in these surroundings. Levels are computed for the first stress and for still
-/// air of 25 °C.
+/// The `overheat_K` with which level 1 ends 12 K above the finish of the transformation at the
+/// highest stress in these surroundings. Levels themselves are computed for the first stress and
+/// for still air of 25 °C.
 double overheat_K(const Wire<double>& wire, const bench::JouleScenario& joule) {
   const auto finish_K = [&](double stress_Pa) {
     const Isobar<double> m2a = isobar(wire.kinetics.m2a, stress_Pa);
@@ -137,7 +137,7 @@ void disturb(bench::JouleScenario& joule, bench::Dice& dice) {
 bench::Scenario calibration_run(const bench::WireUnit& unit, std::size_t index) {
   const double stress_MPa = calibration_stresses_MPa.at(index);
   bench::JouleScenario joule = still_room(unit.wire.wire, hal::ConstantLoad{MPa * stress_MPa});
-  // Far from the seeds that units and test runs are likely to have.
+  // The seed is far from those that units and test runs are likely to have.
   bench::Dice dice(unit.seed + 7919 * (index + 1));
   joule.sensors.load_gain = 1 + dice.uniform(-0.005, 0.005);
   joule.drive = {{0, 1}};
@@ -179,8 +179,8 @@ bench::Scenario test_run(const bench::WireUnit& unit, Condition condition, std::
   }
   joule.overheat_K = overheat_K(unit.wire.wire, joule);
   if (condition == Condition::unknown_start) {
-    // The first heating begins at 1 s and takes one second, the first cooling at 6 s and takes
-    // half.
+    // The first heating begins at 1 s and takes one second, the first cooling begins at 6 s and
+    // takes half a second.
     const bool heats = dice.coin();
     const double share = dice.uniform(0.2, 0.8);
     joule.record_from_s = 1e-3 * std::round(1e3 * (heats ? 1 + share : 6 + 0.5 * share));
@@ -188,7 +188,7 @@ bench::Scenario test_run(const bench::WireUnit& unit, Condition condition, std::
   if (condition == Condition::coarse) {
     joule.rate_Hz = 100;
     joule.sensors.bits = 12;
-    // A board for this wire: its converters reach just beyond what it needs.
+    // A board made for this wire: its converters reach just beyond what it needs.
     joule.sensors.current_full_scale_A = 0.25;
     joule.sensors.voltage_full_scale_V = 5;
   }

@@ -1,6 +1,6 @@
 #pragma once
-// The runs by which observers are judged: those that a unit is calibrated with, and those that it
-// is tested with, in conditions that the calibration has not seen.
+// The runs by which observers are judged: those with which a unit is calibrated, and those with
+// which it is tested, in conditions that the calibration has not seen.
 
 #include <array>
 #include <cstdint>
@@ -23,21 +23,22 @@ bench::Scenario calibration_run(const bench::WireUnit& unit, std::size_t index);
 enum class Condition : unsigned char {
   constant,       ///< 100..400 MPa
   spring,         ///< a bias spring, 100..300 MPa
-  varying,        ///< a load that swings and wanders, 100..300 MPa
+  varying,        ///< a load that oscillates and drifts, 100..300 MPa
   light,          ///< 10..50 MPa
   unknown_start,  ///< recorded from the middle of a motion on, 50..400 MPa
-  hold_ripple,    ///< held in mid-transformation for 20 s, power +-50 % at 2 Hz; weight or spring
-  coarse          ///< constant, by converters of 12 bits at 100 Hz
+  /// Held in mid-transformation for 20 s, power +-50 % at 2 Hz; weight or spring.
+  hold_ripple,
+  coarse  ///< constant load, measured by converters of 12 bits at 100 Hz
 };
 inline constexpr std::array all_conditions{
     Condition::constant,      Condition::spring,      Condition::varying, Condition::light,
     Condition::unknown_start, Condition::hold_ripple, Condition::coarse};
 std::string_view condition_name(Condition condition);
 
-/// 40 to 60 s, at 1 kHz and by 16 bits unless the condition says otherwise. The load cell is off by
-/// up to 0.5 %. Disturbed: the ambient temperature by up to 10 K, convection by up to 20 %, the
-/// resistance by 1 % up or down, the load cell by up to 1 %; the power is adjusted so that the wire
-/// still transforms completely. All random numbers come from the seed.
+/// 40 to 60 s, at 1 kHz and with 16 bits unless the condition gives other values. The load cell has
+/// an error of up to 0.5 %. Disturbed: the ambient temperature is off by up to 10 K, convection by
+/// up to 20 %, the resistance by 1 % up or down, the load cell by up to 1 %; the power is adjusted
+/// so that the wire still transforms completely. All random numbers come from the seed.
 bench::Scenario test_run(const bench::WireUnit& unit, Condition condition, std::uint64_t seed,
                          bool disturbed = false);
 

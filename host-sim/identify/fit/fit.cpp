@@ -16,10 +16,10 @@ namespace {
 
 /// Bound on each deviation, in standard deviations of its prior.
 constexpr double farthest = 8;
-/// Another structure of the model is given up when its first steps leave the cost above this many
+/// Another structure of the model is dropped if its first steps leave the cost above this many
 /// times the present one.
 constexpr double hopeless = 1.3;
-/// A solution is good enough when a step gains less than this share of the cost.
+/// A solution is good enough if a step reduces the cost by less than this share.
 constexpr double tolerance = 3e-4;
 
 CircumstanceParameters circumstances_of(const FitRun& run, const Run& original) {
@@ -106,8 +106,8 @@ void Fit::with(const FitVariant& variant) {
   for (std::size_t i = 0; i < u_.wire.size(); ++i) {
     const std::string& key = problem_->parameters[i].key;
     const auto own = moved.find(key);
-    // A surface that is no longer shared starts as the shared one was, so that the cost is not
-    // higher than before. Its prior is narrower.
+    // A surface that is no longer shared starts with the values of the shared one, so that the cost
+    // does not rise. Its prior is narrower.
     std::string shared = key;
     for (const auto& [to, as] :
          {std::pair{"wire.r2a.", "wire.m2a."}, std::pair{"wire.r2m.", "wire.a2m."}}) {
@@ -210,9 +210,9 @@ double Fit::solve(const std::string& stage, const Runs& which, const Chosen& cho
   solver.logging_type = ceres::SILENT;
   Watch watch(options_, stage, interrupted_);
   solver.callbacks.push_back(&watch);
-  // The path through the hysteresis turns at thresholds, so the cost has kinks, where steps become
-  // too small to go on. A new start with large steps leaves a kink. It is repeated while it lowers
-  // the cost by 3 %.
+  // The path through the hysteresis reverses at thresholds, so the cost has kinks, at which the
+  // steps become too small to continue. A restart with large steps leaves a kink. It is repeated
+  // while it lowers the cost by 3 %.
   double before = std::numeric_limits<double>::infinity();
   int left = iterations;
   converged_ = false;

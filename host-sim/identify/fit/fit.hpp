@@ -1,6 +1,6 @@
 #pragma once
-// A wire's parameters from measured runs: nonlinear least squares through the model itself.
-// host-sim/identify/README.md has the method.
+// Determines a wire's parameters from measured runs: nonlinear least squares through the model
+// itself. host-sim/identify/README.md has the method.
 
 #include <functional>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace smaservo::identify {
 
-/// The progress of a fit, for FitOptions::proceed. The fit ends when proceed returns false.
+/// The progress of a fit, for FitOptions::proceed. The fit ends if proceed returns false.
 struct FitProgress {
   std::string stage;
   int iteration;
@@ -30,12 +30,12 @@ struct FitOptions {
 
 struct FittedParameter {
   FitParameter parameter;
-  double value;        ///< SI; exactly the prior where it is not determined
-  double sd;           ///< of value; relative for a factor, in logits for a share
-  double uncertainty;  ///< sd divided by that of the prior: 1 where the data tell nothing
+  double value;  ///< SI; exactly the prior if it is not determined
+  double sd;     ///< standard deviation of value; relative for a factor, in logits for a share
+  double uncertainty;  ///< sd divided by that of the prior: 1 if the data give no information
   /// Whether the runs have at least halved the prior's deviation, or moved the value by more than
-  /// two of its own, or the fit is clearly worse without it. `sd` includes how uncertain the
-  /// parameters are that are not determined.
+  /// two of its own deviations, or the fit is clearly worse without it. `sd` includes the
+  /// uncertainty of the parameters that are not determined.
   bool determined;
 };
 
@@ -53,14 +53,14 @@ struct FitQuality {
 struct FittedRun {
   std::string name;
   RunKind kind;
-  FitQuality strain;        ///< in shares of the nominal stroke
-  FitQuality resistance;    ///< relative
-  FitQuality given_strain;  ///< of the resistance after the model's strain is corrected to the
-                            ///< measured one
-  FitQuality power;         ///< calorimetry, in shares of the greatest heat flow
+  FitQuality strain;      ///< as a share of the nominal stroke
+  FitQuality resistance;  ///< relative
+  /// Error of the resistance after the model's strain is corrected to the measured one.
+  FitQuality given_strain;
+  FitQuality power;  ///< calorimetry, as a share of the greatest heat flow
   Circumstances<double> circumstances;
   // One element for every comparison, for plots and tables; NaN: not compared.
-  std::vector<double> temperature_K;  ///< measured, or else as the fit has it
+  std::vector<double> temperature_K;  ///< measured, or otherwise that of the fit
   std::vector<double> strain_measured, strain_model;
   std::vector<double> resistance_measured, resistance_model, resistance_given_strain;
   std::vector<double> ambiguity;  ///< see Predicted
@@ -70,18 +70,19 @@ struct FitResult {
   Wire<double> wire;
   FitVariant variant;
   std::vector<FittedParameter> parameters;
-  std::vector<Correlation> correlations;  ///< between determined parameters, the strongest first
+  /// Correlations between determined parameters, the strongest first.
+  std::vector<Correlation> correlations;
   std::vector<FittedRun> runs;
   CircuitGuess<double> circuit{};
   bool circuit_fitted = false;
   bool interrupted = false;
-  bool converged = true;  ///< the last restart of the solver has gained less than 3 % of the cost
+  bool converged = true;  ///< the last restart of the solver reduced the cost by less than 3 %
   int iterations = 0;
 };
 
-/// A parameter that the runs do not determine has the value of `from` to the last bit. No
-/// transition falls with stress, at any stress up to the wire's limit. Throws UserError when the
-/// runs cannot determine anything, or a transition of `from` falls with stress.
+/// A parameter that the runs do not determine keeps the value of `from` to the last bit. No
+/// transition temperature falls with stress, at any stress up to the wire's limit. Throws UserError
+/// if the runs cannot determine anything, or if a transition of `from` falls with stress.
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options);
 

@@ -1,5 +1,5 @@
-// Parameters that the runs do not determine get the value back that they had before the fit, and
-// the remaining ones are fitted again.
+// Sets parameters that the runs do not determine back to their values before the fit, and fits the
+// remaining ones again.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -13,17 +13,17 @@
 namespace smaservo::identify {
 namespace {
 
-/// A parameter is determined where its standard deviation after the fit is below this share of that
-/// of its prior.
+/// A parameter is determined if its standard deviation after the fit is below this share of the
+/// prior's.
 constexpr double most_of_prior = 0.5;
-/// It is also determined where it is this many of its standard deviations after the fit away from
-/// the prior.
+/// A parameter is also determined if it has moved from the prior by this many of its standard
+/// deviations after the fit.
 constexpr double surely_moved = 2;
 
 }  // namespace
 
 /// The covariance of these deviations, by the runs and the prior. Correlated rows count as fewer.
-/// The cost of transitions that fall is left out: only what the runs tell determines a parameter.
+/// The cost of falling transitions is left out: only the runs determine a parameter.
 Eigen::MatrixXd Fit::covariance(const std::vector<Active>& changing) const {
   const auto width = static_cast<Eigen::Index>(changing.size());
   return all_runs_cost(everything(), changing)
@@ -32,9 +32,9 @@ Eigen::MatrixXd Fit::covariance(const std::vector<Active>& changing) const {
       .solve(Eigen::MatrixXd::Identity(width, width));
 }
 
-/// Sets the least determined parameter back to its prior, again and again, until all others are
-/// determined. Of parameters that the runs know only in combination, such as a temperature and its
-/// slope under a single load, the better known one stays. Returns whether any was set back.
+/// Sets the least determined parameter back to its prior, repeatedly, until all others are
+/// determined. If the runs determine parameters only in combination, such as a temperature and its
+/// slope under a single load, the better known one stays free. Returns whether any was set back.
 bool Fit::keep_undetermined(Spread& spread) {
   bool any = false;
   for (;;) {
@@ -59,8 +59,8 @@ bool Fit::keep_undetermined(Spread& spread) {
   }
 }
 
-/// Sets parameters back and fits the others again, until all others are determined. Where the fit
-/// then is clearly worse, those that were set back are needed, and free again.
+/// Sets parameters back and fits the others again, until all others are determined. If the fit then
+/// is clearly worse, the parameters that were set back are needed and become free again.
 void Fit::settle() {
   for (;;) {
     const std::vector<Active> changing = active(everything(), free_of(all));
@@ -74,7 +74,7 @@ void Fit::settle() {
     const double after = joint("what the runs determine", options_.max_iterations);
     const auto taken = static_cast<double>(kept_.size() - kept_before.size());
     if (after - before > 0.5 * surely_moved * surely_moved * taken) {
-      // By the covariance, which takes the model as linear, the cost would have risen less.
+      // The covariance, which assumes a linear model, had predicted a smaller rise of the cost.
       std::ranges::set_difference(kept_, kept_before, std::inserter(needed_, needed_.end()));
       kept_ = kept_before;
       u_ = found;
@@ -82,8 +82,8 @@ void Fit::settle() {
   }
 }
 
-/// Where the runs ask for it, the fit lets a transition fall by some thousandths of a K/MPa. That
-/// much is added to its slope.
+/// If the runs demand it, the fit lets a transition fall by some thousandths of a K/MPa. This adds
+/// the same amount to its slope.
 void Fit::rise() {
   std::size_t next = 0;
   const auto now = [&](const FitParameter& parameter) { return parameter.value(u_.wire[next++]); };
@@ -100,8 +100,8 @@ void Fit::rise() {
   }
 }
 
-/// The wire with the structure that was found. Reals that no deviation has moved are those of the
-/// wire before the fit, bit by bit: computed again they would be rounded.
+/// The wire with the structure that was found. Reals that no deviation has moved are copied from
+/// the wire before the fit, because computing them again would round them.
 Wire<double> Fit::restored(const Wire<double>& wire) const {
   const Wire<double> unmoved =
       vary_wire<double>(problem_->from, problem_->variant,

@@ -1,4 +1,4 @@
-// The errors that a fit leaves, and the deviations of its parameters.
+// The remaining errors of a fit, and the deviations of its parameters.
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 namespace smaservo::identify {
 namespace {
 
-/// The correlation length of neighbouring residuals in rows: 1 + 2 Σ ρ_k, up to the first ρ_k that
-/// is not above 0.05.
+/// The correlation length of neighbouring residuals in rows: 1 + 2 Σ ρ_k, up to the first ρ_k not
+/// above 0.05.
 double correlation_length(const std::vector<double>& residuals) {
   const std::size_t n = residuals.size();
   const auto product = [&](std::size_t lag) {
@@ -53,8 +53,8 @@ double rms(const std::vector<double>& x) {
   return x.empty() ? 0 : std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-/// Mean square of the resistance's relative error. Comparisons count the less, the less certain it
-/// is how the resistance follows the strain.
+/// Mean square of the resistance's relative error. A comparison has less weight if it is less
+/// certain how the resistance follows the strain.
 double certain_square(const FittedRun& run, const Weights& weights) {
   double sum = 0;
   double share = 0;
@@ -87,8 +87,7 @@ FitQuality quality(std::vector<double> errors, double scale) {
   return q;
 }
 
-/// Gives a channel the weights back that it had before, where their sum n/sd² over all runs was
-/// greater.
+/// Restores the earlier weights of a channel if their sum n/sd² over all runs was greater.
 void keep_more(std::vector<Weights>& now, const std::vector<Weights>& before, double Weights::* sd,
                double Weights::* independent) {
   const auto information = [&](const std::vector<Weights>& weights) {
@@ -108,8 +107,8 @@ void keep_more(std::vector<Weights>& now, const std::vector<Weights>& before, do
 
 }  // namespace
 
-/// Sets, for every comparison, the probability that martensite stands in the place of austenite
-/// rather than of R-phase: it follows from how much of either there is.
+/// Sets, for every comparison, the probability that an error is between martensite and austenite
+/// rather than between martensite and R-phase, from the amounts of austenite and R-phase.
 void Fit::apportion(std::size_t i) {
   const RunCost cost = run_cost(i);
   const std::vector<double> u = deviations(i);
@@ -122,9 +121,9 @@ void Fit::apportion(std::size_t i) {
 }
 
 /// Sets each channel's deviation and number of independent comparisons from the residuals. The
-/// weight of a channel never decreases: the model has shown that it can be that accurate. Otherwise
-/// a prior that keeps a fit from the data would lower their weight, and keep it from them still
-/// more.
+/// weight of a channel never decreases, because the model has shown that it can be that accurate.
+/// Otherwise a prior that keeps the fit away from the data would lower their weight, and so keep
+/// the fit even farther away.
 void Fit::weigh() {
   const std::vector<Weights> before = weights_;
   double strain2 = 0, ohm2 = 0, strains = 0, ohms = 0;
@@ -195,8 +194,8 @@ FittedRun Fit::fitted(std::size_t i) {
   return run;
 }
 
-/// Posterior deviations and correlations. Kept parameters count as free ones here, so that their
-/// uncertainty is part of the others'; their own deviation is that of the prior.
+/// Posterior deviations and correlations. Kept parameters are treated as free here, so that their
+/// uncertainty contributes to the others'; their own deviation is that of the prior.
 void Fit::uncertainty(FitResult& result) {
   const Eigen::MatrixXd covariance = this->covariance(active(everything(), all));
   const std::vector<FitParameter>& parameters = problem_->parameters;
@@ -223,7 +222,7 @@ void Fit::uncertainty(FitResult& result) {
   });
 }
 
-/// Sets the accuracy of measured channels to the errors that are left. The others keep theirs.
+/// Sets the accuracy of measured channels from the remaining errors. The others are left unchanged.
 void Fit::accuracy(Accuracy<double>& of) const {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     if (runs_[i].has_strain && runs_[i].kind != RunKind::calorimetry) {

@@ -13,8 +13,9 @@
 namespace smaservo::identify {
 namespace {
 
-/// The deviations that a single level of stress can determine. What heats and cools the wire is
-/// left to all levels together: one alone cannot tell a warmer transition from a smaller loss.
+/// Whether a single level of stress can determine the deviation. The parameters of heating and
+/// cooling are left to all levels together: one level alone cannot tell a warmer transition from a
+/// smaller loss.
 bool of_level(const std::string& key) {
   return (is_of_process(key) && (key.ends_with(".temperature") || key.ends_with(".width"))) ||
          key == "wire.martensite.strain" || key == "wire.martensite.resistivity" ||
@@ -23,7 +24,7 @@ bool of_level(const std::string& key) {
 
 }  // namespace
 
-/// Runs at nearly constant stress, those of one level together.
+/// Groups the runs at nearly constant stress by level.
 std::vector<Fit::Runs> Fit::levels() const {
   std::map<long, Runs> found;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
@@ -63,7 +64,7 @@ void Fit::calorimetry() {
       options_.max_iterations);
 }
 
-/// Tries shifted transitions: where the model's transition is more than its width away from the
+/// Tries shifted transitions: if the model's transition is more than its width away from the
 /// wire's, the fit would end in a local minimum.
 void Fit::start_at_level(const Runs& level) {
   const auto index = [&](const std::string& key) {
@@ -91,7 +92,8 @@ void Fit::start_at_level(const Runs& level) {
   u_ = best;
 }
 
-/// 000, stages 2 and 3: each level of stress by itself, then how its values depend on the stress.
+/// 000, stages 2 and 3: each level of stress separately, then the dependence of the values on
+/// stress.
 void Fit::stress_levels() {
   const std::vector<Runs> all_levels = levels();
   if (all_levels.empty()) {
@@ -122,7 +124,7 @@ void Fit::stress_levels() {
     if (!of_level(key)) {
       continue;
     }
-    // value(σ) = u sd + (what the stress adds); each level saw the sum of both.
+    // value(σ) = u sd + (contribution of stress); each level has seen the sum of both.
     std::vector<std::pair<std::size_t, std::function<double(double)>>> columns{
         {i, [&](double) { return 1.0; }}};
     if (is_of_process(key)) {
@@ -147,7 +149,7 @@ void Fit::stress_levels() {
       for (Eigen::Index c = 0; c < n; ++c) {
         row[c] = columns[static_cast<std::size_t>(c)].second(stress_Pa[k]);
       }
-      constexpr double trust = 400;  // a level's value is good to a twentieth of its prior
+      constexpr double trust = 400;  // a level's value has a twentieth of the prior's deviation
       normal += trust * row * row.transpose();
       right += trust * row * (found[k].wire[i] - before.wire[i]);
     }

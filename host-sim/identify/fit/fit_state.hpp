@@ -1,7 +1,7 @@
 #pragma once
-// A fit while it is made: its runs, what is known of them, and the deviations found so far. Used
-// inside the fit only; fit.cpp solves, fit_start.cpp finds a start, fit_kept.cpp sets back what the
-// runs do not determine, fit_result.cpp judges.
+// A fit in progress: its runs, their weights, and the deviations found so far. Used only inside the
+// fit; fit.cpp solves, fit_start.cpp finds a start, fit_kept.cpp resets what the runs do not
+// determine, fit_result.cpp judges.
 
 #include <array>
 #include <functional>
@@ -35,7 +35,7 @@ class Fit {
  private:
   using Runs = std::vector<std::size_t>;
 
-  /// Which of the wire's deviations a stage may change.
+  /// Selects the wire's deviations that a stage may change.
   using Chosen = std::function<bool(const std::string& key)>;
   static bool all(const std::string& /*key*/) { return true; }
 
@@ -54,10 +54,10 @@ class Fit {
   /// The deviations that a run's cost depends on.
   std::vector<double> deviations(std::size_t run) const;
   std::vector<Active> active(const Runs& which, const Chosen& chosen);
-  /// Of those chosen, the ones that stages may still change.
+  /// Selects from `chosen` the deviations that stages may still change.
   Chosen free_of(const Chosen& chosen) const;
   AllRunsCost all_runs_cost(const Runs& which, const std::vector<Active>& active) const;
-  /// Returns the cost that is reached.
+  /// Returns the cost after solving.
   double solve(const std::string& stage, const Runs& which, const Chosen& chosen, int iterations);
   double joint(const std::string& stage, int iterations) {
     return solve(stage, everything(), all, iterations);
@@ -96,15 +96,15 @@ class Fit {
   std::vector<bool> zero_known_;
   std::vector<CircumstanceParameters> circumstances_;
   std::vector<Weights> weights_;
-  bool weighed_ = false;  ///< by residuals, not by what is assumed at first
+  bool weighed_ = false;  ///< the weights come from residuals, not from the initial assumptions
   std::unique_ptr<FitProblem> problem_;
   Deviations u_;
-  /// Keys of parameters that no stage changes any more: they have the value of before the fit.
+  /// Keys of parameters that no stage changes any more: they have their values from before the fit.
   std::set<std::string> kept_;
-  /// Those without which the fit has turned out clearly worse.
+  /// Keys of parameters without which the fit was clearly worse.
   std::set<std::string> needed_;
   bool interrupted_ = false;
-  bool converged_ = true;  ///< of the last solve()
+  bool converged_ = true;  ///< result of the last solve()
   int iterations_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The scalar of the fit's derivatives.
+// The scalar type for the derivatives of the fit.
 
 #include <ceres/jet.h>
 
@@ -13,9 +13,9 @@ using Jet = ceres::Jet<double, jet_width>;
 
 namespace ceres {
 
-/// Ceres multiplies by the reciprocal, which rounds twice. A path through the hysteresis turns
-/// where a comparison says so, and must be the same with and without derivatives, to the bit. The
-/// derivatives themselves may round.
+/// Ceres multiplies by the reciprocal, which rounds twice. A path through the hysteresis reverses
+/// where a comparison decides so, and must be the same with and without derivatives, to the bit.
+/// Only the derivatives may be rounded differently.
 inline smaservo::identify::Jet operator/(const smaservo::identify::Jet& f,
                                          const smaservo::identify::Jet& g) {
   const double quotient = f.a / g.a;

@@ -1,8 +1,9 @@
 #pragma once
 // The parameters of a wire that a fit may change. Each is described once: its name, its usual
-// deviation, and how the wire follows from it. Every parameter is a deviation u from the wire that
-// the fit starts from, in units of its prior standard deviation, so the prior is u = 0 ± 1. What
-// must be positive stays so; the narrower limits of a wire file are checked when it is written.
+// deviation, and how the wire is computed from it. Every parameter is a deviation u from the wire
+// at the start of the fit, in units of its prior standard deviation, so the prior is u = 0 ± 1.
+// Values that must be positive stay positive; the narrower limits of a wire file are checked when
+// it is written.
 
 #include <algorithm>
 #include <cmath>
@@ -14,29 +15,30 @@
 
 namespace smaservo::identify {
 
-/// How a value follows from its deviation.
+/// How a value is computed from its deviation.
 enum class Form : unsigned char {
   sum,     ///< value + sd u
   factor,  ///< value exp(sd u)
-  share,   ///< between two limits: logit(s) + sd u of s = (value - least)/(most - least)
+  share,   ///< between two limits: logit(s) + sd u, with s = (value - least)/(most - least)
 };
 
 struct FitParameter {
   std::string key;
-  std::string unit;  ///< of value and sd in messages; empty for a number
+  std::string unit;  ///< unit of value and sd in messages; empty for a number
   double scale;      ///< the unit in SI
   Form form;
   double prior;  ///< SI
-  double sd;     ///< of the prior, in SI; relative for a factor, in logits for a share
+  /// Standard deviation of the prior, in SI; relative for a factor, in logits for a share.
+  double sd;
   double least = 0, most = 1;  ///< SI; the limits of a share
 
-  /// Where a value is between the limits, 0 to 1.
+  /// The position of a value between the limits, 0 to 1.
   template <class T>
   T share_of(const T& value) const {
     return (value - T(least)) / T(most - least);
   }
 
-  /// At u = 0 the prior, to the last bit.
+  /// The value for deviation u; for u = 0 the prior, to the last bit.
   template <class T>
   T value(const T& u) const {
     using std::exp;
@@ -56,9 +58,9 @@ struct FitParameter {
   }
 };
 
-/// What a fit may change besides the parameters that every wire has.
+/// Parts of a fit besides the parameters that every wire has.
 struct FitVariant {
-  bool separate_r2a = false;  ///< R-phase to austenite has a surface of its own
+  bool separate_r2a = false;  ///< R2A has a surface of its own
   bool separate_r2m = false;
   Memory memory = Memory::return_point;
   Mixture mixture = Mixture::series;
@@ -67,7 +69,7 @@ struct FitVariant {
   bool operator==(const FitVariant&) const = default;
 };
 
-/// "wire.m2a.width", "wire.r2m": the key of a transformation process.
+/// Whether the key belongs to a transformation process, such as "wire.m2a.width" or "wire.r2m".
 inline bool is_of_process(std::string_view key) {
   constexpr std::string_view processes[] = {"wire.m2a", "wire.a2m", "wire.a2r", "wire.r2a",
                                             "wire.r2m"};
@@ -76,10 +78,10 @@ inline bool is_of_process(std::string_view key) {
 
 namespace detail {
 
-// A surface by values that the data determine one by one: the temperature T_t of the turning
-// point, where the curve is steepest, and the width T_f - T_s, which is the inverse of its slope
-// there. Both ends of the range of stress, 0 and the greatest, have a value of their own, so that
-// a surface that is valid at both is valid between them.
+// A surface described by values that the data determine independently: the temperature T_t of the
+// turning point, where the curve is steepest, and the width T_f - T_s, which is the inverse of its
+// slope there. Both ends of the stress range, 0 and the greatest, have their own values, so that a
+// surface that is valid at both is valid between them.
 template <class T, class Take>
 Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double max_Pa,
                         double temperature_sd_K, double stress_share, Take& take) {
@@ -125,7 +127,7 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
     const T second = T(least) + T(most - least) * x * odds / (T(1) - x + x * odds);
     return std::pair<T, T>(first, second);
   };
-  // The limits are those of a wire file. The prior is wide, since wires differ: there are curves
+  // The limits are those of a wire file. The prior is wide, because wires differ: there are curves
   // with corners (0.1) and with long tails (10).
   const auto [curvature_0, curvature_1] = shape(".curvature", from.curvature, 1e-3, 30, 0.6, 0.3);
   const auto [z_0, z_1] = shape(".turning", from.turning, 0.05, 0.95, 0.5, 0.5);
@@ -152,8 +154,8 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
 
 }  // namespace detail
 
-/// The wire whose parameters are given by `take(FitParameter) -> T`, called once for each of them
-/// and always in the same order.
+/// The wire whose parameters are given by `take(FitParameter) -> T`, which is called once for each
+/// of them, always in the same order.
 template <class T, class Take>
 Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take) {
   Wire<T> w{};
@@ -222,7 +224,7 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
       take({"wire.heat.specific_heat", "J/kgK", 1, Form::factor, h.specific_heat_J_kgK, 0.12});
   w.heat.latent_m2a_J_kg =
       take({"wire.heat.latent_m2a", "kJ/kg", 1e3, Form::factor, h.latent_m2a_J_kg, 0.25});
-  // R2M takes the difference, so it cannot be more.
+  // R2M has the difference, so this latent heat cannot exceed that of M2A.
   const double part = h.latent_m2a_J_kg > 0 ? h.latent_r2a_J_kg / h.latent_m2a_J_kg : 0;
   w.heat.latent_r2a_J_kg =
       w.heat.latent_m2a_J_kg * take({"wire.heat.latent_r2a_share", "", 1, Form::share, part, 0.4});

@@ -1,6 +1,6 @@
 #pragma once
-// How the start and finish temperatures of a wire's transitions depend on stress, and by how much
-// they fall, which physics forbids (Clausius-Clapeyron).
+// The dependence of the start and finish temperatures of a wire's transitions on stress, and their
+// fall with stress, which physics forbids (Clausius-Clapeyron).
 
 #include <algorithm>
 #include <array>
@@ -29,8 +29,8 @@ std::vector<std::pair<std::string, Surface<T>>> surfaces(const Wire<T>& wire) {
 }
 
 /// The slopes over stress of the start temperature at no stress and at `max_Pa`, and those of the
-/// finish temperature, K/Pa. Both temperatures are polynomials of second order, so that their
-/// slopes are extreme at the ends of the range.
+/// finish temperature, K/Pa. Both temperatures are polynomials of second order, so their slopes are
+/// extreme at the ends of the range.
 template <class T>
 std::array<T, 4> slopes_K_Pa(const Surface<T>& s, double max_Pa) {
   const T to_end = T(2 * max_Pa);
@@ -38,7 +38,7 @@ std::array<T, 4> slopes_K_Pa(const Surface<T>& s, double max_Pa) {
           s.finish_K[1] + to_end * s.finish_K[2]};
 }
 
-/// By how many K/Pa start or finish fall where they fall most; 0 where they do not.
+/// The steepest fall of start or finish, in K/Pa; 0 if neither falls.
 inline double steepest_fall_K_Pa(const Surface<double>& surface, double max_Pa) {
   constexpr double rounding_K_Pa = 1e-20;
   const double fall_K_Pa = -std::ranges::min(slopes_K_Pa(surface, max_Pa));

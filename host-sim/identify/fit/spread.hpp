@@ -17,14 +17,14 @@ class Spread {
   std::size_t size() const { return changing_.size(); }
   const Active& active(std::size_t i) const { return changing_[i]; }
 
-  /// 0 for one that is held.
+  /// The variance of a deviation; 0 if it is held.
   double variance(std::size_t i) const {
     const auto at = static_cast<Eigen::Index>(i);
     return covariance_(at, at);
   }
 
-  /// Fixes one at a value, and moves the others to where they are most likely with it: their mean
-  /// under this condition.
+  /// Fixes one deviation at a value, and moves the others to their conditional mean, where they are
+  /// most likely with that value.
   void hold(std::size_t i, double value) {
     const auto at = static_cast<Eigen::Index>(i);
     const Eigen::VectorXd gain = covariance_.col(at) / covariance_(at, at);

@@ -23,7 +23,8 @@ double resistance_at(const Run& run, std::size_t row) {
   return std::isfinite(ohm) && ohm > 0 ? ohm : nothing;
 }
 
-/// Mean over a few rows to both sides: the noise of a load would otherwise transform the wire.
+/// Mean over a few rows to both sides, because the noise of a load would otherwise transform the
+/// wire.
 std::vector<double> smoothed(const std::vector<double>& column) {
   const std::size_t reach = std::min<std::size_t>(12, column.size() / 40);
   std::vector<double> means(column.size());
@@ -45,7 +46,7 @@ void compare(FitRun& fit, std::size_t step, double strain, double ohm, double po
   fit.has_resistance = fit.has_resistance || !std::isnan(ohm);
 }
 
-/// Row by row: in a bath, in settled states, in a calorimeter.
+/// Takes each row as a step: for a bath, settled states, and calorimetry.
 void take_rows(const Run& run, FitRun& fit) {
   const std::size_t rows =
       run.kind == RunKind::settled ? run.current_A.size() : run.temperature_K.size();
@@ -66,9 +67,9 @@ void take_rows(const Run& run, FitRun& fit) {
   }
 }
 
-/// The steps between two rows: their energy and mean square of the current by the trapezoidal rule,
-/// the mean stress. A long gap is cut into substeps, with the power on the straight line across it.
-/// `ends` is the row behind every step, 0 within a gap.
+/// The steps between two rows, with their energy and mean square of the current by the trapezoidal
+/// rule, and the mean stress. A long gap is divided into substeps, with the power interpolated
+/// linearly. `ends` is the row at the end of each step, 0 within a gap.
 void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s, FitRun& fit,
                 std::vector<std::size_t>& ends) {
   const auto power_W = [&](std::size_t i) { return run.current_A[i] * run.voltage_V[i]; };
@@ -95,7 +96,7 @@ void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s,
   }
 }
 
-/// Over the last half of a step.
+/// The mean resistance over the last half of a step.
 double mean_resistance(const Run& run, std::size_t row, double step_s) {
   double ohm = 0;
   int count = 0;

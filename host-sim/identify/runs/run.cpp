@@ -10,7 +10,7 @@
 namespace smaservo::identify {
 namespace {
 
-constexpr double measuring_W_m = 0.1;  ///< still air takes 0.04-0.07 W/mK from any thin wire
+constexpr double measuring_W_m = 0.1;  ///< still air removes 0.04-0.07 W/mK from any thin wire
 constexpr double rough_resistivity_ohm_m = 0.9e-6;
 constexpr double min_current_share = 0.03;
 
@@ -59,7 +59,7 @@ RunKind kind_of(const Run& run, bool heated) {
   return RunKind::bath;
 }
 
-/// V/I in rows with enough current to measure it, else NaN.
+/// V/I in rows with enough current to measure it, otherwise NaN.
 std::vector<double> measured_resistance(const Run& run) {
   std::vector<double> all;
   if (run.current_A.empty() || run.voltage_V.empty()) {
@@ -171,7 +171,7 @@ bool zero_known(const std::vector<double>& strain) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const double x : strain) {
-    low = x < low ? x : low;  // neither for NaN
+    low = x < low ? x : low;  // both comparisons are false for NaN
     high = high < x ? x : high;
   }
   return std::abs(low) > 1e-7 && std::abs(high) > 1e-7;

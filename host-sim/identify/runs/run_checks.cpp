@@ -101,7 +101,8 @@ void check_units(const Run& run, const Geometry<double>& geometry) {
   }
 }
 
-/// The longest stretch of rows at an extreme value, and how many rows hold it for at least five.
+/// The longest stretch of rows at an extreme value, and the number of rows in stretches of at least
+/// five.
 struct Stretch {
   double value = 0;
   std::size_t first = 0, count = 0, all = 0;
@@ -128,13 +129,13 @@ bool is_long(const Stretch& stretch, std::size_t rows) {
   return stretch.count >= 5 && 10 * stretch.all > rows;
 }
 
-/// Another column's values in the rows of a stretch, without its first and last rows.
+/// The values of another column in the rows of a stretch, without its first and last rows.
 std::span<const double> beside(const Values& values, const Stretch& stretch) {
   const std::size_t edge = std::max<std::size_t>(1, stretch.count / 10);
   return std::span(values).subspan(stretch.first + edge, stretch.count - 2 * edge);
 }
 
-/// The span of the means of its three thirds, since noise is no change.
+/// The span of the means of its three thirds, so that noise does not count as a change.
 double change(std::span<const double> values) {
   Values means;
   for (std::size_t third = 0; third < 3; ++third) {
@@ -149,7 +150,7 @@ double change(std::span<const double> values) {
   return span_of(means);
 }
 
-/// The finest step of the column: of its converter, or of how it was written.
+/// The finest step of the column, due to its converter or to the digits in which it was written.
 double step_of(const Values& values) {
   Values sorted = known(values);
   std::ranges::sort(sorted);
@@ -163,9 +164,10 @@ double step_of(const Values& values) {
   return step;
 }
 
-/// A quantity that comes to rest slows down first, and gathers speed when it leaves: the rows
-/// beside the stretch differ by no more than one step of the converter, or by much more from row to
-/// row. A clipped column comes and goes at a steady slope.
+/// Whether the column ends abruptly at the stretch. A quantity that comes to rest slows down first,
+/// and accelerates when it leaves: the rows next to the stretch differ by no more than one step of
+/// the converter, or by amounts that differ much from row to row. A clipped column arrives and
+/// leaves with a steady slope.
 bool breaks_off(const Values& values, const Stretch& stretch) {
   const double min = 1.5 * step_of(values);
   const auto steady = [&](double first, double second, double third) {
@@ -180,7 +182,7 @@ bool breaks_off(const Values& values, const Stretch& stretch) {
          (!goes || steady(values[after], values[after + 1], values[after + 2]));
 }
 
-/// Noise of several fine steps, in all rows but those of the stretch.
+/// Whether the noise is several fine steps in all rows outside the stretch.
 bool is_noisy_elsewhere(const Values& values, const Stretch& stretch) {
   std::size_t equal = 0, pairs = 0;
   for (std::size_t i = 1; i < values.size(); ++i) {
@@ -216,10 +218,10 @@ void check_converters(const Run& run) {
   check(run.current_A, run.voltage_V, "current");
 }
 
-/// Clipped: more than a tenth of the rows hold an extreme value, in stretches of five and more,
-/// another quantity changes meanwhile by more than 5 % of its span, and the column either breaks
-/// off from a slope or is noisy everywhere else. A wire at rest, a column of coarse steps and a
-/// thermostat's hold fulfil some of these, not all.
+/// A column is clipped if more than a tenth of the rows hold an extreme value, in stretches of at
+/// least five, another quantity changes meanwhile by more than 5 % of its span, and the column
+/// either ends abruptly from a slope or is noisy everywhere else. A wire at rest, a column of
+/// coarse steps and a thermostat's hold fulfil some of these conditions, not all.
 void check_clipped(const Run& run) {
   struct Named {
     const char* name;

@@ -6,10 +6,10 @@
 
 namespace smaservo::identify {
 
-/// Checks what read_run() promises of a run. Throws UserError.
+/// Makes the checks that read_run() promises. Throws UserError.
 void check_run(const Run& run, const Geometry<double>& geometry);
 
-/// The signs, which are a part of that.
+/// Checks the signs of the quantities; a part of check_run().
 void check_signs(const Run& run, const Geometry<double>& geometry);
 
 /// Throws a UserError that begins with the run's name.

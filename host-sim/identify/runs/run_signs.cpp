@@ -9,7 +9,7 @@
 namespace smaservo::identify {
 namespace {
 
-/// The mean of `values` where `where` is 1 and where it is -1; NaN without any.
+/// The means of `values` in the rows where `where` is 1 and where it is -1; NaN if there are none.
 struct Halves {
   double positive, negative;
 };
@@ -25,7 +25,8 @@ Halves means(const Values& values, const Values& where) {
   return {sums[0] / counts[0], sums[1] / counts[1]};
 }
 
-/// 1 where the values rise over the rows around, -1 where they fall, 0 where they hardly change.
+/// 1 where the values rise over the surrounding rows, -1 where they fall, 0 where they hardly
+/// change.
 Values directions(const Values& values) {
   const std::size_t reach = std::max<std::size_t>(1, values.size() / 50);
   const double min = 1e-3 * span_of(values);
@@ -54,8 +55,8 @@ double correlation(const Values& a, const Values& b) {
   return spread > 0 ? (ab - sum_a * sum_b / n) / std::sqrt(spread) : 0;
 }
 
-/// What heats the wire, delayed as its temperature is: the temperature itself, the power, or that
-/// through a delay of first order.
+/// A measure of the heating with the delay of the wire's temperature: the temperature itself, the
+/// power, or the power after a first-order delay.
 Values heating(const Run& run, const Geometry<double>& geometry) {
   if (run.kind == RunKind::bath) {
     return run.temperature_K;
@@ -75,8 +76,8 @@ Values heating(const Run& run, const Geometry<double>& geometry) {
   return all;
 }
 
-/// A heat flow is positive into the sample: more of it while the sample is heated than while it is
-/// cooled; where it is only heated, its peak points up.
+/// A heat flow is positive into the sample: it is greater while the sample is heated than while it
+/// is cooled; if the sample is only heated, the peak points up.
 void check_heat_flow(const Run& run) {
   const Values& flow = run.power_W_kg;
   const Halves mean = means(flow, directions(run.temperature_K));

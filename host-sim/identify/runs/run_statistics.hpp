@@ -1,5 +1,5 @@
 #pragma once
-// What the checks of a run compute of its columns, in which NaN is a reading that was not taken.
+// Statistics of columns for the checks of a run; NaN is a reading that was not taken.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace smaservo::identify {
 
 using Values = std::vector<double>;
 
-/// Of NiTi, where only the order of magnitude counts.
+/// Values of NiTi; only the order of magnitude matters.
 inline constexpr double density_kg_m3 = 6450, specific_heat_J_kgK = 450;
 
 inline Values known(const Values& values) {
@@ -21,7 +21,7 @@ inline Values known(const Values& values) {
   return some;
 }
 
-/// The range without the lowest and the highest hundredth, so that a few wild rows do not count as
+/// The range without the lowest and the highest hundredth, so that a few outliers do not count as
 /// motion.
 struct Range {
   double low, middle, high;

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a run was measured under one load.
+// Tells whether a run was measured under one load.
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace smaservo::identify {
 
-/// The value that this share of the values do not exceed.
+/// The value that this share of the values does not exceed.
 inline double quantile(std::vector<double> values, double share) {
   std::ranges::sort(values);
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];

@@ -1,5 +1,5 @@
 #pragma once
-// What stands in a client's text, each part as what it must be. All throw Malformed.
+// Reads the parts of a client's text, each as its expected type. All functions throw Malformed.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,13 +12,13 @@
 
 namespace smaservo::page::said {
 
-/// What a client says wrongly; becomes a status message.
+/// An error in a client's message; it becomes a status message.
 class Malformed : public files::Error {
  public:
   using Error::Error;
 };
 
-/// What is wrong with some elements of a list, as one sentence.
+/// Collects the errors of some elements of a list in one sentence.
 class Complaints {
  public:
   void add(std::string text) {
@@ -33,23 +33,23 @@ class Complaints {
   std::size_t count_ = 0;
 };
 
-/// A text of a client within a message to a person.
+/// A text of a client as a part of a message to a person.
 std::string in_words(std::string_view text);
-/// One line; bytes that are no UTF-8 are replaced.
+/// The document on one line; bytes that are not UTF-8 are replaced.
 std::string text_of(const nlohmann::json& document);
 
-/// An object that is not too deep.
+/// The object that the text contains; its nesting is bounded.
 nlohmann::json parsed(std::string_view text);
-/// The array under a key, of at most so many elements.
+/// The array under a key; it must have at most `longest` elements.
 const nlohmann::json& list(const nlohmann::json& object, const char* key, std::size_t longest);
-/// A whole number of 32 bits; `key` is for the message.
+/// The value as a whole number of 32 bits; `key` names it in messages.
 std::uint32_t number(const nlohmann::json& value, const char* key);
 std::uint32_t number_in(const nlohmann::json& object, const char* key);
 std::string text_in(const nlohmann::json& object, const char* key);
-/// Those under parameterNames.
+/// The names under parameterNames.
 std::vector<std::string> names_in(const nlohmann::json& object);
 std::optional<std::string> request_id(const nlohmann::json& object);
-/// Those under parameters.
+/// The values under parameters.
 std::vector<NamedValue> values_in(const nlohmann::json& object);
 
 }  // namespace smaservo::page::said

@@ -90,7 +90,7 @@ std::map<std::uint32_t, Channel> by_id(const std::vector<Channel>& channels) {
 
 }  // namespace
 
-/// Of one text: an operation, each with a function.
+/// The reading of one text, which contains one operation; each operation has a function.
 struct Conversation::Reading {
   Conversation& self;
   const json& message;
@@ -156,7 +156,8 @@ struct Conversation::Reading {
     }
   }
 
-  /// The names are those that are wanted or, once all are wanted, those that are not.
+  /// Adds or removes the names of the message. `named_` has the wanted parameters or, if wants_all_
+  /// is set, the unwanted ones.
   void want(bool wanted) const {
     const std::vector<std::string> names = names_in(message);
     if (names.empty()) {
@@ -219,7 +220,7 @@ void Conversation::greet(const ServerInfo& info, const std::vector<Channel>& cha
   for (const auto& [id, channel] : channels_) {
     all.push_back(channel_json(channel));
   }
-  // At least one is sent, the protocol says.
+  // The protocol demands at least one such message.
   desk_.send(text_frame({{"op", "advertise"}, {"channels", all}}));
   json services = json::array();
   for (const Service& service : services_) {
@@ -341,7 +342,7 @@ void Conversation::send_parameters(std::span<const NamedValue> values,
     if (parameter["value"].is_discarded()) {
       parameter["value"] = value.value;
     }
-    // So that a client keeps 4.0 a number with decimals.
+    // The type makes a client keep 4.0 a number with decimals.
     if (parameter["value"].is_number_float()) {
       parameter["type"] = "float64";
     }

@@ -1,8 +1,7 @@
 #pragma once
 // One client's side of the Foxglove WebSocket protocol (foxglove.websocket.v1), without a socket:
-// texts and bytes come in, frames go out. Nothing that comes in makes it throw; what is malformed
-// is answered by a status message and changes nothing. foxglove.sdk.v1 is the same under another
-// name.
+// texts and bytes come in, frames go out. No input makes it throw; malformed input is answered by a
+// status message and changes nothing. foxglove.sdk.v1 is the same protocol under another name.
 //
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 
@@ -18,49 +17,49 @@
 
 namespace smaservo::page {
 
-/// What a conversation asks of whoever holds it. Answers may come at once or later.
+/// The requests of a conversation to its owner. Answers may come at once or later.
 class Desk {
  public:
   virtual ~Desk() = default;
   virtual void send(Frame frame) = 0;
-  /// A channel is wanted by this client, or no longer.
+  /// This client has subscribed to a channel, or does not want it any longer.
   virtual void subscribe(std::uint32_t channel, bool wanted) = 0;
-  /// Each is answered by one parameter_values() with this id.
+  /// Both functions are answered by one parameter_values() with this id.
   virtual void get_parameters(std::vector<std::string> names, std::optional<std::string> id) = 0;
   virtual void set_parameters(std::vector<NamedValue> values, std::optional<std::string> id) = 0;
   /// Answered by one answer() with these numbers.
   virtual void call(std::uint32_t service, std::uint32_t call, std::string request) = 0;
 };
 
-/// What the server says of itself.
+/// The server's information about itself.
 struct ServerInfo {
   std::string version;
-  std::string session;  ///< another one for each run of the server
+  std::string session;  ///< differs for each run of the server
   std::uint32_t client;
   bool read_only;
 };
 
 class Conversation {
  public:
-  /// `services` must live as long as this. Nothing is sent before greet().
+  /// `services` must outlive the conversation. Nothing is sent before greet().
   Conversation(Desk& desk, const std::vector<Service>& services)
       : desk_(desk), services_(services) {}
 
-  /// Server, channels and services. The first that a client hears.
+  /// Sends server, channels and services: the first messages that a client gets.
   void greet(const ServerInfo& info, const std::vector<Channel>& channels);
 
   void hear_text(std::string_view text);
   void hear_bytes(std::string_view bytes);
 
-  /// All channels that there are now; says which have come or gone. What a client had subscribed of
-  /// the latter has ended without a word to the desk.
+  /// Takes the list of all present channels and sends which have appeared or disappeared. A
+  /// client's subscriptions of channels that have disappeared end without a call to the desk.
   void show_channels(const std::vector<Channel>& channels);
   void message(std::uint32_t channel, std::int64_t time_ns,
                const std::shared_ptr<const std::string>& bytes);
-  /// The answer to a request for parameters; `refusal` says why nothing was written.
+  /// Sends the answer to a request for parameters; `refusal` is the reason why nothing was written.
   void parameter_values(std::span<const NamedValue> values, const std::optional<std::string>& id,
                         std::string_view refusal);
-  /// Values that have changed; those go out that the client has subscribed.
+  /// Sends those of the changed values that the client has subscribed to.
   void parameters_changed(std::span<const NamedValue> values);
   void answer(std::uint32_t service, std::uint32_t call, Answer answer);
 
@@ -70,7 +69,7 @@ class Conversation {
   std::vector<std::uint32_t> subscribed_channels() const;
 
  private:
-  struct Reading;  ///< of one text
+  struct Reading;  ///< reading of one text
 
   bool may_ask(const char* what);
   void drop_channels(const std::map<std::uint32_t, Channel>& now);
@@ -81,9 +80,10 @@ class Conversation {
   std::map<std::uint32_t, Channel> channels_;
   std::map<std::uint32_t, std::uint32_t> by_channel_;       ///< subscription of each channel
   std::map<std::uint32_t, std::uint32_t> by_subscription_;  ///< channel of each subscription
-  std::set<std::string, std::less<>> named_;  ///< parameters that are wanted; or not, of all
-  bool wants_all_ = false;                    ///< parameters, but those that are named
-  std::size_t open_ = 0;                      ///< requests that are not answered yet
+  /// Wanted parameters; the unwanted ones if wants_all_ is set.
+  std::set<std::string, std::less<>> named_;
+  bool wants_all_ = false;  ///< all parameters are wanted, except those in named_
+  std::size_t open_ = 0;    ///< requests that have not been answered yet
 };
 
 }  // namespace smaservo::page

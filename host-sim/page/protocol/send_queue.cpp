@@ -13,7 +13,7 @@ bool SendQueue::push(Frame frame) {
   }
   live_bytes_ += size;
   live_.push_back(std::move(frame));
-  // The newest stays, however long it is.
+  // The newest message is kept, however long it is.
   while (live_.size() > 1 &&
          (live_.size() > bounds_.live_messages || live_bytes_ > bounds_.live_bytes)) {
     live_bytes_ -= live_.front().size();

@@ -1,6 +1,7 @@
 #pragma once
-// What waits for one client. Live messages are for whoever keeps up: the oldest are dropped and
-// counted. Answers are for whoever has asked: none is dropped, and they go first.
+// The frames that wait for one client. Live messages may be lost by a client that is too slow: the
+// oldest are dropped and counted. Answers to a client's requests are never dropped, and are sent
+// first.
 
 #include <cstdint>
 #include <deque>
@@ -22,8 +23,9 @@ struct Frame {
 
 class SendQueue {
  public:
-  /// Live messages of a second at 1 kHz: 256 were too few where other programs kept both sides from
-  /// running for longer than that. The longest answers are exported recordings.
+  /// The bound of live messages holds one second at 1 kHz: 256 were too few when other programs
+  /// kept both sides from running for longer than that. The longest answers are exported
+  /// recordings.
   struct Bounds {
     std::size_t live_messages = 1024, live_bytes = std::size_t{1} << 20U;
     std::size_t answers = 1024, answer_bytes = std::size_t{32} << 20U;
@@ -32,15 +34,15 @@ class SendQueue {
   SendQueue() = default;
   explicit SendQueue(const Bounds& bounds) : bounds_(bounds) {}
 
-  /// False: the client has left so many answers unread that it should be closed.
+  /// False if the client has left so many answers unread that it should be closed.
   bool push(Frame frame);
-  /// The next one, answers first.
+  /// The next frame, answers first.
   std::optional<Frame> pop();
 
   bool empty() const { return live_.empty() && answers_.empty(); }
   std::size_t size() const { return live_.size() + answers_.size(); }
   std::uint64_t dropped() const { return dropped_; }
-  /// Counts live messages that were lost before they came here.
+  /// Counts live messages that were lost before they reached the queue.
   void count_dropped(std::uint64_t messages) { dropped_ += messages; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a Server is made of: its connections, and a client for each WebSocket.
+// The parts of a Server: its connections, and a client for each WebSocket.
 
 #include <atomic>
 #include <libwebsockets.h>
@@ -13,13 +13,14 @@
 
 namespace smaservo::page {
 
-/// How a client stands, for all threads.
+/// The state of a client's queue, which all threads may read.
 struct Shown {
   std::string address;
   std::atomic<std::uint64_t> queued = 0, dropped = 0;
 };
 
-/// All but the constructor, the destructor, stop() and the functions of Sink runs in one thread.
+/// All functions run in one thread, except the constructor, the destructor, stop() and the
+/// functions of Sink.
 class Server::Body final : public Sink {
  public:
   Body(ServerSettings settings, Source& source);
@@ -31,7 +32,7 @@ class Server::Body final : public Sink {
   void run();
   void stop();
 
-  // Sink
+  // The members of Sink.
   void message(std::uint32_t channel, std::int64_t time_ns,
                std::shared_ptr<const std::string> bytes) override {
     mailbox_->post({channel, time_ns, std::move(bytes)});
@@ -46,11 +47,11 @@ class Server::Body final : public Sink {
 
  private:
   class Client;
-  /// What libwebsockets keeps for a connection, as zeros at first.
+  /// The data that libwebsockets keeps for a connection; zeros at first.
   struct Session {
     Client* client;
-    std::size_t sent;       ///< of the page
-    std::int64_t heard_us;  ///< when the client last said something, of libwebsockets' clock
+    std::size_t sent;       ///< bytes of the page
+    std::int64_t heard_us;  ///< time of the client's last message, on the clock of libwebsockets
   };
 
   static int on_event(lws* wsi, lws_callback_reasons reason, void* user, void* in,
@@ -76,13 +77,14 @@ class Server::Body final : public Sink {
   Source& source_;
   std::vector<Service> services_;
   std::vector<Channel> channels_;
-  std::map<std::uint32_t, unsigned> wanted_;  ///< clients that have subscribed each channel
+  /// Number of clients that have subscribed to each channel.
+  std::map<std::uint32_t, unsigned> wanted_;
   std::string session_ = random_token().substr(0, 16);
   std::shared_ptr<Mailbox> mailbox_;
   lws_context* context_ = nullptr;
-  lws_retry_bo_t patience_{};  ///< when a silent client is asked, and when it is closed
+  lws_retry_bo_t patience_{};  ///< times after which a silent client gets a ping, and is closed
   std::atomic<bool> stopping_ = false;
-  bool stopped_ = false;  ///< the source
+  bool stopped_ = false;  ///< the source has been stopped
   std::uint32_t last_client_ = 0;
   std::map<std::uint32_t, std::unique_ptr<Client>> clients_;
   std::mutex shown_mutex_;
@@ -101,7 +103,7 @@ class Server::Body::Client final : public Desk {
   Conversation& conversation() { return conversation_; }
   std::uint32_t id() const { return id_; }
 
-  // Desk
+  // The members of Desk.
   void send(Frame frame) override {
     if (!queue_.push(std::move(frame)) && !doomed_) {
       doomed_ = true;
@@ -117,9 +119,9 @@ class Server::Body::Client final : public Desk {
   void set_parameters(std::vector<NamedValue> values, std::optional<std::string> id) override;
   void call(std::uint32_t service, std::uint32_t call, std::string request) override;
 
-  /// Some bytes of a message; what closes the connection is negative.
+  /// Takes some bytes of a message; a negative result closes the connection.
   int hear(std::string_view bytes);
-  /// When there is room for something.
+  /// Called when the socket has room for more.
   int write();
   void lost(std::uint64_t messages) {
     queue_.count_dropped(messages);
@@ -141,19 +143,20 @@ class Server::Body::Client final : public Desk {
   std::shared_ptr<Shown> shown_;
   Conversation conversation_;
   SendQueue queue_;
-  /// In pieces, so that a long answer to one client takes no time from the others.
+  /// The frame that is being written in pieces, so that a long answer to one client does not delay
+  /// the others.
   std::optional<Frame> going_out_;
-  std::size_t sent_ = 0;  ///< of it
+  std::size_t sent_ = 0;  ///< bytes of going_out_ that have been written
   std::string heard_;
   std::vector<unsigned char> buffer_;
   bool doomed_ = false;
 };
 
-/// A function that may be called from any thread, and posts what it is given. Then, in the server's
-/// thread, it is delivered if the client is still there.
+/// Returns a function that may be called from any thread and posts its arguments to the server's
+/// thread. There they are delivered if the client still exists.
 template <class Deliver>
 auto Server::Body::to_client(std::uint32_t client, Deliver deliver) {
-  // The mailbox, unlike the server, may be outlived by nothing that calls this.
+  // The function shares the mailbox, because it may be called after the server has been destroyed.
   return [this, mailbox = mailbox_, client, deliver](auto... what) {
     mailbox->post([this, client, deliver, ... what = std::move(what)]() mutable {
       if (const auto found = clients_.find(client); found != clients_.end()) {

@@ -8,12 +8,12 @@
 namespace smaservo::page {
 namespace {
 
-/// Messages that are written to one client before the others have their turn.
+/// Greatest number of messages written to one client before the others have their turn.
 constexpr int burst = 16;
 
 }  // namespace
 
-// What a client asks, and what becomes of the answer.
+// The requests of a client, and the delivery of the answers.
 
 void Server::Body::Client::get_parameters(std::vector<std::string> names,
                                           std::optional<std::string> id) {
@@ -63,7 +63,7 @@ int Server::Body::Client::hear(std::string_view bytes) {
   return 0;
 }
 
-/// The next piece of the message that goes out.
+/// Copies the next piece of the outgoing message to the buffer; returns its length.
 std::size_t Server::Body::Client::fill(const Frame& frame) {
   const std::size_t length = std::min(chunk, frame.size() - sent_);
   buffer_.resize(LWS_PRE + length);
@@ -77,7 +77,7 @@ std::size_t Server::Body::Client::fill(const Frame& frame) {
   return length;
 }
 
-/// Negative: the connection has failed.
+/// Returns a negative value if the connection has failed.
 int Server::Body::Client::write_piece() {
   if (!going_out_) return 0;
   const Frame& frame = *going_out_;
@@ -92,7 +92,8 @@ int Server::Body::Client::write_piece() {
 
 int Server::Body::Client::write() {
   if (doomed_) return -1;
-  // Several small ones at once, for who has not run for a while; never more than the socket takes.
+  // Writes several small messages at once, for a client that was not served for a while, but never
+  // more than the socket accepts.
   for (int i = 0; i < burst && lws_partial_buffered(wsi_) == 0; ++i) {
     if (!going_out_) {
       going_out_ = queue_.pop();

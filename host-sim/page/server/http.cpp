@@ -100,7 +100,7 @@ void check_address(const Listen& listen) {
   const int fd = socket(is_v4 ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int on = 1;
   setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  // NOLINTBEGIN(*-reinterpret-cast): that is how bind() takes an address
+  // NOLINTBEGIN(*-reinterpret-cast): bind() takes an address as this type
   const int failed = is_v4 ? bind(fd, reinterpret_cast<const sockaddr*>(&v4), sizeof v4)
                            : bind(fd, reinterpret_cast<const sockaddr*>(&v6), sizeof v6);
   // NOLINTEND(*-reinterpret-cast)

@@ -1,6 +1,6 @@
 #pragma once
-// From all threads to the server's one. Nobody waits for anything but this mutex, which is held for
-// as long as it takes to append a pointer.
+// Passes messages from all threads to the server's thread. The only waiting is for this mutex,
+// which is held for as long as it takes to append a pointer.
 
 #include <cstdint>
 #include <functional>
@@ -27,16 +27,16 @@ class Mailbox {
     std::uint64_t lost = 0;  ///< live messages for which there was no room
   };
 
-  /// Room for live messages: some seconds at 1 kHz, in which the server did not run at all.
+  /// Greatest number of live messages: some seconds at 1 kHz during which the server did not run.
   static constexpr std::size_t room = 4096;
 
-  /// `wake` is called when the first mail comes into an empty box.
+  /// `wake` is called when mail comes into an empty box.
   explicit Mailbox(std::function<void()> wake) : wake_(std::move(wake)) {}
 
   void post(Errand errand);
   void post(Live live);
   Mail take();
-  /// Wakes nobody any more, and forgets what comes.
+  /// Calls `wake` no more, and drops new mail.
   void close();
 
  private:

@@ -16,8 +16,8 @@
 namespace smaservo::page {
 namespace {
 
-/// Small, so that what a client has not read is in its queue, where the oldest can be dropped, and
-/// a ping does not wait behind a second of messages.
+/// Small, so that messages that a client has not read stay in its queue, where the oldest can be
+/// dropped, and a ping does not wait behind a second of messages.
 constexpr int kernel_buffer = 65536;
 
 constexpr std::string_view no_page =
@@ -26,7 +26,7 @@ constexpr std::string_view no_page =
     "(Foxglove WebSocket) to this address, with ws in the place of http.\n"
     "For the page: toolchain/dev setup, then build anew.\n";
 
-/// What libwebsockets has last said, where it fails.
+/// The last error message of libwebsockets.
 std::string& last_complaint() {
   static std::string text;
   return text;
@@ -37,7 +37,7 @@ void keep_complaint(int /*level*/, const char* line) {
   last_complaint() = text.substr(0, text.find('\n'));
 }
 
-/// Whether one of ours is in the list, which libwebsockets then chooses.
+/// Whether the list contains one of our protocols, which libwebsockets then chooses.
 bool names_protocol(std::string_view list) {
   return list.find("foxglove.websocket.v1") != std::string_view::npos ||
          list.find("foxglove.sdk.v1") != std::string_view::npos;
@@ -147,11 +147,11 @@ void Server::Body::show_parameters(const std::vector<NamedValue>& values) {
 
 // HTTP.
 
-/// Nonzero: the request was refused. Negative: so was the connection.
+/// Nonzero if the request was refused; negative if the connection is to be closed as well.
 int Server::Body::may_upgrade(lws* wsi) {
   const std::string path = header(wsi, WSI_TOKEN_GET_URI).value_or("");
   Verdict verdict = judge(settings_.access, wsi);
-  // Foxglove's own default is an address without a path.
+  // Foxglove's default is an address without a path.
   if (verdict.status == ok && path != "/ws" && path != "/") {
     verdict = {not_found, "the WebSocket is /ws"};
   }
@@ -167,7 +167,8 @@ int Server::Body::may_upgrade(lws* wsi) {
 }
 
 int Server::Body::serve_http(lws* wsi, std::string_view path) {
-  // What is no page ends the connection, with whatever else the client wants to send on it.
+  // An answer other than the page ends the connection, and anything else that the client would send
+  // on it.
   const auto only = [&](int status, std::string_view text) {
     say(wsi, status, text);
     return -1;
@@ -236,7 +237,7 @@ int Server::Body::handle(lws* wsi, lws_callback_reasons reason, Session* session
   }
 }
 
-/// libwebsockets calls this, and knows no exceptions.
+/// Called by libwebsockets, which does not handle exceptions.
 int Server::Body::on_event(lws* wsi, lws_callback_reasons reason, void* user, void* in,
                            std::size_t length) {
   auto* body = static_cast<Body*>(lws_context_user(lws_get_context(wsi)));
@@ -250,7 +251,7 @@ int Server::Body::on_event(lws* wsi, lws_callback_reasons reason, void* user, vo
   }
 }
 
-// Life.
+// Starting and running.
 
 void Server::Body::open_context() {
   lws_set_log_level(LLL_ERR, keep_complaint);
@@ -267,8 +268,8 @@ void Server::Body::open_context() {
 }
 
 void Server::Body::open_vhost() {
-  // Foxglove's newer clients know the same protocol by its second name. A client that names none
-  // gets the first, which speaks HTTP only.
+  // Foxglove's newer clients use the same protocol under its second name. A client that names no
+  // protocol gets the first one, which is HTTP only.
   static const std::array<lws_protocols, 4> protocols{
       {{"http", on_event, sizeof(Session), 0, 0, nullptr, 0},
        {"foxglove.websocket.v1", on_event, sizeof(Session), chunk, 1, nullptr, 0},
@@ -289,7 +290,7 @@ void Server::Body::open_vhost() {
   info.port = listen.port;
   info.iface = listen.address.c_str();
   info.protocols = protocols.data();
-  // A ping each second.
+  // A ping is sent each second.
   patience_.secs_since_valid_ping = 1;
   patience_.secs_since_valid_hangup = static_cast<std::uint16_t>(settings_.patience_s);
   info.retry_and_idle_policy = &patience_;
@@ -320,7 +321,7 @@ Server::Body::Body(ServerSettings settings, Source& source)
     lws_context_destroy(context_);
     throw;
   }
-  // From now on it would tell of every connection that somebody else has ended.
+  // From now on libwebsockets would report every connection that the other side has closed.
   lws_set_log_level(0, nullptr);
 }
 

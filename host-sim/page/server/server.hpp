@@ -1,5 +1,5 @@
 #pragma once
-// The page and its WebSocket over HTTP, by libwebsockets, in the thread that calls run().
+// Serves the page and its WebSocket over HTTP, by libwebsockets, in the thread that calls run().
 
 #include <memory>
 #include <string>
@@ -13,8 +13,8 @@ namespace smaservo::page {
 struct ServerSettings {
   AccessRules access;
   bool read_only = false;
-  std::string certificate, key;  ///< files in PEM; "": no TLS
-  unsigned clients = 8;          ///< at most, of the WebSocket
+  std::string certificate, key;  ///< PEM files; "": no TLS
+  unsigned clients = 8;          ///< greatest number of WebSocket clients
   unsigned patience_s = 4;       ///< longest silence of a client before it is closed, 4 to 60
   std::string version;
   std::string_view page;  ///< HTML; "": the program was built without it
@@ -22,7 +22,7 @@ struct ServerSettings {
 
 class Server {
  public:
-  /// Listens; nothing is answered before run(). Throws UserError.
+  /// Opens the port; no request is answered before run(). Throws UserError.
   Server(ServerSettings settings, Source& source);
   ~Server();
   Server(const Server&) = delete;
@@ -31,7 +31,7 @@ class Server {
   std::uint16_t port() const;
   /// Starts the source, serves until stop(), stops the source.
   void run();
-  /// From any thread.
+  /// May be called from any thread.
   void stop();
 
  private:

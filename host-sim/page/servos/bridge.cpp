@@ -19,8 +19,8 @@ using files::UserError;
 using nlohmann::json;
 
 constexpr std::int64_t retry_us = 1'000'000;
-/// A servo that has been away for so long has ended its heat by its own watch, which is never
-/// longer than --watch while this program heats.
+/// Time after which a missing servo has certainly ended its heat by its own watch, whose time-out
+/// never exceeds --watch while this program heats.
 std::int64_t longest_watch_us(const BridgePlan& plan) {
   return std::max<std::int64_t>(10'000'000,
                                 2 * static_cast<std::int64_t>(plan.operations.watch_s * 1e6F));
@@ -75,7 +75,7 @@ void Bridge::client_left(std::uint32_t client) {
   gone_clients_.insert(client);
 }
 
-/// Asks each servo that was switched off whether it is, and does it again where it is not.
+/// Asks each servo that was switched off whether it is off, and repeats the command if it is not.
 bool Bridge::check_off() {
   bus_.forget_interrupt();
   NodeSet nodes;
@@ -92,9 +92,9 @@ bool Bridge::check_off() {
     const auto found = nodes[node] ? traffic_.servos().find(node) : traffic_.servos().end();
     if (found == traffic_.servos().end()) continue;
     Servo& servo = found->second;
-    // Where two devices share the node-id, nobody can tell which of them answers, but both have got
-    // the frame that switches off. A servo that is away is switched off when it is back, or
-    // forgotten once its own watch has ended the heat.
+    // If two devices share the node-id, it is unknown which of them answers, but both have received
+    // the frame that switches off. A servo that is away is switched off when it comes back, or
+    // forgotten when its own watch must have ended the heat.
     if (servo.duplicate) {
       done.set(node);
       continue;
@@ -161,7 +161,7 @@ void Bridge::round() {
     end_trial();
     run_next();
   } catch (const Interrupted&) {
-    // Somebody is switched off: the next round checks that.
+    // A servo was switched off: the next round checks that.
     check_us_ = 0;
   } catch (const UserError& error) {
     trouble(error.what());
@@ -170,7 +170,7 @@ void Bridge::round() {
   }
 }
 
-/// A bus that is off fails at once, again and again.
+/// Waits after an error, because a bus that is off fails again at once.
 void Bridge::rest() {
   try {
     hal::CanFrame frame;
@@ -213,7 +213,7 @@ bool Bridge::run_job() {
   return true;
 }
 
-/// A trial that nobody is left to decide on ends.
+/// Ends a trial whose client has no control any more.
 void Bridge::end_trial() {
   if (!trial_ || control_.client() == trial_->second) return;
   const unsigned node = trial_->first;
@@ -237,7 +237,7 @@ bool Bridge::look_after_servos() {
   return false;
 }
 
-/// Whether there was something to do.
+/// Returns whether there was something to do.
 bool Bridge::look_after(Servo& servo, std::int64_t now_us) {
   const unsigned node = servo.node;
   if (!servo.joined) {
@@ -250,7 +250,7 @@ bool Bridge::look_after(Servo& servo, std::int64_t now_us) {
     published_us_ = 0;
     return true;
   }
-  // An axis that has ended its heat by itself gets its usual watch back.
+  // An axis that has ended its heat by itself gets its usual watch time-out back.
   if (servo.usual_timeout_s && !control_.heated()[node] && !activity_) {
     operations_.put_back_watch(servo);
     return true;
@@ -267,7 +267,7 @@ bool Bridge::look_after(Servo& servo, std::int64_t now_us) {
   return false;
 }
 
-/// A servo sends by SYNC while its live values are wanted.
+/// Makes a servo send by SYNC while its live values are wanted.
 bool Bridge::look_after_stream(Servo& servo) {
   const auto until = live_until_us_.find(servo.node);
   const bool wanted =
@@ -280,7 +280,7 @@ bool Bridge::look_after_stream(Servo& servo) {
   } else {
     stream_.put_back(remote);
   }
-  // The log has the bridge's own changes now, which are no news.
+  // The log now contains the bridge's own changes, which must not be reported.
   operations_.skip_changes(servo);
   return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
-// The servos of a bus as a source of channels, parameters and services. PROTOCOL.md has what it
-// says. The functions of Source may be called from any thread; round() is the bus's thread.
+// The servos of a bus as a source of channels, parameters and services, which PROTOCOL.md
+// describes. The functions of Source may be called from any thread; round() runs in the bus's
+// thread.
 
 #include <deque>
 #include <functional>
@@ -14,7 +15,7 @@
 
 namespace smaservo::page {
 
-/// Nanoseconds since 1970.
+/// Time of the system's clock: nanoseconds since 1970.
 std::int64_t system_wall_ns();
 
 struct BridgePlan {
@@ -22,13 +23,14 @@ struct BridgePlan {
   TrafficPlan traffic;
   double sync_s = 0;  ///< period of SYNC; 0: live values are polled
   std::vector<std::string> sync_signals;
-  bool read_only = false;                                  ///< as /bridge tells it
-  std::function<std::int64_t()> wall_ns = system_wall_ns;  ///< what messages are dated by
+  bool read_only = false;  ///< as shown on /bridge
+  /// Clock for the time stamps of messages.
+  std::function<std::int64_t()> wall_ns = system_wall_ns;
 };
 
 class Bridge final : public Source, private TrafficEvents {
  public:
-  /// `urgent` is a second port of the same bus, for switching off. Throws UserError.
+  /// `urgent` is a second port on the same bus, used for switching off. Throws UserError.
   Bridge(BridgePlan plan, std::unique_ptr<can::Bus> bus, std::unique_ptr<can::Bus> urgent);
 
   void start(Sink& sink) override;
@@ -45,9 +47,9 @@ class Bridge final : public Source, private TrafficEvents {
             std::function<void(Answer)> reply) override;
   void client_left(std::uint32_t client) override;
 
-  /// Does what is to be done next, and waits a few milliseconds for the bus where that is nothing.
+  /// Does the next task; if there is none, waits a few milliseconds for the bus.
   void round();
-  /// Ends what the bus's thread is doing.
+  /// Interrupts the present task of the bus's thread.
   void interrupt() { bus_.interrupt(); }
 
   const Control& control() const { return control_; }
@@ -57,7 +59,7 @@ class Bridge final : public Source, private TrafficEvents {
   struct Job {
     std::string service;
     std::uint32_t client = 0;
-    Control::Ticket ticket = 0;        ///< 0: it writes nothing
+    Control::Ticket ticket = 0;        ///< 0: the job writes nothing
     std::function<std::string()> run;  ///< returns the answer
     Reply reply;
   };
@@ -78,13 +80,13 @@ class Bridge final : public Source, private TrafficEvents {
     std::uint32_t client;
     std::int64_t start_us, expected_us;
   };
-  /// What other threads see of a servo.
+  /// The parts of a servo that other threads may access.
   struct Shown {
     std::shared_ptr<History> history;
     std::shared_ptr<KnownParameters> parameters;
   };
 
-  // TrafficEvents
+  // The members of TrafficEvents.
   void sampled(Servo& servo, const Sample& sample) override;
   void state_read(Servo& servo) override;
   void came(unsigned node) override;
@@ -94,7 +96,7 @@ class Bridge final : public Source, private TrafficEvents {
   void trouble(const std::string& text) override;
   void ticked(std::int64_t now_us) override;
 
-  // bridge_services.cpp
+  // Defined in bridge_services.cpp.
   bool call_at_once(const Caller& caller, const std::string& service, const nlohmann::json& request,
                     const Reply& reply);
   void queue(const Caller& caller, const std::string& service, const nlohmann::json& request,
@@ -114,7 +116,7 @@ class Bridge final : public Source, private TrafficEvents {
   void stop_everything(const Reply& reply);
 
   NodeSet all_nodes() const;
-  /// `why` goes into the log; "": whoever asked knows.
+  /// `why` goes into the log; "" if the caller of the service knows the reason.
   void switch_off(const NodeSet& nodes, std::string_view why = "");
   void watch_own_lateness(std::int64_t now_us);
   void run_next();
@@ -147,24 +149,24 @@ class Bridge final : public Source, private TrafficEvents {
   std::atomic<std::int64_t> wall_ns_at_0_ = 0;
   std::atomic<int> activity_node_ = 0;  ///< the node of a running operation; 0: none
 
-  // Only of the bus's thread.
+  // Used only by the bus's thread.
   std::list<Recorded> recorded_;
   std::optional<Activity> activity_;
   std::optional<std::pair<unsigned, std::uint32_t>> trial_;  ///< node, client
   std::map<unsigned, std::int64_t> next_try_us_;
   std::string trouble_, bridge_text_;
-  std::int64_t ticked_us_ = 0;  ///< 0: not yet
+  std::int64_t ticked_us_ = 0;  ///< 0: not set yet
   std::int64_t trouble_us_ = 0, published_us_ = 0, wall_us_ = -10'000'000, check_us_ = 0;
   std::map<unsigned, std::int64_t> live_until_us_;
 
-  // Of all threads.
+  // Shared by all threads.
   KeptRecordings recordings_;
   mutable std::mutex mutex_;
   std::deque<Job> jobs_;
   NodeSet to_check_;
-  std::vector<std::pair<Reply, NodeSet>> stops_;  ///< whose answer waits for the check
+  std::vector<std::pair<Reply, NodeSet>> stops_;  ///< stops whose answers wait for the check
   std::map<unsigned, Shown> shown_;
-  std::map<std::uint32_t, unsigned> wanted_;  ///< channel, clients
+  std::map<std::uint32_t, unsigned> wanted_;  ///< number of clients for each channel
   std::set<std::uint32_t> gone_clients_;
   NodeSet all_nodes_;
 };

@@ -1,4 +1,4 @@
-// What the bridge says: its channels, and what goes into them.
+// The channels of the bridge, and their content.
 
 #include <algorithm>
 #include <chrono>
@@ -17,14 +17,15 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint32_t bridge_channel = 1;
-constexpr std::uint32_t live_channel = 1000;   ///< and the node-id
-constexpr std::uint32_t state_channel = 2000;  ///< and the node-id
-constexpr std::uint32_t ros_channel = 3000;  ///< and the node-id: live values for readers of ROS 2
+constexpr std::uint32_t live_channel = 1000;   ///< plus the node-id
+constexpr std::uint32_t state_channel = 2000;  ///< plus the node-id
+constexpr std::uint32_t ros_channel = 3000;  ///< plus the node-id: live values for readers of ROS 2
 
 constexpr std::int64_t bridge_period_us = 250'000;
-/// Live values are read for so long after the last page has gone, so that a reload misses nothing.
+/// Live values are still read for this time after the last page has gone, so that a reload misses
+/// nothing.
 constexpr std::int64_t linger_us = 60'000'000;
-/// A message of trouble with the bus stands at least so long.
+/// A message about trouble with the bus is shown for at least this time.
 constexpr std::int64_t shortest_trouble_us = 1'000'000;
 
 }  // namespace
@@ -59,7 +60,7 @@ bool Bridge::is_wanted(std::uint32_t channel) const {
   return found != wanted_.end() && found->second > 0;
 }
 
-/// What is read from the bus follows from what is subscribed to.
+/// Derives from the subscriptions what is read from the bus.
 void Bridge::apply_wishes() {
   const std::int64_t now_us = bus_.now_us();
   NodeSet live;
@@ -89,7 +90,7 @@ void Bridge::show(const Servo& servo) {
   if (Sink* sink = sink_) sink->channels_changed();
 }
 
-// What the traffic tells.
+// Events of the traffic.
 
 void Bridge::sampled(Servo& servo, const Sample& sample) {
   servo.history->add(sample);
@@ -99,7 +100,7 @@ void Bridge::sampled(Servo& servo, const Sample& sample) {
   sink->message(live_channel + servo.node, time_ns,
                 std::make_shared<const std::string>(live_text(sample)));
   if (!is_wanted(ros_channel + servo.node)) return;
-  // All signals at once, each as it was read last.
+  // The message has all signals, each with its last reading.
   sink->message(
       ros_channel + servo.node, time_ns,
       std::make_shared<const std::string>(live_bytes(servo.history->newest().value_or(sample))));
@@ -134,7 +135,8 @@ void Bridge::left(Servo& servo) {
   servo.left_us = bus_.now_us();
   if (control_.heated()[servo.node]) {
     control_.cooled(servo.node);
-    // It may only be the bus: its watch ends the heat, and it is asked when it is back.
+    // Perhaps only the bus has failed: the servo's own watch ends the heat, and the servo is asked
+    // when it is back.
     const std::scoped_lock lock(mutex_);
     to_check_.set(servo.node);
   }
@@ -181,8 +183,8 @@ void Bridge::watch_clients(std::int64_t now_us) {
   if (std::ranges::find(all, *client, &ClientState::client) == all.end()) client_left(*client);
 }
 
-/// A program that a busy computer does not let run is no fault of a servo, whose heat may have
-/// ended by it.
+/// Detects that a busy computer has kept this program from running. That is no fault of a servo,
+/// but it may have ended the servo's heat.
 void Bridge::watch_own_lateness(std::int64_t now_us) {
   constexpr std::int64_t late_us = 500'000;
   const std::int64_t gone_us = ticked_us_ == 0 ? 0 : now_us - ticked_us_;
@@ -253,7 +255,7 @@ void Bridge::take_wall_clock(std::int64_t now_us) {
   if (now_us - wall_us_ < 1'000'000) return;
   wall_us_ = now_us;
   const std::int64_t wall = plan_.wall_ns() - 1000 * now_us;
-  // Small differences are left: times of messages must not go back.
+  // Small differences are ignored, because times of messages must not go back.
   if (std::abs(wall - wall_ns_at_0_) > 100'000'000) wall_ns_at_0_ = wall;
 }
 

@@ -1,4 +1,4 @@
-// Parameters of the protocol, and those of a request.
+// Parameters of the protocol, and those in a request.
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -50,7 +50,7 @@ std::vector<NamedValue> Bridge::values_of(unsigned node, const std::vector<std::
   return values;
 }
 
-/// No rows: all of them.
+/// Sends the values of these rows; if there are none, those of all rows.
 void Bridge::tell_parameters(unsigned node, const std::vector<std::size_t>& rows) {
   if (Sink* sink = sink_) sink->parameters_changed(values_of(node, rows));
 }
@@ -72,7 +72,8 @@ void Bridge::get_parameters(std::vector<std::string> names,
         values.push_back(std::move(value));
       }
     } catch (const UserError&) {
-      continue;  // the protocol has no place for a reason: what does not exist is left out
+      continue;  // a parameter that does not exist is left out, because the protocol has no place
+                 // for a reason
     }
   }
   reply(std::move(values));
@@ -93,7 +94,7 @@ void Bridge::set_parameters(
   std::vector<std::string> names;
   names.reserve(values.size());
   for (const NamedValue& value : values) names.push_back(value.name);
-  // Whatever comes of it, the values in force are sent back.
+  // The values in force are sent back, whatever the result.
   const Reply answer = [this, names, reply](const Answer& result) {
     get_parameters(names, [&](std::vector<NamedValue> in_force) {
       reply(names.empty() ? std::vector<NamedValue>{} : std::move(in_force),

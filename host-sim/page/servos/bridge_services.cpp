@@ -26,16 +26,16 @@ using nlohmann::json;
 
 enum class Kind : std::uint8_t {
   at_once,   ///< needs no bus
-  rights,    ///< who has control, and the stop
-  reading,   ///< any client
-  changing,  ///< any client that is not read-only
+  rights,    ///< changes who has control, or stops
+  reading,   ///< allowed for any client
+  changing,  ///< allowed for any client that is not read-only
   writing,   ///< needs control
 };
 
 struct ServiceRow {
   const char* name;
   Kind kind;
-  const char* request;  ///< its members, as request_schema() takes them
+  const char* request;  ///< members of the request, as for request_schema()
 };
 
 constexpr auto service_rows = std::to_array<ServiceRow>({
@@ -99,7 +99,7 @@ void Bridge::call(Caller caller, std::uint32_t service, std::string request,
       throw UserError(fmt::format("service {}: there is no such service", service));
     }
     const ServiceRow& row = service_rows[service - 1];
-    // The stop asks nothing of its request.
+    // The stop ignores the content of its request.
     if (row.name == std::string_view("stop")) {
       stop_everything(reply);
       return;
@@ -112,7 +112,7 @@ void Bridge::call(Caller caller, std::uint32_t service, std::string request,
   }
 }
 
-/// The bus's thread confirms when each servo has.
+/// Switches all off; the bus's thread confirms when each servo has confirmed.
 void Bridge::stop_everything(const Reply& reply) {
   NodeSet nodes = control_.stop_all();
   {
@@ -187,7 +187,7 @@ void Bridge::queue(const Caller& caller, const std::string& service, const json&
       begin_recording(caller, request, reply_);
       return std::string();
     };
-    // The answer comes when the recording is complete.
+    // The answer comes when the recording is complete; only an error is sent before.
     job.reply = [reply_ = job.reply](const Answer& answer) {
       if (!answer.ok) reply_(answer);
     };
@@ -259,7 +259,7 @@ json Bridge::work_on(Servo& servo, const std::string& service, const json& reque
   return answer;
 }
 
-/// What may heat: whatever goes wrong, the axis is switched off.
+/// Runs a service that may heat: if anything fails, the axis is switched off.
 json Bridge::heat(Servo& servo, const std::string& service, const json& request, const Job& job) {
   const NodeSet node = NodeSet{}.set(servo.node);
   std::int32_t amplitude_um = 0;
@@ -320,7 +320,7 @@ void Bridge::begin_recording(const Caller& caller, const json& request, const Re
   const double patience_s = request.contains("patience_s")
                                 ? number_in(request, "patience_s", 0, longest_recording_s)
                                 : usual_patience_s;
-  // It is made in its place, since it refers to itself.
+  // Constructed in place, because it refers to itself.
   recorded_.emplace_back(operations_.remote(servo), recording_plan(request, longest_recording_s),
                          patience_s, caller.client, reply);
 }

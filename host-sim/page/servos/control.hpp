@@ -1,6 +1,6 @@
 #pragma once
-// Who may write, and which axes it has enabled. One client at a time has control. Every function
-// may be called from any thread; none waits.
+// Keeps which client may write, and which axes it has enabled. One client at a time has control.
+// Every function may be called from any thread; none blocks.
 
 #include <bitset>
 #include <mutex>
@@ -11,7 +11,7 @@
 
 namespace smaservo::page {
 
-/// Node-ids, 1 to 127.
+/// Set of node-ids, 1 to 127.
 using NodeSet = std::bitset<128>;
 
 inline constexpr const char* read_only_refusal =
@@ -19,25 +19,27 @@ inline constexpr const char* read_only_refusal =
 
 class Control {
  public:
-  /// What a write was asked under. It is in force until control passes on, or all is stopped.
+  /// The permission under which a write was requested. It is in force until control passes to
+  /// another client, or all is stopped.
   using Ticket = std::uint64_t;
 
-  /// Gives control to a client that writes while nobody has it. `refusal` is empty, or says why it
-  /// may not write.
+  /// The result of a request to write. If nobody has control, the client gets it. `refusal` is
+  /// empty, or the reason why the client may not write.
   struct Leave {
     Ticket ticket;
     std::string refusal;
   };
   Leave ask(const Caller& caller);
 
-  /// Each of these ends all tickets and returns the axes that must be switched off now.
+  /// Each of these ends all tickets and returns the axes that must be switched off at once.
   NodeSet take(std::uint32_t client);
   NodeSet give_up(std::uint32_t client);
   NodeSet stop_all();
 
-  /// The axis is about to be heated under the ticket. False: the ticket is not in force any more.
+  /// Notes that the axis is about to be heated under the ticket. False if the ticket is not in
+  /// force any more.
   bool heat(Ticket ticket, unsigned node);
-  /// The axis is off.
+  /// Notes that the axis is off.
   void cooled(unsigned node);
 
   bool holds(Ticket ticket) const;

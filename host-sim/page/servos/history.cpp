@@ -11,7 +11,7 @@ namespace {
 
 constexpr float absent = std::numeric_limits<float>::quiet_NaN();
 
-/// The least and the greatest value of a signal in one part of the time.
+/// The least and the greatest value of a signal in one part of the time span.
 struct Extremes {
   float low = absent, high = absent;
   std::int64_t low_us = 0, high_us = 0;
@@ -38,7 +38,7 @@ std::size_t History::bytes_of(const Chunk& chunk) {
 }
 
 History::Chunk& History::open_chunk(const SignalSet& has) {
-  // The open chunks are among the last few: as many as there are sets of signals.
+  // An open chunk is among the last few: there are as many as sets of signals.
   const std::size_t looked_at = std::min<std::size_t>(chunks_.size(), 8);
   for (std::size_t i = 1; i <= looked_at; ++i) {
     Chunk& chunk = chunks_[chunks_.size() - i];
@@ -120,7 +120,7 @@ HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
       at += chunk.has[i] ? 1U : 0U;
     }
   });
-  // Chunks of different signals overlap in time.
+  // Chunks of different signal sets overlap in time.
   std::vector<std::size_t> order(times_us.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t row) { return std::pair(times_us[row], row); });
@@ -135,7 +135,7 @@ HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
 HistoryRows History::thinned(std::int64_t from_us, const SignalSet& has, std::size_t points) const {
   const std::size_t parts = std::max<std::size_t>(points / 2, 1);
   const std::size_t width = has.count();
-  // The span that has rows is divided, which may be shorter than what was asked for.
+  // The span that contains rows is divided, which may be shorter than the requested one.
   std::int64_t first_us = newest_.time_us;
   for_each_row(from_us, [&](const Chunk& chunk, std::size_t row) {
     first_us = std::min(first_us, chunk.times_us[row]);

@@ -1,9 +1,9 @@
 #pragma once
 // The live samples of one servo in a bounded memory.
 //
-// Rows that have the same signals stand together in chunks. A row takes 8 + 4 n bytes with n
-// signals: ten minutes take 24 MB at 1 kHz with 8 signals, 5 MB at 80 Hz with all 24. Where more
-// would be needed than `max_bytes`, the oldest rows go first.
+// Rows with the same signals are stored together in chunks. A row takes 8 + 4 n bytes with n
+// signals: ten minutes take 24 MB at 1 kHz with 8 signals, 5 MB at 80 Hz with all 24. If more than
+// `max_bytes` would be needed, the oldest rows are dropped first.
 
 #include <bitset>
 #include <cstdint>
@@ -16,20 +16,20 @@
 
 namespace smaservo::page {
 
-/// Which signals of 2200h a sample has, by row of signal_rows.
+/// The signals of 2200h that a sample contains, by row of signal_rows.
 using SignalSet = std::bitset<signal_count>;
 
 struct Sample {
-  std::int64_t time_us = 0;  ///< of the bus's clock
+  std::int64_t time_us = 0;  ///< time on the bus's clock
   SignalSet has;
   Signals values{};
 };
 
-/// Rows of all signals; NaN where a row has none.
+/// Rows of all signals; NaN if a row does not contain the signal.
 struct HistoryRows {
   std::vector<std::int64_t> time_us;
   SignalSet has;
-  std::vector<std::vector<float>> columns;  ///< for each signal of `has`, in their order
+  std::vector<std::vector<float>> columns;  ///< one column for each signal of `has`, in their order
 };
 
 class History {
@@ -37,11 +37,11 @@ class History {
   static constexpr std::int64_t longest_us = 600'000'000;
   static constexpr std::size_t max_bytes = 26'000'000;
 
-  /// Both from any thread. Samples come in the order of their times.
+  /// Both may be called from any thread. Samples must come in the order of their times.
   void add(const Sample& sample);
-  /// The last rows: all of them where they are at most `points`, else the least and greatest value
-  /// of each signal in each of points / 2 equal parts of the time, in their order: no peak is lost,
-  /// and none is moved by more than such a part.
+  /// The last rows: all of them if they are at most `points`, otherwise the least and greatest
+  /// value of each signal in each of points / 2 equal parts of the time, in their order: no peak is
+  /// lost, and none is moved by more than such a part.
   HistoryRows last(std::int64_t span_us, std::size_t points) const;
 
   std::size_t bytes() const;
@@ -63,7 +63,7 @@ class History {
   HistoryRows thinned(std::int64_t from_us, const SignalSet& has, std::size_t points) const;
 
   mutable std::mutex mutex_;
-  std::deque<Chunk> chunks_;  ///< in the order of their first rows
+  std::deque<Chunk> chunks_;  ///< sorted by the time of their first rows
   std::size_t bytes_ = 0;
   Sample newest_;
 };

@@ -31,20 +31,20 @@ constexpr Key watch_key{0x2002, 1};
 constexpr Key tuning_command_key{0x2102, 1};
 constexpr double longest_step_s = 600;
 
-/// What a step test ran with: the groups that shape its answer.
+/// The groups of parameters that shape the response of a step test; its message contains them.
 constexpr const char* groups_of_gains[] = {"strain.", "trajectory.", "drive.", "limits."};
 
 std::uint32_t whole(can::Remote& remote, Key key) {
   return static_cast<std::uint32_t>(canopen::take_number(remote.client().upload(key)));
 }
 
-/// Whether the change makes what 1010h would store another.
+/// Whether the change makes the parameters differ from what 1010h has stored.
 bool is_unsaved(const canopen::LoggedChange& change) {
   return change.result == canopen::Abort::none && change.before != change.value &&
          change.key.index >= 0x2000 && change.key != watch_key && change.key != tuning_command_key;
 }
 
-/// A transaction has ended with the old values.
+/// Whether the change ended a transaction by restoring the old values.
 bool is_reverted(const canopen::LoggedChange& change) {
   constexpr std::uint32_t by_time = 0, by_command = 4;
   return change.key == tuning_command_key && change.result == canopen::Abort::none &&
@@ -86,11 +86,11 @@ can::Remote Operations::remote(unsigned node) {
   return can::Remote(client);
 }
 
-// What a servo is.
+// What kind of device a node is.
 
 namespace {
 
-/// A device of another kind may have no such object.
+/// Whether the device is a servo; a device of another kind may not have this object.
 bool is_servo(can::Remote& remote) {
   try {
     return whole(remote, {index::identity, 2}) == canopen::servo_product;
@@ -118,8 +118,8 @@ bool Operations::join(Servo& servo) {
   return true;
 }
 
-/// Whether RPDO1 is as it is by default: a renewal then needs no SDO request, which would wait for
-/// the end of a long transfer.
+/// Reads whether RPDO1 has its default mapping: a renewal then needs no SDO request, which would
+/// have to wait for the end of a long transfer.
 void Operations::read_pdo(Servo& servo, can::Remote& remote) {
   servo.commanded = {};
   servo.commanded.by_pdo =
@@ -139,7 +139,8 @@ std::vector<std::size_t> Operations::read_parameters(Servo& servo) {
 std::vector<std::size_t> Operations::read_parameters(Servo& servo,
                                                      const std::vector<std::size_t>& rows) {
   can::Remote remote = this->remote(servo);
-  // Where one is not answered, none is put: what has changed is told of once.
+  // If one request is not answered, no value is stored, so that each change is reported exactly
+  // once.
   std::vector<std::uint32_t> values;
   values.reserve(rows.size());
   for (const std::size_t row : rows) {
@@ -177,7 +178,8 @@ std::vector<std::size_t> Operations::read_changes(Servo& servo) {
   }
   std::vector<std::size_t> changed;
   if (!first) changed = all ? read_parameters(servo) : read_parameters(servo, rows);
-  // Seen now that all has been read: where that fails, the next round does it again.
+  // The count is stored after everything has been read: if reading fails, the next round repeats
+  // it.
   servo.changes_seen = count;
   return changed;
 }
@@ -189,7 +191,8 @@ void Operations::skip_changes(Servo& servo) {
 
 // Motion.
 
-/// The level of the bridge may not suffice. Then the servo's own time stays.
+/// Shortens the servo's watch time-out; it is left unchanged if the bridge's access level does not
+/// suffice.
 void Operations::shorten_watch(Servo& servo, can::Remote& remote) {
   const float usual_s = canopen::as_real(whole(remote, watch_key));
   if (usual_s <= plan_.watch_s) return;
@@ -212,7 +215,7 @@ void Operations::enable(Servo& servo, Control::Ticket ticket) {
   if (!servo.usual_timeout_s) shorten_watch(servo, remote);
   if (!control_.heat(ticket, servo.node)) throw UserError("control has passed on");
   remote.enable();
-  // What is renewed from now on.
+  // The values that are renewed from now on.
   servo.commanded.word = static_cast<std::uint16_t>(remote.number("6040"));
   servo.commanded.mode = static_cast<std::int8_t>(remote.number("6060"));
   servo.enabled_us = bus_.now_us();
@@ -280,7 +283,7 @@ void Operations::set_target(Servo& servo, double value) {
       remote.set("6071", fmt::format("{}", std::lround(value)));
       break;
     case 6:
-      // Homing begins with bit 4: the present position becomes the home.
+      // Homing begins with bit 4: the present position becomes the home position.
       remote.set("6040", "15");
       remote.set("6040", "31");
       remote.set("6040", "15");

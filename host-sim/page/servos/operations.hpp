@@ -1,6 +1,7 @@
 #pragma once
-// What clients ask of a servo, over SDO: each function is a whole operation, which waits for the
-// bus. All throw UserError, and Interrupted when the servo is to be switched off meanwhile.
+// Operations on a servo that clients request, over SDO: each function is a whole operation and
+// waits for the bus. All throw UserError, and Interrupted if the servo is to be switched off
+// meanwhile.
 
 #include <nlohmann/json.hpp>
 
@@ -11,8 +12,8 @@
 namespace smaservo::page {
 
 struct OperationsPlan {
-  std::optional<std::uint32_t> key;  ///< of an access level (2003h:2)
-  /// The longest silence of the bridge after which a servo that a client has enabled ends its heat.
+  std::optional<std::uint32_t> key;  ///< key of an access level (2003h:2)
+  /// Silence of the bridge after which a servo that a client has enabled ends its heat.
   float watch_s = 1;
   double timeout_s = 0.5;  ///< longest wait for a servo's answer
 };
@@ -21,25 +22,25 @@ class Operations {
  public:
   Operations(SharedBus& bus, LiveTraffic& traffic, Control& control, const OperationsPlan& plan);
 
-  /// A servo that is there and may be commanded. Throws where it has not been found, is gone, or is
-  /// one of two with its node-id.
+  /// A servo that is present and may be commanded. Throws if it has not been found, is gone, or
+  /// shares its node-id with another device.
   Servo& servo(unsigned node);
   can::Remote remote(unsigned node);
   can::Remote remote(const Servo& servo) { return remote(servo.node); }
 
-  /// Reads what the bridge must know of a servo. False: the device is none.
+  /// Reads what the bridge has to know of a servo. False if the device is no servo.
   bool join(Servo& servo);
-  /// Reads the change log after it has grown. Returns the rows of parameters that have changed.
+  /// Reads the new entries of the change log. Returns the rows of parameters that have changed.
   std::vector<std::size_t> read_changes(Servo& servo);
-  /// What the change log has now is known.
+  /// Treats all present entries of the change log as known.
   void skip_changes(Servo& servo);
   std::vector<std::size_t> read_parameters(Servo& servo);
   std::vector<std::size_t> read_parameters(Servo& servo, const std::vector<std::size_t>& rows);
 
   void enable(Servo& servo, Control::Ticket ticket);
-  /// Current off, checked; the watch of the servo is what it was.
+  /// Switches the current off and checks that; the servo's watch time-out is the usual one again.
   void disable(Servo& servo);
-  /// The watch of the servo is what it was.
+  /// Restores the servo's usual watch time-out.
   void put_back_watch(Servo& servo);
   void reset_faults(Servo& servo);
   void set_mode(Servo& servo, int mode);
@@ -47,7 +48,7 @@ class Operations {
 
   struct NewValue {
     std::size_t row;
-    std::string text;  ///< as text::value_bytes() takes it
+    std::string text;  ///< text as for text::value_bytes()
   };
   void write(Servo& servo, const std::vector<NewValue>& values);
   void try_for(Servo& servo, const std::vector<NewValue>& values, double seconds);
@@ -60,7 +61,7 @@ class Operations {
   nlohmann::json restore(Servo& servo, const std::string& toml);
   struct Step {
     can::Recording recording;
-    nlohmann::json figures, gains;  ///< as PROTOCOL.md has them
+    nlohmann::json figures, gains;  ///< as PROTOCOL.md describes them
   };
   Step step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um, double seconds);
 
@@ -75,7 +76,7 @@ class Operations {
   OperationsPlan plan_;
 };
 
-/// A recording that waits for its end or its trigger, while the bus goes on.
+/// A recording that waits for its end or its trigger while the bus is used for other tasks.
 class RunningRecording {
  public:
   RunningRecording(can::Remote remote, can::RecordingPlan plan, double patience_s);
@@ -84,7 +85,7 @@ class RunningRecording {
   RunningRecording& operator=(const RunningRecording&) = delete;
 
   unsigned node() { return remote_.node(); }
-  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made with the recording
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): watch_ is set by the constructor
   bool is_complete() { return watch_->is_complete(); }
   can::Recording read() { return can::read_recording(remote_, plan_); }
   void stop() { remote_.set("recorder.command", "0"); }

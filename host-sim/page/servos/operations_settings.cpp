@@ -1,4 +1,4 @@
-// Operations on parameters: written, tried, stored, as a file.
+// Operations on parameters: write, try, store, and convert to and from a file.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -61,7 +61,7 @@ void Operations::write(Servo& servo, const std::vector<NewValue>& values) {
 void Operations::try_for(Servo& servo, const std::vector<NewValue>& values, double seconds) {
   can::Remote remote = this->remote(servo);
   const std::vector<can::Change> changes = changes_from(values);
-  // A further trial takes the place of the one before.
+  // A new trial replaces the one before.
   if (remote.number("tuning.state") != 0) remote.revert_trial();
   remote.try_for(changes, seconds);
   traffic_.refresh(servo.node);
@@ -83,7 +83,7 @@ void Operations::store(Servo& servo) {
     throw UserError(fmt::format("{}: is enabled, and stores only while it is off: disable it first",
                                 servo.title()));
   }
-  // The short time is the bridge's, and not to be stored.
+  // The shortened watch time-out belongs to the bridge and must not be stored.
   put_back_watch(servo);
   remote.store();
   skip_changes(servo);
@@ -101,7 +101,7 @@ std::string Operations::dump(Servo& servo, const std::string& as) {
   }
   if (as != "can")
     throw UserError(fmt::format("as = {}: must be toml or can", files::printable(as)));
-  // A shell takes the brackets of an address for a pattern.
+  // The quotes keep a shell from reading the brackets of an address as a pattern.
   std::string text = fmt::format("host-sim can --can '{}' --node {} set", bus_.name(), servo.node);
   for (const Parameter<double>& row : parameters<double>) {
     if (!row.is_used(settings) || row.path.text().starts_with("identity.")) continue;

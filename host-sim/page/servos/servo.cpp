@@ -22,7 +22,7 @@ using nlohmann::json;
 constexpr unsigned reached_bit_of_status = 0x400;
 constexpr unsigned remote_bit_of_status = 0x200;
 
-/// The names of PROTOCOL.md, in the order of statusword's patterns.
+/// The names of PROTOCOL.md, in the order of the patterns of the statusword.
 const char* drive_name(unsigned statusword) {
   struct State {
     unsigned bits, mask;

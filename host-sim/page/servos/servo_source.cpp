@@ -9,7 +9,7 @@
 namespace smaservo::page {
 namespace {
 
-/// 40 % of a bus at 500 kbit/s; a network of this machine has more room.
+/// Requests per second: 40 % of a bus at 500 kbit/s; a network of this machine has more room.
 constexpr double requests_on_can = 800;
 constexpr double requests_on_udp = 4000;
 

@@ -8,15 +8,15 @@
 namespace smaservo::page {
 
 struct ServoOptions {
-  std::string can;                   ///< as open_can() takes it
-  std::optional<std::uint32_t> key;  ///< of an access level of the servos (2003h:2)
+  std::string can;                   ///< name of the bus as for open_can()
+  std::optional<std::uint32_t> key;  ///< key of an access level of the servos (2003h:2)
   double sync_s = 0;                 ///< period of SYNC; 0: live values are polled
-  /// By SYNC; at most eight, two in each PDO.
+  /// Signals sent by SYNC; at most eight, two in each PDO.
   std::vector<std::string> sync_signals{"strain",          "wire_temperature_K", "resistance_ohm",
                                         "drive_current_A", "setpoint",           "power_W"};
   float watch_s = 1;       ///< longest silence of the bridge before a servo ends its heat
   double timeout_s = 0.5;  ///< longest wait for a servo's answer
-  bool read_only = false;  ///< of all clients
+  bool read_only = false;  ///< applies to all clients
 };
 
 /// Opens the bus. Throws UserError.

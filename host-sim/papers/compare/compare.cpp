@@ -29,7 +29,7 @@ void require_usable(const identify::Run& run) {
   }
 }
 
-/// The wire that identify makes of the runs. Throws UserError.
+/// The wire that `identify` finds from the runs. Throws UserError.
 IdentifiedWire identified(const files::WireDescription& from,
                           const std::vector<identify::Run>& training, int threads) {
   identify::FitOptions options;
@@ -38,12 +38,12 @@ IdentifiedWire identified(const files::WireDescription& from,
   IdentifiedWire found{fit.wire, static_cast<int>(fit.parameters.size()), {}, 0};
   for (const identify::FittedRun& run : fit.runs) {
     found.ambient_K.push_back(run.circumstances.ambient_K);
-    found.room_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
+    found.usual_ambient_K += run.circumstances.ambient_K / static_cast<double>(fit.runs.size());
   }
   return found;
 }
 
-/// Identifies one after the other.
+/// Identifies systems one after the other.
 class Systems {
  public:
   explicit Systems(const Progress& progress) : progress_(progress) {}
@@ -66,8 +66,8 @@ class Systems {
   const Progress& progress_;
 };
 
-/// Moves a run whose strain has a zero of its own, so that its longest wire is as long as `from` at
-/// rest under that load. Otherwise runs of different loads would contradict each other.
+/// Moves a run whose strain has its own zero, so that its longest wire is as long as `from` at rest
+/// under that load. Otherwise runs of different loads would contradict each other.
 identify::Run placed(identify::Run run, const Wire<double>& from) {
   if (identify::zero_known(run.strain)) {
     return run;
@@ -105,7 +105,7 @@ std::vector<Compared> identify_all(const files::WireDescription& from,
   std::optional<IdentifiedWire> own;
   std::string reason;
   try {
-    own = identified(from, measured, threads);  // finds the zeros by itself
+    own = identified(from, measured, threads);  // the fit finds the zeros by itself
   } catch (const files::UserError& error) {
     reason = error.what();
   }
@@ -123,7 +123,7 @@ std::vector<Compared> identify_all(const files::WireDescription& from,
   return systems.all;
 }
 
-/// The median of the differences that are numbers; 0 without one.
+/// The median of the differences that are numbers; 0 if there are none.
 double median_difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -141,8 +141,8 @@ double median_difference(const std::vector<double>& a, const std::vector<double>
 
 using Column = std::vector<double> identify::Run::*;
 
-/// Share of a test's rows, of those that are numbers, outside of all training rows by more than
-/// `margin(value)`.
+/// The share of a test's rows, among those that are numbers, that lie outside of all training rows
+/// by more than `margin(value)`.
 template <class Margin>
 double share_beyond(const identify::Run& test, const std::vector<identify::Run>& training,
                     Column column, Margin margin) {

@@ -1,5 +1,5 @@
 #pragma once
-// Identifies all systems on the same training runs and tests them on the same other runs.
+// Identifies all systems on the same training runs, and tests them on the same test runs.
 
 #include <functional>
 #include <string>
@@ -14,38 +14,38 @@ namespace smaservo::compare {
 
 /// The result of a system for one test.
 struct SystemRun {
-  std::vector<double> strain;     ///< of every row; NaN without an estimate
+  std::vector<double> strain;     ///< strain in every row; NaN without an estimate
   replay::ErrorStatistics error;  ///< in % of the nominal stroke
 };
 
 struct Compared {
   System system;
-  std::vector<SystemRun> runs;    ///< one for each test; empty when the system was not identified
-  replay::ErrorStatistics error;  ///< over all tests
-  double step_s = 0;              ///< time for a row, in the tests with an estimate
+  std::vector<SystemRun> runs;    ///< one for each test; empty if the system was not identified
+  replay::ErrorStatistics error;  ///< error over all tests
+  double step_s = 0;              ///< computing time for a row, in the tests with an estimate
 };
 
-/// The shares of a test's rows that lie outside of the stresses and resistances of the training
-/// runs, where every system extrapolates.
+/// The shares of a test's rows outside of the stresses and resistances of the training runs, where
+/// every system extrapolates.
 struct Beyond {
-  double stress = 0;      ///< by more than 2 MPa
-  double resistance = 0;  ///< by more than 0.2 %
+  double stress = 0;      ///< outside by more than 2 MPa
+  double resistance = 0;  ///< outside by more than 0.2 %
 };
 
 struct Comparison {
   std::string from;
   double nominal_stroke;
   std::vector<identify::Run> training, tests;
-  std::vector<bool> free_zero;  ///< of each test: whether its absolute strain is unknown
-  std::vector<Beyond> beyond;   ///< of each test
+  std::vector<bool> free_zero;  ///< for each test: whether its absolute strain is unknown
+  std::vector<Beyond> beyond;   ///< values for each test
   std::vector<Compared> systems;
 };
 
-/// A system that the training runs cannot identify is listed with the reason. Where a test's
-/// strain is a displacement, which has a zero of its own, every system's median error is taken off.
-/// A training run with such a strain is moved so that its longest wire is as long as `from` at rest
-/// under that load. Throws UserError for runs other than of Joule heating or in a bath, a training
-/// or test run without strain, and when not even one system could be identified.
+/// A system that the training runs cannot identify is listed with the reason. If a test's strain is
+/// a displacement, which has its own zero, the median error of every system is subtracted. A
+/// training run with such a strain is moved so that its longest wire is as long as `from` at rest
+/// under that load. Throws UserError for runs other than of Joule heating or in a bath, for a
+/// training or test run without strain, and if not even one system could be identified.
 Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
                    std::vector<identify::Run> tests, int threads,
                    const std::function<void(std::string_view)>& progress);

@@ -21,11 +21,11 @@ struct CompareArguments {
   std::vector<std::string> settings, columns;
   std::string out, report;
   bool json = false;
-  int threads = 0;  ///< 0: as many as cores
+  int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
 };
 
-/// Shows on a line of the terminal which system is being identified.
+/// Shows the system that is being identified on a line of the terminal.
 class CompareStatus {
  public:
   ~CompareStatus() { show(""); }
@@ -58,7 +58,7 @@ void refuse_repeats(const char* option, const std::vector<std::string>& runs) {
   }
 }
 
-/// Finds out before minutes of work that a file cannot be written.
+/// Checks that a file can be written before minutes of work.
 void require_writable(const std::string& path) {
   std::error_code missing;
   const auto kind = std::filesystem::status(path, missing).type();

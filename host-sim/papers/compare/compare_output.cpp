@@ -16,7 +16,7 @@ std::string percent(double value) {
   return fmt::format("{:.2f}", value);
 }
 
-/// "mean / 95 % / max", "-" where there is nothing.
+/// "mean / 95 % / max", or "-" if there is no error.
 std::string figures(const replay::ErrorStatistics& error) {
   return error.count() == 0 ? "-"
                             : fmt::format("{} / {} / {}", percent(error.mean()),
@@ -72,7 +72,7 @@ std::string heading(const Comparison& comparison) {
 
 using Json = nlohmann::ordered_json;
 
-/// An empty object where there is no error.
+/// The errors as JSON; an empty object if there is none.
 Json error_json(const replay::ErrorStatistics& error) {
   Json json{{"rows", error.count()}};
   if (error.count() > 0) {
@@ -83,7 +83,7 @@ Json error_json(const replay::ErrorStatistics& error) {
   return json;
 }
 
-/// HTML has the mean of each test at the end.
+/// HTML has the mean of each test in the last columns.
 files::TextTable table_of(const Comparison& comparison, bool with_tests) {
   std::vector<files::TextTable::Column> columns{{"system"},
                                                 {"mean", "{:.2f}"},
@@ -126,7 +126,7 @@ report::Column percent_of(const std::vector<double>& strain, double stroke = 1) 
   return report::column_of(strain, [&](double e) { return 100 * e / stroke; });
 }
 
-/// One test: the errors of all systems over time, and what each of them says.
+/// The panels of one test: the errors of all systems over time, and the estimate of each of them.
 class TestPanels {
  public:
   TestPanels(const Comparison& comparison, std::size_t test)
@@ -156,7 +156,7 @@ class TestPanels {
   }
 
  private:
-  /// A run without time in its rows.
+  /// The time of each row; the number of the row if the run has no time.
   report::Column time() const {
     std::vector<double> all = run_.time_s;
     for (std::size_t i = all.size(); i < run_.strain.size(); ++i) {

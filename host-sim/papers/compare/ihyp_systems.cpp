@@ -30,7 +30,8 @@ std::vector<double> observed(const IdentifiedWire& identified, const identify::R
     if (observer) {
       observer->advance(m, run.time_s[i] - run.time_s[i - 1]);
     } else {
-      const double ambient_K = run.ambient_K.empty() ? identified.room_K : run.ambient_K.front();
+      const double ambient_K =
+          run.ambient_K.empty() ? identified.usual_ambient_K : run.ambient_K.front();
       observer = replay::make_observer("kalman", wire, {}, m, ambient_K);
     }
     strain.push_back(observer->estimate().strain);
@@ -69,7 +70,7 @@ System ihyp_alone(const IdentifiedWire& identified) {
   const fits::PlantModel<ThreePhase<double>> model{wire.kinetics, wire.material, wire.heat,
                                                    wire.geometry};
   return {"ihyp", "000: three phases, return-point memory, heat balance", identified.parameters, "",
-          [model, ambient_K = identified.room_K](const identify::Run& run) {
+          [model, ambient_K = identified.usual_ambient_K](const identify::Run& run) {
             return fits::driven_strain(model, fits::every_row(run, ambient_K));
           }};
 }
@@ -77,7 +78,7 @@ System ihyp_alone(const IdentifiedWire& identified) {
 System ihyp_observer(const IdentifiedWire& identified) {
   return {"ihyp observer", "the same, corrected by the resistance; not in a bath",
           identified.parameters, "", [identified](const identify::Run& run) {
-            // In a bath no power tells the temperature.
+            // In a bath there is no power from which the observer could compute the temperature.
             return run.kind == identify::RunKind::joule ? observed(identified, run)
                                                         : nothing_of(run);
           }};

@@ -1,4 +1,4 @@
-// Strain by kinetics and a heat balance, without feedback.
+// Strain from kinetics and a heat balance, without feedback.
 
 #include <cmath>
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ Span span(const Surface<double>& surface, double stress_Pa) {
   return {at.start_K, at.start_K + 1 / at.per_K};
 }
 
-/// By how much stress raises a start temperature, in K per Pa.
+/// The rise of a start temperature with stress, in K per Pa.
 double rise_K_Pa(const Surface<double>& surface) {
   constexpr double high_Pa = 300e6;
   return (span(surface, high_Pa).start_K - span(surface, 0).start_K) / high_Pa;
@@ -30,7 +30,8 @@ double rise_K_Pa(const Surface<double>& surface) {
 template <class K>
 using Adjustables = std::vector<fits::Adjustable<fits::PlantModel<K>>>;
 
-/// The parameters that every wire has beside its kinetics, with the deviations that identify uses.
+/// The parameters that every wire has besides its kinetics, with the deviations that `identify`
+/// uses.
 template <class K>
 Adjustables<K> common() {
   using Model = fits::PlantModel<K>;
@@ -55,8 +56,8 @@ Adjustables<K> common() {
       {"its slope", [](Model& m, double u) { m.heat.convection_W_m2K2 *= std::exp(0.5 * u); }}};
 }
 
-/// Starts with all pairs of shifts of the first two deviations. A branch that lies more than its
-/// width away from the wire's would end in a local minimum.
+/// Starts with all combinations of shifts of the first two deviations. A branch that is more than
+/// its width away from the wire's would lead to a local minimum.
 std::vector<std::vector<double>> shifted_starts(std::size_t count) {
   std::vector<std::vector<double>> starts;
   for (const double heating : {0.0, -0.75, 0.75, -1.5, 1.5, -2.5, 2.5}) {
@@ -91,7 +92,7 @@ System duhem(const Wire<double>& from, const std::vector<identify::Run>& runs, i
   const Surface<double> a2m = first_surface(from.kinetics.a2m_a2r);
   const auto process_of = [](const Surface<double>& surface) {
     const Span at = span(surface, 0);
-    // Between start and finish lie some four deviations.
+    // There are about four deviations between start and finish.
     return K::Process{0.5 * (at.start_K + at.finish_K),
                       0.25 * std::abs(at.finish_K - at.start_K) + 1, rise_K_Pa(surface)};
   };

@@ -1,4 +1,4 @@
-// Strain by the Preisach model of paper 003 and a heat balance.
+// Strain from the Preisach model of paper 003 and a heat balance.
 
 #include <algorithm>
 #include <tuple>
@@ -14,14 +14,14 @@ namespace {
 using Ihyp = ThreePhase<double>;
 using Relays = papers::Preisach<double>;
 
-/// The most rows of a run that its identification uses; longer runs are thinned evenly.
+/// Greatest number of rows of a run that its identification uses; longer runs are thinned evenly.
 constexpr std::size_t max_rows = 4000;
 
 fits::PlantModel<Ihyp> ihyp_model(const Wire<double>& wire) {
   return {wire.kinetics, wire.material, wire.heat, wire.geometry};
 }
 
-/// The run as if it had been made in a bath of the temperatures that the wire had.
+/// The run as if it had been measured in a bath at the temperatures of the wire.
 identify::Run in_bath(const Wire<double>& wire, const identify::Run& run, double ambient_K) {
   identify::Run bath{};
   bath.name = run.name;
@@ -40,7 +40,7 @@ identify::Run in_bath(const Wire<double>& wire, const identify::Run& run, double
   return bath;
 }
 
-/// The runs' stresses, as many as the model holds, each at least 20 MPa from the next.
+/// Stresses of the runs, at least 20 MPa apart, and at most as many as the model can hold.
 std::vector<double> slice_stresses_Pa(const std::vector<identify::Run>& runs) {
   std::vector<double> all;
   for (const identify::Run& run : runs) {
@@ -64,14 +64,14 @@ std::vector<double> slice_stresses_Pa(const std::vector<identify::Run>& runs) {
   return chosen;
 }
 
-/// By how much stress raises the temperature of M2A, in K per Pa.
+/// The rise of the temperature of M2A with stress, in K per Pa.
 double shift_K_Pa(const Wire<double>& wire) {
   const double high_Pa = wire.limits.stress_Pa;
   return wire.kinetics.m2a.start_shift_K(0, high_Pa) / high_Pa;
 }
 
 int weights_of(const fits::PreisachWire& wire) {
-  // Every cell of the grid, and two strains for each stress; the shift.
+  // Every cell of the grid and two strains for each stress, and one shift.
   const auto nodes = static_cast<int>(wire.kinetics.node_K.size());
   return static_cast<int>(wire.kinetics.stress_count) * (nodes * (nodes - 1) / 2 + 2) + 1;
 }
@@ -87,7 +87,7 @@ System preisach(const IdentifiedWire& identified, const std::vector<identify::Ru
   }
   const fits::PreisachFit fit =
       fits::fit_preisach_histories(baths, slice_stresses_Pa(runs), shift_K_Pa(wire));
-  const auto drive = [fit, wire, ambient_K = identified.room_K](const identify::Run& run) {
+  const auto drive = [fit, wire, ambient_K = identified.usual_ambient_K](const identify::Run& run) {
     const fits::PlantModel<Relays> model{fit.wire.kinetics, wire.material, wire.heat,
                                          wire.geometry};
     std::vector<double> strain;

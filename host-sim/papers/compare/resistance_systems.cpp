@@ -12,7 +12,7 @@ namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-/// The first resistance of all runs, as the unit in which the others are of the order of one.
+/// The first resistance of all runs, as a unit in which the others are of the order of one.
 double unit_ohm(const std::vector<identify::Run>& runs) {
   for (const identify::Run& run : runs) {
     for (const double ohm : run.resistance_ohm) {
@@ -24,7 +24,7 @@ double unit_ohm(const std::vector<identify::Run>& runs) {
   throw files::UserError("no run has a resistance");
 }
 
-/// Which line a row belongs to: 0 while the resistance falls, 1 while it rises.
+/// The line that a row belongs to: 0 while the resistance falls, 1 while it rises.
 class Direction {
  public:
   static constexpr double turn = 0.01;
@@ -43,7 +43,7 @@ class Direction {
   double far_ = no_value;
 };
 
-/// Polynomials of one order, one for each direction or one for both.
+/// Polynomials of one order: one for each direction, or one for both.
 struct Polynomials {
   double ohm;
   int order;
@@ -67,7 +67,7 @@ struct Polynomials {
           sum = sum * (share - 1) + c(k);
         }
       } else if (!all.empty()) {
-        sum = all.back();  // as a device would hold its last value
+        sum = all.back();  // a device would hold its last value, too
       }
       all.push_back(sum);
     }

@@ -18,7 +18,7 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
   file.commit();
 }
 
-/// "001-04.svg", "001-04-b.svg"
+/// The file name of a panel, such as "001-04.svg" or "001-04-b.svg".
 std::string file_name(const Paper& paper, const PaperFigure& figure, std::size_t panel) {
   const std::string letter =
       figure.panels.size() > 1 ? fmt::format("-{}", static_cast<char>('a' + panel)) : "";

@@ -11,8 +11,8 @@
 namespace smaservo::fits {
 namespace {
 
-/// Time constant of the load's filter, the observer's. Unfiltered noise of a load cell would drive
-/// models without memory to the middle of their loops.
+/// Time constant of the load's filter, which is the observer's. Unfiltered noise of a load cell
+/// would drive models without memory to the middle of their loops.
 constexpr double load_filter_s = KalmanTuning<double>{}.stress_filter_s;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 

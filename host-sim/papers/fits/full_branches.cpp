@@ -12,7 +12,7 @@ constexpr double outer = 0.9;
 constexpr double inner_share = 0.1;
 constexpr double max_back = 0.05;
 
-/// How far a row is from the shortest to the longest wire.
+/// The position of a row between the shortest and the longest wire, as a share of the stroke.
 class Stroke {
  public:
   explicit Stroke(const std::vector<double>& strain)
@@ -51,7 +51,7 @@ class Bins {
   std::array<double, count> rows_{};
 };
 
-/// Follows one direction through the rows and hands out each full branch in it.
+/// Follows one direction through the rows and returns each full branch in it.
 class Follower {
  public:
   Follower(bool heats, const identify::Run& run, double ohm)

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Index;
 
-/// The variables that are not held at zero, and the gradient of those that are.
+/// The set of variables that are not held at zero, and the gradient of those that are.
 class Pivoting {
  public:
   Pivoting(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right, Index free)
@@ -24,7 +24,8 @@ class Pivoting {
 
   Eigen::VectorXd solve() {
     constexpr int max_rounds = 2000;
-    constexpr int patience = 3;  // full exchanges that may fail to lower the number of offenders
+    // Number of full exchanges that may fail to reduce the number of offenders.
+    constexpr int patience = 3;
     Index fewest = std::numeric_limits<Index>::max();
     int left = patience;
     for (int round = 0; round < max_rounds; ++round) {
@@ -39,7 +40,7 @@ class Pivoting {
       if (left >= 0) {
         for (const Index i : offenders) flip(i);
       } else {
-        flip(offenders.back());  // Murty's rule, which ends for certain
+        flip(offenders.back());  // Murty's rule, which is certain to terminate
       }
     }
     return x_.cwiseMax(bounded_below());

@@ -18,8 +18,8 @@ double weight(const DrivenSteps& run) {
   return identify::share_of(identify::independent_at_first, static_cast<std::size_t>(rows));
 }
 
-/// The residuals of all runs, and the prior, by all deviations: in one block, so that the sums over
-/// them do not depend on the number of threads.
+/// The residuals of all runs and of the prior, as functions of all deviations, in one block, so
+/// that the sums do not depend on the number of threads.
 class StrainResiduals final : public ceres::CostFunction {
  public:
   StrainResiduals(std::size_t count, const std::vector<DrivenSteps>& runs,
@@ -72,8 +72,8 @@ class StrainResiduals final : public ceres::CostFunction {
   }
 
   void differentiate(std::size_t run, std::vector<double> u, double* jacobian) const {
-    // A hundredth of a prior's deviation to both sides: wider than the kinks that turning points
-    // leave in the cost.
+    // A step of a hundredth of a prior's deviation to both sides is wider than the kinks that
+    // turning points cause in the cost.
     constexpr double step = 1e-2;
     const std::size_t rows = runs_[run].strain.size();
     std::vector<double> above(rows), below(rows);

@@ -1,6 +1,6 @@
 #pragma once
 // Any kinetics with a heat balance, identified from measured runs by their strain: the same least
-// squares for each of them, by numerical derivatives.
+// squares for all kinetics, with numerical derivatives.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace smaservo::fits {
 
-/// A parameter that a fit may change. Its deviation u is 0 ± 1 before the runs are seen.
+/// A parameter that a fit may change. The prior of its deviation u is 0 ± 1.
 template <class Model>
 struct Adjustable {
   std::string key;
@@ -38,10 +38,10 @@ struct PlantModel {
   }
 };
 
-/// The longest step of a plant's model here; longer ones are made of substeps.
+/// Longest step of the plant's model here; longer ones are divided into substeps.
 inline constexpr double longest_plant_step_s = 30e-3;
 
-/// Takes a model through all steps; `see(params, state)` is called after each.
+/// Runs a model through all steps; `see(params, state)` is called after each.
 template <class K, class See>
 void drive_plant(const PlantModel<K>& model, const DrivenSteps& steps, See see) {
   auto params = model.plant();
@@ -54,7 +54,8 @@ void drive_plant(const PlantModel<K>& model, const DrivenSteps& steps, See see) 
     if (steps.bath) {
       K::advance(params.kinetics, state.kinetics, {steps.temperature_K[i], steps.stress_Pa[i]});
     } else {
-      // A clock that jitters around the longest step does not double the work.
+      // Rounding down by up to half a step keeps a clock that jitters around the longest step from
+      // doubling the work.
       const double wanted = std::ceil(steps.dt_s[i] / longest_plant_step_s - 0.5);
       const int parts = static_cast<int>(std::clamp(wanted, 1.0, 65536.0));
       for (int part = 0; part < parts; ++part) {
@@ -77,16 +78,16 @@ std::vector<double> driven_strain(const PlantModel<K>& model, const DrivenSteps&
   return strain;
 }
 
-/// The deviations with the least squares: Σ (strain error / 0.05 %)² with a robust loss, all runs
-/// counting alike, and Σ u². `strain_of(u, run)` is the model; it may be called by several threads
-/// at once. The same for any number of threads. Throws nothing.
+/// The deviations that minimise Σ (strain error / 0.05 %)² with a robust loss, all runs with equal
+/// weight, plus Σ u². `strain_of(u, run)` is the model; it may be called by several threads at
+/// once. The result is the same for any number of threads. Throws nothing.
 using StrainOf =
     std::function<std::vector<double>(const std::vector<double>& u, const DrivenSteps&)>;
 std::vector<double> fit_deviations(std::size_t count, const std::vector<DrivenSteps>& runs,
                                    const StrainOf& strain_of,
                                    const std::vector<std::vector<double>>& starts, int threads);
 
-/// The model with the deviations that fit best; the starts are tried first, the best one goes on.
+/// The model with the best deviations; the starts are tried first, and the best one is continued.
 template <class K>
 PlantModel<K> fit_plant(const PlantModel<K>& prior,
                         const std::vector<Adjustable<PlantModel<K>>>& adjustables,

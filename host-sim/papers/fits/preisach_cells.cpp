@@ -14,12 +14,12 @@ using Path = papers::Staircase<double, 64>;
 constexpr std::size_t node_count = std::tuple_size_v<PreisachNodes>;
 constexpr std::size_t cells = (node_count - 1) * node_count / 2;
 
-/// Column of a cell; the first column is austenite's.
+/// The column of a cell; the first column is that of austenite's strain.
 constexpr Eigen::Index cell_index(std::size_t hot, std::size_t cold) {
   return static_cast<Eigen::Index>(1 + hot * (hot + 1) / 2 + cold);
 }
 
-/// The temperature less what the stress adds, without the reversals that noise makes.
+/// The temperature less the shift by stress, without the reversals caused by noise.
 std::vector<double> inputs(const identify::Run& run, double shift_K_Pa) {
   std::vector<double> all(run.temperature_K);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -28,7 +28,7 @@ std::vector<double> inputs(const identify::Run& run, double shift_K_Pa) {
   return steady_K(all);
 }
 
-/// The share of every cell that lies in the triangle, times the sign.
+/// Adds the share of every cell that lies in the triangle, times the sign.
 void add_triangle(const PreisachNodes& node_K, double sign, double hot_K, double cold_K,
                   Eigen::Ref<Eigen::RowVectorXd> row) {
   std::array<double, node_count - 1> below_hot{};

@@ -1,5 +1,5 @@
 #pragma once
-// The cells of a Preisach model's grid, whose weights are what is fitted.
+// The cells of a Preisach model's grid, whose weights are fitted.
 
 #include <Eigen/Core>
 #include <vector>
@@ -11,13 +11,13 @@ namespace smaservo::fits {
 
 using PreisachNodes = decltype(papers::PreisachParams<double>::node_K);
 
-/// The nodes of the grid, close together where the wires convert. Each interval has the
+/// The nodes of the grid, which are close together where the wires transform. Each interval has the
 /// same sum of three shares: of the range of temperature, of the change of strain on heating, and
 /// of that on cooling.
 PreisachNodes placed_nodes(const std::vector<identify::Run>& runs, double shift_K_Pa);
 
-/// Rows of runs: the strain is austenite's (the first column) and a sum over the cells' weights, in
-/// strain. At most 4000 of each run.
+/// Rows of runs, at most 4000 of each: the strain is that of austenite (the first column) plus a
+/// sum over the cells' weights, in units of strain.
 struct CellRows {
   Eigen::MatrixXd columns;
   Eigen::VectorXd strain, stress_Pa;

@@ -58,7 +58,7 @@ double fitted_shift_K_Pa(const std::vector<PreisachSlice>& slices) {
   return middles.size() > 1 ? products / squares : 0;
 }
 
-/// The stress' neighbours among those of the model, and the share of the upper one.
+/// The neighbours of a stress among those of the model, and the share of the upper one.
 struct Between {
   std::size_t low, high;
   double share;
@@ -72,7 +72,7 @@ Between between(const Model::Params& p, double stress_Pa) {
           span_Pa > 0 ? std::clamp((stress_Pa - p.stress_Pa[low]) / span_Pa, 0.0, 1.0) : 0.0};
 }
 
-/// Sums for the least squares: unknowns of a stress stand together, as in CellRows.
+/// Sums for the least squares; the unknowns of a stress are adjacent, as in CellRows.
 struct NormalEquations {
   Eigen::MatrixXd left;
   Eigen::VectorXd right;
@@ -109,8 +109,8 @@ void add_rows(const CellRows& rows, const Model::Params& p, std::size_t low,
   }
 }
 
-/// Adds a prior: each weight counts as measured to be 0 in a fraction `pull` of the rows, and equal
-/// to that of the next stress in a fraction `tie`.
+/// Adds a prior: each weight counts as if measured as 0 in a fraction `pull` of the rows, and as
+/// equal to that of the next stress in a fraction `tie`.
 void add_beliefs(double rows, double pull, double tie, Eigen::Index n, NormalEquations& equations) {
   Eigen::MatrixXd& left = equations.left;
   for (Eigen::Index i = 0; i < left.rows(); ++i) {
@@ -125,7 +125,7 @@ void add_beliefs(double rows, double pull, double tie, Eigen::Index n, NormalEqu
   }
 }
 
-/// Fills in increments and strains. The nodes, the shift and the stresses must be there.
+/// Computes increments and strains. The nodes, the shift and the stresses must be set.
 void fit_weights(const CellRows& rows, double tie, PreisachWire& wire) {
   constexpr double pull = 1e-5;
   Model::Params& p = wire.kinetics;
@@ -135,7 +135,7 @@ void fit_weights(const CellRows& rows, double tie, PreisachWire& wire) {
                             Eigen::VectorXd::Zero(unknowns)};
   for (std::size_t low = 0; low < p.stress_count; ++low) add_rows(rows, p, low, equations);
   add_beliefs(static_cast<double>(rows.strain.size()), pull, tie, n, equations);
-  // Austenite's strains may be negative; they come first.
+  // Austenite's strains may be negative; they are placed first.
   Eigen::VectorX<Eigen::Index> order(unknowns);
   Eigen::Index placed = 0;
   for (const bool austenite : {true, false}) {
@@ -173,7 +173,7 @@ std::vector<double> replayed(const PreisachWire& wire, const identify::Run& run)
   return strain;
 }
 
-/// Computes the model's strain for the runs that it was fitted to, and its error.
+/// Computes the model's strain for the runs to which it was fitted, and its error.
 void replay(const std::vector<identify::Run>& runs, PreisachFit& fit) {
   double squares = 0;
   std::size_t count = 0;

@@ -45,7 +45,8 @@ double checked_stress_Pa(const identify::Run& run) {
   return middle_Pa;
 }
 
-/// Different temperatures, one in each kelvin, from which the wire was cooled in mid-conversion.
+/// The number of different temperatures, in whole kelvins, from which the wire was cooled in
+/// mid-transformation.
 std::size_t reversal_count(const PreisachSlice& slice) {
   const double stroke = slice.longest - slice.shortest;
   std::vector<long> tops;

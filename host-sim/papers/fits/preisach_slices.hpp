@@ -1,5 +1,5 @@
 #pragma once
-// Bath runs as the Preisach model is identified from them: checked, and sorted by stress.
+// Bath runs for the identification of the Preisach model: checked, and sorted by stress.
 
 #include <vector>
 
@@ -11,14 +11,14 @@ namespace smaservo::fits {
 struct PreisachSlice {
   double stress_Pa;
   std::vector<const identify::Run*> runs;
-  double shortest, longest;  ///< strain
+  double shortest, longest;  ///< range of the strain
 };
 
-/// Sorts runs into slices by rising stress, at most `max`, and checks that each has reversal
-/// curves. Throws UserError as fit_preisach() says.
+/// Sorts runs into at most `max` slices by rising stress, and checks that each has reversal curves.
+/// Throws UserError as fit_preisach() does.
 std::vector<PreisachSlice> preisach_slices(const std::vector<identify::Run>& runs, std::size_t max);
 
-/// The temperature without the reversals that its noise makes: those below 0.5 K.
+/// The temperature without the reversals below 0.5 K, which its noise causes.
 std::vector<double> steady_K(const std::vector<double>& temperature_K);
 
 }  // namespace smaservo::fits

@@ -9,7 +9,8 @@ namespace smaservo::fits {
 bench::BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, int curves) {
   const Isobar<double> m2a = isobar(wire.kinetics.m2a, stress_Pa);
   const Isobar<double> a2m = isobar(first_surface(wire.kinetics.a2m_a2r), stress_Pa);
-  // Beyond the tangents' ends, so far that 3 to 10 % are left: the hyperbolas never end.
+  // The temperatures lie beyond the tangents' ends, where 3 to 10 % are left: the hyperbolas never
+  // end.
   const double cold_K = std::min(a2m.start_K + 1 / a2m.per_K - 25, room_K);
   const double hot_K = m2a.start_K + 1 / m2a.per_K + 20;
   const double first_K = m2a.start_K - 10;

@@ -22,7 +22,7 @@ double stroke(const identify::Run& run) {
   return longest - shortest;
 }
 
-/// R_0: the median resistance of the rows within a twentieth of the stroke of the longest wire.
+/// R_0: the median resistance of the rows within a twentieth of the stroke from the longest wire.
 double martensite_ohm(const std::vector<identify::Run>& runs) {
   std::vector<double> long_ohm;
   for (const identify::Run& run : runs) {
@@ -46,8 +46,8 @@ double row_s(const identify::Run& run, std::size_t i) {
   return run.time_s.empty() || i == 0 ? settled_s : run.time_s[i] - run.time_s[i - 1];
 }
 
-/// Four standard deviations of the smoothed resistance's noise, from the second differences in
-/// short windows. The noisiest window counts, since the noise grows as the current becomes small.
+/// Four standard deviations of the noise of the smoothed resistance, from the second differences in
+/// short windows. The noisiest windows count, since the noise grows as the current falls.
 double smallest_reversal(const std::vector<identify::Run>& runs, double ohm) {
   constexpr std::size_t window = 50;
   constexpr double min = 1e-4;
@@ -63,7 +63,7 @@ double smallest_reversal(const std::vector<identify::Run>& runs, double ohm) {
         }
       }
       if (bends.size() == window) {
-        // The variance of a second difference is six times the noise's.
+        // The variance of a second difference is six times that of the noise.
         const double sd = identify::quantile(bends, 0.5) / (0.6745 * std::sqrt(6.0));
         const double dt_s = row_s(run, begin);
         const double weight = dt_s / (dt_s + Observer::smoothing_s);
@@ -74,7 +74,7 @@ double smallest_reversal(const std::vector<identify::Run>& runs, double ohm) {
   return noise.empty() ? min : std::max(min, 4 * identify::quantile(noise, 0.9));
 }
 
-/// The slope is the median over all pairs of points, the offset the median of what it leaves.
+/// The slope is the median over all pairs of points, the offset the median of the remainders.
 papers::ResistanceLine<double> theil_sen(
     const std::vector<papers::ResistancePoint<double>>& points) {
   std::vector<double> slopes;
@@ -155,8 +155,8 @@ std::vector<LoadLevel> fit_levels(const std::vector<identify::Run>& runs, double
   return levels;
 }
 
-/// Coefficients by rising power of the least-squares polynomial; more points than the order, x of
-/// the order of one.
+/// The coefficients of the least-squares polynomial by rising power. There must be more points than
+/// the order, and x must be of the order of one.
 std::vector<double> fit_polynomial(const std::vector<double>& x, const std::vector<double>& y,
                                    int order) {
   const auto rows = static_cast<Eigen::Index>(x.size());
@@ -222,7 +222,7 @@ double mean_square(const Observer::Params& params, const std::vector<identify::R
 }
 
 /// Least squares over a_0 (as a share of the least slope) and the logarithm of τ, on a grid that
-/// contracts around its best node: the valley is curved and shallow, and a run costs little.
+/// contracts around its best node: the valley is curved and shallow, and an evaluation is cheap.
 void fit_transitions(Observer::Params& p, const std::vector<identify::Run>& runs) {
   const double slope = min_slope(p);
   std::array<double, 2> best{0.4, std::log(60.0)};
@@ -276,14 +276,14 @@ StrainResistanceFit identify_strain_resistance(const std::vector<identify::Run>&
   p.max_stress_Pa = fit.levels.back().stress_Pa;
   fit.order =
       std::min(papers::StressPolynomial<double>::order, static_cast<int>(fit.levels.size()) - 1);
-  // A polynomial may swing below zero between the loads; then one of lower order is taken.
+  // If a polynomial oscillates below zero between the loads, one of lower order is used.
   for (fit_polynomials(fit); !(min_slope(p) > 0); fit_polynomials(fit)) {
     --fit.order;
   }
   std::vector<identify::Run> thin;
   thin.reserve(runs.size());
   for (const identify::Run& run : runs) {
-    // Transitions are slower than that, and every trial runs through all rows.
+    // Transitions are slower than 0.02 s, and every trial runs through all rows.
     thin.push_back(averaged(run, 0.02));
   }
   p.smallest_reversal = smallest_reversal(runs, p.martensite_ohm);

@@ -17,17 +17,19 @@ struct LoadLevel {
 
 struct StrainResistanceFit {
   papers::StrainResistance<double>::Params params;
-  std::vector<LoadLevel> levels;  ///< by stress
-  int order;  ///< of the polynomials, up to 4; 0 for one level: then they hold at its stress alone
+  std::vector<LoadLevel> levels;  ///< sorted by stress
+  /// Order of the polynomials, up to 4; 0 if there is one level: they are then valid only at its
+  /// stress.
+  int order;
 };
 
-/// Joule and bath runs with strain and resistance; a bath run's rows are settled states. Lines come
-/// from runs of constant stress, from their full heatings and coolings: from 90 % of the run's
-/// stroke to 10 % of it without turning, by Theil and Sen's median of slopes; a run whose stroke is
-/// below 1 %, or half of another run's, has none. Loads within 5 % (and 2 MPa) are one level. The
-/// transition constants and the standard deviation come from all runs, so they should have minor
-/// loops. Throws UserError where no run has a full heating or a full cooling, and where the strain
-/// does not rise with the resistance, as light loads with much R-phase have it on cooling. Takes
+/// Uses joule and bath runs with strain and resistance; the rows of a bath run are settled states.
+/// Lines come from the full heatings and coolings of runs at constant stress: from 90 % of the
+/// run's stroke to 10 % of it without reversal, by Theil and Sen's median of slopes; a run whose
+/// stroke is below 1 %, or half of another run's, has none. Loads within 5 % (and 2 MPa) are one
+/// level. The transition constants and the standard deviation come from all runs, so these should
+/// have minor loops. Throws UserError if no run has a full heating or a full cooling, and if the
+/// strain does not rise with the resistance, as at light loads with much R-phase on cooling. Takes
 /// about a second for ten minutes at 1 kHz.
 StrainResistanceFit identify_strain_resistance(const std::vector<identify::Run>& runs);
 

@@ -6,9 +6,9 @@
 
 namespace smaservo::tune {
 
-/// The stress at which wire and spring balance, searched from the one before. `shorter` tells how
-/// much shorter than at rest the wire is at a stress. More stress makes it longer, so there is one
-/// balance. It is found to 10 Pa in some six calls; a constant load takes none.
+/// The stress at which wire and spring balance, searched from the previous one. `shorter` gives the
+/// strain by which the wire is shorter than at rest at a stress. More stress makes it longer, so
+/// there is one balance. It is found to 10 Pa in about six calls; a constant load needs none.
 template <class F>
 double balanced_stress_Pa(const TunedLoad& load, double from_Pa, const F& shorter) {
   if (!load.is_spring()) {
@@ -21,7 +21,7 @@ double balanced_stress_Pa(const TunedLoad& load, double from_Pa, const F& shorte
   double at_a = excess(a);
   double b = a - at_a;
   double at_b = excess(b);
-  // Illinois: the end that stays counts half.
+  // Illinois method: the value at the end that is kept is halved.
   for (int i = 0; i < 40 && 10 < std::abs(b - a) && 10 < std::abs(at_b); ++i) {
     const double c = b - at_b * (b - a) / (at_b - at_a);
     const double at_c = excess(c);

@@ -1,6 +1,6 @@
 #pragma once
-// The device's heat law and loss compensation near a state. The device computes both from the
-// file's wire, whatever the real wire is.
+// The device's heat law and loss compensation near a state. The device computes both from the wire
+// of the file, whatever the real wire is.
 
 #include "firmware/prepared.hpp"
 #include "host-sim/tune/linear/operating_points.hpp"
@@ -12,13 +12,13 @@ class HeatLaw {
   /// `nominal` must have many stops.
   HeatLaw(const Settings<double>& settings, const TunedPlant& plant, const Branches& nominal);
 
-  /// Heat per strain, in J, that the law gives for an error of 1 % of the stroke where the estimate
-  /// is at this share of the stroke: the maximum over shares within `off` of it. 0 for a turned
-  /// wire.
+  /// Heat per strain, in J, that the law gives for an error of 1 % of the stroke if the estimate is
+  /// at this share of the stroke: the maximum over shares within `off` of it. 0 for a wire in the
+  /// state `turned`.
   double max_J(Motion motion, double share, double off) const;
 
-  /// Slope over temperature of the loss that the device compensates, at the temperature that the
-  /// file's wire has at this share.
+  /// Slope over temperature of the loss that the device compensates, at the temperature of the
+  /// file's wire at this share.
   double loss_slope_W_K(Motion motion, double share) const;
 
  private:

@@ -8,13 +8,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// A low-pass as the firmware has them: x += (u - x) dt/(dt + time).
+/// A low-pass as in the firmware: x += (u - x) dt/(dt + time).
 Complex low_pass(double time_s, double dt_s, const Complex& back) {
   const double share = dt_s / (dt_s + time_s);
   return share / (1.0 - (1 - share) * back);
 }
 
-/// Pid::step from error to power, the set-point standing.
+/// Pid::step from error to power, with a constant set-point.
 Complex pid(const LoopGains<double>& q, double dt_s, const Complex& back) {
   const Complex integral = q.integral_1_s * dt_s / (1.0 - back);
   const Complex derivative =

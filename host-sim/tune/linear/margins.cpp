@@ -24,7 +24,7 @@ std::vector<double> grid(double low, double high) {
   return all;
 }
 
-/// The frequency between these at which f changes its sign.
+/// The frequency between a and b at which f changes its sign.
 template <class F>
 double sign_change(const F& f, double a, double b) {
   const bool below = f(a) < 0;
@@ -35,7 +35,7 @@ double sign_change(const F& f, double a, double b) {
   return std::sqrt(a * b);
 }
 
-/// The greatest value of f between these, where it has one maximum: by golden section.
+/// The greatest value of f between a and b, where it has one maximum; by golden section search.
 template <class F>
 double maximum(const F& f, double a, double b) {
   constexpr double share = std::numbers::phi - 1;
@@ -73,8 +73,8 @@ class Curve {
   }
 
  private:
-  /// The locus of 1 + L begins where the loop's integrators put it, a quarter turn for each, and
-  /// must come to the positive real axis without a turn about 0.
+  /// The locus of 1 + L begins at the angle that the loop's integrators give, a quarter turn for
+  /// each, and must reach the positive real axis without encircling 0.
   bool stable() const {
     const double low = omega_.front();
     const double integrators =

@@ -57,7 +57,7 @@ class Sweep {
     return p;
   }
 
-  /// Heat content, of an arbitrary zero.
+  /// Heat content with an arbitrary zero.
   double heat_J() const {
     const Phases<double> z = LumpedModel::phases(state_);
     return params_.body.capacity_J_K * temperature_K() - params_.body.latent_m2a_J * z.martensite -
@@ -95,7 +95,7 @@ class Sweep {
   double area_m2_;
 };
 
-/// Sweeps the full cycle for its ends, then again for the stops at shares of the stroke.
+/// Sweeps the full cycle to find its ends, then again for the stops at shares of the stroke.
 class Tracing {
  public:
   Tracing(const TunedPlant& plant, double max_K, int stops) : plant_(plant), stops_(stops) {
@@ -171,7 +171,7 @@ class Tracing {
     }
   }
 
-  /// The temperature of the nearest stop; NaN when the branch has none near this share.
+  /// The temperature of the nearest stop; NaN if the branch has none near this share.
   double stop_K(Motion motion, double at) const {
     double best = 0.5 / stops_;
     double found_K = std::numeric_limits<double>::quiet_NaN();
@@ -216,7 +216,7 @@ LumpedModel::Params lumped_params(const TunedPlant& plant) {
 
 double advance_loaded(const TunedPlant& plant, const LumpedModel::Params& params,
                       LumpedModel::State& state, double power_W, double rest_strain, double dt_s) {
-  // A step takes the stress as constant and carries the error into the next ones, so a spring needs
+  // A step assumes a constant stress and carries the error into the next ones, so a spring needs
   // shorter steps.
   const int parts = plant.load.is_spring() ? 8 : 1;
   const double part_s = dt_s / parts;

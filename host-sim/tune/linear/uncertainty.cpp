@@ -9,7 +9,7 @@ namespace {
 
 constexpr double min_draught = 0.8;
 
-/// A surface whose branch lies elsewhere, and is wider and otherwise curved.
+/// A surface whose branch is shifted, has another width and another curvature.
 Surface<double> vary(Surface<double> surface, double known, bench::Dice& dice) {
   const double width_K = surface.finish_K[0] - surface.start_K[0];
   const double shift_K = 2 * dice.deviation(known) * width_K;
@@ -42,7 +42,8 @@ TunedPlant random_plant(const TunedPlant& plant, bench::Dice& dice) {
   Wire<double>& w = p.wire;
   const double known = w.accuracy.strain / w.nominal_stroke;
   ThreePhaseParams<double>& k = w.kinetics;
-  // One after the other: the order in which arguments are evaluated differs between compilers.
+  // The values are drawn one after the other, because the evaluation order of arguments differs
+  // between compilers.
   k.m2a = vary(k.m2a, known, dice);
   const Surface<double> a2m = vary(first_surface(k.a2m_a2r), known, dice);
   const Surface<double> a2r = vary(second_surface(k.a2m_a2r), known, dice);

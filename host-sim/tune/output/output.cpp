@@ -33,7 +33,7 @@ std::string load_text(const TuneTask& task) {
                                         load.low_Pa * task.plant.wire.geometry.area_m2());
 }
 
-/// Three lines, each behind a mark.
+/// Three lines, each preceded by a mark.
 std::string heading(const Tuned& t, std::string_view mark) {
   const Branches& b = t.proposal.branches;
   return fmt::format(

@@ -26,7 +26,7 @@ std::vector<double> frequencies(double period_s) {
   return all;
 }
 
-/// Open loops over the frequency, one behind the other with a gap between them.
+/// Open loops over the frequency, one after the other with a gap between them.
 struct Loci {
   std::vector<double> Hz, real, imaginary, dB, degrees;
 
@@ -55,7 +55,7 @@ Loci loci(const std::vector<LinearLoop>& loops, std::size_t each) {
   return all;
 }
 
-/// The circle that M_s must stay out of.
+/// The circle that the locus must not enter for the required M_s.
 report::Series circle() {
   std::vector<double> x, y;
   for (int i = 0; i <= 120; ++i) {
@@ -74,7 +74,7 @@ report::Series circle() {
 constexpr const char* of_all = "uncertain wires";
 constexpr const char* of_file = "the file’s wire";
 
-/// Nyquist and Bode.
+/// Nyquist and Bode plots of a loop.
 std::vector<report::Panel> loop_panels(const DesignedLoop& loop) {
   const std::string name = fmt::format("Loop of the {}: ", loop_text(loop.name));
   report::Panel nyquist{
@@ -117,7 +117,7 @@ std::vector<report::Panel> loop_panels(const DesignedLoop& loop) {
   return {std::move(nyquist), std::move(bode)};
 }
 
-/// The steps of all runs over time, the file's wire on top.
+/// The steps of all runs over time, with the file's wire on top.
 class StepPanels {
  public:
   explicit StepPanels(const ExpectedSteps& expected) : expected_(expected) {
@@ -128,7 +128,7 @@ class StepPanels {
     time_ = report::column(std::move(time_s));
   }
 
-  /// value(a number of this column) of every run.
+  /// A panel of value(number) for all numbers of this column, for every run.
   template <class Value>
   report::Panel panel(const char* title, const char* label, int height,
                       std::vector<double> ExpectedRun::* column, Value value) const {
@@ -159,7 +159,7 @@ class StepPanels {
   report::Column time_;
 };
 
-/// Each step from its own beginning: heating over cooling.
+/// Steps drawn from their own beginning: heating in one panel, cooling in another.
 report::Panel overlay(const Tuned& t, bool heating) {
   double longest_s = 0;
   const double period_s = t.expected.period_s;

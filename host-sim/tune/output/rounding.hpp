@@ -1,5 +1,5 @@
 #pragma once
-// Numbers as a person would write them.
+// Numbers rounded as a person would write them.
 
 #include <cmath>
 

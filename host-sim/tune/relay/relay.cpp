@@ -41,7 +41,8 @@ Record run(const RelayTask& t, RelayPlant& plant) {
   return r;
 }
 
-/// Size of the oscillation between two ticks that are whole periods apart; a drift is taken off.
+/// Amplitude of the oscillation between two ticks that are whole periods apart; a drift is
+/// subtracted.
 double harmonic(const std::vector<double>& x, int first, int last, double rad_by_tick) {
   const auto at = [&](int i) { return x[static_cast<std::size_t>(i)]; };
   const double drift = (at(last) - at(first)) / (last - first);
@@ -79,7 +80,7 @@ Oscillation expected_oscillation(const LinearLoop& loop, const RelayTask& task) 
   bare.gains = {};
   bare.fed_forward_W_K = 0;
   bare.lag_s = 0;
-  // L(jω) = -1/N(a) = -(sqrt(a² - ε²) + jε) π/(4h): the highest ω at which the imaginary part fits.
+  // L(jω) = -1/N(a) = -(sqrt(a² - ε²) + jε) π/(4h): the highest ω with the right imaginary part.
   const double asked = -std::numbers::pi * task.hysteresis / (4 * task.amplitude_W);
   const double nyquist = std::numbers::pi / task.period_s;
   double high = nyquist;

@@ -1,4 +1,4 @@
-// The plants that relay tests are run on.
+// The plants on which relay tests are run.
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 namespace smaservo::tune {
 namespace {
 
-constexpr double period_ticks = 20;  ///< of the oscillation that is aimed at
-constexpr double test_share = 0.05;  ///< of the stroke that the wire moves meanwhile
+constexpr double period_ticks = 20;  ///< aimed period of the oscillation
+constexpr double test_share = 0.05;  ///< share of the stroke that the wire moves during a test
 
 double variable(LoopName name, double temperature_K, double strain, double ohm, double load_N) {
   switch (name) {
@@ -31,7 +31,7 @@ double variable_1_K(LoopName name, const OperatingPoint& p) {
   return variable(name, 1, p.strain_1_K, p.ohm_1_K, p.load_N_K);
 }
 
-/// The loop's linearisation at its point; the variable by power.
+/// The loop's linearisation at its point, from power to the variable.
 LinearLoop linear(LoopName name, const OperatingPoint& p, double period_s) {
   return {period_s, 1, p.capacity_J_K, p.loss_slope_W_K, std::abs(variable_1_K(name, p)), 0, 0,
           1,        {}};
@@ -53,7 +53,7 @@ RelayTask relay_task(LoopName name, const OperatingPoint& p, const Branches& b, 
               1,
               0};
   t.direction = rate < 0 ? -1 : 1;
-  // A triangle rises from one end to the other in half a period; 1.5 periods are delay.
+  // A triangle wave rises from one end to the other in half a period; 1.5 sample periods are delay.
   t.hysteresis = t.amplitude_W * std::abs(rate) * (0.25 * period_ticks - 1.5) * period_s;
   return t;
 }
@@ -110,7 +110,7 @@ class SegmentedWire {
 
 constexpr double longest_test_s = 120;
 
-/// Drives the wire until it is this much shorter than at rest, on the way up or down. False when it
+/// Drives the wire until it is this much shorter than at rest, on the way up or down. False if it
 /// does not get there in time.
 bool drive_to(SegmentedWire& wire, double power_W, double shorter, bool heats, double period_s) {
   for (double t = 0; t < longest_test_s; t += period_s) {
@@ -122,8 +122,8 @@ bool drive_to(SegmentedWire& wire, double power_W, double shorter, bool heats, d
   return false;
 }
 
-/// Tests the loop of the strain on the segmented wire, half way on a branch. The wire gets there
-/// faster than it is tested; then its rate at the test's power is measured.
+/// Tests the loop of the strain on the segmented wire, half way on a branch. The wire is driven
+/// there faster than in the test; then its rate at the test's power is measured.
 RelayCheck segmented_check(const TunedPlant& plant, const Branches& b, const OperatingPoint& p,
                            double period_s) {
   RelayTask t = relay_task(LoopName::strain, p, b, period_s);

@@ -19,12 +19,12 @@ using TraceColumns = std::vector<TraceColumn>;
 
 /// The names of a header, without spaces around them.
 std::vector<std::string> header_names(std::string_view header);
-/// Splits a row; false where it has not `count` fields.
+/// Splits a row; false if it does not have `count` fields.
 bool split_row(std::string_view row, std::size_t count, std::vector<std::string_view>& fields);
 
-/// The field as a number of JSON: as it stands where that is one, else in the shortest form
-/// (".5": 0.5) in `room`. Empty where it is none, or not finite, or begins with zeros: 007 is a
-/// name.
+/// The field as a JSON number: unchanged if it is one already, otherwise in the shortest form (".5"
+/// becomes 0.5), which is written to `room`. Empty if the field is no number, not finite, or begins
+/// with zeros: 007 is a name.
 std::string_view as_number(std::string_view field, std::string& room);
 
 /// Whether the field says that there is no value: nan, inf, NA, null, a dash, in any case.
@@ -32,7 +32,7 @@ bool says_no_value(std::string_view field);
 
 /// The fields of a column so far.
 struct FieldCounts {
-  std::uint64_t numbers = 0, texts = 0;  ///< others have no value
+  std::uint64_t numbers = 0, texts = 0;  ///< fields that are neither have no value
   std::uint64_t first_text_line = 0;
   std::string first_text;
 
@@ -41,12 +41,13 @@ struct FieldCounts {
   Kind kind() const;
 };
 
-/// JSON Schema of a row. Members that are missing have no value: the type of a number has no null,
-/// and Foxglove opens no channel whose schema has lists of types. Unknown kinds are texts.
-/// Throws UserError where two columns have one name, or a name is no UTF-8.
+/// The JSON Schema of a row. A row leaves out members that have no value, because the schema's type
+/// `number` has no null and Foxglove opens no channel whose schema has lists of types. Columns of
+/// unknown kind are texts. Throws UserError if two columns have the same name or a name is not
+/// UTF-8.
 std::string schema_of(const TraceColumns& columns);
-/// The columns of such a schema; none where it says nothing of members. Throws UserError where it
-/// is no JSON.
+/// The columns that a JSON Schema of rows lists as members; none if it lists no members. Throws
+/// UserError if it is not a JSON object.
 TraceColumns columns_of(std::string_view schema);
 
 }  // namespace smaservo::files::mcap

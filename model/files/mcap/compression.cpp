@@ -13,20 +13,21 @@ namespace smaservo::files::mcap {
 namespace {
 
 constexpr int quickest = 1;
-constexpr int largest_window = 26;  // 64 MiB, which the largest chunk has as well
+constexpr int largest_window = 26;  // 64 MiB: the largest chunk that Reader accepts
 constexpr std::size_t first_room = std::size_t{1} << 16U;
 
 /// How far a decompression has come.
 struct Progress {
-  std::size_t used = 0;   ///< bytes that it has given
-  std::size_t taken = 0;  ///< compressed bytes that it has taken
-  bool done = false;      ///< these were all, and they were whole
+  std::size_t used = 0;   ///< decompressed bytes so far
+  std::size_t taken = 0;  ///< compressed bytes consumed so far
+  bool done = false;      ///< the compressed bytes are used up and were complete
 };
 
-/// Calls `step` with the free room behind `bytes` until it is done; it returns what is wrong.
+/// Calls `step` with the free room behind `bytes` until it reports that it is done; `step` returns
+/// what is wrong.
 template <class Step>
 std::string grow(std::uint64_t size, std::string& bytes, const Step& step) {
-  // One byte more than it may be, to see that there is too much.
+  // One byte more than allowed shows that there is too much.
   const auto most = static_cast<std::size_t>(size) + 1;
   Progress now;
   bytes.resize(std::min(most, first_room));

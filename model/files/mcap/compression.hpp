@@ -1,5 +1,5 @@
 #pragma once
-// The content of chunks, by Debian's libraries.
+// Compression of the content of chunks, by the libraries that Debian has.
 
 #include <cstdint>
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace smaservo::files::mcap {
 
-/// Makes zstd frames at the quickest level, in memory that it keeps.
+/// Makes zstd frames at the quickest level; keeps its working memory between calls.
 class Compressor {
  public:
   Compressor();
@@ -18,7 +18,7 @@ class Compressor {
   Compressor(Compressor&&) noexcept;
   Compressor& operator=(Compressor&&) noexcept;
 
-  /// Valid until the next call.
+  /// The result is valid until the next call.
   std::string_view compress(std::string_view bytes);
 
  private:
@@ -26,8 +26,9 @@ class Compressor {
   std::unique_ptr<Context> context_;
 };
 
-/// Turns `packed` into `bytes`, which grow no further than `size`: a length that lies costs no
-/// memory. Empty: it is done, and these are `size` bytes; else what is wrong.
+/// Decompresses `packed` into `bytes`, which grow no further than `size`: a false length in the
+/// file costs no memory. Returns an empty text if `bytes` are complete and exactly `size` bytes;
+/// otherwise what is wrong.
 std::string decompress(std::string_view name, std::string_view packed, std::uint64_t size,
                        std::string& bytes);
 

@@ -10,12 +10,12 @@ namespace smaservo::files::mcap {
 namespace {
 
 constexpr std::size_t piece = std::size_t{1} << 16U;
-/// Of a record that is read as a whole, and of what a chunk holds. Writers make chunks of some
-/// 1 MiB.
+/// The largest record that is read as a whole, and the largest content of a chunk. Writers usually
+/// make chunks of about 1 MiB.
 constexpr std::uint64_t largest = std::uint64_t{64} << 20U;
 constexpr std::uint64_t footer_size = 8 + 8 + 4;
 
-/// What is read as a whole; all others are skipped.
+/// Whether records of this kind are read; all others are skipped.
 bool is_read(Op op) {
   switch (op) {
     case Op::header:
@@ -57,7 +57,7 @@ std::string_view name_of(Op op) {
 
 void expect_crc(std::uint64_t offset, std::string_view of, std::uint32_t stored,
                 std::uint32_t computed) {
-  // 0: the writer has made none.
+  // The writer stores 0 if it has computed no checksum.
   if (stored != 0 && stored != computed) {
     throw Malformed(offset, fmt::format("the checksum of {} is {:08X}h, computed is {:08X}h: the "
                                         "file is damaged",
@@ -175,7 +175,7 @@ bool Reader::next_record(Message& message) {
 
 bool Reader::take_record(Op op, std::uint64_t length, Message& message) {
   const auto size = record_head + static_cast<std::size_t>(length);
-  // The buffer keeps its bytes until the next record.
+  // `content` points into the buffer, which does not change before the next record is read.
   const Content content(peek(size).substr(record_head), offset_ + record_head, name_of(op));
   if (op == Op::footer) {
     take_footer(content);
@@ -229,7 +229,7 @@ bool Reader::take(Op op, Content content, Message& message) {
   return false;
 }
 
-/// Reads the next record of the open chunk. Offsets within are those of its content.
+/// Reads the next record of the open chunk. Offsets are counted within the chunk's content.
 bool Reader::take_in_chunk(Message& message) {
   try {
     Content rest(std::string_view(chunk_).substr(in_chunk_), in_chunk_, "the chunk");
@@ -255,7 +255,7 @@ void Reader::take_schema(Content content) {
   schema.name = content.text();
   schema.encoding = content.text();
   schema.data = content.text();
-  // 0 is no schema's number, and to be ignored.
+  // The number 0 belongs to no schema and is to be ignored.
   if (id != 0 && schemas_.try_emplace(id, schema).first->second != schema) {
     throw Malformed(content.offset(), fmt::format("schema {} is another one than before", id));
   }

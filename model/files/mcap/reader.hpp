@@ -1,6 +1,6 @@
 #pragma once
-// Reads any file's messages in one pass, from a pipe as well; checks what the file says of itself:
-// lengths, checksums, statistics.
+// Reads the messages of any MCAP file in one pass, from a pipe as well; checks what the file says
+// about itself: lengths, checksums, statistics.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,15 +20,16 @@ struct Schema {
 struct Channel {
   std::uint16_t schema = 0;  ///< 0: it has none
   std::string topic, encoding;
-  std::string metadata;  ///< as stored
+  std::string metadata;  ///< the map's bytes as the file has them
   bool operator==(const Channel&) const = default;
 };
 
 struct Message {
   std::uint16_t channel = 0;
   std::uint64_t log_time_ns = 0;
-  std::string_view data;     ///< valid until the next message
-  std::uint64_t offset = 0;  ///< of its record in the file, or of its chunk's
+  std::string_view data;  ///< valid until the next message
+  /// Position in the file of the message's record, or of the chunk that contains it.
+  std::uint64_t offset = 0;
 };
 
 class Reader {
@@ -41,9 +42,10 @@ class Reader {
   /// Reads the next message; false at the end. Throws Malformed.
   bool next(Message& message);
 
-  /// Where a file that was not finished ends: what it has before is whole. Empty: it was finished.
+  /// For a file that was not finished: where it ends; everything before is complete. Empty: it was
+  /// finished.
   const std::string& cut_off() const { return cut_off_; }
-  /// Those before the present message.
+  /// The channels that have been read up to the present message.
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
 
@@ -72,13 +74,13 @@ class Reader {
   Source source_;
   std::string buffer_;
   std::size_t begin_ = 0, end_ = 0;  ///< unread bytes in the buffer
-  std::uint64_t offset_ = 0;         ///< of the first one in the file
-  std::uint64_t record_ = 0;         ///< of the present record
-  std::uint32_t crc_ = 0;            ///< of the data section, then of the summary
+  std::uint64_t offset_ = 0;         ///< position in the file of the first unread byte
+  std::uint64_t record_ = 0;         ///< position in the file of the present record
+  std::uint32_t crc_ = 0;            ///< checksum of the data section so far, later of the summary
   Part part_ = Part::data;
-  std::uint64_t summary_ = 0;  ///< where it begins
+  std::uint64_t summary_ = 0;  ///< position in the file where the summary begins
   std::string chunk_;
-  std::size_t in_chunk_ = 0;  ///< read of it
+  std::size_t in_chunk_ = 0;  ///< bytes of `chunk_` that have been read
   std::uint64_t messages_ = 0;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;

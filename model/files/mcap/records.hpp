@@ -13,7 +13,7 @@ namespace smaservo::files::mcap {
 inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
 
 enum class Op : std::uint8_t {
-  none = 0x00,  ///< no record has it
+  none = 0x00,  ///< no record has this kind
   header = 0x01,
   footer = 0x02,
   schema = 0x03,
@@ -34,7 +34,7 @@ enum class Op : std::uint8_t {
 /// Bytes of a record before its content.
 inline constexpr std::size_t record_head = 9;
 
-/// Names of the compressions of chunks; the file says "" where there is none.
+/// Names of the compressions of chunks; an uncompressed chunk has the name "".
 inline constexpr std::string_view zstd = "zstd";
 inline constexpr std::string_view lz4 = "lz4";
 
@@ -54,11 +54,11 @@ void put(std::string& to, T value) {
 /// Appends a text with its length before it (4 bytes).
 void put_text(std::string& to, std::string_view text);
 
-/// The content of a record, which is read from its beginning. All functions throw Malformed where
-/// it is too short.
+/// The content of a record, read from its beginning. All functions throw Malformed if the content
+/// is too short.
 class Content {
  public:
-  /// `offset` is where it stands in the file; `what` names it in messages.
+  /// `offset` is the position of the content in the file; `what` names the record in messages.
   Content(std::string_view bytes, std::uint64_t offset, std::string_view what)
       : rest_(bytes), offset_(offset), what_(what) {}
 
@@ -72,7 +72,7 @@ class Content {
     }
     return value;
   }
-  /// A text that has its length before it (4 bytes).
+  /// A text that is preceded by its length (4 bytes).
   std::string_view text() { return take(number<std::uint32_t>()); }
   std::string_view take(std::uint64_t size);
 
@@ -85,7 +85,7 @@ class Content {
   std::string_view what_;
 };
 
-/// The CRC-32 of what `crc` stands for (0: nothing yet) and these bytes behind it.
+/// Continues the CRC-32 `crc` (0: no bytes yet) with these bytes.
 std::uint32_t crc_of(std::string_view bytes, std::uint32_t crc = 0);
 
 }  // namespace smaservo::files::mcap

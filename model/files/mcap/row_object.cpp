@@ -11,7 +11,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// The length of the number at the beginning; 0: there is none.
+/// The length of the number at the beginning; 0 if there is none.
 std::size_t number_length(std::string_view text) {
   std::size_t at = 0;
   const auto digits = [&] {
@@ -148,7 +148,7 @@ bool RowObject::accept(char wanted) {
   return false;
 }
 
-/// Reads what stands between members; false at the end, or where there is a problem.
+/// Reads what stands between members; false at the end or if there is a problem.
 bool RowObject::begin_member() {
   if (!began_) {
     began_ = true;
@@ -225,7 +225,7 @@ bool RowObject::text(std::string_view& to, std::string& room) {
     return fail("a text in quotes is missing");
   }
   const std::size_t from = ++at_;
-  bool plain = true;  // what stands there is what it says
+  bool plain = true;  // the text contains no escapes
   while (at_ < json_.size() && json_[at_] != '"') {
     const char c = json_[at_];
     if (c == '\\') {

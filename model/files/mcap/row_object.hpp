@@ -1,6 +1,6 @@
 #pragma once
-// A row as a JSON object, and back. Numbers stay the texts that they are, so that each comes back
-// to the last digit; nlohmann's parser would make numbers of them, and takes the sign from -0.
+// Converts a row to a JSON object and back. Numbers are kept as texts, so that each comes back to
+// the last digit; nlohmann's parser would convert them and lose the sign of -0.
 
 #include <cstdint>
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace smaservo::files::mcap {
 
-/// Whether this is a number as JSON writes it.
+/// Whether the text is a number as JSON writes it.
 bool is_json_number(std::string_view text);
-/// Appends a text in quotes; false: it is no UTF-8.
+/// Appends a text in quotes; false if it is not UTF-8.
 bool put_json_text(std::string& to, std::string_view text);
 
 /// One "name": value of an object.
 struct Member {
   std::string_view name;
-  /// Of a number as it stands there; of a string what it says; of true and false 1 and 0; of null
-  /// nothing. Valid until the next member.
+  /// A number is the text that stands there; a string is given without quotes and escapes; true and
+  /// false are "1" and "0"; null is empty. Valid until the next member.
   std::string_view value;
 };
 
@@ -25,9 +25,9 @@ struct Member {
 class RowObject {
  public:
   explicit RowObject(std::string_view json) : json_(json) {}
-  /// False at the end, or where problem() says what is wrong.
+  /// False at the end, or when problem() says what is wrong.
   bool next(Member& member);
-  /// Empty where nothing is wrong; else what, and where: "at 12: ...".
+  /// Empty if nothing is wrong; otherwise where and what: "at 12: ...".
   const std::string& problem() const { return problem_; }
 
  private:
@@ -45,7 +45,7 @@ class RowObject {
   std::string_view json_;
   std::size_t at_ = 0;
   bool began_ = false;
-  std::string name_, text_;  ///< room for texts with escapes
+  std::string name_, text_;  ///< buffers for texts whose escapes are replaced
   std::string problem_;
 };
 

@@ -43,7 +43,7 @@ bool RowsReader::is_chosen(const Channel& channel) const {
   return channel.encoding == readable && (topic_.empty() || channel.topic == topic_);
 }
 
-/// Without a topic: that of the first message, if no other has messages.
+/// Without a given topic the first message's is chosen, provided that no other topic has messages.
 void RowsReader::choose(const Message& message) {
   const std::string& topic = reader_.channels().at(message.channel).topic;
   if (chosen_.empty()) {
@@ -141,7 +141,8 @@ std::string RowsReader::header() {
   return text;
 }
 
-/// The position of the column; members usually come in the order of columns.
+/// The position of the column; the search begins at `expected`, as members usually come in the
+/// order of columns.
 std::size_t RowsReader::column(const Message& message, std::string_view name,
                                std::size_t expected) const {
   for (std::size_t i = expected; i < columns_.size(); ++i) {

@@ -11,12 +11,12 @@
 
 namespace smaservo::files::mcap {
 
-/// Reads the messages of one channel whose encoding is json: each is an object, and becomes a row.
-/// The columns are those of the channel's JSON Schema, in its order, else those of the first
-/// message. All functions throw UserError, which says where in the file.
+/// Reads the messages of one channel whose encoding is json: each is an object and becomes a row.
+/// The columns are those of the channel's JSON Schema, in its order; without a schema, those of the
+/// first message. All functions throw UserError, which says where in the file.
 class RowsReader {
  public:
-  /// `topic` is the channel's; empty: /trace, or else the only one that has messages.
+  /// `topic` names the channel; empty: /trace, or otherwise the only topic that has messages.
   RowsReader(Reader::Source source, std::string topic);
 
   /// The columns; reads up to the first message.
@@ -40,24 +40,24 @@ class RowsReader {
 
   std::string topic_;
   Reader reader_;
-  std::string chosen_;  ///< topic of the messages
+  std::string chosen_;  ///< topic of the messages that are read
   bool begun_ = false;
-  std::optional<Message> first_;  ///< read, but not given yet
+  std::optional<Message> first_;  ///< first message: read, but not yet given as a row
   std::uint64_t messages_ = 0;
   TraceColumns columns_;
   std::unordered_map<std::string, std::size_t> positions_;
   std::vector<std::string> fields_;
-  std::vector<std::uint64_t>
-      given_;  ///< for each column the number of the last message that had it
+  /// For each column, the number of the last message that had a value for it.
+  std::vector<std::uint64_t> given_;
 };
 
-/// Gives that text in pieces of any size, each row with its end.
+/// Gives the rows as CSV text in pieces of any size, each row with its line end.
 class CsvOfRows {
  public:
   explicit CsvOfRows(Reader::Source source, std::string topic = "")
       : rows_(std::move(source), std::move(topic)) {}
 
-  /// 0 at the end.
+  /// Returns the number of bytes; 0 at the end.
   std::size_t read(char* to, std::size_t size);
   const std::string& cut_off() const { return rows_.cut_off(); }
 

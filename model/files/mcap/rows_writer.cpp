@@ -13,12 +13,13 @@ namespace smaservo::files::mcap {
 namespace {
 
 constexpr std::size_t enough_rows = std::size_t{1} << 16U;
-/// Between rows that have no time.
+/// Time from one row to the next in a trace that has no column of times.
 constexpr std::uint64_t step_ns = 1'000'000;
 constexpr std::size_t longest_line = std::size_t{1} << 20U;
 constexpr double latest_ns = 1.8e19;
 
-/// A number that begins with zeros, which as_number() takes for a name, in its shortest form.
+/// Shortens a number that begins with zeros, which as_number() takes for a name. Empty if it does
+/// not begin with zeros.
 std::string_view without_zeros(std::string_view field, std::string& room) {
   const std::string_view sign = field.substr(0, field.starts_with('-') ? 1 : 0);
   std::string_view digits = field.substr(sign.size());
@@ -112,7 +113,7 @@ void RowsWriter::Place::add(std::uint64_t at, std::string_view what) {
   }
 }
 
-/// Writes what stands before the first message, and the rows that have waited for it.
+/// Writes what stands before the first message, and the rows that had to wait for it.
 void RowsWriter::begin() {
   if (begun_) {
     return;
@@ -187,7 +188,7 @@ void RowsWriter::encode(const std::vector<std::string_view>& fields, std::uint64
   writer_.message(time_ns(fields, line), object_);
 }
 
-/// Adds a member to the object, of the kind that the schema says.
+/// Adds a member to the object, of the kind that the schema gives its column.
 void RowsWriter::value(std::size_t column, std::string_view field, std::uint64_t line) {
   const std::size_t before = object_.size();
   object_ += before == 1 ? "" : ",";
@@ -208,8 +209,8 @@ void RowsWriter::value(std::size_t column, std::string_view field, std::uint64_t
   }
 }
 
-/// The row's time; that of the row before where it has none. Times never fall back: where a clock
-/// did, they go on.
+/// The time of the row; a row without a time gets that of the row before. Times never fall back:
+/// where the trace's clock fell back, they continue from the last time.
 std::uint64_t RowsWriter::time_ns(const std::vector<std::string_view>& fields, std::uint64_t line) {
   const bool first = writer_.messages() == 0;
   if (time_column_ == fields.size()) {

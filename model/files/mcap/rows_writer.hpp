@@ -11,9 +11,9 @@
 
 namespace smaservo::files::mcap {
 
-/// Where a trace comes from; stands in the file's metadata.
+/// Where a trace comes from; written to the file's metadata.
 struct Origin {
-  std::string program;  ///< as "host-sim simulate"
+  std::string program;  ///< name with its command: "host-sim simulate"
   std::string source;   ///< file, board or node
 };
 
@@ -21,32 +21,33 @@ struct Origin {
 /// the line.
 class RowsWriter {
  public:
-  /// `kinds` may have fewer entries than the header; of the columns that are unknown, the rows of
-  /// the first 64 KiB say whether they are numbers or texts. What is no number in a column of
-  /// numbers is left out, as the schema says numbers. Times that fall back go on in log_time.
+  /// `kinds` may have fewer entries than the header has columns; for columns of unknown kind, the
+  /// rows of the first 64 KiB decide between numbers and texts. A value that is no number is left
+  /// out of a column of numbers, because the schema promises numbers. Where the trace's times fall
+  /// back, log_time continues from the last time.
   RowsWriter(const Origin& origin, std::vector<Kind> kinds, bool compressed = true);
 
   void add(std::string_view csv);
-  /// Ends the chunk: all rows so far are in what take() gives.
+  /// Ends the chunk, so that take() gives all rows so far.
   void flush();
-  /// Ends the file. Refuses a last line without its end, and times of which more than a tenth are
-  /// no numbers.
+  /// Ends the file. Refuses a last line without a line end, and times of which more than a tenth
+  /// are not numbers.
   void finish();
 
   /// The next bytes of the file: whole records.
   std::string take() { return writer_.take(); }
-  /// Rows in chunks that are closed.
+  /// The number of rows in chunks that are closed.
   std::uint64_t closed() const { return writer_.closed(); }
   std::uint64_t rows() const { return rows_; }
   const TraceColumns& columns() const { return columns_; }
-  /// What is not in the file as it was in the text, or not where it seems: a sentence for each
-  /// column that lacks values, for times that fell back, for headers in the middle.
+  /// What differs between the file and the text: one sentence for each column that lacks values,
+  /// for times that fell back, for headers in the middle of the text.
   std::vector<std::string> remarks() const;
 
  private:
   struct Place {
-    std::uint64_t count = 0, line = 0;  ///< how many, the first one's line
-    std::string text;                   ///< of the first
+    std::uint64_t count = 0, line = 0;  ///< number of occurrences, and line number of the first
+    std::string text;                   ///< text of the first occurrence
     void add(std::uint64_t at, std::string_view what);
   };
   void line(std::string_view text);
@@ -62,20 +63,22 @@ class RowsWriter {
   std::vector<Kind> kinds_;
   Writer writer_;
   TraceColumns columns_;
-  std::size_t time_column_ = 0;  ///< the number of columns: there is none
-  double time_scale_ = 1;        ///< of it to ns
-  double shift_ns_ = 0;          ///< added, where the first time is below 0, or times fell back
+  std::size_t time_column_ = 0;  ///< equal to the number of columns if there is none
+  double time_scale_ = 1;        ///< factor from the time column's unit to ns
+  /// Added to times: after a negative first time, or after times that fell back.
+  double shift_ns_ = 0;
   std::uint64_t last_ns_ = 0, gap_ns_ = 0, times_ = 0;
   std::string header_;
-  std::vector<std::string> names_;          ///< as members of an object: "name":
-  std::string rest_;                        ///< of a line that is not whole yet
-  std::string first_rows_;                  ///< until the kinds are known
-  std::vector<std::uint64_t> first_lines_;  ///< of these
+  /// Beginning of each column's JSON member: the quoted name and a colon.
+  std::vector<std::string> names_;
+  std::string rest_;        ///< beginning of a line whose end has not come yet
+  std::string first_rows_;  ///< rows that wait until the kinds of all columns are known
+  std::vector<std::uint64_t> first_lines_;  ///< line numbers of first_rows_
   bool has_header_ = false, begun_ = false;
   std::uint64_t lines_ = 0, rows_ = 0;
   std::vector<std::string_view> fields_;
-  std::vector<FieldCounts> counts_;  ///< of the first rows
-  std::vector<Place> left_out_;      ///< for each column
+  std::vector<FieldCounts> counts_;  ///< counts of each column's values in first_rows_
+  std::vector<Place> left_out_;      ///< for each column: values that are no numbers
   Place falls_back_, headers_;
   std::string object_, number_;
 };

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint16_t only_schema = 1;
 constexpr std::uint16_t only_channel = 1;
-/// Bytes of messages after which a chunk is closed: what Foxglove's own writers take.
+/// A chunk is closed when its messages have this many bytes, as in Foxglove's own writers.
 constexpr std::size_t chunk_size = std::size_t{1} << 20U;
 
 void put_map(std::string& to, const Texts& entries) {
@@ -120,7 +120,8 @@ void Writer::finish() {
   std::string end;
   summary(end);
   const std::uint64_t offsets = start + end.size();
-  // The summary's groups of records of one kind stand in its order.
+  // The summary's records are grouped by kind, and each group is listed here in the order of the
+  // summary.
   std::string groups;
   for (std::size_t at = 0; at < end.size();) {
     const char op = end[at];

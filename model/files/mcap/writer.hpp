@@ -1,6 +1,6 @@
 #pragma once
-// Writes a file of messages of one channel, in compressed chunks with their indexes, and a summary
-// at the end: what Foxglove and PlotJuggler open at once.
+// Writes an MCAP file with the messages of one channel, in compressed chunks with their indexes and
+// a summary at the end, so that Foxglove and PlotJuggler can open it at once.
 
 #include <cstdint>
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace smaservo::files::mcap {
 
-/// What the messages are.
+/// Describes the messages.
 struct Stream {
   std::string schema_name;
   std::string schema;  ///< JSON Schema
@@ -22,28 +22,27 @@ struct Stream {
 };
 using Texts = std::vector<std::pair<std::string, std::string>>;
 
-/// Collects the bytes of the file, which the caller takes and writes. In memory are one chunk, and
-/// 64 bytes for each chunk that has been closed, which its index needs at the end.
+/// Collects the bytes of the file until the caller takes and writes them. Keeps one chunk in
+/// memory, and 64 bytes for each closed chunk, which the index at the end needs.
 class Writer {
  public:
-  /// `library` is who writes, for the header.
+  /// `library` names the writing program in the header.
   explicit Writer(std::string_view library, bool compressed = true);
 
-  /// At most one metadata record and one stream, before the first message.
+  /// At most one metadata record and one stream may be given, before the first message.
   void metadata(std::string_view name, const Texts& entries);
   void stream(const Stream& stream);
-  /// Adds a message to the chunk; closes that when it is large.
+  /// Adds a message to the chunk; closes the chunk when it is large enough.
   void message(std::uint64_t time_ns, std::string_view data);
-  /// Ends the chunk, if it has messages.
+  /// Closes the chunk if it has messages.
   void close_chunk();
   /// Closes the chunk and adds the summary and the end; nothing may follow.
   void finish();
 
   std::uint64_t messages() const { return closed_ + in_chunk_; }
-  /// Messages in chunks that are closed.
+  /// The number of messages in closed chunks.
   std::uint64_t closed() const { return closed_; }
-  /// What has been made since the last call; it begins with the first byte of a record, and ends
-  /// with one's last.
+  /// The bytes made since the last call: always whole records.
   std::string take();
 
  private:
@@ -63,7 +62,7 @@ class Writer {
   std::optional<Compressor> compressor_;
   std::string out_;
   std::uint64_t taken_ = 0;  ///< bytes that take() has given
-  std::uint32_t crc_ = 0;    ///< of these
+  std::uint32_t crc_ = 0;    ///< checksum of the bytes that take() has given
   std::string schema_;       ///< contents of the records that the summary repeats
   std::string channel_;
   std::string metadata_name_;

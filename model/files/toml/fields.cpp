@@ -6,7 +6,8 @@ namespace smaservo::files {
 namespace {
 
 struct Renamed {
-  std::string_view was, is;  ///< what a key begins with; the longer ones first
+  /// Beginnings of keys, the old one and the new one; longer ones stand first.
+  std::string_view was, is;
 };
 constexpr Renamed all_renamed[] = {
     {"limits.", "wire.limits."},
@@ -32,7 +33,7 @@ constexpr Renamed all_renamed[] = {
     {"observer.ambient_sd_K", "observer.start_ambient_sd_K"},
     {"observer.loss_sd", "observer.start_loss_sd"}};
 
-/// What a name begins with, in any table.
+/// Beginnings of names that were changed in every table.
 constexpr Renamed limits_renamed[] = {{"least_", "min_"}, {"greatest_", "max_"}};
 
 }  // namespace

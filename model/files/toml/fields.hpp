@@ -18,45 +18,45 @@ using Override = std::pair<std::string, std::string>;
 
 enum class FieldType : unsigned char {
   number,
-  list,        ///< of `count` numbers
+  list,        ///< a list of `count` numbers
   polynomial,  ///< 1 to `count` coefficients by power of the stress
   whole,       ///< a number without fraction
-  choice,      ///< one of some names; its number is the index of the name
+  choice,      ///< one of several names; stored as the index of the name
   flag,        ///< false or true, as 0 or 1
 };
 
-/// One key, without its unit, and where its numbers go.
+/// One key without its unit, and the slots that its numbers fill.
 struct Field {
   std::string path;  ///< "wire.length": table and name
   FieldType type;
-  Kind kind;                                  ///< of a number; of a polynomial's value
-  double min, max;                            ///< SI, inclusive; of a polynomial's value at 0 Pa
-  std::size_t slot;                           ///< of the first number
-  std::size_t count = 1;                      ///< slots that it fills
-  std::span<const std::string_view> choices;  ///< of a choice
+  Kind kind;              ///< unit kind of a number, or of a polynomial's value
+  double min, max;        ///< SI, inclusive; for a polynomial, of its value at 0 Pa
+  std::size_t slot;       ///< slot of the first number
+  std::size_t count = 1;  ///< number of slots that it fills
+  std::span<const std::string_view> choices;  ///< names of a choice
   std::string meaning;
 };
 
 /// What a file says about one slot.
 struct Entry {
   double number;       ///< SI
-  const Field* field;  ///< the key that has said it
+  const Field* field;  ///< the key that gave the number
   std::string where;   ///< "FILE:LINE: KEY = VALUE", for error messages
 };
 using Entries = std::map<std::size_t, Entry>;
 
-/// A unit in a key: "mm", or "degC_by_MPa" of a polynomial, which is a value in °C with
-/// coefficients per MPa, per MPa², ...
+/// A unit as a key ends in it: "mm", or "degC_by_MPa" for a polynomial, whose value is in °C and
+/// whose coefficients are per MPa, per MPa², ...
 struct KeyUnit {
   std::string suffix;
   Unit value;
-  double stress_Pa = 1;  ///< of a polynomial
+  double stress_Pa = 1;  ///< for a polynomial: the stress unit in Pa
 };
-/// All that a key may end in; the first one is SI's.
+/// All units that a key of this field may end in; the SI unit is the first.
 std::vector<KeyUnit> key_units(const Field& field);
 
-/// What an old key is called now, of any file or --set; empty: it is not an old one. To be asked
-/// for keys that are unknown: "limits." is also a table of a device's settings.
+/// The present name of an old key of any file or of --set; empty if it is not an old key. To be
+/// called only for unknown keys, because "limits." is also a table of a device's settings.
 std::string renamed_key(std::string_view key);
 
 /// "current" and "mA", "duty" and ""

@@ -13,7 +13,7 @@
 namespace smaservo::files {
 namespace {
 
-/// A node as it would be written.
+/// The text of a node as TOML writes it.
 std::string written(const toml::node& node) {
   if (node.is_floating_point()) {
     return fmt::format("{}", node.value_or(0.0));  // "1e-09", not "1.0000000000000001e-09"
@@ -30,14 +30,14 @@ std::string_view name_of(std::string_view path) {
   return path.substr(path.rfind('.') + 1);
 }
 
-/// To the precision of a device, which keeps floats.
+/// Compares at the precision of a device, which stores floats.
 bool in_range(const Field& field, double si) {
   constexpr auto max = static_cast<double>(std::numeric_limits<float>::max());
   const auto rounded = [&](double x) { return static_cast<float>(std::clamp(x, -max, max)); };
   return rounded(field.min) <= rounded(si) && rounded(si) <= rounded(field.max);
 }
 
-/// The key with the longest name that this one begins with, in all its units.
+/// The field whose name is the longest beginning of this key, written with each of its units.
 std::vector<std::string> meant_keys(std::span<const Field> fields, const std::string& key) {
   std::vector<std::string> keys;
   std::string_view longest;
@@ -58,7 +58,7 @@ std::vector<std::string> meant_keys(std::span<const Field> fields, const std::st
   return keys;
 }
 
-/// A field by one of its keys, and the unit of that.
+/// The field that has this key, and the unit that the key ends in.
 std::optional<std::pair<const Field*, KeyUnit>> find_field(std::span<const Field> fields,
                                                            std::string_view key) {
   for (const Field& field : fields) {
@@ -74,7 +74,8 @@ std::optional<std::pair<const Field*, KeyUnit>> find_field(std::span<const Field
   return std::nullopt;
 }
 
-/// Empty: the key is not an old one, or its table is not.
+/// The new name of an old key; empty if it is no old key, if `fields` lack the new one, or if a
+/// renamed table still exists in `fields` under the old name.
 std::string new_key(std::span<const Field> fields, std::string_view key) {
   const std::string now = renamed_key(key);
   const bool has_table = std::ranges::any_of(
@@ -108,7 +109,7 @@ std::string unknown_key(std::span<const Field> fields, const std::string& key) {
              : fmt::format("unknown key; [{}] has: {}", table_of(key), fmt::join(there, ", "));
 }
 
-/// What stands behind one key.
+/// The value that a file gives to one key.
 class KeyValue {
  public:
   KeyValue(const Field& field, const KeyUnit& unit, const toml::node& node,

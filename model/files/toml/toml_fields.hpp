@@ -10,33 +10,35 @@
 
 namespace smaservo::files {
 
-/// `origin` is what messages call the text.
+/// `origin` names the text in error messages.
 toml::table parse_toml(std::string_view text, const std::string& origin);
 
-/// "KEY = VALUE" as of --set, which is its origin: a value that is no TOML is a string.
+/// "KEY = VALUE" as given by --set, which is named as the origin; a value that is not TOML is a
+/// string.
 toml::table parse_override(const Override& setting);
 inline constexpr std::string_view set_origin = "--set";
 
 /// "FILE:LINE: KEY = VALUE"
 std::string place(const std::string& origin, const std::string& key, const toml::node& node);
 
-/// The finite number that a node is.
+/// The node's value if it is a finite number.
 std::optional<double> number_of(const toml::node& node);
 
-/// "name = 3", refused where it is no string.
+/// The value of a string; anything else is refused with the message's "KEY = VALUE".
 std::string string_of(const std::string& origin, const std::string& key, const toml::node& node);
 
-/// A string as it stands in a file, as a value or as a key: on one line.
+/// A string as TOML writes it on one line, as a value or as a key.
 std::string quoted(const std::string& text);
 
-/// Takes a key or a table that is no field, by its whole path; false: it is unknown here, too.
+/// Handles a key or a table that is no field, given by its whole path; returns false if it is
+/// unknown here, too.
 using OtherKeys = std::function<bool(const std::string& key, const toml::node& node)>;
 
-/// The entries of a table, whose keys stand below `fields`, which must outlive them.
+/// Reads the entries of a table. `fields` must outlive the result, which points into it.
 Entries read_fields(std::span<const Field> fields, const toml::table& table,
                     const std::string& origin, const OtherKeys& other = {});
 
-/// Puts `above` on top of `below`.
+/// Replaces entries of `below` by those of `above`.
 void overlay(Entries& below, const Entries& above);
 
 }  // namespace smaservo::files

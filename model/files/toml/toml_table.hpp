@@ -12,7 +12,8 @@
 
 namespace smaservo::files {
 
-/// One table of the file: takes keys, and refuses what nobody took. All throw ConfigError.
+/// One table of the file: its functions take keys, and finish() refuses keys that were not taken.
+/// All throw ConfigError.
 class TomlTable {
  public:
   /// The origin must outlive the table.
@@ -33,22 +34,22 @@ class TomlTable {
   bool flag(std::string_view key, bool otherwise);
   std::string text(std::string_view key);
   std::vector<std::string> texts(std::string_view key);
-  /// Which of these names the text is.
+  /// The index of the key's text among `names`.
   std::size_t choice(std::string_view key, std::span<const std::string_view> names);
   std::vector<double> numbers(std::string_view key, double low, double high);
   /// Two numbers, the first one not above the second.
   std::pair<double, double> range(std::string_view key, double low, double high);
   bool is_list(std::string_view key) const { return table_[key].is_array(); }
   TomlTable table(std::string_view key);
-  /// The same; an empty one where it is missing.
+  /// Like table(); an empty table if the key is missing.
   TomlTable table_or_empty(std::string_view key);
   std::vector<TomlTable> tables(std::string_view key);
 
-  /// Refuses keys that nobody asked for.
+  /// Refuses keys that were not asked for.
   void finish() const;
 
  private:
-  /// Where this key stands by the name that it once had.
+  /// Refuses the file if it has this key under its old name.
   void refuse_old_name(std::string_view key) const;
   double in_range(std::string_view key, const toml::node& node, double low, double high) const;
   const toml::node& needed(std::string_view key);
@@ -57,7 +58,8 @@ class TomlTable {
   std::string path_;
   const std::string& origin_;
   std::set<std::string, std::less<>> taken_;
-  mutable std::set<std::string, std::less<>> known_;  ///< asked for, there or not
+  /// Keys that were asked for, whether the file has them or not.
+  mutable std::set<std::string, std::less<>> known_;
 };
 
 /// A whole file. Throws ConfigError.
@@ -67,7 +69,7 @@ class TomlFile {
   TomlTable root() const { return {parsed_, "", origin_}; }
   const std::string& text() const { return text_; }
 
-  /// A file that the TOML file names, from where it lies itself.
+  /// The path of a file that the TOML file names relative to its own folder.
   std::string beside(const std::string& name) const;
 
  private:

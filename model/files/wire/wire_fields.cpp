@@ -13,7 +13,7 @@ using Row = WireParameter<double>;
 constexpr auto& rows = wire_parameters<double>;
 constexpr std::size_t resistance_slot = wire_parameter_count;
 
-/// A path without the unit that it ends in.
+/// The row's path without its unit.
 std::string bare_path(const Row& row) {
   std::string_view path = row.path.text();
   const std::string_view unit = row.kind.front().suffix;
@@ -35,12 +35,12 @@ Field number_field(std::string path, Kind kind, double min, double max, std::siz
   return {std::move(path), FieldType::number, kind, min, max, slot, 1, {}, std::move(meaning)};
 }
 
-/// What only files know, before the row that it stands for.
+/// Adds the notations that only files know, before the row that they replace.
 void add_notation(std::vector<Field>& fields, const Row& row, std::size_t slot) {
   const std::string path = bare_path(row);
   const std::string meaning(row.meaning);
   if (row.coefficients > 1) {
-    fields.push_back({path.substr(0, path.size() - 2),  // without "_0"
+    fields.push_back({path.substr(0, path.size() - 2),  // path without "_0"
                       FieldType::polynomial,
                       row.kind,
                       row.min,
@@ -78,19 +78,20 @@ std::vector<Field> make_wire_fields() {
   return fields;
 }
 
-/// The key of this slot that is written.
+/// The key that is written for this slot.
 const Field& written_field(std::size_t slot) {
   return *std::ranges::find_if(wire_fields(), [&](const Field& field) {
     return field.slot <= slot && slot < field.slot + field.count;
   });
 }
 
-/// Whether its number is another one than the row's.
+/// Whether the field's kind of unit differs from the row's, so that its numbers have to be
+/// converted.
 bool is_converted(const Field& field) {
   return field.slot < rows.size() && field.kind.data() != rows[field.slot].kind.data();
 }
 
-/// Of a wire that may be const.
+/// The phase that a path belongs to; `wire` may be const.
 auto& phase_of(auto& wire, std::string_view path) {
   auto& m = wire.material;
   return path.starts_with("wire.martensite") ? m.martensite
@@ -126,7 +127,8 @@ class Builder {
     return at == entries_.end() ? nullptr : &at->second;
   }
 
-  /// Whether there is a surface of its own: as its flag says, else where it is given.
+  /// Whether the wire has this surface of its own: the flag decides, or without a flag whether it
+  /// is given.
   bool has_process(Needs needs) const {
     const Entry* flag =
         entry(needs == Needs::own_r2a ? row_of("wire.separate_r2a") : row_of("wire.separate_r2m"));
@@ -150,7 +152,7 @@ class Builder {
     row.set(wire, number);
   }
 
-  /// What is not given and has no number as default.
+  /// The value of a slot that is not given and has no number as its default.
   double following(const Wire<double>& wire, std::size_t slot) const {
     const Row& row = rows[slot];
     if (row.type == ValueType::boolean) {
@@ -178,8 +180,8 @@ class Builder {
     fail_(path.substr(0, path.rfind('.')), "needs all of start, finish, curvature and turning");
   }
 
-  /// Slopes may be given relative to the resistivity. A given resistance per length scales all;
-  /// their ratios stay.
+  /// Slopes may be given relative to the resistivity. A given resistance per length scales all
+  /// resistivities and keeps their ratios.
   void set_resistivities(Wire<double>& wire, double scale) const {
     for (std::size_t slot = 0; slot < rows.size(); ++slot) {
       const std::string_view path = rows[slot].path.text();
@@ -264,7 +266,7 @@ std::vector<const Field*> written_fields(const Wire<double>& wire) {
   for (const Field& field : wire_fields()) {
     const bool is_row = next <= field.slot && field.slot < rows.size();
     next = std::max(next, field.slot + field.count);
-    // Flags follow from what is given.
+    // Flags are left out, because they follow from what is given.
     if (is_row && field.type != FieldType::flag && rows[field.slot].is_used(wire)) {
       fields.push_back(&field);
     }

@@ -1,7 +1,7 @@
 #pragma once
-// The keys of a wire file, which are those of [wire] in a settings file: the rows of
-// model/wire/wire_parameters.hpp, and what only files say in another way. Reading, writing and the
-// list in model/wires/README.md come from them.
+// The keys of a wire file, which are also those of [wire] in a settings file: the rows of
+// model/wire/wire_parameters.hpp, and the notations that only files know. Reading, writing and the
+// list in model/wires/README.md use them.
 
 #include <functional>
 #include <span>
@@ -23,31 +23,31 @@ namespace smaservo::files {
 const std::vector<Field>& wire_fields();
 inline constexpr std::size_t wire_slot_count = wire_parameter_count + 1;
 
-/// How a value of this type stands in a file.
+/// The type of field that a value of this type has in a file.
 FieldType field_type(ValueType type);
 
-/// Whether a file must have it, by this key or by another one of its slot.
+/// Whether a file must give this value, by this key or by another one of the same slot.
 bool is_needed(const Field& field);
 
-/// The keys that a description of this wire has.
+/// The keys that are written to describe this wire.
 std::vector<const Field*> written_fields(const Wire<double>& wire);
 
-/// What one of them says of it, in SI.
+/// The numbers of one key for this wire, in SI.
 std::vector<double> wire_numbers(const Field& field, const Wire<double>& wire);
 
-/// Is called with the path of a key or of a process, and does not return.
+/// Called with the path of a key or of a process; must not return.
 using WireFailure = std::function<void(std::string_view path, const std::string& reason)>;
 
-/// Builds the wire. Calls `fail` for what is missing.
+/// Builds the wire. Calls `fail` for missing values.
 Wire<double> build_wire(const Entries& entries, const WireFailure& fail);
 
-/// Calls `fail` for what contradicts itself.
+/// Calls `fail` for values that contradict each other.
 void check_wire(const Wire<double>& wire, const WireFailure& fail);
 
-/// What `fail` speaks of: where the key stands, or the key.
+/// The place that an error message names: where the key stands, or else the key.
 std::string where_said(const Entries& entries, const std::string& origin, std::string_view path);
 
-/// Entries that build this wire to the same bits, each number by itself.
+/// Entries from which build_wire() makes this wire to the same bits, each number by itself.
 Entries describe_wire(const Wire<double>& wire);
 
 }  // namespace smaservo::files

@@ -18,7 +18,7 @@ namespace {
 
 struct Loaded {
   std::string name;
-  std::string origin;  ///< what error messages call it
+  std::string origin;  ///< name of the file or text in error messages
   Entries entries;
   std::map<std::string, std::string> sources;
 };
@@ -38,7 +38,7 @@ void read_sources(const toml::node& node, const std::string& origin, Loaded& loa
   }
 }
 
-/// Puts what a table says on top.
+/// Puts the entries of a table on top of `loaded`.
 void read_wire(const toml::table& table, const std::string& origin, Loaded& loaded) {
   const auto take = [&](const std::string& key, const toml::node& node) {
     if (key == "sources") {
@@ -53,7 +53,7 @@ constexpr int deepest_base = 8;
 
 Loaded load(const std::string& name_or_path, const std::filesystem::path& folder, int depth);
 
-/// A table with what it is based on beneath it.
+/// The entries of a table on top of the description that it is based on.
 Loaded resolve(const toml::table& table, const std::string& origin,
                const std::filesystem::path& folder, int depth) {
   Loaded loaded{origin, origin, {}, {}};
@@ -142,8 +142,8 @@ WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {
   return description;
 }
 
-/// The number of the fewest digits that reads back to the same bits in this unit; nothing where it
-/// would have as many digits as a double can have.
+/// The number with the fewest digits that reads back to the same bits in this unit; nothing if it
+/// would need as many digits as a double can have.
 std::optional<double> short_number(const Unit& unit, double si) {
   for (int digits = 1; digits < std::numeric_limits<double>::digits10; ++digits) {
     const double value = std::stod(fmt::format("{:.{}g}", unit.from_si(si), digits));
@@ -154,8 +154,8 @@ std::optional<double> short_number(const Unit& unit, double si) {
   return std::nullopt;
 }
 
-/// "diameter_um = 76": what has been given in another unit may have no short text in SI's
-/// (7.599999999999999e-05 m).
+/// "diameter_um = 76": the unit in which the number is shortest, because a value given in another
+/// unit may have no short text in SI (7.599999999999999e-05 m).
 std::string number_line(const Field& field, const std::string& name, double si) {
   for (const KeyUnit& unit : key_units(field)) {
     if (const std::optional<double> number = short_number(unit.value, si)) {

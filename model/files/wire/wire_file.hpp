@@ -16,7 +16,7 @@ namespace smaservo::files {
 struct WireDescription {
   std::string name;
   Wire<double> wire;
-  /// Where the numbers come from, by key or group of keys.
+  /// The sources of the numbers, by key or group of keys.
   std::vector<std::pair<std::string, std::string>> sources;
 };
 
@@ -24,8 +24,8 @@ struct WireDescription {
 WireDescription load_wire(const std::string& name_or_path,
                           const std::vector<Override>& overrides = {});
 
-/// The same from text; `origin` is what error messages call it. A relative `based_on` is looked for
-/// in `folder`.
+/// Like load_wire(), from text; `origin` names it in error messages. A relative `based_on` is
+/// looked for in `folder`.
 WireDescription parse_wire(std::string_view text, const std::string& origin,
                            const std::vector<Override>& overrides = {},
                            const std::filesystem::path& folder = ".");

@@ -16,7 +16,7 @@ using Params = DuhemActuator<double>::Params;
 
 constexpr std::string_view strain_laws[] = {"balance", "polynomial"};
 
-/// The keys of a file, and by slot the members that they fill.
+/// The keys of a file, and for each slot the member that it fills.
 struct Keys {
   std::vector<files::Field> fields;
   std::vector<double*> members;
@@ -92,7 +92,7 @@ Keys make_keys(Params& p) {
   return keys;
 }
 
-/// What single ranges cannot see.
+/// Checks that the range of a single value cannot make.
 class Check {
  public:
   Check(const Params& p, std::string origin) : p_(p), origin_(std::move(origin)) {}

@@ -21,7 +21,7 @@ std::span<const ActuatorPreset> actuator_presets();
 /// of their kind; others are refused. Throws ConfigError.
 DuhemActuator<double>::Params load_actuator(const std::string& name_or_path);
 
-/// The same from text; `origin` is what error messages call it.
+/// Like load_actuator(), from text; `origin` names it in error messages.
 DuhemActuator<double>::Params parse_actuator(std::string_view text, const std::string& origin);
 
 /// Table I of paper 001.

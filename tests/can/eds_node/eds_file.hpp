@@ -18,14 +18,14 @@ struct EdsObject {
   std::uint16_t access;  ///< bits of canopen/object.hpp
   std::vector<std::uint8_t>
       standard;             ///< default value as it is sent; zero, or nothing, where there is none
-  bool has_limits = false;  ///< of a whole number of up to 32 bits
+  bool has_limits = false;  ///< limits are given; only for whole numbers of up to 32 bits
   std::int64_t min = 0, max = 0;
 };
 
 struct Eds {
   std::string vendor, product;
   std::uint32_t vendor_number = 0, product_number = 0, revision = 0;
-  std::vector<EdsObject> objects;  ///< in the order of their keys, each once
+  std::vector<EdsObject> objects;  ///< sorted by key, each key once
 };
 
 /// $NODEID in numbers is node_id. Throws UserError with file, line or section, key and value.

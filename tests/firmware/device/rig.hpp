@@ -18,7 +18,7 @@ struct Unlike {
   double ambient_K = room_K;
   double loss = 1;        ///< factor
   double resistance = 1;  ///< factor
-  double shift_K = 0;     ///< of all transformations
+  double shift_K = 0;     ///< shift of all transformations
 };
 
 inline Unlike random_unlike(std::mt19937_64& random) {
@@ -205,8 +205,8 @@ class Rig {
   double hottest_K = 0;  ///< that it has ever been
   int steps = 0;
   // Where faults come in.
-  std::function<double(double)>
-      tamper_drive;  ///< from the current that is given to the one flowing
+  /// Gives the current that flows for a current that is commanded.
+  std::function<double(double)> tamper_drive;
   std::function<void(Inputs<double>&)> tamper_inputs;
   std::function<void(Command<double>&)> tamper_command;
   std::function<void(Estimate<double>&)> tamper_estimate;

@@ -90,7 +90,7 @@ TEST(ParameterCheck, ContradictionsNameBothParameters) {
       {"trips.current_offset_A", 0.01, "limits.min_current_A"},
       {"limits.temperature_K", 403.15, "trips.temperature_K"},
       {"wire.limits.temperature_K", 390, "limits.temperature_K"},
-      {"limits.hot_spot_K", 50, ""},  // with the surface of m2a, see below
+      {"limits.hot_spot_K", 50, ""},  // contradicts the surface of m2a, see below
       {"trips.max_ambient_K", 393.15, "limits.temperature_K"},
       {"trips.min_ambient_K", 340, "trips.max_ambient_K"},
       {"limits.min_strain", 0.05, "limits.max_strain"},

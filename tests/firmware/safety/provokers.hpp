@@ -11,8 +11,10 @@ struct Provoker {
   Fault fault;
   std::function<void(Rig&)> cause;
   std::function<void(Settings<double>&)> change = [](Settings<double>&) {};
-  double within_s = 0;  ///< until the condition that it names is there: heat, a filter, a count
-  double before_s = 0;  ///< off for so long before it is armed; only where it comes before arming
+  /// Time until the condition of the fault is present: heating, a filter, a counter.
+  double within_s = 0;
+  /// Time without current before arming; only if the fault comes before arming.
+  double before_s = 0;
 };
 
 using Readings = Inputs<double>;

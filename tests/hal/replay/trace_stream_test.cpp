@@ -136,7 +136,7 @@ TEST(TraceStream, FileSizeIsKnownAndReadToItsEnd) {
 
 TEST(TraceStream, MemoryDoesNotGrowWithTheTrace) {
   constexpr int blocks = 300;
-  constexpr int rows = 2000;  // of 32 bytes and more: 20 MB in all
+  constexpr int rows = 2000;  // rows of at least 32 bytes: 20 MB in total
   const PiecewiseInput input([](const PiecewiseInput::Send& send) {
     send("time_s,note\n");
     std::string block;

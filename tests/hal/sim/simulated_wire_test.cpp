@@ -30,8 +30,9 @@ INSTANTIATE_TEST_SUITE_P(Families, SimulatedFamily, ::testing::ValuesIn(hal::fam
 
 /// A full cycle of the temperature at constant stress.
 struct Cycle {
-  double cooling_K, heating_K;  ///< half martensite, half austenite
-  double peak_r_phase;          ///< on cooling
+  /// Temperatures of half martensite on cooling, and of half austenite on heating.
+  double cooling_K, heating_K;
+  double peak_r_phase;  ///< greatest fraction of R-phase on cooling
 };
 Cycle cycle(hal::SimulatedWire& wire, double stress_MPa) {
   Cycle c{};

@@ -69,7 +69,7 @@ TEST(Classics, EachFindsItsOwnCurveAndFitsItBest) {
     for (std::size_t shape = 0; shape < 3; ++shape) {
       SCOPED_TRACE(testing::Message() << "round " << round << ", " << names[shape]);
       Truth scaled = truth;
-      if (shape == 0) {  // from start to finish
+      if (shape == 0) {  // the cosine's width extends from start to finish
         scaled.heating_width_K *= 4;
         scaled.cooling_width_K *= 4;
       }

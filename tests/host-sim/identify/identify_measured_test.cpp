@@ -151,7 +151,7 @@ ResistanceErrors resistance_errors(const smaservo::identify::Run& run) {
 }
 
 struct ModelErrors {
-  Errors alone;            ///< from the power only
+  Errors alone;            ///< errors of the model driven by the power only
   Errors with_resistance;  ///< the temperature may be off; the resistance says how far
 };
 

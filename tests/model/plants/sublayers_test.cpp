@@ -171,7 +171,7 @@ TEST_F(SublayersTest, RanksOfColdThresholdsAreCorrelatedAsAsked) {
         less += (a[i] < a[j]) == (b[i] < b[j]) ? 1 : -1;
       }
     }
-    return less / 780;  // of 780 pairs: Kendall's
+    return less / 780;  // Kendall's rank correlation over 780 pairs
   };
   double m = 0;
   double r = 0;

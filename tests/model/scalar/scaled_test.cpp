@@ -15,7 +15,7 @@ namespace smaservo::scaled_test {
 namespace {
 
 constexpr int repeats = 300'000;
-constexpr double unit = 0x1p-29;  ///< of the least mantissa
+constexpr double unit = 0x1p-29;  ///< relative step at the least mantissa
 
 template <double x>
 concept Fits = requires { typename std::bool_constant<(Scaled(x), true)>; };

@@ -202,7 +202,7 @@ TEST(Inverse, FloatAgreesWithDouble) {
     worst_K = std::max({worst_K, std::abs(hot - static_cast<double>(hot_f)),
                         std::abs(cold - static_cast<double>(cold_f))});
   });
-  EXPECT_LT(worst_K, 0.2);  // in the tails, where the curve is flat
+  EXPECT_LT(worst_K, 0.2);  // reached in the tails, where the curve is flat
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ AllRunsCost::AllRunsCost(std::vector<One> runs, const RiseCost& rise,
   mutable_parameter_block_sizes()->push_back(static_cast<int>(active_.size()));
 }
 
-/// The active deviations that belong to all runs, and those of one.
+/// The active deviations that belong to all runs, and those that belong to one run.
 std::vector<AllRunsCost::Column> AllRunsCost::columns(std::optional<std::size_t> run) const {
   std::vector<Column> all;
   for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -113,7 +113,7 @@ bool AllRunsCost::Evaluate(double const* const* parameters, double* residuals,
       jacobian[(prior_row_ + i) * width + i] = 1;
     }
   }
-  // Of the wire's deviations, which all runs share.
+  // The residuals of falling transitions depend on the wire's deviations, which all runs share.
   evaluate(rise_, columns({}), runs_.front().fixed, x, rows_at(rise_row()), slopes_at(rise_row()));
   return true;
 }

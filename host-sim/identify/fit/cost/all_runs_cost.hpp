@@ -1,7 +1,8 @@
 #pragma once
-// The residuals of all runs, of the prior and of the law that no transition falls, as functions of
-// the deviations that a stage of the fit may change, which are one block of parameters for Ceres.
-// The runs are evaluated side by side; the result does not depend on the number of threads.
+// The residuals of all runs, of the prior, and of the law that no transition temperature falls with
+// stress. They are functions of the deviations that a stage of the fit may change, which are one
+// block of parameters for Ceres. The runs are evaluated in parallel; the result does not depend on
+// the number of threads.
 
 #include <Eigen/Core>
 #include <ceres/cost_function.h>
@@ -17,7 +18,7 @@ namespace smaservo::identify {
 /// One deviation that may change.
 struct Active {
   double* value;
-  std::size_t index;               ///< of the deviation among those that a RunCost depends on
+  std::size_t index;               ///< index of the deviation among those that a RunCost depends on
   std::optional<std::size_t> run;  ///< the only run that it belongs to; none: all runs
 };
 
@@ -38,18 +39,18 @@ class AllRunsCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  /// What the runs and the prior tell of the active deviations around `x`, without the law that no
-  /// transition falls: JᵀJ, whose inverse is their covariance.
+  /// The information of the runs and the prior on the active deviations around `x`, without the law
+  /// that no transition falls: JᵀJ, whose inverse is their covariance.
   Eigen::MatrixXd information(const std::vector<double>& x) const;
 
  private:
-  /// An active deviation: its column in the Jacobian, its index among the run's deviations.
+  /// An active deviation: its column in the Jacobian, and its index among the run's deviations.
   struct Column {
     std::size_t column, index;
   };
   std::vector<Column> columns(std::optional<std::size_t> run) const;
   std::size_t rise_row() const { return prior_row_ + active_.size(); }
-  /// The residuals of one of the costs that depend on the wire.
+  /// Computes the residuals of one of the costs that depend on the wire.
   template <class Cost>
   void evaluate(const Cost& cost, const std::vector<Column>& columns, std::vector<double> u,
                 const double* x, double* residuals, double* jacobian) const;

@@ -1,7 +1,7 @@
 #pragma once
-// The lumped plant as a fit needs it: each step's energy balance is solved, not linearised. The
-// linearised step with its carried heat has the right values, but the errors of their derivatives
-// by the parameters would grow from step to step where the transformation curve bends.
+// The lumped plant for a fit: the energy balance of each step is solved, not linearised. The
+// linearised step with its carried heat has correct values, but the errors of their derivatives by
+// the parameters would grow from step to step where the transformation curve bends.
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 namespace smaservo::identify {
 
-/// The plant without derivatives. It is of second order in the step, since it takes the mean of the
-/// losses at both ends. Steps may be some hundredths of the wire's time constant.
+/// The plant without derivatives. It is of second order in the step, since it uses the mean of the
+/// losses at both ends of the step. Steps may be some hundredths of the wire's time constant.
 class BalancedPlant {
  public:
   using K = ThreePhase<double>;
@@ -23,7 +23,8 @@ class BalancedPlant {
 
   double temperature_K() const { return K::drive(state_).temperature_K; }
   Phases<double> phases() const { return K::phases(state_); }
-  /// Heat that the wire takes up per kelvin at the end of the last step, with latent heat and loss.
+  /// Heat that the wire takes up per kelvin at the end of the last step, including latent heat and
+  /// loss.
   double capacity_J_K() const { return capacity_J_K_; }
 
   void advance(const PlantInput<double>& in, double dt_s) {
@@ -33,8 +34,8 @@ class BalancedPlant {
     const double heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * dt_s;
     const double plain_J_K = body.capacity_J_K + 0.5 * body.loss_slope_W_K(above) * dt_s;
     const Heading heading = heat_J > 0 ? Heading::heating : Heading::cooling;
-    // Latent heat only slows a step down: it ends between the present temperature and the one that
-    // it would reach without latent heat.
+    // Latent heat only slows the change: the step ends between the present temperature and the one
+    // that it would reach without latent heat.
     double low = std::min(0.0, heat_J / plain_J_K);
     double high = std::max(0.0, heat_J / plain_J_K);
     double dT = heat_J / (body.effective_capacity_J_K(K::rates(params_.kinetics, state_, heading)) +
@@ -65,12 +66,12 @@ class BalancedPlant {
 
   Params params_;
   K::State state_;
-  double heat_J_ = 0;  ///< what the balance of the last step left over
+  double heat_J_ = 0;  ///< remaining error of the heat balance after the last step
   double capacity_J_K_ = 0;
 };
 
-/// The same path with derivatives. The temperatures are those of the plain plant; their derivatives
-/// follow from the balance.
+/// The plant on the same path, with derivatives. The temperatures are those of the plain plant;
+/// their derivatives follow from the balance.
 template <class T>
 class FollowingPlant {
  public:
@@ -82,10 +83,10 @@ class FollowingPlant {
 
   const typename K::State& state() const { return state_; }
 
-  /// Takes the kinetics to a known temperature.
+  /// Moves the kinetics to a known temperature.
   void move(const Drive<T>& drive) { K::advance(params_.kinetics, state_, drive); }
 
-  /// `plain` must have made the same step just before.
+  /// `plain` must have made the same step immediately before.
   void advance(const BalancedPlant& plain, const PlantInput<T>& in, double dt_s) {
     const ThermalBody<T>& body = params_.body;
     const T before_K = K::drive(state_).temperature_K;
@@ -93,7 +94,7 @@ class FollowingPlant {
     const T heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * T(dt_s);
     const T plain_J_K = body.capacity_J_K + T(0.5) * body.loss_slope_W_K(above) * T(dt_s);
     const Phases<T> z = K::phases(state_);
-    // F(T') = 0 at the plain temperature; what the parameters do to F moves T' by -dF/F'.
+    // F(T') = 0 at the plain temperature T'; a change dF due to the parameters moves T' by -dF/F'.
     typename K::State trial = state_;
     K::advance(params_.kinetics, trial, {T(plain.temperature_K()), in.stress_Pa});
     const Phases<T> there = K::phases(trial);
@@ -109,7 +110,7 @@ class FollowingPlant {
   }
 
  private:
-  /// The derivatives of x, with the value 0.
+  /// The derivatives of x, with the value set to 0.
   static T derivatives_of(T x) {
     if constexpr (std::is_floating_point_v<T>) {
       return T(0);

@@ -1,7 +1,7 @@
 #pragma once
 // The model's prediction of a measured run: strain and resistance at the points that a fit
-// compares. Templated on the scalar, so that automatic differentiation runs through the same model
-// as the observer.
+// compares. It is templated on the scalar, so that automatic differentiation uses the same model as
+// the observer.
 
 #include <cmath>
 #include <cstddef>
@@ -15,23 +15,25 @@
 
 namespace smaservo::identify {
 
-/// A run thinned to what the fit needs. The wire is advanced step by step; after some of the steps
+/// A run thinned for the fit. The wire is advanced step by step; after some of the steps,
 /// prediction and measurement are compared. All vectors of one kind have the same length.
 struct FitRun {
   std::string name;
   RunKind kind;
   // One element for every step:
-  std::vector<double> dt_s;           ///< joule
-  std::vector<double> power_W;        ///< joule and settled: mean of the step
-  std::vector<double> current2_A2;    ///< mean square of the current, for the leads' share
+  std::vector<double> dt_s;     ///< joule
+  std::vector<double> power_W;  ///< joule and settled: mean over the step
+  /// Mean square of the current, for the voltage drop along the leads.
+  std::vector<double> current2_A2;
   std::vector<double> stress_Pa;      ///< bath, joule, settled
   std::vector<double> temperature_K;  ///< bath, calorimetry
-  double ambient_K = room_K;          ///< joule, settled: first guess or measured
+  double ambient_K = room_K;          ///< joule, settled: measured, or a first guess
   // One element for every comparison:
-  std::vector<std::size_t> after;  ///< step
-  std::vector<double> strain;      ///< NaN where there is none
+  std::vector<std::size_t> after;  ///< number of the step
+  std::vector<double> strain;      ///< NaN if there is none
   std::vector<double> resistance_ohm;
-  std::vector<double> power_W_kg;  ///< calorimetry: heat flow into the wire, rising with heating
+  /// Calorimetry: heat flow into the wire, positive when it is heated.
+  std::vector<double> power_W_kg;
 
   bool has_strain = false;
   bool has_resistance = false;
@@ -42,17 +44,17 @@ template <class T>
 struct Circumstances {
   T ambient_K;
   T loss;             ///< factor on the heat loss
-  T strain_zero;      ///< the run's zero of strain
-  T resistance_gain;  ///< of the run's resistance readings
-  T rate_K_s;         ///< calorimetry: of heating and cooling
-  T power_zero_W_kg;  ///< calorimetry
+  T strain_zero;      ///< strain at which the run's readings have their zero
+  T resistance_gain;  ///< gain of the run's resistance readings
+  T rate_K_s;         ///< calorimetry: rate of heating and cooling
+  T power_zero_W_kg;  ///< calorimetry: zero of the heat flow
 };
 
 /// The parameters that the readings of all runs share.
 template <class T>
 struct CircuitGuess {
-  T lead_ohm;   ///< in series with the wire between the sense leads
-  T load_gain;  ///< reading divided by true load
+  T lead_ohm;   ///< resistance in series with the wire between the sense leads
+  T load_gain;  ///< reading divided by the true load
 };
 
 /// Everything that a prediction depends on.
@@ -66,19 +68,20 @@ struct Assumed {
 inline double number_of(double x) {
   return x;
 }
-/// The value without derivatives.
+/// The value of x without its derivatives.
 template <class T>
 double number_of(const T& x) {
   return x.a;
 }
 
-/// Strain and resistance at a comparison, and how an error of the one would show in the other.
+/// Strain and resistance at a comparison, and the effect of an error of the strain on the
+/// resistance.
 template <class T>
 struct Predicted {
   T strain;          ///< calorimetry: heat flow in W/kg
   T resistance_ohm;  ///< 0 in calorimetry
-  /// Relative change of the resistance by strain, where martensite stands in the place of
-  /// austenite, or of R-phase.
+  /// Relative change of the resistance per strain if martensite takes the place of austenite, or of
+  /// R-phase.
   T for_austenite, for_r_phase;
   Phases<double> phases;
 };
@@ -93,7 +96,7 @@ void explain(const Material<T>& material, const Phases<T>& z, const T& stress_Pa
   p.phases = {number_of(z.martensite), number_of(z.r_phase)};
 }
 
-/// Temperature at which the loss takes up this power in the long run.
+/// The temperature above ambient at which the loss balances this power in the long run.
 template <class T>
 T settled_above_K(const ThermalBody<T>& body, const T& loss, const T& power_W) {
   using std::sqrt;
@@ -135,7 +138,7 @@ void predict_calorimetry(const FitRun& run, const typename Plant<ThreePhase<T>>:
 
 }  // namespace detail
 
-/// The input of the plant in each step, by what is assumed of circuit, load cell and air.
+/// The input of the plant in each step, under the assumptions on circuit, load cell and air.
 template <class T>
 struct Acting {
   const FitRun& run;
@@ -158,7 +161,7 @@ typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& a
   return plant;
 }
 
-/// Fills `predicted` with an element for each comparison. `plain` has the values of `assumed`,
+/// Fills `predicted` with an element for each comparison. `plain` has the values of `assumed`
 /// without derivatives. A run starts from a wire that was cooled to its first temperature.
 template <class T>
 void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>& plain,

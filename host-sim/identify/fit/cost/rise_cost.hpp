@@ -1,5 +1,6 @@
 #pragma once
-// Clausius-Clapeyron as residuals: how far the transitions of a wire fall with stress.
+// The Clausius-Clapeyron law as residuals: penalties for transition temperatures that fall with
+// stress.
 
 #include <cstddef>
 
@@ -8,8 +9,8 @@
 
 namespace smaservo::identify {
 
-/// One residual for each slope of each process. It is 0 where the temperature rises or stays. Where
-/// it falls it is steep: a fall of 0.002 K/MPa costs as much as an error of one standard
+/// One residual for each slope of each process: 0 if the temperature rises with stress or stays,
+/// and steep if it falls: a fall of 0.002 K/MPa costs as much as an error of one standard
 /// deviation. If it were twenty times as steep, the solver would stop at the kink, far from the
 /// minimum.
 class RiseCost {

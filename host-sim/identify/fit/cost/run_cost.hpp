@@ -1,5 +1,5 @@
 #pragma once
-// How well a wire explains one run: the residuals of the fit. Used inside the fit only.
+// The residuals of the fit for one run: how well a wire explains it. Used only inside the fit.
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace smaservo::identify {
 
-/// Residuals beyond this many standard deviations count less: soft L1.
+/// Residuals beyond this many standard deviations have a reduced weight: soft L1.
 inline constexpr double robust_sd = 3;
-/// Neighbouring comparisons err together. Until the fit has shown how far, a channel of a run
-/// counts as this many independent ones.
+/// Errors of neighbouring comparisons are correlated. Until the fit has shown how far, each channel
+/// of a run counts as this many independent comparisons.
 inline constexpr double independent_at_first = 150;
 
 template <class T>
@@ -27,7 +27,7 @@ T robust(const T& r) {
   return r * sqrt(T(2) / (T(1) + sqrt(T(1) + s)));
 }
 
-/// How much a run's channels count.
+/// The weights of a run's channels.
 struct Weights {
   double strain_sd = 2e-4;
   double resistance_sd = 2e-3;  ///< relative
@@ -35,19 +35,19 @@ struct Weights {
   double power_independent = independent_at_first;
   double strain_independent = independent_at_first;
   double resistance_independent = independent_at_first;
-  /// Of every comparison, the probability that an error of the strain comes from austenite in the
+  /// For every comparison, the probability that an error of the strain comes from austenite in
   /// place of martensite; otherwise it comes from R-phase. Empty at first: strain and resistance
-  /// count by themselves.
+  /// are then compared independently.
   std::vector<double> austenite;
 };
 
-/// An error of the strain makes the resistance wrong as well. That part of the resistance's error
-/// is taken off; what counts is whether the resistance fits the measured strain. This is what an
-/// observer needs, and far more accurate.
+/// An error of the strain causes an error of the resistance as well. This part is subtracted from
+/// the resistance's error, so that the comparison shows whether the resistance fits the measured
+/// strain. That is what an observer needs, and it is far more accurate.
 template <class T>
 struct Exchange {
-  T by_strain;       ///< relative change of the resistance
-  double ambiguity;  ///< its standard deviation, since the phase behind it is not known
+  T by_strain;       ///< relative change of the resistance for the error of the strain
+  double ambiguity;  ///< its standard deviation, since the phase that causes it is not known
 };
 template <class T>
 Exchange<T> exchange(const Weights& weights, std::size_t i, const Predicted<T>& p) {
@@ -71,7 +71,7 @@ inline std::size_t valid(const std::vector<double>& column) {
 enum CircumstanceIndex { iAmbient, iLoss, iZero, iGain, iRate, iPowerZero, circumstance_count };
 enum CircuitIndex { iLead, iLoad, circuit_count };
 
-/// The part of the problem that all runs of a fit share.
+/// The part of the problem that is common to all runs of a fit.
 struct FitProblem {
   const Wire<double>& from;
   FitVariant variant;
@@ -82,7 +82,8 @@ struct FitProblem {
 /// The parameters that belong to one run.
 using CircumstanceParameters = std::array<FitParameter, circumstance_count>;
 
-/// The residuals of one run by the deviations `u`: the wire's, the circuit's, the run's own.
+/// The residuals of one run as a function of the deviations `u`: those of the wire, of the circuit
+/// and of the run.
 class RunCost {
  public:
   RunCost(const FitProblem& problem, const FitRun& run, const CircumstanceParameters& circumstances,
@@ -142,7 +143,7 @@ class RunCost {
     return all;
   }
 
-  /// `all` is what the fit assumes at `u`.
+  /// `all` are the assumptions of the fit at `u`.
   template <class T>
   std::vector<Predicted<T>> model(const T* u, const Assumed<T>& all) const {
     std::vector<Predicted<T>> predicted;
@@ -159,7 +160,7 @@ class RunCost {
   std::size_t residuals() const {
     return run_.kind == RunKind::calorimetry ? run_.after.size() : 2 * run_.after.size();
   }
-  /// Deviations that it depends on: the wire's, the circuit's, the run's own.
+  /// Number of deviations that it depends on: those of the wire, of the circuit and of the run.
   std::size_t size() const {
     return problem_.parameters.size() + circuit_count + circumstance_count;
   }

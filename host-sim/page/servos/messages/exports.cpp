@@ -30,7 +30,7 @@ std::string to_mcap(const can::Recording& recording) {
   return rows.take();
 }
 
-/// What a recording can be exported as: a further format is a further row.
+/// A format in which a recording can be exported; another format is another row.
 struct Export {
   const char* as;
   const char* file;

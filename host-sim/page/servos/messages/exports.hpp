@@ -1,5 +1,5 @@
 #pragma once
-// Recordings as files.
+// Exports recordings as files.
 
 #include <deque>
 #include <mutex>
@@ -11,16 +11,16 @@
 
 namespace smaservo::page {
 
-/// RFC 4648.
+/// The bytes in base64 (RFC 4648).
 std::string base64(const std::string& bytes);
 
-/// The last recordings. All functions from any thread.
+/// The last recordings. All functions may be called from any thread.
 class KeptRecordings {
  public:
-  /// The message of a recording, by whose `id` it can be exported: whole, it may be too long for a
-  /// request.
+  /// Keeps a recording and returns its message, by whose `id` it can be exported: the whole
+  /// recording may be too long for a request.
   nlohmann::json kept(const can::Recording& recording);
-  /// The answer of `export`. Throws UserError.
+  /// The answer to the service `export`. Throws UserError.
   nlohmann::json exported(const nlohmann::json& request);
 
  private:

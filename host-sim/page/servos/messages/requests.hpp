@@ -1,6 +1,6 @@
 #pragma once
-// The members of a client's request. Each function throws UserError, which names the member and
-// what it must be.
+// The members of a client's request. Each function throws UserError, which names the member and its
+// allowed values.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,9 +14,9 @@ unsigned node_in(const nlohmann::json& request);
 double number_in(const nlohmann::json& request, const char* name, double low, double high);
 std::string text_in(const nlohmann::json& request, const char* name);
 
-/// What `record` is asked for, of at most so many seconds.
+/// The plan of a recording that `record` is asked for, of at most `longest_s`.
 can::RecordingPlan recording_plan(const nlohmann::json& request, double longest_s);
-/// A recording as recording_message() has made it.
+/// The recording of a message made by recording_message().
 can::Recording recording_of(const nlohmann::json& message);
 
 }  // namespace smaservo::page

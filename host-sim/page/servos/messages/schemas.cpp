@@ -21,7 +21,7 @@ json typed(const char* type) {
 json list_of(const json& items) {
   return {{"type", "array"}, {"items", items}};
 }
-/// Some members of which are not always there, or not worth a list here.
+/// An object whose members are not always present, or not worth a list here.
 json some_object() {
   return object_schema(json::object());
 }

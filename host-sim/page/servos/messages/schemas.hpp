@@ -1,7 +1,7 @@
 #pragma once
-// JSON schemas of what the bridge says and is asked, and one ROS 2 message definition. Foxglove
-// takes a channel or a service only where each schema has one type for each member (none is null,
-// none of two types), and the members of each object.
+// JSON schemas of the bridge's messages and requests, and one ROS 2 message definition. Foxglove
+// accepts a channel or a service only if each schema gives exactly one type for each member
+// (neither null nor one of two types), and lists the members of each object.
 
 #include <string>
 #include <string_view>
@@ -10,15 +10,15 @@ namespace smaservo::page {
 
 std::string bridge_schema();
 std::string live_schema();
-/// Of the same values as a ROS 2 message: one float32 for each signal, in the order of signal_rows,
-/// in lower case, as the names of such a message must be.
+/// The same values as a ROS 2 message: one float32 for each signal, in the order of signal_rows;
+/// names are in lower case, as ROS 2 demands.
 std::string live_definition();
 std::string state_schema();
 
-/// Of a request with these members, as "node:integer signals:strings trigger?:string": the last may
-/// be missing.
+/// The schema of a request with these members, such as "node:integer signals:strings
+/// trigger?:string"; the last one here may be missing.
 std::string request_schema(std::string_view members);
-/// Of an answer, whose members PROTOCOL.md has.
+/// The schema of an answer, whose members PROTOCOL.md describes.
 std::string answer_schema();
 
 }  // namespace smaservo::page

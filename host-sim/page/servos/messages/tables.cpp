@@ -64,7 +64,7 @@ json parameter_description(const Parameter<double>& row) {
 
 json signal_description(std::size_t i) {
   const Signal<float>& row = signal_rows<float>[i];
-  // The unit ends the name, where there is one.
+  // The name ends in the unit, if there is one.
   constexpr std::array<std::string_view, 9> units{"_m_s", "_ohm", "_Pa", "_K", "_W",
                                                   "_A",   "_V",   "_m",  "_N"};
   const auto* const found =
@@ -129,7 +129,7 @@ std::string live_text(const Sample& sample) {
 }
 
 std::string live_bytes(const Sample& sample) {
-  // CDR: two bytes say that the rest is little-endian, two are empty.
+  // CDR header: two bytes say that the rest is little-endian, two are unused.
   std::string bytes{0, 1, 0, 0};
   for (std::size_t i = 0; i < signal_count; ++i) {
     const float value = sample.has[i] ? sample.values[i] : std::numeric_limits<float>::quiet_NaN();
@@ -200,7 +200,7 @@ std::string parameter_text(const Parameter<double>& row, const json& value) {
 std::size_t parameter_row(const std::string& path) {
   const std::size_t row = find_parameter(path);
   if (row != no_parameter) return row;
-  const text::KnownObject object = text::find_object(path);  // throws, with similar names
+  const text::KnownObject object = text::find_object(path);  // throws, naming similar names
   throw UserError(object.parameter != nullptr
                       ? fmt::format("{}: must be in its own unit: {}", files::printable(path),
                                     object.parameter->path.text())

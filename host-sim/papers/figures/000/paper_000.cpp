@@ -146,13 +146,13 @@ PaperFigure figure_8() {
           {std::move(panel)}};
 }
 
-/// One part of all bars: its name, its colour, and its height in each of them.
+/// One part of all bars: its name, its colour, and its height in each bar.
 struct Part {
   const char* name;
   const char* colour;
 };
 
-/// Boxes around the temperatures, one part on the other.
+/// Boxes around the temperatures, with the parts stacked.
 template <class Bar, class Values>
 report::Panel bars_panel(const std::vector<Bar>& bars, const std::vector<Part>& parts,
                          report::Axis x, Values values_of) {

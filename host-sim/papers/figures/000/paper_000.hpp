@@ -1,7 +1,7 @@
 #pragma once
-// The numbers behind the figures of paper 000. In the place of the paper's measurements is a
-// simulated wire of the family `sublayers`, which is not the model. The model is what `identify`
-// makes of its runs.
+// The data behind the figures of paper 000. The paper's measurements are replaced by a simulated
+// wire of the family `sublayers`, which differs from the model. The model is the one that
+// `identify` finds from its runs.
 
 #include <array>
 #include <vector>
@@ -16,11 +16,12 @@ namespace smaservo::figures::paper_000 {
 const Wire<double>& paper_wire();
 
 /// One heating from 20 to 150 °C and the cooling back, at constant stress in a bath. The wire comes
-/// from -60 °C and so begins as martensite.
+/// from -60 °C, so it begins as martensite.
 struct BathRun {
   double stress_MPa;
   std::vector<double> temperature_K, strain;
-  std::vector<double> resistivity_ohm_m;  ///< with the wire's present length, at constant volume
+  /// Computed with the wire's present length, at constant volume.
+  std::vector<double> resistivity_ohm_m;
   std::vector<Phases<double>> phases;
 
   std::size_t rows() const { return temperature_K.size(); }
@@ -29,91 +30,95 @@ struct BathRun {
 BathRun simulated_bath_run(double stress_MPa);
 BathRun model_bath_run(const Wire<double>& wire, double stress_MPa);
 
-/// Heat flow into a wire without load that a calorimeter heats from 20 to 100 °C and cools, at
-/// 10 K/min; above 0 is into the wire.
+/// Heat flow into a wire without load that a calorimeter heats from 20 to 100 °C and cools, at 10
+/// K/min; positive into the wire.
 struct CalorimetryRun {
   std::vector<double> temperature_K, power_W_kg;
-  std::vector<double> transforming_W_kg;  ///< the part of it that is latent heat
+  std::vector<double> transforming_W_kg;  ///< part of the heat flow that is latent heat
   std::vector<double> strain, resistivity_ohm_m;
 
   std::size_t hottest() const { return temperature_K.size() / 2; }
 };
 CalorimetryRun simulated_calorimetry();
 
-/// Temperatures of the greatest heat flows: the dashed lines of figure 1.
+/// Temperatures of the greatest heat flows, which are the dashed lines of figure 1.
 struct Peaks {
   double m2a_K, a2r_K, r2m_K;
 };
 Peaks peaks(const CalorimetryRun& run);
 
-/// Fifteen as in the paper, most of them low ('Experimental results').
+/// Fifteen stresses as in the paper, most of them low ('Experimental results').
 inline constexpr std::array stresses_MPa{10.0,  15.0,  20.0,  25.0,  30.0,  40.0,  50.0, 60.0,
                                          100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0};
 
-/// The run as `identify` reads it: every second row, and before them a row with the temperature
-/// that the wire comes from.
+/// The run as `identify` reads it: every second row, preceded by a row with the temperature from
+/// which the wire comes.
 identify::Run as_run(const BathRun& run);
 identify::Run as_run(const CalorimetryRun& run);
 
-// The paper's three stages ('Parameterization method'); each takes a few seconds, once.
+// The paper's three stages ('Parameterization method'); each takes a few seconds when first called.
 
-/// The fit of `identify` to the calorimetry, beginning with the preset.
+/// The fit of `identify` to the calorimetry, starting from the preset.
 const identify::FitResult& fitted_without_stress();
 
-/// A fit to one level of stress alone; the first level is the one without stress.
+/// A fit to one level of stress alone; the first level has no stress.
 struct Level {
   double stress_MPa;
   Wire<double> wire;
 };
-/// A2R is seen well enough up to here ('Stress dependence of the transformation parameters').
+/// A2R can be identified well up to this stress ('Stress dependence of the transformation
+/// parameters').
 inline constexpr double max_a2r_MPa = 100;
-/// Each fit begins with the one without stress, those above max_a2r_MPa with the one at
-/// max_a2r_MPa. In the paper each begins with the level below; `identify` stays close to its start,
-/// so that errors would then add up from level to level.
+/// Each fit starts from the one without stress, those above max_a2r_MPa from the one at
+/// max_a2r_MPa. In the paper each starts from the level below; `identify` stays close to its start,
+/// so errors would then add up from level to level.
 const std::vector<Level>& fitted_levels();
 
-/// The fit to six levels at once, beginning with the fit without stress.
+/// The fit to six levels at once, starting from the fit without stress.
 const Wire<double>& fitted_model();
 
-/// How good a measure of the strain the resistance is (figure 20), over the strains that both
-/// directions go through.
+/// The quality of the resistance as a measure of the strain (figure 20), over the strains that both
+/// directions pass through.
 struct SelfSensing {
-  double gap;        ///< greatest resistance on cooling less that on heating at the same strain,
-                     ///< as a share of the resistance's span; negative where heating has more
-  double deviation;  ///< of the strain from the best straight line, root mean square, as a share
-                     ///< of the strain's span
+  /// Greatest difference of the resistance on cooling and that on heating at the same strain, as a
+  /// share of the resistance's span; negative if heating has more.
+  double gap;
+  /// Root mean square deviation of the strain from the best straight line, as a share of the
+  /// strain's span.
+  double deviation;
 };
 SelfSensing self_sensing(const BathRun& run);
 /// The resistance of the whole wire in each row.
 std::vector<double> resistances_ohm(const BathRun& run);
 
-/// Figure 5: fit_classics() and fit_adaptable() of the same cycle.
+/// Figure 5: the results of fit_classics() and fit_adaptable() for the same cycle.
 std::vector<identify::ClassicFit> transformation_functions(const BathRun& run);
 inline constexpr double function_stress_MPa = 200;
 
 /// Figure 6: the parts of the normalised temperature at a converted fraction; they add up to
-/// ihyp_temperature(). Each hyperbola is a branch to one end of the curve.
+/// ihyp_temperature(). Each hyperbola leads to one end of the curve.
 struct IhypParts {
   double initial, target, line;
 };
 IhypParts ihyp_parts(const IhypShape<double>& shape, double converted);
 
-/// Figure 8: martensite over temperature on outer curves and on the way back from a temperature
-/// on the heating curve, without stress and R-phase.
+/// Figure 8: martensite over temperature on the outer curves, and on the way back from a
+/// temperature on the heating curve, without stress and R-phase.
 struct InnerLoop {
-  std::vector<double> temperature_K;  ///< rising
+  std::vector<double> temperature_K;  ///< in rising order
   std::vector<double> heating, cooling;
-  std::vector<double> back_K, back;  ///< falling
+  std::vector<double> back_K, back;  ///< in falling order
 };
 InnerLoop inner_loop();
 
-// Figures 9 and 10: what one step makes of the fractions before it. The parts of a bar add up to 1.
+// Figures 9 and 10: the effect of one step on the fractions before it. The parts of a bar add up to
+// 1.
 /// Parts from the bottom up; m2a and r2a become austenite.
 struct HeatingBar {
   double temperature_K;
   double martensite, m2a, austenite, r2a, r_phase;
 };
-/// Parts from the bottom up; `either` is austenite that both A2M and A2R would take; r2m becomes
+/// Parts from the bottom up; `either` is austenite for which A2M and A2R compete; r2m becomes
 /// martensite.
 struct CoolingBar {
   double temperature_K;
@@ -123,6 +128,6 @@ std::vector<HeatingBar> heating_bars();
 std::vector<CoolingBar> cooling_bars();
 inline constexpr double bar_step_K = 3;
 inline constexpr double heating_bars_MPa = 50;
-inline constexpr double cooling_bars_MPa = 110;  ///< where A2M and A2R meet
+inline constexpr double cooling_bars_MPa = 110;  ///< stress at which A2M and A2R meet
 
 }  // namespace smaservo::figures::paper_000

@@ -1,5 +1,5 @@
 #pragma once
-// What the drawings of paper 000 have in common. Used inside of paper_000*.cpp only.
+// Common parts of the drawings of paper 000. Used only in paper_000*.cpp.
 
 #include <string>
 #include <string_view>
@@ -27,14 +27,14 @@ using Column = std::vector<double>;
 Column degC(const Column& kelvin);
 Column times(double factor, const Column& column);
 
-/// The rows of a cycle with this hottest row that heat or cool.
+/// The rows that heat (or cool) of a cycle whose hottest row is given.
 Column heating_part(const Column& all, std::size_t hottest);
 Column cooling_part(const Column& all, std::size_t hottest);
 
 report::Series line(Column x, Column y, std::string colour, std::string name, double width = 1.8);
 report::Series dashed(report::Series line);
 
-/// Heating and cooling of a cycle, in the paper's colours and with these names.
+/// Heating and cooling of a cycle, in the paper's colours, with these names.
 std::vector<report::Series> cycle(const Column& x, const Column& y, std::size_t hottest,
                                   const std::string& heating = "heating",
                                   const std::string& cooling = "cooling", double width = 1.8);
@@ -42,17 +42,17 @@ std::vector<report::Series> cycle(const Column& x, const Column& y, std::size_t 
 /// A dashed vertical line at this temperature.
 report::Rule marker(double temperature_K);
 
-/// From `min` to `max`.
+/// An axis from `min` to `max`.
 report::Axis axis(const char* label, double min = report::as_the_data,
                   double max = report::as_the_data);
 
-/// Two of these stand side by side.
+/// A panel of half the width, two of which stand side by side.
 report::Panel half_panel(std::string title, report::Axis x, report::Axis y,
                          std::vector<report::Series> series, int height = 360);
 report::Panel full_panel(std::string title, report::Axis x, report::Axis y,
                          std::vector<report::Series> series, int height = 420);
 
-/// Figures 13 to 20.
+/// Makes figures 13 to 20.
 std::vector<PaperFigure> identified_figures();
 
 }  // namespace smaservo::figures::paper_000

@@ -1,4 +1,4 @@
-// Figures 13 to 20: what was identified from the simulated wire's runs.
+// Figures 13 to 20: the results identified from the runs of the simulated wire.
 
 #include <fmt/format.h>
 #include <functional>
@@ -11,7 +11,7 @@
 namespace smaservo::figures::paper_000 {
 namespace {
 
-/// Columns of one length as gnuplot's data block `$name`.
+/// Columns of equal length as gnuplot's data block `$name`.
 std::string block(std::string_view name, const std::vector<Column>& columns) {
   std::string text = fmt::format("${} << EOD\n", name);
   for (std::size_t row = 0; row < columns.front().size(); ++row) {
@@ -52,7 +52,7 @@ PaperFigure figure_13() {
   const char* const names[] = {"heating", "cooling"};
   for (const bool of_strain : {true, false}) {
     for (std::size_t k = 0; k < 2; ++k) {
-      // A colour for each point: gnuplot's picture.
+      // Each point has its own colour, so gnuplot draws the picture.
       report::Panel panel =
           half_panel(fmt::format("{}, {}", of_strain ? "strain" : "specific resistance", names[k]),
                      {}, {}, {});
@@ -146,12 +146,13 @@ PaperFigure figure_15() {
   return figure;
 }
 
-/// One value that depends on stress: what each level has found, and what all levels together say.
+/// A value that depends on stress: the results of the single levels, and that of all levels
+/// together.
 struct OverStress {
   const char* name;
   const char* colour;
   bool dashed;
-  double max_MPa;  ///< up to which single levels determine it
+  double max_MPa;  ///< greatest stress at which single levels determine it
   std::function<double(const Wire<double>&, double stress_Pa)> of;
 };
 
@@ -299,8 +300,8 @@ PaperFigure figure_19() {
                       axis(resistivity_axis), std::move(curves[1]))}};
 }
 
-/// `run` as gnuplot's block: resistance in Ω, strain in %, and red, green and blue (0 to 255) by
-/// fractions of austenite, R-phase and martensite.
+/// `run` as gnuplot's data block: resistance in Ω, strain in %, and red, green and blue (0 to 255)
+/// from the fractions of austenite, R-phase and martensite.
 std::string coloured_block(std::string_view name, const BathRun& run) {
   Column red;
   Column green;
@@ -315,7 +316,7 @@ std::string coloured_block(std::string_view name, const BathRun& run) {
 
 PaperFigure figure_20() {
   const double levels[] = {10, 50, 100, 150, 200, 250, 300, 400};
-  const double raised = 2;  // per cent of strain from level to level
+  const double raised = 2;  // offset of the strain in per cent from level to level
   std::string data;
   std::vector<std::string> coloured;
   std::string gaps;
@@ -345,7 +346,7 @@ PaperFigure figure_20() {
         i, up));
     gaps += fmt::format("{}{:.0f}", i == 0 ? "" : ", ", 100 * self_sensing(model).gap);
   }
-  // A colour for each point: gnuplot's picture.
+  // Each point has its own colour, so gnuplot draws the picture.
   report::Panel right = half_panel("model", {}, {}, {}, left.height);
   right.svg = report::draw({500, left.height, left.x.label, left.y.label}, data,
                            labels +

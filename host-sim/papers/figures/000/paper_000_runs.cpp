@@ -15,17 +15,17 @@ namespace {
 using Model = Plant<ThreePhase<double>>;
 
 constexpr double coldest_K = 293.15;
-constexpr double martensite_K = 213.15;       // where the wire is before: 'full martensite'
+constexpr double martensite_K = 213.15;       // temperature before the run: 'full martensite'
 constexpr double hottest_K = 423.15;          // 'Experimental results': not above 150 °C
 constexpr double calorimetry_hot_K = 373.15;  // figure 1
-constexpr double rate_K_s = 10.0 / 60;        // common in calorimetry; the paper does not say
+constexpr double rate_K_s = 10.0 / 60;        // usual in calorimetry; the paper does not give it
 
 std::unique_ptr<hal::SimulatedWire> simulated_wire() {
   std::mt19937_64 random(1);
   return hal::make_simulated_wire(hal::Family::sublayers, paper_wire(), {}, 0.5, random);
 }
 
-/// Temperatures from cold to hot and back; their number is odd, the hottest is in the middle.
+/// Temperatures from cold to hot and back; their number is odd, and the hottest is in the middle.
 std::vector<double> cycle_K(double max_K, double step_K) {
   const auto steps = static_cast<int>(std::lround((max_K - coldest_K) / step_K));
   std::vector<double> all;
@@ -40,7 +40,7 @@ double resistivity_of(double resistance_ohm, double strain) {
   return resistance_ohm / (paper_wire().length_per_area_1_m() * (1 + 2 * strain));
 }
 
-/// The model of a wire in a bath, where no clamp is colder.
+/// The model of a wire in a bath, in which the clamps are not colder than the wire.
 class BathModel {
  public:
   BathModel(const Wire<double>& wire, double stress_Pa) : params_(plant_params(wire)) {
@@ -144,7 +144,7 @@ identify::Run as_run(const CalorimetryRun& run) {
   calorimetry.name = "calorimetry";
   calorimetry.kind = identify::RunKind::calorimetry;
   calorimetry.temperature_K = {martensite_K};
-  calorimetry.power_W_kg = {0};  // stands still
+  calorimetry.power_W_kg = {0};  // there is no heat flow at rest
   calorimetry.temperature_K.insert(calorimetry.temperature_K.end(), run.temperature_K.begin(),
                                    run.temperature_K.end());
   calorimetry.power_W_kg.insert(calorimetry.power_W_kg.end(), run.power_W_kg.begin(),

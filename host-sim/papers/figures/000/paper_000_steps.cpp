@@ -11,14 +11,14 @@ namespace {
 
 using Kinetics = ThreePhase<double>;
 
-/// The paper's model: inner loops by scaling, without memory.
+/// The model of the paper: inner loops by scaling, without memory.
 Kinetics::Params paper_kinetics() {
   Kinetics::Params p = paper_wire().kinetics;
   p.memory = Memory::plain;
   return p;
 }
 
-/// Mean over 3 K, as a calorimeter's lag would have it: the simulated wire has grains.
+/// Mean over 3 K, like the lag of a calorimeter, because the simulated wire has grains.
 std::vector<double> smoothed(const CalorimetryRun& run) {
   std::vector<double> means;
   const std::size_t rows = run.temperature_K.size();
@@ -83,7 +83,7 @@ Peaks peaks(const CalorimetryRun& run) {
   const std::vector<double> power = smoothed(run);
   const auto end = static_cast<std::ptrdiff_t>(run.hottest());
   const auto heating = std::max_element(power.begin(), power.begin() + end) - power.begin();
-  // A2R and R2M are on either side of 50 °C.
+  // The peaks of A2R and R2M are on either side of 50 °C.
   Peaks found{run.temperature_K[static_cast<std::size_t>(heating)], 0, 0};
   double a2r = 0;
   double r2m = 0;
@@ -116,7 +116,7 @@ SelfSensing self_sensing(const BathRun& run) {
   const double low = std::max(min(run.strain, 0, hot + 1), min(run.strain, hot, end + 1));
   const double high = std::min(max(run.strain, 0, hot + 1), max(run.strain, hot, end + 1));
   double gap_ohm = 0;
-  // Not at the very ends, where strain hardly changes with resistance.
+  // The ends are left out, because strain hardly changes with resistance there.
   for (double share = 0.05; share < 0.955; share += 0.01) {
     const double strain = low + share * (high - low);
     const double here =
@@ -127,7 +127,7 @@ SelfSensing self_sensing(const BathRun& run) {
 }
 
 std::vector<identify::ClassicFit> transformation_functions(const BathRun& run) {
-  // The row with the wire's earlier temperature is left out, since the fits take no history.
+  // The row with the wire's earlier temperature is left out, because the fits use no history.
   identify::Run cycle{};
   cycle.kind = identify::RunKind::bath;
   cycle.temperature_K = run.temperature_K;
@@ -141,8 +141,8 @@ std::vector<identify::ClassicFit> transformation_functions(const BathRun& run) {
 }
 
 IhypParts ihyp_parts(const IhypShape<double>& shape, double converted) {
-  // tau = x + Γ [(1 - z_T)³/(1 - x) - (1 - z_T)² - z_T³/x + z_T² - (x - z_T)] (000, restored in
-  // model/README.md)
+  // tau = x + Γ [(1 - z_T)³/(1 - x) - (1 - z_T)² - z_T³/x + z_T² - (x - z_T)] (000, reconstructed
+  // in model/README.md)
   const double a = shape.turning;
   const double b = 1 - a;
   const double x = converted;
@@ -152,7 +152,7 @@ IhypParts ihyp_parts(const IhypShape<double>& shape, double converted) {
 
 InnerLoop inner_loop() {
   Kinetics::Params p = paper_kinetics();
-  // A2R far below all temperatures: a wire of two phases.
+  // A2R is moved far below all temperatures, which gives a wire of two phases.
   Surface<double> a2r = second_surface(p.a2m_a2r);
   a2r.start_K[0] = 60;
   a2r.finish_K[0] = 55;
@@ -181,7 +181,7 @@ InnerLoop inner_loop() {
 std::vector<HeatingBar> heating_bars() {
   const Kinetics::Params p = paper_kinetics();
   const double stress_Pa = 1e6 * heating_bars_MPa;
-  // R-phase and martensite, as far as they are when the first bar begins
+  // R-phase and martensite as they are when the first bar begins.
   Kinetics::State state = Kinetics::rest(p, {50 + zero_degC_K, stress_Pa});
   double T = 66 + zero_degC_K;
   Kinetics::advance(p, state, {T, stress_Pa});
@@ -209,7 +209,7 @@ std::vector<CoolingBar> cooling_bars() {
     const double before_K = T;
     T -= bar_step_K;
     const Phases<double> before = Kinetics::phases(state);
-    // Each process as if it had all austenite for itself (000, 'Cooling process').
+    // Each process is computed as if it had all austenite for itself (000, 'Cooling process').
     const double to_m = 1 - a2m.remaining(T) / a2m.remaining(before_K);
     const double to_r = 1 - a2r.remaining(T) / a2r.remaining(before_K);
     const double a = before.austenite();

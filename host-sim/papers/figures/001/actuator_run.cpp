@@ -49,7 +49,7 @@ std::vector<MinorLoop> minor_loops(const papers::Duhem<double>::Params& params) 
       loop.temperature_K.push_back(T);
       loop.cooling.push_back(1 - cooling.martensite);
     }
-    // Heats again over the same temperatures.
+    // Heats again through the same temperatures.
     Model::State again = cooling;
     loop.heating.resize(loop.temperature_K.size());
     for (std::size_t i = loop.temperature_K.size(); i-- > 0;) {

@@ -1,5 +1,5 @@
 #pragma once
-// The voltage that drives the actuator of paper 001, and the response of the model.
+// The voltage that drives the actuator of paper 001, and the model's response.
 
 #include <vector>
 
@@ -7,9 +7,10 @@
 
 namespace smaservo::figures {
 
-/// A sinusoidal voltage of decreasing amplitude about a mean, as in 001 fig. 4: the paper prints no
-/// numbers of it. These are chosen so that the first swing goes once around the major loop, as far
-/// as the ambient temperature lets it, and later ones turn on the slopes of both sides.
+/// A sinusoidal voltage of decreasing amplitude about a mean, as in 001 fig. 4, for which the paper
+/// gives no numbers. These numbers are chosen so that the first oscillation goes once around the
+/// major loop, as far as the ambient temperature allows, and later ones reverse on the slopes of
+/// both sides.
 struct DecayingVoltage {
   double mean_V;
   double amplitude_V;
@@ -31,14 +32,14 @@ struct ActuatorSample {
 std::vector<ActuatorSample> run_actuator(const papers::DuhemActuator<double>::Params& params,
                                          const DecayingVoltage& voltage);
 
-/// Austenite of one loop: heated from cold to the turn, cooled from there.
+/// Austenite in one loop: heating from cold to the turning point, and cooling from there.
 struct MinorLoop {
   std::vector<double> temperature_K;
   std::vector<double> heating, cooling;
 };
 
-/// The major loop, then those that turn at three quarters, half and a quarter of austenite: 001
-/// fig. 7. The heating of the minor ones goes up from where the cooling has come to.
+/// The major loop, then loops that reverse at three quarters, half and a quarter of austenite: 001
+/// fig. 7. The heating of a minor loop begins where its cooling has ended.
 std::vector<MinorLoop> minor_loops(const papers::Duhem<double>::Params& params);
 
 /// The parameters with the coefficients of martensite's resistivity rounded to the two digits of

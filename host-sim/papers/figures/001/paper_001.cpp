@@ -1,4 +1,4 @@
-// The figures of paper 001, by Table I and a voltage of ours (actuator_run.hpp).
+// The figures of paper 001, with the parameters of Table I and our own voltage (actuator_run.hpp).
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ RunColumns columns_of(const std::vector<ActuatorSample>& run) {
   return all;
 }
 
-/// A curve in the colours of its direction.
+/// A curve, each direction in its own colour.
 std::vector<Series> by_direction(const RunColumns& run, const Column& x, const Column& y) {
   std::vector<Series> both;
   for (const bool heats : {true, false}) {
@@ -71,7 +71,7 @@ Panel square(const char* x_label, const char* y_label, std::vector<Series> serie
           .series = std::move(series)};
 }
 
-/// Temperature over time with something else on an axis of its own.
+/// Temperature over time, together with another quantity on its own axis.
 PaperFigure over_time(int number, const char* title, const char* caption, const RunColumns& run,
                       const char* other_label, const Column& other, const char* other_title) {
   return single(
@@ -146,7 +146,7 @@ PaperFigure strain_over_martensite(const Params& p) {
 }
 
 PaperFigure resistivities(const Params& p) {
-  // Table I to the digits that it prints; the file says why they are not these.
+  // The coefficients with the digits printed in Table I; the file says why its own differ.
   const Params printed = printed_resistivity(p);
   std::vector<double> kelvin;
   for (double T = p.resistivity.lowest_K; T <= p.resistivity.highest_K; T += 0.5) {

@@ -1,8 +1,8 @@
 #pragma once
 // The bench of paper 002, simulated: a Flexinol LT wire under weights or a spring, heated by a
-// current, with resistance, load and displacement measured. The paper does not say how thick it is.
-// With 0.15 mm its 1 N is 57 MPa, where there is as much R-phase as its figure 2 shows, and its 175
-// MPa is the maker's limit.
+// current, with resistance, load and displacement measured. The paper does not give the diameter.
+// With 0.15 mm the paper's 1 N is 57 MPa, at which there is as much R-phase as its figure 2 shows,
+// and its 175 MPa is the maker's limit.
 
 #include <string>
 #include <vector>
@@ -15,29 +15,30 @@ namespace smaservo::figures::bench_002 {
 files::WireDescription wire();
 double stress_Pa(double load_N);
 
-/// Loads of the calibration: 15 to 175 MPa as in section 3.2, without those that are too light for
-/// lines (see identify_strain_resistance).
+/// Loads of the calibration: 15 to 175 MPa as in section 3.2, without those too light for lines
+/// (see identify_strain_resistance).
 std::vector<double> calibration_stresses_Pa();
 
-/// Two full cycles, then loops that heat and loops that cool incompletely (section 3.3), at 200 Hz.
+/// Two full cycles, then loops with incomplete heating and loops with incomplete cooling (section
+/// 3.3), at 200 Hz.
 identify::Run calibration_run(hal::Family family, double stress_Pa);
-/// The estimator identified from runs at these loads.
+/// The estimator identified from the runs at these loads.
 fits::StrainResistanceFit calibrate(hal::Family family);
 
-/// A spring: from 20 MPa on the long wire to 170 MPa on one that is 3 % shorter.
+/// A spring with 20 MPa in the long wire and 170 MPa in a wire that is 3 % shorter.
 hal::SpringLoad spring();
 hal::Sensors sensors();
-/// Keeps the resistance measurable.
+/// Least current, at which the resistance can still be measured.
 inline constexpr double min_current_A = 0.06;
-/// The experiments of section 4.5, on a wire that was just calibrated: other levels of the power
-/// than those of the calibration.
+/// The experiments of section 4.5, on a wire that was just calibrated, with other levels of the
+/// power than in the calibration.
 identify::Run validation_run(hal::Family family, const hal::Load& load);
 
 /// Mean error as the paper defines it: in per cent of a stroke of 4 %.
 double mean_error_percent(const std::vector<double>& strain, const identify::Run& run);
 
 /// The run with a constant stress, as assumed by someone without a load cell. The paper does not
-/// say which stress; this is the highest of the run, which gives the largest error.
+/// give this stress; here it is the highest of the run, which causes the largest error.
 identify::Run with_constant_stress(identify::Run run);
 
 }  // namespace smaservo::figures::bench_002

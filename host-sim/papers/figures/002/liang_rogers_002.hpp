@@ -8,8 +8,9 @@
 
 namespace smaservo::figures::bench_002 {
 
-/// A_s to R_f from where the tangents of the wire's curves meet their ends, at zero stress; the
-/// slopes of start and finish averaged. A process that stress does not move has an infinite C.
+/// A_s to R_f are the temperatures at zero stress at which the tangents of the wire's curves reach
+/// their ends; the slopes of start and finish are averaged. A process that stress does not shift
+/// has an infinite C.
 papers::LiangRogers<double>::Params liang_rogers(const Wire<double>& wire);
 
 /// Resistance (in ohm) and strain on one branch of the full loop between 10 and 150 °C.

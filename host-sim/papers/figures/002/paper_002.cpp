@@ -14,7 +14,7 @@ namespace {
 using report::Column;
 using report::Series;
 
-/// Displacement over resistance on heating and on cooling, with gaps where the other begins.
+/// Displacement over resistance on heating and on cooling, with gaps where the direction changes.
 struct Loop {
   std::vector<double> ohm, mm;
 };
@@ -97,7 +97,7 @@ PaperFigure figure_4() {
                 std::move(series))}};
 }
 
-/// Newtons of a stress.
+/// The load of a stress, in newtons.
 double load_N(double stress_Pa) {
   return stress_Pa * wire().wire.geometry.area_m2();
 }
@@ -126,7 +126,7 @@ PaperFigure figure_6(const MinorLoops& cooling, const MinorLoops& heating) {
            half("Incomplete heating", ohm_label, mm_label, loop_series(heating.rows))}};
 }
 
-/// A line in the plane of ohm and millimetres.
+/// A line in the plane of resistance in ohm and displacement in millimetres.
 Series line_of(const papers::ResistanceLine<double>& line, double martensite_ohm, const char* name,
                const char* colour) {
   std::vector<double> ohm, mm;

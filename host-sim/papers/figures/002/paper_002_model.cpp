@@ -14,7 +14,7 @@ namespace {
 using report::Series;
 using Observer = papers::StrainResistance<double>;
 
-/// The four coefficients of the lines as figures 8 and 23 show them.
+/// The four coefficients of the lines in the units of figures 8 and 23.
 struct Coefficients {
   double heating_slope, heating_offset, cooling_slope, cooling_offset;
 };
@@ -79,7 +79,7 @@ OverStress analytic(const fits::StrainResistanceFit& fit) {
   });
 }
 
-/// Two panels side by side: slopes and offsets.
+/// Two panels side by side, with slopes and offsets.
 std::vector<report::Panel> coefficient_panels(const fits::StrainResistanceFit& fit,
                                               bool with_analytic) {
   struct Shown {
@@ -119,7 +119,7 @@ Simulation simulation(const fits::StrainResistanceFit& fit, identify::Run run) {
   return {std::move(run), std::move(strain), error};
 }
 
-/// Displacement over time, and over resistance: two of the paper's figures.
+/// Displacement over time, and over resistance: two figures of the paper.
 std::vector<PaperFigure> simulation_figures(const Simulation& s, int over_time, int over_ohm,
                                             const std::string& what, const std::string& caption) {
   const auto mm = [](const std::vector<double>& of) {

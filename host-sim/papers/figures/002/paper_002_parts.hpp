@@ -1,5 +1,5 @@
 #pragma once
-// What the files that draw paper 002's figures share.
+// Common parts of the files that draw the figures of paper 002.
 
 #include <string>
 #include <vector>
@@ -9,14 +9,15 @@
 
 namespace smaservo::figures::bench_002 {
 
-/// The figures of sections 3 and 4.1 to 4.3, and of sections 4.5 to 6.
+/// The first function makes the figures of sections 3 and 4.1 to 4.3, the second those of sections
+/// 4.5 to 6.
 std::vector<PaperFigure> characterisation_figures(const fits::StrainResistanceFit& fit);
 std::vector<PaperFigure> model_figures(const fits::StrainResistanceFit& fit);
 
-/// The wires of the figures.
+/// The family of the wires in the figures.
 inline constexpr hal::Family shown_family = hal::Family::ihyp;
 
-/// Elongation, as displacement of the wire's end.
+/// Elongation as a displacement of the wire's end.
 double displacement_mm(double strain);
 
 report::Panel wide(std::string title, const char* x, const char* y,
@@ -24,7 +25,7 @@ report::Panel wide(std::string title, const char* x, const char* y,
 report::Panel half(std::string title, const char* x, const char* y,
                    std::vector<report::Series> series);
 
-/// Loops under several loads: heating red, cooling blue, dark under heavy loads.
+/// Colour of loops under several loads: heating red, cooling blue, dark for heavy loads.
 std::string shade_of(double stress_MPa, bool heats);
 
 inline constexpr const char* ohm_label = "resistance in Ω";

@@ -12,7 +12,7 @@ PidGains gains() {
 }
 
 double PidController::current_A(double goal, double strain, double dt_s) {
-  constexpr double smoothing_s = 0.02;  // of the derivative
+  constexpr double smoothing_s = 0.02;  // time constant of the low-pass on the derivative
   const double error = strain - goal;
   before_ = first_ ? strain : before_;
   first_ = false;

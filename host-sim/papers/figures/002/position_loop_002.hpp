@@ -14,14 +14,14 @@ struct PidGains {
   double integral_A_s;
   double derivative_As;
   double min_current_A;  ///< keeps the resistance measurable
-  double max_current_A;  ///< what the wire bears
+  double max_current_A;  ///< greatest current that the wire bears
 };
 
-/// Found by trial, as the paper's.
+/// The gains were found by trial, like the paper's.
 PidGains gains();
 
-/// More current makes the wire shorter, so it follows strain - goal. The integral stands still
-/// while the current is at a limit and the error would drive it further.
+/// The controller acts on strain - goal, because more current makes the wire shorter. The integral
+/// is frozen while the current is at a limit and the error would drive it beyond.
 class PidController {
  public:
   explicit PidController(const PidGains& gains) : gains_(gains) {}
@@ -38,9 +38,9 @@ struct LoopRow {
   double time_s, goal, strain, estimate, current_A, stress_Pa;
 };
 
-/// Under the spring: some random goals between 1.2 and 3.2 %, each for 22 s, 2 s to get there and
-/// 20 s held, after one full cycle that finds the estimate's place. Rows at 50 Hz, from the first
-/// goal on; steps at 1 kHz.
+/// Under the spring: random goals between 1.2 and 3.2 %, each for 22 s, of which 2 s are for the
+/// motion and 20 s for holding, after one full cycle from which the estimate finds its position.
+/// Rows at 50 Hz, from the first goal on; steps at 1 kHz.
 std::vector<LoopRow> position_loop(hal::Family family,
                                    const papers::StrainResistance<double>::Params& estimator,
                                    int goals, std::uint64_t seed);

@@ -5,7 +5,7 @@
 namespace smaservo::figures::bench_002 {
 namespace {
 
-constexpr double on_share = 0.8;  // of the maker's current: the whole wire transforms in 2 s
+constexpr double on_share = 0.8;  // share of the maker's current: the whole wire transforms in 2 s
 
 double on_A() {
   static const double current_A = on_share * wire().wire.limits.current_A;

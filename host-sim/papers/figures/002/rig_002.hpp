@@ -1,5 +1,5 @@
 #pragma once
-// The bench of paper 002 step by step, for experiments that decide while they run.
+// The bench of paper 002 in single steps, for experiments that make decisions while they run.
 
 #include <memory>
 #include <random>
@@ -17,7 +17,7 @@ class Rig {
 
   Rig(hal::Family family, const hal::Load& load);
 
-  /// One step of 1 ms; returns the readings before it.
+  /// Makes one step of 1 ms; returns the readings before it.
   Measurement<double> step(double current_A);
 
   double time_s() const { return time_s_; }
@@ -45,8 +45,8 @@ struct RigRow {
 std::vector<RigRow> major_loop(hal::Family family, double load_N);
 
 /// Section 3.3: on-off feedback to a series of positions between hot and cold. With incomplete
-/// cooling the wire is fully heated in between, with incomplete heating fully cooled. The same is
-/// given as a run with one row for each of `rows`.
+/// cooling the wire is fully heated in between, with incomplete heating fully cooled. `run` has the
+/// same data, with one row for each of `rows`.
 struct MinorLoops {
   std::vector<RigRow> rows;
   identify::Run run;

@@ -18,7 +18,8 @@ using report::Series;
 
 // Figure 2
 
-/// The corners of a wire's staircase, as (β, α): from 120 °C down, up, and down again.
+/// The corners (β, α) of a wire's staircase, after the temperature went down from 120 °C, up, and
+/// down again.
 constexpr double staircase_top = 120;
 std::vector<std::pair<double, double>> staircase_corners() {
   auto path = papers::Staircase<double, 16>::cooled(staircase_top, staircase_top);
@@ -54,7 +55,7 @@ Panel relay_panel() {
                  polyline("cooling", "cooling", {110, 50, 50, 30}, {1, 1, 0, 0})}};
 }
 
-/// Martensite lies between the staircase and the top.
+/// The area between the staircase and the top is martensite.
 Panel plane_panel() {
   std::vector<double> beta, alpha;
   for (const auto& [cold, hot] : staircase_corners()) {
@@ -201,7 +202,7 @@ PaperFigure slices_figure() {
 
 // Figure 5
 
-/// The left and the right panel of one row of 003's figure.
+/// The left and the right panel of one row of the paper's figure.
 std::vector<Panel> validation_panels(const fits::PreisachWire& wire,
                                      const fits::PreisachWire& wire_of_003, bool dynamic) {
   const Validation v = validation_003(hal::Family::ihyp, wire, dynamic);

@@ -30,7 +30,7 @@ FixedController fixed_003(const LoopSetup& setup) {
 }
 
 AdaptiveController adaptive_003(const LoopSetup& setup) {
-  // Martensite comes below 70 °C and goes above 85 °C at 100 to 200 MPa.
+  // At 100 to 200 MPa martensite appears below 70 °C and disappears above 85 °C.
   return {loop_design(setup),
           {{zero_degC_K + 50, zero_degC_K + 70, zero_degC_K + 85, zero_degC_K + 100}, 0.98, 3}};
 }

@@ -50,8 +50,7 @@ void RecursiveLeastSquares::update(const Vector& regressors, double y) {
 
 AdaptiveController::AdaptiveController(const LoopDesign& design, const AdaptiveSettings& settings)
     : design_(design), settings_(settings) {
-  // Starts with the parameters of the design; the second pole and the offset are left to the
-  // estimation.
+  // Starts with the parameters of the design; the second pole and the offset are estimated later.
   const double a = std::exp(-design.sample_s * design.loss_W_K / design.capacity_J_K);
   const double b = (1 - a) * design.max_W / design.loss_W_K / 10;
   const RecursiveLeastSquares start({a, 0, b, 0}, 1e-3, settings.forgetting, 100);
@@ -67,7 +66,7 @@ double AdaptiveController::power_W(double measured_K, double next_K) {
   }
   predicting_ = region(measured_K);
   const auto& theta = regions_[*predicting_].parameters();
-  // A wire gets warmer when it is heated: b has a least value.
+  // Heating a wire makes it warmer, so b has a positive lower bound.
   const double b = std::max(theta[2], 1e-3);
   const double unheated = theta[0] * y + theta[1] * before_ + theta[3];
   const double wanted = (b * (scaled(next_K) - unheated) + settings_.change_weight * power_) /
@@ -90,7 +89,7 @@ double AdaptiveController::scaled(double temperature_K) const {
 LoopDesign loop_design(const LoopSetup& setup) {
   const auto body = thermal_body(setup.wire.geometry, setup.wire.heat);
   const double ohm = cold_resistance_ohm(setup.wire);
-  const double middle_K = 40;  // above the air, where the loss is taken
+  const double middle_K = 40;  // temperature above ambient at which the slope of the loss is taken
   return {setup.sample_s, setup.limit_A * setup.limit_A * ohm, body.capacity_J_K,
           body.loss_slope_W_K(middle_K), setup.ambient_K};
 }

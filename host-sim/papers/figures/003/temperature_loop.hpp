@@ -1,8 +1,8 @@
 #pragma once
 // The temperature loop of paper 003, section III and figure 3: a fixed linear controller, and an
-// adaptive minimum-variance one with gain scheduling, on a wire that is heated by its current.
-// 003 leaves its equations to its reference [4]; what is here are the textbook's forms (Åström and
-// Wittenmark, 'Adaptive Control', chapters 2 and 4).
+// adaptive minimum-variance controller with gain scheduling, on a wire that is heated by its
+// current. 003 refers to its reference [4] for the equations; those used here are the textbook's
+// (Åström and Wittenmark, 'Adaptive Control', chapters 2 and 4).
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace smaservo::figures {
 
-/// A controller of the wire's temperature. It can only heat, up to a limit.
+/// A controller of the wire's temperature, which can only heat, up to a limit.
 class TemperatureController {
  public:
   virtual ~TemperatureController() = default;
-  /// The power for the sample time that begins now, 0..max_W. `next_K` is the reference at its
-  /// end.
+  /// The power for the sample period that begins now, 0..max_W. `next_K` is the reference at the
+  /// end of the period.
   virtual double power_W(double measured_K, double next_K) = 0;
 };
 
-/// The plant that both controllers are designed for: the wire without transformation, as one heat
+/// The plant for which both controllers are designed: the wire without transformation, as one heat
 /// capacity.
 struct LoopDesign {
   double sample_s;
@@ -32,9 +32,9 @@ struct LoopDesign {
   double ambient_K;
 };
 
-/// PID with fixed gains, by internal model control: the loop of the wire without transformation is
-/// of first order with `response_s`. The derivative acts on the filtered measurement; the integral
-/// stands still at the limits.
+/// PID with fixed gains, designed by internal model control: with the wire without transformation,
+/// the closed loop is of first order with the time constant `response_s`. The derivative acts on
+/// the filtered measurement; the integral is frozen at the limits.
 class FixedController : public TemperatureController {
  public:
   FixedController(const LoopDesign& design, double response_s);
@@ -47,8 +47,8 @@ class FixedController : public TemperatureController {
   double filtered_K_, filtered_before_K_;
 };
 
-/// Recursive least squares with forgetting: y = θᵀφ. While the regressors carry no new information,
-/// the covariance stops growing at `largest_trace`.
+/// Recursive least squares with forgetting: y = θᵀφ. While the regressors contain no new
+/// information, the covariance stops growing at `largest_trace`.
 class RecursiveLeastSquares {
  public:
   using Vector = Eigen::Vector4d;
@@ -65,15 +65,15 @@ class RecursiveLeastSquares {
 };
 
 struct AdaptiveSettings {
-  /// Between the regions that have parameters of their own: gain scheduling.
+  /// Bounds between the regions that have their own parameters: gain scheduling.
   std::vector<double> region_edges_K;
-  double forgetting;     ///< per sample
-  double change_weight;  ///< ρ; with 0 the power follows the thermocouple's noise
+  double forgetting;     ///< forgetting factor per sample
+  double change_weight;  ///< ρ; with 0 the power would follow the thermocouple's noise
 };
 
-/// Predicts y(k+1) = a₁ y(k) + a₂ y(k-1) + b u(k) + c, with the parameters of the region that the
-/// measurement is in, and takes the power that minimises (r(k+1) - y(k+1))² + ρ (u(k) - u(k-1))²,
-/// with y in 10 K and u in shares of the greatest power.
+/// Predicts y(k+1) = a₁ y(k) + a₂ y(k-1) + b u(k) + c, with the parameters of the measurement's
+/// region, and applies the power that minimises (r(k+1) - y(k+1))² + ρ (u(k) - u(k-1))², with y in
+/// 10 K and u as a share of the greatest power.
 class AdaptiveController : public TemperatureController {
  public:
   AdaptiveController(const LoopDesign& design, const AdaptiveSettings& settings);
@@ -107,15 +107,16 @@ struct LoopSetup {
   double sample_s = 0.02;
   double limit_A;
   double ambient_K = room_K;
-  double noise_K = 0.1;       ///< of the thermocouple
-  double stress_lag_s = 0.2;  ///< of the stress' own loop
+  double noise_K = 0.1;       ///< noise of the thermocouple
+  double stress_lag_s = 0.2;  ///< time constant of the stress control loop
   std::uint64_t seed = 1;
 };
 
 LoopDesign loop_design(const LoopSetup& setup);
 
-/// Plant<ThreePhase>, at rest at the ambient temperature, under the controller for one sample after
-/// each reference. Power becomes a current by the wire's resistance of the moment (003 eq. 1).
+/// Runs Plant<ThreePhase>, at rest at the ambient temperature, with the controller, for one sample
+/// period after each reference. The power is converted to a current by the wire's present
+/// resistance (003 eq. 1).
 std::vector<LoopRow> run_loop(const LoopSetup& setup, TemperatureController& controller,
                               const std::vector<LoopReference>& references);
 

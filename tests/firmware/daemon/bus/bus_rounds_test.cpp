@@ -398,7 +398,8 @@ void damaged_settings_of_the_bus(const std::string& content) {
   const std::string image = folder.write("communication", content);
   Rig rig(folder);
   const auto blocks = [&] { return rig.external().has(Fault::store_outdated); };
-  rig.links.faults = FaultSet(Fault::store_outdated).bits();  // as the start of a daemon finds it
+  // The state that the start of a daemon would find.
+  rig.links.faults = FaultSet(Fault::store_outdated).bits();
   EXPECT_TRUE(blocks());
   rig.client.send(0x7E5, 8, {0x04, 1});
   rig.client.send(0x7E5, 8, {0x17});

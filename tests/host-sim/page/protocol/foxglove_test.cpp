@@ -343,7 +343,7 @@ class TalkAndModel : public Talk {
   }
 
   std::mt19937 random{7};
-  std::map<std::uint32_t, std::uint32_t> channel_of;  // by subscription
+  std::map<std::uint32_t, std::uint32_t> channel_of;  // channel of each subscription
   std::map<std::uint32_t, Channel> there;
 };
 

@@ -47,9 +47,9 @@ class ServoBus {
       step();
   }
 
-  bool down = false;                                ///< the interface
-  std::function<bool(const hal::CanFrame&)> loses;  ///< frames of servos that do not arrive
-  std::function<void()> before_receive;             ///< of `hooked`
+  bool down = false;                                ///< the interface is down
+  std::function<bool(const hal::CanFrame&)> loses;  ///< whether a frame of a servo is lost
+  std::function<void()> before_receive;             ///< called before `hooked` receives
   const can::Bus* hooked = nullptr;
 
   struct Port final : can::Bus {
