@@ -31,10 +31,10 @@ void LeaseGuard::run(const std::stop_token& stop) const {
   while (!stop.stop_requested()) {
     next_ns = std::max(next_ns + guard_every_ns, hal::monotonic_ns());
     hal::MonotonicClock::sleep_until(next_ns);
-    // The lease is read before the clock, so that a delay between the two readings cannot hide a
-    // lease that has run out.
-    const std::int64_t ends_ns = lease_ends_ns_.load();
-    if (watch.has_run_out(ends_ns, hal::monotonic_ns())) {
+    // The clock is read first: a lease that the loop renews between the two readings must not look
+    // like one that has run out. One that runs out in between is found at the next reading.
+    const std::int64_t now_ns = hal::monotonic_ns();
+    if (watch.has_run_out(lease_ends_ns_.load(), now_ns)) {
       hal::switch_off(off_);
       stops_.fetch_add(1);
     }
