@@ -36,7 +36,9 @@ class Session {
  public:
   explicit Session(const Common& common) : bus_(common.can), remote_({bus_, common.node}) {
     remote_.client().set_timeout(static_cast<std::int64_t>(common.timeout_s * 1e6));
-    if (common.key) remote_.set("access.key", std::to_string(*common.key));
+    if (common.key) {
+      remote_.set("access.key", std::to_string(*common.key));
+    }
   }
 
   can::PortBus& bus() { return bus_; }
@@ -92,7 +94,9 @@ void scan(const Common& common, double listen_s) {
     table.add({node.node, node.nmt_state ? can::nmt_state_text(*node.nmt_state) : "",
                node.answers ? remote.text("1008") : "does not answer to SDO"});
   }
-  if (found.without_id) table.add({"?", "without a node-id", "answers to LSS"});
+  if (found.without_id) {
+    table.add({"?", "without a node-id", "answers to LSS"});
+  }
   print(table.text());
   if (found.nodes.empty() && !found.without_id) {
     throw files::UserError(fmt::format("{}: no node answers", bus.name()));
@@ -128,8 +132,9 @@ std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
       pair ? std::vector<files::Override>{{texts[0], texts[1]}} : text::parse_settings(texts);
   for (const auto& [name, value] : settings) {
     const text::KnownObject object = text::find_object(name);
-    if (!object.writable)
+    if (!object.writable) {
       throw files::UserError(fmt::format("{} cannot be written", text::title(object)));
+    }
     changes.emplace_back(object, text::value_bytes(object, value));
   }
   return changes;
@@ -158,7 +163,9 @@ void diff(Remote& remote, const std::string& path) {
   const auto all = differences(remote, path);
   print(can::differences_text(all));
   // As with diff(1), the exit status 1 means that there are differences.
-  if (!all.empty()) throw CLI::RuntimeError(1);
+  if (!all.empty()) {
+    throw CLI::RuntimeError(1);
+  }
 }
 
 // Motion.
@@ -175,7 +182,9 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with("step-") && name.ends_with(".csv")) files.push_back(entry.path());
+    if (name.starts_with("step-") && name.ends_with(".csv")) {
+      files.push_back(entry.path());
+    }
   }
   std::ranges::sort(files, std::ranges::greater());
   return files;
@@ -198,9 +207,13 @@ void step(Remote& remote, const StepArguments& a) {
   files::OutputFile file((std::filesystem::path(a.runs) / (names[0] + ".csv")).string());
   file.write(can::to_csv(runs[0].recording));
   file.commit();
-  for (std::size_t i = 0; i + 1 < runs.size(); ++i) names.push_back(before[i].stem().string());
+  for (std::size_t i = 0; i + 1 < runs.size(); ++i) {
+    names.push_back(before[i].stem().string());
+  }
   print(can::step_text(runs, names));
-  if (!a.report.empty()) can::write_step_report(a.report, runs, names);
+  if (!a.report.empty()) {
+    can::write_step_report(a.report, runs, names);
+  }
 }
 
 void record(Remote& remote, const can::RecordingPlan& plan, const std::string& out,
@@ -304,11 +317,15 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   auto once = std::make_shared<bool>(false);
   CLI::App* watch =
       add(can, "watch", "Shows live values; on a terminal as a table that is redrawn.", [=] {
-        if (*once) plan->count = 1;
+        if (*once) {
+          plan->count = 1;
+        }
         Session session(*common);
         const bool in_place = plan->count == 0 && isatty(STDOUT_FILENO) != 0;
         can::watch(session.remote(), *plan, in_place, [=](const std::string& text) {
-          if (in_place) files::clear_terminal();
+          if (in_place) {
+            files::clear_terminal();
+          }
           print(text);
         });
       });

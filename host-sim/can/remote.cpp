@@ -97,7 +97,9 @@ Bytes Remote::read(const text::KnownObject& object) {
                ? client_.upload_block(object.key)
                : client_.upload(object.key);
   } catch (const SdoError& error) {
-    if (object.name.empty()) throw;
+    if (object.name.empty()) {
+      throw;
+    }
     throw SdoError(fmt::format("{}: {}", object.name, error.what()), error.code());
   }
 }
@@ -206,7 +208,9 @@ void Remote::explain_refusal(const SdoError& error) {
   };
   const text::KnownObject one = named("tuning.refused");
   const text::KnownObject other = named("tuning.refused_other");
-  if (one.key.index == 0) throw error;
+  if (one.key.index == 0) {
+    throw error;
+  }
   throw files::UserError(fmt::format(
       "nothing has changed: {} = {} {}", text::title(one), text::value_text(one, read(one)),
       other.key.index == 0 ? fmt::format("is refused: {}", error.what())
@@ -223,10 +227,14 @@ void Remote::nmt(NmtCommand command) {
 bool Remote::wait_for(const std::function<bool(unsigned)>& reached, double patience_s) {
   const std::int64_t until_us = bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   for (;;) {
-    if (reached(status())) return true;
+    if (reached(status())) {
+      return true;
+    }
     renew();
     const std::int64_t now_us = bus().now_us();
-    if (now_us >= until_us) return false;
+    if (now_us >= until_us) {
+      return false;
+    }
     hal::CanFrame passing;
     while (bus().receive(passing, now_us + listen_us)) {
     }
@@ -248,7 +256,9 @@ void Remote::enable() {
     throw files::UserError(fmt::format(
         "node {} has a fault{}; `host-sim can reset-faults` acknowledges it", node(), reasons()));
   }
-  if ((status() & state_mask) == enabled_state) return;
+  if ((status() & state_mask) == enabled_state) {
+    return;
+  }
   nmt(NmtCommand::start);
   const std::pair<unsigned, unsigned> steps[] = {
       {shutdown, 0x21}, {switch_on, 0x23}, {enable_operation, enabled_state}};
@@ -323,7 +333,9 @@ void Remote::move(std::int32_t target_um, double patience_s) {
 
 void Remote::renew() {
   const std::int64_t now_us = bus().now_us();
-  if (now_us - renewed_us_ < renewal_us) return;
+  if (now_us - renewed_us_ < renewal_us) {
+    return;
+  }
   renewed_us_ = now_us;
   control(whole("6040"));
 }

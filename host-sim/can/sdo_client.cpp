@@ -70,15 +70,21 @@ bool SdoClient::next_answer(Data& data, std::int64_t until_us) {
       return true;
     }
     // This ends the loop on a bus that is never quiet, on which there is always another frame.
-    if (bus_.now_us() >= until_us) return false;
+    if (bus_.now_us() >= until_us) {
+      return false;
+    }
   }
   return false;
 }
 
 SdoClient::Data SdoClient::answer(Key key) {
   Data data{};
-  if (!next_answer(data, bus_.now_us() + timeout_us_)) silent(key);
-  if (data[0] == aborted) refused(key, size_in(data));
+  if (!next_answer(data, bus_.now_us() + timeout_us_)) {
+    silent(key);
+  }
+  if (data[0] == aborted) {
+    refused(key, size_in(data));
+  }
   return data;
 }
 
@@ -103,9 +109,12 @@ SdoClient::Data SdoClient::request(Key key, const Data& data, int times) {
     send(first);
     const std::int64_t until_us = bus_.now_us() + timeout_us_;
     while (next_answer(got, until_us)) {
-      if (!std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3)))
+      if (!std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3))) {
         continue;
-      if (got[0] == aborted) refused(key, size_in(got));
+      }
+      if (got[0] == aborted) {
+        refused(key, size_in(got));
+      }
       return got;
     }
   }
@@ -142,7 +151,9 @@ std::string SdoClient::cause_of(std::uint32_t code) {
   const bool disturbed = (code & 0xFFFF'0000U) == 0x0503'0000 || code == 0x05040001 ||
                          code == 0x05040003 || code == 0x05040004;
   const std::string_view text = text::abort_text(code);
-  if (disturbed && two_answer()) return fmt::format("two devices answer as node {}", node_);
+  if (disturbed && two_answer()) {
+    return fmt::format("two devices answer as node {}", node_);
+  }
   return std::string(text.empty() ? "unknown reason" : text);
 }
 
@@ -166,8 +177,12 @@ void SdoClient::abort(Key key, std::uint32_t code) {
 Bytes SdoClient::upload(Key key) {
   const Transfer transfer(*this);
   const Data first = request(key, {start_upload}, reads);
-  if (command_of(first[0]) != upload_answer) abort(key, 0x05040001);
-  if ((first[0] & expedited_bit) == 0) return receive_segments(key, first);
+  if (command_of(first[0]) != upload_answer) {
+    abort(key, 0x05040001);
+  }
+  if ((first[0] & expedited_bit) == 0) {
+    return receive_segments(key, first);
+  }
   const std::size_t unused = (first[0] & size_bit) != 0 ? (first[0] >> 2U) & 3U : 0;
   const auto value = std::span(first).subspan(4, 4 - unused);
   return {value.begin(), value.end()};
@@ -175,8 +190,12 @@ Bytes SdoClient::upload(Key key) {
 
 /// The greatest length of a value: the announced one, if it was announced.
 std::size_t SdoClient::expected_size(Key key, bool announced, std::size_t size) {
-  if (!announced) return max_value;
-  if (size > max_value) abort(key, 0x05040005);
+  if (!announced) {
+    return max_value;
+  }
+  if (size > max_value) {
+    abort(key, 0x05040005);
+  }
   return size;
 }
 
@@ -188,19 +207,27 @@ Bytes SdoClient::receive_segments(Key key, const Data& first) {
   for (bool last = false; !last; toggle ^= toggle_bit) {
     send({static_cast<std::uint8_t>(upload_segment | toggle)});
     const Data data = answer(key);
-    if (command_of(data[0]) != 0) abort(key, 0x05040001);
-    if ((data[0] & toggle_bit) != toggle) abort(key, 0x05030000);
+    if (command_of(data[0]) != 0) {
+      abort(key, 0x05040001);
+    }
+    if ((data[0] & toggle_bit) != toggle) {
+      abort(key, 0x05030000);
+    }
     const std::size_t unused = (data[0] >> 1U) & 7U;
     const auto part = std::span(data).subspan(1, max_in_segment - unused);
     value.insert(value.end(), part.begin(), part.end());
     last = (data[0] & last_bit) != 0;
-    if (value.size() > longest) abort(key, 0x06070012);
+    if (value.size() > longest) {
+      abort(key, 0x06070012);
+    }
     const auto timeouts = spare_timeouts + static_cast<std::int64_t>(value.size() / max_in_segment);
     if (!last && (part.empty() || bus_.now_us() - start_us > timeouts * timeout_us_)) {
       abort(key, 0x05040000);
     }
   }
-  if ((first[0] & size_bit) != 0 && size_in(first) != value.size()) abort(key, 0x06070010);
+  if ((first[0] & size_bit) != 0 && size_in(first) != value.size()) {
+    abort(key, 0x06070010);
+  }
   return value;
 }
 
@@ -213,14 +240,18 @@ void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
   Data data{static_cast<std::uint8_t>(start_download | (4 - value.size()) << 2U | expedited_bit |
                                       size_bit)};
   std::ranges::copy(value, data.begin() + 4);
-  if (command_of(request(key, data)[0]) != download_answer) abort(key, 0x05040001);
+  if (command_of(request(key, data)[0]) != download_answer) {
+    abort(key, 0x05040001);
+  }
 }
 
 void SdoClient::download_segmented(Key key, std::span<const std::uint8_t> value) {
   const Transfer transfer(*this);
   Data data{start_download | size_bit};
   put_number(std::span(data).subspan(4), value.size());
-  if (command_of(request(key, data)[0]) != download_answer) abort(key, 0x05040001);
+  if (command_of(request(key, data)[0]) != download_answer) {
+    abort(key, 0x05040001);
+  }
   send_segments(key, value);
 }
 
@@ -235,8 +266,12 @@ void SdoClient::send_segments(Key key, std::span<const std::uint8_t> value) {
     value = value.subspan(size);
     send(data);
     const Data got = answer(key);
-    if (command_of(got[0]) != segment_answer) abort(key, 0x05040001);
-    if ((got[0] & toggle_bit) != toggle) abort(key, 0x05030000);
+    if (command_of(got[0]) != segment_answer) {
+      abort(key, 0x05040001);
+    }
+    if ((got[0] & toggle_bit) != toggle) {
+      abort(key, 0x05030000);
+    }
   }
 }
 
@@ -263,7 +298,9 @@ Bytes SdoClient::upload_block(Key key) {
   const Transfer transfer(*this);
   const Data first = request(
       key, {static_cast<std::uint8_t>(block_upload | with_crc), 0, 0, 0, max_segments, 0}, reads);
-  if (command_of(first[0]) != block_upload_answer) abort(key, 0x05040001);
+  if (command_of(first[0]) != block_upload_answer) {
+    abort(key, 0x05040001);
+  }
   send({block_upload | part_start});
   const std::size_t longest = expected_size(key, (first[0] & with_size) != 0, size_in(first));
   Bytes value;
@@ -277,7 +314,9 @@ Bytes SdoClient::upload_block(Key key) {
   if (checked && take_number(std::span(end).subspan(1, 2)) != canopen::crc16(value)) {
     abort(key, 0x05040004);
   }
-  if ((first[0] & with_size) != 0 && size_in(first) != value.size()) abort(key, 0x06070010);
+  if ((first[0] & with_size) != 0 && size_in(first) != value.size()) {
+    abort(key, 0x06070010);
+  }
   send({block_upload | part_end});
   return value;
 }
@@ -291,10 +330,16 @@ void SdoClient::receive_blocks(Key key, Bytes& value, std::size_t longest) {
     unsigned heard = 0;
     const std::uint8_t good = receive_block(key, value, last, heard);
     vain = value.size() > before ? 0 : vain + 1;
-    if (vain == max_vain_blocks && heard == 0) silent(key);
-    if (vain == max_vain_blocks) abort(key, 0x05040003);
+    if (vain == max_vain_blocks && heard == 0) {
+      silent(key);
+    }
+    if (vain == max_vain_blocks) {
+      abort(key, 0x05040003);
+    }
     // The last segment is padded, and an empty value is sent as one segment.
-    if (value.size() >= std::max<std::size_t>(longest, 1) + max_in_segment) abort(key, 0x06070012);
+    if (value.size() >= std::max<std::size_t>(longest, 1) + max_in_segment) {
+      abort(key, 0x06070012);
+    }
     send({static_cast<std::uint8_t>(block_upload | part_acknowledged), good, max_segments});
   }
 }
@@ -304,7 +349,9 @@ std::uint8_t SdoClient::receive_block(Key key, Bytes& value, bool& last, unsigne
   std::uint8_t good = 0;
   for (Data data{}; heard < max_segments && next_answer(data, bus_.now_us() + timeout_us_);) {
     ++heard;
-    if (data[0] == aborted) refused(key, size_in(data));
+    if (data[0] == aborted) {
+      refused(key, size_in(data));
+    }
     const std::uint8_t number = data[0] & static_cast<std::uint8_t>(~last_segment);
     const bool ends = (data[0] & last_segment) != 0;
     if (number == good + 1) {
@@ -312,7 +359,9 @@ std::uint8_t SdoClient::receive_block(Key key, Bytes& value, bool& last, unsigne
       value.insert(value.end(), data.begin() + 1, data.end());
       last = ends;
     }
-    if (ends || number >= max_segments) break;
+    if (ends || number >= max_segments) {
+      break;
+    }
   }
   return good;
 }
@@ -322,8 +371,12 @@ void SdoClient::download_block(Key key, std::span<const std::uint8_t> value) {
   Data data{static_cast<std::uint8_t>(block_download | with_crc | with_size)};
   put_number(std::span(data).subspan(4), value.size());
   const Data first = request(key, data);
-  if (command_of(first[0]) != block_download_answer) abort(key, 0x05040001);
-  if (first[4] == 0 || first[4] > max_segments) abort(key, 0x05040002);
+  if (command_of(first[0]) != block_download_answer) {
+    abort(key, 0x05040001);
+  }
+  if (first[4] == 0 || first[4] > max_segments) {
+    abort(key, 0x05040002);
+  }
   send_blocks(key, value, first[4]);
   const std::size_t unused = (max_in_segment - value.size() % max_in_segment) % max_in_segment;
   Data end{static_cast<std::uint8_t>(block_download | unused << 2U | part_end)};
@@ -354,11 +407,15 @@ void SdoClient::send_blocks(Key key, std::span<const std::uint8_t> value, unsign
       abort(key, 0x05040001);
     }
     vain = got[1] > 0 ? 0 : vain + 1;
-    if (vain == max_vain_blocks) abort(key, 0x05040003);
+    if (vain == max_vain_blocks) {
+      abort(key, 0x05040003);
+    }
     // Segments after the first one that the node missed are sent again.
     value = value.subspan(std::min(value.size(), got[1] * max_in_segment));
     block_size = got[2];
-    if (block_size == 0 || block_size > max_segments) abort(key, 0x05040002);
+    if (block_size == 0 || block_size > max_segments) {
+      abort(key, 0x05040002);
+    }
   }
 }
 

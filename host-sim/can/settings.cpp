@@ -63,7 +63,9 @@ std::vector<Difference> differences(const Settings<double>& file, const Settings
   for (const Parameter<double>& row : parameters<double>) {
     const Value here = row.get(file);
     const Value there = row.get(node);
-    if (row.is_used(file) && here != there) all.push_back({&row, here, there});
+    if (row.is_used(file) && here != there) {
+      all.push_back({&row, here, there});
+    }
   }
   return all;
 }

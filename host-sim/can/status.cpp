@@ -83,7 +83,9 @@ std::string faults_text(Remote& remote) {
   table.add({"state", device_state(remote)});
   table.add({"latched", or_none(text::names_of(fault_set(remote, "latched")))});
   const Fault first = first_cause(remote);
-  if (first != Fault::none) table.add({"first cause", std::string(fault_name(first))});
+  if (first != Fault::none) {
+    table.add({"first cause", std::string(fault_name(first))});
+  }
   table.add({"active", or_none(text::names_of(fault_set(remote, "active")))});
   table.add({"warnings", or_none(text::names_of(fault_set(remote, "warnings")))});
   table.add({"blocked by", or_none(text::names_of(fault_set(remote, "blocks")))});

@@ -30,7 +30,9 @@ void wait_until_done(Remote& remote, const StepPlan& plan) {
   const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(patience_s * 1e6);
   for (;;) {
     const auto state = static_cast<StepState>(remote.whole("step.state"));
-    if (state == StepState::done) return;
+    if (state == StepState::done) {
+      return;
+    }
     if (state == StepState::broken_off || state == StepState::none) {
       throw files::UserError(
           fmt::format("the step was broken off: \"{}\"; `host-sim can faults` says more",
@@ -88,11 +90,15 @@ void wait_until_recording(Remote& remote) {
 class EnabledForAWhile {
  public:
   explicit EnabledForAWhile(Remote& remote) : remote_(remote), was_enabled_(is_enabled(remote)) {
-    if (!was_enabled_) remote_.enable();
+    if (!was_enabled_) {
+      remote_.enable();
+    }
   }
   ~EnabledForAWhile() {
     try {
-      if (!was_enabled_) remote_.disable();
+      if (!was_enabled_) {
+        remote_.disable();
+      }
     } catch (const std::exception& error) {
       files::complain("host-sim", error.what());
     }
@@ -124,7 +130,9 @@ double amplitude_of(const std::vector<double>& setpoints) {
   double amplitude = 0;
   for (const double value : setpoints) {
     const double way = value - setpoints.front();
-    if (std::abs(way) > std::abs(amplitude)) amplitude = way;
+    if (std::abs(way) > std::abs(amplitude)) {
+      amplitude = way;
+    }
   }
   return amplitude;
 }
@@ -181,7 +189,9 @@ std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
       ++counts[static_cast<std::size_t>(column)];
     }
   }
-  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] /= counts[k];
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    sums[k] /= counts[k];
+  }
   return sums;
 }
 
@@ -204,7 +214,9 @@ files::TextTable figures_of(const std::vector<StepRun>& runs,
 }  // namespace
 
 StepRun run_step(Remote& remote, const StepPlan& plan) {
-  if (plan.amplitude_um == 0) throw files::UserError("--amplitude-um 0: must not be 0");
+  if (plan.amplitude_um == 0) {
+    throw files::UserError("--amplitude-um 0: must not be 0");
+  }
   // The recorder's memory is full at the end of the step back or soon after.
   const RecordingPlan recorded{{"setpoint", "position_m", "wire_temperature_K", "drive_current_A"},
                                2 * plan.seconds + before_s,
@@ -245,7 +257,9 @@ StepResult judge(const StepRun& run) {
 StepRun load_step(const std::string& path) {
   StepRun run{{}, load_recording(path)};
   const auto setpoints = run.recording.column("setpoint");
-  if (setpoints.empty()) throw files::UserError(fmt::format("{}: has no rows", path));
+  if (setpoints.empty()) {
+    throw files::UserError(fmt::format("{}: has no rows", path));
+  }
   run.plan.amplitude_um = static_cast<std::int32_t>(std::lround(1e6 * amplitude_of(setpoints)));
   return run;
 }
@@ -254,7 +268,9 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
   const TimeAxis axis = axis_of(runs.front());
   std::vector<std::vector<double>> ways_um;
   ways_um.reserve(runs.size());
-  for (const StepRun& run : runs) ways_um.push_back(way_um(run, axis));
+  for (const StepRun& run : runs) {
+    ways_um.push_back(way_um(run, axis));
+  }
   return figures_of(runs, names).text() +
          fmt::format("\ncontraction, um: * {}{}\n", files::printable(names[0]),
                      runs.size() > 1 ? ", . before" : "") +

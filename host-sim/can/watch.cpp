@@ -51,7 +51,9 @@ std::vector<text::KnownObject> chosen_objects(const std::vector<std::string>& na
   std::vector<text::KnownObject> objects;
   for (const std::string& name : names) {
     objects.push_back(text::find_object(name));
-    if (objects.back().name.empty()) objects.back().name = name;
+    if (objects.back().name.empty()) {
+      objects.back().name = name;
+    }
   }
   return objects;
 }
@@ -59,17 +61,23 @@ std::vector<text::KnownObject> chosen_objects(const std::vector<std::string>& na
 /// The index of the object to plot, which is added if it is missing; if there is none to plot, the
 /// number of objects.
 std::size_t place_of_plot(const std::string& name, std::vector<text::KnownObject>& objects) {
-  if (name.empty()) return objects.size();
+  if (name.empty()) {
+    return objects.size();
+  }
   const text::KnownObject wanted = text::find_object(name);
   const auto found = std::ranges::find(objects, wanted.key, &text::KnownObject::key);
   const auto place = static_cast<std::size_t>(found - objects.begin());
-  if (place == objects.size()) objects.push_back(wanted);
+  if (place == objects.size()) {
+    objects.push_back(wanted);
+  }
   return place;
 }
 
 std::string header(const std::vector<text::KnownObject>& objects) {
   std::string text = "time_s";
-  for (const text::KnownObject& object : objects) text += "," + object.name;
+  for (const text::KnownObject& object : objects) {
+    text += "," + object.name;
+  }
   return text + '\n';
 }
 
@@ -80,7 +88,9 @@ void watch(Remote& remote, const WatchPlan& plan, bool in_place,
   std::vector<text::KnownObject> objects = chosen_objects(
       plan.names.empty() ? std::vector<std::string>(usual.begin(), usual.end()) : plan.names);
   const std::size_t plotted = place_of_plot(plan.plot, objects);
-  if (!in_place) show(header(objects));
+  if (!in_place) {
+    show(header(objects));
+  }
   std::vector<double> history;
   const std::int64_t start_us = remote.bus().now_us();
   const auto period_us = static_cast<std::int64_t>(plan.period_s * 1e6);
@@ -93,9 +103,13 @@ void watch(Remote& remote, const WatchPlan& plan, bool in_place,
       const Bytes bytes = remote.read(objects[k]);
       row.texts.push_back(text::value_text(objects[k], bytes));
       row.words.push_back(words_of(objects[k], bytes));
-      if (k == plotted) history.push_back(text::value_number(objects[k], bytes));
+      if (k == plotted) {
+        history.push_back(text::value_number(objects[k], bytes));
+      }
     }
-    if (history.size() > plot_width) history.erase(history.begin());
+    if (history.size() > plot_width) {
+      history.erase(history.begin());
+    }
     const std::string plot = plotted < objects.size()
                                  ? "\n" + objects[plotted].name + "\n" +
                                        report::text_plot({history}, plot_width, plot_height)

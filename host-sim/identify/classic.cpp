@@ -43,8 +43,12 @@ S fraction(const S* own, const S& u) {
   using std::tanh;
   constexpr double pi = std::numbers::pi;
   if constexpr (shape == Shape::cosine) {
-    if (u <= S(-0.5)) return S(1);
-    if (u >= S(0.5)) return S(0);
+    if (u <= S(-0.5)) {
+      return S(1);
+    }
+    if (u >= S(0.5)) {
+      return S(0);
+    }
     return S(0.5) * (S(1) + cos(pi * (u + S(0.5))));
   } else if constexpr (shape == Shape::tanh) {
     return S(0.5) * (S(1) - tanh(u));
@@ -102,12 +106,16 @@ bool is_one_cycle(const Cycle& cycle) {
   double before_K = coldest_K;
   for (std::size_t i = 0; i <= cycle.hottest; ++i) {
     before_K = std::max(before_K, T[i]);
-    if (T[i] < before_K - max_back_K) return false;
+    if (T[i] < before_K - max_back_K) {
+      return false;
+    }
   }
   double after_K = T[cycle.hottest];
   for (std::size_t i = cycle.hottest; i < T.size(); ++i) {
     after_K = std::min(after_K, T[i]);
-    if (T[i] > after_K + max_back_K) return false;
+    if (T[i] > after_K + max_back_K) {
+      return false;
+    }
   }
   return true;
 }

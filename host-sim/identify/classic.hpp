@@ -52,8 +52,12 @@ inline double bezier_ratio(double t_1, double t_2, double x) {
 /// derivatives for other scalars.
 template <class S>
 S bezier_fraction(const BezierShape<S>& shape, const S& t) {
-  if (t <= S(0)) return S(1);
-  if (t >= S(1)) return S(0);
+  if (t <= S(0)) {
+    return S(1);
+  }
+  if (t >= S(1)) {
+    return S(0);
+  }
   const auto plain = [](const S& x) {
     if constexpr (std::is_floating_point_v<S>) {
       return static_cast<double>(x);

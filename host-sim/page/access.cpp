@@ -62,7 +62,9 @@ std::string_view bearer(std::string_view authorization) {
 /// 4 or 6 for an address of IPv4 or IPv6; 0 if the text is no address.
 int family(const std::string& address) {
   std::array<unsigned char, sizeof(in6_addr)> bytes{};
-  if (inet_pton(AF_INET, address.c_str(), bytes.data()) == 1) return 4;
+  if (inet_pton(AF_INET, address.c_str(), bytes.data()) == 1) {
+    return 4;
+  }
   return inet_pton(AF_INET6, address.c_str(), bytes.data()) == 1 ? 6 : 0;
 }
 

@@ -93,7 +93,9 @@ void run_bridge(const BridgeSettings& settings,
       .listen = parse_listen(settings.listen), .token = "", .origins = settings.origins};
   std::string token_file = settings.token_file;
   if (!rules.listen.loopback || !token_file.empty()) {
-    if (token_file.empty()) token_file = default_token_file();
+    if (token_file.empty()) {
+      token_file = default_token_file();
+    }
     rules.token = token_of(token_file);
   }
   // All threads inherit this signal mask.

@@ -34,7 +34,9 @@ class File {
  public:
   explicit File(int descriptor) : descriptor_(descriptor) {}
   ~File() {
-    if (descriptor_ >= 0) close(descriptor_);
+    if (descriptor_ >= 0) {
+      close(descriptor_);
+    }
   }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
@@ -65,19 +67,29 @@ std::string checked(const std::string& path, std::string token) {
 std::optional<std::string> read_token(const std::string& path) {
   const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (file.get() < 0) {
-    if (errno == ENOENT) return std::nullopt;
+    if (errno == ENOENT) {
+      return std::nullopt;
+    }
     fail_by_errno(path);
   }
   struct stat status{};
-  if (fstat(file.get(), &status) != 0) fail_by_errno(path);
-  if (!S_ISREG(status.st_mode)) fail(path, "is no file");
+  if (fstat(file.get(), &status) != 0) {
+    fail_by_errno(path);
+  }
+  if (!S_ISREG(status.st_mode)) {
+    fail(path, "is no file");
+  }
   if ((status.st_mode & 0077U) != 0) {
     fail(path, "others may read or change it: delete it, and a new one will be made (mode 0600)");
   }
-  if (status.st_uid != geteuid()) fail(path, "belongs to another user");
+  if (status.st_uid != geteuid()) {
+    fail(path, "belongs to another user");
+  }
   std::array<char, longest + 3> bytes{};
   const ssize_t length = read(file.get(), bytes.data(), bytes.size());
-  if (length < 0) fail_by_errno(path);
+  if (length < 0) {
+    fail_by_errno(path);
+  }
   return checked(path, {bytes.data(), static_cast<std::size_t>(length)});
 }
 
@@ -87,11 +99,15 @@ void make_token(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (std::error_code error; !folder.empty()) {
     std::filesystem::create_directories(folder, error);
-    if (error) fail(path, error.message());
+    if (error) {
+      fail(path, error.message());
+    }
   }
   std::string beside = path + ".XXXXXX";
   const File file(mkostemp(beside.data(), O_CLOEXEC));
-  if (file.get() < 0) fail_by_errno(path);
+  if (file.get() < 0) {
+    fail_by_errno(path);
+  }
   const std::string line = random_token() + "\n";
   const bool written =
       write(file.get(), line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
@@ -100,7 +116,9 @@ void make_token(const std::string& path) {
   const int error = errno;
   unlink(beside.c_str());
   errno = error;
-  if (!linked || !files::sync_folder_of(path)) fail_by_errno(path);
+  if (!linked || !files::sync_folder_of(path)) {
+    fail_by_errno(path);
+  }
 }
 
 const char* variable(const char* name) {
@@ -134,11 +152,15 @@ std::string token_of(const std::string& path) {
 }
 
 std::string default_token_file() {
-  if (const char* folder = variable("STATE_DIRECTORY")) return std::string(folder) + "/page-token";
-  if (const char* folder = variable("XDG_STATE_HOME"))
+  if (const char* folder = variable("STATE_DIRECTORY")) {
+    return std::string(folder) + "/page-token";
+  }
+  if (const char* folder = variable("XDG_STATE_HOME")) {
     return std::string(folder) + "/smaservo/page-token";
-  if (const char* folder = variable("HOME"))
+  }
+  if (const char* folder = variable("HOME")) {
     return std::string(folder) + "/.local/state/smaservo/page-token";
+  }
   throw files::ConfigError("--token-file: is needed where HOME is not set");
 }
 

@@ -46,13 +46,17 @@ std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_
       }
     }
   }
-  if (!(low <= high)) return "";
+  if (!(low <= high)) {
+    return "";
+  }
   const double span = high > low ? high - low : 1;
   std::vector<std::string> rows(height, std::string(width, ' '));
   for (std::size_t curve = drawn.size(); curve-- > 0;) {
     const std::vector<double>& columns = drawn[curve];
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (!std::isfinite(columns[i])) continue;
+      if (!std::isfinite(columns[i])) {
+        continue;
+      }
       const double share = (columns[i] - low) / span;
       const auto up =
           static_cast<std::size_t>(std::lround(share * static_cast<double>(height - 1)));

@@ -18,7 +18,9 @@ long clock_ns() {
 int main(int argc, char** argv) {
   const long busy_ns = argc > 1 ? 1000 * std::strtol(argv[1], nullptr, 10) : 0;
   const sched_param priority{.sched_priority = 90};
-  if (sched_setscheduler(0, SCHED_FIFO, &priority) != 0) return 1;
+  if (sched_setscheduler(0, SCHED_FIFO, &priority) != 0) {
+    return 1;
+  }
   for (;;) {
     const long until_ns = clock_ns() + busy_ns;
     while (clock_ns() < until_ns) {

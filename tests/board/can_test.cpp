@@ -26,7 +26,9 @@ hal::CanFrame some_frame() {
 /// A frame within a second, as the kernel hands it over.
 bool wait_for(hal::CanSocket& port, hal::CanFrame& frame) {
   for (int tries = 0; tries < 10; ++tries) {
-    if (port.receive(frame)) return true;
+    if (port.receive(frame)) {
+      return true;
+    }
     pollfd readable{port.descriptor(), POLLIN, 0};
     poll(&readable, 1, 100);
   }

@@ -58,7 +58,9 @@ void make_happen(const Happening& happening) {
   }
   std::ofstream file(happening.path);
   file << happening.value << std::flush;
-  if (!file) throw std::runtime_error("cannot write: " + happening.path);
+  if (!file) {
+    throw std::runtime_error("cannot write: " + happening.path);
+  }
 }
 
 /// What it looked like in the last half second.
@@ -66,11 +68,15 @@ class Tail {
  public:
   void add(double strain) {
     recent_.push_back(strain);
-    if (recent_.size() > 500) recent_.erase(recent_.begin());
+    if (recent_.size() > 500) {
+      recent_.erase(recent_.begin());
+    }
   }
   double mean() const {
     double sum = 0;
-    for (const double strain : recent_) sum += strain;
+    for (const double strain : recent_) {
+      sum += strain;
+    }
     return sum / static_cast<double>(recent_.size());
   }
   double span() const {
@@ -90,7 +96,9 @@ class Plant {
         board_(bench::make_plant(scenario.plant), scenario.board),
         ambient_K_(scenario.board.surroundings.ambient_K),
         supply_V_(scenario.board.surroundings.supply_V) {
-    if (file_ < 0) throw std::runtime_error("no /dev/testboard");
+    if (file_ < 0) {
+      throw std::runtime_error("no /dev/testboard");
+    }
   }
   ~Plant() { close(file_); }
   Plant(const Plant&) = delete;
@@ -106,7 +114,9 @@ class Plant {
                                                      static_cast<double>(output_.period_ns);
     board_.drive({0, duty * supply_V_, board_.now_ns() + 2 * step_ns});
     hal::Frame frame{};
-    if (board_.read(frame) == hal::ReadStatus::frame) give(frame);
+    if (board_.read(frame) == hal::ReadStatus::frame) {
+      give(frame);
+    }
     const hal::SimTruth truth = board_.truth();
     hottest_K_ = std::max(hottest_K_, truth.hottest_K);
     tail_.add(truth.strain);
@@ -150,16 +160,22 @@ class Watch {
   }
   void look(const BoardOutput& output) {
     const auto changed_ns = static_cast<std::int64_t>(output.changed_ns);
-    if (!pending_ || output.effective_ns != 0 || changed_ns < since_ns_) return;
+    if (!pending_ || output.effective_ns != 0 || changed_ns < since_ns_) {
+      return;
+    }
     std::printf("OFF after_us=%.1f by=%s: %s\n", static_cast<double>(changed_ns - since_ns_) * 1e-3,
                 output.cuts == cuts_ ? "program" : "one-shot", what_.c_str());
     pending_ = false;
   }
   void count(const BoardOutput& output) {
-    if (!pending_) cuts_ = output.cuts;
+    if (!pending_) {
+      cuts_ = output.cuts;
+    }
   }
   void end() const {
-    if (pending_) std::printf("HOT %s\n", what_.c_str());
+    if (pending_) {
+      std::printf("HOT %s\n", what_.c_str());
+    }
   }
 
  private:
@@ -186,7 +202,9 @@ int simulate(const std::vector<std::string>& arguments) {
   for (std::int64_t i = 0; i < steps; ++i) {
     sleep_until(begin_ns + i * step_ns);
     plant.step();
-    if (i == 0) std::puts("READY");
+    if (i == 0) {
+      std::puts("READY");
+    }
     watch.count(plant.output());
     watch.look(plant.output());
     if (next < happenings.size() &&

@@ -28,7 +28,9 @@ int run(const char* name) {
   while (poll(&waiting, 1, patience_ms) > 0) {
     hal::CanFrame frame;
     while (port.receive(frame)) {
-      if (frame.id == last_id) return 0;
+      if (frame.id == last_id) {
+        return 0;
+      }
       port.send(mirrored(frame));
     }
   }

@@ -71,7 +71,9 @@ class SimulatedServo {
   void answer_requests() {
     using enum canopen::Request;
     const canopen::Request request = servo_.request();
-    if (request == none) return;
+    if (request == none) {
+      return;
+    }
     if (request == reset_node || request == reset_communication) {
       if (request == reset_node) {
         rig_.state = Device<double>::start();
@@ -83,7 +85,9 @@ class SimulatedServo {
       image_.resize(canopen::Node::image_size);
       image_.resize(servo_.image(image_));
     }
-    if (request == restore_all || request == restore_communication) image_.clear();
+    if (request == restore_all || request == restore_communication) {
+      image_.clear();
+    }
     servo_.finish(servo_.request_number(), true);
   }
 

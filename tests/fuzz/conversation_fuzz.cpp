@@ -40,7 +40,9 @@ class FuzzedDesk final : public Desk {
     ++open;
   }
   void set_parameters(std::vector<NamedValue> values, std::optional<std::string> /*id*/) override {
-    for (const NamedValue& one : values) demand(nlohmann::json::accept(one.value));
+    for (const NamedValue& one : values) {
+      demand(nlohmann::json::accept(one.value));
+    }
     last_set = std::move(values);
     ++open;
   }
@@ -61,7 +63,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto channels = [](unsigned bits) {
     std::vector<Channel> all;
     for (std::uint32_t id = 0; id < 4; ++id) {
-      if ((bits >> id & 1U) != 0) all.push_back({id, (bits & 16U) != 0 ? "/a" : "/b", "", "{}"});
+      if ((bits >> id & 1U) != 0) {
+        all.push_back({id, (bits & 16U) != 0 ? "/a" : "/b", "", "{}"});
+      }
     }
     return all;
   };

@@ -81,18 +81,39 @@ struct LiangRogersFloat : CosineFloat {
 struct SubjectName {
   template <class Subject>
   static std::string GetName(int /*index*/) {
-    if constexpr (std::is_same_v<Subject, ThreePhaseDouble>) return "ThreePhaseDouble";
-    if constexpr (std::is_same_v<Subject, ThreePhaseEveryReversal>)
+    if constexpr (std::is_same_v<Subject, ThreePhaseDouble>) {
+      return "ThreePhaseDouble";
+    }
+    if constexpr (std::is_same_v<Subject, ThreePhaseEveryReversal>) {
       return "ThreePhaseEveryReversal";
-    if constexpr (std::is_same_v<Subject, ThreePhaseFloat>) return "ThreePhaseFloat";
-    if constexpr (std::is_same_v<Subject, ThreePhasePlain>) return "ThreePhasePlain";
-    if constexpr (std::is_same_v<Subject, ThreePhaseSeparate>) return "ThreePhaseSeparate";
-    if constexpr (std::is_same_v<Subject, CosineDouble>) return "CosineDouble";
-    if constexpr (std::is_same_v<Subject, CosineFloat>) return "CosineFloat";
-    if constexpr (std::is_same_v<Subject, DuhemDouble>) return "DuhemDouble";
-    if constexpr (std::is_same_v<Subject, DuhemFloat>) return "DuhemFloat";
-    if constexpr (std::is_same_v<Subject, LiangRogersDouble>) return "LiangRogersDouble";
-    if constexpr (std::is_same_v<Subject, LiangRogersFloat>) return "LiangRogersFloat";
+    }
+    if constexpr (std::is_same_v<Subject, ThreePhaseFloat>) {
+      return "ThreePhaseFloat";
+    }
+    if constexpr (std::is_same_v<Subject, ThreePhasePlain>) {
+      return "ThreePhasePlain";
+    }
+    if constexpr (std::is_same_v<Subject, ThreePhaseSeparate>) {
+      return "ThreePhaseSeparate";
+    }
+    if constexpr (std::is_same_v<Subject, CosineDouble>) {
+      return "CosineDouble";
+    }
+    if constexpr (std::is_same_v<Subject, CosineFloat>) {
+      return "CosineFloat";
+    }
+    if constexpr (std::is_same_v<Subject, DuhemDouble>) {
+      return "DuhemDouble";
+    }
+    if constexpr (std::is_same_v<Subject, DuhemFloat>) {
+      return "DuhemFloat";
+    }
+    if constexpr (std::is_same_v<Subject, LiangRogersDouble>) {
+      return "LiangRogersDouble";
+    }
+    if constexpr (std::is_same_v<Subject, LiangRogersFloat>) {
+      return "LiangRogersFloat";
+    }
   }
 };
 

@@ -58,7 +58,9 @@ std::string tuning_text(const canopen::LoggedChange& change) {
 }  // namespace
 
 std::string change_text(const canopen::LoggedChange& change) {
-  if (change.key == tuning_key) return tuning_text(change);
+  if (change.key == tuning_key) {
+    return tuning_text(change);
+  }
   const KnownObject object =
       find_object(fmt::format("{:04X}:{}", change.key.index, change.key.sub));
   if (change.result == Abort::none) {

@@ -35,7 +35,9 @@ void add(std::vector<KnownObject>& all, std::span<const canopen::DescribedObject
     const auto group = std::ranges::find(names, key.index, &canopen::IndexName::index);
     // The names in the manufacturer's area already contain their group.
     const bool standard = key.index < 0x2000 || 0x6000 <= key.index;
-    if (standard && group != names.end()) name = fmt::format("{}, {}", group->name, row.name);
+    if (standard && group != names.end()) {
+      name = fmt::format("{}, {}", group->name, row.name);
+    }
     all.push_back({key, row.object.type, name, std::string(row.meaning),
                    (row.object.access & canopen::writable) != 0, nullptr});
   }
@@ -72,8 +74,12 @@ bool whole(std::string_view text, Number& number, int base) {
 bool read_key(std::string_view text, Key& key) {
   const std::size_t colon = text.find(':');
   std::string_view index = text.substr(0, colon);
-  if (index.starts_with("0x")) index.remove_prefix(2);
-  if (index.ends_with('h')) index.remove_suffix(1);
+  if (index.starts_with("0x")) {
+    index.remove_prefix(2);
+  }
+  if (index.ends_with('h')) {
+    index.remove_suffix(1);
+  }
   key.sub = 0;
   return index.size() == 4 && whole(index, key.index, 16) &&
          (colon == std::string_view::npos || whole(text.substr(colon + 1), key.sub, 10));
@@ -81,7 +87,9 @@ bool read_key(std::string_view text, Key& key) {
 
 /// Whether `name` is the object's parameter in another unit than SI, and which unit that is.
 bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit) {
-  if (object.parameter == nullptr) return false;
+  if (object.parameter == nullptr) {
+    return false;
+  }
   const KeyParts parts = key_parts(*object.parameter);
   for (const Unit& other : object.parameter->kind) {
     if (name == fmt::format("{}.{}", parts.table, files::key_with(parts.name, other.suffix))) {
@@ -94,7 +102,9 @@ bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit)
 
 std::optional<KnownObject> named(const std::string& name) {
   for (const KnownObject& object : known_objects()) {
-    if (object.name == name) return object;
+    if (object.name == name) {
+      return object;
+    }
     KnownObject found = object;
     if (in_other_unit(object, name, found.unit)) {
       found.name = name;
@@ -113,12 +123,16 @@ std::vector<std::string> close_names(std::string_view name) {
       score += object.name.find(name.substr(i, 3)) != std::string::npos ? 1 : 0;
     }
     const int needed = static_cast<int>(name.size()) / 2;
-    if (name.size() > 2 && score >= needed) scored.emplace_back(-score, object.name);
+    if (name.size() > 2 && score >= needed) {
+      scored.emplace_back(-score, object.name);
+    }
   }
   std::ranges::sort(scored);
   std::vector<std::string> names;
   for (const auto& [score, close] : scored) {
-    if (names.size() < 3) names.push_back(close);
+    if (names.size() < 3) {
+      names.push_back(close);
+    }
   }
   return names;
 }
@@ -166,8 +180,12 @@ std::uint64_t integer(const KnownObject& object, const std::string& text) {
 
 std::uint64_t boolean_or_choice(const KnownObject& object, const std::string& text) {
   if (object.type == Type::boolean) {
-    if (text == "true" || text == "1") return 1;
-    if (text == "false" || text == "0") return 0;
+    if (text == "true" || text == "1") {
+      return 1;
+    }
+    if (text == "false" || text == "0") {
+      return 0;
+    }
     bad_value(object, text, "true or false");
   }
   const auto& choices = object.parameter->choices;
@@ -193,7 +211,9 @@ float real(const KnownObject& object, const std::string& text) {
 
 std::vector<std::uint8_t> octets(const KnownObject& object, std::string_view text) {
   std::vector<std::uint8_t> bytes;
-  if (text.starts_with("0x")) text.remove_prefix(2);
+  if (text.starts_with("0x")) {
+    text.remove_prefix(2);
+  }
   for (std::size_t i = 0; i < text.size(); i += 2) {
     std::uint8_t byte = 0;
     if (i + 2 > text.size() || !whole(text.substr(i, 2), byte, 16)) {
@@ -216,10 +236,14 @@ KnownObject find_object(const std::string& text) {
   Key key{};
   if (read_key(text, key)) {
     const auto at = std::ranges::lower_bound(known_objects(), key, {}, &KnownObject::key);
-    if (at != known_objects().end() && at->key == key) return *at;
+    if (at != known_objects().end() && at->key == key) {
+      return *at;
+    }
     return {key, Type::octets, "", "", true, nullptr};
   }
-  if (const std::optional<KnownObject> object = named(text)) return *object;
+  if (const std::optional<KnownObject> object = named(text)) {
+    return *object;
+  }
   constexpr std::string_view live = "live.";
   const std::string now =
       text.starts_with(live)
@@ -244,8 +268,12 @@ std::string title(const KnownObject& object) {
 
 std::string value_text(const KnownObject& object, std::span<const std::uint8_t> bytes) {
   const std::size_t size = canopen::size_of(object.type);
-  if (object.type == Type::text) return files::printable(std::string(bytes.begin(), bytes.end()));
-  if (size == 0 || bytes.size() != size) return hexadecimal(bytes);
+  if (object.type == Type::text) {
+    return files::printable(std::string(bytes.begin(), bytes.end()));
+  }
+  if (size == 0 || bytes.size() != size) {
+    return hexadecimal(bytes);
+  }
   const std::uint64_t number = canopen::take_number(bytes);
   if (object.type == Type::real) {
     return real_text(canopen::as_real(static_cast<std::uint32_t>(number)), object.unit);
@@ -253,8 +281,12 @@ std::string value_text(const KnownObject& object, std::span<const std::uint8_t> 
   if (is_choice(object) && number < object.parameter->choices.size()) {
     return std::string(object.parameter->choices[static_cast<std::size_t>(number)]);
   }
-  if (object.type == Type::boolean) return number != 0 ? "true" : "false";
-  if (canopen::is_signed(object.type)) return fmt::format("{}", sign_extended(bytes));
+  if (object.type == Type::boolean) {
+    return number != 0 ? "true" : "false";
+  }
+  if (canopen::is_signed(object.type)) {
+    return fmt::format("{}", sign_extended(bytes));
+  }
   // Codes and sets of bits are easier to read in hexadecimal.
   const bool bits = object.key.index == index::controlword ||
                     object.key.index == index::statusword ||
@@ -265,7 +297,9 @@ std::string value_text(const KnownObject& object, std::span<const std::uint8_t> 
 
 double value_number(const KnownObject& object, std::span<const std::uint8_t> bytes) {
   const std::size_t size = canopen::size_of(object.type);
-  if (size == 0 || bytes.size() != size) return std::numeric_limits<double>::quiet_NaN();
+  if (size == 0 || bytes.size() != size) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   if (object.type == Type::real) {
     const auto bits = static_cast<std::uint32_t>(canopen::take_number(bytes));
     return static_cast<double>(canopen::as_real(bits));
@@ -275,9 +309,13 @@ double value_number(const KnownObject& object, std::span<const std::uint8_t> byt
 }
 
 std::vector<std::uint8_t> value_bytes(const KnownObject& object, const std::string& text) {
-  if (object.type == Type::text) return {text.begin(), text.end()};
+  if (object.type == Type::text) {
+    return {text.begin(), text.end()};
+  }
   const std::size_t size = canopen::size_of(object.type);
-  if (size == 0) return octets(object, text);
+  if (size == 0) {
+    return octets(object, text);
+  }
   std::vector<std::uint8_t> bytes(size);
   const std::uint64_t number = object.type == Type::real ? canopen::as_bits(real(object, text))
                                : object.type == Type::boolean || is_choice(object)
@@ -288,7 +326,9 @@ std::vector<std::uint8_t> value_bytes(const KnownObject& object, const std::stri
 }
 
 std::string allowed_text(const KnownObject& object) {
-  if (object.parameter == nullptr) return "";
+  if (object.parameter == nullptr) {
+    return "";
+  }
   if (object.type != Type::real || (object.unit.factor == 1 && object.unit.offset == 0)) {
     return fmt::format("{}{}{}", range_text(*object.parameter),
                        object.unit.suffix.empty() ? "" : " ", object.unit.suffix);

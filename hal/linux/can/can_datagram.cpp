@@ -15,15 +15,21 @@ constexpr std::uint64_t max_data = 8;
 /// The value of a flag; false if it is missing, nullopt if the value is not a flag.
 std::optional<bool> flag(const json& map, const char* key) {
   const auto found = map.find(key);
-  if (found == map.end()) return false;
-  if (!found->is_boolean()) return std::nullopt;
+  if (found == map.end()) {
+    return false;
+  }
+  if (!found->is_boolean()) {
+    return std::nullopt;
+  }
   return found->get<bool>();
 }
 
 /// The value of a whole number; nullopt if it is missing, of another kind or above `max`.
 std::optional<std::uint64_t> number(const json& map, const char* key, std::uint64_t max) {
   const auto found = map.find(key);
-  if (found == map.end() || !found->is_number_unsigned()) return std::nullopt;
+  if (found == map.end() || !found->is_number_unsigned()) {
+    return std::nullopt;
+  }
   const auto value = found->get<std::uint64_t>();
   return value <= max ? std::optional(value) : std::nullopt;
 }
@@ -31,9 +37,15 @@ std::optional<std::uint64_t> number(const json& map, const char* key, std::uint6
 /// Reads the data, which a remote frame does not need; false if they are malformed.
 bool read_data(const json& map, CanFrame& frame) {
   const auto found = map.find("data");
-  if (frame.remote) return true;
-  if (found == map.end() || found->is_null()) return frame.length == 0;
-  if (!found->is_binary() || found->get_binary().size() != frame.length) return false;
+  if (frame.remote) {
+    return true;
+  }
+  if (found == map.end() || found->is_null()) {
+    return frame.length == 0;
+  }
+  if (!found->is_binary() || found->get_binary().size() != frame.length) {
+    return false;
+  }
   std::ranges::copy(found->get_binary(), frame.data.begin());
   return true;
 }
@@ -61,7 +73,9 @@ std::vector<std::uint8_t> to_datagram(const CanFrame& frame, double time_s) {
 
 std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram) {
   const json map = json::from_msgpack(datagram, true, false);
-  if (!map.is_object()) return std::nullopt;
+  if (!map.is_object()) {
+    return std::nullopt;
+  }
   const std::optional<bool> extended = flag(map, "is_extended_id");
   const std::optional<bool> remote = flag(map, "is_remote_frame");
   if (!extended || !remote || flag(map, "is_error_frame") != false || flag(map, "is_fd") != false) {
@@ -70,7 +84,9 @@ std::optional<CanFrame> from_datagram(std::span<const std::uint8_t> datagram) {
   const auto id =
       number(map, "arbitration_id", *extended ? largest_extended_id : largest_standard_id);
   const auto length = number(map, "dlc", max_data);
-  if (!id || !length) return std::nullopt;
+  if (!id || !length) {
+    return std::nullopt;
+  }
   CanFrame frame;
   frame.id = static_cast<std::uint32_t>(*id);
   frame.extended = *extended;

@@ -43,7 +43,9 @@ const sockaddr* general(const sockaddr_storage& address) {
 // NOLINTEND(cppcoreguidelines-pro-type-reinterpret-cast)
 
 bool same(const sockaddr_storage& one, const sockaddr_storage& other) {
-  if (one.ss_family != other.ss_family) return false;
+  if (one.ss_family != other.ss_family) {
+    return false;
+  }
   if (one.ss_family == AF_INET) {
     const auto a = as<sockaddr_in>(one);
     const auto b = as<sockaddr_in>(other);
@@ -77,13 +79,19 @@ int join(int socket, const MulticastAddress& group) {
 /// Receives the datagrams of the group, but no others that are sent to the same port.
 int listen_to(int socket, const MulticastAddress& group) {
   const int error = set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
-  if (error != 0) return error;
-  if (bind(socket, general(group.address), group.size) != 0) return errno;
+  if (error != 0) {
+    return error;
+  }
+  if (bind(socket, general(group.address), group.size) != 0) {
+    return errno;
+  }
   return join(socket, group);
 }
 
 int choose_interface(int socket, const MulticastAddress& group) {
-  if (group.interface == 0) return 0;
+  if (group.interface == 0) {
+    return 0;
+  }
   if (group.address.ss_family == AF_INET6) {
     return set_option(socket, IPPROTO_IPV6, IPV6_MULTICAST_IF, static_cast<int>(group.interface));
   }
@@ -105,7 +113,9 @@ MulticastAddress multicast_address(const std::string& group, std::uint16_t port)
   if (percent != std::string::npos) {
     const std::string interface = group.substr(percent + 1);
     result.interface = if_nametoindex(interface.c_str());
-    if (result.interface == 0) throw CanError(group + ": no interface " + interface);
+    if (result.interface == 0) {
+      throw CanError(group + ": no interface " + interface);
+    }
   }
   addrinfo hints{};
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
@@ -136,12 +146,16 @@ CanMulticast::CanMulticast(const std::string& group, std::uint16_t port)
   int error = receiver_.number() < 0 ? errno : listen_to(receiver_.number(), group_);
   if (error == 0) {
     connect_sender();
-    if (sender_.number() < 0) error = errno;
+    if (sender_.number() < 0) {
+      error = errno;
+    }
   }
   if (error == ENODEV || error == ENETUNREACH) {
     throw CanError(name_ + ": this machine has no route to the group");
   }
-  if (error != 0) throw CanError(name_ + ": " + std::strerror(error));
+  if (error != 0) {
+    throw CanError(name_ + ": " + std::strerror(error));
+  }
 }
 
 /// Opens the sender; if there is no route to the group, leaves it closed and sets errno.
@@ -162,8 +176,12 @@ bool CanMulticast::receive(CanFrame& frame) {
     socklen_t from_size = sizeof from;
     const ssize_t size = recvfrom(receiver_.number(), datagram.data(), datagram.size(),
                                   MSG_DONTWAIT | MSG_TRUNC, general(from), &from_size);
-    if (size < 0) return false;
-    if (same(from, own_address_)) continue;
+    if (size < 0) {
+      return false;
+    }
+    if (same(from, own_address_)) {
+      continue;
+    }
     const auto bytes = static_cast<std::size_t>(size);
     const auto read =
         bytes > datagram.size() ? std::nullopt : from_datagram(std::span(datagram).first(bytes));
@@ -179,7 +197,9 @@ bool CanMulticast::receive(CanFrame& frame) {
 
 bool CanMulticast::send(const CanFrame& frame) {
   // The network may have been lost and have come back with another address.
-  if (sender_.number() < 0) connect_sender();
+  if (sender_.number() < 0) {
+    connect_sender();
+  }
   const auto datagram = to_datagram(frame, now_s());
   if (sender_.number() >= 0 && ::send(sender_.number(), datagram.data(), datagram.size(),
                                       MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) {
@@ -191,7 +211,9 @@ bool CanMulticast::send(const CanFrame& frame) {
     ++statistics_.dropped_full;
     return false;
   }
-  if (state_ == CanState::active) ++statistics_.downs;
+  if (state_ == CanState::active) {
+    ++statistics_.downs;
+  }
   ++statistics_.dropped_down;
   state_ = CanState::down;
   sender_ = Descriptor();

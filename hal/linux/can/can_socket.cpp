@@ -54,7 +54,9 @@ static_assert(sizeof(RawFrame) == CAN_MTU && offsetof(RawFrame, data) == offseto
 RawFrame to_kernel(const CanFrame& frame) {
   RawFrame raw{};
   raw.can_id = frame.extended ? (frame.id & CAN_EFF_MASK) | CAN_EFF_FLAG : frame.id & CAN_SFF_MASK;
-  if (frame.remote) raw.can_id |= CAN_RTR_FLAG;
+  if (frame.remote) {
+    raw.can_id |= CAN_RTR_FLAG;
+  }
   raw.length = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
   std::ranges::copy(std::span(frame.data).first(raw.length), raw.data.begin());
   return raw;
@@ -83,7 +85,9 @@ ssize_t read_frame(int socket, RawFrame& raw, std::uint32_t& overflow) {
   message.msg_control = control.data();
   message.msg_controllen = control.size();
   const ssize_t size = recvmsg(socket, &message, MSG_DONTWAIT);
-  if (size < 0) return size;
+  if (size < 0) {
+    return size;
+  }
   const cmsghdr* header = CMSG_FIRSTHDR(&message);
   if (header != nullptr && header->cmsg_level == SOL_SOCKET && header->cmsg_type == SO_RXQ_OVFL) {
     std::memcpy(&overflow, CMSG_DATA(header), sizeof overflow);
@@ -105,20 +109,30 @@ CanSocket::CanSocket(std::string interface) : interface_(std::move(interface)) {
                             : std::strerror(errno)));
   }
   int error = set_option(descriptor(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, watched_errors);
-  if (error == 0) error = set_option(descriptor(), SOL_SOCKET, SO_RXQ_OVFL, 1);
-  if (error == 0) error = bind_interface();
+  if (error == 0) {
+    error = set_option(descriptor(), SOL_SOCKET, SO_RXQ_OVFL, 1);
+  }
+  if (error == 0) {
+    error = bind_interface();
+  }
   if (error == ENODEV) {
     ifreq answer;
     const bool exists = ask(descriptor(), interface_, SIOCGIFINDEX, answer);
     throw CanError(interface_ + (exists ? ": is no CAN interface" : ": no such interface"));
   }
-  if (error != 0) throw CanError(interface_ + ": " + std::strerror(error));
-  if (!is_up(descriptor(), interface_)) state_ = CanState::down;
+  if (error != 0) {
+    throw CanError(interface_ + ": " + std::strerror(error));
+  }
+  if (!is_up(descriptor(), interface_)) {
+    state_ = CanState::down;
+  }
 }
 
 int CanSocket::bind_interface() {
   ifreq answer;
-  if (!ask(descriptor(), interface_, SIOCGIFINDEX, answer)) return errno;
+  if (!ask(descriptor(), interface_, SIOCGIFINDEX, answer)) {
+    return errno;
+  }
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = answer.ifr_ifindex;
@@ -131,7 +145,9 @@ void CanSocket::accept(std::span<const std::uint32_t> ids) {
   accepted_.assign(ids.begin(), ids.end());
   accepts_all_ = false;
   const int error = set_filters();
-  if (error != 0) throw CanError(interface_ + ": filters: " + std::strerror(error));
+  if (error != 0) {
+    throw CanError(interface_ + ": filters: " + std::strerror(error));
+  }
 }
 
 int CanSocket::set_filters() {
@@ -140,7 +156,9 @@ int CanSocket::set_filters() {
   for (const std::uint32_t id : accepted_) {
     filters.push_back({id & CAN_SFF_MASK, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG});
   }
-  if (accepts_all_) filters.push_back({0, 0});
+  if (accepts_all_) {
+    filters.push_back({0, 0});
+  }
   const auto size = static_cast<socklen_t>(filters.size() * sizeof(can_filter));
   return setsockopt(descriptor(), SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) == 0 ? 0
                                                                                           : errno;
@@ -157,14 +175,20 @@ void CanSocket::forget_error() const {
 /// Called after a failure; returns whether frames can pass again.
 bool CanSocket::bring_back() {
   if (state_ == CanState::gone) {
-    if (bind_interface() != 0) return false;
+    if (bind_interface() != 0) {
+      return false;
+    }
     // The kernel has forgotten the filters together with the interface.
-    if (set_filters() != 0) return false;
+    if (set_filters() != 0) {
+      return false;
+    }
     ++statistics_.reopens;
     state_ = CanState::down;
     forget_error();
   }
-  if (!is_up(descriptor(), interface_)) return false;
+  if (!is_up(descriptor(), interface_)) {
+    return false;
+  }
   forget_error();
   state_ = CanState::active;
   return true;
@@ -182,22 +206,34 @@ void CanSocket::failed(int error) {
   } else {
     return;
   }
-  if (was_there) ++statistics_.downs;
+  if (was_there) {
+    ++statistics_.downs;
+  }
 }
 
 bool CanSocket::receive(CanFrame& frame) {
-  if (state_ == CanState::gone && !bring_back()) return false;
+  if (state_ == CanState::gone && !bring_back()) {
+    return false;
+  }
   for (int reads = 0; reads < max_reads; ++reads) {
     RawFrame raw;
     const std::uint32_t before = overflow_;
     const ssize_t size = read_frame(descriptor(), raw, overflow_);
     if (size < 0) {
-      if (errno == EINTR) continue;
-      if (errno != EAGAIN) failed(errno);
-      if (errno == EAGAIN && state_ == CanState::down) bring_back();
+      if (errno == EINTR) {
+        continue;
+      }
+      if (errno != EAGAIN) {
+        failed(errno);
+      }
+      if (errno == EAGAIN && state_ == CanState::down) {
+        bring_back();
+      }
       return false;
     }
-    if (state_ == CanState::down) bring_back();
+    if (state_ == CanState::down) {
+      bring_back();
+    }
     statistics_.lost += overflow_ - before;
     if (size != CAN_MTU || raw.length > CAN_MAX_DLEN) {
       ++statistics_.malformed;
@@ -214,14 +250,22 @@ bool CanSocket::receive(CanFrame& frame) {
 
 void CanSocket::note_error(std::uint32_t classes, unsigned controller) {
   ++statistics_.error_frames;
-  if ((classes & CAN_ERR_RESTARTED) != 0) state_ = CanState::active;
+  if ((classes & CAN_ERR_RESTARTED) != 0) {
+    state_ = CanState::active;
+  }
   if ((classes & CAN_ERR_CRTL) != 0 && state_ != CanState::bus_off) {
     constexpr unsigned passive = CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE;
-    if ((controller & passive) != 0) state_ = CanState::passive;
-    if ((controller & CAN_ERR_CRTL_ACTIVE) != 0) state_ = CanState::active;
+    if ((controller & passive) != 0) {
+      state_ = CanState::passive;
+    }
+    if ((controller & CAN_ERR_CRTL_ACTIVE) != 0) {
+      state_ = CanState::active;
+    }
   }
   if ((classes & CAN_ERR_BUSOFF) != 0) {
-    if (state_ != CanState::bus_off) ++statistics_.bus_offs;
+    if (state_ != CanState::bus_off) {
+      ++statistics_.bus_offs;
+    }
     state_ = CanState::bus_off;
   }
 }

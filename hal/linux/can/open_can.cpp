@@ -47,8 +47,12 @@ std::uint16_t port_number(const std::string& text) {
 }  // namespace
 
 LinuxCan open_can(const std::string& text) {
-  if (text == "udp") return LinuxCan(CanMulticast());
-  if (!text.starts_with("udp:")) return LinuxCan(CanSocket(text));
+  if (text == "udp") {
+    return LinuxCan(CanMulticast());
+  }
+  if (!text.starts_with("udp:")) {
+    return LinuxCan(CanSocket(text));
+  }
   const GroupAndPort parts = split(text.substr(4));
   const std::uint16_t port = parts.port.empty() ? default_multicast_port : port_number(parts.port);
   return LinuxCan(CanMulticast(parts.group, port));

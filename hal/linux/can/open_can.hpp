@@ -25,7 +25,9 @@ class LinuxCan {
   /// Restricts receive() to frames with these identifiers. A CanMulticast cannot filter and returns
   /// all.
   void accept(std::span<const std::uint32_t> ids) {
-    if (auto* socket = std::get_if<CanSocket>(&port_)) socket->accept(ids);
+    if (auto* socket = std::get_if<CanSocket>(&port_)) {
+      socket->accept(ids);
+    }
   }
   CanState state() const {
     return std::visit([](const auto& port) { return port.state(); }, port_);

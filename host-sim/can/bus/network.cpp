@@ -29,7 +29,9 @@ void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found,
           const hal::CanFrame& frame) {
   const unsigned node = frame.id & 0x7FU;
   const unsigned function = frame.id >> 7U;
-  if (frame.extended || frame.remote) return;
+  if (frame.extended || frame.remote) {
+    return;
+  }
   if (frame.id == lss_answer && frame.length == 8 && frame.data[0] == identified_unconfigured) {
     found.without_id = true;
   } else if (function == 14 && frame.length == 1) {
@@ -45,7 +47,9 @@ void note(std::array<FoundNode, max_nodes + 1>& nodes, FoundNodes& found,
 
 std::string emergency_text(const hal::CanFrame& frame) {
   const auto code = static_cast<unsigned>(canopen::take_number(std::span(frame.data).first(2)));
-  if (code == 0) return "no error left";
+  if (code == 0) {
+    return "no error left";
+  }
   const Fault fault = text::find_fault(fmt::format("{:04X}h", code));
   return fmt::format("{:04X}h{}", code,
                      fault == Fault::none ? "" : fmt::format(" {}", fault_name(fault)));
@@ -73,13 +77,19 @@ FoundNodes scan(Bus& bus, std::int64_t listen_us) {
     bus.send({.id = 0x600 + node, .length = 8, .data = {0x40, 0x00, 0x10, 0x00}});
     // Requests are sent a millisecond apart, so that no queue on the way has to hold all of them.
     const std::int64_t until_us = bus.now_us() + 1000;
-    while (bus.receive(frame, until_us)) note(nodes, found, frame);
+    while (bus.receive(frame, until_us)) {
+      note(nodes, found, frame);
+    }
   }
   const std::int64_t until_us = bus.now_us() + listen_us;
-  while (bus.receive(frame, until_us)) note(nodes, found, frame);
+  while (bus.receive(frame, until_us)) {
+    note(nodes, found, frame);
+  }
   for (unsigned node = 1; node <= max_nodes; ++node) {
     nodes[node].node = node;
-    if (nodes[node].answers || nodes[node].nmt_state) found.nodes.push_back(nodes[node]);
+    if (nodes[node].answers || nodes[node].nmt_state) {
+      found.nodes.push_back(nodes[node]);
+    }
   }
   return found;
 }
@@ -92,10 +102,18 @@ std::string frame_text(const hal::CanFrame& frame) {
   }
   const unsigned node = frame.id & 0x7FU;
   const unsigned function = frame.id >> 7U;
-  if (frame.id == 0 && frame.length == 2) return nmt_text(frame);
-  if (frame.id == 0x80) return fmt::format("SYNC {}", data);
-  if (frame.id == lss_request) return fmt::format("LSS request: {}", data);
-  if (frame.id == lss_answer) return fmt::format("LSS answer: {}", data);
+  if (frame.id == 0 && frame.length == 2) {
+    return nmt_text(frame);
+  }
+  if (frame.id == 0x80) {
+    return fmt::format("SYNC {}", data);
+  }
+  if (frame.id == lss_request) {
+    return fmt::format("LSS request: {}", data);
+  }
+  if (frame.id == lss_answer) {
+    return fmt::format("LSS answer: {}", data);
+  }
   if (function == 1 && frame.length == 8) {
     return fmt::format("EMCY of {}: {}: {}", node, emergency_text(frame), data);
   }
@@ -107,7 +125,9 @@ std::string frame_text(const hal::CanFrame& frame) {
         static_cast<std::uint32_t>(canopen::take_number(std::span(frame.data).subspan(4)));
     return fmt::format("SDO abort of {}: {:08X}h {}", node, code, text::abort_text(code));
   }
-  if (functions[function][0] == '\0') return fmt::format("{:03X}h: {}", frame.id, data);
+  if (functions[function][0] == '\0') {
+    return fmt::format("{:03X}h: {}", frame.id, data);
+  }
   return fmt::format("{} of {}: {}", functions[function], node, data);
 }
 

@@ -28,7 +28,9 @@ PortBus::PortBus(const std::string& name) : port_(opened(name)) {}
 
 void PortBus::send(const hal::CanFrame& frame) {
   for (int i = 0; i < queue_tries; ++i) {
-    if (port_.send(frame)) return;
+    if (port_.send(frame)) {
+      return;
+    }
     if (port_.state() == hal::CanState::down || port_.state() == hal::CanState::gone) {
       throw files::UserError(
           fmt::format("{}: the interface is {}", name(), hal::name(port_.state())));
@@ -43,9 +45,13 @@ void PortBus::send(const hal::CanFrame& frame) {
 
 bool PortBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
   for (;;) {
-    if (port_.receive(frame)) return true;
+    if (port_.receive(frame)) {
+      return true;
+    }
     const std::int64_t left_us = until_us - now_us();
-    if (left_us <= 0) return false;
+    if (left_us <= 0) {
+      return false;
+    }
     if (port_.state() == hal::CanState::bus_off) {
       throw files::UserError(
           fmt::format("{}: the controller is bus-off; `ip link set {} type can "

@@ -49,14 +49,18 @@ double rows_within(double time_s, double period_s) {
 std::size_t first_row(const Recording& recording, const RecordingPlan& plan) {
   const std::size_t sign = plan.trigger.find_first_of("<>");
   const auto found = std::ranges::find(plan.signals, plan.trigger.substr(0, sign));
-  if (sign == std::string::npos || found == plan.signals.end()) return 0;
+  if (sign == std::string::npos || found == plan.signals.end()) {
+    return 0;
+  }
   const std::vector<double> values = recording.column(*found);
   const double level = std::strtod(plan.trigger.c_str() + sign + 1, nullptr);
   const bool rises = plan.trigger[sign] == '>';
   const auto before = static_cast<std::size_t>(rows_within(plan.before_s, recording.period_s));
   for (std::size_t i = std::max<std::size_t>(before, 1); i < values.size(); ++i) {
     const bool was_below = values[i - 1] < level;
-    if (was_below == rises && (values[i] < level) != was_below) return i - before;
+    if (was_below == rises && (values[i] < level) != was_below) {
+      return i - before;
+    }
   }
   return 0;
 }
@@ -128,8 +132,12 @@ bool RecorderWatch::is_complete() {
   const std::int64_t longest_us = 10 * after_us_ + 5'000'000;
   const RecorderState state = state_of(remote_);
   const std::int64_t now_us = remote_.bus().now_us();
-  if (state == RecorderState::full || state == RecorderState::idle) return true;
-  if (state == RecorderState::triggered && triggered_us_ == 0) triggered_us_ = now_us;
+  if (state == RecorderState::full || state == RecorderState::idle) {
+    return true;
+  }
+  if (state == RecorderState::triggered && triggered_us_ == 0) {
+    triggered_us_ = now_us;
+  }
   if (triggered_us_ != 0) {
     return now_us >= triggered_us_ + after_us_ &&
            (remote_.number("recorder.samples") >= rows_ || now_us >= triggered_us_ + longest_us);
@@ -173,7 +181,9 @@ Recording read_recording(Remote& remote, const RecordingPlan& plan) {
   auto& rows = recording.rows;
   rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(first));
   const bool has_begin = plan.trigger.empty() || first != 0;
-  if (has_begin && rows.size() > max) rows.resize(max);
+  if (has_begin && rows.size() > max) {
+    rows.resize(max);
+  }
   return recording;
 }
 

@@ -22,7 +22,9 @@ constexpr double period_tolerance = 0.01;
 
 /// The number in a field. An empty field is NaN; otherwise the whole text must be a number.
 double field_number(const std::string& text, const std::string& path, unsigned line) {
-  if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (text.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool fits = std::abs(number) <= max_number;
@@ -39,7 +41,9 @@ void take_time(double time_s, Recording& recording, double& last_s, const std::s
   const std::size_t rows = recording.rows.size();
   const double step_s = time_s - last_s;
   last_s = time_s;
-  if (rows == 1) recording.period_s = step_s;
+  if (rows == 1) {
+    recording.period_s = step_s;
+  }
   if (std::isnan(time_s) || (rows > 0 && !(step_s > 0))) {
     throw files::UserError(fmt::format("{}: time_s must increase", where));
   }
@@ -54,11 +58,15 @@ void take_time(double time_s, Recording& recording, double& last_s, const std::s
 
 std::vector<double> Recording::column(const std::string& signal) const {
   const auto found = std::ranges::find(signals, signal);
-  if (found == signals.end()) throw files::UserError(fmt::format("{} was not recorded", signal));
+  if (found == signals.end()) {
+    throw files::UserError(fmt::format("{} was not recorded", signal));
+  }
   const auto at = static_cast<std::size_t>(found - signals.begin());
   std::vector<double> values;
   values.reserve(rows.size());
-  for (const std::vector<double>& row : rows) values.push_back(row[at]);
+  for (const std::vector<double>& row : rows) {
+    values.push_back(row[at]);
+  }
   return values;
 }
 
@@ -84,7 +92,9 @@ Recording load_recording(const std::string& path) {
   Recording recording;
   // The appended comma preserves an empty last field.
   std::istringstream header(line.substr(line.find(',') + 1) + ",");
-  for (std::string name; std::getline(header, name, ',');) recording.signals.push_back(name);
+  for (std::string name; std::getline(header, name, ',');) {
+    recording.signals.push_back(name);
+  }
   if (std::ranges::count(recording.signals, "") != 0) {
     throw files::UserError(fmt::format("{}: each column needs the name of a signal", path));
   }

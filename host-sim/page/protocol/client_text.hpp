@@ -22,7 +22,9 @@ class Malformed : public files::Error {
 class Complaints {
  public:
   void add(std::string text) {
-    if (count_++ == 0) first_ = std::move(text);
+    if (count_++ == 0) {
+      first_ = std::move(text);
+    }
   }
   std::string text() const {
     return count_ < 2 ? first_ : fmt::format("{}; and {} more", first_, count_ - 1);

@@ -79,19 +79,25 @@ std::size_t Server::Body::Client::fill(const Frame& frame) {
 
 /// Returns a negative value if the connection has failed.
 int Server::Body::Client::write_piece() {
-  if (!going_out_) return 0;
+  if (!going_out_) {
+    return 0;
+  }
   const Frame& frame = *going_out_;
   const std::size_t length = fill(frame);
   const bool last = sent_ + length == frame.size();
   const int flags = lws_write_ws_flags(frame.binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT,
                                        static_cast<int>(sent_ == 0), static_cast<int>(last));
   sent_ += length;
-  if (last) going_out_.reset();
+  if (last) {
+    going_out_.reset();
+  }
   return lws_write(wsi_, buffer_.data() + LWS_PRE, length, static_cast<lws_write_protocol>(flags));
 }
 
 int Server::Body::Client::write() {
-  if (doomed_) return -1;
+  if (doomed_) {
+    return -1;
+  }
   // Writes several small messages at once, for a client that was not served for a while, but never
   // more than the socket accepts.
   for (int i = 0; i < burst && lws_partial_buffered(wsi_) == 0; ++i) {
@@ -99,13 +105,21 @@ int Server::Body::Client::write() {
       going_out_ = queue_.pop();
       sent_ = 0;
     }
-    if (!going_out_) break;
+    if (!going_out_) {
+      break;
+    }
     const bool small = going_out_->size() < chunk;
-    if (write_piece() < 0) return -1;
-    if (!small) break;
+    if (write_piece() < 0) {
+      return -1;
+    }
+    if (!small) {
+      break;
+    }
   }
   show();
-  if (going_out_ || !queue_.empty()) lws_callback_on_writable(wsi_);
+  if (going_out_ || !queue_.empty()) {
+    lws_callback_on_writable(wsi_);
+  }
   return 0;
 }
 

@@ -21,9 +21,13 @@ std::string query_token(lws* wsi) {
   for (int i = 0;; ++i) {
     const int length = lws_hdr_copy_fragment(wsi, text.data(), static_cast<int>(text.size()),
                                              WSI_TOKEN_HTTP_URI_ARGS, i);
-    if (length < 0) return "";
+    if (length < 0) {
+      return "";
+    }
     const std::string_view argument(text.data(), static_cast<std::size_t>(length));
-    if (argument.starts_with(key)) return std::string(argument.substr(key.size()));
+    if (argument.starts_with(key)) {
+      return std::string(argument.substr(key.size()));
+    }
   }
 }
 
@@ -40,9 +44,13 @@ bool add_header(lws* wsi, const char* name, std::string_view value, unsigned cha
 std::optional<std::string> header(lws* wsi, lws_token_indexes which) {
   std::array<char, 1024> text{};
   const int length = lws_hdr_total_length(wsi, which);
-  if (length <= 0) return "";
+  if (length <= 0) {
+    return "";
+  }
   const int copied = lws_hdr_copy(wsi, text.data(), static_cast<int>(text.size()), which);
-  if (copied < 0) return std::nullopt;
+  if (copied < 0) {
+    return std::nullopt;
+  }
   return std::string(text.data(), static_cast<std::size_t>(copied));
 }
 
@@ -50,7 +58,9 @@ Verdict judge(const AccessRules& rules, lws* wsi) {
   const auto host = header(wsi, WSI_TOKEN_HOST);
   const auto origin = header(wsi, WSI_TOKEN_ORIGIN);
   const auto authorization = header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
-  if (!host || !origin || !authorization) return {400, "a header is too long"};
+  if (!host || !origin || !authorization) {
+    return {400, "a header is too long"};
+  }
   return page::judge(rules, {*host, *origin, *authorization, query_token(wsi)});
 }
 
@@ -106,7 +116,9 @@ void check_address(const Listen& listen) {
   // NOLINTEND(*-reinterpret-cast)
   const int error = errno;
   close(fd);
-  if (failed == 0) return;
+  if (failed == 0) {
+    return;
+  }
   throw files::UserError(
       fmt::format("--listen {}: {}", listen.text(),
                   error == EADDRINUSE      ? "another program listens there; choose another port"

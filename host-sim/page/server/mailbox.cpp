@@ -12,7 +12,9 @@ void Mailbox::wake_first(bool was_empty) const {
 
 void Mailbox::post(Errand errand) {
   const std::scoped_lock lock(mutex_);
-  if (wake_ == nullptr) return;
+  if (wake_ == nullptr) {
+    return;
+  }
   const bool was_empty = mail_.errands.empty() && mail_.live.empty();
   mail_.errands.push_back(std::move(errand));
   wake_first(was_empty);
@@ -20,7 +22,9 @@ void Mailbox::post(Errand errand) {
 
 void Mailbox::post(Live live) {
   const std::scoped_lock lock(mutex_);
-  if (wake_ == nullptr) return;
+  if (wake_ == nullptr) {
+    return;
+  }
   if (mail_.live.size() == room) {
     ++mail_.lost;
     return;

@@ -87,7 +87,9 @@ void Server::Body::join(lws* wsi, Session& session) {
 }
 
 void Server::Body::leave(Session& session) {
-  if (session.client == nullptr) return;
+  if (session.client == nullptr) {
+    return;
+  }
   const std::uint32_t id = session.client->id();
   const std::int64_t silent_us = lws_now_usecs() - session.heard_us;
   if (!stopped_ && silent_us >= 1'000'000LL * (settings_.patience_s - 1)) {
@@ -102,7 +104,9 @@ void Server::Body::leave(Session& session) {
     const std::scoped_lock lock(shown_mutex_);
     shown_.erase(id);
   }
-  if (stopped_) return;
+  if (stopped_) {
+    return;
+  }
   source_.client_left(id);
   for (const std::uint32_t channel : channels) {
     count(channel, -1);
@@ -124,7 +128,9 @@ void Server::Body::deliver() {
     for (const Mailbox::Live& live : mail.live) {
       client->conversation().message(live.channel, live.time_ns, live.bytes);
     }
-    if (mail.lost > 0) client->lost(mail.lost);
+    if (mail.lost > 0) {
+      client->lost(mail.lost);
+    }
   }
 }
 
@@ -162,7 +168,9 @@ int Server::Body::may_upgrade(lws* wsi) {
     verdict = {unavailable,
                fmt::format("{} clients are connected; --clients allows more", clients_.size())};
   }
-  if (verdict.status == ok) return 0;
+  if (verdict.status == ok) {
+    return 0;
+  }
   return say(wsi, verdict.status, verdict.why + "\n") ? 1 : -1;
 }
 
@@ -174,10 +182,18 @@ int Server::Body::serve_http(lws* wsi, std::string_view path) {
     return -1;
   };
   const Verdict verdict = judge(settings_.access, wsi);
-  if (verdict.status != ok) return only(verdict.status, verdict.why + "\n");
-  if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) return only(not_allowed, "only GET\n");
-  if (path != "/") return only(not_found, "there is / and the WebSocket /ws\n");
-  if (settings_.page.empty()) return only(ok, no_page);
+  if (verdict.status != ok) {
+    return only(verdict.status, verdict.why + "\n");
+  }
+  if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
+    return only(not_allowed, "only GET\n");
+  }
+  if (path != "/") {
+    return only(not_found, "there is / and the WebSocket /ws\n");
+  }
+  if (settings_.page.empty()) {
+    return only(ok, no_page);
+  }
   if (!write_headers(wsi, ok, "text/html; charset=utf-8", settings_.page.size(),
                      content_policy(header(wsi, WSI_TOKEN_HOST).value_or(""), tls()))) {
     return -1;
@@ -188,7 +204,9 @@ int Server::Body::serve_http(lws* wsi, std::string_view path) {
 
 int Server::Body::serve_page(lws* wsi, Session& session) const {
   const std::string_view rest = settings_.page.substr(session.sent);
-  if (rest.empty()) return 0;
+  if (rest.empty()) {
+    return 0;
+  }
   const std::string_view part = rest.substr(0, chunk);
   std::vector<unsigned char> buffer(LWS_PRE + part.size());
   std::ranges::copy(part, buffer.begin() + LWS_PRE);
@@ -258,7 +276,9 @@ void Server::Body::open_context() {
   lws_context_creation_info info{};
   info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_VALIDATE_UTF8 |
                  LWS_SERVER_OPTION_SKIP_SERVER_CANONICAL_NAME;
-  if (tls()) info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+  if (tls()) {
+    info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+  }
   info.user = this;
   info.fd_limit_per_thread = settings_.clients + 64;
   context_ = lws_create_context(&info);

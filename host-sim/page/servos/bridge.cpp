@@ -53,7 +53,9 @@ void Bridge::start(Sink& sink) {
 // Switching off.
 
 void Bridge::switch_off(const NodeSet& nodes, std::string_view why) {
-  if (nodes.none()) return;
+  if (nodes.none()) {
+    return;
+  }
   if (!why.empty()) {
     for (unsigned node = 1; node < nodes.size(); ++node) {
       if (nodes[node]) {
@@ -84,13 +86,17 @@ bool Bridge::check_off() {
     nodes = to_check_;
   }
   const std::int64_t now_us = bus_.now_us();
-  if (nodes.none() || (now_us < check_us_ && stops_.empty())) return false;
+  if (nodes.none() || (now_us < check_us_ && stops_.empty())) {
+    return false;
+  }
   check_us_ = now_us + retry_us;
   std::vector<std::string> hot;
   NodeSet done;
   for (unsigned node = 1; node < nodes.size(); ++node) {
     const auto found = nodes[node] ? traffic_.servos().find(node) : traffic_.servos().end();
-    if (found == traffic_.servos().end()) continue;
+    if (found == traffic_.servos().end()) {
+      continue;
+    }
     Servo& servo = found->second;
     // If two devices share the node-id, it is unknown which of them answers, but both have received
     // the frame that switches off. A servo that is away is switched off when it comes back, or
@@ -134,7 +140,9 @@ bool Bridge::check_off() {
 
 void Bridge::stop() {
   const NodeSet nodes = control_.stop_all();
-  if (const std::optional<std::uint32_t> client = control_.client()) control_.give_up(*client);
+  if (const std::optional<std::uint32_t> client = control_.client()) {
+    control_.give_up(*client);
+  }
   switch_off(nodes, "this program ends");
   bus_.forget_interrupt();
   try {
@@ -146,7 +154,9 @@ void Bridge::stop() {
       can::Remote remote = operations_.remote(node);
       stream_.put_back(remote);
     }
-    if (trial_) operations_.revert(operations_.servo(trial_->first));
+    if (trial_) {
+      operations_.revert(operations_.servo(trial_->first));
+    }
   } catch (const std::exception& error) {
     files::complain("host-sim", error.what());
   }
@@ -174,14 +184,18 @@ void Bridge::round() {
 void Bridge::rest() {
   try {
     hal::CanFrame frame;
-    if (port_->receive(frame, port_->now_us() + rest_us)) traffic_.heard(frame, port_->now_us());
+    if (port_->receive(frame, port_->now_us() + rest_us)) {
+      traffic_.heard(frame, port_->now_us());
+    }
   } catch (const UserError&) {
     std::this_thread::sleep_for(std::chrono::microseconds(rest_us));
   }
 }
 
 void Bridge::run_next() {
-  if (check_off() || run_job() || look_after_servos() || read_recording()) return;
+  if (check_off() || run_job() || look_after_servos() || read_recording()) {
+    return;
+  }
   hal::CanFrame frame;
   const std::int64_t until_us = bus_.now_us() + 2000;
   while (bus_.receive(frame, until_us)) {
@@ -192,7 +206,9 @@ bool Bridge::run_job() {
   std::optional<Job> job;
   {
     const std::scoped_lock lock(mutex_);
-    if (jobs_.empty()) return false;
+    if (jobs_.empty()) {
+      return false;
+    }
     job = std::move(jobs_.front());
     jobs_.pop_front();
   }
@@ -215,7 +231,9 @@ bool Bridge::run_job() {
 
 /// Ends a trial whose client has no control any more.
 void Bridge::end_trial() {
-  if (!trial_ || control_.client() == trial_->second) return;
+  if (!trial_ || control_.client() == trial_->second) {
+    return;
+  }
   const unsigned node = trial_->first;
   trial_.reset();
   operations_.revert(operations_.servo(node));
@@ -224,10 +242,14 @@ void Bridge::end_trial() {
 bool Bridge::look_after_servos() {
   const std::int64_t now_us = bus_.now_us();
   for (auto& [node, servo] : traffic_.servos()) {
-    if (!servo.online || servo.duplicate || now_us < next_try_us_[node]) continue;
+    if (!servo.online || servo.duplicate || now_us < next_try_us_[node]) {
+      continue;
+    }
     next_try_us_[node] = now_us + retry_us;
     try {
-      if (look_after(servo, now_us)) return true;
+      if (look_after(servo, now_us)) {
+        return true;
+      }
     } catch (const UserError& error) {
       trouble(fmt::format("{}: {}", servo.title(), error.what()));
       return true;
@@ -259,10 +281,14 @@ bool Bridge::look_after(Servo& servo, std::int64_t now_us) {
   if (counted != servo.values.end() && counted->second != servo.changes_seen) {
     const std::vector<std::size_t> rows = operations_.read_changes(servo);
     counted->second = servo.changes_seen.value_or(0);
-    if (!rows.empty()) tell_parameters(node, rows);
+    if (!rows.empty()) {
+      tell_parameters(node, rows);
+    }
     return true;
   }
-  if (look_after_stream(servo)) return true;
+  if (look_after_stream(servo)) {
+    return true;
+  }
   next_try_us_[node] = now_us;
   return false;
 }
@@ -272,7 +298,9 @@ bool Bridge::look_after_stream(Servo& servo) {
   const auto until = live_until_us_.find(servo.node);
   const bool wanted =
       stream_.wanted() && until != live_until_us_.end() && bus_.now_us() < until->second;
-  if (wanted == stream_.is_mapped(servo.node)) return false;
+  if (wanted == stream_.is_mapped(servo.node)) {
+    return false;
+  }
   can::Remote remote = operations_.remote(servo);
   operations_.read_changes(servo);
   if (wanted) {
@@ -294,7 +322,9 @@ bool Bridge::read_recording() {
   const std::int64_t now_us = bus_.now_us();
   for (auto it = recorded_.begin(); it != recorded_.end(); ++it) {
     Recorded& running = *it;
-    if (now_us < running.next_us) continue;
+    if (now_us < running.next_us) {
+      continue;
+    }
     running.next_us = now_us + recorder_poll_us;
     bool gone = false;
     {

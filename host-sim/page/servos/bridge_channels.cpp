@@ -68,7 +68,9 @@ void Bridge::apply_wishes() {
   {
     const std::scoped_lock lock(mutex_);
     for (const auto& [channel, clients] : wanted_) {
-      if (clients == 0) continue;
+      if (clients == 0) {
+        continue;
+      }
       anything = true;
       for (const std::uint32_t first : {live_channel, ros_channel}) {
         if (channel > first && channel < first + 128) {
@@ -77,7 +79,9 @@ void Bridge::apply_wishes() {
       }
     }
   }
-  for (const auto& [node, until_us] : live_until_us_) live.set(node, now_us < until_us);
+  for (const auto& [node, until_us] : live_until_us_) {
+    live.set(node, now_us < until_us);
+  }
   traffic_.want(live, anything || live.any());
 }
 
@@ -87,7 +91,9 @@ void Bridge::show(const Servo& servo) {
     shown_[servo.node] = {servo.history, servo.parameters};
     all_nodes_.set(servo.node);
   }
-  if (Sink* sink = sink_) sink->channels_changed();
+  if (Sink* sink = sink_) {
+    sink->channels_changed();
+  }
 }
 
 // Events of the traffic.
@@ -95,11 +101,15 @@ void Bridge::show(const Servo& servo) {
 void Bridge::sampled(Servo& servo, const Sample& sample) {
   servo.history->add(sample);
   Sink* const sink = sink_;
-  if (sink == nullptr) return;
+  if (sink == nullptr) {
+    return;
+  }
   const std::int64_t time_ns = wall_ns(sample.time_us);
   sink->message(live_channel + servo.node, time_ns,
                 std::make_shared<const std::string>(live_text(sample)));
-  if (!is_wanted(ros_channel + servo.node)) return;
+  if (!is_wanted(ros_channel + servo.node)) {
+    return;
+  }
   // The message has all signals, each with its last reading.
   sink->message(
       ros_channel + servo.node, time_ns,
@@ -169,7 +179,9 @@ void Bridge::doubled(Servo& servo) {
 
 void Bridge::trouble(const std::string& text) {
   trouble_us_ = bus_.now_us();
-  if (trouble_ == text) return;
+  if (trouble_ == text) {
+    return;
+  }
   trouble_ = text;
   published_us_ = 0;
 }
@@ -178,9 +190,13 @@ void Bridge::watch_clients(std::int64_t now_us) {
   take_wall_clock(now_us);
   Sink* const sink = sink_;
   const std::optional<std::uint32_t> client = control_.client();
-  if (sink == nullptr || !client) return;
+  if (sink == nullptr || !client) {
+    return;
+  }
   const std::vector<ClientState> all = sink->clients();
-  if (std::ranges::find(all, *client, &ClientState::client) == all.end()) client_left(*client);
+  if (std::ranges::find(all, *client, &ClientState::client) == all.end()) {
+    client_left(*client);
+  }
 }
 
 /// Detects that a busy computer has kept this program from running. That is no fault of a servo,
@@ -189,7 +205,9 @@ void Bridge::watch_own_lateness(std::int64_t now_us) {
   constexpr std::int64_t late_us = 500'000;
   const std::int64_t gone_us = ticked_us_ == 0 ? 0 : now_us - ticked_us_;
   ticked_us_ = now_us;
-  if (gone_us < late_us) return;
+  if (gone_us < late_us) {
+    return;
+  }
   const std::string text = fmt::format(
       "this computer is too busy: host-sim page did not run for {:.1f} s, and a servo that it "
       "heats may have gone off by that",
@@ -208,7 +226,9 @@ void Bridge::ticked(std::int64_t now_us) {
 
 void Bridge::publish_bridge(std::int64_t now_us) {
   published_us_ = now_us;
-  if (now_us - trouble_us_ > shortest_trouble_us) trouble_.clear();
+  if (now_us - trouble_us_ > shortest_trouble_us) {
+    trouble_.clear();
+  }
   if (Sink* sink = sink_) {
     sink->message(bridge_channel, wall_ns(now_us),
                   std::make_shared<const std::string>(bridge_text(now_us)));
@@ -219,7 +239,9 @@ std::string Bridge::bridge_text(std::int64_t now_us) {
   json message{{"bus", port_->name()}, {"read_only", plan_.read_only}, {"trouble", trouble_}};
   message["nodes"] = json::array();
   for (const auto& [node, servo] : traffic_.servos()) {
-    if (servo.name.empty() && !servo.duplicate) continue;  // not known yet to be a servo
+    if (servo.name.empty() && !servo.duplicate) {
+      continue;  // not known yet to be a servo
+    }
     message["nodes"].push_back({{"node", node},
                                 {"name", servo.name},
                                 {"online", servo.online},
@@ -252,11 +274,15 @@ std::string Bridge::bridge_text(std::int64_t now_us) {
 }
 
 void Bridge::take_wall_clock(std::int64_t now_us) {
-  if (now_us - wall_us_ < 1'000'000) return;
+  if (now_us - wall_us_ < 1'000'000) {
+    return;
+  }
   wall_us_ = now_us;
   const std::int64_t wall = plan_.wall_ns() - 1000 * now_us;
   // Small differences are ignored, because times of messages must not go back.
-  if (std::abs(wall - wall_ns_at_0_) > 100'000'000) wall_ns_at_0_ = wall;
+  if (std::abs(wall - wall_ns_at_0_) > 100'000'000) {
+    wall_ns_at_0_ = wall;
+  }
 }
 
 std::int64_t system_wall_ns() {

@@ -35,12 +35,16 @@ std::vector<NamedValue> Bridge::values_of(unsigned node, const std::vector<std::
   {
     const std::scoped_lock lock(mutex_);
     const auto found = shown_.find(node);
-    if (found == shown_.end()) return {};
+    if (found == shown_.end()) {
+      return {};
+    }
     known = found->second.parameters;
   }
   std::vector<NamedValue> values;
   for (std::size_t row = 0; row < parameter_count; ++row) {
-    if (!rows.empty() && std::ranges::find(rows, row) == rows.end()) continue;
+    if (!rows.empty() && std::ranges::find(rows, row) == rows.end()) {
+      continue;
+    }
     const Parameter<double>& parameter = parameters<double>[row];
     if (const std::optional<Value> value = known->get(row)) {
       values.push_back({fmt::format("node{}.{}", node, parameter.path.text()),
@@ -52,7 +56,9 @@ std::vector<NamedValue> Bridge::values_of(unsigned node, const std::vector<std::
 
 /// Sends the values of these rows; if there are none, those of all rows.
 void Bridge::tell_parameters(unsigned node, const std::vector<std::size_t>& rows) {
-  if (Sink* sink = sink_) sink->parameters_changed(values_of(node, rows));
+  if (Sink* sink = sink_) {
+    sink->parameters_changed(values_of(node, rows));
+  }
 }
 
 void Bridge::get_parameters(std::vector<std::string> names,
@@ -61,8 +67,12 @@ void Bridge::get_parameters(std::vector<std::string> names,
   if (names.empty()) {
     const NodeSet nodes = all_nodes();
     for (unsigned node = 1; node < nodes.size(); ++node) {
-      if (!nodes[node]) continue;
-      for (NamedValue& value : values_of(node, {})) values.push_back(std::move(value));
+      if (!nodes[node]) {
+        continue;
+      }
+      for (NamedValue& value : values_of(node, {})) {
+        values.push_back(std::move(value));
+      }
     }
   }
   for (const std::string& name : names) {
@@ -84,7 +94,9 @@ void Bridge::write_parameters(unsigned node, const std::vector<Operations::NewVa
   operations_.write(servo, values);
   std::vector<std::size_t> rows;
   rows.reserve(values.size());
-  for (const Operations::NewValue& value : values) rows.push_back(value.row);
+  for (const Operations::NewValue& value : values) {
+    rows.push_back(value.row);
+  }
   operations_.read_parameters(servo, rows);
 }
 
@@ -93,7 +105,9 @@ void Bridge::set_parameters(
     std::function<void(std::vector<NamedValue>, std::string refusal)> reply) {
   std::vector<std::string> names;
   names.reserve(values.size());
-  for (const NamedValue& value : values) names.push_back(value.name);
+  for (const NamedValue& value : values) {
+    names.push_back(value.name);
+  }
   // The values in force are sent back, whatever the result.
   const Reply answer = [this, names, reply](const Answer& result) {
     get_parameters(names, [&](std::vector<NamedValue> in_force) {
@@ -111,12 +125,18 @@ void Bridge::set_parameters(
       }
       node = name.node;
       const json parsed = json::parse(value.value, nullptr, false);
-      if (parsed.is_discarded()) throw UserError(fmt::format("{}: is no JSON", value.name));
+      if (parsed.is_discarded()) {
+        throw UserError(fmt::format("{}: is no JSON", value.name));
+      }
       wanted.push_back({name.row, parameter_text(parameters<double>[name.row], parsed)});
     }
-    if (wanted.empty()) throw UserError("no parameters");
+    if (wanted.empty()) {
+      throw UserError("no parameters");
+    }
     const Control::Leave leave = control_.ask(caller);
-    if (!leave.refusal.empty()) throw UserError(leave.refusal);
+    if (!leave.refusal.empty()) {
+      throw UserError(leave.refusal);
+    }
     Job job{"setParameters", caller.client, leave.ticket, {}, answer};
     job.run = [this, node, wanted] {
       write_parameters(node, wanted);

@@ -105,8 +105,12 @@ void Bridge::call(Caller caller, std::uint32_t service, std::string request,
       return;
     }
     const json parsed = parsed_request(request);
-    if (row.kind == Kind::changing && caller.read_only) throw UserError(read_only_refusal);
-    if (!call_at_once(caller, row.name, parsed, reply)) queue(caller, row.name, parsed, reply);
+    if (row.kind == Kind::changing && caller.read_only) {
+      throw UserError(read_only_refusal);
+    }
+    if (!call_at_once(caller, row.name, parsed, reply)) {
+      queue(caller, row.name, parsed, reply);
+    }
   } catch (const std::exception& error) {
     reply({false, error.what()});
   }
@@ -142,7 +146,9 @@ bool Bridge::call_at_once(const Caller& caller, const std::string& service, cons
   } else if (service == "export") {
     answer = recordings_.exported(request);
   } else if (service == "take_control") {
-    if (caller.read_only) throw UserError(read_only_refusal);
+    if (caller.read_only) {
+      throw UserError(read_only_refusal);
+    }
     switch_off(control_.take(caller.client),
                fmt::format("client {} has taken control", caller.client));
     answer = told();
@@ -165,7 +171,9 @@ json Bridge::history(const json& request) {
   {
     const std::scoped_lock lock(mutex_);
     const auto found = shown_.find(node);
-    if (found == shown_.end()) throw UserError(fmt::format("node {}: no such servo", node));
+    if (found == shown_.end()) {
+      throw UserError(fmt::format("node {}: no such servo", node));
+    }
     history = found->second.history;
   }
   return history_message(
@@ -179,7 +187,9 @@ void Bridge::queue(const Caller& caller, const std::string& service, const json&
   Job job{service, caller.client, 0, {}, std::move(reply)};
   if (row->kind == Kind::writing) {
     const Control::Leave leave = control_.ask(caller);
-    if (!leave.refusal.empty()) throw UserError(leave.refusal);
+    if (!leave.refusal.empty()) {
+      throw UserError(leave.refusal);
+    }
     job.ticket = leave.ticket;
   }
   if (service == "record") {
@@ -189,7 +199,9 @@ void Bridge::queue(const Caller& caller, const std::string& service, const json&
     };
     // The answer comes when the recording is complete; only an error is sent before.
     job.reply = [reply_ = job.reply](const Answer& answer) {
-      if (!answer.ok) reply_(answer);
+      if (!answer.ok) {
+        reply_(answer);
+      }
     };
   } else {
     const Job asked{service, job.client, job.ticket, {}, {}};
@@ -198,7 +210,9 @@ void Bridge::queue(const Caller& caller, const std::string& service, const json&
   if (service == "disable") {
     const NodeSet node = NodeSet{}.set(node_in(request));
     off_switch_.off(node & all_nodes());
-    if (activity_node_ == static_cast<int>(node_in(request))) bus_.interrupt();
+    if (activity_node_ == static_cast<int>(node_in(request))) {
+      bus_.interrupt();
+    }
   }
   const std::scoped_lock lock(mutex_);
   jobs_.push_back(std::move(job));
@@ -210,9 +224,13 @@ NodeSet Bridge::all_nodes() const {
 }
 
 json Bridge::work(const std::string& service, const json& request, const Job& job) {
-  if (service == "scan") return scan();
+  if (service == "scan") {
+    return scan();
+  }
   Servo& servo = operations_.servo(node_in(request));
-  if (!servo.joined) operations_.join(servo);
+  if (!servo.joined) {
+    operations_.join(servo);
+  }
   activity_ = Activity{service, servo.node, job.client, bus_.now_us(), 0};
   activity_node_ = static_cast<int>(servo.node);
   try {
@@ -229,14 +247,18 @@ json Bridge::work(const std::string& service, const json& request, const Job& jo
 json Bridge::work_on(Servo& servo, const std::string& service, const json& request,
                      const Job& job) {
   json answer = json::object();
-  if (service == "enable" || service == "step") return heat(servo, service, request, job);
+  if (service == "enable" || service == "step") {
+    return heat(servo, service, request, job);
+  }
   if (service == "disable") {
     operations_.disable(servo);
   } else if (service == "reset_faults") {
     operations_.reset_faults(servo);
   } else if (service == "mode") {
     const double mode = number_in(request, "mode", -128, 127);
-    if (mode != std::floor(mode)) throw UserError("mode: must be a whole number");
+    if (mode != std::floor(mode)) {
+      throw UserError("mode: must be a whole number");
+    }
     operations_.set_mode(servo, static_cast<int>(mode));
   } else if (service == "target") {
     constexpr auto max = static_cast<double>(std::numeric_limits<float>::max());
@@ -267,7 +289,9 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
   if (service == "step") {
     const double amplitude = number_in(request, "amplitude_um", -1e6, 1e6);
     amplitude_um = static_cast<std::int32_t>(std::lround(amplitude));
-    if (amplitude_um == 0) throw UserError("amplitude_um: must not be 0");
+    if (amplitude_um == 0) {
+      throw UserError("amplitude_um: must not be 0");
+    }
     seconds = number_in(request, "seconds", 0.2, 600);
     activity_->expected_us = static_cast<std::int64_t>(2e6 * seconds) + 2'000'000;
     for (Recorded& running : recorded_) {

@@ -6,9 +6,13 @@
 namespace smaservo::page {
 
 Control::Leave Control::ask(const Caller& caller) {
-  if (caller.read_only) return {0, read_only_refusal};
+  if (caller.read_only) {
+    return {0, read_only_refusal};
+  }
   const std::scoped_lock lock(mutex_);
-  if (!client_) client_ = caller.client;
+  if (!client_) {
+    client_ = caller.client;
+  }
   if (*client_ != caller.client) {
     return {0, fmt::format("client {} has control; take_control takes it", *client_)};
   }
@@ -22,14 +26,18 @@ NodeSet Control::end_tickets() {
 
 NodeSet Control::take(std::uint32_t client) {
   const std::scoped_lock lock(mutex_);
-  if (client_ == client) return {};
+  if (client_ == client) {
+    return {};
+  }
   client_ = client;
   return end_tickets();
 }
 
 NodeSet Control::give_up(std::uint32_t client) {
   const std::scoped_lock lock(mutex_);
-  if (client_ != client) return {};
+  if (client_ != client) {
+    return {};
+  }
   client_.reset();
   return end_tickets();
 }
@@ -41,7 +49,9 @@ NodeSet Control::stop_all() {
 
 bool Control::heat(Ticket ticket, unsigned node) {
   const std::scoped_lock lock(mutex_);
-  if (ticket != ticket_ || !client_) return false;
+  if (ticket != ticket_ || !client_) {
+    return false;
+  }
   heated_.set(node);
   return true;
 }

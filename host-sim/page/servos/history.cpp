@@ -17,7 +17,9 @@ struct Extremes {
   std::int64_t low_us = 0, high_us = 0;
 
   void add(float value, std::int64_t time_us) {
-    if (!std::isfinite(value)) return;
+    if (!std::isfinite(value)) {
+      return;
+    }
     if (!(low <= value)) {
       low = value;
       low_us = time_us;
@@ -42,7 +44,9 @@ History::Chunk& History::open_chunk(const SignalSet& has) {
   const std::size_t looked_at = std::min<std::size_t>(chunks_.size(), 8);
   for (std::size_t i = 1; i <= looked_at; ++i) {
     Chunk& chunk = chunks_[chunks_.size() - i];
-    if (chunk.has == has && chunk.times_us.size() < chunk_rows) return chunk;
+    if (chunk.has == has && chunk.times_us.size() < chunk_rows) {
+      return chunk;
+    }
   }
   Chunk& chunk = chunks_.emplace_back();
   chunk.has = has;
@@ -61,12 +65,16 @@ void History::drop_old(std::int64_t now_us) {
 }
 
 void History::add(const Sample& sample) {
-  if (sample.has.none()) return;
+  if (sample.has.none()) {
+    return;
+  }
   const std::scoped_lock lock(mutex_);
   Chunk& chunk = open_chunk(sample.has);
   chunk.times_us.push_back(sample.time_us);
   for (std::size_t i = 0; i < signal_count; ++i) {
-    if (!sample.has[i]) continue;
+    if (!sample.has[i]) {
+      continue;
+    }
     chunk.values.push_back(sample.values[i]);
     newest_.values[i] = sample.values[i];
   }
@@ -116,7 +124,9 @@ HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
     times_us.push_back(chunk.times_us[row]);
     std::size_t at = row * chunk.has.count();
     for (std::size_t i = 0; i < signal_count; ++i) {
-      if (has[i]) values.push_back(chunk.has[i] ? chunk.values[at] : absent);
+      if (has[i]) {
+        values.push_back(chunk.has[i] ? chunk.values[at] : absent);
+      }
       at += chunk.has[i] ? 1U : 0U;
     }
   });
@@ -127,7 +137,9 @@ HistoryRows History::whole(std::int64_t from_us, const SignalSet& has) const {
   HistoryRows all{{}, has, std::vector<std::vector<float>>(width)};
   for (const std::size_t row : order) {
     all.time_us.push_back(times_us[row]);
-    for (std::size_t k = 0; k < width; ++k) all.columns[k].push_back(values[row * width + k]);
+    for (std::size_t k = 0; k < width; ++k) {
+      all.columns[k].push_back(values[row * width + k]);
+    }
   }
   return all;
 }
@@ -152,13 +164,19 @@ HistoryRows History::thinned(std::int64_t from_us, const SignalSet& has, std::si
     std::size_t at = row * chunk.has.count();
     std::size_t column = part * width;
     for (std::size_t i = 0; i < signal_count; ++i) {
-      if (chunk.has[i]) extremes[column].add(chunk.values[at++], time_us);
-      if (has[i]) ++column;
+      if (chunk.has[i]) {
+        extremes[column].add(chunk.values[at++], time_us);
+      }
+      if (has[i]) {
+        ++column;
+      }
     }
   });
   HistoryRows all{{}, has, std::vector<std::vector<float>>(width)};
   for (std::size_t part = 0; part < parts; ++part) {
-    if (filled[part] == 0) continue;
+    if (filled[part] == 0) {
+      continue;
+    }
     const auto begin_us = first_us + static_cast<std::int64_t>(part_us * static_cast<double>(part));
     all.time_us.push_back(begin_us);
     all.time_us.push_back(begin_us + static_cast<std::int64_t>(part_us / 2));

@@ -61,7 +61,9 @@ Servo& Operations::servo(unsigned node) {
   const auto found = traffic_.servos().find(node);
   if (found == traffic_.servos().end()) {
     std::vector<unsigned> nodes;
-    for (const auto& [number, servo] : traffic_.servos()) nodes.push_back(number);
+    for (const auto& [number, servo] : traffic_.servos()) {
+      nodes.push_back(number);
+    }
     throw UserError(
         fmt::format("node {}: no such servo on {}; there are: {}", node, bus_.name(),
                     nodes.empty() ? "none" : fmt::format("{}", fmt::join(nodes, ", "))));
@@ -95,7 +97,9 @@ bool is_servo(can::Remote& remote) {
   try {
     return whole(remote, {index::identity, 2}) == canopen::servo_product;
   } catch (const can::SdoError& error) {
-    if (error.code() == 0) throw;
+    if (error.code() == 0) {
+      throw;
+    }
     return false;
   }
 }
@@ -104,9 +108,13 @@ bool is_servo(can::Remote& remote) {
 
 bool Operations::join(Servo& servo) {
   can::Remote remote = this->remote(servo);
-  if (!is_servo(remote)) return false;
+  if (!is_servo(remote)) {
+    return false;
+  }
   servo.name = remote.text("1008");
-  if (plan_.key) remote.set("access.key", std::to_string(*plan_.key));
+  if (plan_.key) {
+    remote.set("access.key", std::to_string(*plan_.key));
+  }
   read_pdo(servo, remote);
   servo.usual_timeout_s.reset();
   servo.unsaved = false;
@@ -132,7 +140,9 @@ void Operations::read_pdo(Servo& servo, can::Remote& remote) {
 
 std::vector<std::size_t> Operations::read_parameters(Servo& servo) {
   std::vector<std::size_t> rows(parameter_count);
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = i;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i] = i;
+  }
   return read_parameters(servo, rows);
 }
 
@@ -148,7 +158,9 @@ std::vector<std::size_t> Operations::read_parameters(Servo& servo,
   }
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (servo.parameters->put(rows[i], {values[i]})) changed.push_back(rows[i]);
+    if (servo.parameters->put(rows[i], {values[i]})) {
+      changed.push_back(rows[i]);
+    }
   }
   return changed;
 }
@@ -174,10 +186,14 @@ std::vector<std::size_t> Operations::read_changes(Servo& servo) {
     servo.unsaved = servo.unsaved || is_unsaved(change);
     all = all || (is_reverted(change) && !first);
     const std::size_t row = find_parameter(change.key);
-    if (row != no_parameter && change.result == canopen::Abort::none) rows.push_back(row);
+    if (row != no_parameter && change.result == canopen::Abort::none) {
+      rows.push_back(row);
+    }
   }
   std::vector<std::size_t> changed;
-  if (!first) changed = all ? read_parameters(servo) : read_parameters(servo, rows);
+  if (!first) {
+    changed = all ? read_parameters(servo) : read_parameters(servo, rows);
+  }
   // The count is stored after everything has been read: if reading fails, the next round repeats
   // it.
   servo.changes_seen = count;
@@ -195,25 +211,35 @@ void Operations::skip_changes(Servo& servo) {
 /// suffice.
 void Operations::shorten_watch(Servo& servo, can::Remote& remote) {
   const float usual_s = canopen::as_real(whole(remote, watch_key));
-  if (usual_s <= plan_.watch_s) return;
+  if (usual_s <= plan_.watch_s) {
+    return;
+  }
   try {
     remote.set("command_source.timeout_s", fmt::format("{}", plan_.watch_s));
     servo.usual_timeout_s = usual_s;
   } catch (const can::SdoError& error) {
-    if (error.code() == 0) throw;
+    if (error.code() == 0) {
+      throw;
+    }
   }
 }
 
 void Operations::put_back_watch(Servo& servo) {
-  if (!servo.usual_timeout_s) return;
+  if (!servo.usual_timeout_s) {
+    return;
+  }
   remote(servo).set("command_source.timeout_s", fmt::format("{}", *servo.usual_timeout_s));
   servo.usual_timeout_s.reset();
 }
 
 void Operations::enable(Servo& servo, Control::Ticket ticket) {
   can::Remote remote = this->remote(servo);
-  if (!servo.usual_timeout_s) shorten_watch(servo, remote);
-  if (!control_.heat(ticket, servo.node)) throw UserError("control has passed on");
+  if (!servo.usual_timeout_s) {
+    shorten_watch(servo, remote);
+  }
+  if (!control_.heat(ticket, servo.node)) {
+    throw UserError("control has passed on");
+  }
   remote.enable();
   // The values that are renewed from now on.
   servo.commanded.word = static_cast<std::uint16_t>(remote.number("6040"));
@@ -242,7 +268,9 @@ void Operations::set_mode(Servo& servo, int mode) {
   if (mode != 0 && std::ranges::find(rows, mode, &ModeRow::mode) == rows.end()) {
     std::vector<std::string> names;
     names.reserve(rows.size());
-    for (const ModeRow& row : rows) names.push_back(fmt::format("{} ({})", row.mode, row.name));
+    for (const ModeRow& row : rows) {
+      names.push_back(fmt::format("{} ({})", row.mode, row.name));
+    }
     throw UserError(fmt::format("mode = {}: must be one of {}", mode, fmt::join(names, ", ")));
   }
   remote(servo).set_mode(mode);
@@ -307,9 +335,13 @@ Operations::Step Operations::step(Servo& servo, Control::Ticket ticket, std::int
   can::Remote remote = this->remote(servo);
   const bool was_enabled = control_.heated()[servo.node] &&
                            (static_cast<unsigned>(remote.number("6041")) & 0x6FU) == 0x27;
-  if (!was_enabled) enable(servo, ticket);
+  if (!was_enabled) {
+    enable(servo, ticket);
+  }
   const can::StepRun run = can::run_step(remote, {amplitude_um, std::min(seconds, longest_step_s)});
-  if (!was_enabled) disable(servo);
+  if (!was_enabled) {
+    disable(servo);
+  }
   const can::StepResult result = can::judge(run);
   Step answer{run.recording, json::object(), json::object()};
   const auto number = [](double value) { return json_number(static_cast<float>(value)); };
@@ -323,7 +355,9 @@ Operations::Step Operations::step(Servo& servo, Control::Ticket ticket, std::int
     const bool shapes = std::ranges::any_of(
         groups_of_gains, [&](const char* group) { return path.starts_with(group); });
     const std::optional<Value> value = servo.parameters->get(row);
-    if (!shapes || !value) continue;
+    if (!shapes || !value) {
+      continue;
+    }
     answer.gains[std::string(path)] = json::parse(parameter_json(parameters<double>[row], *value));
   }
   return answer;

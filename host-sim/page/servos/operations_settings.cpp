@@ -62,7 +62,9 @@ void Operations::try_for(Servo& servo, const std::vector<NewValue>& values, doub
   can::Remote remote = this->remote(servo);
   const std::vector<can::Change> changes = changes_from(values);
   // A new trial replaces the one before.
-  if (remote.number("tuning.state") != 0) remote.revert_trial();
+  if (remote.number("tuning.state") != 0) {
+    remote.revert_trial();
+  }
   remote.try_for(changes, seconds);
   traffic_.refresh(servo.node);
 }
@@ -99,12 +101,15 @@ std::string Operations::dump(Servo& servo, const std::string& as) {
                        files::printable(bus_.name())) +
            text::to_toml(settings);
   }
-  if (as != "can")
+  if (as != "can") {
     throw UserError(fmt::format("as = {}: must be toml or can", files::printable(as)));
+  }
   // The quotes keep a shell from reading the brackets of an address as a pattern.
   std::string text = fmt::format("host-sim can --can '{}' --node {} set", bus_.name(), servo.node);
   for (const Parameter<double>& row : parameters<double>) {
-    if (!row.is_used(settings) || row.path.text().starts_with("identity.")) continue;
+    if (!row.is_used(settings) || row.path.text().starts_with("identity.")) {
+      continue;
+    }
     text += fmt::format(" \\\n  {}={}", row.path.text(), text::value_text(row, row.get(settings)));
   }
   return text + "\n";

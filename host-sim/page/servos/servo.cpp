@@ -56,14 +56,17 @@ json fault_names(FaultSet set) {
 json limit_names_of(std::uint32_t bits) {
   json names = json::array();
   for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
-    if ((bits >> i & 1U) != 0) names.push_back(text::limit_reason_name(LimitReason(i)));
+    if ((bits >> i & 1U) != 0) {
+      names.push_back(text::limit_reason_name(LimitReason(i)));
+    }
   }
   return names;
 }
 
 std::string nmt_of(const Servo& servo) {
-  if (!servo.online)
+  if (!servo.online) {
     return servo.heartbeat_state ? can::nmt_state_text(*servo.heartbeat_state) : "";
+  }
   return (servo.statusword() & remote_bit_of_status) != 0 ? "operational" : "pre-operational";
 }
 
@@ -86,7 +89,9 @@ json target_of(const Servo& servo) {
 }
 
 json frame_of(const std::optional<Sample>& sample) {
-  if (!sample) return nullptr;
+  if (!sample) {
+    return nullptr;
+  }
   json values = json::object();
   for (std::size_t i = 0; i < signal_count; ++i) {
     if (sample->has[i]) {
@@ -119,8 +124,12 @@ const std::vector<StateObject>& state_objects() {
                                      {{0x2102, 2}, false},
                                      {{0x2102, 5}, false},
                                      {{0x2220, 1}, false}};
-    for (std::uint8_t sub = 1; sub <= 11; ++sub) objects.push_back({{0x2202, sub}, false});
-    for (std::uint8_t sub = 1; sub <= 3; ++sub) objects.push_back({{0x2201, sub}, false});
+    for (std::uint8_t sub = 1; sub <= 11; ++sub) {
+      objects.push_back({{0x2202, sub}, false});
+    }
+    for (std::uint8_t sub = 1; sub <= 3; ++sub) {
+      objects.push_back({{0x2201, sub}, false});
+    }
     return objects;
   }();
   return all;

@@ -21,7 +21,9 @@ BridgePlan plan_of(const ServoOptions& options) {
   plan.operations = {options.key, options.watch_s, options.timeout_s};
   plan.traffic.requests_per_s = options.can.starts_with("udp") ? requests_on_udp : requests_on_can;
   plan.sync_s = options.sync_s;
-  if (options.sync_s > 0) plan.sync_signals = options.sync_signals;
+  if (options.sync_s > 0) {
+    plan.sync_signals = options.sync_signals;
+  }
   plan.read_only = options.read_only;
   return plan;
 }
@@ -38,11 +40,15 @@ class ServoSource final : public Source {
   void start(Sink& sink) override {
     bridge_.start(sink);
     thread_ = std::jthread([this](const std::stop_token& ends) {
-      while (!ends.stop_requested()) bridge_.round();
+      while (!ends.stop_requested()) {
+        bridge_.round();
+      }
     });
   }
   void stop() override {
-    if (!thread_.joinable()) return;
+    if (!thread_.joinable()) {
+      return;
+    }
     thread_.request_stop();
     bridge_.interrupt();
     thread_.join();

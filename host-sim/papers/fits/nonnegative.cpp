@@ -38,7 +38,9 @@ class Pivoting {
       left = count < fewest ? patience : left - 1;
       fewest = std::min(fewest, count);
       if (left >= 0) {
-        for (const Index i : offenders) flip(i);
+        for (const Index i : offenders) {
+          flip(i);
+        }
       } else {
         flip(offenders.back());  // Murty's rule, which is certain to terminate
       }
@@ -53,7 +55,9 @@ class Pivoting {
   void update() {
     std::vector<Index> moving;
     for (Index i = 0; i < right_.size(); ++i) {
-      if (moves(i)) moving.push_back(i);
+      if (moves(i)) {
+        moving.push_back(i);
+      }
     }
     const Eigen::MatrixXd part = normal_(moving, moving);
     const Eigen::VectorXd values = part.llt().solve(right_(moving));
@@ -65,7 +69,9 @@ class Pivoting {
   std::vector<Index> find_offenders() const {
     std::vector<Index> all;
     for (Index i = free_; i < right_.size(); ++i) {
-      if (moves(i) ? x_[i] < 0 : slope_[i] < -tolerance_) all.push_back(i);
+      if (moves(i) ? x_[i] < 0 : slope_[i] < -tolerance_) {
+        all.push_back(i);
+      }
     }
     return all;
   }

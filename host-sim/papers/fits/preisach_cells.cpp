@@ -70,7 +70,9 @@ PreisachNodes placed_nodes(const std::vector<identify::Run>& runs, double shift_
   way.fill(1.0 / bins);
   for (const auto& direction : moves) {
     double all = 0;
-    for (const auto& [x, strain] : direction) all += strain;
+    for (const auto& [x, strain] : direction) {
+      all += strain;
+    }
     for (const auto& [x, strain] : direction) {
       way[std::min(bins - 1, static_cast<std::size_t>((x - low_K) / bin_K))] += strain / all;
     }
@@ -111,7 +113,9 @@ CellRows cell_rows(const std::vector<identify::Run>& runs, const PreisachNodes& 
       path.move(x[i], [](double hot, double hotter, double cold, double warmer) {
         return (hotter - hot) * (warmer - cold);
       });
-      if (i % stride(run) != 0) continue;
+      if (i % stride(run) != 0) {
+        continue;
+      }
       row.setZero();
       row[0] = 1;
       path.each_settled([&](double sign, double hot, double cold) {
@@ -143,7 +147,9 @@ double sum_up(const Eigen::VectorXd& weights,
     }
   }
   const double all = F(node_count - 1, 0);
-  for (double& increment : increments) increment /= all;
+  for (double& increment : increments) {
+    increment /= all;
+  }
   return all;
 }
 

@@ -65,7 +65,9 @@ struct Between {
 };
 Between between(const Model::Params& p, double stress_Pa) {
   std::size_t high = 0;
-  while (high + 1 < p.stress_count && p.stress_Pa[high] < stress_Pa) ++high;
+  while (high + 1 < p.stress_count && p.stress_Pa[high] < stress_Pa) {
+    ++high;
+  }
   const std::size_t low = high > 0 ? high - 1 : 0;
   const double span_Pa = p.stress_Pa[high] - p.stress_Pa[low];
   return {low, high,
@@ -133,14 +135,18 @@ void fit_weights(const CellRows& rows, double tie, PreisachWire& wire) {
   const Eigen::Index unknowns = static_cast<Eigen::Index>(p.stress_count) * n;
   NormalEquations equations{Eigen::MatrixXd::Zero(unknowns, unknowns),
                             Eigen::VectorXd::Zero(unknowns)};
-  for (std::size_t low = 0; low < p.stress_count; ++low) add_rows(rows, p, low, equations);
+  for (std::size_t low = 0; low < p.stress_count; ++low) {
+    add_rows(rows, p, low, equations);
+  }
   add_beliefs(static_cast<double>(rows.strain.size()), pull, tie, n, equations);
   // Austenite's strains may be negative; they are placed first.
   Eigen::VectorX<Eigen::Index> order(unknowns);
   Eigen::Index placed = 0;
   for (const bool austenite : {true, false}) {
     for (Eigen::Index i = 0; i < unknowns; ++i) {
-      if ((i % n == 0) == austenite) order[placed++] = i;
+      if ((i % n == 0) == austenite) {
+        order[placed++] = i;
+      }
     }
   }
   const Eigen::MatrixXd left = equations.left(order, order);

@@ -50,7 +50,9 @@ class AnyNode final : public Bus {
  public:
   explicit AnyNode(unsigned seed) : random_(seed) {}
   void send(const hal::CanFrame& frame) override {
-    if (frame.id != 0x601 || frame.data[0] != 0x40) return;
+    if (frame.id != 0x601 || frame.data[0] != 0x40) {
+      return;
+    }
     const auto length = static_cast<unsigned>(random_() % 4 + 1);
     answer_ = {.id = 0x581, .length = 8, .data = frame.data};
     answer_.data[0] = static_cast<std::uint8_t>(0x43U | (4 - length) << 2U);
@@ -250,7 +252,9 @@ TEST_F(CanClient, JudgesAStep) {
   // Runs lie over each other, whatever their lengths.
   StepRun shorter = step;
   shorter.recording.rows.resize(shorter.recording.rows.size() / 2);
-  for (std::vector<double>& row : shorter.recording.rows) row[1] += 100e-6;
+  for (std::vector<double>& row : shorter.recording.rows) {
+    row[1] += 100e-6;
+  }
   shorter.recording.rows.front()[1] -= 50e-6;
   const std::string both = step_text({step, shorter}, {"now", "before"});
   EXPECT_THAT(both, HasSubstr("um: * now, . before\n"));
@@ -335,7 +339,9 @@ TEST(CanObjects, AreFoundByNameUnitAndKey) {
 TEST(CanObjects, TextsComeBack) {
   for (const text::KnownObject& object : text::known_objects()) {
     const std::size_t size = canopen::size_of(object.type);
-    if (size == 0) continue;
+    if (size == 0) {
+      continue;
+    }
     const Bytes one = object.type == canopen::Type::real ? real_bytes(1.5F) : Bytes(size, 0);
     const std::string text = text::value_text(object, one);
     EXPECT_EQ(text::value_bytes(object, text), one) << object.name << ' ' << text;

@@ -35,7 +35,9 @@ class OddNode final : public Bus {
           static_cast<std::uint32_t>(canopen::take_number(std::span(frame.data).subspan(4)));
       return;
     }
-    for (const Data& data : answers(frame.data)) waiting_.push_back(data);
+    for (const Data& data : answers(frame.data)) {
+      waiting_.push_back(data);
+    }
   }
   bool receive(hal::CanFrame& frame, std::int64_t until_us) override {
     if (waiting_.empty() || now_us_ + delay_us > until_us) {
@@ -89,7 +91,9 @@ struct CanSdoClient : testing::Test {
   /// Segments of an upload, each of so many bytes, without end.
   void sends_without_end(std::uint8_t first, std::uint32_t announced, unsigned bytes) {
     bus.answers = [=](const Data& request) -> std::vector<Data> {
-      if (request[0] == 0x40) return {keyed(first, announced)};
+      if (request[0] == 0x40) {
+        return {keyed(first, announced)};
+      }
       return {Data{static_cast<std::uint8_t>((request[0] & 0x10U) | (7 - bytes) << 1U)}};
     };
   }
@@ -154,7 +158,9 @@ TEST_F(CanSdoClient, WaitsForANodeThatIsSlow) {
   bus.delay_us = 490'000;
   unsigned sent = 0;
   bus.answers = [&](const Data& request) -> std::vector<Data> {
-    if (request[0] == 0x40) return {keyed(0x41, size)};
+    if (request[0] == 0x40) {
+      return {keyed(0x41, size)};
+    }
     sent += 7;
     return {Data{static_cast<std::uint8_t>((request[0] & 0x10U) | (sent == size ? 1U : 0U)), 1, 2,
                  3, 4, 5, 6, 7}};
@@ -194,7 +200,9 @@ std::vector<Data> same_segments(std::uint8_t number, int count) {
 TEST_F(CanSdoClient, EndsABlockUploadWithoutNews) {
   for (const int number : {5, 0, 0x80 | 5}) {
     bus.answers = [=](const Data& request) -> std::vector<Data> {
-      if ((request[0] & 0xE3U) == 0xA0) return {keyed(0xC0)};
+      if ((request[0] & 0xE3U) == 0xA0) {
+        return {keyed(0xC0)};
+      }
       return same_segments(static_cast<std::uint8_t>(number), 1000);
     };
     EXPECT_THAT(upload_block(), HasSubstr("invalid sequence number")) << number;
@@ -206,9 +214,13 @@ TEST_F(CanSdoClient, EndsABlockUploadWithoutNews) {
 
 TEST_F(CanSdoClient, EndsABlockUploadWithoutEnd) {
   bus.answers = [](const Data& request) -> std::vector<Data> {
-    if ((request[0] & 0xE3U) == 0xA0) return {keyed(0xC0)};
+    if ((request[0] & 0xE3U) == 0xA0) {
+      return {keyed(0xC0)};
+    }
     std::vector<Data> block;
-    for (std::uint8_t i = 1; i <= 127; ++i) block.push_back(same_segments(i, 1).front());
+    for (std::uint8_t i = 1; i <= 127; ++i) {
+      block.push_back(same_segments(i, 1).front());
+    }
     return block;
   };
   EXPECT_THAT(upload_block(), HasSubstr("too long"));
@@ -217,8 +229,12 @@ TEST_F(CanSdoClient, EndsABlockUploadWithoutEnd) {
 
 TEST_F(CanSdoClient, EndsABlockUploadOfANodeThatIsGone) {
   bus.answers = [](const Data& request) -> std::vector<Data> {
-    if ((request[0] & 0xE3U) == 0xA0) return {keyed(0xC2, 5000)};
-    if (request[0] == 0xA3) return same_segments(1, 1);
+    if ((request[0] & 0xE3U) == 0xA0) {
+      return {keyed(0xC2, 5000)};
+    }
+    if (request[0] == 0xA3) {
+      return same_segments(1, 1);
+    }
     return {};
   };
   EXPECT_THAT(upload_block(), HasSubstr("no answer within 0.5 s"));

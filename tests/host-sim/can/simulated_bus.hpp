@@ -23,7 +23,9 @@ class SimulatedBus final : public can::Bus {
       servo_.step();
       collect();
     }
-    if (frames_.empty()) return false;
+    if (frames_.empty()) {
+      return false;
+    }
     frame = frames_.front();
     frames_.pop_front();
     return true;
@@ -42,7 +44,9 @@ class SimulatedBus final : public can::Bus {
       const bool answer = frame.id == 0x580 + node && to_lose_ > 0;
       to_lose_ -= answer ? 1 : 0;
       const bool lost = answer && to_lose_ == 0;
-      if (!lost) frames_.push_back(frame);
+      if (!lost) {
+        frames_.push_back(frame);
+      }
     }
   }
 

@@ -200,10 +200,14 @@ TEST(Classics, OnlyOneFullCycleAtConstantStressCounts) {
   EXPECT_TRUE(without([](smaservo::identify::Run& run) { run.kind = identify::RunKind::settled; }));
   EXPECT_TRUE(without([](smaservo::identify::Run& run) { run.strain.clear(); }));
   EXPECT_TRUE(without([](smaservo::identify::Run& run) {
-    for (std::size_t i = 0; i < 300; ++i) run.stress_Pa[i] = 120e6;
+    for (std::size_t i = 0; i < 300; ++i) {
+      run.stress_Pa[i] = 120e6;
+    }
   })) << "another stress on heating";
   EXPECT_TRUE(without([](smaservo::identify::Run& run) {
-    for (auto* column : {&run.temperature_K, &run.strain, &run.stress_Pa}) column->resize(350);
+    for (auto* column : {&run.temperature_K, &run.strain, &run.stress_Pa}) {
+      column->resize(350);
+    }
   })) << "does not cool down";
   EXPECT_TRUE(without([](smaservo::identify::Run& run) {
     for (auto* column : {&run.temperature_K, &run.strain, &run.stress_Pa}) {

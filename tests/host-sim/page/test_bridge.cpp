@@ -19,14 +19,30 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& option = words[i];
     const auto value = [&] { return words.at(++i); };
-    if (option == "--read-only") settings.read_only = true;
-    if (option == "--listen") settings.listen = value();
-    if (option == "--token-file") settings.token_file = value();
-    if (option == "--certificate") settings.certificate = value();
-    if (option == "--key") settings.key = value();
-    if (option == "--allow-origin") settings.origins.push_back(value());
-    if (option == "--clients") settings.clients = static_cast<unsigned>(std::stoul(value()));
-    if (option == "--rate") rate_Hz = std::stod(value());
+    if (option == "--read-only") {
+      settings.read_only = true;
+    }
+    if (option == "--listen") {
+      settings.listen = value();
+    }
+    if (option == "--token-file") {
+      settings.token_file = value();
+    }
+    if (option == "--certificate") {
+      settings.certificate = value();
+    }
+    if (option == "--key") {
+      settings.key = value();
+    }
+    if (option == "--allow-origin") {
+      settings.origins.push_back(value());
+    }
+    if (option == "--clients") {
+      settings.clients = static_cast<unsigned>(std::stoul(value()));
+    }
+    if (option == "--rate") {
+      rate_Hz = std::stod(value());
+    }
     if (option == "--page") {
       std::ifstream in(value(), std::ios::binary);
       page.assign(std::istreambuf_iterator<char>(in), {});

@@ -42,9 +42,13 @@ class TestSource final : public Source {
   }
   void stop() override {
     ending_ = true;
-    if (sender_.joinable()) sender_.join();
+    if (sender_.joinable()) {
+      sender_.join();
+    }
     for (std::thread& thread : releasing_) {
-      if (thread.joinable()) thread.join();
+      if (thread.joinable()) {
+        thread.join();
+      }
     }
   }
 
@@ -52,7 +56,9 @@ class TestSource final : public Source {
     const std::string schema = R"({"type":"object"})";
     std::vector<Channel> all{{bridge, "/bridge", "smaservo.Bridge", schema},
                              {live, "/node1/live", "smaservo.Live", schema}};
-    if (has_second_) all.push_back({second, "/node2/live", "smaservo.Live", schema});
+    if (has_second_) {
+      all.push_back({second, "/node2/live", "smaservo.Live", schema});
+    }
     return all;
   }
   std::vector<Service> services() override {
@@ -78,7 +84,9 @@ class TestSource final : public Source {
     for (const NamedValue& one : asked) {
       names.push_back(one.name);
       const nlohmann::json value = nlohmann::json::parse(one.value);
-      if (!refusal.empty()) break;
+      if (!refusal.empty()) {
+        break;
+      }
       if (!parameters_.contains(one.name)) {
         refusal = one.name + ": there is no such parameter";
       } else if (!value.is_number() || !(0 <= value.get<double>() && value.get<double>() <= 100)) {
@@ -107,7 +115,9 @@ class TestSource final : public Source {
       held_.push_back(std::move(reply));
     } else if (service == release) {
       releasing_.emplace_back([held = std::exchange(held_, {})] {
-        for (const auto& answer : held) answer({true, R"({"held":true})"});
+        for (const auto& answer : held) {
+          answer({true, R"({"held":true})"});
+        }
       });
       reply({true, "{}"});
     } else if (service == big) {

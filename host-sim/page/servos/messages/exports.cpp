@@ -65,7 +65,9 @@ json KeptRecordings::kept(const can::Recording& recording) {
   const std::scoped_lock lock(mutex_);
   recordings_.emplace_back(++count_, recording);
   recordings_.back().second.period_s = message["period_s"].get<double>();
-  if (recordings_.size() > max_kept) recordings_.pop_front();
+  if (recordings_.size() > max_kept) {
+    recordings_.pop_front();
+  }
   message["id"] = count_;
   return message;
 }
@@ -92,7 +94,9 @@ json KeptRecordings::exported(const json& request) {
   if (row == exports.end()) {
     std::vector<std::string> known;
     known.reserve(exports.size());
-    for (const Export& other : exports) known.emplace_back(other.as);
+    for (const Export& other : exports) {
+      known.emplace_back(other.as);
+    }
     throw UserError(
         fmt::format("as = {}: must be {}", files::printable(as), fmt::join(known, " or ")));
   }

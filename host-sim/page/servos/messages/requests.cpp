@@ -17,13 +17,17 @@ using nlohmann::json;
 
 json parsed_request(const std::string& text) {
   json request = json::parse(text, nullptr, false);
-  if (!request.is_object()) throw UserError("the request must be a JSON object");
+  if (!request.is_object()) {
+    throw UserError("the request must be a JSON object");
+  }
   return request;
 }
 
 unsigned node_in(const json& request) {
   const double node = number_in(request, "node", 1, 127);
-  if (node != std::floor(node)) throw UserError("node: must be a whole number from 1 to 127");
+  if (node != std::floor(node)) {
+    throw UserError("node: must be a whole number from 1 to 127");
+  }
   return static_cast<unsigned>(node);
 }
 
@@ -62,7 +66,9 @@ can::RecordingPlan recording_plan(const json& request, double longest_s) {
     throw UserError("signals: must be a list of names");
   }
   for (const json& signal : *signals) {
-    if (!signal.is_string()) throw UserError("signals: must be a list of names");
+    if (!signal.is_string()) {
+      throw UserError("signals: must be a list of names");
+    }
     plan.signals.push_back(signal.get<std::string>());
   }
   return plan;

@@ -83,7 +83,9 @@ std::string state_schema() {
   for (const char* name : {"online", "target_reached", "unsaved"}) {
     properties[name] = typed("boolean");
   }
-  for (const char* name : {"nmt", "drive", "mode_name"}) properties[name] = typed("string");
+  for (const char* name : {"nmt", "drive", "mode_name"}) {
+    properties[name] = typed("string");
+  }
   for (const char* name : {"active", "latched", "warnings", "blocking", "limits"}) {
     properties[name] = list_of(typed("string"));
   }

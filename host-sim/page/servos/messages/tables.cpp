@@ -58,7 +58,9 @@ json parameter_description(const Parameter<double>& row) {
     described["min"] = value_json(row, row.min);
     described["max"] = value_json(row, row.max);
   }
-  if (type == 2) described["choices"] = row.choices;
+  if (type == 2) {
+    described["choices"] = row.choices;
+  }
   return described;
 }
 
@@ -84,7 +86,9 @@ json signal_description(std::size_t i) {
 }  // namespace
 
 json json_number(float value) {
-  if (!std::isfinite(value)) return nullptr;
+  if (!std::isfinite(value)) {
+    return nullptr;
+  }
   const std::string text = fmt::format("{}", value);
   double number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number);
@@ -100,7 +104,9 @@ json described() {
   for (const Parameter<double>& row : parameters<double>) {
     all["parameters"].push_back(parameter_description(row));
   }
-  for (std::size_t i = 0; i < signal_count; ++i) all["signals"].push_back(signal_description(i));
+  for (std::size_t i = 0; i < signal_count; ++i) {
+    all["signals"].push_back(signal_description(i));
+  }
   for (const FaultRow& row : fault_rows) {
     all["faults"].push_back({{"name", row.name},
                              {"code", fmt::format("{:04X}h", row.code)},
@@ -116,7 +122,9 @@ json described() {
 std::string live_text(const Sample& sample) {
   std::string text = "{";
   for (std::size_t i = 0; i < signal_count; ++i) {
-    if (!sample.has[i]) continue;
+    if (!sample.has[i]) {
+      continue;
+    }
     fmt::format_to(std::back_inserter(text), "{}\"{}\":", text.size() > 1 ? "," : "",
                    signal_rows<float>[i].name);
     if (std::isfinite(sample.values[i])) {
@@ -148,9 +156,13 @@ json history_message(const HistoryRows& rows, std::int64_t wall_ns_at_0) {
   }
   std::size_t column = 0;
   for (std::size_t i = 0; i < signal_count; ++i) {
-    if (!rows.has[i]) continue;
+    if (!rows.has[i]) {
+      continue;
+    }
     json& values = message[std::string(signal_rows<float>[i].name)] = json::array();
-    for (const float value : rows.columns[column]) values.push_back(json_number(value));
+    for (const float value : rows.columns[column]) {
+      values.push_back(json_number(value));
+    }
     ++column;
   }
   return message;
@@ -160,7 +172,9 @@ json recording_message(const can::Recording& recording) {
   json rows = json::array();
   for (const std::vector<double>& row : recording.rows) {
     json values = json::array();
-    for (const double value : row) values.push_back(json_number(static_cast<float>(value)));
+    for (const double value : row) {
+      values.push_back(json_number(static_cast<float>(value)));
+    }
     rows.push_back(std::move(values));
   }
   return {{"period_s", json_number(static_cast<float>(recording.period_s))},
@@ -179,7 +193,9 @@ std::string parameter_text(const Parameter<double>& row, const json& value) {
   };
   switch (row.type) {
     case ValueType::real:
-      if (!value.is_number()) refuse("a number");
+      if (!value.is_number()) {
+        refuse("a number");
+      }
       return fmt::format("{}", value.get<double>());
     case ValueType::number:
       if (!value.is_number() || value.get<double>() != std::floor(value.get<double>()) ||
@@ -188,18 +204,24 @@ std::string parameter_text(const Parameter<double>& row, const json& value) {
       }
       return fmt::format("{:.0f}", value.get<double>());
     case ValueType::boolean:
-      if (!value.is_boolean()) refuse("true or false");
+      if (!value.is_boolean()) {
+        refuse("true or false");
+      }
       return value.get<bool>() ? "true" : "false";
     case ValueType::choice:
       break;
   }
-  if (!value.is_string()) refuse(text::range_text(row).c_str());
+  if (!value.is_string()) {
+    refuse(text::range_text(row).c_str());
+  }
   return value.get<std::string>();
 }
 
 std::size_t parameter_row(const std::string& path) {
   const std::size_t row = find_parameter(path);
-  if (row != no_parameter) return row;
+  if (row != no_parameter) {
+    return row;
+  }
   const text::KnownObject object = text::find_object(path);  // throws, naming similar names
   throw UserError(object.parameter != nullptr
                       ? fmt::format("{}: must be in its own unit: {}", files::printable(path),

@@ -19,7 +19,9 @@ constexpr std::array<std::size_t, signal_count> by_importance = [] {
       signal_index("martensite"),      signal_index("r_phase")};
   std::size_t n = 16;
   for (std::size_t i = 0; i < signal_count; ++i) {
-    if (std::find(order.begin(), order.begin() + n, i) == order.begin() + n) order.at(n++) = i;
+    if (std::find(order.begin(), order.begin() + n, i) == order.begin() + n) {
+      order.at(n++) = i;
+    }
   }
   return order;
 }();
@@ -36,7 +38,9 @@ LiveRound live_round(double requests_per_s, const SignalSet* by_sync) {
       static_cast<std::size_t>(std::clamp(room, min_in_each, static_cast<double>(signal_count)));
   LiveRound round;
   for (const std::size_t signal : by_importance) {
-    if (by_sync != nullptr && (*by_sync)[signal]) continue;
+    if (by_sync != nullptr && (*by_sync)[signal]) {
+      continue;
+    }
     const bool in_each = by_sync == nullptr && round.fast.size() < first;
     (in_each ? round.fast : round.slow).push_back(signal);
   }

@@ -42,7 +42,9 @@ constexpr std::int64_t second_answer_us = 50'000;
 constexpr std::int64_t surplus_memory_us = 5'000'000;
 
 std::optional<std::size_t> signal_of(Key key) {
-  if (key.index != live_values || key.sub == 0 || key.sub > signal_count) return std::nullopt;
+  if (key.index != live_values || key.sub == 0 || key.sub > signal_count) {
+    return std::nullopt;
+  }
   return std::size_t{key.sub} - 1;
 }
 
@@ -75,18 +77,24 @@ bool LiveTraffic::waits_for(unsigned node, std::int64_t now_us) {
 // What is heard.
 
 void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
-  if (frame.extended || frame.remote) return;
+  if (frame.extended || frame.remote) {
+    return;
+  }
   const unsigned node = frame.id & 0x7FU;
   const unsigned function = frame.id >> 7U;
   if (function == 1 && node == 0) {
     stream_.foreign_sync(now_us);
     return;
   }
-  if (node == 0) return;
+  if (node == 0) {
+    return;
+  }
   unsigned sampled = 0;
   Sample complete;
   if (stream_.heard(frame, now_us, sampled, complete)) {
-    if (Servo* servo = servo_of(sampled)) sample(*servo, links_[sampled], complete, now_us);
+    if (Servo* servo = servo_of(sampled)) {
+      sample(*servo, links_[sampled], complete, now_us);
+    }
   }
   if (function == 11 && frame.length == 8) {
     answered(node, frame, now_us);
@@ -96,9 +104,13 @@ void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
   } else if (function == 14 && frame.length == 1) {
     Servo* const servo = servo_of(node);
     candidates_.set(node, servo == nullptr || !servo->online);
-    if (servo == nullptr) return;
+    if (servo == nullptr) {
+      return;
+    }
     servo->heartbeat_state = frame.data[0] & 0x7FU;
-    if (servo->heartbeat_state == 0U) events_.restarted(*servo);
+    if (servo->heartbeat_state == 0U) {
+      events_.restarted(*servo);
+    }
   } else if (function == 1) {
     refresh(node);
   } else if (function == 3 && frame.length == 5) {
@@ -119,8 +131,12 @@ void LiveTraffic::answered(unsigned node, const hal::CanFrame& frame, std::int64
   const unsigned command = frame.data[0] & 0xE0U;
   const bool keyed = command == 0x40 || command == 0x60 || command == 0x80;
   if (!link.waits || !keyed || key != link.key) {
-    if (keyed && key == link.answered && !is_busy(node)) surplus_answer(node, link, now_us);
-    if (now_us < link.hold_until_us) link.hold_until_us = now_us + courtesy_us;
+    if (keyed && key == link.answered && !is_busy(node)) {
+      surplus_answer(node, link, now_us);
+    }
+    if (now_us < link.hold_until_us) {
+      link.hold_until_us = now_us + courtesy_us;
+    }
     return;
   }
   link.waits = false;
@@ -175,9 +191,13 @@ void LiveTraffic::take_state(Servo& servo, Link& link, std::uint32_t value, std:
     servo.enabled_us = 0;
     control_.cooled(servo.node);
   }
-  if (servo.duplicate && now_us - link.surplus_us > surplus_memory_us) servo.duplicate = false;
+  if (servo.duplicate && now_us - link.surplus_us > surplus_memory_us) {
+    servo.duplicate = false;
+  }
   const std::size_t objects = anything_ ? state_objects().size() : 1;
-  if (link.state_at >= objects) events_.state_read(servo);
+  if (link.state_at >= objects) {
+    events_.state_read(servo);
+  }
 }
 
 void LiveTraffic::take_live(Servo& servo, Link& link, std::optional<float> value,
@@ -195,13 +215,21 @@ void LiveTraffic::take_live(Servo& servo, Link& link, std::optional<float> value
       link.polled_gaps += static_cast<std::uint64_t>(since_us / promised_us - 1);
     }
     link.live_last_us = now_us;
-    if (link.sample.has.any()) sample(servo, link, link.sample, now_us);
+    if (link.sample.has.any()) {
+      sample(servo, link, link.sample, now_us);
+    }
   }
-  if (link.live_at < link.round.fast.size() + (link.round.slow.empty() ? 0 : 1)) return;
+  if (link.live_at < link.round.fast.size() + (link.round.slow.empty() ? 0 : 1)) {
+    return;
+  }
   link.in_round = false;
-  if (++link.slow_at < link.round.slow.size()) return;
+  if (++link.slow_at < link.round.slow.size()) {
+    return;
+  }
   link.slow_at = 0;
-  if (link.slow_sample.has.any()) events_.sampled(servo, link.slow_sample);
+  if (link.slow_sample.has.any()) {
+    events_.sampled(servo, link.slow_sample);
+  }
   link.slow_sample = {};
 }
 
@@ -222,7 +250,9 @@ void LiveTraffic::said(const hal::CanFrame& frame, std::int64_t now_us) {
     return;
   }
   Servo* const servo = servo_of(frame.id - request_id);
-  if (servo == nullptr) return;
+  if (servo == nullptr) {
+    return;
+  }
   const Key key{
       static_cast<std::uint16_t>(canopen::take_number(std::span(frame.data).subspan(1, 2))),
       frame.data[3]};
@@ -256,12 +286,20 @@ void LiveTraffic::ask(unsigned node, Key key, Reason reason, std::int64_t now_us
 
 void LiveTraffic::look_for_silence(unsigned node, std::int64_t now_us) {
   Link& link = links_[node];
-  if (!link.waits || now_us - link.sent_us < patience_us) return;
+  if (!link.waits || now_us - link.sent_us < patience_us) {
+    return;
+  }
   link.waits = false;
   Servo* const servo = servo_of(node);
-  if (servo == nullptr || !servo->online) return;
-  if (link.reason == Reason::live) take_live(*servo, link, std::nullopt, now_us);
-  if (++link.silences < silences_until_gone) return;
+  if (servo == nullptr || !servo->online) {
+    return;
+  }
+  if (link.reason == Reason::live) {
+    take_live(*servo, link, std::nullopt, now_us);
+  }
+  if (++link.silences < silences_until_gone) {
+    return;
+  }
   link.silences = 0;
   link.live_last_us = 0;
   link.in_round = false;
@@ -275,9 +313,13 @@ void LiveTraffic::renew(std::int64_t now_us) {
   const NodeSet heated = control_.heated();
   for (unsigned node = 1; heated.any() && node < heated.size(); ++node) {
     Servo* const servo = heated[node] ? servo_of(node) : nullptr;
-    if (servo == nullptr || !servo->online || servo->duplicate || servo->enabled_us == 0) continue;
+    if (servo == nullptr || !servo->online || servo->duplicate || servo->enabled_us == 0) {
+      continue;
+    }
     Commanded& last = servo->commanded;
-    if (!last.word || now_us - last.time_us < renewal_period_us) continue;
+    if (!last.word || now_us - last.time_us < renewal_period_us) {
+      continue;
+    }
     const bool operational = (servo->statusword() & 0x200U) != 0;
     if (last.by_pdo && operational) {
       hal::CanFrame frame{.id = 0x200 + node, .length = 3, .data = {}};
@@ -301,7 +343,9 @@ bool LiveTraffic::poll_state(Servo& servo, Link& link, std::int64_t now_us) {
     link.state_at = 0;
     link.state_due_us = now_us + (anything_ ? state_period_us : idle_period_us);
   }
-  if (now_us < link.state_due_us) return false;
+  if (now_us < link.state_due_us) {
+    return false;
+  }
   ask(servo.node, objects[link.state_at++].key, Reason::state, now_us);
   return true;
 }
@@ -323,10 +367,14 @@ bool LiveTraffic::poll_live(Servo& servo, Link& link, std::int64_t now_us) {
     return false;
   }
   if (!link.in_round) {
-    if (now_us < link.live_due_us) return false;
+    if (now_us < link.live_due_us) {
+      return false;
+    }
     link.live_due_us = std::max(link.live_due_us + live_period_us, now_us);
     begin_round(servo.node, link);
-    if (!link.in_round) return false;
+    if (!link.in_round) {
+      return false;
+    }
   }
   const std::size_t at = link.live_at++;
   const std::size_t signal =
@@ -341,25 +389,35 @@ void LiveTraffic::poll(unsigned node, std::int64_t now_us) {
   Link& link = links_[node];
   look_for_silence(node, now_us);
   const bool holds = now_us < link.hold_until_us && now_us - link.answered_us < longest_courtesy_us;
-  if (link.waits || is_busy(node) || allowed_ < 1 || holds) return;
+  if (link.waits || is_busy(node) || allowed_ < 1 || holds) {
+    return;
+  }
   Servo* const servo = servo_of(node);
   if (servo == nullptr || !servo->online) {
     const bool is_due = link.next_try_us <= now_us;
-    if (!is_due || (servo == nullptr && !candidates_[node])) return;
+    if (!is_due || (servo == nullptr && !candidates_[node])) {
+      return;
+    }
     link.next_try_us = now_us + pause_us;
     candidates_.reset(node);
     ask(node, {index::device_type, 0}, Reason::probe, now_us);
     return;
   }
   // The state goes before, or a full round of live values would keep it away for ever.
-  if (!poll_state(*servo, link, now_us)) poll_live(*servo, link, now_us);
+  if (!poll_state(*servo, link, now_us)) {
+    poll_live(*servo, link, now_us);
+  }
 }
 
 /// Tries one node-id after the other, so that a servo is found that says nothing by itself.
 void LiveTraffic::search(std::int64_t now_us) {
-  if (now_us - search_us_ < search_period_us) return;
+  if (now_us - search_us_ < search_period_us) {
+    return;
+  }
   search_us_ = now_us;
-  if (servo_of(search_at_) == nullptr) candidates_.set(search_at_);
+  if (servo_of(search_at_) == nullptr) {
+    candidates_.set(search_at_);
+  }
   search_at_ = search_at_ % 127 + 1;
 }
 
@@ -373,7 +431,9 @@ void LiveTraffic::send(std::int64_t now_us) {
   turn_ = turn_ % 127 + 1;
   for (unsigned i = 0; i < 127; ++i) {
     const unsigned node = (turn_ + i) % 127 + 1;
-    if (candidates_[node] || links_[node].waits || servo_of(node) != nullptr) poll(node, now_us);
+    if (candidates_[node] || links_[node].waits || servo_of(node) != nullptr) {
+      poll(node, now_us);
+    }
   }
 }
 

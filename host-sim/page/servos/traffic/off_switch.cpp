@@ -10,7 +10,9 @@ namespace smaservo::page {
 void OffSwitch::off(const NodeSet& nodes) {
   const std::scoped_lock lock(mutex_);
   for (unsigned node = 1; node < nodes.size(); ++node) {
-    if (!nodes[node]) continue;
+    if (!nodes[node]) {
+      continue;
+    }
     try {
       off(node);
     } catch (const files::UserError&) {

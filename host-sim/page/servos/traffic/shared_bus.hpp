@@ -50,7 +50,9 @@ class SharedBus final : public can::Bus {
 
  private:
   void throw_if_interrupted() {
-    if (interrupted_.exchange(false)) throw Interrupted();
+    if (interrupted_.exchange(false)) {
+      throw Interrupted();
+    }
   }
 
   can::Bus& bus_;

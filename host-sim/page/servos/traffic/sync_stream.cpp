@@ -63,7 +63,9 @@ SyncStream::SyncStream(double period_s, const std::vector<std::string>& signals)
   }
   for (const std::string& name : signals) {
     const std::size_t row = text::signal_row(name);
-    if (has_[row]) throw files::UserError(fmt::format("{}: named twice", name));
+    if (has_[row]) {
+      throw files::UserError(fmt::format("{}: named twice", name));
+    }
     order_.push_back(row);
     has_.set(row);
   }
@@ -72,7 +74,9 @@ SyncStream::SyncStream(double period_s, const std::vector<std::string>& signals)
 std::vector<unsigned> SyncStream::mapped() const {
   std::vector<unsigned> all;
   all.reserve(nodes_.size());
-  for (const auto& [node, state] : nodes_) all.push_back(node);
+  for (const auto& [node, state] : nodes_) {
+    all.push_back(node);
+  }
   return all;
 }
 
@@ -124,9 +128,13 @@ void SyncStream::map(can::Remote& remote) {
   }
   Node node;
   const std::size_t pdos = (order_.size() + signals_per_pdo - 1) / signals_per_pdo;
-  for (std::size_t i = 0; i < pdos; ++i) node.pdos.push_back(read_pdo(remote, pdo_order[i]));
+  for (std::size_t i = 0; i < pdos; ++i) {
+    node.pdos.push_back(read_pdo(remote, pdo_order[i]));
+  }
   nodes_[remote.node()] = node;
-  for (std::size_t i = 0; i < pdos; ++i) write_pdo(remote, node.pdos[i], i * signals_per_pdo);
+  for (std::size_t i = 0; i < pdos; ++i) {
+    write_pdo(remote, node.pdos[i], i * signals_per_pdo);
+  }
   remote.nmt(can::NmtCommand::start);
   // What was sent while only some of the PDOs were there does not count.
   nodes_[remote.node()] = std::move(node);
@@ -134,7 +142,9 @@ void SyncStream::map(can::Remote& remote) {
 
 void SyncStream::put_back(can::Remote& remote) {
   const auto found = nodes_.find(remote.node());
-  if (found == nodes_.end()) return;
+  if (found == nodes_.end()) {
+    return;
+  }
   const std::vector<Pdo> pdos = found->second.pdos;
   nodes_.erase(found);
   for (const Pdo& pdo : pdos) {
@@ -149,11 +159,15 @@ std::int64_t SyncStream::tick(can::Bus& bus, std::int64_t now_us) {
     due_us_ = now_us;
     return now_us + 1'000'000;
   }
-  if (now_us < due_us_) return due_us_;
+  if (now_us < due_us_) {
+    return due_us_;
+  }
   // A SYNC whose time has passed is left out, and its samples count as missing.
   const std::int64_t passed = (now_us - due_us_) / period_us_;
   due_us_ += (passed + 1) * period_us_;
-  for (auto& [number, node] : nodes_) node.sent += passed + 1;
+  for (auto& [number, node] : nodes_) {
+    node.sent += passed + 1;
+  }
   bus.send({.id = sync_id, .length = 0, .data = {}});
   return due_us_;
 }
@@ -162,21 +176,31 @@ bool SyncStream::heard(const hal::CanFrame& frame, std::int64_t now_us, unsigned
                        Sample& sample) {
   for (auto& [number, state] : nodes_) {
     const auto found = std::ranges::find(state.pdos, frame.id, &Pdo::cob_id);
-    if (found == state.pdos.end()) continue;
+    if (found == state.pdos.end()) {
+      continue;
+    }
     const auto place = static_cast<std::size_t>(found - state.pdos.begin());
     // They come in the order of their numbers. One that comes again before all have come: the rest
     // of the sample before is lost.
-    if ((state.filled >> place & 1U) != 0) state.filled = 0;
-    if (state.filled == 0) state.sample = {};
+    if ((state.filled >> place & 1U) != 0) {
+      state.filled = 0;
+    }
+    if (state.filled == 0) {
+      state.sample = {};
+    }
     state.filled |= std::size_t{1} << place;
     for (std::size_t i = 0; i < frame.length / 4U; ++i) {
       const std::size_t at = place * signals_per_pdo + i;
-      if (at >= order_.size()) break;
+      if (at >= order_.size()) {
+        break;
+      }
       state.sample.has.set(order_[at]);
       state.sample.values[order_[at]] = canopen::as_real(
           static_cast<std::uint32_t>(take_number(std::span(frame.data).subspan(4 * i, 4))));
     }
-    if (state.filled + 1 != std::size_t{1} << state.pdos.size()) return false;
+    if (state.filled + 1 != std::size_t{1} << state.pdos.size()) {
+      return false;
+    }
     node = number;
     sample = state.sample;
     sample.time_us = now_us;
@@ -193,7 +217,9 @@ bool SyncStream::heard(const hal::CanFrame& frame, std::int64_t now_us, unsigned
 void SyncStream::judge_gaps(Node& node) {
   const std::int64_t open = node.sent - node.complete - node.missing;
   node.fewest_open = node.judged == 0 ? open : std::min(node.fewest_open, open);
-  if (++node.judged < judged_samples) return;
+  if (++node.judged < judged_samples) {
+    return;
+  }
   node.missing = std::max<std::int64_t>(node.missing + node.fewest_open, 0);
   node.judged = 0;
 }

@@ -35,7 +35,9 @@ class SyncStream {
   /// Somebody else sends SYNC: the bridge does not.
   void foreign_sync(std::int64_t now_us) {
     foreign_us_ = now_us;
-    for (auto& [number, node] : nodes_) ++node.sent;
+    for (auto& [number, node] : nodes_) {
+      ++node.sent;
+    }
   }
   bool is_foreign(std::int64_t now_us) const { return now_us - foreign_us_ < 1'000'000; }
 

@@ -27,8 +27,12 @@ std::vector<Target> targets() {
       all.push_back({o.key, o.type, o.min, o.max, o.standard});
     }
   };
-  for (const DescribedObject& row : communication_rows) add(row.object);
-  for (const DescribedObject& row : drive_object_rows) add(row.object);
+  for (const DescribedObject& row : communication_rows) {
+    add(row.object);
+  }
+  for (const DescribedObject& row : drive_object_rows) {
+    add(row.object);
+  }
   for (const ParameterRow<double>& row : parameter_rows<double>) {
     const bool real = row.type == ValueType::real;
     const bool whole = row.type == ValueType::number;
@@ -65,7 +69,9 @@ class Client {
   /// Enables now and then, and otherwise writes anything anywhere.
   Seen run(int writes) {
     for (int i = 0; i < writes; ++i) {
-      if (i % 60 == 0) enable();
+      if (i % 60 == 0) {
+        enable();
+      }
       write_any();
       step(static_cast<int>(random_() % 40));
     }
@@ -124,10 +130,14 @@ class Client {
   }
   void write_any() {
     const Target& t = all_[random_() % all_.size()];
-    if (t.key == Key{0x2003, 2}) return;
+    if (t.key == Key{0x2003, 2}) {
+      return;
+    }
     // Resets forget the key; what ends the heat is written rarely, or nothing would be heated.
     const bool ends = t.key.index == 0x6040 || t.key.index == 0x6060;
-    if (ends && random_() % 8 != 0) return;
+    if (ends && random_() % 8 != 0) {
+      return;
+    }
     write(t.key, value_for(t), size_of(t.type));
   }
   std::uint32_t value_for(const Target& t) {
@@ -145,7 +155,9 @@ class Client {
       default:
         break;
     }
-    if (t.type != Type::real) return static_cast<std::uint32_t>(random_() % 256);
+    if (t.type != Type::real) {
+      return static_cast<std::uint32_t>(random_() % 256);
+    }
     // Many limits are found near their present values only.
     const double share = std::uniform_real_distribution<>(0, 1)(random_);
     const auto low = static_cast<double>(as_real(t.min)),

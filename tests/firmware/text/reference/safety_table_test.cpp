@@ -30,7 +30,9 @@ std::set<std::string> named() {
   std::set<std::string> names;
   std::istringstream lines(content(root / "firmware/SAFETY.md"));
   for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("| ")) continue;
+    if (!line.starts_with("| ")) {
+      continue;
+    }
     for (std::sregex_iterator m(line.begin(), line.end(), quoted), end; m != end; ++m) {
       names.insert((*m)[1].str());
     }
@@ -43,7 +45,9 @@ std::set<std::string> tests() {
   static const std::regex test(R"(\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\))");
   std::set<std::string> all;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root / "tests")) {
-    if (entry.path().extension() != ".cpp") continue;
+    if (entry.path().extension() != ".cpp") {
+      continue;
+    }
     const std::string text = content(entry.path());
     for (std::sregex_iterator m(text.begin(), text.end(), test), end; m != end; ++m) {
       all.insert((*m)[1].str() + "." + (*m)[2].str());

@@ -34,7 +34,9 @@ struct OneClient final : Sink {
 
 std::uint32_t service_id(Source& source, const std::string& name) {
   for (const Service& service : source.services()) {
-    if (service.name == name) return service.id;
+    if (service.name == name) {
+      return service.id;
+    }
   }
   return 0;
 }
@@ -52,7 +54,9 @@ std::uint32_t service_id(Source& source, const std::string& name) {
     std::atomic<int> result = -1;
     source->call({1, false}, service_id(*source, service), request,
                  [&](const Answer& answer) { result = answer.ok ? 1 : 0; });
-    while (result < 0) usleep(1000);
+    while (result < 0) {
+      usleep(1000);
+    }
     return result == 1;
   };
   while (!succeeds("enable", R"({"node":1})")) {
@@ -61,20 +65,26 @@ std::uint32_t service_id(Source& source, const std::string& name) {
   }
   succeeds("mode", R"({"node":1,"mode":1})");
   succeeds("target", R"({"node":1,"value":800})");
-  for (;;) pause();
+  for (;;) {
+    pause();
+  }
 }
 
 class BridgeProcess {
  public:
   explicit BridgeProcess(const std::string& bus) : pid_(fork()) {
-    if (pid_ == 0) be_a_bridge(bus);
+    if (pid_ == 0) {
+      be_a_bridge(bus);
+    }
   }
   ~BridgeProcess() { kill(); }
   BridgeProcess(const BridgeProcess&) = delete;
   BridgeProcess& operator=(const BridgeProcess&) = delete;
   /// Afterwards it is gone.
   void kill() {
-    if (pid_ <= 0) return;
+    if (pid_ <= 0) {
+      return;
+    }
     ::kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
     pid_ = 0;
@@ -118,7 +128,9 @@ TEST(PageBridge, KilledLeavesNoHeat) {
   };
   const auto is_renewed = [&] {
     bool seen = false;
-    for (hal::CanFrame frame; port.receive(frame, 0);) seen = seen || renews(frame);
+    for (hal::CanFrame frame; port.receive(frame, 0);) {
+      seen = seen || renews(frame);
+    }
     return seen;
   };
   is_renewed();  // forgets what came before the heat

@@ -30,7 +30,9 @@ class TestDesk final : public Desk {
   }
   void set_parameters(std::vector<NamedValue> values, std::optional<std::string> id) override {
     std::string all = "set";
-    for (const NamedValue& one : values) all += " " + one.name + "=" + one.value;
+    for (const NamedValue& one : values) {
+      all += " " + one.name + "=" + one.value;
+    }
     asked.push_back(all + " " + id.value_or("-"));
   }
   void call(std::uint32_t service, std::uint32_t call, std::string request) override {
@@ -270,7 +272,9 @@ TEST_F(Talk, OpenRequestsAreBounded) {
 class TalkAndModel : public Talk {
  protected:
   TalkAndModel() {
-    for (const Channel& one : three_channels) there[one.id] = one;
+    for (const Channel& one : three_channels) {
+      there[one.id] = one;
+    }
   }
 
   std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); }
@@ -282,7 +286,9 @@ class TalkAndModel : public Talk {
   void a_subscription(std::uint32_t id, std::uint32_t channel) {
     subscribe(id, channel);
     const bool fine = there.contains(channel) && !channel_of.contains(id) && !has(channel);
-    if (fine) channel_of[id] = channel;
+    if (fine) {
+      channel_of[id] = channel;
+    }
     EXPECT_EQ(take().size(), fine ? 0U : 1U);
   }
 
@@ -307,8 +313,12 @@ class TalkAndModel : public Talk {
     there = now;
     show_channels();
     std::vector<std::string> expected;
-    if (goes) expected.emplace_back("unadvertise");
-    if (comes) expected.emplace_back("advertise");
+    if (goes) {
+      expected.emplace_back("unadvertise");
+    }
+    if (comes) {
+      expected.emplace_back("advertise");
+    }
     EXPECT_EQ(taken_ops(), expected);
   }
 
@@ -323,7 +333,9 @@ class TalkAndModel : public Talk {
 
   void be_the_same() const {
     std::set<std::uint32_t> wanted;
-    for (const auto& [number, one] : channel_of) wanted.insert(one);
+    for (const auto& [number, one] : channel_of) {
+      wanted.insert(one);
+    }
     ASSERT_EQ(desk.wanted, wanted);
     ASSERT_THAT(talk.subscribed_channels(), testing::ElementsAreArray(wanted));
   }
@@ -332,13 +344,17 @@ class TalkAndModel : public Talk {
   void show_channels() {
     std::vector<Channel> all;
     all.reserve(there.size());
-    for (const auto& [number, one] : there) all.push_back(one);
+    for (const auto& [number, one] : there) {
+      all.push_back(one);
+    }
     talk.show_channels(all);
   }
 
   std::vector<std::string> taken_ops() {
     std::vector<std::string> ops;
-    for (const Frame& frame : take()) ops.push_back(json::parse(frame.head)["op"]);
+    for (const Frame& frame : take()) {
+      ops.push_back(json::parse(frame.head)["op"]);
+    }
     return ops;
   }
 
@@ -360,7 +376,9 @@ TEST_F(TalkAndModel, HaveTheSameSubscriptions) {
       a_message(channel, i);
     }
     be_the_same();
-    if (HasFatalFailure()) return;
+    if (HasFatalFailure()) {
+      return;
+    }
   }
 }
 
@@ -371,20 +389,28 @@ TEST_F(Talk, ParameterUpdatesAreThoseOfTheModel) {
   for (int i = 0; i < 5000; ++i) {
     json some = json::array();
     for (const std::string& name : names) {
-      if (random() % 3 == 0) some.push_back(name);
+      if (random() % 3 == 0) {
+        some.push_back(name);
+      }
     }
-    if (random() % 10 == 0) some = json::array();
+    if (random() % 10 == 0) {
+      some = json::array();
+    }
     const bool on = random() % 2 == 0;
     hear({{"op", on ? "subscribeParameterUpdates" : "unsubscribeParameterUpdates"},
           {"parameterNames", some}});
     for (const std::string& name : names) {
-      if (some.empty() || std::ranges::find(some, json(name)) != some.end()) wanted[name] = on;
+      if (some.empty() || std::ranges::find(some, json(name)) != some.end()) {
+        wanted[name] = on;
+      }
     }
     std::vector<NamedValue> changed;
     json expected = json::array();
     for (const std::string& name : names) {
       changed.push_back({name, "1"});
-      if (wanted[name]) expected.push_back({{"name", name}, {"value", 1}});
+      if (wanted[name]) {
+        expected.push_back({{"name", name}, {"value", 1}});
+      }
     }
     talk.parameters_changed(changed);
     if (expected.empty()) {

@@ -15,7 +15,9 @@ TEST_F(PageServos, AreFoundAndSaid) {
   EXPECT_EQ(bridge()["trouble"], "");
   EXPECT_EQ(state()["drive"], "switch_on_disabled");
   std::vector<std::string> topics;
-  for (const Channel& channel : bench.bridge.channels()) topics.push_back(channel.topic);
+  for (const Channel& channel : bench.bridge.channels()) {
+    topics.push_back(channel.topic);
+  }
   EXPECT_THAT(topics,
               testing::ElementsAre("/bridge", "/node5/live", "/node5/state", "/node5/signals"));
   EXPECT_GT(bench.told.channel_lists, 0U);
@@ -140,7 +142,9 @@ TEST_F(PageServos, StopActsAtOnceInTheMiddleOfAnything) {
   std::mt19937_64 random(20);
   for (int round = 0; round < 24; ++round) {
     const Case& c = cases[static_cast<std::size_t>(round) % std::size(cases)];
-    if (round % 4 != 1) heat(1);
+    if (round % 4 != 1) {
+      heat(1);
+    }
     const int at = std::uniform_int_distribution<int>(1, round % 4 == 0 ? 1500 : 120)(random);
     int receives = 0;
     std::shared_ptr<BridgeBench::Got> stop;
@@ -213,7 +217,9 @@ TEST_F(PageServos, AChangeIsSeenThoughAnswersAreLost) {
     // Both answers to one read, and all of the next one.
     int answers = 0;
     bench.bus.loses = [&](const hal::CanFrame& frame) {
-      if (frame.id != 0x580 + node) return false;
+      if (frame.id != 0x580 + node) {
+        return false;
+      }
       ++answers;
       return first <= answers && answers < first + 3;
     };
@@ -251,7 +257,9 @@ TEST_F(PageServos, OneThatDisappearsInATransferIsMissedAndFoundAgain) {
   heat(1);
   int receives = 0;
   bench.bus.before_receive = [&] {
-    if (++receives == 100) bench.bus.connect(0, false);
+    if (++receives == 100) {
+      bench.bus.connect(0, false);
+    }
   };
   const BridgeBench::Got got = bench.call(2, "dump", R"({"node":5,"as":"toml"})");
   bench.bus.before_receive = {};

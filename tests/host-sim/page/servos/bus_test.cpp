@@ -182,15 +182,21 @@ class AnySequence {
     switch (pick(4)) {
       case 0:
         bench_.call(client_, "take_control");
-        if (client_ != reader) control_ = client_;
+        if (client_ != reader) {
+          control_ = client_;
+        }
         break;
       case 1:
         bench_.call(client_, "release_control");
-        if (has) control_.reset();
+        if (has) {
+          control_.reset();
+        }
         break;
       case 2:
         bench_.bridge.client_left(client_);
-        if (has) control_.reset();
+        if (has) {
+          control_.reset();
+        }
         break;
       default:
         ASSERT_TRUE(bench_.call(client_, "stop").ok) << context_;
@@ -212,7 +218,9 @@ TEST(PageServosOfABus, ObeyTheRulesOfControlInAnySequence) {
     AnySequence sequence(seed);
     for (int i = 0; i < 120; ++i) {
       sequence.step();
-      if (testing::Test::HasFatalFailure()) return;
+      if (testing::Test::HasFatalFailure()) {
+        return;
+      }
     }
   }
 }

@@ -65,7 +65,9 @@ TEST(PageHistory, ThinningKeepsEveryPeak) {
 TEST(PageHistory, TenMinutesAtFullRateFitAndNoMore) {
   History history;
   SignalSet eight;
-  for (std::size_t i = 0; i < 8; ++i) eight.set(i);
+  for (std::size_t i = 0; i < 8; ++i) {
+    eight.set(i);
+  }
   Sample sample;
   sample.has = eight;
   for (std::int64_t i = 0; i < 900'000; ++i) {

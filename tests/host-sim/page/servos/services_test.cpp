@@ -19,7 +19,9 @@ std::string from_base64(const std::string& text) {
   for (const char c : text.substr(0, text.find('='))) {
     bits = (bits << 6U | digits.find(c)) & 0xFFFFU;
     count += 6;
-    if (count < 8) continue;
+    if (count < 8) {
+      continue;
+    }
     count -= 8;
     bytes += static_cast<char>(bits >> count & 0xFFU);
   }
@@ -36,7 +38,9 @@ std::string csv_of(const std::string& mcap) {
   });
   std::string csv(std::size_t{1} << 20U, '\0');
   std::size_t length = 0;
-  while (const std::size_t got = rows.read(csv.data() + length, csv.size() - length)) length += got;
+  while (const std::size_t got = rows.read(csv.data() + length, csv.size() - length)) {
+    length += got;
+  }
   csv.resize(length);
   return csv;
 }
@@ -45,7 +49,9 @@ std::string csv_of(const std::string& mcap) {
 /// for each member, and asks each object for its members.
 std::string refused_by_foxglove(const json& schema) {
   static const std::set<json> simple{"boolean", "string", "number", "integer"};
-  if (schema.value("type", json()) != "object") return "no object: " + schema.dump();
+  if (schema.value("type", json()) != "object") {
+    return "no object: " + schema.dump();
+  }
   if (!schema.contains("properties") || !schema["properties"].is_object()) {
     return "no members: " + schema.dump();
   }
@@ -53,9 +59,15 @@ std::string refused_by_foxglove(const json& schema) {
     const bool is_list = member.value("type", json()) == "array";
     const json item = is_list ? member.value("items", json::object()) : member;
     const json type = item.value("type", json());
-    if (simple.contains(type)) continue;
-    if (type != "object") return name + ": " + member.dump();
-    if (const std::string why = refused_by_foxglove(item); !why.empty()) return why;
+    if (simple.contains(type)) {
+      continue;
+    }
+    if (type != "object") {
+      return name + ": " + member.dump();
+    }
+    if (const std::string why = refused_by_foxglove(item); !why.empty()) {
+      return why;
+    }
   }
   return "";
 }
@@ -179,7 +191,9 @@ TEST_F(PageServos, SettingsComeBackFromAFile) {
 
 TEST_F(PageServos, FoxgloveTakesEachSchemaAndItsMessages) {
   for (const Channel& channel : bench.bridge.channels()) {
-    if (channel.encoding != Encoding::json) continue;
+    if (channel.encoding != Encoding::json) {
+      continue;
+    }
     const json schema = json::parse(channel.schema);
     EXPECT_EQ(refused_by_foxglove(schema), "") << channel.topic;
     // Each member of a message is in the schema.

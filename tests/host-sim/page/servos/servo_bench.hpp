@@ -18,7 +18,9 @@ class ServoBus {
 
   /// The node-ids may be equal.
   explicit ServoBus(const std::vector<unsigned>& nodes, const canopen::ServoConfig& config = {}) {
-    for (const unsigned node : nodes) add(node, config);
+    for (const unsigned node : nodes) {
+      add(node, config);
+    }
   }
   SimulatedServo& add(unsigned node, const canopen::ServoConfig& config = {}) {
     Member& member = servos_.emplace_back(
@@ -36,15 +38,18 @@ class ServoBus {
   double flowing_A(std::size_t i) { return servo(i).rig().flowing_A; }
   double all_flowing_A() {
     double sum = 0;
-    for (Member& member : servos_) sum += std::abs(member.servo->rig().flowing_A);
+    for (Member& member : servos_) {
+      sum += std::abs(member.servo->rig().flowing_A);
+    }
     return sum;
   }
   std::int64_t now_us() const { return now_us_; }
   /// Time in which nobody here runs, as on a computer that is busy with other things.
   void stand_still(double seconds) { now_us_ += std::int64_t(seconds * 1e6); }
   void run(double seconds) {
-    for (const std::int64_t end_us = now_us_ + std::int64_t(seconds * 1e6); now_us_ < end_us;)
+    for (const std::int64_t end_us = now_us_ + std::int64_t(seconds * 1e6); now_us_ < end_us;) {
       step();
+    }
   }
 
   bool down = false;                                ///< the interface is down
@@ -56,13 +61,21 @@ class ServoBus {
     explicit Port(ServoBus& bus_) : bus(bus_) { bus.ports_.push_back(this); }
     ~Port() override { std::erase(bus.ports_, this); }
     void send(const hal::CanFrame& frame) override {
-      if (bus.down) throw files::UserError("sim: the interface is down");
+      if (bus.down) {
+        throw files::UserError("sim: the interface is down");
+      }
       bus.deliver(frame, this, nullptr);
     }
     bool receive(hal::CanFrame& frame, std::int64_t until_us) override {
-      if (bus.before_receive && this == bus.hooked) bus.before_receive();
-      while (frames.empty() && bus.now_us_ < until_us) bus.step();
-      if (frames.empty()) return false;
+      if (bus.before_receive && this == bus.hooked) {
+        bus.before_receive();
+      }
+      while (frames.empty() && bus.now_us_ < until_us) {
+        bus.step();
+      }
+      if (frames.empty()) {
+        return false;
+      }
       frame = frames.front();
       frames.pop_front();
       return true;
@@ -91,15 +104,21 @@ class ServoBus {
   void collect(Member& from) {
     hal::CanFrame frame;
     while (from.servo->take(frame)) {
-      if (from.connected && !down && !(loses && loses(frame))) deliver(frame, nullptr, &from);
+      if (from.connected && !down && !(loses && loses(frame))) {
+        deliver(frame, nullptr, &from);
+      }
     }
   }
   void deliver(const hal::CanFrame& frame, const Port* port, const Member* from) {
     for (Port* other : ports_) {
-      if (other != port) other->frames.push_back(frame);
+      if (other != port) {
+        other->frames.push_back(frame);
+      }
     }
     for (Member& member : servos_) {
-      if (&member == from || !member.connected) continue;
+      if (&member == from || !member.connected) {
+        continue;
+      }
       member.servo->receive(frame);
       collect(member);
     }
@@ -124,7 +143,9 @@ struct Told final : page::Sink {
   }
   void channels_changed() override { ++channel_lists; }
   void parameters_changed(const std::vector<page::NamedValue>& values) override {
-    for (const page::NamedValue& value : values) parameters[value.name] = value.value;
+    for (const page::NamedValue& value : values) {
+      parameters[value.name] = value.value;
+    }
   }
   std::vector<page::ClientState> clients() override { return present; }
 
@@ -167,7 +188,9 @@ class BridgeBench {
 
   void run(double seconds) {
     const std::int64_t until_us = bus.now_us() + std::int64_t(seconds * 1e6);
-    while (bus.now_us() < until_us) bridge.round();
+    while (bus.now_us() < until_us) {
+      bridge.round();
+    }
   }
   void watch(unsigned node) {
     bridge.subscribed(1000 + node, 1);
@@ -190,7 +213,9 @@ class BridgeBench {
            double patience_s = 30) {
     const auto got = ask(client, service, request);
     const std::int64_t until_us = bus.now_us() + std::int64_t(patience_s * 1e6);
-    while (!got->done && bus.now_us() < until_us) bridge.round();
+    while (!got->done && bus.now_us() < until_us) {
+      bridge.round();
+    }
     return *got;
   }
   /// The refusal; "" where it was taken.
@@ -204,19 +229,25 @@ class BridgeBench {
                             done = true;
                           });
     const std::int64_t until_us = bus.now_us() + 5'000'000;
-    while (!done && bus.now_us() < until_us) bridge.round();
+    while (!done && bus.now_us() < until_us) {
+      bridge.round();
+    }
     return refusal;
   }
   std::string get(const std::string& name) {
     std::string value;
     bridge.get_parameters({name}, [&](const std::vector<page::NamedValue>& values) {
-      if (!values.empty()) value = values.front().value;
+      if (!values.empty()) {
+        value = values.front().value;
+      }
     });
     return value;
   }
   std::uint32_t id_of(const std::string& service) {
     for (const page::Service& known : bridge.services()) {
-      if (known.name == service) return known.id;
+      if (known.name == service) {
+        return known.id;
+      }
     }
     return 0;
   }

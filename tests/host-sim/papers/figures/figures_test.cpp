@@ -62,7 +62,9 @@ bool is_well_formed_svg(std::string_view text) {
   for (Tag tag = next_tag(text); !tag.name.empty(); tag = next_tag(text)) {
     svg = svg || (open.empty() && tag.name == "svg");
     if (tag.closes) {
-      if (open.empty() || open.back() != tag.name) return false;
+      if (open.empty() || open.back() != tag.name) {
+        return false;
+      }
       open.pop_back();
     } else if (!tag.stands_alone) {
       open.push_back(tag.name);

@@ -19,9 +19,13 @@ struct Problem {
 Problem random_problem(Index unknowns, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   Eigen::MatrixXd a(unknowns + 3, unknowns);
-  for (double& value : a.reshaped()) value = normal(random) + 0.5;
+  for (double& value : a.reshaped()) {
+    value = normal(random) + 0.5;
+  }
   Eigen::VectorXd b(unknowns + 3);
-  for (double& value : b) value = normal(random);
+  for (double& value : b) {
+    value = normal(random);
+  }
   return {a.transpose() * a, a.transpose() * b};
 }
 
@@ -41,7 +45,9 @@ TEST(NonnegativeLeastSquares, IsTheBestOfAllSetsOfUnknownsThatMayBeHeldAtZero) {
     for (unsigned set = 0; set < 1U << unknowns; ++set) {
       std::vector<Index> moving;
       for (Index i = 0; i < unknowns; ++i) {
-        if (i < free || (set >> i & 1U) != 0) moving.push_back(i);
+        if (i < free || (set >> i & 1U) != 0) {
+          moving.push_back(i);
+        }
       }
       Eigen::VectorXd y = Eigen::VectorXd::Zero(unknowns);
       if (!moving.empty()) {
@@ -49,7 +55,9 @@ TEST(NonnegativeLeastSquares, IsTheBestOfAllSetsOfUnknownsThatMayBeHeldAtZero) {
         const Eigen::VectorXd values = part.ldlt().solve(p.right(moving));
         y(moving) = values;
       }
-      if ((y.tail(unknowns - free).array() >= 0).all()) best = std::min(best, cost(p, y));
+      if ((y.tail(unknowns - free).array() >= 0).all()) {
+        best = std::min(best, cost(p, y));
+      }
     }
     EXPECT_NEAR(cost(p, x), best, 1e-9 * std::abs(best));
     EXPECT_TRUE((x.tail(unknowns - free).array() >= 0).all());

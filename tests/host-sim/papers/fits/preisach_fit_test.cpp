@@ -75,7 +75,9 @@ double cell_weight(const K::Params& p, std::size_t stress, std::size_t hot, std:
 
 TEST(PreisachFits, FindAPreisachWireAndItsStressesInBetween) {
   Runs runs;
-  for (const double stress_MPa : {100.0, 200.0, 300.0}) runs.push_back(relay_run(stress_MPa, 0));
+  for (const double stress_MPa : {100.0, 200.0, 300.0}) {
+    runs.push_back(relay_run(stress_MPa, 0));
+  }
   const fits::PreisachFit fit = fits::fit_preisach(runs, fits::StressShift::fitted);
   // The wire has a grid of its own.
   EXPECT_LT(fit.rms, 0.004);
@@ -197,7 +199,9 @@ TEST(PreisachFits, SayWhatIsMissing) {
   expect("is a settled run", [](auto& runs) { runs[1].kind = identify::RunKind::settled; });
   expect("without strain", [](auto& runs) { runs[1].strain.clear(); });
   expect("need a constant one", [](auto& runs) {
-    for (std::size_t i = 0; i < 1000; ++i) runs[0].stress_Pa[i] = 120 * MPa;
+    for (std::size_t i = 0; i < 1000; ++i) {
+      runs[0].stress_Pa[i] = 120 * MPa;
+    }
   });
   expect("begins at", [](auto& runs) {
     for (auto* column : {&runs[0].temperature_K, &runs[0].strain, &runs[0].stress_Pa}) {
@@ -208,7 +212,9 @@ TEST(PreisachFits, SayWhatIsMissing) {
   expect("9 stresses", [](auto& runs) {
     runs.assign(9, runs[0]);
     for (std::size_t i = 0; i < 9; ++i) {
-      for (double& stress_Pa : runs[i].stress_Pa) stress_Pa += static_cast<double>(i) * 10 * MPa;
+      for (double& stress_Pa : runs[i].stress_Pa) {
+        stress_Pa += static_cast<double>(i) * 10 * MPa;
+      }
     }
   });
 }

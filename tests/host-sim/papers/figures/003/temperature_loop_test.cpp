@@ -97,7 +97,9 @@ TEST(RecursiveLeastSquares, IsTheWeightedSolutionOfAllRowsAtOnce) {
   Eigen::Vector4d right = start / variance;
   for (int i = 0; i < 200; ++i) {
     Eigen::Vector4d regressors;
-    for (double& regressor : regressors) regressor = normal(random);
+    for (double& regressor : regressors) {
+      regressor = normal(random);
+    }
     const double y = normal(random);
     recursive.update(regressors, y);
     left = forgetting * left + regressors * regressors.transpose();
