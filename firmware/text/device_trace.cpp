@@ -133,16 +133,16 @@ void DeviceRows::append(std::string& to, const Cycle& cycle, std::string_view fu
   to += '\n';
 }
 
-std::vector<files::mcap::Kind> DeviceRows::kinds() const {
-  std::vector<files::mcap::Kind> all;
+std::vector<hal::mcap::Kind> DeviceRows::kinds() const {
+  std::vector<hal::mcap::Kind> all;
   all.reserve(columns_.size());
   for (const DeviceColumn& column : columns_) {
-    all.push_back(column.is_text ? files::mcap::Kind::text : files::mcap::Kind::number);
+    all.push_back(column.is_text ? hal::mcap::Kind::text : hal::mcap::Kind::number);
   }
   return all;
 }
 
-DeviceTraceFile::DeviceTraceFile(const std::string& path, const files::mcap::Origin& origin,
+DeviceTraceFile::DeviceTraceFile(const std::string& path, const hal::mcap::Origin& origin,
                                  Columns columns, const std::vector<std::string>& further)
     : rows_(std::move(columns), further),
       file_(path, origin, rows_.kinds()),

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware/device/cycle.hpp"
-#include "model/files/trace_file.hpp"
+#include "hal/recording/trace_file.hpp"
 
 namespace smaservo::text {
 
@@ -36,7 +36,7 @@ class DeviceRows {
 
   const std::string& header() const { return header_; }
   /// Of all columns but the further ones.
-  std::vector<files::mcap::Kind> kinds() const;
+  std::vector<hal::mcap::Kind> kinds() const;
   void append(std::string& to, const Cycle& cycle, std::string_view further) const;
 
  private:
@@ -47,7 +47,7 @@ class DeviceRows {
 /// Writes such rows to a file, as CSV or MCAP.
 class DeviceTraceFile {
  public:
-  DeviceTraceFile(const std::string& path, const files::mcap::Origin& origin,
+  DeviceTraceFile(const std::string& path, const hal::mcap::Origin& origin,
                   std::vector<DeviceColumn> columns, const std::vector<std::string>& further);
 
   void add(const Cycle& cycle, std::string_view further);
@@ -55,7 +55,7 @@ class DeviceTraceFile {
 
  private:
   DeviceRows rows_;
-  files::TraceFile file_;
+  hal::TraceFile file_;
   std::string buffer_;
 };
 

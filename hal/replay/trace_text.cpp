@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hal/recording/trace_file.hpp"
 #include "model/files/error.hpp"
-#include "model/files/trace_file.hpp"
 
 namespace smaservo::hal {
 
@@ -16,8 +16,8 @@ TraceText::TraceText(const std::string& path) {
   open_file(path);
   try {
     read_head();
-    if (head_.starts_with(files::mcap::magic) || files::is_mcap_name(path)) {
-      mcap_ = std::make_unique<files::mcap::CsvOfRows>(
+    if (head_.starts_with(mcap::magic) || is_mcap_name(path)) {
+      mcap_ = std::make_unique<mcap::CsvOfRows>(
           [this](char* to, std::size_t room) { return read_file(to, room); });
     }
   } catch (...) {
@@ -58,7 +58,7 @@ void TraceText::open_file(const std::string& path) {
 void TraceText::read_head() {
   std::string block(std::size_t{1} << 20U, '\0');
   std::size_t used = 0;
-  for (std::size_t got = 1; got > 0 && used < files::mcap::magic.size(); used += got) {
+  for (std::size_t got = 1; got > 0 && used < mcap::magic.size(); used += got) {
     got = read_file(block.data() + used, block.size() - used);
   }
   head_ = block.substr(0, used);

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "model/files/mcap/rows_reader.hpp"
+#include "hal/recording/mcap/rows_reader.hpp"
 
 namespace smaservo::hal {
 
@@ -38,8 +38,8 @@ class TraceText {
 
   int file_ = -1;
   std::uint64_t size_ = 0, bytes_ = 0;
-  std::string head_;  ///< first bytes of the file, which tell its format
-  std::unique_ptr<files::mcap::CsvOfRows> mcap_;  ///< null: the file is CSV
+  std::string head_;                       ///< first bytes of the file, which tell its format
+  std::unique_ptr<mcap::CsvOfRows> mcap_;  ///< null: the file is CSV
 };
 
 }  // namespace smaservo::hal

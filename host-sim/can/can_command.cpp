@@ -8,6 +8,8 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/reference/fault_reference.hpp"
 #include "firmware/text/settings_file.hpp"
+#include "firmware/text/text_table.hpp"
+#include "hal/recording/trace_file.hpp"
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/port_bus.hpp"
 #include "host-sim/can/settings.hpp"
@@ -18,8 +20,6 @@
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
-#include "model/files/text_table.hpp"
-#include "model/files/trace_file.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -87,7 +87,7 @@ void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char*
 void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
   const can::FoundNodes found = can::scan(bus, static_cast<std::int64_t>(listen_s * 1e6));
-  files::TextTable table({{"", "{}"}, {""}, {""}});
+  text::TextTable table({{"", "{}"}, {""}, {""}});
   for (const can::FoundNode& node : found.nodes) {
     const can::SdoClient client(bus, node.node);
     Remote remote(client);
@@ -220,10 +220,10 @@ void record(Remote& remote, const can::RecordingPlan& plan, const std::string& o
             double patience_s) {
   can::arm_recorder(remote, plan);
   can::wait_for_recorder(remote, plan, patience_s);
-  files::TraceFile file(
+  hal::TraceFile file(
       out,
       {"host-sim can record", fmt::format("node {} on {}", remote.node(), remote.bus().name())},
-      std::vector(1 + plan.signals.size(), files::mcap::Kind::number));
+      std::vector(1 + plan.signals.size(), hal::mcap::Kind::number));
   const can::Recording recording = can::read_recording(remote, plan);
   file.write(can::to_csv(recording));
   file.commit();

@@ -14,18 +14,18 @@
 #include <utility>
 #include <vector>
 
+#include "hal/recording/mcap/rows_reader.hpp"
+#include "hal/recording/mcap/rows_writer.hpp"
+#include "hal/recording/trace_file.hpp"
 #include "model/files/error.hpp"
-#include "model/files/mcap/rows_reader.hpp"
-#include "model/files/mcap/rows_writer.hpp"
 #include "model/files/output_file.hpp"
-#include "model/files/trace_file.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::convert {
 namespace {
 
 using files::UserError;
-namespace mcap = files::mcap;
+namespace mcap = hal::mcap;
 
 constexpr std::size_t block = std::size_t{1} << 16U;
 
@@ -211,7 +211,7 @@ void check_header(const std::vector<std::string>& names) {
 
 Converted from_csv(const ConvertOptions& options, const std::string& source, Input& input,
                    files::OutputFile& file) {
-  if (!files::is_mcap_name(options.out)) {
+  if (!hal::is_mcap_name(options.out)) {
     throw UserError(fmt::format(
         "is CSV, and so would be {}: the name of an MCAP file ends in .mcap", options.out));
   }
@@ -238,7 +238,7 @@ Converted from_mcap(const ConvertOptions& options, const std::string& source, In
     kinds.push_back(column.kind);
   }
   std::optional<McapSink> sink;
-  if (files::is_mcap_name(options.out)) {
+  if (hal::is_mcap_name(options.out)) {
     sink.emplace(options, source, file, kinds);
   }
   Converted result;
@@ -272,7 +272,7 @@ Converted convert(const ConvertOptions& options) {
   files::OutputFile file(options.out);
   try {
     Input input(options.in);
-    if (!input.is_mcap() && files::is_mcap_name(options.in)) {
+    if (!input.is_mcap() && hal::is_mcap_name(options.in)) {
       throw mcap::Malformed(0, "is no MCAP file: must begin with 89 4D 43 41 50 30 0D 0A");
     }
     return input.is_mcap() ? from_mcap(options, source, input, file)

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/parallel.hpp"
 #include "host-sim/replay/measurement_params.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
-#include "model/files/parallel.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -103,7 +103,7 @@ std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrat
     if (!options.wires.empty()) {
       files::prepare_folder("--wires", options.wires);
     }
-    files::parallel(
+    parallel(
         units.size(), options.threads,
         [&](std::size_t i) { units[i].calibrated = calibrated_wire(units[i].unit, options.wires); },
         reporting(options, "calibration", units.size()));
@@ -235,7 +235,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
   const std::vector<Job> jobs = work_list(options, rows, units);
   const double stroke = units.front().type_file.nominal_stroke;
   std::vector<std::vector<JudgedRun>> judged(jobs.size());
-  files::parallel(
+  parallel(
       jobs.size(), options.threads,
       [&](std::size_t i) {
         judged[i] = judge(options, settings, jobs[i], units[jobs[i].unit], stroke);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "firmware/bench/progress.hpp"
 #include "host-sim/commands.hpp"
 #include "host-sim/evaluate/closed_loop/closed_loop.hpp"
 #include "host-sim/evaluate/closed_loop/random_scenario.hpp"
@@ -16,7 +17,6 @@
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
-#include "model/files/progress.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -55,7 +55,7 @@ class Stages {
 
  private:
   std::string stage_;
-  std::optional<files::Progress> line_;
+  std::optional<bench::Progress> line_;
 };
 
 /// Runs only one of the random scenarios.

@@ -9,9 +9,9 @@
 
 #include "host-sim/identify/fit/cost/all_runs_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/parallel.hpp"
 #include "host-sim/plan/plan_profile.hpp"
 #include "model/files/error.hpp"
-#include "model/files/parallel.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::plan {
@@ -256,7 +256,7 @@ class Search {
   void add(const std::vector<std::pair<double, Recipe>>& wanted) {
     const std::size_t before = pool_.size();
     pool_.resize(before + wanted.size());
-    files::parallel(
+    parallel(
         wanted.size(), options_.threads,
         [&](std::size_t i) { pool_[before + i] = candidate(wanted[i].first, wanted[i].second); },
         [&](std::size_t done) { options_.progress(before + done, total_); });

@@ -55,7 +55,7 @@ EstimateFile::EstimateFile(const std::string& path, const std::string& source, b
                            const std::vector<std::string>& passed,
                            std::vector<std::size_t> positions)
     : file_(path, {"host-sim replay", source},
-            std::vector(own_columns.size() + (has_reference ? 1 : 0), files::mcap::Kind::number)),
+            std::vector(own_columns.size() + (has_reference ? 1 : 0), hal::mcap::Kind::number)),
       has_reference_(has_reference),
       positions_(std::move(positions)),
       buffer_(estimate_buffer_size) {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/files/trace_file.hpp"
+#include "hal/recording/trace_file.hpp"
 
 namespace smaservo::replay {
 
@@ -36,7 +36,7 @@ class EstimateFile {
   void commit();
 
  private:
-  files::TraceFile file_;
+  hal::TraceFile file_;
   bool has_reference_;
   std::vector<std::size_t> positions_;
   std::vector<char> buffer_;

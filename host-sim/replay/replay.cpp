@@ -6,11 +6,11 @@
 #include <fmt/ranges.h>
 #include <memory>
 
+#include "firmware/bench/progress.hpp"
 #include "hal/replay/board.hpp"
 #include "host-sim/replay/estimate_file.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "model/files/error.hpp"
-#include "model/files/progress.hpp"
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
@@ -172,7 +172,7 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
   result.open_loop = true;
   result.observers = {{"model", {}, false}};
   Sink sink(options, trace, result);
-  files::Progress progress("replay", trace.file_size());
+  bench::Progress progress("replay", trace.file_size());
   K::State state{};
   hal::TraceRow row{};
   std::uint32_t piece = 0;
@@ -270,7 +270,7 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
       result.observers.push_back({name, {}, false});
     }
   }
-  files::Progress progress("replay", reader.file_size());
+  bench::Progress progress("replay", reader.file_size());
   hal::ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
   Observers observers;
   hal::Frame frame{};

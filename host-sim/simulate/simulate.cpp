@@ -6,8 +6,8 @@
 #include <memory>
 #include <random>
 
+#include "hal/recording/trace_file.hpp"
 #include "hal/sim/simulated_bench.hpp"
-#include "model/files/trace_file.hpp"
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
@@ -82,7 +82,7 @@ void run_bath(const bench::Scenario& scenario, const bench::BathScenario& bath,
 
 }  // namespace
 
-void simulate(const bench::Scenario& scenario, files::TraceFile& trace) {
+void simulate(const bench::Scenario& scenario, hal::TraceFile& trace) {
   if (std::holds_alternative<bench::BathScenario>(scenario.run)) {
     trace.write("temperature_degC,stress_MPa,strain_ref\n");
     simulate_bath_rows(scenario, [&](const SimulatedBathRow& row) {

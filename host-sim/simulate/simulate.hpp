@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "firmware/bench/scenario/scenario.hpp"
-#include "model/files/trace_file.hpp"
+#include "hal/recording/trace_file.hpp"
 
 namespace smaservo::simulate {
 
@@ -15,7 +15,7 @@ struct SimulatedRow {
 using RowSink = std::function<void(const SimulatedRow&)>;
 
 /// Writes the trace; the same scenario gives the same trace.
-void simulate(const bench::Scenario& scenario, files::TraceFile& trace);
+void simulate(const bench::Scenario& scenario, hal::TraceFile& trace);
 
 /// Gives the same rows before they are rounded to the digits of a file. The scenario's run must be
 /// a JouleScenario; throws std::bad_variant_access for a bath.

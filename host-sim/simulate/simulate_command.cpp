@@ -2,12 +2,12 @@
 #include <memory>
 
 #include "firmware/bench/scenario/scenario.hpp"
+#include "hal/recording/trace_file.hpp"
 #include "host-sim/commands.hpp"
 #include "host-sim/simulate/closed_loop_report.hpp"
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
-#include "model/files/trace_file.hpp"
 
 namespace smaservo::simulate {
 namespace {
@@ -43,7 +43,7 @@ void run(const SimulateArguments& a) {
                     a.scenario));
   }
   const bench::Scenario scenario = bench::load_scenario(a.scenario);
-  files::TraceFile file(a.out.empty() ? "-" : a.out, {"host-sim simulate", a.scenario});
+  hal::TraceFile file(a.out.empty() ? "-" : a.out, {"host-sim simulate", a.scenario});
   simulate(scenario, file);
   file.commit();
 }

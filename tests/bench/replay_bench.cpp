@@ -15,9 +15,9 @@
 #include <string>
 #include <unistd.h>
 
+#include "hal/recording/trace_file.hpp"
 #include "hal/replay/trace.hpp"
 #include "host-sim/replay/replay.hpp"
-#include "model/files/trace_file.hpp"
 #include "model/wire/plant.hpp"
 #include "tests/bench/main.hpp"
 
@@ -117,7 +117,7 @@ void time_read(benchmark::State& state, const std::string& path) {
 void time_writing(benchmark::State& state, const std::string& text, const std::string& path) {
   constexpr std::size_t piece = std::size_t{1} << 18U;
   for ([[maybe_unused]] auto _ : state) {
-    files::TraceFile file(path, {"bench", "bench"});
+    hal::TraceFile file(path, {"bench", "bench"});
     for (std::size_t at = 0; at < text.size(); at += piece) {
       file.write(std::string_view(text).substr(at, piece));
     }

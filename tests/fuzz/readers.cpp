@@ -23,7 +23,7 @@
 #include "model/files/wire/wire_file.hpp"
 #include "model/papers/actuators/actuator_file.hpp"
 #include "tests/firmware/parameters/store/memory_storage.hpp"
-#include "tests/model/files/mcap/files.hpp"
+#include "tests/hal/recording/mcap/files.hpp"
 #include "tests/places.hpp"
 
 namespace smaservo::fuzz {
@@ -194,7 +194,7 @@ void trace(Input input) {
 void mcap(Input input) {
   std::string bytes(text_of(input));
   if (!input.empty() && input[0] % 2 == 1) {
-    files::mcap::Writer writer("fuzz", false);
+    hal::mcap::Writer writer("fuzz", false);
     std::string_view lines = text_of(input.subspan(1));
     bool has_schema = false;
     while (!lines.empty()) {

@@ -11,9 +11,9 @@
 
 #include "firmware/text/settings_file.hpp"
 #include "hal/linux/system/clock.hpp"
+#include "hal/recording/trace_file.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
-#include "model/files/trace_file.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -50,11 +50,11 @@ Recorder::Recorder(const std::string& path, const Settings<double>& settings,
   if (file_.number() < 0) {
     throw files::UserError(fmt::format("--record {}: {}", path_, std::strerror(errno)));
   }
-  if (files::is_mcap_name(path_)) {
-    std::vector<files::mcap::Kind> kinds = format_.kinds();
-    kinds.push_back(files::mcap::Kind::text);  // parameter_changes
-    mcap_ = std::make_unique<files::mcap::RowsWriter>(
-        files::mcap::Origin{"smaservod --record", board}, std::move(kinds));
+  if (hal::is_mcap_name(path_)) {
+    std::vector<hal::mcap::Kind> kinds = format_.kinds();
+    kinds.push_back(hal::mcap::Kind::text);  // parameter_changes
+    mcap_ = std::make_unique<hal::mcap::RowsWriter>(hal::mcap::Origin{"smaservod --record", board},
+                                                    std::move(kinds));
   }
   files::OutputFile beside(path_ + ".toml");
   beside.write(text::to_toml(settings));

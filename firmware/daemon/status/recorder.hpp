@@ -8,7 +8,7 @@
 #include "firmware/daemon/loop/desk.hpp"
 #include "firmware/text/device_trace.hpp"
 #include "hal/linux/system/descriptor.hpp"
-#include "model/files/mcap/rows_writer.hpp"
+#include "hal/recording/mcap/rows_writer.hpp"
 
 namespace smaservo::daemon {
 
@@ -50,7 +50,7 @@ class Recorder {
   Ring<CycleRecord>& ring_;
   ParameterDesk& desk_;
   text::DeviceRows format_;
-  std::unique_ptr<files::mcap::RowsWriter> mcap_;
+  std::unique_ptr<hal::mcap::RowsWriter> mcap_;
   hal::Descriptor file_;
   std::string buffer_;          ///< rows as CSV
   std::string encoded_;         ///< the rows as they are written to the file

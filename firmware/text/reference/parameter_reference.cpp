@@ -6,7 +6,7 @@
 #include "firmware/parameters/schemas.hpp"
 #include "firmware/text/reference/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
-#include "model/files/text_table.hpp"
+#include "firmware/text/text_table.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -47,7 +47,7 @@ std::string_view group_of(const Row& row) {
 }
 
 std::string group_text(std::string_view group) {
-  files::TextTable table(
+  TextTable table(
       {{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Level"}, {"Meaning"}});
   for (const Row& row : parameters<double>) {
     if (group_of(row) == group) {
@@ -62,7 +62,7 @@ std::string group_text(std::string_view group) {
 }
 
 std::string rules_text() {
-  files::TextTable table({{"Rule"}, {"Why"}});
+  TextTable table({{"Rule"}, {"Why"}});
   for (const Rule& rule : parameter_rules) {
     table.add({rule_text(rule), rule.meaning});
   }

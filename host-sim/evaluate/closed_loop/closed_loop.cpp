@@ -5,8 +5,8 @@
 
 #include "firmware/bench/dice.hpp"
 #include "host-sim/evaluate/runs/runs.hpp"
+#include "host-sim/parallel.hpp"
 #include "model/files/output_file.hpp"
-#include "model/files/parallel.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -31,7 +31,7 @@ std::vector<KnownUnit> known_units(const ClosedLoopOptions& options) {
   }
   std::vector<KnownUnit> units(static_cast<std::size_t>(options.units) *
                                hal::tuning_families.size());
-  files::parallel(
+  parallel(
       units.size(), options.threads,
       [&](std::size_t i) {
         units[i] = known_unit(hal::tuning_families.at(i % hal::tuning_families.size()),
@@ -85,7 +85,7 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
                            const ClosedLoopOptions& options) {
   const auto runs = static_cast<std::size_t>(options.runs);
   std::vector<std::array<LoopRun, loop_kinds.size()>> results(runs);
-  files::parallel(
+  parallel(
       runs * loop_kinds.size(), options.threads,
       [&](std::size_t i) {
         const std::size_t run = i / loop_kinds.size();
@@ -122,7 +122,7 @@ void judge_loops(ClosedLoopEvaluation& result, const std::vector<KnownUnit>& uni
     of_kind.resize(units.size());
   }
   const std::size_t total = units.size() * loop_kinds.size();
-  files::parallel(
+  parallel(
       total, options.threads,
       [&](std::size_t i) {
         const LoopConditions at{hal::ConstantLoad{200 * MPa}};

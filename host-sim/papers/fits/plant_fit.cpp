@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "host-sim/identify/fit/cost/run_cost.hpp"
-#include "model/files/parallel.hpp"
+#include "host-sim/parallel.hpp"
 
 namespace smaservo::fits {
 namespace {
@@ -40,7 +40,7 @@ class StrainResiduals final : public ceres::CostFunction {
                 double** jacobians) const override {
     const std::vector<double> u(parameters[0], parameters[0] + count_);
     double* jacobian = jacobians == nullptr ? nullptr : jacobians[0];
-    files::parallel(
+    parallel(
         runs_.size(), threads_,
         [&](std::size_t run) {
           evaluate(run, u, residuals + first_row_[run]);

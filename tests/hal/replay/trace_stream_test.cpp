@@ -13,8 +13,8 @@
 #include <thread>
 #include <unistd.h>
 
+#include "tests/hal/recording/mcap/files.hpp"
 #include "tests/hal/replay/traces.hpp"
-#include "tests/model/files/mcap/files.hpp"
 
 namespace smaservo::test::trace_stream_test {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "host-sim/evaluate/runs/calibrate.hpp"
 #include "host-sim/evaluate/table.hpp"
+#include "host-sim/parallel.hpp"
 #include "model/files/error.hpp"
-#include "model/files/parallel.hpp"
 #include "tests/host-sim/program.hpp"
 
 namespace smaservo::test {
@@ -164,7 +164,7 @@ TEST(Parallel, ThrowsWhatTheFirstFailureHasThrown) {
   for (int threads = 1; threads <= 4; ++threads) {
     std::size_t finished = 0;
     try {
-      files::parallel(
+      parallel(
           100, threads,
           [](std::size_t i) {
             if (i >= 10) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "model/files/trace_file.hpp"
+#include "hal/recording/trace_file.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 
 namespace smaservo::test {
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 std::string simulated(const bench::Scenario& scenario) {
   const TemporaryFolder folder;
-  files::TraceFile file(folder / "t.csv", {"test", "test"});
+  hal::TraceFile file(folder / "t.csv", {"test", "test"});
   simulate::simulate(scenario, file);
   file.commit();
   return file_text(folder / "t.csv");

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "hal/recording/mcap/rows_writer.hpp"
 #include "host-sim/page/servos/messages/requests.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
-#include "model/files/mcap/rows_writer.hpp"
 #include "model/files/message.hpp"
 
 namespace smaservo::page {
@@ -22,7 +22,7 @@ using nlohmann::json;
 constexpr std::size_t max_kept = 8;
 
 std::string to_mcap(const can::Recording& recording) {
-  namespace mcap = files::mcap;
+  namespace mcap = hal::mcap;
   mcap::RowsWriter rows({"host-sim page", "recording"},
                         std::vector(1 + recording.signals.size(), mcap::Kind::number));
   rows.add(can::to_csv(recording));

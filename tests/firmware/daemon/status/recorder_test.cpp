@@ -13,8 +13,8 @@
 #include "firmware/daemon/loop/loop.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "model/files/error.hpp"
+#include "tests/hal/recording/mcap/files.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
-#include "tests/model/files/mcap/files.hpp"
 
 namespace smaservo::test::recorder_test {
 namespace {

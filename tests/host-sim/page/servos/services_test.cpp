@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <set>
 
-#include "model/files/mcap/rows_reader.hpp"
+#include "hal/recording/mcap/rows_reader.hpp"
 #include "tests/host-sim/page/servos/page_servos.hpp"
 
 namespace smaservo::page {
@@ -31,7 +31,7 @@ std::string from_base64(const std::string& text) {
 /// The rows of an MCAP file.
 std::string csv_of(const std::string& mcap) {
   std::size_t at = 0;
-  files::mcap::CsvOfRows rows([&](char* to, std::size_t size) {
+  hal::mcap::CsvOfRows rows([&](char* to, std::size_t size) {
     const std::size_t part = mcap.copy(to, size, at);
     at += part;
     return part;

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "model/files/text_table.hpp"
+#include "firmware/text/text_table.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "tests/places.hpp"
 
@@ -70,7 +70,7 @@ bool is_coefficient(const Field& field) {
 }
 
 std::string key_table() {
-  TextTable table(
+  text::TextTable table(
       {{"Key, without its unit"}, {"Units"}, {"Range"}, {"Needed"}, {"Meaning; default"}});
   std::size_t next = 0;
   for (const Field& field : wire_fields()) {

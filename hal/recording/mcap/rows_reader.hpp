@@ -6,10 +6,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "model/files/mcap/columns.hpp"
-#include "model/files/mcap/reader.hpp"
+#include "hal/recording/mcap/columns.hpp"
+#include "hal/recording/mcap/reader.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 /// Reads the messages of one channel whose encoding is json: each is an object and becomes a row.
 /// The columns are those of the channel's JSON Schema, in its order; without a schema, those of the
@@ -68,4 +68,4 @@ class CsvOfRows {
   std::size_t given_ = 0;
 };
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

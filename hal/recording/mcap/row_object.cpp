@@ -1,10 +1,10 @@
-#include "model/files/mcap/row_object.hpp"
+#include "hal/recording/mcap/row_object.hpp"
 
 #include <array>
 #include <charconv>
 #include <fmt/format.h>
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 bool is_digit(char c) {
@@ -307,4 +307,4 @@ bool RowObject::four_digits(std::uint32_t& to) {
   return true;
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 enum class Kind : unsigned char { unknown, number, text };
 
@@ -50,4 +50,4 @@ std::string schema_of(const TraceColumns& columns);
 /// UserError if it is not a JSON object.
 TraceColumns columns_of(std::string_view schema);
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

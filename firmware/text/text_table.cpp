@@ -1,4 +1,4 @@
-#include "model/files/text_table.hpp"
+#include "firmware/text/text_table.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -9,11 +9,11 @@
 
 #include "model/files/message.hpp"
 
-namespace smaservo::files {
+namespace smaservo::text {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Columns = std::vector<TextTable::Column>;
+using TableColumns = std::vector<TextTable::Column>;
 
 constexpr std::size_t terminal_columns = 80;
 constexpr std::string_view gap = "  ";
@@ -54,7 +54,7 @@ struct Printed {
 using Line = std::vector<Printed>;
 
 struct View {
-  Columns columns;
+  TableColumns columns;
   std::vector<Line> lines;  ///< without the headings
 };
 
@@ -67,7 +67,7 @@ std::string text_of(const TextTable::Cell& cell, const TextTable::Column& column
   const auto text = [&](const auto& value) -> std::string {
     using Value = std::remove_cvref_t<decltype(value)>;
     if constexpr (std::same_as<Value, std::string>) {
-      return printable(value);
+      return files::printable(value);
     } else if constexpr (std::same_as<Value, bool>) {
       return value ? "yes" : "no";
     } else if constexpr (std::integral<Value>) {
@@ -82,7 +82,7 @@ std::string text_of(const TextTable::Cell& cell, const TextTable::Column& column
   return std::visit(text, cell.value);
 }
 
-View view(const Columns& columns, const std::vector<TextTable::Row>& rows,
+View view(const TableColumns& columns, const std::vector<TextTable::Row>& rows,
           const std::string& nothing) {
   View all{{}, std::vector<Line>(rows.size())};
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -91,7 +91,7 @@ View view(const Columns& columns, const std::vector<TextTable::Row>& rows,
       continue;
     }
     all.columns.push_back(column);
-    all.columns.back().heading = printable(column.heading);
+    all.columns.back().heading = files::printable(column.heading);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       all.lines[k].push_back({text_of(rows[k][i], column, nothing), rows[k][i].marked});
     }
@@ -185,7 +185,7 @@ std::string html_line(const Line& line, const char* tag) {
   return html + "</tr>\n";
 }
 
-Line headings(const Columns& columns) {
+Line headings(const TableColumns& columns) {
   Line line;
   for (const TextTable::Column& column : columns) {
     line.push_back({column.heading, false});
@@ -251,7 +251,7 @@ Json TextTable::json() const {
 
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : printable_lines(text)) {
+  for (const char c : files::printable_lines(text)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -276,7 +276,8 @@ std::string escaped(std::string_view text) {
 }
 
 std::string json_text(const Json& json, int indent) {
-  return printable_json(json.dump(indent, ' ', false, Json::error_handler_t::replace)) + "\n";
+  return files::printable_json(json.dump(indent, ' ', false, Json::error_handler_t::replace)) +
+         "\n";
 }
 
-}  // namespace smaservo::files
+}  // namespace smaservo::text

@@ -1,4 +1,4 @@
-#include "model/files/mcap/compression.hpp"
+#include "hal/recording/mcap/compression.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -6,10 +6,10 @@
 #include <new>
 #include <zstd.h>
 
+#include "hal/recording/mcap/records.hpp"
 #include "model/files/error.hpp"
-#include "model/files/mcap/records.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 constexpr int quickest = 1;
@@ -114,7 +114,7 @@ std::string_view Compressor::compress(std::string_view bytes) {
   const std::size_t size = ZSTD_compressCCtx(context_->zstd.get(), packed.data(), packed.size(),
                                              bytes.data(), bytes.size(), quickest);
   if (ZSTD_isError(size) != 0) {
-    throw UserError(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
+    throw files::UserError(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
   }
   return std::string_view(packed).substr(0, size);
 }
@@ -130,4 +130,4 @@ std::string decompress(std::string_view name, std::string_view packed, std::uint
   return fmt::format("compression {}; known are zstd and lz4", name);
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -1,8 +1,8 @@
-#include "model/files/mcap/writer.hpp"
+#include "hal/recording/mcap/writer.hpp"
 
 #include <algorithm>
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 constexpr std::uint16_t only_schema = 1;
@@ -213,4 +213,4 @@ std::string Writer::take() {
   return std::exchange(out_, {});
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -1,12 +1,12 @@
-#include "model/files/mcap/reader.hpp"
+#include "hal/recording/mcap/reader.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 
-#include "model/files/mcap/compression.hpp"
+#include "hal/recording/mcap/compression.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 constexpr std::size_t piece = std::size_t{1} << 16U;
@@ -365,4 +365,4 @@ void Reader::take_footer(Content content) {
   part_ = Part::over;
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

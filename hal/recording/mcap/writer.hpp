@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "model/files/mcap/compression.hpp"
-#include "model/files/mcap/records.hpp"
+#include "hal/recording/mcap/compression.hpp"
+#include "hal/recording/mcap/records.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 /// Describes the messages.
 struct Stream {
@@ -76,4 +76,4 @@ class Writer {
   std::uint64_t closed_ = 0;
 };
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

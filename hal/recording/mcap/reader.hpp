@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "model/files/mcap/records.hpp"
+#include "hal/recording/mcap/records.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 struct Schema {
   std::string name, encoding, data;
@@ -87,4 +87,4 @@ class Reader {
   std::string cut_off_;
 };
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 /// Whether the text is a number as JSON writes it.
 bool is_json_number(std::string_view text);
@@ -49,4 +49,4 @@ class RowObject {
   std::string problem_;
 };
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

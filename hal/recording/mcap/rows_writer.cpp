@@ -1,15 +1,15 @@
-#include "model/files/mcap/rows_writer.hpp"
+#include "hal/recording/mcap/rows_writer.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 
+#include "hal/recording/mcap/row_object.hpp"
 #include "model/files/error.hpp"
-#include "model/files/mcap/row_object.hpp"
 #include "model/units.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 constexpr std::size_t enough_rows = std::size_t{1} << 16U;
@@ -43,7 +43,7 @@ RowsWriter::RowsWriter(const Origin& origin, std::vector<Kind> kinds, bool compr
     : origin_(origin), kinds_(std::move(kinds)), writer_(written_by, compressed) {}
 
 void RowsWriter::fail(std::uint64_t line, std::string_view what) {
-  throw UserError(fmt::format("line {}: {}", line, what));
+  throw files::UserError(fmt::format("line {}: {}", line, what));
 }
 
 void RowsWriter::add(std::string_view csv) {
@@ -120,7 +120,7 @@ void RowsWriter::begin() {
   }
   begun_ = true;
   if (!has_header_) {
-    throw UserError("is empty; a trace starts with a row of column names");
+    throw files::UserError("is empty; a trace starts with a row of column names");
   }
   writer_.metadata("smaservo",
                    {{"version", SMASERVO_VERSION},
@@ -133,7 +133,7 @@ void RowsWriter::begin() {
   }
   try {
     writer_.stream({"smaservo.Trace", schema_of(columns_), "/trace"});
-  } catch (const UserError& problem) {
+  } catch (const files::UserError& problem) {
     fail(1, problem.what());
   }
   for (const TraceColumn& column : columns_) {
@@ -282,4 +282,4 @@ void RowsWriter::finish() {
   writer_.finish();
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -7,13 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/recording/mcap/rows_reader.hpp"
+#include "hal/recording/mcap/rows_writer.hpp"
 #include "model/files/error.hpp"
-#include "model/files/mcap/rows_reader.hpp"
-#include "model/files/mcap/rows_writer.hpp"
 
 namespace smaservo::test {
 
-namespace mcap = files::mcap;
+namespace mcap = hal::mcap;
 
 inline std::string to_mcap(std::string_view csv, bool compressed = true,
                            std::vector<mcap::Kind> kinds = {}) {

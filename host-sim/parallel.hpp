@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace smaservo::files {
+namespace smaservo {
 
 /// Calls part(i) for all i below count, in order but by several threads at once. After each part
 /// `done` is called with the number of finished parts, never by two threads at once. If parts
@@ -49,4 +49,4 @@ void parallel(std::size_t count, int threads, const Part& part,
   }
 }
 
-}  // namespace smaservo::files
+}  // namespace smaservo

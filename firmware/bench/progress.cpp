@@ -1,4 +1,4 @@
-#include "model/files/progress.hpp"
+#include "firmware/bench/progress.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -8,7 +8,7 @@
 
 #include "model/files/message.hpp"
 
-namespace smaservo::files {
+namespace smaservo::bench {
 namespace {
 
 constexpr std::int64_t first_after_ns = 500'000'000;
@@ -29,7 +29,7 @@ Progress::Progress(std::string what, std::uint64_t total)
 
 Progress::~Progress() {
   if (printed_) {
-    redraw("");
+    files::redraw("");
   }
 }
 
@@ -50,14 +50,14 @@ void Progress::print(std::uint64_t done) {
   const double seconds = static_cast<double>(now - start_ns_) * 1e-9;
   if (total_ > 0) {
     const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
-    redraw(fmt::format("{}: {:3.0f} %, {:.0f} s left", what_, 100 * share,
-                       share > 0 ? seconds / share - seconds : 0.0));
+    files::redraw(fmt::format("{}: {:3.0f} %, {:.0f} s left", what_, 100 * share,
+                              share > 0 ? seconds / share - seconds : 0.0));
   } else {
-    redraw(
+    files::redraw(
         fmt::format("{}: {:.1f} MB, {:.0f} s", what_, static_cast<double>(done) * 1e-6, seconds));
   }
   printed_ = true;
   next_ns_ = now + every_ns;
 }
 
-}  // namespace smaservo::files
+}  // namespace smaservo::bench

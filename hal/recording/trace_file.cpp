@@ -1,10 +1,10 @@
-#include "model/files/trace_file.hpp"
+#include "hal/recording/trace_file.hpp"
 
 #include <fmt/format.h>
 
 #include "model/files/error.hpp"
 
-namespace smaservo::files {
+namespace smaservo::hal {
 
 bool is_mcap_name(std::string_view path) {
   return path.ends_with(".mcap");
@@ -25,8 +25,8 @@ void TraceFile::write(std::string_view csv) {
   }
   try {
     mcap_->add(csv);
-  } catch (const UserError& problem) {
-    throw UserError(fmt::format("{}: {}", path_, problem.what()));
+  } catch (const files::UserError& problem) {
+    throw files::UserError(fmt::format("{}: {}", path_, problem.what()));
   }
   file_.write(mcap_->take());
 }
@@ -35,12 +35,12 @@ void TraceFile::commit() {
   if (mcap_) {
     try {
       mcap_->finish();
-    } catch (const UserError& problem) {
-      throw UserError(fmt::format("{}: {}", path_, problem.what()));
+    } catch (const files::UserError& problem) {
+      throw files::UserError(fmt::format("{}: {}", path_, problem.what()));
     }
     file_.write(mcap_->take());
   }
   file_.commit();
 }
 
-}  // namespace smaservo::files
+}  // namespace smaservo::hal

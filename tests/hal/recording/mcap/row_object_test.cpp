@@ -1,6 +1,6 @@
 // Rows as JSON objects; nlohmann's parser is the oracle.
 
-#include "model/files/mcap/row_object.hpp"
+#include "hal/recording/mcap/row_object.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 namespace smaservo::test {
 namespace {
 
-using files::mcap::Member;
-using files::mcap::RowObject;
+using hal::mcap::Member;
+using hal::mcap::RowObject;
 using Members = std::vector<std::pair<std::string, std::string>>;
 
 /// The members; nothing where the text is refused.
@@ -125,12 +125,12 @@ TEST(JsonText, IsWhatNlohmannReads) {
       text += parts.at(random() % parts.size());
     }
     std::string json;
-    ASSERT_TRUE(files::mcap::put_json_text(json, text));
+    ASSERT_TRUE(hal::mcap::put_json_text(json, text));
     ASSERT_EQ(nlohmann::json::parse(json).get<std::string>(), text);
   }
   std::string refused;
-  EXPECT_FALSE(files::mcap::put_json_text(refused, "\xff"));
-  EXPECT_FALSE(files::mcap::put_json_text(refused, "a\xc3"));
+  EXPECT_FALSE(hal::mcap::put_json_text(refused, "\xff"));
+  EXPECT_FALSE(hal::mcap::put_json_text(refused, "a\xc3"));
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
-#include "model/files/mcap/records.hpp"
+#include "hal/recording/mcap/records.hpp"
 
 #include <fmt/format.h>
 #include <zlib.h>
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 Malformed::Malformed(std::uint64_t offset, std::string_view what)
-    : UserError(fmt::format("byte {}: {}", offset, what)) {}
+    : files::UserError(fmt::format("byte {}: {}", offset, what)) {}
 
 void put_text(std::string& to, std::string_view text) {
   put(to, static_cast<std::uint32_t>(text.size()));
@@ -30,4 +30,4 @@ std::uint32_t crc_of(std::string_view bytes, std::uint32_t crc) {
   return static_cast<std::uint32_t>(crc32_z(crc, data, bytes.size()));
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "model/files/mcap/columns.hpp"
-#include "model/files/mcap/writer.hpp"
+#include "hal/recording/mcap/columns.hpp"
+#include "hal/recording/mcap/writer.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 /// Where a trace comes from; written to the file's metadata.
 struct Origin {
@@ -83,4 +83,4 @@ class RowsWriter {
   std::string object_, number_;
 };
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -8,7 +8,7 @@
 
 #include "model/files/error.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
 
@@ -39,7 +39,7 @@ inline constexpr std::string_view zstd = "zstd";
 inline constexpr std::string_view lz4 = "lz4";
 
 /// A file that is not as the format demands. The text begins with the offset in bytes.
-class Malformed : public UserError {
+class Malformed : public files::UserError {
  public:
   Malformed(std::uint64_t offset, std::string_view what);
 };
@@ -88,4 +88,4 @@ class Content {
 /// Continues the CRC-32 `crc` (0: no bytes yet) with these bytes.
 std::uint32_t crc_of(std::string_view bytes, std::uint32_t crc = 0);
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

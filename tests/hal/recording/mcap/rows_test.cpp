@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "tests/model/files/mcap/files.hpp"
+#include "tests/hal/recording/mcap/files.hpp"
 
 namespace smaservo::test {
 namespace {

@@ -1,13 +1,13 @@
-#include "model/files/mcap/rows_reader.hpp"
+#include "hal/recording/mcap/rows_reader.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "model/files/mcap/row_object.hpp"
+#include "hal/recording/mcap/row_object.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 constexpr std::string_view usual_topic = "/trace";
@@ -33,10 +33,10 @@ void RowsReader::fail_without_rows() const {
     all.push_back(fmt::format("{} ({})", channel.topic, channel.encoding));
   }
   const std::string wanted = topic_.empty() ? "" : " " + topic_;
-  throw UserError(fmt::format("has no channel{} with message encoding json; channels: {}{}{}",
-                              wanted,
-                              all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", ")),
-                              reader_.cut_off().empty() ? "" : "; ", reader_.cut_off()));
+  throw files::UserError(
+      fmt::format("has no channel{} with message encoding json; channels: {}{}{}", wanted,
+                  all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", ")),
+                  reader_.cut_off().empty() ? "" : "; ", reader_.cut_off()));
 }
 
 bool RowsReader::is_chosen(const Channel& channel) const {
@@ -104,7 +104,7 @@ void RowsReader::begin(const Message& message) {
       }
     } catch (const Malformed&) {
       throw;
-    } catch (const UserError& problem) {
+    } catch (const files::UserError& problem) {
       fail(message, fmt::format("schema {}: {}", schema->second.name, problem.what()));
     }
   }
@@ -218,4 +218,4 @@ std::size_t CsvOfRows::read(char* to, std::size_t size) {
   return part;
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

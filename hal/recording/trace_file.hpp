@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "model/files/mcap/rows_writer.hpp"
+#include "hal/recording/mcap/rows_writer.hpp"
 #include "model/files/output_file.hpp"
 
-namespace smaservo::files {
+namespace smaservo::hal {
 
 /// Whether a file of this name is written as MCAP: it ends in .mcap.
 bool is_mcap_name(std::string_view path);
@@ -26,8 +26,8 @@ class TraceFile {
 
  private:
   std::string path_;
-  OutputFile file_;
+  files::OutputFile file_;
   std::optional<mcap::RowsWriter> mcap_;
 };
 
-}  // namespace smaservo::files
+}  // namespace smaservo::hal

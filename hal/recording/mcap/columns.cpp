@@ -1,4 +1,4 @@
-#include "model/files/mcap/columns.hpp"
+#include "hal/recording/mcap/columns.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "hal/recording/mcap/row_object.hpp"
 #include "model/files/error.hpp"
-#include "model/files/mcap/row_object.hpp"
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -111,14 +111,14 @@ std::string schema_of(const TraceColumns& columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& name = columns[i].name;
     if (!names.insert(name).second) {
-      throw UserError(
+      throw files::UserError(
           fmt::format("column {} ({}): another one has this name; in an MCAP file each "
                       "must have its own",
                       i + 1, name));
     }
     schema += i == 0 ? "" : ",";
     if (!put_json_text(schema, name)) {
-      throw UserError(fmt::format("column {}: its name is no UTF-8", i + 1));
+      throw files::UserError(fmt::format("column {}: its name is no UTF-8", i + 1));
     }
     schema += columns[i].kind == Kind::number ? R"(:{"type":"number"})" : R"(:{"type":"string"})";
   }
@@ -128,7 +128,7 @@ std::string schema_of(const TraceColumns& columns) {
 TraceColumns columns_of(std::string_view schema) {
   const auto json = nlohmann::ordered_json::parse(schema, nullptr, false);
   if (json.is_discarded() || !json.is_object()) {
-    throw UserError("the schema is no JSON object");
+    throw files::UserError("the schema is no JSON object");
   }
   TraceColumns columns;
   const auto properties = json.find("properties");
@@ -140,4 +140,4 @@ TraceColumns columns_of(std::string_view schema) {
   return columns;
 }
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace smaservo::files::mcap {
+namespace smaservo::hal::mcap {
 
 /// Makes zstd frames at the quickest level; keeps its working memory between calls.
 class Compressor {
@@ -32,4 +32,4 @@ class Compressor {
 std::string decompress(std::string_view name, std::string_view packed, std::uint64_t size,
                        std::string& bytes);
 
-}  // namespace smaservo::files::mcap
+}  // namespace smaservo::hal::mcap

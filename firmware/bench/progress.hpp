@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace smaservo::files {
+namespace smaservo::bench {
 
 /// A line on the terminal that shows the progress of a long job; silent if standard error is no
 /// terminal.
@@ -32,4 +32,4 @@ class Progress {
   std::int64_t next_ns_ = 0;
 };
 
-}  // namespace smaservo::files
+}  // namespace smaservo::bench
