@@ -1,5 +1,6 @@
 // How quantities are shown to a person: °C, MPa, mA, µm and % where the bus has SI units.
 
+import { zero_degC_K } from '../numbers/temperature';
 import type { Role } from '../plot/theme';
 import { controlled } from './feed';
 
@@ -10,7 +11,7 @@ export interface Shown {
 }
 
 const units: Record<string, Shown> = {
-  K: { unit: '°C', factor: 1, offset: -273.15 },
+  K: { unit: '°C', factor: 1, offset: -zero_degC_K },
   Pa: { unit: 'MPa', factor: 1e-6, offset: 0 },
   A: { unit: 'mA', factor: 1e3, offset: 0 },
   W: { unit: 'mW', factor: 1e3, offset: 0 },

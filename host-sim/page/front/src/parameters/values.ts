@@ -1,6 +1,7 @@
 // Values of parameters as text, and back, with the reason where a text is refused before it is sent.
 
 import { formatExact } from '../numbers/format';
+import { celsius } from '../numbers/temperature';
 import type { ParameterInfo, Value } from '../protocol/bridge';
 
 export type Parsed = { value: Value } | { refused: string };
@@ -82,7 +83,7 @@ export function alsoText(unit: string, value: Value | null | undefined, name = '
   }
   const round = (shown: number): string => String(Number(shown.toPrecision(6)));
   if (unit === 'K' && !isDifference(name) && value > 150) {
-    return `${round(value - 273.15)} °C`;
+    return `${round(celsius(value))} °C`;
   }
   if (unit === 'Pa' && Math.abs(value) >= 1e5) {
     return `${round(value / 1e6)} MPa`;

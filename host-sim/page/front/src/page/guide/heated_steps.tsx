@@ -3,6 +3,7 @@
 import { useState } from 'preact/hooks';
 import { formatNumber } from '../../numbers/format';
 import { lowerBound } from '../../numbers/samples';
+import { formatCelsius } from '../../numbers/temperature';
 import { sayError } from '../../session/notices';
 import { act, call, feed, mayWrite, node, own, state } from '../../session/session';
 import { NumberField } from '../fields/number_field';
@@ -214,7 +215,7 @@ export function HeatStep() {
               ['Contraction, estimated', `${formatNumber(heated.moved_um, 3)} µm of ${heated.asked_um} µm`],
               [
                 'Hot spot, estimated',
-                `${formatNumber(heated.hottest_K - 273.15, 3)} °C at most; limit ${formatNumber(limit - 273.15, 3)} °C`,
+                `${formatCelsius(heated.hottest_K, 3)} at most; limit ${formatCelsius(limit, 3)}`,
               ],
             ]}
           />
@@ -230,7 +231,7 @@ export function HeatStep() {
           onClick={() =>
             found(
               'heat',
-              `Asked ${heated!.asked_um} µm, estimated ${formatNumber(heated!.moved_um, 3)} µm, hot spot up to ${formatNumber(heated!.hottest_K - 273.15, 3)} °C. You said that the wire moved.`,
+              `Asked ${heated!.asked_um} µm, estimated ${formatNumber(heated!.moved_um, 3)} µm, hot spot up to ${formatCelsius(heated!.hottest_K, 3)}. You said that the wire moved.`,
             )
           }>
           It moved

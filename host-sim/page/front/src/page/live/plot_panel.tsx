@@ -4,6 +4,7 @@ import { effect } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { plain, shownAs } from '../../live/display';
 import type { Feed } from '../../live/feed';
+import { celsius } from '../../numbers/temperature';
 import { type Flag, type Line, TimePlot } from '../../plot/time_plot';
 import { XYPlot } from '../../plot/xy_plot';
 import { description, feed, liveGroup, own } from '../../session/session';
@@ -96,7 +97,7 @@ function limitLines(id: string): Line[] {
   const line = (y: number, label: string): Line[] => (Number.isNaN(y) ? [] : [{ y, label, role: 'limit' }]);
   switch (id) {
     case 'temperature':
-      return line(of('limits.temperature_K') - 273.15, 'limit of the hot spot');
+      return line(celsius(of('limits.temperature_K')), 'limit of the hot spot');
     case 'current':
       return line(1e3 * of('limits.current_A'), 'limit');
     case 'power':
