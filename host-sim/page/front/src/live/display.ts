@@ -8,19 +8,20 @@ export interface Shown {
   unit: string;
   factor: number;
   offset: number;
+  smallest?: number; ///< shortest range of an axis, in that unit: what is less is noise
 }
 
 const units: Record<string, Shown> = {
-  K: { unit: '°C', factor: 1, offset: -zero_degC_K },
-  Pa: { unit: 'MPa', factor: 1e-6, offset: 0 },
-  A: { unit: 'mA', factor: 1e3, offset: 0 },
-  W: { unit: 'mW', factor: 1e3, offset: 0 },
-  m: { unit: 'µm', factor: 1e6, offset: 0 },
-  'm/s': { unit: 'mm/s', factor: 1e3, offset: 0 },
-  m_s: { unit: 'mm/s', factor: 1e3, offset: 0 },
-  ohm: { unit: 'Ω', factor: 1, offset: 0 },
-  V: { unit: 'V', factor: 1, offset: 0 },
-  N: { unit: 'N', factor: 1, offset: 0 },
+  K: { unit: '°C', factor: 1, offset: -zero_degC_K, smallest: 2 },
+  Pa: { unit: 'MPa', factor: 1e-6, offset: 0, smallest: 1 },
+  A: { unit: 'mA', factor: 1e3, offset: 0, smallest: 1 },
+  W: { unit: 'mW', factor: 1e3, offset: 0, smallest: 1 },
+  m: { unit: 'µm', factor: 1e6, offset: 0, smallest: 10 },
+  'm/s': { unit: 'mm/s', factor: 1e3, offset: 0, smallest: 0.1 },
+  m_s: { unit: 'mm/s', factor: 1e3, offset: 0, smallest: 0.1 },
+  ohm: { unit: 'Ω', factor: 1, offset: 0, smallest: 0.02 },
+  V: { unit: 'V', factor: 1, offset: 0, smallest: 0.1 },
+  N: { unit: 'N', factor: 1, offset: 0, smallest: 0.1 },
 };
 
 const special: Record<string, Shown> = Object.fromEntries(
@@ -36,7 +37,7 @@ const special: Record<string, Shown> = Object.fromEntries(
     'r_phase',
     'austenite',
     'cooling',
-  ].map((name) => [name, { unit: '%', factor: 100, offset: 0 }]),
+  ].map((name) => [name, { unit: '%', factor: 100, offset: 0, smallest: 0.1 }]),
 );
 
 /** A difference of temperatures has no offset. */
@@ -49,7 +50,7 @@ export function shownAs(signal: string): Shown {
   const unit = unitOf(signal);
   const shown = units[unit] ?? { unit, factor: 1, offset: 0 };
   if (difference && unit === 'K') {
-    return { unit: 'K', factor: 1, offset: 0 };
+    return { ...shown, unit: 'K', offset: 0 };
   }
   return shown;
 }

@@ -38,7 +38,6 @@ function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => vo
       id: panel.id,
       title: panel.title,
       ...(panel.unit === undefined ? {} : { unit: panel.unit }),
-      ...(panel.smallest === undefined ? {} : { smallest: panel.smallest }),
       series: panel.series.map((series) => {
         const hidden = known[`${panel.id}/${series.key}`] ?? series.hidden;
         return hidden === undefined ? series : { ...series, hidden };

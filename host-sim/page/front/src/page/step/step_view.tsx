@@ -137,13 +137,12 @@ function Overlay() {
     const extent: [number, number] = [samples.x(0), samples.x(samples.end - 1)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
     const plots = pictures.map(({ name, title, height }, n) => {
-      const { unit, factor, offset } = shownAs(name);
+      const { unit, ...scale } = shownAs(name);
       const lines: SeriesSpec[] = shown.map((run) => ({
         key: `${run.id}/${name}`,
         label: `run ${numberOf(run)}`,
         role: roleOfRun(run),
-        factor,
-        offset,
+        ...scale,
         width: run.id === shown[0]!.id ? 2.2 : 1.4,
       }));
       if (name === 'position_m') {
@@ -152,8 +151,7 @@ function Overlay() {
           label: 'set-point',
           role: 'setpoint',
           style: 'steps',
-          factor,
-          offset,
+          ...scale,
         });
       }
       return new TimePlot(
