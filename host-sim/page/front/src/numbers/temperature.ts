@@ -4,8 +4,9 @@ import { formatNumber } from './format';
 
 export const zero_degC_K = 273.15;
 
+/** To 0.1 mK, which is more than the bus has: 273.15 K is 0, also where it comes as a float of 32 bits. */
 export function celsius(kelvin: number): number {
-  return kelvin - zero_degC_K;
+  return Math.round((kelvin - zero_degC_K) * 1e4) / 1e4;
 }
 
 /** 393.15 as 120 °C. */

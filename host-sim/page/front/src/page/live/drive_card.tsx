@@ -3,6 +3,7 @@
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
+import { formatCelsius, zero_degC_K } from '../../numbers/temperature';
 import type { State } from '../../protocol/bridge';
 import { sayError } from '../../session/notices';
 import { go } from '../../session/route';
@@ -155,7 +156,17 @@ interface Bounds {
   unit: string;
   low: number;
   high: number;
+  /** How a person reads it, where that is not in this unit. */
+  also?: (value: number) => string;
 }
+
+/** Of a range: as it is sent, and as it is read. */
+function boundsText({ unit, low, high, also }: Bounds): string {
+  const text = `${formatNumber(low, 5)} to ${formatNumber(high, 5)} ${unit}`;
+  return also ? `${text} (${also(low)} to ${also(high)})` : text;
+}
+
+const coolest_K = zero_degC_K + 20; // that the slider asks for: no wire is colder than the air
 
 /** What the limits of the servo allow to ask for. */
 function boundsOf(mode: number): Bounds | null {
@@ -174,7 +185,13 @@ function boundsOf(mode: number): Bounds | null {
     case -2:
       return { unit: 'W', low: 0, high: of('limits.power_W') };
     case -3:
-      return { unit: 'K', low: 293.15, high: of('limits.temperature_K') };
+      // Of the wire's middle: its hottest spot is to stay below the limit.
+      return {
+        unit: 'K',
+        low: coolest_K,
+        high: of('limits.temperature_K') - of('limits.hot_spot_K'),
+        also: formatCelsius,
+      };
     default:
       return null;
   }
@@ -218,6 +235,8 @@ function Target({ now }: { now: State }) {
   const slider = Number.isFinite(bounds.low) && bounds.high > bounds.low;
   const number = typed === null ? NaN : Number(typed.replace(',', '.'));
   const step = slider ? 10 ** Math.floor(Math.log10((bounds.high - bounds.low) / 200)) : 1;
+  const asked = typed === null ? (dragged ?? now.target ?? NaN) : number;
+  const also = asked >= bounds.low ? bounds.also?.(asked) : undefined;
   const ready = mayWrite.value && now.drive === 'operation_enabled';
   return (
     // The slider may stand beside its steps, which Firefox takes for a reason not to submit.
@@ -251,6 +270,11 @@ function Target({ now }: { now: State }) {
           </button>
         </span>
       </label>
+      {also && (
+        <span class="also" data-testid="target-also">
+          = {also}
+        </span>
+      )}
       {slider && (
         <input
           type="range"
@@ -276,7 +300,7 @@ function Target({ now }: { now: State }) {
         />
       )}
       <p class="soft small-text">
-        {slider && `Within the limits: ${formatNumber(bounds.low)} to ${formatNumber(bounds.high)} ${bounds.unit}. `}
+        {slider && `Within the limits: ${boundsText(bounds)}. `}
         {now.drive !== 'operation_enabled'
           ? 'Enable the servo first.'
           : now.target_reached

@@ -1,8 +1,8 @@
 // One parameter: its value to edit, unit, range, meaning, and how it differs from default or file.
 
 import { isChanged } from '../../parameters/tree';
-import { alsoText, rangeText, unitText, valueText } from '../../parameters/values';
-import type { ParameterInfo } from '../../protocol/bridge';
+import { alsoText, bothTexts, parseValue, rangeText, unitText, valueText } from '../../parameters/values';
+import type { ParameterInfo, Value } from '../../protocol/bridge';
 import { mayWrite, own, state } from '../../session/session';
 import { draft, drafted, drafts, favourites, toggleFavourite, tryDrafts, writeDrafts } from '../../session/tuning';
 
@@ -16,7 +16,7 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
   const id = `value-${compact ? 'f-' : ''}${info.name}`;
   const running = state.value?.drive === 'operation_enabled';
   const locked = !mayWrite.value || (info.change === 'not enabled' && running);
-  const also = alsoText(info.unit, value, info.name);
+  const also = alsoText(info, typed === undefined ? value : typedValue(info, typed));
   return (
     <div
       class={`parameter${differs ? ' drafted' : ''}${compact ? ' compact' : ''}`}
@@ -35,10 +35,7 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
           {compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}
         </label>
         {changed && (
-          <span
-            class="mark"
-            title={`default: ${valueText(info.default)} ${info.unit}`}
-            data-testid={`changed-${info.name}`}>
+          <span class="mark" title={`default: ${bothTexts(info, info.default)}`} data-testid={`changed-${info.name}`}>
             changed
           </span>
         )}
@@ -49,16 +46,20 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
         )}
       </div>
       <div class="parameter-value">
-        <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} />
+        <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} also={also} />
         <span class="unit">{unitText(info.unit)}</span>
+        {also && (
+          <span class="also" id={`${id}-also`} data-testid={`also-${info.name}`}>
+            = {also}
+          </span>
+        )}
       </div>
       {!compact && (
         <div class="parameter-text">
           <p>{info.meaning}</p>
           <p class="soft">
             {rangeText(info)}
-            {info.default !== null && <>; default {valueText(info.default)}</>}
-            {also && <>; now {also}</>}
+            {info.default !== null && <>; default {bothTexts(info, info.default)}</>}
             {info.level && <>; level: {info.level}</>}
           </p>
         </div>
@@ -70,6 +71,11 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
       )}
     </div>
   );
+}
+
+function typedValue(info: ParameterInfo, text: string): Value | null {
+  const parsed = parseValue(info, text);
+  return 'value' in parsed ? parsed.value : null;
 }
 
 /** Without the unit, which stands behind the value. */
@@ -92,9 +98,10 @@ interface EditorProps {
   text: string;
   disabled: boolean;
   refused: string | undefined;
+  also: string;
 }
 
-function Editor({ info, id, text, disabled, refused }: EditorProps) {
+function Editor({ info, id, text, disabled, refused, also }: EditorProps) {
   const choices = info.type === 'boolean' ? ['true', 'false'] : info.type === 'choice' ? (info.choices ?? []) : null;
   if (choices) {
     return (
@@ -122,7 +129,7 @@ function Editor({ info, id, text, disabled, refused }: EditorProps) {
       value={text}
       disabled={disabled}
       aria-invalid={refused !== undefined}
-      aria-describedby={refused === undefined ? undefined : `${id}-why`}
+      aria-describedby={refused !== undefined ? `${id}-why` : also ? `${id}-also` : undefined}
       onInput={(event) => draft(info.name, event.currentTarget.value)}
       onKeyDown={(event) => {
         if (event.key === 'Enter') {
