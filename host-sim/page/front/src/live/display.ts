@@ -1,5 +1,6 @@
 // How quantities are shown to a person: °C, MPa, mA, µm and % where the bus has SI units.
 
+import { formatNumber } from '../numbers/format';
 import { zero_degC_K } from '../numbers/temperature';
 import type { Role } from '../plot/theme';
 import { controlled } from './feed';
@@ -100,6 +101,20 @@ const labels: Record<string, [string, Role]> = {
   force_N: ['force', 'stress'],
   cooling: ['cooling', 'other6'],
 };
+
+/** `limits.hot_spot_K` in words, wherever a hot spot is shown; NaN where it was not read. */
+export function hotSpotText(margin_K: number): string {
+  const margin = Number.isNaN(margin_K) ? 'a fixed margin' : `a fixed margin of ${formatNumber(margin_K)} K`;
+  return (
+    `The hot spot is the estimated temperature of the wire plus ${margin} (limits.hot_spot_K), because the ` +
+    'hottest place of the wire is not measured. The servo adds the margin to a cold wire as well.'
+  );
+}
+
+/** The same in a legend. */
+export function hotSpotLabel(margin_K: number): string {
+  return Number.isNaN(margin_K) ? 'hot spot' : `hot spot (wire + ${formatNumber(margin_K)} K)`;
+}
 
 export function labelOf(signal: string): string {
   return labels[signal]?.[0] ?? plain(signal);

@@ -1,11 +1,12 @@
 // The steps of the guide in which a current flows.
 
 import { useState } from 'preact/hooks';
+import { hotSpotText } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import { lowerBound } from '../../numbers/samples';
 import { formatCelsius } from '../../numbers/temperature';
 import { sayError } from '../../session/notices';
-import { act, call, feed, mayWrite, node, own, state } from '../../session/session';
+import { act, call, feed, hotSpotMargin_K, mayWrite, node, own, state } from '../../session/session';
 import { NumberField } from '../fields/number_field';
 import { allowed } from '../state/drive';
 import { column as columnOf, runs } from '../step/runs';
@@ -219,6 +220,7 @@ export function HeatStep() {
               ],
             ]}
           />
+          <p class="soft">{hotSpotText(hotSpotMargin_K.value)}</p>
           <p>The estimate says so. Did the wire move by about as much? Only you can see that.</p>
         </>
       )}

@@ -1,13 +1,14 @@
 // What the servo does now, and what it is asked: enable, mode, target.
 
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
-import { shownAs } from '../../live/display';
+import { hotSpotText, shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import { formatCelsius, zero_degC_K } from '../../numbers/temperature';
 import type { State } from '../../protocol/bridge';
 import { sayError } from '../../session/notices';
 import { go } from '../../session/route';
-import { act, call, description, feed, mayWrite, node, own, state } from '../../session/session';
+import { act, call, description, feed, hotSpotMargin_K, mayWrite, node, own, state } from '../../session/session';
+import { Why } from '../fields/why';
 import { allowed, driveNames } from '../state/drive';
 
 export function DriveCard() {
@@ -93,6 +94,7 @@ const readings = [
 /** Written ten times a second, past the virtual DOM. */
 function Readings() {
   const places = useRef<Record<string, HTMLElement | null>>({});
+  const [explained, setExplained] = useState(false);
   useEffect(() => {
     const timer = setInterval(() => {
       const { ring } = feed.peek();
@@ -109,23 +111,35 @@ function Readings() {
     return () => clearInterval(timer);
   }, []);
   return (
-    <dl class="readings">
-      {readings.map(([signal, title]) => (
-        <div key={signal}>
-          <dt>{title}</dt>
-          <dd>
-            <span
-              ref={(element) => {
-                places.current[signal] = element;
-              }}
-              data-testid={`reading-${signal}`}>
-              –
-            </span>
-            <small>{shownAs(signal).unit}</small>
-          </dd>
-        </div>
-      ))}
-    </dl>
+    <>
+      <dl class="readings">
+        {readings.map(([signal, title]) => (
+          <div key={signal}>
+            <dt>
+              {title}
+              {signal === 'hot_spot_K' && (
+                <Why about={title} open={explained} set={setExplained} testid="why-hot-spot" />
+              )}
+            </dt>
+            <dd>
+              <span
+                ref={(element) => {
+                  places.current[signal] = element;
+                }}
+                data-testid={`reading-${signal}`}>
+                –
+              </span>
+              <small>{shownAs(signal).unit}</small>
+            </dd>
+          </div>
+        ))}
+      </dl>
+      {explained && (
+        <p class="soft small-text" data-testid="hot-spot-text">
+          {hotSpotText(hotSpotMargin_K.value)}
+        </p>
+      )}
+    </>
   );
 }
 
@@ -189,7 +203,7 @@ function boundsOf(mode: number): Bounds | null {
       return {
         unit: 'K',
         low: coolest_K,
-        high: of('limits.temperature_K') - of('limits.hot_spot_K'),
+        high: of('limits.temperature_K') - hotSpotMargin_K.value,
         also: formatCelsius,
       };
     default:

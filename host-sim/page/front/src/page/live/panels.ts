@@ -1,7 +1,7 @@
 // The plots of the live view: what each shows, and how they are arranged.
 
 import { signal } from '@preact/signals';
-import { labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
+import { hotSpotLabel, labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
 import { controlled } from '../../live/feed';
 import type { SeriesSpec } from '../../plot/time_plot';
 import { isObject, read, saved } from '../../session/saved';
@@ -162,8 +162,17 @@ function errorPanel(mode: number): TimePanel {
   };
 }
 
-export function panels(mode: number, own: readonly OwnPanel[]): Panel[] {
-  const all = [...fixed];
+/** With the margin of the hot spot in its label. */
+function explained(panel: Panel, margin_K: number): Panel {
+  if (panel.id !== 'temperature' || panel.kind !== 'time') {
+    return panel;
+  }
+  const label = hotSpotLabel(margin_K);
+  return { ...panel, series: panel.series.map((one) => (one.key === 'hot_spot_K' ? { ...one, label } : one)) };
+}
+
+export function panels(mode: number, own: readonly OwnPanel[], hotSpotMargin_K: number): Panel[] {
+  const all = fixed.map((panel) => explained(panel, hotSpotMargin_K));
   all.splice(2, 0, errorPanel(mode));
   return [...all, ...own.map((one) => ownPanel(one, mode))];
 }

@@ -25,7 +25,7 @@ export function PlotPanel({ panel, half }: { panel: Panel; half: boolean }) {
 /** Plots are made anew only when what they show is another thing. */
 function signature(panel: Panel): string {
   return panel.kind === 'time'
-    ? panel.series.map((series) => `${series.key}/${series.axis}/${series.factor}`).join() + panel.title
+    ? panel.series.map((series) => `${series.key}/${series.label}/${series.axis}/${series.factor}`).join() + panel.title
     : '';
 }
 

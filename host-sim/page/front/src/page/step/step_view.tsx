@@ -212,7 +212,7 @@ function Table() {
                 Error<small>%</small>
               </th>
               <th>
-                Hottest<small>°C</small>
+                Wire at most<small>°C</small>
               </th>
               {gains.map((name) => (
                 <th key={name} title={name}>
