@@ -1,12 +1,22 @@
 // One parameter: its value to edit, unit, range, meaning, and how it differs from default or file.
 
+import { useState } from 'preact/hooks';
+import { gainText } from '../../parameters/gains';
 import { isChanged } from '../../parameters/tree';
 import { alsoText, bothTexts, parseValue, rangeText, unitText, valueText } from '../../parameters/values';
 import type { ParameterInfo, Value } from '../../protocol/bridge';
 import { mayWrite, own, state } from '../../session/session';
 import { draft, drafted, drafts, favourites, toggleFavourite, tryDrafts, writeDrafts } from '../../session/tuning';
+import { Why } from '../fields/why';
 
-export function ParameterRow({ info, compact = false }: { info: ParameterInfo; compact?: boolean }) {
+interface RowProps {
+  info: ParameterInfo;
+  compact?: boolean; ///< an explanation opens by a '?'
+  explained?: boolean; ///< it is open at first
+}
+
+export function ParameterRow({ info, compact = false, explained = !compact }: RowProps) {
+  const [open, setOpen] = useState(explained);
   const value = own.value[info.name];
   const typed = drafts.value[info.name];
   const refused = drafted.value.refused[info.name];
@@ -17,6 +27,7 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
   const running = state.value?.drive === 'operation_enabled';
   const locked = !mayWrite.value || (info.change === 'not enabled' && running);
   const also = alsoText(info, typed === undefined ? value : typedValue(info, typed));
+  const note = gainText(info.name, { ...own.value, ...drafted.value.values });
   return (
     <div
       class={`parameter${differs ? ' drafted' : ''}${compact ? ' compact' : ''}`}
@@ -34,6 +45,7 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
         <label for={id} title={`${info.name}: ${info.meaning}`}>
           {compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}
         </label>
+        {note && compact && <Why about={info.name} open={open} set={setOpen} testid={`why-${info.name}`} />}
         {changed && (
           <span class="mark" title={`default: ${bothTexts(info, info.default)}`} data-testid={`changed-${info.name}`}>
             changed
@@ -63,6 +75,11 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
             {info.level && <>; level: {info.level}</>}
           </p>
         </div>
+      )}
+      {note && open && (
+        <p class="note" data-testid={`note-${info.name}`}>
+          {note}
+        </p>
       )}
       {refused && (
         <p class="refused" role="alert" id={`${id}-why`}>

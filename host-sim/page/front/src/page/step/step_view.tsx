@@ -31,7 +31,7 @@ export function StepView() {
         <RecorderCard />
       </section>
       <aside class="side" aria-label="Gains">
-        <FavouritesCard />
+        <FavouritesCard explained />
       </aside>
     </div>
   );
