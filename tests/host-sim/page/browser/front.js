@@ -142,6 +142,26 @@ const tests = {
     await until('the value again', async () => (await value(view, gain)) === '7.5');
   },
 
+  async 'a temperature is in degrees Celsius as well, and what surprises is explained'({ view }) {
+    await tab(view, 'live');
+    await text(view, 'also-limits.temperature_K', /^= 120 °C$/);
+    await text(view, 'plot-temperature', /hot spot \(wire \+ 18 K\)/);
+    await by(view, 'why-hot-spot').click();
+    await text(view, 'hot-spot-text', /plus a fixed margin of 18 K \(limits\.hot_spot_K\)/);
+    await parameter(view, 'limits.temperature_K');
+    await text(view, 'parameter-limits.temperature_K', /273\.15 to 600 K \(0 to 326\.85 °C\)/);
+    await field(view, 'limits.temperature_K').fill('380');
+    await text(view, 'also-limits.temperature_K', /^= 106\.85 °C$/);
+    await field(view, 'limits.temperature_K').fill('900');
+    await gone(view, 'also-limits.temperature_K');
+    await by(view, 'discard').click();
+    await parameter(view, gain);
+    assert.equal(await by(view, `note-${gain}`).count(), 0);
+    await field(view, gain).fill('0');
+    await text(view, `note-${gain}`, /by the model of the wire alone.*0\.01 s/);
+    await by(view, 'discard').click();
+  },
+
   async 'a trial counts down, and its end is said'({ view, bridge }) {
     await parameter(view, gain);
     bridge.answers.try = () => bridge.now({ state: { transaction: { state: 'trying', seconds_left: 30 } } });

@@ -38,17 +38,27 @@ const services = [
 function usual() {
   return {
     client: 7,
-    parameters: { 'strain.proportional_W': 2, 'limits.current_A': 0.4, 'axis.zero_strain': 0.04, 'wire.length_m': 0.1 },
+    parameters: {
+      'strain.proportional_W': 2,
+      'limits.current_A': 0.4,
+      'limits.temperature_K': 393.15,
+      'limits.hot_spot_K': 18,
+      'trajectory.feed_forward_s': 0.01,
+      'axis.zero_strain': 0.04,
+      'wire.length_m': 0.1,
+    },
     description: {
       version: 'scripted',
       parameters: [
-        ['strain.proportional_W', 'W', 100],
-        ['limits.current_A', 'A', 20],
-      ].map(([name, unit, max]) => ({
+        ['strain.proportional_W', 'W', 0, 100],
+        ['limits.current_A', 'A', 0, 20],
+        ['limits.temperature_K', 'K', 273.15, 600],
+        ['limits.hot_spot_K', 'K', 0, 100],
+      ].map(([name, unit, min, max]) => ({
         name,
         type: 'number',
         unit,
-        min: 0,
+        min,
         max,
         default: 1,
         change: 'live',

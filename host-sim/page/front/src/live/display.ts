@@ -1,5 +1,7 @@
 // How quantities are shown to a person: °C, MPa, mA, µm and % where the bus has SI units.
 
+import { formatNumber } from '../numbers/format';
+import { zero_degC_K } from '../numbers/temperature';
 import type { Role } from '../plot/theme';
 import { controlled } from './feed';
 
@@ -7,19 +9,20 @@ export interface Shown {
   unit: string;
   factor: number;
   offset: number;
+  smallest?: number; ///< shortest range of an axis, in that unit: what is less is noise
 }
 
 const units: Record<string, Shown> = {
-  K: { unit: '°C', factor: 1, offset: -273.15 },
-  Pa: { unit: 'MPa', factor: 1e-6, offset: 0 },
-  A: { unit: 'mA', factor: 1e3, offset: 0 },
-  W: { unit: 'mW', factor: 1e3, offset: 0 },
-  m: { unit: 'µm', factor: 1e6, offset: 0 },
-  'm/s': { unit: 'mm/s', factor: 1e3, offset: 0 },
-  m_s: { unit: 'mm/s', factor: 1e3, offset: 0 },
-  ohm: { unit: 'Ω', factor: 1, offset: 0 },
-  V: { unit: 'V', factor: 1, offset: 0 },
-  N: { unit: 'N', factor: 1, offset: 0 },
+  K: { unit: '°C', factor: 1, offset: -zero_degC_K, smallest: 2 },
+  Pa: { unit: 'MPa', factor: 1e-6, offset: 0, smallest: 1 },
+  A: { unit: 'mA', factor: 1e3, offset: 0, smallest: 1 },
+  W: { unit: 'mW', factor: 1e3, offset: 0, smallest: 1 },
+  m: { unit: 'µm', factor: 1e6, offset: 0, smallest: 10 },
+  'm/s': { unit: 'mm/s', factor: 1e3, offset: 0, smallest: 0.1 },
+  m_s: { unit: 'mm/s', factor: 1e3, offset: 0, smallest: 0.1 },
+  ohm: { unit: 'Ω', factor: 1, offset: 0, smallest: 0.02 },
+  V: { unit: 'V', factor: 1, offset: 0, smallest: 0.1 },
+  N: { unit: 'N', factor: 1, offset: 0, smallest: 0.1 },
 };
 
 const special: Record<string, Shown> = Object.fromEntries(
@@ -35,7 +38,7 @@ const special: Record<string, Shown> = Object.fromEntries(
     'r_phase',
     'austenite',
     'cooling',
-  ].map((name) => [name, { unit: '%', factor: 100, offset: 0 }]),
+  ].map((name) => [name, { unit: '%', factor: 100, offset: 0, smallest: 0.1 }]),
 );
 
 /** A difference of temperatures has no offset. */
@@ -48,7 +51,7 @@ export function shownAs(signal: string): Shown {
   const unit = unitOf(signal);
   const shown = units[unit] ?? { unit, factor: 1, offset: 0 };
   if (difference && unit === 'K') {
-    return { unit: 'K', factor: 1, offset: 0 };
+    return { ...shown, unit: 'K', offset: 0 };
   }
   return shown;
 }
@@ -98,6 +101,20 @@ const labels: Record<string, [string, Role]> = {
   force_N: ['force', 'stress'],
   cooling: ['cooling', 'other6'],
 };
+
+/** `limits.hot_spot_K` in words, wherever a hot spot is shown; NaN where it was not read. */
+export function hotSpotText(margin_K: number): string {
+  const margin = Number.isNaN(margin_K) ? 'a fixed margin' : `a fixed margin of ${formatNumber(margin_K)} K`;
+  return (
+    `The hot spot is the estimated temperature of the wire plus ${margin} (limits.hot_spot_K), because the ` +
+    'hottest place of the wire is not measured. The servo adds the margin to a cold wire as well.'
+  );
+}
+
+/** The same in a legend. */
+export function hotSpotLabel(margin_K: number): string {
+  return Number.isNaN(margin_K) ? 'hot spot' : `hot spot (wire + ${formatNumber(margin_K)} K)`;
+}
 
 export function labelOf(signal: string): string {
   return labels[signal]?.[0] ?? plain(signal);

@@ -53,11 +53,15 @@ export function formatExact(value: number): string {
   return exponent(number.toExponential());
 }
 
-/** All with the decimals that steps of `step` need: the labels of an axis. */
+/** The labels of an axis, with no more digits than steps of `step` need; in plain numbers all with as many decimals. */
 export function formatTicks(ticks: readonly number[], step: number): string[] {
   const largest = ticks.reduce((most, tick) => Math.max(most, Math.abs(tick)), 0);
   if (largest >= 1e6 || (largest > 0 && largest < 1e-3)) {
-    return ticks.map((tick) => formatNumber(Math.abs(tick) < step / 1e6 ? 0 : tick, 6));
+    return ticks.map((tick) => {
+      const steps = Math.abs(tick) / step;
+      // One more than the steps are in a number of one digit: steps of 2.5 have two.
+      return steps < 1e-6 ? '0' : formatNumber(tick, Math.min(15, Math.floor(Math.log10(steps) + 1e-9) + 2));
+    });
   }
   const decimals = Math.max(0, Math.min(12, -Math.floor(Math.log10(step) + 1e-9)));
   const needed = isWhole(step * 10 ** decimals) ? decimals : decimals + 1;

@@ -1,6 +1,7 @@
 // Values of parameters as text, and back, with the reason where a text is refused before it is sent.
 
-import { formatExact } from '../numbers/format';
+import { formatExact, formatNumber } from '../numbers/format';
+import { celsius } from '../numbers/temperature';
 import type { ParameterInfo, Value } from '../protocol/bridge';
 
 export type Parsed = { value: Value } | { refused: string };
@@ -31,7 +32,12 @@ export function rangeText(parameter: ParameterInfo): string {
   const { min, max, unit } = parameter;
   const behind = unit ? ` ${unitText(unit)}` : '';
   if (min !== null && max !== null) {
-    return `${valueText(min)} to ${valueText(max)}${behind}`;
+    const reading = readingOf(parameter);
+    const also =
+      reading?.suits(min) && reading.suits(max)
+        ? ` (${formatNumber(reading.of(min), 6)} to ${formatNumber(reading.of(max), 6)} ${reading.unit})`
+        : '';
+    return `${valueText(min)} to ${valueText(max)}${behind}${also}`;
   }
   if (min !== null) {
     return `at least ${valueText(min)}${behind}`;
@@ -75,24 +81,34 @@ export function parseValue(parameter: ParameterInfo, text: string): Parsed {
   }
 }
 
-/** A second reading for those who do not think in SI: 393.15 K is 120 °C, 1.5e+08 Pa is 150 MPa. */
-export function alsoText(unit: string, value: Value | null | undefined, name = ''): string {
-  if (typeof value !== 'number') {
-    return '';
-  }
-  const round = (shown: number): string => String(Number(shown.toPrecision(6)));
-  if (unit === 'K' && !isDifference(name) && value > 150) {
-    return `${round(value - 273.15)} °C`;
-  }
-  if (unit === 'Pa' && Math.abs(value) >= 1e5) {
-    return `${round(value / 1e6)} MPa`;
-  }
-  if (unit === 'm' && value !== 0 && Math.abs(value) < 1) {
-    return `${round(value * 1e3)} mm`;
-  }
-  return '';
+interface Reading {
+  unit: string;
+  of(value: number): number;
+  suits(value: number): boolean;
 }
 
-function isDifference(name: string): boolean {
-  return /(hot_spot|overheat|_sd|reversal|dead_band)/.test(name);
+const readings: Record<string, Reading> = {
+  K: { unit: '°C', of: celsius, suits: () => true },
+  Pa: { unit: 'MPa', of: (value) => value / 1e6, suits: (value) => Math.abs(value) >= 1e5 },
+  m: { unit: 'mm', of: (value) => value * 1e3, suits: (value) => value !== 0 && Math.abs(value) < 1 },
+};
+
+const coldest_K = 100; // bound of a parameter that is a temperature; a difference of two may be smaller
+
+function readingOf({ unit, min }: ParameterInfo): Reading | undefined {
+  return unit === 'K' && !(min !== null && min >= coldest_K) ? undefined : readings[unit];
+}
+
+/** As those read it who do not think in SI: 120 °C for 393.15 K, 150 MPa for 1.5e+08 Pa; '' where it is the same. */
+export function alsoText(parameter: ParameterInfo, value: Value | null | undefined): string {
+  const reading = readingOf(parameter);
+  return reading && typeof value === 'number' && reading.suits(value)
+    ? `${formatNumber(reading.of(value), 6)} ${reading.unit}`
+    : '';
+}
+
+/** A value as it is sent, and as it is read where that is something else: 393.15 (120 °C). */
+export function bothTexts(parameter: ParameterInfo | undefined, value: Value | null | undefined): string {
+  const also = parameter ? alsoText(parameter, value) : '';
+  return also ? `${valueText(value)} (${also})` : valueText(value);
 }

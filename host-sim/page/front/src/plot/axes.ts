@@ -6,8 +6,53 @@ import type { GroupOptions } from './group';
 import { theme } from './theme';
 
 export const axisFont = '12px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
+/** Widths of the vertical axes in pixels of CSS, where the labels need no more. */
 export const leftSize = 52;
 export const rightSize = 48;
+export const bottomSize = 24; ///< height of the horizontal axis
+/** Room beside the last label of the horizontal axis, where there is no right axis. */
+export const endSize = 14;
+
+const tickSize = 4;
+const gap = 4;
+const spare = 2; // before the edge of the picture
+const grain = 8; // by which an axis widens: it is to move seldom while its labels change
+
+export type WidthOf = (text: string) => number;
+
+/** Width of a vertical axis with these labels, so that none is cut off. */
+export function axisSize(labels: readonly string[], least: number, widthOf: WidthOf = textWidth): number {
+  const needed = tickSize + gap + widest(labels, widthOf) + spare;
+  return needed <= least ? least : Math.ceil(needed / grain) * grain;
+}
+
+/** Room to the right of a horizontal axis with these labels: half of one may stand there. */
+export function endRoom(labels: readonly string[], widthOf: WidthOf = textWidth): number {
+  return Math.max(endSize, Math.ceil(widest(labels, widthOf) / 2) + spare);
+}
+
+function widest(labels: readonly string[], widthOf: WidthOf): number {
+  return labels.reduce((most, text) => Math.max(most, widthOf(text)), 0);
+}
+
+const widths = new Map<string, number>();
+let measuring: CanvasRenderingContext2D | null = null;
+
+/** In the font of the axes, by its characters: a browser is asked once for each of them. */
+function textWidth(text: string): number {
+  let sum = 0;
+  for (const letter of text) {
+    let width = widths.get(letter);
+    if (width === undefined) {
+      measuring ??= document.createElement('canvas').getContext('2d')!;
+      measuring.font = axisFont;
+      width = measuring.measureText(letter).width;
+      widths.set(letter, width);
+    }
+    sum += width;
+  }
+  return sum;
+}
 
 /** 1, 2 or 5 times a power of ten, at or above the value. */
 export function niceStep(value: number): number {
@@ -19,12 +64,17 @@ export function niceStep(value: number): number {
   return (mantissa <= 1 ? 1 : mantissa <= 2 ? 2 : mantissa <= 5 ? 5 : 10) * power;
 }
 
-/** A range around the data that ends at round numbers; at least `smallest` wide, so that noise is not all. */
+const nothing = 1e-12; // what is smaller is the rounding error of a zero
+
+/** A range around the data that ends at round numbers; at least `smallest` wide, so that noise is not all. Where
+ * nobody says what is small, data that do not change have a tenth of their size around them, and zeros 1. */
 export function niceRange(low: number, high: number, smallest = 0): [number, number] {
   if (!Number.isFinite(low) || !Number.isFinite(high)) {
     return [0, 1];
   }
-  const least = Math.max(smallest, 2e-4 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
+  const largest = Math.max(Math.abs(low), Math.abs(high));
+  const usual = high - low <= 1e-9 * largest ? 0.1 * largest : 2e-4 * largest;
+  const least = smallest > 0 ? Math.max(smallest, 2e-4 * largest) : largest < nothing ? 1 : usual;
   if (high - low < least) {
     const middle = (low + high) / 2;
     low = middle - least / 2;
@@ -58,9 +108,9 @@ function common(): Partial<uPlot.Axis> {
     font: axisFont,
     stroke: () => theme().soft,
     grid: { stroke: () => theme().grid, width: 1 },
-    ticks: { stroke: () => theme().axis, width: 1, size: 4 },
+    ticks: { stroke: () => theme().axis, width: 1, size: tickSize },
     border: { show: true, stroke: () => theme().axis, width: 1 },
-    gap: 4,
+    gap,
   };
 }
 
@@ -74,7 +124,6 @@ export function xAxis(options: GroupOptions): uPlot.Axis {
   return {
     ...common(),
     scale: 'x',
-    size: 24,
     space: options.x === 'clock' ? 72 : 64,
     ...(options.x === 'number' ? {} : { incrs: seconds }),
     values: (_u, ticks, _axis, _space, step) =>
@@ -89,7 +138,6 @@ export function yAxis(side: 'left' | 'right', log: boolean, empty = false): uPlo
     ...axis,
     scale: side === 'left' ? 'y' : 'right',
     side: side === 'left' ? 3 : 1,
-    size: side === 'left' ? leftSize : rightSize,
     space: 26,
     grid: { ...axis.grid, show: side === 'left' },
     ticks: { ...axis.ticks, show: !empty },

@@ -53,6 +53,9 @@ export class Box implements Zoom {
   hasRightAxis(): boolean {
     return false;
   }
+  axisSize(): number {
+    return 0;
+  }
 }
 
 /** Widens the shorter axis until a unit is as long in both. */

@@ -2,10 +2,10 @@
 // cursor; the kinds of plots draw into it.
 
 import uPlot from 'uplot';
-import { axisFont, xAxis, yAxis } from './axes';
+import { axisFont, axisSize, bottomSize, endRoom, endSize, leftSize, rightSize, xAxis, yAxis } from './axes';
 import { cancelDraw, requestDraw } from './frames';
 import { type GestureTarget, listen } from './gestures';
-import type { Member, PlotGroup, Zoom } from './group';
+import type { Member, PlotGroup, Side, Zoom } from './group';
 import { element, Legend, type LegendItem } from './legend';
 import type { Project } from './pens';
 import { onTheme, theme } from './theme';
@@ -56,6 +56,10 @@ export abstract class Chart implements Member, GestureTarget {
   private onScreen = true;
   private drawnAt = -Infinity;
   private rightShown: boolean;
+  /** Widths of the vertical axes: what the labels need, and what they have. */
+  private readonly needed = { left: leftSize, right: rightSize };
+  private readonly given = { left: leftSize, right: rightSize };
+  private end = endSize;
   protected scales: Scales = { x: [0, 1], y: [0, 1] };
 
   constructor(
@@ -131,6 +135,9 @@ export abstract class Chart implements Member, GestureTarget {
     this.u.batch(() => {
       this.u.setData([x], false);
       this.u.setScale('x', { min: x[0], max: x[1] });
+      if (this.given.left !== this.sizeOf('left') || this.given.right !== this.sizeOf('right')) {
+        this.u.redraw(false, true);
+      }
     });
     this.root.dataset['drawn'] = 'true';
     this.drawnAt = performance.now();
@@ -154,6 +161,10 @@ export abstract class Chart implements Member, GestureTarget {
 
   hasRightAxis(): boolean {
     return this.options.right ?? false;
+  }
+
+  axisSize(side: Side): number {
+    return this.options.zoom === this.options.group ? this.needed[side] : 0;
   }
 
   pan(dx: number, dy: number): void {
@@ -187,6 +198,21 @@ export abstract class Chart implements Member, GestureTarget {
     }
   }
 
+  private sizeOf(side: Side): number {
+    return Math.max(this.needed[side], this.options.zoom.axisSize(side));
+  }
+
+  /** Widens an axis to its labels. The others of the group follow in the next frame. */
+  private fitted(side: Side, labels: readonly string[]): number {
+    const needed = axisSize(labels, side === 'left' ? leftSize : rightSize);
+    if (needed !== this.needed[side]) {
+      this.needed[side] = needed;
+      this.options.group?.invalidate();
+    }
+    this.given[side] = this.sizeOf(side);
+    return this.given[side];
+  }
+
   private make(): uPlot {
     const { options } = this;
     const {
@@ -202,7 +228,7 @@ export abstract class Chart implements Member, GestureTarget {
       {
         width,
         height,
-        padding: [6, this.rightShown ? 0 : 14, 0, 0],
+        padding: [6, () => (this.rightShown ? 0 : this.end), 0, 0],
         legend: { show: false },
         cursor: {
           y: false,
@@ -224,9 +250,24 @@ export abstract class Chart implements Member, GestureTarget {
           right: { range: range('right') },
         },
         axes: [
-          { ...xAxis(options.zoom.options), ...options.axes?.x },
-          { ...yAxis('left', options.yLog ?? false), ...options.axes?.y },
-          { ...yAxis('right', false, !options.right), show: this.rightShown },
+          {
+            ...xAxis(options.zoom.options),
+            ...options.axes?.x,
+            size: (_u, labels) => {
+              this.end = endRoom(labels ?? []);
+              return bottomSize;
+            },
+          },
+          {
+            ...yAxis('left', options.yLog ?? false),
+            ...options.axes?.y,
+            size: (_u, labels) => this.fitted('left', labels ?? []),
+          },
+          {
+            ...yAxis('right', false, !options.right),
+            show: this.rightShown,
+            size: (_u, labels) => this.fitted('right', labels ?? []),
+          },
         ],
         series: [{}],
         hooks: {

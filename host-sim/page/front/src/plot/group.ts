@@ -14,10 +14,14 @@ export interface GroupOptions {
   smallest?: number; ///< shortest stretch that can be zoomed to
 }
 
+export type Side = 'left' | 'right';
+
 export interface Member extends Drawn {
   /** The cursor has moved, or has gone (null), by another plot or by this one. */
   cursorMoved(x: number | null): void;
   hasRightAxis(): boolean;
+  /** Width that its labels need there. */
+  axisSize(side: Side): number;
 }
 
 /** What a plot shows of its axes, as gestures change it: the stretch of a group, or a box of its own. */
@@ -34,6 +38,8 @@ export interface Zoom {
   /** Moves the cursor by a share of what is shown, which it does not leave. */
   stepCursor(share: number): void;
   hasRightAxis(): boolean;
+  /** Width that all plots with this x axis need for their labels there; 0 where each has its own. */
+  axisSize(side: Side): number;
 }
 
 export class PlotGroup implements Drawn, Zoom {
@@ -177,6 +183,15 @@ export class PlotGroup implements Drawn, Zoom {
       }
     }
     return false;
+  }
+
+  /** All axes on a side are as wide as the widest, for the same reason. */
+  axisSize(side: Side): number {
+    let most = 0;
+    for (const member of this.members) {
+      most = Math.max(most, member.axisSize(side));
+    }
+    return most;
   }
 
   private changed(): void {

@@ -31,6 +31,7 @@ export interface SeriesSpec {
   unit?: string; ///< behind the value, where it is not the plot's
   factor?: number; ///< shown is factor * value + offset
   offset?: number;
+  smallest?: number; ///< shortest range of its axis, as it is shown
   low?: string; ///< columns of a band
   high?: string;
   width?: number; ///< of the line, in pixels of CSS
@@ -52,7 +53,6 @@ export interface TimePlotSpec {
   lines?: Line[]; ///< across the plot, such as a limit; they do not widen the axis
   height?: number;
   range?: Span; ///< of the left axis, instead of one that fits
-  smallest?: number; ///< shortest range of the left axis
   yLog?: boolean;
   xLabel?: string;
   /** Columns that are above 0 while something is so: strips along the upper edge, with their names. */
@@ -189,9 +189,13 @@ export class TimePlot extends Chart {
     let bandLow = Infinity;
     let bandHigh = -Infinity;
     let stack = false;
+    let smallest = 0;
     let column = 0;
     for (const series of this.visible()) {
       const band = series.style === 'band';
+      if ((series.axis ?? 'left') === side) {
+        smallest = Math.max(smallest, series.smallest ?? 0);
+      }
       for (let part = band ? 2 : 1; part > 0; --part, ++column) {
         if ((series.axis ?? 'left') !== side) {
           continue;
@@ -213,7 +217,6 @@ export class TimePlot extends Chart {
     if (low > high) {
       [low, high] = [bandLow, bandHigh];
     }
-    const smallest = side === 'left' ? (this.spec.smallest ?? 0) : 0;
     const room = Math.max(high - low, smallest);
     low = Math.min(low, Math.max(bandLow, low - room));
     high = Math.max(high, Math.min(bandHigh, high + room));

@@ -60,7 +60,7 @@ export abstract class PanelPlot extends Chart {
       right: panel.series.some((series) => series.right),
       axes: {
         ...(panel.x.ticks ? { x: named(panel.x.ticks) } : {}),
-        ...(panel.y.ticks ? { y: { ...named(panel.y.ticks), ...(panel.y.ticks.length > 0 ? { size: 80 } : {}) } } : {}),
+        ...(panel.y.ticks ? { y: named(panel.y.ticks) } : {}),
       },
       legend: legendOf(panel),
     });

@@ -61,6 +61,9 @@ export const own = computed<Record<string, Value>>(() => {
   return found;
 });
 
+/** How far the servo takes the hottest place of the wire to be above its estimate; NaN: not read. */
+export const hotSpotMargin_K = computed<number>(() => Number(own.value['limits.hot_spot_K'] ?? NaN));
+
 // Samples -------------------------------------------------------------------------------------------------
 
 const feeds = new Map<number, Feed>();

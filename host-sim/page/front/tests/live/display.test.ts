@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { shownAs, shownIn } from '../../src/live/display';
+import { hotSpotLabel, hotSpotText, shownAs, shownIn } from '../../src/live/display';
 
 describe('shownIn', () => {
   it('shows a set-point as what the mode controls', () => {
@@ -18,4 +18,10 @@ describe('shownIn', () => {
     }
     expect(shownIn(0, 'setpoint').unit).toBe('');
   });
+});
+
+it('explains the hot spot with the margin that is set, or without a number where none was read', () => {
+  expect(hotSpotText(18)).toContain('plus a fixed margin of 18 K (limits.hot_spot_K)');
+  expect(hotSpotText(NaN)).toContain('plus a fixed margin (limits.hot_spot_K)');
+  expect([hotSpotLabel(18), hotSpotLabel(NaN)]).toEqual(['hot spot (wire + 18 K)', 'hot spot']);
 });

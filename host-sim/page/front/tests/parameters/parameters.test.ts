@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { countOf, find, type Group, isChanged, sameValue, treeOf } from '../../src/parameters/tree';
 import { type Change, UndoHistory } from '../../src/parameters/undo';
-import { alsoText, parseValue, rangeText, unitText, valueText } from '../../src/parameters/values';
+import { alsoText, bothTexts, parseValue, rangeText, unitText, valueText } from '../../src/parameters/values';
 import type { ParameterInfo, Value } from '../../src/protocol/bridge';
 import { randomFrom } from '../random';
 
@@ -135,9 +135,41 @@ describe('values', () => {
   it('have a range in words, and a second reading', () => {
     expect(rangeText(info('a', { max: null }))).toBe('at least 0 W');
     expect(rangeText(info('a', { min: null, max: null }))).toBe('');
-    expect(alsoText('K', Math.fround(393.15))).toBe('120 °C');
-    expect(alsoText('K', 12, 'profile.overheat_K')).toBe('');
-    expect(alsoText('Pa', 150e6)).toBe('150 MPa');
+    expect(alsoText(info('a', { unit: 'Pa' }), 150e6)).toBe('150 MPa');
+    expect(alsoText(info('a', { unit: 'm' }), Math.fround(7.6e-5))).toBe('0.076 mm');
+    expect(bothTexts(info('a'), 2)).toBe('2');
+    expect(bothTexts(undefined, 2)).toBe('2');
+  });
+
+  it('show temperatures in kelvins and degrees Celsius, differences of temperatures in kelvins only', () => {
+    // With the smallest values that the servo allows them.
+    const temperatures: [string, number][] = [
+      ['limits.temperature_K', 273.15],
+      ['trips.min_ambient_K', 173.15],
+      ['wire.m2a.start_0_K', 150],
+      ['wire.material.reference_K', 200],
+    ];
+    for (const [name, min] of temperatures) {
+      const one = info(name, { unit: 'K', min: Math.fround(min), max: 600, default: Math.fround(393.15) });
+      expect(bothTexts(one, one.default)).toBe('393.15 (120 °C)');
+      expect(rangeText(one)).toBe(
+        `${min} to 600 K (${valueText(Number((min - 273.15).toFixed(2))).replace('-', '−')} to 326.85 °C)`,
+      );
+      const parsed = parseValue(one, '900');
+      expect('refused' in parsed && parsed.refused).toContain('326.85 °C');
+      expect(alsoText(one, Math.fround(253.15))).toBe('−20 °C');
+    }
+    const differences: [string, number][] = [
+      ['limits.hot_spot_K', 0],
+      ['observer.ambient_sd_K', 0.1],
+      ['profile.overheat_K', 0],
+      ['temperature.dead_band_K', 0],
+    ];
+    for (const [name, min] of differences) {
+      const one = info(name, { unit: 'K', min, max: 1000, default: 12 });
+      expect(bothTexts(one, 300)).toBe('300');
+      expect(rangeText(one)).toBe(`${min} to 1000 K`);
+    }
   });
 });
 

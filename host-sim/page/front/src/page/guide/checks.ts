@@ -1,6 +1,7 @@
 // What the guide can say of a servo's settings, from what was read and nothing else.
 
 import { formatNumber } from '../../numbers/format';
+import { formatCelsius } from '../../numbers/temperature';
 import type { Value } from '../../protocol/bridge';
 
 export interface Check {
@@ -19,7 +20,6 @@ function judged(condition: boolean, parts: number[], text: string): Check {
   return { ok: parts.some(Number.isNaN) ? null : condition, text };
 }
 
-const celsius = (kelvin: number): string => `${formatNumber(kelvin - 273.15)} °C`;
 const MPa = (pascal: number): string => `${formatNumber(pascal / 1e6)} MPa`;
 
 /** Temperature at which the wire has contracted, at a stress. */
@@ -62,12 +62,12 @@ export function limitChecks(settings: Settings, stress_Pa: number): Check[] {
     judged(
       hottest < tripHottest,
       [hottest, tripHottest],
-      `limits.temperature_K is ${celsius(hottest)}, below the trip at ${celsius(tripHottest)}.`,
+      `limits.temperature_K is ${formatCelsius(hottest)}, below the trip at ${formatCelsius(tripHottest)}.`,
     ),
     judged(
       hottest > finish,
       [hottest, finish],
-      `At the measured ${MPa(stress_Pa)} this wire has contracted at ${celsius(finish)}; the limit must be above.`,
+      `At the measured ${MPa(stress_Pa)} this wire has contracted at ${formatCelsius(finish)}; the limit must be above.`,
     ),
     judged(
       stress < tripStress,

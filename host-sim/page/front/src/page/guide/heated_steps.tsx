@@ -1,10 +1,12 @@
 // The steps of the guide in which a current flows.
 
 import { useState } from 'preact/hooks';
+import { hotSpotText } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import { lowerBound } from '../../numbers/samples';
+import { formatCelsius } from '../../numbers/temperature';
 import { sayError } from '../../session/notices';
-import { act, call, feed, mayWrite, node, own, state } from '../../session/session';
+import { act, call, feed, hotSpotMargin_K, mayWrite, node, own, state } from '../../session/session';
 import { NumberField } from '../fields/number_field';
 import { allowed } from '../state/drive';
 import { column as columnOf, runs } from '../step/runs';
@@ -214,10 +216,11 @@ export function HeatStep() {
               ['Contraction, estimated', `${formatNumber(heated.moved_um, 3)} µm of ${heated.asked_um} µm`],
               [
                 'Hot spot, estimated',
-                `${formatNumber(heated.hottest_K - 273.15, 3)} °C at most; limit ${formatNumber(limit - 273.15, 3)} °C`,
+                `${formatCelsius(heated.hottest_K, 3)} at most; limit ${formatCelsius(limit, 3)}`,
               ],
             ]}
           />
+          <p class="soft">{hotSpotText(hotSpotMargin_K.value)}</p>
           <p>The estimate says so. Did the wire move by about as much? Only you can see that.</p>
         </>
       )}
@@ -230,7 +233,7 @@ export function HeatStep() {
           onClick={() =>
             found(
               'heat',
-              `Asked ${heated!.asked_um} µm, estimated ${formatNumber(heated!.moved_um, 3)} µm, hot spot up to ${formatNumber(heated!.hottest_K - 273.15, 3)} °C. You said that the wire moved.`,
+              `Asked ${heated!.asked_um} µm, estimated ${formatNumber(heated!.moved_um, 3)} µm, hot spot up to ${formatCelsius(heated!.hottest_K, 3)}. You said that the wire moved.`,
             )
           }>
           It moved

@@ -1,12 +1,14 @@
 // What the servo does now, and what it is asked: enable, mode, target.
 
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
-import { shownAs } from '../../live/display';
+import { hotSpotText, shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
+import { formatCelsius, zero_degC_K } from '../../numbers/temperature';
 import type { State } from '../../protocol/bridge';
 import { sayError } from '../../session/notices';
 import { go } from '../../session/route';
-import { act, call, description, feed, mayWrite, node, own, state } from '../../session/session';
+import { act, call, description, feed, hotSpotMargin_K, mayWrite, node, own, state } from '../../session/session';
+import { Why } from '../fields/why';
 import { allowed, driveNames } from '../state/drive';
 
 export function DriveCard() {
@@ -92,6 +94,7 @@ const readings = [
 /** Written ten times a second, past the virtual DOM. */
 function Readings() {
   const places = useRef<Record<string, HTMLElement | null>>({});
+  const [explained, setExplained] = useState(false);
   useEffect(() => {
     const timer = setInterval(() => {
       const { ring } = feed.peek();
@@ -108,23 +111,35 @@ function Readings() {
     return () => clearInterval(timer);
   }, []);
   return (
-    <dl class="readings">
-      {readings.map(([signal, title]) => (
-        <div key={signal}>
-          <dt>{title}</dt>
-          <dd>
-            <span
-              ref={(element) => {
-                places.current[signal] = element;
-              }}
-              data-testid={`reading-${signal}`}>
-              –
-            </span>
-            <small>{shownAs(signal).unit}</small>
-          </dd>
-        </div>
-      ))}
-    </dl>
+    <>
+      <dl class="readings">
+        {readings.map(([signal, title]) => (
+          <div key={signal}>
+            <dt>
+              {title}
+              {signal === 'hot_spot_K' && (
+                <Why about={title} open={explained} set={setExplained} testid="why-hot-spot" />
+              )}
+            </dt>
+            <dd>
+              <span
+                ref={(element) => {
+                  places.current[signal] = element;
+                }}
+                data-testid={`reading-${signal}`}>
+                –
+              </span>
+              <small>{shownAs(signal).unit}</small>
+            </dd>
+          </div>
+        ))}
+      </dl>
+      {explained && (
+        <p class="soft small-text" data-testid="hot-spot-text">
+          {hotSpotText(hotSpotMargin_K.value)}
+        </p>
+      )}
+    </>
   );
 }
 
@@ -155,7 +170,17 @@ interface Bounds {
   unit: string;
   low: number;
   high: number;
+  /** How a person reads it, where that is not in this unit. */
+  also?: (value: number) => string;
 }
+
+/** Of a range: as it is sent, and as it is read. */
+function boundsText({ unit, low, high, also }: Bounds): string {
+  const text = `${formatNumber(low, 5)} to ${formatNumber(high, 5)} ${unit}`;
+  return also ? `${text} (${also(low)} to ${also(high)})` : text;
+}
+
+const coolest_K = zero_degC_K + 20; // that the slider asks for: no wire is colder than the air
 
 /** What the limits of the servo allow to ask for. */
 function boundsOf(mode: number): Bounds | null {
@@ -174,7 +199,13 @@ function boundsOf(mode: number): Bounds | null {
     case -2:
       return { unit: 'W', low: 0, high: of('limits.power_W') };
     case -3:
-      return { unit: 'K', low: 293.15, high: of('limits.temperature_K') };
+      // Of the wire's middle: its hottest spot is to stay below the limit.
+      return {
+        unit: 'K',
+        low: coolest_K,
+        high: of('limits.temperature_K') - hotSpotMargin_K.value,
+        also: formatCelsius,
+      };
     default:
       return null;
   }
@@ -218,6 +249,8 @@ function Target({ now }: { now: State }) {
   const slider = Number.isFinite(bounds.low) && bounds.high > bounds.low;
   const number = typed === null ? NaN : Number(typed.replace(',', '.'));
   const step = slider ? 10 ** Math.floor(Math.log10((bounds.high - bounds.low) / 200)) : 1;
+  const asked = typed === null ? (dragged ?? now.target ?? NaN) : number;
+  const also = asked >= bounds.low ? bounds.also?.(asked) : undefined;
   const ready = mayWrite.value && now.drive === 'operation_enabled';
   return (
     // The slider may stand beside its steps, which Firefox takes for a reason not to submit.
@@ -251,6 +284,11 @@ function Target({ now }: { now: State }) {
           </button>
         </span>
       </label>
+      {also && (
+        <span class="also" data-testid="target-also">
+          = {also}
+        </span>
+      )}
       {slider && (
         <input
           type="range"
@@ -276,7 +314,7 @@ function Target({ now }: { now: State }) {
         />
       )}
       <p class="soft small-text">
-        {slider && `Within the limits: ${formatNumber(bounds.low)} to ${formatNumber(bounds.high)} ${bounds.unit}. `}
+        {slider && `Within the limits: ${boundsText(bounds)}. `}
         {now.drive !== 'operation_enabled'
           ? 'Enable the servo first.'
           : now.target_reached

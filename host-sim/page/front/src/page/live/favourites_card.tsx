@@ -3,7 +3,7 @@ import { favourites, infos } from '../../session/tuning';
 import { EditBar } from '../parameters/edit_bar';
 import { ParameterRow } from '../parameters/parameter_row';
 
-export function FavouritesCard() {
+export function FavouritesCard({ explained = false }: { explained?: boolean }) {
   const known = favourites.value.flatMap((name) => infos.value.get(name) ?? []);
   return (
     <section class="card" aria-label="Favourite parameters" data-testid="favourites">
@@ -15,7 +15,7 @@ export function FavouritesCard() {
       </div>
       {known.length === 0 && <p class="soft">A parameter with a star is shown here.</p>}
       {known.map((info) => (
-        <ParameterRow key={info.name} info={info} compact />
+        <ParameterRow key={info.name} info={info} compact explained={explained} />
       ))}
       <EditBar />
     </section>

@@ -1,6 +1,16 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
-import { bridge, client, description, feed, link, liveGroup, node, state } from '../../session/session';
+import {
+  bridge,
+  client,
+  description,
+  feed,
+  hotSpotMargin_K,
+  link,
+  liveGroup,
+  node,
+  state,
+} from '../../session/session';
 import { isNumber, saved } from '../../session/saved';
 import { Arrange } from './arrange';
 import { DriveCard } from './drive_card';
@@ -26,7 +36,7 @@ export function LiveView() {
       follows.value = liveGroup.following;
     });
   }, []);
-  const all = panels(state.value?.mode ?? 1, ownPanels.value);
+  const all = panels(state.value?.mode ?? 1, ownPanels.value, hotSpotMargin_K.value);
   const shown = places(all).filter((place) => place.shown);
   return (
     <div class="live">

@@ -1,7 +1,7 @@
 // The plots of the live view: what each shows, and how they are arranged.
 
 import { signal } from '@preact/signals';
-import { labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
+import { hotSpotLabel, labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
 import { controlled } from '../../live/feed';
 import type { SeriesSpec } from '../../plot/time_plot';
 import { isObject, read, saved } from '../../session/saved';
@@ -13,7 +13,6 @@ export interface TimePanel {
   unit?: string;
   series: SeriesSpec[];
   limits?: boolean; ///< shows which limits act
-  smallest?: number;
 }
 export interface LoopPanel {
   kind: 'loop';
@@ -49,6 +48,7 @@ function series(name: string, more: Partial<SeriesSpec> = {}): SeriesSpec {
     role: roleOf(name),
     factor: shown.factor,
     offset: shown.offset,
+    smallest: shown.smallest,
     ...more,
   };
 }
@@ -61,7 +61,6 @@ const fixed: Panel[] = [
     id: 'strain',
     title: 'Strain',
     unit: '%',
-    smallest: 0.1,
     series: [
       { key: 'band', label: '±2σ', role: 'band', style: 'band', low: 'strain_low', high: 'strain_high', ...percent },
       series('setpoint_strain', { style: 'steps' }),
@@ -75,7 +74,6 @@ const fixed: Panel[] = [
     title: 'Power',
     unit: 'mW',
     limits: true,
-    smallest: 1,
     series: [
       series('wanted_power_W', { style: 'dashed' }),
       series('power_W'),
@@ -107,7 +105,6 @@ const fixed: Panel[] = [
     id: 'temperature',
     title: 'Temperature',
     unit: '°C',
-    smallest: 2,
     series: [series('estimated_ambient_K', { hidden: true }), series('hot_spot_K'), series('wire_temperature_K')],
   },
   {
@@ -115,7 +112,6 @@ const fixed: Panel[] = [
     id: 'resistance',
     title: 'Resistance',
     unit: 'Ω',
-    smallest: 0.02,
     series: [series('resistance_ohm'), series('resistance_model_ohm', { style: 'dashed' })],
   },
   {
@@ -134,7 +130,6 @@ const fixed: Panel[] = [
     title: 'Current',
     unit: 'mA',
     limits: true,
-    smallest: 1,
     series: [series('current_A'), series('drive_current_A', { style: 'dashed' })],
   },
   {
@@ -142,28 +137,42 @@ const fixed: Panel[] = [
     id: 'position',
     title: 'Position',
     unit: 'µm',
-    smallest: 10,
     series: [series('position_m')],
   },
-  { kind: 'time', id: 'stress', title: 'Stress', unit: 'MPa', smallest: 1, series: [series('stress_Pa')] },
+  { kind: 'time', id: 'stress', title: 'Stress', unit: 'MPa', series: [series('stress_Pa')] },
 ];
 
 /** Set-point less measured value, in the unit of the mode. */
 function errorPanel(mode: number): TimePanel {
   const variable = controlled(mode) ?? 'position_m';
   const name = `error:${variable}`;
+  const shown = shownAs(name);
   return {
     kind: 'time',
     id: 'error',
     title: 'Error',
-    unit: shownAs(name).unit,
-    smallest: 1e-3,
-    series: [series(name, { label: `set-point − ${plain(variable)}`, role: 'error' })],
+    unit: shown.unit,
+    series: [
+      series(name, {
+        label: `set-point − ${plain(variable)}`,
+        role: 'error',
+        smallest: (shown.smallest ?? 0) / 10, // looked at more closely than the quantity itself
+      }),
+    ],
   };
 }
 
-export function panels(mode: number, own: readonly OwnPanel[]): Panel[] {
-  const all = [...fixed];
+/** With the margin of the hot spot in its label. */
+function explained(panel: Panel, margin_K: number): Panel {
+  if (panel.id !== 'temperature' || panel.kind !== 'time') {
+    return panel;
+  }
+  const label = hotSpotLabel(margin_K);
+  return { ...panel, series: panel.series.map((one) => (one.key === 'hot_spot_K' ? { ...one, label } : one)) };
+}
+
+export function panels(mode: number, own: readonly OwnPanel[], hotSpotMargin_K: number): Panel[] {
+  const all = fixed.map((panel) => explained(panel, hotSpotMargin_K));
   all.splice(2, 0, errorPanel(mode));
   return [...all, ...own.map((one) => ownPanel(one, mode))];
 }
@@ -179,6 +188,7 @@ function ownPanel(own: OwnPanel, mode: number): TimePanel {
       axis,
       factor: shown.factor,
       offset: shown.offset,
+      smallest: shown.smallest,
       ...other,
     });
   };

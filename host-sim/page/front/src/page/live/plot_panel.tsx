@@ -4,6 +4,7 @@ import { effect } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { plain, shownAs } from '../../live/display';
 import type { Feed } from '../../live/feed';
+import { celsius } from '../../numbers/temperature';
 import { type Flag, type Line, TimePlot } from '../../plot/time_plot';
 import { XYPlot } from '../../plot/xy_plot';
 import { description, feed, liveGroup, own } from '../../session/session';
@@ -24,7 +25,7 @@ export function PlotPanel({ panel, half }: { panel: Panel; half: boolean }) {
 /** Plots are made anew only when what they show is another thing. */
 function signature(panel: Panel): string {
   return panel.kind === 'time'
-    ? panel.series.map((series) => `${series.key}/${series.axis}/${series.factor}`).join() + panel.title
+    ? panel.series.map((series) => `${series.key}/${series.label}/${series.axis}/${series.factor}`).join() + panel.title
     : '';
 }
 
@@ -37,7 +38,6 @@ function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => vo
       id: panel.id,
       title: panel.title,
       ...(panel.unit === undefined ? {} : { unit: panel.unit }),
-      ...(panel.smallest === undefined ? {} : { smallest: panel.smallest }),
       series: panel.series.map((series) => {
         const hidden = known[`${panel.id}/${series.key}`] ?? series.hidden;
         return hidden === undefined ? series : { ...series, hidden };
@@ -96,7 +96,7 @@ function limitLines(id: string): Line[] {
   const line = (y: number, label: string): Line[] => (Number.isNaN(y) ? [] : [{ y, label, role: 'limit' }]);
   switch (id) {
     case 'temperature':
-      return line(of('limits.temperature_K') - 273.15, 'limit of the hot spot');
+      return line(celsius(of('limits.temperature_K')), 'limit of the hot spot');
     case 'current':
       return line(1e3 * of('limits.current_A'), 'limit');
     case 'power':

@@ -1,12 +1,12 @@
 // Settings as a file: dump, compare, restore; or as lines of `host-sim can set`.
 
 import { useState } from 'preact/hooks';
-import { valueText } from '../../parameters/values';
+import { bothTexts } from '../../parameters/values';
 import type { Difference } from '../../protocol/bridge';
 import { saveText } from '../../session/download';
 import { sayError, sayFileError } from '../../session/notices';
 import { call, mayWrite, node } from '../../session/session';
-import { restore } from '../../session/tuning';
+import { infos, restore } from '../../session/tuning';
 
 interface Compared {
   name: string;
@@ -83,8 +83,8 @@ export function FilesCard() {
                     {compared.differences.map((one) => (
                       <tr key={one.name}>
                         <td>{one.name}</td>
-                        <td>{valueText(one.node)}</td>
-                        <td>{valueText(one.file)}</td>
+                        <td>{bothTexts(infos.value.get(one.name), one.node)}</td>
+                        <td>{bothTexts(infos.value.get(one.name), one.file)}</td>
                       </tr>
                     ))}
                   </tbody>

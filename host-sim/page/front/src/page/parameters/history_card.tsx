@@ -1,5 +1,5 @@
-import { valueText } from '../../parameters/values';
-import { history, historyVersion } from '../../session/tuning';
+import { bothTexts } from '../../parameters/values';
+import { history, historyVersion, infos } from '../../session/tuning';
 
 const shown = 8;
 
@@ -22,7 +22,8 @@ export function HistoryCard() {
               <span key={change.name} class="change">
                 {change.name}
                 <br />
-                {valueText(change.before)} → <strong>{valueText(change.after)}</strong>
+                {bothTexts(infos.value.get(change.name), change.before)} →{' '}
+                <strong>{bothTexts(infos.value.get(change.name), change.after)}</strong>
               </span>
             ))}
             {entry.changes.length > 4 && <span class="soft">and {entry.changes.length - 4} more</span>}

@@ -1,12 +1,22 @@
 // One parameter: its value to edit, unit, range, meaning, and how it differs from default or file.
 
+import { useState } from 'preact/hooks';
+import { gainText } from '../../parameters/gains';
 import { isChanged } from '../../parameters/tree';
-import { alsoText, rangeText, unitText, valueText } from '../../parameters/values';
-import type { ParameterInfo } from '../../protocol/bridge';
+import { alsoText, bothTexts, parseValue, rangeText, unitText, valueText } from '../../parameters/values';
+import type { ParameterInfo, Value } from '../../protocol/bridge';
 import { mayWrite, own, state } from '../../session/session';
 import { draft, drafted, drafts, favourites, toggleFavourite, tryDrafts, writeDrafts } from '../../session/tuning';
+import { Why } from '../fields/why';
 
-export function ParameterRow({ info, compact = false }: { info: ParameterInfo; compact?: boolean }) {
+interface RowProps {
+  info: ParameterInfo;
+  compact?: boolean; ///< an explanation opens by a '?'
+  explained?: boolean; ///< it is open at first
+}
+
+export function ParameterRow({ info, compact = false, explained = !compact }: RowProps) {
+  const [open, setOpen] = useState(explained);
   const value = own.value[info.name];
   const typed = drafts.value[info.name];
   const refused = drafted.value.refused[info.name];
@@ -16,7 +26,8 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
   const id = `value-${compact ? 'f-' : ''}${info.name}`;
   const running = state.value?.drive === 'operation_enabled';
   const locked = !mayWrite.value || (info.change === 'not enabled' && running);
-  const also = alsoText(info.unit, value, info.name);
+  const also = alsoText(info, typed === undefined ? value : typedValue(info, typed));
+  const note = gainText(info.name, { ...own.value, ...drafted.value.values });
   return (
     <div
       class={`parameter${differs ? ' drafted' : ''}${compact ? ' compact' : ''}`}
@@ -34,11 +45,9 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
         <label for={id} title={`${info.name}: ${info.meaning}`}>
           {compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}
         </label>
+        {note && compact && <Why about={info.name} open={open} set={setOpen} testid={`why-${info.name}`} />}
         {changed && (
-          <span
-            class="mark"
-            title={`default: ${valueText(info.default)} ${info.unit}`}
-            data-testid={`changed-${info.name}`}>
+          <span class="mark" title={`default: ${bothTexts(info, info.default)}`} data-testid={`changed-${info.name}`}>
             changed
           </span>
         )}
@@ -49,19 +58,28 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
         )}
       </div>
       <div class="parameter-value">
-        <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} />
+        <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} also={also} />
         <span class="unit">{unitText(info.unit)}</span>
+        {also && (
+          <span class="also" id={`${id}-also`} data-testid={`also-${info.name}`}>
+            = {also}
+          </span>
+        )}
       </div>
       {!compact && (
         <div class="parameter-text">
           <p>{info.meaning}</p>
           <p class="soft">
             {rangeText(info)}
-            {info.default !== null && <>; default {valueText(info.default)}</>}
-            {also && <>; now {also}</>}
+            {info.default !== null && <>; default {bothTexts(info, info.default)}</>}
             {info.level && <>; level: {info.level}</>}
           </p>
         </div>
+      )}
+      {note && open && (
+        <p class="note" data-testid={`note-${info.name}`}>
+          {note}
+        </p>
       )}
       {refused && (
         <p class="refused" role="alert" id={`${id}-why`}>
@@ -70,6 +88,11 @@ export function ParameterRow({ info, compact = false }: { info: ParameterInfo; c
       )}
     </div>
   );
+}
+
+function typedValue(info: ParameterInfo, text: string): Value | null {
+  const parsed = parseValue(info, text);
+  return 'value' in parsed ? parsed.value : null;
 }
 
 /** Without the unit, which stands behind the value. */
@@ -92,9 +115,10 @@ interface EditorProps {
   text: string;
   disabled: boolean;
   refused: string | undefined;
+  also: string;
 }
 
-function Editor({ info, id, text, disabled, refused }: EditorProps) {
+function Editor({ info, id, text, disabled, refused, also }: EditorProps) {
   const choices = info.type === 'boolean' ? ['true', 'false'] : info.type === 'choice' ? (info.choices ?? []) : null;
   if (choices) {
     return (
@@ -122,7 +146,7 @@ function Editor({ info, id, text, disabled, refused }: EditorProps) {
       value={text}
       disabled={disabled}
       aria-invalid={refused !== undefined}
-      aria-describedby={refused === undefined ? undefined : `${id}-why`}
+      aria-describedby={refused !== undefined ? `${id}-why` : also ? `${id}-also` : undefined}
       onInput={(event) => draft(info.name, event.currentTarget.value)}
       onKeyDown={(event) => {
         if (event.key === 'Enter') {

@@ -1,8 +1,19 @@
 import { useEffect, useState } from 'preact/hooks';
-import { plain, shownAs } from '../../live/display';
+import { hotSpotText, plain, shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import type { State } from '../../protocol/bridge';
-import { act, bridge, call, client, description, mayWrite, node, scan, state } from '../../session/session';
+import {
+  act,
+  bridge,
+  call,
+  client,
+  description,
+  hotSpotMargin_K,
+  mayWrite,
+  node,
+  scan,
+  state,
+} from '../../session/session';
 import { allowed, driveNames } from './drive';
 import { Machine } from './machine';
 
@@ -170,6 +181,7 @@ function FreezeFrame({ values, cause }: { values: Record<string, number | null>;
           );
         })}
       </dl>
+      {'hot_spot_K' in values && <p class="soft small-text">{hotSpotText(hotSpotMargin_K.value)}</p>}
     </section>
   );
 }

@@ -1,6 +1,8 @@
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
+import { shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
+import { zero_degC_K } from '../../numbers/temperature';
 import { valueText } from '../../parameters/values';
 import { PlotGroup } from '../../plot/group';
 import { otherRole, theme } from '../../plot/theme';
@@ -29,7 +31,7 @@ export function StepView() {
         <RecorderCard />
       </section>
       <aside class="side" aria-label="Gains">
-        <FavouritesCard />
+        <FavouritesCard explained />
       </aside>
     </div>
   );
@@ -118,9 +120,9 @@ function numberOf(run: Run): number {
 
 const timeLabel = 'time since the step in s';
 const pictures = [
-  { name: 'position_m', title: 'Contraction', unit: 'µm', factor: 1e6, offset: 0, height: 230 },
-  { name: 'wire_temperature_K', title: 'Temperature', unit: '°C', factor: 1, offset: -273.15, height: 140 },
-  { name: 'drive_current_A', title: 'Current', unit: 'mA', factor: 1e3, offset: 0, height: 140 },
+  { name: 'position_m', title: 'Contraction', height: 230 },
+  { name: 'wire_temperature_K', title: 'Temperature', height: 140 },
+  { name: 'drive_current_A', title: 'Current', height: 140 },
 ];
 
 function Overlay() {
@@ -134,13 +136,13 @@ function Overlay() {
     const samples = overlay(shown);
     const extent: [number, number] = [samples.x(0), samples.x(samples.end - 1)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
-    const plots = pictures.map(({ name, title, unit, factor, offset, height }, n) => {
+    const plots = pictures.map(({ name, title, height }, n) => {
+      const { unit, ...scale } = shownAs(name);
       const lines: SeriesSpec[] = shown.map((run) => ({
         key: `${run.id}/${name}`,
         label: `run ${numberOf(run)}`,
         role: roleOfRun(run),
-        factor,
-        offset,
+        ...scale,
         width: run.id === shown[0]!.id ? 2.2 : 1.4,
       }));
       if (name === 'position_m') {
@@ -149,8 +151,7 @@ function Overlay() {
           label: 'set-point',
           role: 'setpoint',
           style: 'steps',
-          factor,
-          offset,
+          ...scale,
         });
       }
       return new TimePlot(
@@ -211,7 +212,7 @@ function Table() {
                 Error<small>%</small>
               </th>
               <th>
-                Hottest<small>°C</small>
+                Wire at most<small>°C</small>
               </th>
               {gains.map((name) => (
                 <th key={name} title={name}>
@@ -248,7 +249,7 @@ function Table() {
                 <td>{number(run.figures.settling_s, 1e3)}</td>
                 <td>{number(run.figures.overshoot_percent)}</td>
                 <td>{number(run.figures.error_percent)}</td>
-                <td>{number(run.figures.peak_K, 1, -273.15)}</td>
+                <td>{number(run.figures.peak_K, 1, -zero_degC_K)}</td>
                 {gains.map((name) => (
                   <td key={name}>{valueText(run.gains[name])}</td>
                 ))}
