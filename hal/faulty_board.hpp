@@ -9,7 +9,8 @@
 
 namespace smaservo::hal {
 
-/// The faults from the next read() on; all may be combined.
+/// The faults to inject. Each takes effect in the next call that it concerns; all may be set
+/// together.
 struct BoardFaults {
   std::uint32_t lose_every = 0;  ///< n: each n-th frame is lost; 1: every frame; 0: none
   bool current_missing = false;  ///< the reading is NaN; likewise the next two

@@ -102,7 +102,8 @@ struct MultipleModelFilter {
   static constexpr S moving_loss_sd = S(0.4);
   static constexpr S moving_resistance_sd = S(0.01);
 
-  /// Hypotheses whose strains scatter by less than this, 2.5 % of a 4 % stroke, count as agreeing.
+  /// While several hypotheses live, the health is good if their strains scatter by less than this
+  /// (2.5 % of a 4 % stroke), else searching.
   static constexpr S agreed_sd = S(1e-3);
 
   /// Standard deviations of log_prior(): a hypothesis becomes less likely if it needs unusual air,

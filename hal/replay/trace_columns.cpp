@@ -120,6 +120,16 @@ std::optional<BadRow> bad_number(std::size_t i, const char* at, const char* stop
   return BadRow{i, text == "''" ? "the field is empty" : text + " is not a finite number"};
 }
 
+/// The names that a column of this quantity may have: "current_A, current_mA".
+std::string names_of(const Known& column) {
+  std::vector<std::string> all;
+  for (const Unit& unit : column.kind) {
+    all.push_back(unit.suffix.empty() ? std::string(column.base)
+                                      : fmt::format("{}_{}", column.base, unit.suffix));
+  }
+  return fmt::format("{}", fmt::join(all, ", "));
+}
+
 [[noreturn]] void fail(const std::string& reason) {
   throw files::UserError(reason);
 }
@@ -196,10 +206,7 @@ std::string TraceColumns::known_names() const {
     if (!understood(static_cast<Column>(k), options_)) {
       continue;
     }
-    for (const Unit& unit : column.kind) {
-      all.push_back(unit.suffix.empty() ? std::string(column.base)
-                                        : fmt::format("{}_{}", column.base, unit.suffix));
-    }
+    all.push_back(names_of(column));
   }
   return fmt::format("{}", fmt::join(all, ", "));
 }
@@ -225,8 +232,8 @@ void TraceColumns::explain(std::size_t i, const std::string& name) {
     if (k != static_cast<std::size_t>(Column::power) &&
         (name == column.base || (name.starts_with(column.base) && name[column.base.size()] == '_' &&
                                  looks_like_unit(name.substr(column.base.size() + 1))))) {
-      fail(fmt::format("{}, column {} ({}): {} has an unknown unit; known are: {}", place_, i + 1,
-                       name, column.base, known_names()));
+      fail(fmt::format("{}, column {} ({}): {} has no unit, or an unknown one; known are: {}",
+                       place_, i + 1, name, column.base, names_of(column)));
     }
   }
 }

@@ -254,7 +254,7 @@ void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) 
       ->check(seconds_of(0, 3600));
   auto listen_s = std::make_shared<double>(1e6);
   add(can, "listen", "Prints every frame on the bus in words.", [=] { listen(*common, *listen_s); })
-      ->add_option("--for", *listen_s, "duration, s; default: for ever")
+      ->add_option("--for", *listen_s, "duration, s; default: 1000000 s, 11 days")
       ->check(seconds_of(0, 1e6));
   add_plain(can, common, "info", "Prints identity, versions, states, loop and bus of a node.",
             [](Remote& remote) { print(can::info_text(remote)); });
@@ -387,7 +387,7 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         Session session(*common);
         session.remote().hold(*hold_s);
       })
-      ->add_option("--for", *hold_s, "duration, s; default: for ever")
+      ->add_option("--for", *hold_s, "duration, s; default: 1000000 s, 11 days")
       ->check(seconds_of(0, 1e6));
   auto target_um = std::make_shared<std::int32_t>();
   auto patience_s = std::make_shared<double>(10);

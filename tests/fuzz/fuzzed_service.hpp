@@ -4,7 +4,7 @@
 
 namespace smaservo::canopen {
 
-/// Of this target.
+/// The service that this fuzz target tests.
 extern const Service fuzzed_service;
 
 }  // namespace smaservo::canopen

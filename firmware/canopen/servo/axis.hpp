@@ -31,7 +31,7 @@ struct AxisFeedback {
   bool supplied = false;  ///< the drive has its supply voltage
   bool warning = false;
   bool limited = false;  ///< limited by something other than the trajectory planner
-  /// Error code of the first cause of a fault, or of the condition that blocks.
+  /// Error code of the first cause; without one, of the first condition that blocks arming.
   std::uint16_t code = 0;
   float position_m = 0, velocity_m_s = 0, force_N = 0;
 };

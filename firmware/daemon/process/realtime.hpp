@@ -16,8 +16,8 @@ struct RealTimeSettings {
   int processor = -1;  ///< processor to run on; -1: any
 };
 
-/// Sets the name of the calling thread in `top -H` and /proc, 15 characters at most. To be called
-/// before the sandbox.
+/// Sets the name of the calling thread, as `top -H` and /proc show it. A name of more than 15
+/// characters has no effect. Must be called before allow_loop_calls_only(), which forbids it.
 void name_thread(const char* name);
 
 /// Keeps all pages of the process in memory, and freed memory in the heap. Returns a warning, or an

@@ -58,9 +58,9 @@ void check_content(const Run& run) {
 
 void check_units(const Run& run, const Geometry<double>& geometry) {
   if (const double span = span_of(run.strain); span > max_run_strain) {
-    fail(run, fmt::format("strain spans {:.3g}, no wire survives more than {}; per cent are "
-                          "strain_ref_percent, and a displacement needs the right unit and length "
-                          "(of {:.4g} mm)",
+    fail(run, fmt::format("strain spans {:.3g}, no wire survives more than {}; a strain in per "
+                          "cent is strain_ref_percent; for a displacement, check its unit and the "
+                          "length of the wire ({:.4g} mm)",
                           span, max_run_strain, 1e3 * geometry.length_m));
   }
   const double stress_Pa = *std::ranges::max_element(run.stress_Pa);
@@ -218,9 +218,10 @@ void check_converters(const Run& run) {
   check(run.current_A, run.voltage_V, "current");
 }
 
-/// A column is clipped if more than a tenth of the rows hold an extreme value, in stretches of at
-/// least five, another quantity changes meanwhile by more than 5 % of its span, and the column
-/// either ends abruptly from a slope or is noisy everywhere else. A wire at rest, a column of
+/// A column of strain, temperature or resistance is clipped if (1) more than a tenth of its rows
+/// hold its least or greatest value, in stretches of at least five; (2) another quantity changes by
+/// more than 5 % of its span during the longest stretch; and (3) the column arrives at this stretch
+/// and leaves it with a steady slope, or is noisy in all other rows. A wire at rest, a column of
 /// coarse steps and a thermostat's hold fulfil some of these conditions, not all.
 void check_clipped(const Run& run) {
   struct Named {

@@ -296,7 +296,8 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
     activity_->expected_us = static_cast<std::int64_t>(2e6 * seconds) + 2'000'000;
     for (Recorded& running : recorded_) {
       if (running.recording.node() == servo.node) {
-        throw UserError(fmt::format("{}: its recorder is at work", servo.title()));
+        throw UserError(fmt::format("{}: a recording is running; a step test needs the recorder",
+                                    servo.title()));
       }
     }
   }

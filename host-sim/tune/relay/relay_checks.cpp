@@ -58,7 +58,7 @@ RelayTask relay_task(LoopName name, const OperatingPoint& p, const Branches& b, 
   return t;
 }
 
-/// The file's wire as one body, from a point of its linearisation.
+/// The lumped, nonlinear model of the file's wire, starting in the state of the operating point.
 RelayPlant lumped_plant(LoopName name, const TunedPlant& plant, const OperatingPoint& p,
                         double rest_strain, double period_s) {
   struct Body {

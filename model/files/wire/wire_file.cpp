@@ -69,7 +69,7 @@ Loaded resolve(const toml::table& table, const std::string& origin,
     }
     if (depth >= deepest_base) {
       throw ConfigError(place(origin, "based_on", *base) +
-                        ": more than 8 files are based on each other; is there a circle?");
+                        ": the chain of based_on has more than 8 files; is it a circle?");
     }
     Loaded below = load(*name, folder, depth + 1);
     loaded.entries = std::move(below.entries);

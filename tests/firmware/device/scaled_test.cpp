@@ -85,8 +85,8 @@ class Loop {
   typename Device<S>::State state_ = Device<S>::start();
 };
 
-/// Times are sums of steps, and one that is up a step earlier shifts what follows: compared is
-/// where the wire is held.
+/// Only the last 100 steps of each set-point are compared, when the wire is held. Times are sums of
+/// steps: by rounding, one may end a step earlier, which shifts all that follows.
 TEST(ScaledDevice, HoldsAWireWhereADoubleDoes) {
   Loop<double> exact;
   Loop<Scaled> scaled;

@@ -138,7 +138,7 @@ TYPED_TEST(Ihyp, TemperatureOfFractionOfTemperatureIsTheSame) {
     const IhypShape<S> shape{static_cast<S>(c.curvature), static_cast<S>(c.turning)};
     const S tau = static_cast<S>(c.tau);
     const Split<S> x = ihyp_fraction(shape, tau);
-    // One rounding of the smaller fraction shifts tau by its slope there.
+    // A rounding error of the smaller fraction shifts tau by the slope there times that error.
     const S smaller = std::min(x.converted, x.remaining);
     const S scale = S(1) + ihyp_slope(shape, x) * smaller;
     worst =

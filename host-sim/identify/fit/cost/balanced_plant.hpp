@@ -23,8 +23,8 @@ class BalancedPlant {
 
   double temperature_K() const { return K::drive(state_).temperature_K; }
   Phases<double> phases() const { return K::phases(state_); }
-  /// Heat that the wire takes up per kelvin at the end of the last step, including latent heat and
-  /// loss.
+  /// Derivative of the last step's heat balance by the temperature at its end: heat capacity,
+  /// latent heat, and half the slope of the loss times the step.
   double capacity_J_K() const { return capacity_J_K_; }
 
   void advance(const PlantInput<double>& in, double dt_s) {

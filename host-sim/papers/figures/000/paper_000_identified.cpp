@@ -69,8 +69,8 @@ PaperFigure figure_13() {
 
 PaperFigure figure_14() {
   const identify::FittedRun& run = fitted_without_stress().runs.front();
-  // Both heat flows contain the specific heat. The row with the wire's earlier temperature is not
-  // drawn.
+  // Both heat flows contain the specific heat. The first two rows are not drawn: the state at 213 K
+  // before the run, and the step from it to the run's first temperature.
   const std::size_t hottest = run.temperature_K.size() / 2;
   const auto heating = [&](const Column& all) {
     const Column part = heating_part(all, hottest);

@@ -40,7 +40,7 @@ class ExpeditedClient {
     return answer ? answer->data : silence;
   }
   std::uint32_t get(Key key) { return number_of(ask(0x40, key)); }
-  /// Of four bytes: none, or the abort.
+  /// Writes an object of `size` bytes. Returns Abort::none, or the abort code of the answer.
   canopen::Abort set(Key key, std::uint32_t value, unsigned size = 4) {
     const Bytes answer = ask(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), key, value);
     return answer[0] == 0x60 ? canopen::Abort::none

@@ -39,7 +39,7 @@ module.exports = {
     // Each signal is another number, so that none can stand for another.
     const last = binary.get(both().at(-1));
     assert.ok(new Set(Object.values(last)).size > 12, JSON.stringify(last));
-    assert.ok(last.temperature_k > 250 && last.temperature_k < 450);
+    assert.ok(last.wire_temperature_k > 250 && last.wire_temperature_k < 450);
     client.ws.close();
   },
 };

@@ -43,8 +43,9 @@ std::string range_of(const Field& field) {
   const std::string_view suffix = field.kind.front().suffix;
   const std::string range =
       fmt::format("{:.6g} to {:.6g}{}{}", field.min, field.max, suffix.empty() ? "" : " ", suffix);
-  return field.type == FieldType::number ? range
-                                         : fmt::format("{}; {} coefficients", range, field.count);
+  return field.type == FieldType::number
+             ? range
+             : fmt::format("{} (the first of 1 to {} coefficients)", range, field.count);
 }
 
 std::string meaning_of(const Field& field) {

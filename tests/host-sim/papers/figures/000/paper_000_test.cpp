@@ -205,7 +205,8 @@ TEST(Paper000, BarsOfHeatingFollowOneAnother) {
     for (const double part : {b.martensite, b.m2a, b.austenite, b.r2a, b.r_phase}) {
       EXPECT_GT(part, 0);
     }
-    // Independent, and of the same surface: both lose the same share.
+    // M2A and R2A do not influence each other and have the same surface, so martensite and R-phase
+    // lose the same share.
     EXPECT_NEAR(b.m2a / (b.m2a + b.martensite), b.r2a / (b.r2a + b.r_phase), 1e-13);
     if (i > 0) {
       EXPECT_NEAR(b.austenite, bars[i - 1].austenite + bars[i - 1].m2a + bars[i - 1].r2a, 1e-14);
