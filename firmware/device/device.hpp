@@ -253,7 +253,7 @@ void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>&
                                seen.in.ambient_K,
                                s.monitor.wire.hot.temperature_K,
                                s.monitor.wire.cooling.limit_K(),
-                               s.monitor.wire.cooling.probing};
+                               s.monitor.wire.cooling.probing()};
   const auto c = Controller<S>::step(seen.prepared, s.controller, demand, known, seen.dt_s);
   const bool usable = !c.invalid && S(0) <= c.drive_current_A &&
                       c.drive_current_A <= seen.prepared.settings.trips.current_A &&

@@ -67,8 +67,7 @@ FaultSet Monitor<S>::after_stall(const MonitorInputs<S>& seen, State& s) {
   s.wire.steady_ohm = S(0);
   s.wire.unanswered_J = S(0);
   s.wire.was_sure = false;
-  // A cooling whose beginning was not seen gives no information either.
-  s.wire.cooling.hot = s.wire.cooling.probing = s.wire.cooling.confirmed = false;
+  s.wire.cooling.miss();
   s.machine.sampled = false;
   s.machine.misses = S(0);
   FaultSet now = seen.in.external;

@@ -8,349 +8,344 @@
 // it takes twice to four times as long until R-phase or martensite raise the resistance. For each
 // of some shares of the file's cooling the guard integrates how hot the wire would be; when the
 // resistance rises, only those shares are possible whose temperature is then that of the
-// transformation. Every motion that cools the wire is such a test. A wire that is held hot without
-// one gets a test as soon as it could be too hot: its power is cut until the resistance rises.
+// transformation. Every motion that cools the wire is such a test. A wire that stays hot without
+// one is probed: its power is cut until the resistance rises.
 //
-// Once the file's cooling is confirmed the wire may be held for any time: while power, load and
-// resistance stay as they are, the cooling mostly does, too. A resistance that moves by itself
-// takes the confirmation back; so does time, where the wire is pressed against its limit, since
-// there are loads under which the resistance of a wire that gets hotter does not move. It is
-// pressed while the temperature limit acts, and where it is close to it and wholly austenite. A
-// strain that can be reached leaves some martensite, whose loss the loop sees and answers with less
-// power: there a test would cost 10 to 20 % of the stroke. But where the power has fallen far, and
-// neither load nor phases have changed, cooling may have fallen with it: that is tested.
+//             less than 30 % is left                a probe is wanted (wants_probe),
+//             of martensite and R-phase             or the cooling has changed (doubt, settle)
+//     cold -----------------------------> hot -----------------------------------> probing
+//      |                                   |                                          |
+//      | <---------------------------------+------------------------------------------+
+//      |    the resistance rises: judge() takes the time of cooling for a verdict
+//      |    the observer has the wire cold: nothing is told, but see end_cold()
+//      |    no resistance can be read for 30 ms, or the loop stood still: nothing is told
+//      |    probing for 16 time constants without a rise: the verdict is weak
+//      |
+//      + off until the wire has the air's temperature: all is forgotten, since a fan may have
+//      stopped
+//
+// The verdict says what the last test told, and when a wire that is hot is probed again:
+//
+//     none        at once where the wire could be too hot with the least cooling that is possible
+//     confirmed   where it is pressed against its limit, 1, 2, 4 ... 20 s after the last test
+//     weak        each 5 s, so that a fan that runs again is found
+//     overheated  the same; until the wire is hot again a fault says that it was too hot
+//
+// A wire whose cooling is confirmed may be held for any time while power, load and resistance stay
+// as they are, since the cooling mostly does, too. ResistanceWatch sees where they do not. A wire
+// is pressed while the temperature limit acts, and where it is close to its limit and wholly
+// austenite: there are loads under which its resistance does not move when it gets hotter. A strain
+// that can be reached leaves some martensite, whose loss the loop sees and answers with less power;
+// there a probe would cost 10 to 20 % of the stroke. So it is probed only where the power has
+// fallen far.
+//
+// Where a number below has no other source it was chosen on simulated wires, by the temperatures of
+// `host-sim evaluate --closed-loop --random-from 50000` and by held strains (commits e0eb91cd and
+// 0e1184e1 have the tables); firmware/README.md says how well it holds on other seeds.
 
-#include <array>
-#include <cstdint>
-
-#include "firmware/safety/monitor/hot_resistance.hpp"
+#include "firmware/safety/monitor/cooling_shares.hpp"
+#include "firmware/safety/monitor/resistance_watch.hpp"
 
 namespace smaservo {
 
 /// All zero: nothing has been seen.
 template <class S>
 struct CoolingGuard {
-  static constexpr std::size_t count = 6;
-  /// The shares of the file's cooling that are told apart.
-  static constexpr std::array<S, count> shares{S(0.3), S(0.4), S(0.5), S(0.65), S(0.8), S(1)};
-  static constexpr std::size_t whole = count - 1;
+  enum class Phase : std::uint8_t {
+    cold,  ///< has transformed back, or where this cannot be told
+    hot,   ///< transformed, or cooling from there
+    probing
+  };
+  enum class Verdict : std::uint8_t { none, confirmed, weak, overheated };
 
-  std::array<S, count> temperature_K;  ///< of the wire with each share
-  std::array<S, count> peak_K;         ///< since it became hot
-  bool hot;         ///< transformed, or cooling from there; the fields below count from its begin
-  bool confirmed;   ///< by the last test: the file's cooling
-  bool weak;        ///< by the last test: less
-  bool overheated;  ///< the last test says that the wire was too hot
-  bool probing;     ///< the power is to be cut
-  std::uint8_t least;  ///< index of the least share that is still possible, unless confirmed
-  std::uint8_t share;  ///< by the last test, index of the next smaller share
-  S cooling;           ///< by the last test, 0.3 to 1
-  S resistance;        ///< as a share of austenite's under this load, filtered; 0: none yet
-  S noise;             ///< mean distance of the readings from it
-  S min;               ///< lowest since the wire became hot
-  S steady;            ///< reference of `resistance`; 0: none
-  S steady_K;          ///< temperature with the whole cooling, there
-  S steady_Pa;         ///< stress, there
-  S held_K;            ///< highest steady_K under this load since the last test
-  S lease_s;           ///< how long the last test counts where the wire is pressed
-  S free_s;            ///< how long the temperature limit has not acted
-  S lowest;            ///< resistance since the last test, while not hotter than top_K
-  S top_K;
-  std::uint8_t doubts;  ///< tests in a row that told too little
-  S settled_s;          ///< how long it has been steady where `steady` does not apply
-  S slow_K;             ///< temperature with the whole cooling, low-pass filtered
-  S since_s;            ///< time since the last test
-  S tested_s;           ///< how long the running test has lasted; 0: none
-  S blind_s;            ///< how long there has been no valid resistance
+  Phase phase;
+  CoolingShares<S> shares;   ///< since the wire became hot
+  ResistanceWatch<S> watch;  ///< likewise
 
+  /// What the tests have told.
+  struct Told {
+    Verdict verdict;
+    std::uint8_t share;   ///< index of the greatest share that is not above `cooling`
+    S cooling;            ///< share of the file's, 0.3 to 1
+    std::uint8_t least;   ///< index of the least share that is still possible, where none
+    std::uint8_t doubts;  ///< tests in a row that told too little
+    S lease_s;            ///< how long `confirmed` counts where the wire is pressed
+    S since_s;            ///< time since the last test, up to 1000
+  } told;
+
+  S probed_s;     ///< how long the probe has lasted
+  S blind_s;      ///< how long there has been no valid resistance
+  S unlimited_s;  ///< how long the temperature limit has not acted, up to 1000
+
+  /// Whether the power is to be cut.
+  bool probing() const { return phase == Phase::probing; }
+  bool weak() const { return told.verdict == Verdict::weak || overheated(); }
+  /// Whether the last test says that the wire was too hot.
+  bool overheated() const { return told.verdict == Verdict::overheated; }
   /// Cooling as a share of the file's; 1 where it is not known to be weaker.
-  S known() const { return weak ? cooling : S(1); }
+  S known() const { return weak() ? told.cooling : S(1); }
   /// Temperature that the power is to be limited by; 0: not known.
-  S limit_K() const { return weak && hot ? temperature_K[share] : S(0); }
+  S limit_K() const {
+    return weak() && phase != Phase::cold ? shares.temperature_K[told.share] : S(0);
+  }
 
   /// As if a test had just confirmed the file's cooling: for simulations in which that is known and
-  /// tests would only disturb.
+  /// probes would only disturb.
   void confirm() {
-    confirmed = true;
-    since_s = held_K = S(0);
+    told.verdict = Verdict::confirmed;
+    told.since_s = watch.held_K = S(0);
+  }
+  /// The loop stood still: a cooling whose beginning was not seen tells nothing, and what was
+  /// confirmed may have changed.
+  void miss() {
+    phase = Phase::cold;
+    told.verdict = weak() ? told.verdict : Verdict::none;
   }
   /// Cost: 120 operations while the wire is hot, three divisions among them; else next to none.
   void advance(const MonitorInputs<S>& seen);
 
  private:
-  static constexpr S becomes_hot = S(0.3);  ///< martensite and R-phase
-  static constexpr S is_cold = S(0.6);      ///< where the resistance has told nothing
-  static constexpr S rise = S(0.015);       ///< of the resistance, which ends a test
-  static constexpr S filter_s = S(0.01);
-  /// So far below the beginning of A2R or A2M the resistance has risen by `rise`; within 7 K in
+  using Shares = CoolingShares<S>;
+
+  /// Where A2R and A2M begin under the load.
+  struct Starts {
+    S a2r_K, a2m_K;
+  };
+
+  // The transitions. Of martensite and R-phase together a wire has less than the first share when
+  // it becomes hot, and more than the second where the resistance has told nothing.
+  static constexpr S becomes_hot = S(0.3), is_cold = S(0.6);
+  /// If A2M begins this far above A2R, the resistance of a cooling wire rises too little to be
+  /// seen.
+  static constexpr S a2m_before_a2r_K = S(25);
+  static constexpr S max_blind_s = S(0.03);
+  /// Time constants of the wire in still air. With 0.3 of the cooling they are five: a wire then is
+  /// within 1 % of the air's temperature, whatever it had.
+  static constexpr S max_probe = S(16);
+  /// Counts no further; all times that are compared are shorter.
+  static constexpr S max_s = S(1000);
+
+  // The judgement.
+  /// So far below the beginning of A2R or A2M the resistance has risen enough; within 7 K in
   /// simulated wires.
   static constexpr S below_start_K = S(6);
-  /// Where A2M begins by so much above A2R the resistance does not rise enough to be seen.
-  static constexpr S a2m_before_a2r_K = S(25);
-  static constexpr S enough = S(0.7);  ///< share with which the wire stays below its limit
-  static constexpr S enough_in_doubt = S(0.85);
+  /// Below it the temperatures of the shares lie so close that nothing is told, since the
+  /// transformation's is known within 7 K.
+  static constexpr S told_apart_K = S(20);
+  /// A test is good where the temperatures lie so far apart, or where its result is so great.
+  static constexpr S good_K = S(50), good = S(0.9);
+  /// A short test found up to 0.2 of the share too much. So a result that is not good needs more,
+  /// and three of them in a row count as one that is good.
+  static constexpr S error = S(0.2);
   static constexpr std::uint8_t max_doubts = 3;
-  static constexpr S sure = S(0.9);         ///< greater results need no better test
-  static constexpr S sure_K = S(50);        ///< between the shares' temperatures: a good test
-  static constexpr S error = S(0.2);        ///< of a bad one
-  static constexpr S told_apart_K = S(20);  ///< by the coldest and the hottest share
-  static constexpr S max_test = S(16);      ///< time constants of the wire in still air
-  static constexpr S max_blind_s = S(0.03);
-  static constexpr S pressed_K = S(12);       ///< below the limit
-  static constexpr S pressed_s = S(0.5);      ///< after the limit has acted
-  static constexpr S pressed_cold = S(0.05);  ///< martensite and R-phase
-  static constexpr S first_lease_s = S(1), last_lease_s = S(20);
-  static constexpr S allowed_K = S(3);    ///< above the limit
-  static constexpr S hot_spot = S(0.33);  ///< of limits.hot_spot_K: what a healthy wire has
-  static constexpr S close_K = S(20);     ///< to the limit: no time is to be lost
-  static constexpr S moved = S(1e-3);     ///< resistance that has moved by itself
-  static constexpr S moved_1_K = S(3e-4);
-  static constexpr S fallen_K = S(20);  ///< by less power
-  static constexpr S again_s = S(5);    ///< between tests of weak cooling
+  /// With 0.7 of its cooling a wire stays below its limit, by the margin of limits.hot_spot_K.
+  static constexpr S enough = S(0.7), enough_in_doubt = S(0.85), enough_again = S(0.9);
 
-  S hottest_K(const MonitorInputs<S>& seen, const S& wire_K) const {
-    return wire_K + hot_spot * seen.prepared.settings.limits.hot_spot_K;
+  // The temperatures that lead to a probe.
+  /// Above the limit: what the random scenarios count as too hot.
+  static constexpr S allowed_K = S(3);
+  /// Of limits.hot_spot_K: what a wire has that hangs free.
+  static constexpr S hot_spot = S(0.33);
+  /// Below the limit for a mean wire: there no time is to be lost.
+  static constexpr S close_K = S(20);
+  static constexpr S pressed_K = S(12);  ///< likewise, for a wire that is pressed
+  static constexpr S pressed_s = S(0.5), pressed_cold = S(0.05);
+  static constexpr S first_lease_s = S(1), last_lease_s = S(20), again_s = S(5);
+
+  bool confirmed() const { return told.verdict == Verdict::confirmed; }
+  S whole_K() const { return shares.temperature_K[Shares::whole]; }
+  static S max_K(const MonitorInputs<S>& seen) {
+    return seen.prepared.settings.limits.temperature_K;
   }
-  void forget() { *this = CoolingGuard{}; }
-  void integrate(const MonitorInputs<S>& seen);
+  /// The temperature of the mean of a wire whose hottest place is at the limit.
+  static S mean_max_K(const MonitorInputs<S>& seen) {
+    return max_K(seen) - seen.prepared.settings.limits.hot_spot_K;
+  }
+  static bool too_hot(const MonitorInputs<S>& seen, const S& wire_K) {
+    return max_K(seen) + allowed_K < wire_K + hot_spot * seen.prepared.settings.limits.hot_spot_K;
+  }
+  static Starts starts(const MonitorInputs<S>& seen);
+
+  void count(const MonitorInputs<S>& seen);
+  bool begin(const MonitorInputs<S>& seen, const Starts& start);
+  void follow(const MonitorInputs<S>& seen, const Starts& start);
+  void end(Verdict verdict);
   void judge(const MonitorInputs<S>& seen, const S& transforms_K);
   void doubt(const MonitorInputs<S>& seen);
-  void watch(const MonitorInputs<S>& seen);
-  void settle(const MonitorInputs<S>& seen, bool loaded);
-  void take(const MonitorInputs<S>& seen);
+  void settle(const MonitorInputs<S>& seen);
   bool is_pressed(const MonitorInputs<S>& seen) const;
-  bool wants_test(const MonitorInputs<S>& seen) const;
+  bool wants_probe(const MonitorInputs<S>& seen) const;
 };
 
 template <class S>
 void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
-  const Estimate<S>& e = seen.estimate;
-  since_s = since_s < S(1000) ? since_s + seen.dt_s : since_s;
-  const bool limited = seen.last.limited_by(LimitReason::temperature);
-  free_s = limited ? S(0) : free_s < S(1000) ? free_s + seen.dt_s : free_s;
+  count(seen);
   if (seen.off() && seen.cold()) {
-    forget();  // a fan may have stopped meanwhile
+    *this = CoolingGuard{};
     return;
   }
-  const S cold = e.martensite + e.r_phase;
-  if (!hot && !(cold < becomes_hot)) {
+  const S cold = seen.estimate.martensite + seen.estimate.r_phase;
+  if (phase == Phase::cold && !(cold < becomes_hot)) {
     return;
   }
+  const Starts start = starts(seen);
+  if (phase != Phase::cold || begin(seen, start)) {
+    follow(seen, start);
+  }
+}
+
+template <class S>
+void CoolingGuard<S>::count(const MonitorInputs<S>& seen) {
+  told.since_s = told.since_s < max_s ? told.since_s + seen.dt_s : told.since_s;
+  const S longer_s = unlimited_s < max_s ? unlimited_s + seen.dt_s : unlimited_s;
+  unlimited_s = seen.last.limited_by(LimitReason::temperature) ? S(0) : longer_s;
+}
+
+/// T_s = c_0 + c_1 σ + c_2 σ²
+template <class S>
+auto CoolingGuard<S>::starts(const MonitorInputs<S>& seen) -> Starts {
   const Pair<S>(&c)[3] = seen.prepared.observer.model.kinetics.a2m_a2r.start_K;
   const Pair<S> sigma(seen.filter.stress_Pa);
   const Pair<S> start_K = c[0] + sigma * (c[1] + sigma * c[2]);
-  const S a2m_K = start_K.first();
-  const S a2r_K = start_K.second();
-  if (!hot) {
-    if (a2r_K + a2m_before_a2r_K < a2m_K) {
-      return;
-    }
-    hot = true;
-    temperature_K.fill(e.temperature_K);
-    peak_K = temperature_K;
-    slow_K = e.temperature_K;
-    resistance = min = steady = lowest = settled_s = held_K = S(0);
-    overheated = false;
-    tested_s = blind_s = noise = S(0);
+  return {start_K.second(), start_K.first()};
+}
+
+/// The wire has become hot, unless a test of it could tell nothing. Returns whether it has.
+template <class S>
+bool CoolingGuard<S>::begin(const MonitorInputs<S>& seen, const Starts& start) {
+  if (start.a2r_K + a2m_before_a2r_K < start.a2m_K) {
+    return false;
   }
-  integrate(seen);
+  phase = Phase::hot;
+  shares.start(seen.estimate.temperature_K);
+  watch.start(seen.estimate.temperature_K);
+  told.verdict = overheated() ? Verdict::weak : told.verdict;
+  probed_s = blind_s = S(0);
+  return true;
+}
+
+/// One step of a wire that is hot.
+template <class S>
+void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) {
+  shares.integrate(seen);
   if (!seen.measurement.resistance_valid) {
-    // The rise of the resistance may go by unseen.
+    // The resistance may rise unseen.
     blind_s += seen.dt_s;
-    hot = hot && blind_s < max_blind_s;
-    probing = probing && hot;
+    phase = blind_s < max_blind_s ? phase : Phase::cold;
     return;
   }
   blind_s = S(0);
-  take(seen);
-  const S transforms_K = (a2r_K < a2m_K ? a2m_K : a2r_K) - below_start_K;
-  if (min + rise * min + S(2) * noise < resistance) {
-    judge(seen, transforms_K);
+  watch.take(seen);
+  if (watch.risen()) {
+    judge(seen, (start.a2r_K < start.a2m_K ? start.a2m_K : start.a2r_K) - below_start_K);
     return;
   }
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
-  tested_s = probing ? tested_s + seen.dt_s : S(0);
-  if (max_test * body.capacity_J_K < tested_s * body.loss_W_K) {
-    // Without power it stays hot, or its resistance is not what is read.
-    weak = true;
-    confirmed = hot = probing = false;
-    share = 0;
-    cooling = shares[0];
-    since_s = S(0);
+  probed_s = probing() ? probed_s + seen.dt_s : S(0);
+  if (max_probe * body.capacity_J_K < probed_s * body.loss_W_K) {
+    // Without power the wire stays hot, or the reading is not its resistance.
+    told.share = 0;
+    told.cooling = Shares::shares[0];
+    end(Verdict::weak);
     return;
   }
-  if (is_cold < cold) {
-    // Cold by the observer without a rise: where A2M comes first the resistance may tell nothing.
-    confirmed = confirmed || (probing && a2r_K < a2m_K);
-    since_s = S(0);
-    hot = probing = false;
+  if (is_cold < seen.estimate.martensite + seen.estimate.r_phase) {
+    // Where A2M comes first the resistance may tell nothing, but in time the wire has become cold.
+    const bool in_time = probing() && start.a2r_K < start.a2m_K && !weak();
+    end(in_time ? Verdict::confirmed : told.verdict);
     return;
   }
-  watch(seen);
-  probing = probing || wants_test(seen);
+  const auto found = watch.look(seen, whole_K(), told.since_s);
+  if (found == ResistanceWatch<S>::Finding::moved) {
+    doubt(seen);
+  } else if (found == ResistanceWatch<S>::Finding::settled) {
+    settle(seen);
+  }
+  if (!probing() && wants_probe(seen)) {
+    phase = Phase::probing;
+  }
 }
 
-/// Filters the resistance, and keeps its lowest value.
+/// A cooling has ended with this verdict.
 template <class S>
-void CoolingGuard<S>::take(const MonitorInputs<S>& seen) {
-  const S now = HotResistance<S>::share_of_austenite(seen);
-  const S within_s = seen.precise() ? filter_s : S(4) * filter_s;
-  resistance = S(0) < resistance
-                   ? resistance + (now - resistance) * (seen.dt_s / (seen.dt_s + within_s))
-                   : now;
-  noise += (magnitude(now - resistance) - noise) * (S(5) * seen.dt_s);
-  min = S(0) < min && min < resistance ? min : resistance;
+void CoolingGuard<S>::end(Verdict verdict) {
+  phase = Phase::cold;
+  told.verdict = verdict;
+  told.since_s = S(0);
 }
 
 template <class S>
 bool CoolingGuard<S>::is_pressed(const MonitorInputs<S>& seen) const {
-  const SoftLimits<S>& q = seen.prepared.settings.limits;
-  const Estimate<S>& e = seen.estimate;
-  const bool close = q.temperature_K - q.hot_spot_K - pressed_K < temperature_K[whole];
-  return close && (free_s < pressed_s || e.martensite + e.r_phase < pressed_cold);
+  const S cold = seen.estimate.martensite + seen.estimate.r_phase;
+  return mean_max_K(seen) - pressed_K < whole_K() &&
+         (unlimited_s < pressed_s || cold < pressed_cold);
 }
 
 template <class S>
-bool CoolingGuard<S>::wants_test(const MonitorInputs<S>& seen) const {
-  const SoftLimits<S>& q = seen.prepared.settings.limits;
-  if (weak) {
-    return again_s < since_s;
+bool CoolingGuard<S>::wants_probe(const MonitorInputs<S>& seen) const {
+  if (weak()) {
+    return again_s < told.since_s;
   }
-  if (confirmed) {
-    return lease_s < since_s && is_pressed(seen);
+  if (confirmed()) {
+    return told.lease_s < told.since_s && is_pressed(seen);
   }
-  return q.temperature_K + allowed_K < hottest_K(seen, temperature_K[least]);
-}
-
-template <class S>
-void CoolingGuard<S>::integrate(const MonitorInputs<S>& seen) {
-  const ThermalBody<S>& body = seen.prepared.observer.model.body;
-  const auto& f = seen.filter;
-  const S believed_K = f.ambient_K < f.start_ambient_K ? f.start_ambient_K : f.ambient_K;
-  const S air_K = believed_K < seen.in.ambient_K ? seen.in.ambient_K : believed_K;
-  const S given_A = seen.last.drive_current_A;
-  const S power_W = seen.in.fresh && seen.measurement.power_valid
-                        ? seen.measurement.power_W
-                        : given_A * given_A * seen.prepared.cold_ohm;
-  const S K_J = seen.dt_s / body.capacity_J_K;
-  const S max_K = seen.prepared.observer.tuning.hottest_K;
-  for (std::size_t i = 0; i < count; ++i) {
-    const S T = temperature_K[i];
-    const S next_K = T + (power_W - shares[i] * body.loss_W(T - air_K)) * K_J;
-    temperature_K[i] = next_K < max_K ? next_K : max_K;
-    peak_K[i] = peak_K[i] < temperature_K[i] ? temperature_K[i] : peak_K[i];
-  }
+  return too_hot(seen, shares.temperature_K[told.least]);
 }
 
 /// The resistance has risen: the wire has the temperature at which it transforms. Where the wire
 /// was hot for too short a time all shares are possible, and nothing is told.
 template <class S>
 void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K) {
-  hot = probing = false;
-  if (temperature_K[0] - temperature_K[whole] < told_apart_K) {
+  phase = Phase::cold;
+  if (shares.spread_K() < told_apart_K) {
     return;
   }
-  std::uint8_t i = 0;
-  while (i + 1U < whole && !(temperature_K[i + 1U] < transforms_K)) {
-    ++i;
+  const typename Shares::Match match = shares.match(transforms_K);
+  told.cooling = match.cooling;
+  told.share = match.share;
+  const bool is_good = good < match.cooling || good_K < shares.spread_K();
+  told.doubts = is_good ? std::uint8_t{0} : static_cast<std::uint8_t>(told.doubts + 1U);
+  const bool decided = is_good || max_doubts <= told.doubts;
+  const S needed = weak() ? enough_again : decided && !is_good ? enough_in_doubt : enough;
+  const bool less = match.cooling < needed;
+  told.doubts = decided ? std::uint8_t{0} : told.doubts;
+  watch.lowest = S(0);
+  told.lease_s = clamp(told.lease_s + told.lease_s, first_lease_s, last_lease_s);
+  // Smaller shares also remain possible, within the error of a short test.
+  told.least = 0;
+  while (!less && told.least < match.share &&
+         Shares::shares[told.least + 1U] < match.cooling - error) {
+    ++told.least;
   }
-  const S spread_K = temperature_K[0] - temperature_K[whole];
-  const S place = (temperature_K[i] - transforms_K) / (temperature_K[i] - temperature_K[i + 1U]);
-  const S part = place < S(0) ? S(0) : place < S(1) ? place : S(1);
-  cooling = shares[i] + part * (shares[i + 1U] - shares[i]);
-  const S was_K = peak_K[i] + part * (peak_K[i + 1U] - peak_K[i]);
-  share = i;
-  since_s = S(0);
-  const bool good = sure < cooling || sure_K < spread_K;
-  doubts = good ? std::uint8_t{0} : static_cast<std::uint8_t>(doubts + 1U);
-  const bool decided = good || max_doubts <= doubts;
-  const S needed = weak ? sure : decided && !good ? enough_in_doubt : enough;
-  weak = cooling < needed;
-  confirmed = !weak && decided;
-  doubts = decided ? std::uint8_t{0} : doubts;
-  lowest = S(0);
-  const S longer_s = lease_s + lease_s;
-  lease_s = longer_s < first_lease_s  ? first_lease_s
-            : longer_s < last_lease_s ? longer_s
-                                      : last_lease_s;
-  // What is less by the error of a short test remains possible.
-  least = 0;
-  while (!weak && least < share && shares[least + 1U] < cooling - error) {
-    ++least;
-  }
-  overheated =
-      weak && seen.prepared.settings.limits.temperature_K + allowed_K < hottest_K(seen, was_K);
+  end(less      ? too_hot(seen, match.peak_K) ? Verdict::overheated : Verdict::weak
+      : decided ? Verdict::confirmed
+                : Verdict::none);
 }
 
 /// The cooling has changed: all shares are possible, from what the wire was until now.
 template <class S>
 void CoolingGuard<S>::doubt(const MonitorInputs<S>& seen) {
-  if (!confirmed && !weak) {
+  if (!confirmed() && !weak()) {
     return;
   }
-  const S T = temperature_K[weak ? share : whole];
-  const SoftLimits<S>& q = seen.prepared.settings.limits;
-  probing = weak || q.temperature_K - q.hot_spot_K - close_K < T;
-  confirmed = false;
-  least = 0;
-  temperature_K.fill(T);
-  peak_K.fill(T);
-  steady = lowest = lease_s = S(0);
+  const S T = shares.temperature_K[weak() ? told.share : Shares::whole];
+  phase = weak() || mean_max_K(seen) - close_K < T ? Phase::probing : Phase::hot;
+  told.verdict = weak() ? told.verdict : Verdict::none;
+  told.least = 0;
+  told.lease_s = S(0);
+  shares.start(T);
+  watch.forget();
 }
 
 /// The wire is held at another temperature than before. With less power under the same load it is
 /// colder, but has stayed austenite; or it is as hot as it was, and is cooled less.
 template <class S>
-void CoolingGuard<S>::settle(const MonitorInputs<S>& seen, bool loaded) {
-  const SoftLimits<S>& q = seen.prepared.settings.limits;
-  const S T = temperature_K[whole];
-  const bool fallen = loaded && T < held_K - fallen_K;
-  held_K = loaded && T < held_K ? held_K : T;
-  steady = resistance;
-  steady_K = T;
-  steady_Pa = seen.filter.stress_Pa;
-  settled_s = S(0);
-  if (fallen && confirmed && q.temperature_K + allowed_K < hottest_K(seen, temperature_K[0])) {
-    confirmed = false;
-    probing = true;
-    least = 0;
-  }
-}
-
-/// While the wire is held, whether its resistance has moved though its power and load have not.
-template <class S>
-void CoolingGuard<S>::watch(const MonitorInputs<S>& seen) {
-  const S sigma = seen.filter.stress_Pa;
-  const S T = temperature_K[whole];
-  slow_K += (T - slow_K) * (S(10) * seen.dt_s);
-  if (!seen.precise()) {
-    return;
-  }
-  const S off_K = magnitude(T - steady_K);
-  const S off_Pa = magnitude(sigma - steady_Pa);
-  const S moves_K = magnitude(T - slow_K);
-  const bool loaded = S(0) < steady && off_Pa < S(0.05) * sigma;
-  // No lower than when it was as hot, whatever it has done since.
-  if (since_s < S(2) || !(S(0) < lowest) || top_K < T || !loaded) {
-    top_K = since_s < S(2) || !(T < top_K) ? T : top_K;
-    lowest = S(0) < lowest && lowest < resistance ? lowest : resistance;
-  } else if (resistance < lowest - S(2) * moved * lowest) {
-    doubt(seen);
-    return;
-  }
-  if (!loaded || !(off_K < S(4))) {
-    settled_s = moves_K < S(1.5) ? settled_s + seen.dt_s : S(0);
-    steady = loaded ? steady : S(0);
-    if (S(0.3) < settled_s) {
-      settle(seen, loaded);
-    }
-    return;
-  }
-  settled_s = S(0);
-  const S settling = moved * S(3) / (since_s + S(0.1));
-  const S allowed = moved + settling + moved_1_K * off_K + S(0.02) * off_Pa / sigma;
-  if (moves_K < S(2) && allowed * steady < magnitude(resistance - steady)) {
-    doubt(seen);
+void CoolingGuard<S>::settle(const MonitorInputs<S>& seen) {
+  const bool fallen = watch.settle(seen, whole_K());
+  if (fallen && confirmed() && too_hot(seen, shares.temperature_K[0])) {
+    told.verdict = Verdict::none;
+    told.least = 0;
+    phase = Phase::probing;
   }
 }
 

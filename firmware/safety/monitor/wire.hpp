@@ -154,8 +154,8 @@ void WireMonitor<S>::signature(const MonitorInputs<S>& seen, State& s, FaultSet&
   const S hottest_K = s.hot.temperature_K + q.limits.hot_spot_K;
   now.add(Fault::overheat_onset, q.limits.temperature_K + beyond_K < hottest_K);
   s.cooling.advance(seen);
-  now.add(Fault::cooling_weak, s.cooling.weak);
-  now.add(Fault::cooling_lost, s.cooling.weak && s.cooling.overheated);
+  now.add(Fault::cooling_weak, s.cooling.weak());
+  now.add(Fault::cooling_lost, s.cooling.overheated());
   now.add(Fault::overheat_signature, s.hot.heated && q.trips.temperature_K < hottest_K);
 }
 

@@ -30,16 +30,19 @@ Rig pressed_rig(double draught) {
 const CoolingGuard<double>& guard(const Rig& rig) {
   return rig.state.monitor.wire.cooling;
 }
+bool confirmed(const Rig& rig) {
+  return guard(rig).told.verdict == CoolingGuard<double>::Verdict::confirmed;
+}
 
 TEST(CoolingGuard, LeavesAWireAloneThatIsCooledAsItsFileSays) {
   Rig rig = pressed_rig(1);
   int cut = 0;
   for (int i = 0; i < 30000; ++i) {
     rig.step();
-    cut += guard(rig).probing ? 1 : 0;
-    ASSERT_FALSE(guard(rig).weak) << "at step " << i;
+    cut += guard(rig).probing() ? 1 : 0;
+    ASSERT_FALSE(guard(rig).weak()) << "at step " << i;
   }
-  EXPECT_TRUE(guard(rig).confirmed);
+  EXPECT_TRUE(confirmed(rig));
   EXPECT_EQ(rig.out.cooling, 1);
   EXPECT_LT(cut, 1500) << "of the time, less than 5 % is given for tests";
   EXPECT_GT(cut, 50) << "without a test nothing is confirmed";
@@ -51,7 +54,7 @@ TEST(CoolingGuard, NeverCutsTheHeatBelowWhereItCouldBeTooHot) {
   rig.arm(Mode::temperature, 345);
   for (int i = 0; i < 5000; ++i) {
     rig.step();
-    ASSERT_FALSE(guard(rig).probing);
+    ASSERT_FALSE(guard(rig).probing());
   }
 }
 
@@ -71,9 +74,9 @@ TEST(CoolingGuard, CostsNoRippleWhereTheSetPointIsReached) {
     double low = 1, high = -1;
     int tests = 0;
     for (int i = 0; i < 60'000; ++i) {
-      const bool before = guard(rig).probing;
+      const bool before = guard(rig).probing();
       rig.step();
-      tests += guard(rig).probing && !before ? 1 : 0;
+      tests += guard(rig).probing() && !before ? 1 : 0;
       if (i > 10'000) {
         low = std::min(low, rig.wire->strain());
         high = std::max(high, rig.wire->strain());
@@ -126,7 +129,7 @@ TEST_P(LessCooling, FromTheStartIsFoundBeforeTheWireIsTooHot) {
 TEST_P(LessCooling, IsFoundWhereTheResistanceMovesByItself) {
   Rig rig = pressed_rig(1);
   rig.run(20);
-  ASSERT_TRUE(guard(rig).confirmed);
+  ASSERT_TRUE(confirmed(rig));
   rig.draught = GetParam();
   rig.run(20);
   EXPECT_LT(rig.hottest_K, rig.settings.limits.temperature_K + 15);
@@ -155,10 +158,10 @@ TEST(CoolingGuard, FindsThatAFanRunsAgain) {
 TEST(CoolingGuard, ForgetsWhatItKnewOfAWireThatHasRested) {
   Rig rig = pressed_rig(1);
   rig.run(3);
-  ASSERT_TRUE(guard(rig).confirmed);
+  ASSERT_TRUE(confirmed(rig));
   rig.command.arm = false;
   rig.run(15);
-  EXPECT_FALSE(guard(rig).confirmed);
+  EXPECT_FALSE(confirmed(rig));
 }
 
 }  // namespace

@@ -170,8 +170,7 @@ inline std::vector<Provoker> heat_provokers() {
       {Fault::cooling_lost,
        [](Rig& rig) {
          rig.tamper_command = [&rig](Command<double>&) {
-           rig.state.monitor.wire.cooling.weak = true;
-           rig.state.monitor.wire.cooling.overheated = true;
+           rig.state.monitor.wire.cooling.told.verdict = CoolingGuard<double>::Verdict::overheated;
          };
        }},
       {Fault::heating_fast, full_power, gentle, 0.06},

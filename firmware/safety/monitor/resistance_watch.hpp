@@ -1,0 +1,128 @@
+#pragma once
+// Whether the resistance of a hot wire has moved by itself, though power and load have not. Then
+// the wire's cooling has changed. The resistance is taken as a share of austenite's under the load.
+
+#include "firmware/safety/monitor/hot_resistance.hpp"
+
+namespace smaservo {
+
+/// All zero: nothing has been read.
+template <class S>
+struct ResistanceWatch {
+  /// What one sample says.
+  enum class Finding : std::uint8_t {
+    none,
+    moved,   ///< the resistance has moved by itself
+    settled  ///< the wire is held at a temperature that is new, by the file's cooling
+  };
+
+  S share;     ///< of austenite's resistance, filtered; 0: none yet
+  S noise;     ///< mean distance of the readings from it
+  S min;       ///< lowest share since the wire became hot
+  S steady;    ///< share where the wire was last held; 0: nowhere yet
+  S steady_K;  ///< temperature there, by the file's cooling
+  S steady_Pa;
+  S held_K;     ///< highest steady_K under this load since the last test
+  S settled_s;  ///< how long the wire has been held where `steady` does not apply
+  S slow_K;     ///< temperature by the file's cooling, low-pass filtered
+  S lowest;     ///< lowest share since the last test, while not hotter than top_K; 0: none yet
+  S top_K;
+
+  /// Begins anew with a wire that has become hot, of this temperature. top_K stays.
+  void start(const S& wire_K) {
+    share = noise = min = steady = held_K = settled_s = lowest = S(0);
+    slow_K = wire_K;
+  }
+  /// What was held, and how low the resistance was, is compared with nothing from now on.
+  void forget() { steady = lowest = S(0); }
+
+  /// Filters the share, and keeps its lowest value. Cost: a division, besides the share's two.
+  void take(const MonitorInputs<S>& seen);
+  /// Whether the resistance is so far above its lowest value that martensite or R-phase has formed.
+  bool risen() const { return min + rise * min + noises * noise < share; }
+  /// `wire_K`: by the file's cooling; `since_s`: time since the last test.
+  Finding look(const MonitorInputs<S>& seen, const S& wire_K, const S& since_s);
+  /// Takes what is held now as the reference. Returns whether it is colder by far than what was
+  /// held under the same load: the power has fallen.
+  bool settle(const MonitorInputs<S>& seen, const S& wire_K);
+
+ private:
+  /// Austenite alone would have to become 75 K warmer for it (2e-4 per kelvin, the wires' files).
+  static constexpr S rise = S(0.015);
+  /// Ten samples of 1 ms; 40 at the minimum current, where readings are noisier.
+  static constexpr S filter_s = S(0.01), imprecise = S(4);
+  static constexpr S noise_1_s = S(5), noises = S(2);
+  /// A wire is held where it stays within 1.5 K of its mean over 0.1 s, for 0.3 s. Loads within 5 %
+  /// and temperatures within 4 K are compared, and 2 K from the mean are allowed there.
+  static constexpr S slow_1_s = S(10), held_within_K = S(1.5), settles_s = S(0.3);
+  static constexpr S same_load = S(0.05), same_K = S(4), moves_K = S(2);
+  /// The least share that counts as moved: 5 K of austenite. For each kelvin from the reference it
+  /// is more by martensite's slope, the greatest of the phases; for each percent of load by 0.02 %;
+  /// and fourfold 1 s after a test, since the last martensite goes slowly.
+  static constexpr S moved = S(1e-3), moved_1_K = S(3e-4), moved_by_load = S(0.02);
+  static constexpr S goes_s = S(3), goes_from_s = S(0.1);
+  /// So long after a test the lowest share is only looked for.
+  static constexpr S lowest_after_s = S(2);
+  /// Where half the cooling of a strain held at 110 °C is lost, the wire seems 42 K colder.
+  static constexpr S fallen_K = S(20);
+
+  bool loaded_as_before(const MonitorInputs<S>& seen) const {
+    const S sigma = seen.filter.stress_Pa;
+    return S(0) < steady && magnitude(sigma - steady_Pa) < same_load * sigma;
+  }
+};
+
+template <class S>
+void ResistanceWatch<S>::take(const MonitorInputs<S>& seen) {
+  const S now = HotResistance<S>::share_of_austenite(seen);
+  const S within_s = seen.precise() ? filter_s : imprecise * filter_s;
+  share = S(0) < share ? share + (now - share) * (seen.dt_s / (seen.dt_s + within_s)) : now;
+  noise += (magnitude(now - share) - noise) * (noise_1_s * seen.dt_s);
+  min = S(0) < min && min < share ? min : share;
+}
+
+template <class S>
+auto ResistanceWatch<S>::look(const MonitorInputs<S>& seen, const S& wire_K, const S& since_s)
+    -> Finding {
+  slow_K += (wire_K - slow_K) * (slow_1_s * seen.dt_s);
+  if (!seen.precise()) {
+    return Finding::none;
+  }
+  const S sigma = seen.filter.stress_Pa;
+  const S off_K = magnitude(wire_K - steady_K);
+  const S off_slow_K = magnitude(wire_K - slow_K);
+  const bool loaded = loaded_as_before(seen);
+  // No lower than when it was as hot, whatever it has done since.
+  const bool early = since_s < lowest_after_s;
+  if (early || !(S(0) < lowest) || top_K < wire_K || !loaded) {
+    top_K = early || !(wire_K < top_K) ? wire_K : top_K;
+    lowest = S(0) < lowest && lowest < share ? lowest : share;
+  } else if (share < lowest - (moved + moved) * lowest) {
+    return Finding::moved;
+  }
+  if (!loaded || !(off_K < same_K)) {
+    settled_s = off_slow_K < held_within_K ? settled_s + seen.dt_s : S(0);
+    steady = loaded ? steady : S(0);
+    return settles_s < settled_s ? Finding::settled : Finding::none;
+  }
+  settled_s = S(0);
+  const S going = moved * goes_s / (since_s + goes_from_s);
+  const S by_load = moved_by_load * magnitude(sigma - steady_Pa) / sigma;
+  const S allowed = moved + going + moved_1_K * off_K + by_load;
+  return off_slow_K < moves_K && allowed * steady < magnitude(share - steady) ? Finding::moved
+                                                                              : Finding::none;
+}
+
+template <class S>
+bool ResistanceWatch<S>::settle(const MonitorInputs<S>& seen, const S& wire_K) {
+  const bool loaded = loaded_as_before(seen);
+  const bool fallen = loaded && wire_K < held_K - fallen_K;
+  held_K = loaded && wire_K < held_K ? held_K : wire_K;
+  steady = share;
+  steady_K = wire_K;
+  steady_Pa = seen.filter.stress_Pa;
+  settled_s = S(0);
+  return fallen;
+}
+
+}  // namespace smaservo
