@@ -100,64 +100,75 @@ void Fit::stress_levels() {
     return;
   }
   const Deviations before = u_;
-  const std::vector<FitParameter>& parameters = problem_->parameters;
-  std::vector<Deviations> found;
-  std::vector<double> stress_Pa;
+  std::vector<FoundLevel> found;
   for (const Runs& level : all_levels) {
     u_ = before;
     const FitRun& first = runs_[level.front()];
-    stress_Pa.push_back(std::accumulate(first.stress_Pa.begin(), first.stress_Pa.end(), 0.0) /
-                        static_cast<double>(first.stress_Pa.size()));
+    const double stress_Pa = std::accumulate(first.stress_Pa.begin(), first.stress_Pa.end(), 0.0) /
+                             static_cast<double>(first.stress_Pa.size());
     start_at_level(level);
-    solve(fmt::format("level of {:.0f} MPa", stress_Pa.back() * 1e-6), level, of_level, 12);
-    found.push_back(u_);
+    solve(fmt::format("level of {:.0f} MPa", stress_Pa * 1e-6), level, of_level, 12);
+    found.push_back({stress_Pa, u_});
   }
   u_ = before;
   for (std::size_t k = 0; k < all_levels.size(); ++k) {
     for (const std::size_t i : all_levels[k]) {
-      u_.runs[i] = found[k].runs[i];
+      u_.runs[i] = found[k].u.runs[i];
     }
   }
+  for (std::size_t i = 0; i < problem_->parameters.size(); ++i) {
+    if (of_level(problem_->parameters[i].key)) {
+      join_levels(i, before, found);
+    }
+  }
+}
+
+/// What a value at a level of stress consists of: the deviation of each parameter that has a part
+/// in it, times a function of the stress.
+std::vector<StressPart> Fit::stress_parts(std::size_t i) const {
+  const std::vector<FitParameter>& parameters = problem_->parameters;
+  const std::string& key = parameters[i].key;
+  std::vector<StressPart> parts{{i, [](double) { return 1.0; }}};
+  if (!is_of_process(key)) {
+    return parts;
+  }
   const double max_Pa = from_.limits.stress_Pa;
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const std::string& key = parameters[i].key;
-    if (!of_level(key)) {
-      continue;
-    }
-    // value(σ) = u sd + (contribution of stress); each level has seen the sum of both.
-    std::vector<std::pair<std::size_t, std::function<double(double)>>> columns{
-        {i, [&](double) { return 1.0; }}};
-    if (is_of_process(key)) {
-      const double sd = parameters[i].sd;
-      const double sd_1 = parameters[i + 1].sd;
-      if (key.ends_with(".temperature")) {
-        const double sd_2 = parameters[i + 2].sd;
-        columns.emplace_back(i + 1, [=](double stress) { return sd_1 * stress / sd; });
-        columns.emplace_back(i + 2, [=](double stress) {
-          const double s = stress / max_Pa;
-          return 4 * sd_2 * s * (1 - s) / sd;
-        });
-      } else {
-        columns.emplace_back(i + 1, [=](double stress) { return sd_1 * stress / max_Pa / sd; });
-      }
-    }
-    const auto n = static_cast<Eigen::Index>(columns.size());
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(n, n);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      Eigen::VectorXd row(n);
-      for (Eigen::Index c = 0; c < n; ++c) {
-        row[c] = columns[static_cast<std::size_t>(c)].second(stress_Pa[k]);
-      }
-      constexpr double trust = 400;  // a level's value has a twentieth of the prior's deviation
-      normal += trust * row * row.transpose();
-      right += trust * row * (found[k].wire[i] - before.wire[i]);
-    }
-    const Eigen::VectorXd solution = normal.llt().solve(right);
+  const double sd = parameters[i].sd;
+  const double sd_1 = parameters[i + 1].sd;
+  if (!key.ends_with(".temperature")) {
+    parts.push_back({i + 1, [=](double stress) { return sd_1 * stress / max_Pa / sd; }});
+    return parts;
+  }
+  const double sd_2 = parameters[i + 2].sd;
+  parts.push_back({i + 1, [=](double stress) { return sd_1 * stress / sd; }});
+  parts.push_back({i + 2, [=](double stress) {
+                     const double s = stress / max_Pa;
+                     return 4 * sd_2 * s * (1 - s) / sd;
+                   }});
+  return parts;
+}
+
+/// Finds a parameter and its dependence on stress from its values at the levels, by least squares:
+/// value(σ) = u sd + (contribution of stress); each level has seen the sum of both.
+void Fit::join_levels(std::size_t i, const Deviations& before,
+                      const std::vector<FoundLevel>& found) {
+  const std::vector<StressPart> parts = stress_parts(i);
+  const auto n = static_cast<Eigen::Index>(parts.size());
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(n, n);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  for (const FoundLevel& level : found) {
+    Eigen::VectorXd row(n);
     for (Eigen::Index c = 0; c < n; ++c) {
-      const std::size_t k = columns[static_cast<std::size_t>(c)].first;
-      u_.wire[k] = before.wire[k] + solution[c];
+      row[c] = parts[static_cast<std::size_t>(c)].of_stress(level.stress_Pa);
     }
+    constexpr double trust = 400;  // a level's value has a twentieth of the prior's deviation
+    normal += trust * row * row.transpose();
+    right += trust * row * (level.u.wire[i] - before.wire[i]);
+  }
+  const Eigen::VectorXd solution = normal.llt().solve(right);
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const std::size_t k = parts[static_cast<std::size_t>(c)].parameter;
+    u_.wire[k] = before.wire[k] + solution[c];
   }
 }
 

@@ -26,6 +26,18 @@ struct Deviations {
   std::vector<std::array<double, circumstance_count>> runs;
 };
 
+/// What a level of stress has found by itself.
+struct FoundLevel {
+  double stress_Pa;
+  Deviations u;
+};
+
+/// A parameter's part in a value at a level of stress: its deviation times a function.
+struct StressPart {
+  std::size_t parameter;
+  std::function<double(double stress_Pa)> of_stress;
+};
+
 class Fit {
  public:
   Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options);
@@ -80,6 +92,8 @@ class Fit {
   std::vector<Runs> levels() const;
   void start_at_level(const Runs& level);
   void stress_levels();
+  std::vector<StressPart> stress_parts(std::size_t i) const;
+  void join_levels(std::size_t i, const Deviations& before, const std::vector<FoundLevel>& found);
 
   // fit_result.cpp
   void apportion(std::size_t i);

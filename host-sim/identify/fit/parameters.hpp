@@ -78,14 +78,62 @@ inline bool is_of_process(std::string_view key) {
 
 namespace detail {
 
-// A surface described by values that the data determine independently: the temperature T_t of the
-// turning point, where the curve is steepest, and the width T_f - T_s, which is the inverse of its
-// slope there. Both ends of the stress range, 0 and the greatest, have their own values, so that a
-// surface that is valid at both is valid between them.
+/// The values of a surface that the data determine independently: the temperature T_t of the
+/// turning point, where the curve is steepest, and the width T_f - T_s, which is the inverse of its
+/// slope there. Both ends of the stress range, 0 and the greatest, have their own values, so that a
+/// surface that is valid at both is valid between them.
+template <class T>
+struct SurfaceEnds {
+  T turning_K, slope_K_Pa, bend_K;         ///< T_t at no stress, and how it depends on stress
+  T width_K[2], curvature[2], turning[2];  ///< at no stress, and at the greatest
+
+  /// T_t = T_0 + slope σ + 4 bend (σ/σ_1)(1 - σ/σ_1)
+  Surface<T> surface(const T& max_Pa) const {
+    const T dw = (width_K[1] - width_K[0]) / max_Pa;
+    const T dz = (turning[1] - turning[0]) / max_Pa;
+    const T quadratic = T(-4) * bend_K / (max_Pa * max_Pa);
+    const T linear = slope_K_Pa + T(4) * bend_K / max_Pa;
+    Surface<T> s;
+    s.start_K[0] = turning_K - turning[0] * width_K[0];
+    s.start_K[1] = linear - turning[0] * dw - dz * width_K[0];
+    s.start_K[2] = quadratic - dz * dw;
+    s.finish_K[0] = s.start_K[0] + width_K[0];
+    s.finish_K[1] = s.start_K[1] + dw;
+    s.finish_K[2] = s.start_K[2];
+    s.curvature[0] = curvature[0];
+    s.curvature[1] = (curvature[1] - curvature[0]) / max_Pa;
+    s.turning[0] = turning[0];
+    s.turning[1] = dz;
+    return s;
+  }
+};
+
+/// Value c_0 + c_1 σ of a number between two limits, at no stress and at the greatest: a share at
+/// no stress, and how far its logit moves from there.
+template <class T, class Take>
+void vary_shape(const std::string& key, const FitParameter& share, const double (&c)[2],
+                double max_Pa, double stress_sd, Take& take, T (&ends)[2]) {
+  using std::exp;
+  // A prior at a limit could not be moved by any deviation.
+  const double margin = 1e-6 * (share.most - share.least);
+  const auto inner = [&](double x) {
+    return std::clamp(x, share.least + margin, share.most - margin);
+  };
+  FitParameter first = share;
+  first.key = key;
+  first.prior = inner(c[0]);
+  ends[0] = take(first);
+  const T shift = take({key + "_stress", "", 1, Form::sum, 0, stress_sd});
+  const double begin = first.share_of(first.prior);
+  const double end = first.share_of(inner(c[0] + c[1] * max_Pa));
+  const T odds = T(end / (1 - end) * (1 - begin) / begin) * exp(shift);
+  const T x = first.share_of(ends[0]);
+  ends[1] = T(share.least) + T(share.most - share.least) * x * odds / (T(1) - x + x * odds);
+}
+
 template <class T, class Take>
 Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double max_Pa,
                         double temperature_sd_K, double stress_share, Take& take) {
-  const auto line = [&](const double(&c)[2], double stress) { return c[0] + c[1] * stress; };
   const auto cubic = [&](const double(&c)[3], double stress) {
     return c[0] + stress * (c[1] + stress * c[2]);
   };
@@ -93,7 +141,8 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
     return cubic(from.finish_K, stress) - cubic(from.start_K, stress);
   };
   const auto turning_K = [&](double stress) {
-    return cubic(from.start_K, stress) + line(from.turning, stress) * width(stress);
+    const double z = from.turning[0] + from.turning[1] * stress;
+    return cubic(from.start_K, stress) + z * width(stress);
   };
   const double w_0 = width(0);
   const double w_1 = width(max_Pa);
@@ -101,55 +150,118 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   const double T_1 = turning_K(max_Pa);
   const double deviation_K = turning_K(max_Pa / 2) - (T_0 + T_1) / 2;
   const double bend_K = std::abs(deviation_K) < 1e-9 ? 0 : deviation_K;  // rounding
+  const double rise = (T_1 - T_0) / max_Pa;
   const std::string key = "wire." + name;
 
-  const T at_0 = take({key + ".temperature", "degC", 1, Form::sum, T_0, temperature_sd_K});
-  const double rise = (T_1 - T_0) / max_Pa;
-  const T slope =
+  SurfaceEnds<T> to;
+  to.turning_K = take({key + ".temperature", "degC", 1, Form::sum, T_0, temperature_sd_K});
+  to.slope_K_Pa =
       take({key + ".temperature_stress", "K/MPa", 1e-6, Form::sum, rise, 0.04e-6 * stress_share});
-  const T bend = take({key + ".temperature_bend", "K", 1, Form::sum, bend_K, 6 * stress_share});
-  const T width_0 = take({key + ".width", "", 1, Form::factor, w_0, 0.5});
-  const T width_1 =
-      width_0 * T(w_1 / w_0) * take({key + ".width_stress", "", 1, Form::factor, 1, 0.3});
-  const auto shape = [&](const std::string& part, const double(&c)[2], double least, double most,
-                         double sd, double stress_sd) {
-    using std::exp;
-    // A prior at a limit could not be moved by any deviation.
-    const double margin = 1e-6 * (most - least);
-    const auto inner = [&](double x) { return std::clamp(x, least + margin, most - margin); };
-    const FitParameter one{key + part, "", 1, Form::share, inner(c[0]), sd, least, most};
-    const T first = take(one);
-    const T shift = take({key + part + "_stress", "", 1, Form::sum, 0, stress_sd});
-    const double begin = one.share_of(one.prior);
-    const double end = one.share_of(inner(line(c, max_Pa)));
-    const T odds = T(end / (1 - end) * (1 - begin) / begin) * exp(shift);
-    const T x = one.share_of(first);
-    const T second = T(least) + T(most - least) * x * odds / (T(1) - x + x * odds);
-    return std::pair<T, T>(first, second);
-  };
+  to.bend_K = take({key + ".temperature_bend", "K", 1, Form::sum, bend_K, 6 * stress_share});
+  to.width_K[0] = take({key + ".width", "", 1, Form::factor, w_0, 0.5});
+  to.width_K[1] =
+      to.width_K[0] * T(w_1 / w_0) * take({key + ".width_stress", "", 1, Form::factor, 1, 0.3});
   // The limits are those of a wire file. The prior is wide, because wires differ: there are curves
   // with corners (0.1) and with long tails (10).
-  const auto [curvature_0, curvature_1] = shape(".curvature", from.curvature, 1e-3, 30, 0.6, 0.3);
-  const auto [z_0, z_1] = shape(".turning", from.turning, 0.05, 0.95, 0.5, 0.5);
+  const FitParameter curvature{"", "", 1, Form::share, 0, 0.6, 1e-3, 30};
+  const FitParameter turning{"", "", 1, Form::share, 0, 0.5, 0.05, 0.95};
+  vary_shape<T>(key + ".curvature", curvature, from.curvature, max_Pa, 0.3, take, to.curvature);
+  vary_shape<T>(key + ".turning", turning, from.turning, max_Pa, 0.5, take, to.turning);
+  return to.surface(T(max_Pa));
+}
 
-  const T span = T(max_Pa);
-  const T dw = (width_1 - width_0) / span;
-  const T dz = (z_1 - z_0) / span;
-  // T_t = T_0 + slope σ + 4 bend (σ/σ_1)(1 - σ/σ_1)
-  const T quadratic = T(-4) * bend / (span * span);
-  const T linear = slope + T(4) * bend / span;
-  Surface<T> s;
-  s.start_K[0] = at_0 - z_0 * width_0;
-  s.start_K[1] = linear - z_0 * dw - dz * width_0;
-  s.start_K[2] = quadratic - dz * dw;
-  s.finish_K[0] = s.start_K[0] + width_0;
-  s.finish_K[1] = s.start_K[1] + dw;
-  s.finish_K[2] = s.start_K[2];
-  s.curvature[0] = curvature_0;
-  s.curvature[1] = (curvature_1 - curvature_0) / span;
-  s.turning[0] = z_0;
-  s.turning[1] = dz;
-  return s;
+template <class T, class Take>
+ThreePhaseParams<T> vary_kinetics(const ThreePhaseParams<double>& from, double max_Pa,
+                                  const FitVariant& variant, Take& take) {
+  const auto surface = [&](const Surface<double>& s, const char* name, double sd_K, double share) {
+    return vary_surface<T>(s, name, max_Pa, sd_K, share, take);
+  };
+  ThreePhaseParams<T> to{};
+  const Surface<double> a2m = first_surface(from.a2m_a2r);
+  to.m2a = surface(from.m2a, "m2a", 8, 1);
+  const Surface<T> a2m_T = surface(a2m, "a2m", 8, 1);
+  const Surface<T> a2r_T = surface(second_surface(from.a2m_a2r), "a2r", 6, 0.5);
+  to.a2m_a2r = pair_surfaces(a2m_T, a2r_T);
+  to.separate_r2a = variant.separate_r2a;
+  to.separate_r2m = variant.separate_r2m;
+  if (variant.separate_r2a) {
+    to.r2a = surface(from.separate_r2a ? from.r2a : from.m2a, "r2a", 6, 0.5);
+  }
+  if (variant.separate_r2m) {
+    to.r2m = surface(from.separate_r2m ? from.r2m : a2m, "r2m", 6, 0.5);
+  }
+  to.memory = variant.memory;
+  to.smallest_reversal_K = T(from.smallest_reversal_K);
+  return to;
+}
+
+/// The standard deviations of a phase's parameters. 0: the parameter is not fitted, the resistivity
+/// is martensite's and does not depend on stress otherwise than the wire's at the start.
+struct PhaseSd {
+  double strain, resistivity_ratio;
+};
+
+/// The resistivity is a ratio of martensite's, `rho_M` now and `rho_ohm_m` at the start.
+template <class T, class Take>
+Phase<T> vary_phase(const Phase<double>& from, const std::string& name, const PhaseSd& sd,
+                    const T& rho_M, double rho_ohm_m, Take& take) {
+  const std::string key = "wire." + name;
+  const bool own = sd.resistivity_ratio > 0;
+  const double ratio = from.resistivity_ohm_m / rho_ohm_m;
+  const double by_K = from.resistivity_ohm_m_K / from.resistivity_ohm_m;
+  const double by_Pa = from.resistivity_ohm_m_Pa / from.resistivity_ohm_m;
+  Phase<T> to{};
+  to.strain = sd.strain > 0 ? take({key + ".strain", "%", 0.01, Form::sum, from.strain, sd.strain})
+                            : T(from.strain);
+  to.modulus_Pa = take({key + ".modulus", "GPa", 1e9, Form::factor, from.modulus_Pa, 0.4});
+  to.resistivity_ohm_m = own ? rho_M * take({key + ".resistivity_ratio", "", 1, Form::factor, ratio,
+                                             sd.resistivity_ratio})
+                             : rho_M;
+  to.resistivity_ohm_m_K = to.resistivity_ohm_m * take({key + ".resistivity_temperature", "1/K", 1,
+                                                        Form::sum, by_K, 2e-4});
+  // q_M = 0 (000, 'Stress dependence of the material parameters')
+  to.resistivity_ohm_m_Pa =
+      to.resistivity_ohm_m *
+      (own ? take({key + ".resistivity_stress", "1/GPa", 1e-9, Form::sum, by_Pa, 0.1e-9})
+           : T(by_Pa));
+  return to;
+}
+
+template <class T, class Take>
+Material<T> vary_material(const Material<double>& from, const FitVariant& variant, Take& take) {
+  Material<T> to{};
+  to.reference_K = T(from.reference_K);
+  to.mixture = variant.mixture;
+  const double rho = from.martensite.resistivity_ohm_m;
+  const T rho_M = take({"wire.martensite.resistivity", "uohm m", 1e-6, Form::factor, rho, 0.1});
+  const auto phase = [&](const Phase<double>& p, const char* name, const PhaseSd& sd) {
+    return vary_phase<T>(p, name, sd, rho_M, rho, take);
+  };
+  to.martensite = phase(from.martensite, "martensite", {0.008, 0});
+  to.r_phase = phase(from.r_phase, "r_phase", {0.003, 0.04});
+  to.austenite = phase(from.austenite, "austenite", {0, 0.06});
+  return to;
+}
+
+template <class T, class Take>
+HeatParams<T> vary_heat(const HeatParams<double>& from, Take& take) {
+  const auto factor = [&](const char* key, const char* unit, double scale, double prior,
+                          double sd) {
+    return take({std::string("wire.heat.") + key, unit, scale, Form::factor, prior, sd});
+  };
+  HeatParams<T> to{};
+  to.density_kg_m3 = T(from.density_kg_m3);
+  to.specific_heat_J_kgK = factor("specific_heat", "J/kgK", 1, from.specific_heat_J_kgK, 0.12);
+  to.latent_m2a_J_kg = factor("latent_m2a", "kJ/kg", 1e3, from.latent_m2a_J_kg, 0.25);
+  // R2M has the difference, so this latent heat cannot exceed that of M2A.
+  const double part = from.latent_m2a_J_kg > 0 ? from.latent_r2a_J_kg / from.latent_m2a_J_kg : 0;
+  to.latent_r2a_J_kg =
+      to.latent_m2a_J_kg * take({"wire.heat.latent_r2a_share", "", 1, Form::share, part, 0.4});
+  to.convection_W_m2K = factor("convection", "W/m2K", 1, from.convection_W_m2K, 0.3);
+  to.convection_W_m2K2 = factor("convection_slope", "W/m2K2", 1, from.convection_W_m2K2, 0.5);
+  to.clamp_conductivity_W_mK =
+      factor("clamp_conductivity", "W/mK", 1, from.clamp_conductivity_W_mK, 0.3);
+  return to;
 }
 
 }  // namespace detail
@@ -163,77 +275,9 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
   w.limits = {T(from.limits.current_A), T(from.limits.stress_Pa), T(from.limits.temperature_K)};
   w.nominal_stroke = T(from.nominal_stroke);
   w.accuracy = {T(from.accuracy.strain), T(from.accuracy.resistance)};
-
-  const double max_Pa = from.limits.stress_Pa;
-  const ThreePhaseParams<double>& k = from.kinetics;
-  const auto surface = [&](const Surface<double>& s, const char* name, double sd_K, double share) {
-    return detail::vary_surface<T>(s, name, max_Pa, sd_K, share, take);
-  };
-  const Surface<double> a2m = first_surface(k.a2m_a2r);
-  w.kinetics.m2a = surface(k.m2a, "m2a", 8, 1);
-  const Surface<T> a2m_T = surface(a2m, "a2m", 8, 1);
-  const Surface<T> a2r_T = surface(second_surface(k.a2m_a2r), "a2r", 6, 0.5);
-  w.kinetics.a2m_a2r = pair_surfaces(a2m_T, a2r_T);
-  w.kinetics.separate_r2a = variant.separate_r2a;
-  w.kinetics.separate_r2m = variant.separate_r2m;
-  if (variant.separate_r2a) {
-    w.kinetics.r2a = surface(k.separate_r2a ? k.r2a : k.m2a, "r2a", 6, 0.5);
-  }
-  if (variant.separate_r2m) {
-    w.kinetics.r2m = surface(k.separate_r2m ? k.r2m : a2m, "r2m", 6, 0.5);
-  }
-  w.kinetics.memory = variant.memory;
-  w.kinetics.smallest_reversal_K = T(k.smallest_reversal_K);
-
-  const Material<double>& m = from.material;
-  w.material.reference_K = T(m.reference_K);
-  w.material.mixture = variant.mixture;
-  const double rho = m.martensite.resistivity_ohm_m;
-  const T rho_M = take({"wire.martensite.resistivity", "uohm m", 1e-6, Form::factor, rho, 0.1});
-  const auto phase = [&](const Phase<double>& p, const std::string& name, double strain_sd,
-                         double rho_sd) {
-    const std::string key = "wire." + name;
-    Phase<T> to{};
-    to.strain = strain_sd > 0 ? take({key + ".strain", "%", 0.01, Form::sum, p.strain, strain_sd})
-                              : T(p.strain);
-    to.modulus_Pa = take({key + ".modulus", "GPa", 1e9, Form::factor, p.modulus_Pa, 0.4});
-    const double own = p.resistivity_ohm_m;
-    to.resistivity_ohm_m =
-        rho_sd > 0
-            ? rho_M * take({key + ".resistivity_ratio", "", 1, Form::factor, own / rho, rho_sd})
-            : rho_M;
-    const double slope = p.resistivity_ohm_m_K / own;
-    to.resistivity_ohm_m_K = to.resistivity_ohm_m * take({key + ".resistivity_temperature", "1/K",
-                                                          1, Form::sum, slope, 2e-4});
-    const double by_stress = p.resistivity_ohm_m_Pa / own;
-    // q_M = 0 (000, 'Stress dependence of the material parameters')
-    to.resistivity_ohm_m_Pa =
-        to.resistivity_ohm_m *
-        (rho_sd > 0
-             ? take({key + ".resistivity_stress", "1/GPa", 1e-9, Form::sum, by_stress, 0.1e-9})
-             : T(by_stress));
-    return to;
-  };
-  w.material.martensite = phase(m.martensite, "martensite", 0.008, 0);
-  w.material.r_phase = phase(m.r_phase, "r_phase", 0.003, 0.04);
-  w.material.austenite = phase(m.austenite, "austenite", 0, 0.06);
-
-  const HeatParams<double>& h = from.heat;
-  w.heat.density_kg_m3 = T(h.density_kg_m3);
-  w.heat.specific_heat_J_kgK =
-      take({"wire.heat.specific_heat", "J/kgK", 1, Form::factor, h.specific_heat_J_kgK, 0.12});
-  w.heat.latent_m2a_J_kg =
-      take({"wire.heat.latent_m2a", "kJ/kg", 1e3, Form::factor, h.latent_m2a_J_kg, 0.25});
-  // R2M has the difference, so this latent heat cannot exceed that of M2A.
-  const double part = h.latent_m2a_J_kg > 0 ? h.latent_r2a_J_kg / h.latent_m2a_J_kg : 0;
-  w.heat.latent_r2a_J_kg =
-      w.heat.latent_m2a_J_kg * take({"wire.heat.latent_r2a_share", "", 1, Form::share, part, 0.4});
-  w.heat.convection_W_m2K =
-      take({"wire.heat.convection", "W/m2K", 1, Form::factor, h.convection_W_m2K, 0.3});
-  w.heat.convection_W_m2K2 =
-      take({"wire.heat.convection_slope", "W/m2K2", 1, Form::factor, h.convection_W_m2K2, 0.5});
-  w.heat.clamp_conductivity_W_mK = take(
-      {"wire.heat.clamp_conductivity", "W/mK", 1, Form::factor, h.clamp_conductivity_W_mK, 0.3});
+  w.kinetics = detail::vary_kinetics<T>(from.kinetics, from.limits.stress_Pa, variant, take);
+  w.material = detail::vary_material<T>(from.material, variant, take);
+  w.heat = detail::vary_heat<T>(from.heat, take);
   return w;
 }
 
