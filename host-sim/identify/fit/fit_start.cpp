@@ -149,7 +149,7 @@ void Fit::stress_levels() {
       for (Eigen::Index c = 0; c < n; ++c) {
         row[c] = columns[static_cast<std::size_t>(c)].second(stress_Pa[k]);
       }
-      constexpr double trust = 400;  // a level's value has a twentieth of the prior's deviation
+      constexpr double trust = 400;  // a level's value has a twentieth of the prior's sd
       normal += trust * row * row.transpose();
       right += trust * row * (found[k].wire[i] - before.wire[i]);
     }
