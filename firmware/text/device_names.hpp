@@ -18,7 +18,7 @@ std::string_view limit_reason_name(LimitReason reason);
 
 /// The names of all faults in the set, with a plus in between.
 std::string names_of(FaultSet set);
-/// The set from such names; nullopt where one is unknown.
+/// Reads a set from a text like that of names_of(); nullopt if it contains an unknown name.
 std::optional<FaultSet> named_faults(std::string_view names);
 std::string limit_reason_names(std::uint32_t bits);
 

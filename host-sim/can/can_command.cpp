@@ -417,7 +417,8 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       ->capture_default_str()
       ->check(seconds_of(0.2, 600));
   step_command->add_option("--runs", a->runs, "folder that keeps the runs")->capture_default_str();
-  step_command->add_option("--overlay", a->overlay, "number of earlier runs to compare with")
+  step_command
+      ->add_option("--overlay", a->overlay, "number of earlier steps to compare the new one with")
       ->capture_default_str();
   step_command->add_option("--report", a->report, "HTML page with pictures");
 }

@@ -12,14 +12,15 @@ namespace smaservo::identify {
 /// The last part of a path.
 std::string file_name(const std::string& path);
 
-/// A parameter in the unit that messages use; deviations are those of the value itself.
+/// A parameter in the unit that messages use; both standard deviations are of the value in this
+/// unit.
 struct Figure {
   double value, sd;
   double prior, prior_sd;
 };
 Figure figure(const FittedParameter& fitted);
 
-/// "74.80 ± 0.12", with as many digits as the deviation justifies.
+/// "74.80 ± 0.12", with as many digits as the standard deviation justifies.
 std::string with_deviation(double value, double sd);
 
 /// "temperature from 68 to 66.20 ± 0.12 degC".

@@ -31,7 +31,8 @@ double classic_rms(const ClassicFit& classic, const Run& run, double nominal_str
 /// The result as text for a terminal.
 std::string fit_summary(const Identification& all);
 
-/// All numbers as one JSON object: runs, parameters with prior and deviation, correlations.
+/// All numbers as one JSON object: runs, parameters with prior and standard deviation,
+/// correlations.
 std::string fit_json(const Identification& all);
 
 /// Writes one HTML file that can be opened without a network. Throws UserError.

@@ -33,7 +33,7 @@ class Scaled {
                    ? normal(whole, bias)
                    : normal((whole >> 2) + (whole >> 1 & 1), bias + 2)) {}
 
-  /// Converts a number that is known only at run time, also in integer arithmetic.
+  /// Converts a number that is known only at run time. The conversion uses integer arithmetic only.
   static constexpr Scaled of(double x) {
     const auto bits = std::bit_cast<std::uint64_t>(x);
     const auto exponent = static_cast<int>(bits >> 52U & 0x7ffU);

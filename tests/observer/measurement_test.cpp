@@ -47,7 +47,7 @@ TYPED_TEST(Measure, OhmsLawWithOffsets) {
     const S I = ampere(random);
     const Measurement<S> m = measure<S>(p, {I + S(0.002), R * I - S(0.05), S(0.9)});
     ASSERT_TRUE(m.resistance_valid && m.power_valid && m.stress_valid);
-    // The offset of the current costs digits where the current is small.
+    // Subtracting the offset from a small current loses digits.
     expect_near(m.resistance_ohm, R, 20 * eps + eps / I + eps / (R * I));
     expect_near(m.power_W, R * I * I, 20 * eps + eps / I + eps / (R * I));
     expect_near(m.stress_Pa, S(0.2e9), 4 * eps);
@@ -121,7 +121,7 @@ TYPED_TEST(Measure, OutsideTheWiresRangeItIsBrokenOrShort) {
   EXPECT_FALSE(valid(S(1e8)));
 }
 
-// Each reading by itself: it takes away what needs it, and nothing else.
+// A bad reading invalidates the results that need it, and no others.
 TYPED_TEST(Measure, ABadReadingInvalidatesWhatNeedsIt) {
   using S = TypeParam;
   const S inf = std::numeric_limits<S>::infinity();

@@ -116,13 +116,15 @@ void expect_found(const Searches& all) {
   EXPECT_LE(quantile(all.found_s, 0.5), 0.5);
   EXPECT_LE(quantile(all.found_s, 0.9), 1.5);
   EXPECT_LE(quantile(all.found_s, 0.95), 4);
-  // Measured: half of the cases 0.2 to 0.4 %, the worst 3 %. Less would be a wire that is no test.
+  // Half of the cases were measured as 0.2 to 0.4 %, the worst as 3 %. Much smaller errors would
+  // show that the wires do not test the filter.
   EXPECT_GE(quantile(all.late, 0.5), 0.0005);
   EXPECT_LE(quantile(all.late, 0.5), 0.01);
   EXPECT_LE(quantile(all.late, 0.9), 0.025);
   EXPECT_LE(quantile(all.late, 1), 0.06);
   EXPECT_LE(quantile(all.worst_late, 1), 0.15);
-  // Of 48 searches; the filter costs as many steps as it has hypotheses.
+  // At most 4 of 48 searches may be undecided at the end; until it is decided, the filter costs
+  // more.
   EXPECT_LE(all.undecided, 4);
 }
 
@@ -138,12 +140,13 @@ TEST_P(MultipleModelPlaces, IsFoundOnceHeated) {
   expect_found(search_all(GetParam()));
 }
 
-// A front end that is slow to start must not decide where the wire is.
+// Missing first readings, from a front end that is slow to start, must not decide in which state
+// the wire is assumed.
 TEST_P(MultipleModelPlaces, IsFoundWhereTheFirstReadingsAreMissing) {
   expect_found(search_all(GetParam(), 200));
 }
 
-/// All that an observer has to say, bit by bit.
+/// All numbers of an estimate, as bits.
 std::vector<std::uint64_t> bits(const Estimate<double>& e) {
   std::vector<std::uint64_t> all;
   for (const double x :
@@ -176,7 +179,8 @@ TEST(MultipleModel, TheStateIsAllThereIs) {
     MultipleModel::advance(p, s, m, sample_s);
     first.push_back(bits(MultipleModel::estimate(p, s)));
   }
-  // Something else in between, then the copy: from the stack and from the heap.
+  // The copies, one on the stack and one on the heap, are advanced in turn with another filter, and
+  // must not depend on it.
   MultipleModel::State other = MultipleModel::start(p, later.back(), 320.0);
   const auto heap = std::make_unique<MultipleModel::State>(copy);
   for (std::size_t i = 0; i < later.size(); ++i) {
@@ -210,7 +214,7 @@ TEST(MultipleModel, AStartInPlaceLeavesNothingOfWhatWasThere) {
   }
 }
 
-/// Neither a step nor a start of this filter: both leave another covariance.
+/// Whether this filter has neither made a step nor been started; both would change its covariance.
 bool untouched(const MultipleModel::State& before, const MultipleModel::State& after,
                std::size_t i) {
   const auto& a = before.filter[i].covariance;
@@ -259,7 +263,8 @@ void through_searches(std::uint64_t seed, F f) {
   }
 }
 
-/// Of a call: the filters but the leader that it touched, and parts of what an opening needs.
+/// The pieces of work that a call has done beside the leader's step: other filters that it changed,
+/// and parts of the preparation of a new hypothesis.
 int pieces_beside_the_leader(const MultipleModel::State& before,
                              const MultipleModel::State& after) {
   int pieces = 0;
@@ -273,16 +278,17 @@ int pieces_beside_the_leader(const MultipleModel::State& before,
   return pieces;
 }
 
-/// The leader's step, not its replacement at the end of an opening, was one from heating to cooling
-/// or back.
+/// Whether the leader's step went from heating to cooling or back. A replacement of the leader at
+/// the end of a search's opening does not count.
 bool leader_turned(const MultipleModel::State& before, const MultipleModel::State& after) {
   const std::size_t i = before.leader;
   const bool replaced = before.unopened == 1 && after.unopened == 0;
   return !replaced && before.filter[i].kinetics.heading != after.filter[i].kinetics.heading;
 }
 
-/// A step of the leader in each call. Beside it a step of one other filter, its opening, or a part
-/// of what an opening needs, which all cost about the same; and none when the leader's is dear.
+/// Each call makes a step of the leader. Beside it, it makes a step of one other filter, opens one,
+/// or does a part of what an opening needs, which all cost about the same; it does nothing beside a
+/// step of the leader that is expensive.
 TEST(MultipleModel, ACallDoesOnePieceOfWorkBesideTheLeaders) {
   int searches = 0, together = 0, turns = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -301,8 +307,8 @@ TEST(MultipleModel, ACallDoesOnePieceOfWorkBesideTheLeaders) {
   EXPECT_EQ(together, static_cast<int>(MultipleModel::hypotheses));
 }
 
-/// Each hypothesis gets its turn: of 5 others in every fifth call, or a few later where a search
-/// opens meanwhile, or the leader turns. What it has missed it then knows.
+/// Each of the 5 other hypotheses makes a step in every fifth call, or a few calls later if a
+/// search opens or the leader turns meanwhile. That step covers the whole time since its last one.
 TEST(MultipleModel, NoHypothesisWaitsLong) {
   int opening = 0, longest_opening = 0;
   double longest_s = 0;
@@ -327,8 +333,8 @@ TEST(MultipleModel, NoHypothesisWaitsLong) {
   EXPECT_LE(longest_s, 16e-3);
 }
 
-/// Where a filter was before its search, and what one that has been given up has left behind, is
-/// nowhere to be seen.
+/// Neither the state of a filter before a search nor what a filter that was given up has left
+/// behind has any influence.
 TEST(MultipleModel, WhatIsGivenUpHasNoInfluence) {
   const MultipleModel::Params p = tuned();
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -355,7 +361,8 @@ TEST(MultipleModel, WhatIsGivenUpHasNoInfluence) {
   }
 }
 
-/// As long as a search opens the old filter goes on, and says that it may be anywhere.
+/// While a search opens, the old filter goes on, and its estimate says that the wire may be in any
+/// state.
 TEST(MultipleModel, GoesOnAsBeforeWhileASearchOpens) {
   const MultipleModel::Params p = tuned();
   int openings = 0;

@@ -43,7 +43,8 @@ TEST(OpenLoop, IsThePlantWhereNothingDeviates) {
   }
 }
 
-// What the resistance is for: air that is 5 K warmer than told goes into the strain unseen.
+// Without the resistance, the error of 5 K in the air's temperature appears in the strain
+// unnoticed.
 TEST(OpenLoop, ErrsWithItsSurroundings) {
   Deviations warm;
   warm.ambient_K = 5;

@@ -49,13 +49,13 @@ inline double holding_W(double temperature_K) {
   return plant_params(bench_wire()).body.loss_W(temperature_K - told_ambient_K);
 }
 
-/// Where a wire is surely austenite.
+/// A temperature at which a wire is surely austenite.
 inline double hot_K(double stress_Pa) {
   const Isobar<double> m2a = isobar(bench_wire().kinetics.m2a, stress_Pa);
   return m2a.start_K + 1 / m2a.per_K + 25;
 }
 
-/// Adds what the sensors do.
+/// Adds the errors of the sensors.
 class Sensors {
  public:
   Sensors(const Deviations& deviations, std::uint64_t seed)
@@ -77,7 +77,7 @@ class Sensors {
   std::normal_distribution<double> normal_;
 };
 
-/// One temperature all along.
+/// A wire with the same temperature along its whole length.
 class LumpedWire {
  public:
   using Model = Plant<ThreePhase<double>>;
@@ -117,7 +117,8 @@ class LumpedWire {
   double ambient_K_;
 };
 
-/// Cold clamps, conduction and convection that depends on the temperature.
+/// A wire with cold clamps, heat conduction along it, and convection that depends on the
+/// temperature.
 class DistributedWire {
  public:
   static constexpr std::size_t segments = 24;

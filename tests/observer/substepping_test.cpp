@@ -36,7 +36,7 @@ TEST(Substepping, IsTheObserverItselfForFastSamples) {
   Slow::State substepped = Slow::start(p, first, told_ambient_K);
   for (int i = 0; i < 5000; ++i) {
     const Measurement<double> m = step_of(wire, profile, i);
-    // A clock that jitters around the longest step does not matter.
+    // The steps jitter around the longest step, which must change nothing.
     const double dt_s = i % 2 == 0 ? 6.3e-3 : 3.7e-3;
     Filter::advance(p, plain, m, dt_s);
     Slow::advance(p, substepped, m, dt_s);
@@ -45,7 +45,7 @@ TEST(Substepping, IsTheObserverItselfForFastSamples) {
   }
 }
 
-/// Mean error in % of stroke where one of fifty samples is seen.
+/// Mean error in % of the stroke if the observer gets only one of fifty samples.
 template <StrainObserver O>
 double error_at_20_Hz() {
   const typename O::Params p = tuned();

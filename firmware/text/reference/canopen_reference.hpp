@@ -6,12 +6,11 @@
 
 namespace smaservo::text {
 
-/// How an EDS says the defaults of REAL32 objects: CiA 306 does not tell how a real is written, so
-/// that no way suits all readers.
+/// How an EDS writes the defaults of REAL32 objects. CiA 306 does not say how a real number is
+/// written, so no way suits all readers.
 enum class RealDefaults : unsigned char {
-  none,     ///< for all that take a missing one, which is 0 to them: Lely, ros2_canopen,
-            ///< python-canopen, canopen of npm
-  decimal,  ///< for gocanopen, which refuses a real without; python-canopen shows them
+  none,     ///< no defaults: Lely, ros2_canopen, python-canopen and canopen of npm take 0 then
+  decimal,  ///< decimal numbers: for gocanopen, which needs a default; python-canopen shows it
 };
 
 /// firmware/reference/smaservo.eds, in the format of CiA 306.

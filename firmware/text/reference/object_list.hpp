@@ -20,7 +20,7 @@ struct ListedObject {
 struct ListedIndex {
   std::uint16_t index;
   std::string name;
-  /// Without sub-index 0 where that is only the number of sub-indices.
+  /// The objects of the index. Sub-index 0 is left out if it only holds the number of sub-indices.
   std::vector<ListedObject> objects;
 
   /// Whether the index has only one object, at sub-index 0.

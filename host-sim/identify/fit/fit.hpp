@@ -33,8 +33,8 @@ struct FittedParameter {
   double value;  ///< SI; exactly the prior if it is not determined
   double sd;     ///< standard deviation of value; relative for a factor, in logits for a share
   double uncertainty;  ///< sd divided by that of the prior: 1 if the data give no information
-  /// Whether the runs have at least halved the prior's deviation, or moved the value by more than
-  /// two of its own deviations, or the fit is clearly worse without it. `sd` includes the
+  /// Whether the runs have at least halved the prior's standard deviation, or moved the value by
+  /// more than two times `sd`, or the fit is clearly worse without it. `sd` includes the
   /// uncertainty of the parameters that are not determined.
   bool determined;
 };

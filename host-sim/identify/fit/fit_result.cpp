@@ -1,4 +1,4 @@
-// The remaining errors of a fit, and the deviations of its parameters.
+// The remaining errors of a fit, and the standard deviations of its parameters.
 
 #include <algorithm>
 #include <cmath>
@@ -120,10 +120,10 @@ void Fit::apportion(std::size_t i) {
   weights_[i].austenite = std::move(austenite);
 }
 
-/// Sets each channel's deviation and number of independent comparisons from the residuals. The
-/// weight of a channel never decreases, because the model has shown that it can be that accurate.
-/// Otherwise a prior that keeps the fit away from the data would lower their weight, and so keep
-/// the fit even farther away.
+/// Sets each channel's standard deviation and number of independent comparisons from the residuals.
+/// The weight of a channel never decreases, because the model has shown that it can be that
+/// accurate. Otherwise a prior that keeps the fit away from the data would enlarge the residuals,
+/// so lower the weight of the data, and keep the fit even farther away.
 void Fit::weigh() {
   const std::vector<Weights> before = weights_;
   double strain2 = 0, ohm2 = 0, strains = 0, ohms = 0;
@@ -194,8 +194,9 @@ FittedRun Fit::fitted(std::size_t i) {
   return run;
 }
 
-/// Posterior deviations and correlations. Kept parameters are treated as free here, so that their
-/// uncertainty contributes to the others'; their own deviation is that of the prior.
+/// Computes standard deviations and correlations after the fit. Kept parameters are treated as free
+/// here, so that their uncertainty contributes to the others'; their own standard deviation is that
+/// of the prior.
 void Fit::uncertainty(FitResult& result) {
   const Eigen::MatrixXd covariance = this->covariance(active(everything(), all));
   const std::vector<FitParameter>& parameters = problem_->parameters;

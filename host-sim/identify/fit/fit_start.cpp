@@ -161,7 +161,7 @@ void Fit::join_levels(std::size_t i, const Deviations& before,
     for (Eigen::Index c = 0; c < n; ++c) {
       row[c] = parts[static_cast<std::size_t>(c)].of_stress(level.stress_Pa);
     }
-    constexpr double trust = 400;  // a level's value has a twentieth of the prior's deviation
+    constexpr double trust = 400;  // a level's value has a twentieth of the prior's sd
     normal += trust * row * row.transpose();
     right += trust * row * (level.u.wire[i] - before.wire[i]);
   }

@@ -1,7 +1,8 @@
 #pragma once
-// A fit in progress: its runs, their weights, and the deviations found so far. Used only inside the
-// fit; fit.cpp solves, fit_start.cpp finds a start, fit_kept.cpp resets what the runs do not
-// determine, fit_result.cpp judges.
+// A fit in progress: its runs, their weights, and the present values of its parameters, each as a
+// deviation from the wire at the start (parameters.hpp). Used only inside the fit. fit.cpp solves,
+// fit_start.cpp finds a start, fit_kept.cpp resets the parameters that the runs do not determine,
+// fit_result.cpp computes the remaining errors and the uncertainties.
 
 #include <array>
 #include <functional>
@@ -19,7 +20,7 @@
 
 namespace smaservo::identify {
 
-/// All deviations of a fit.
+/// The values of all parameters of a fit, as deviations (parameters.hpp).
 struct Deviations {
   std::vector<double> wire;
   std::array<double, circuit_count> circuit{};

@@ -1,9 +1,9 @@
 #pragma once
-// The parameters of a wire that a fit may change. Each is described once: its name, its usual
-// deviation, and how the wire is computed from it. Every parameter is a deviation u from the wire
-// at the start of the fit, in units of its prior standard deviation, so the prior is u = 0 ± 1.
-// Values that must be positive stay positive; the narrower limits of a wire file are checked when
-// it is written.
+// The parameters of a wire that a fit may change. Each is described once: its name, its prior
+// standard deviation, and how the wire is computed from it. Every parameter is a deviation u from
+// the wire at the start of the fit, in units of its prior standard deviation, so the prior is u = 0
+// ± 1. Values that must be positive stay positive; the narrower limits of a wire file are checked
+// when it is written.
 
 #include <algorithm>
 #include <cmath>

@@ -134,7 +134,7 @@ papers::ResistanceLine<double> rising_line(const Collected& level, bool heats) {
   if (!(line.slope > 0)) {
     throw files::UserError(fmt::format(
         "the runs at {:.0f} MPa: strain does not rise with resistance on {} (slope {:.3f}), so no "
-        "line can tell the one from the other; leave this load out or take a heavier one",
+        "line gives strain from resistance; leave this load out or take a heavier one",
         level.stress_Pa * 1e-6, heats ? "heating" : "cooling", line.slope));
   }
   return line;

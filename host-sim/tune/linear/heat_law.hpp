@@ -12,9 +12,9 @@ class HeatLaw {
   /// `nominal` must have many stops.
   HeatLaw(const Settings<double>& settings, const TunedPlant& plant, const Branches& nominal);
 
-  /// Heat per strain, in J, that the law gives for an error of 1 % of the stroke if the estimate is
-  /// at this share of the stroke: the maximum over shares within `off` of it. 0 for a wire in the
-  /// state `turned`.
+  /// Slope of the law's heat over the error of the strain, in J (per strain of 1), for an error of
+  /// 1 % of the stroke: the greatest slope of all estimates within `off` of this share of the
+  /// stroke. 0 for a wire in the state `turned`.
   double max_J(Motion motion, double share, double off) const;
 
   /// Slope over temperature of the loss that the device compensates, at the temperature of the

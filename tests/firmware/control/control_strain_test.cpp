@@ -84,13 +84,14 @@ TEST(Controller, RestsInASlowLoopAndInAFastOne) {
 }
 
 TEST(Controller, AnIntegralIsNotWoundUpByCooling) {
-  // Hundreds of milliseconds at no power at all, again and again.
+  // In this case the loop asks for no power at all for hundreds of milliseconds, again and again.
   const Rest rest = worst_rest({.settings = settings_with_pid()});
   EXPECT_LT(rest.mean, 0.25);
   EXPECT_LT(rest.overshoot, 0.3);
 }
 
-/// With the estimate for a sensor what is left is its error; it has its own tests.
+/// With the observer instead of an ideal sensor, the remaining error is that of the estimate, which
+/// has tests of its own.
 TEST(Controller, RestsWhereTheObserverSeesIt) {
   struct Bound {
     double stress_Pa, steady;

@@ -25,7 +25,7 @@ double area_m2() {
   return test_settings().wire.geometry.area_m2();
 }
 
-/// What a mode controls, as it is now: a set-point that changes nothing.
+/// The present value of the variable that a mode controls; as a set-point it changes nothing.
 double present(const ClosedLoop<>& loop, Mode mode) {
   const auto& p = loop.prepared();
   const double strain = loop.estimate().strain;
@@ -48,7 +48,7 @@ double present(const ClosedLoop<>& loop, Mode mode) {
   }
 }
 
-/// Somewhere in its hysteresis, in motion or at rest, under this mode.
+/// Brings the wire to a random state of its hysteresis, in motion or at rest, under this mode.
 void bring_about(ClosedLoop<>& loop, Mode mode, std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0, 1);
   const double longest = loop.wire.strain();
@@ -71,7 +71,7 @@ TEST(Controller, ChangesItsModeWithoutAJump) {
         const double max_W = 0.4 * 0.4 * loop.wire.resistance_ohm();
         const double setpoint = present(loop, to);
         const double after_W = loop.step(to, setpoint).wanted_power_W;
-        // 2 % of the range.
+        // The tolerance is 2 % of the range.
         ASSERT_NEAR(after_W, before_W, 0.02 * max_W)
             << "from mode " << static_cast<int>(from) << " to " << static_cast<int>(to);
         loop.run(0.15, to, setpoint);
@@ -87,7 +87,7 @@ TEST(Controller, BeginsFromNothing) {
     const double setpoint = mode == Mode::power     ? 1.0
                             : mode == Mode::current ? 0.2
                                                     : present(loop, mode);
-    // From no power the new mode takes over in transfer_s.
+    // The power rises from zero to that of the new mode within transfer_s.
     EXPECT_LT(loop.step(mode, setpoint).wanted_power_W, 0.02);
     loop.run(0.05, mode, setpoint);
     EXPECT_NEAR(loop.control.transfer_W, 0, 0.02);
@@ -118,7 +118,8 @@ TEST(Controller, NewGainsMakeNoStep) {
       loop.adopt(other);
       for (int k = 0; k < 5; ++k) {
         const double now_W = loop.step(mode, setpoint).wanted_power_W;
-        // 0.2 % of the range in a millisecond, and what of the difference fades in it.
+        // In a millisecond the power may change by 0.2 % of the range, and by the part of the
+        // difference that fades meanwhile.
         const double fades_W = 0.12 * std::abs(loop.control.transfer_W);
         ASSERT_NEAR(now_W, last_W, 0.01 + fades_W)
             << static_cast<int>(mode) << " after " << k << " ms";
@@ -129,7 +130,7 @@ TEST(Controller, NewGainsMakeNoStep) {
 }
 
 TEST(Controller, NewGainsKeepWhatTheIntegralHasLearned) {
-  // A room that is 15 K colder than the model believes.
+  // The room is 15 K colder than the model assumes.
   Settings<double> settings = test_settings();
   settings.temperature.integral_1_s = 5;
   ClosedLoop<> loop(settings);
@@ -144,7 +145,7 @@ TEST(Controller, NewGainsKeepWhatTheIntegralHasLearned) {
            [&](const auto&) { ASSERT_NEAR(loop.wire.temperature_K(), 340, 0.02); });
 }
 
-// Every mode holds what it is told to.
+// Every mode holds its set-point.
 
 TEST(Controller, HoldsACurrentAndAPower) {
   ClosedLoop<> loop(test_settings());

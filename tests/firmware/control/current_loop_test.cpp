@@ -14,7 +14,7 @@ constexpr DriveSettings<double> drive{DriveKind::current, 0.3, 50, 5, 30};
 constexpr double ohm = 30;
 constexpr double dt_s = 1e-3;
 
-/// A stage that is not exact.
+/// An output stage with errors of gain and offset.
 struct Stage {
   double gain = 1, offset_A = 0;
   double given_A(double asked_A) const { return std::max(0.0, gain * asked_A + offset_A); }
@@ -50,7 +50,7 @@ TEST(CurrentLoop, NeverAddsNorTakesMoreThanItsShare) {
   Loop::State s{};
   for (int i = 0; i < 10000; ++i) {
     const double asked_A = any(random);
-    // A sensor that reads anything at all.
+    // The sensor reads anything, also NaN.
     const double measured_A =
         i % 7 == 0 ? std::numeric_limits<double>::quiet_NaN() : 1e6 * (any(random) - 0.2);
     const double current_A = Loop::step(drive, s, asked_A, measured_A, ohm, dt_s).current_A;

@@ -92,12 +92,12 @@ TEST(Pid, AStepOfTheSetpointKicksOnlyByItsWeights) {
   EXPECT_DOUBLE_EQ(kick_W(1, 0), 2);
   EXPECT_DOUBLE_EQ(kick_W(0.25, 0), 0.5);
   EXPECT_DOUBLE_EQ(kick_W(0, 0), 0);
-  // K T_d/(T_f + dt)
+  // The derivative's part is K T_d/(T_f + dt).
   EXPECT_DOUBLE_EQ(kick_W(0, 1), 2 * 0.02 / 0.005);
 }
 
 TEST(Pid, TheWeightsDoNotTouchTheFeedback) {
-  // What a disturbance of the measurement does is the same with any weight.
+  // The response to a disturbance of the measurement is the same with any weight.
   const auto answer_W = [](double weight) {
     LoopGains<double> q = gains;
     q.setpoint_weight = weight;
@@ -127,7 +127,8 @@ TEST(Pid, LessHeatHasGainsOfItsOwn) {
 }
 
 TEST(Pid, TheSignOfTheErrorMakesNoStep) {
-  // A measurement that passes its reference in motion, with everything but the error's own part.
+  // A moving measurement passes its reference. Neither the other gain on that side (cooling_factor)
+  // nor a set-point weight below 1 may make a step.
   LoopGains<double> q = gains;
   q.cooling_factor = 0.3;
   q.setpoint_weight = 0.5;
@@ -150,7 +151,7 @@ TEST(Pid, InsideTheDeadBandTheOutputRests) {
   for (int i = 0; i < 1000; ++i) {
     EXPECT_EQ(Loop::step(q, unscaled, 1, s, 0.099 * std::sin(i), 0, dt_s), 0);
   }
-  // And begins at its edge without a step.
+  // At the edge of the dead band the output begins without a step.
   EXPECT_NEAR(Loop::step(q, unscaled, 1, s, 0.101, 0, dt_s), 2 * 0.001, 2e-5);
 }
 
@@ -169,7 +170,8 @@ TEST(Pid, EachPartIsScaledByItself) {
   EXPECT_NEAR(u_W({3, 0.5, 2}), 3 * p + 0.5 * i + 2 * d, 1e-12);
 }
 
-/// Set-point out of reach, then back: how long the output stays at its limit.
+/// The set-point is out of reach and then comes back: the time for which the output stays at its
+/// limit.
 double stuck_s(double tracking_s) {
   LoopGains<double> q = gains;
   q.derivative_s = 0;
@@ -191,7 +193,8 @@ TEST(Pid, BackCalculationEmptiesTheIntegralInTheTrackingTime) {
   // is 2 * 5 * 0.1 = 1 W, and less than that after the step back.
   EXPECT_LT(stuck_s(0.1), 0.1);
   EXPECT_LT(stuck_s(0.02), 0.02);
-  // Without it the integral of 2 s at 10 W/s takes 20 s to come down at 1 W/s.
+  // Without tracking, the integral has grown for 2 s at 10 W/s, and takes 20 s to come down at 1
+  // W/s.
   EXPECT_GE(stuck_s(1e9), 2);
 }
 

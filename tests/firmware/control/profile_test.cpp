@@ -24,7 +24,7 @@ std::vector<double> levels() {
 
 TEST(Profile, FullCyclesThenLoopsThatShrink) {
   const std::vector<double> all = levels();
-  // Cold, hot for each cycle; low, high for each loop; cold for ever.
+  // A cold and a hot level for each cycle, a low and a high one for each loop, and a last cold one.
   ASSERT_EQ(all.size(), 2U * 2U + 10U * 2U + 1U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(all[i], i % 2 == 0 ? 0 : 1);

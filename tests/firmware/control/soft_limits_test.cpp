@@ -16,7 +16,7 @@ constexpr std::uint32_t bit(LimitReason why) {
   return 1U << static_cast<unsigned>(why);
 }
 
-/// A warm wire in the middle of everything, far from every limit but that of the current.
+/// A warm wire in the middle of its ranges, far from every limit except that of the current.
 struct Situation {
   Situation() { settings.limits.min_strain = -1; }
 
@@ -118,7 +118,7 @@ TEST(SoftLimits, NoPowerIsEverAboveAnyOfThem) {
     ASSERT_LE(given.power_W, q.power_W);
     ASSERT_LE(given.power_W, current_W(s));
     ASSERT_GE(given.power_W, std::min({min_W(s), q.power_W, current_W(s)}));
-    // Beside the others the least current goes on.
+    // Where one of the other limits acts, the least current still flows.
     const double above_W = given.power_W - min_W(s);
     if (above_W > 0) {
       ASSERT_LE(given.power_W, s.supply_V * s.supply_V / s.ohm);
@@ -138,7 +138,8 @@ TEST(SoftLimits, WhatIsNotANumberGivesTheLeastPower) {
 }
 
 TEST(SoftLimits, WhatAWireCanTakeForLongEndsThePowerOfAHotEstimateToo) {
-  // 10 K below the limit by the estimate, but heated for long by more than its file allows.
+  // By the estimate the wire is 10 K below the limit, but for long it has got more power than its
+  // file allows.
   Situation s;
   s.temperature_K = 400;
   s.sustained_W = 1;
@@ -159,7 +160,7 @@ TEST(SoftLimits, TheLeastCurrentHeatsByLessThanAKelvin) {
   EXPECT_LT(min_A * min_A * 1.1 * p.cold_ohm / p.observer.model.body.loss_W_K, 1);
 }
 
-// On a wire: all the power that there is, until a limit holds it.
+// The following tests give a wire all power until a limit holds it.
 
 TEST(SoftLimits, TheTemperatureComesToItsLimitWithoutOvershoot) {
   for (const double step_s : {1e-3, 5e-3}) {

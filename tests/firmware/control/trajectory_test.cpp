@@ -26,16 +26,17 @@ TEST(Trajectory, IsNeverFasterThanItsRatesNorFurtherAheadThanItsLead) {
       if (i % 100 == 0) {
         setpoint = anywhere(random);
       }
-      // A wire that follows at random, and an estimate that jumps now and then.
+      // The estimate follows the reference, and jumps at random now and then.
       strain += i % 170 == 169 ? 0.01 * normal(random) : 0.02 * (reference - strain);
       const Path::Result next = Path::step(rates, reference, setpoint, strain, dt_s);
       ASSERT_LE(next.reference, std::max(strain + Path::lead, setpoint) + rounding);
       ASSERT_LE(next.reference, strain + Path::lead + rounding);
-      // It only goes back faster where the wire is not where it was thought to be.
+      // The reference exceeds its rates only where the estimate has jumped; then it goes back at
+      // once.
       const double from = std::min(reference, strain + Path::lead);
       ASSERT_GE(next.reference, from - rates.heating_rate_1_s * dt_s - rounding);
       ASSERT_LE(next.reference, from + rates.cooling_rate_1_s * dt_s + rounding);
-      // Never past the set-point.
+      // The reference never passes the set-point.
       ASSERT_GE(next.reference, std::min(from, setpoint) - rounding);
       ASSERT_LE(next.reference, std::max(from, setpoint) + rounding);
       reference = next.reference;
@@ -67,7 +68,7 @@ TEST(Trajectory, WaitsForAWireThatDoesNotCool) {
     waited += next.waits ? 1 : 0;
   }
   EXPECT_DOUBLE_EQ(reference, 0.01 + Path::lead);
-  // 8 ms on the way to the lead, and then all the time.
+  // The reference moves for 8 ms, until it has its lead, and waits from then on.
   EXPECT_NEAR(waited, 100 - Path::lead / 0.1 / dt_s, 1);
 }
 
@@ -79,7 +80,7 @@ TEST(Trajectory, DoesNotWaitForHeatNorNearItsGoal) {
 }
 
 TEST(Trajectory, AnEstimateThatJumpsTakesTheReferenceAlong) {
-  // The wire turns out to be half as long as was thought: heading back from there.
+  // The estimated strain has jumped to half of what it was; the reference goes on from there.
   const Path::Result next = Path::step(rates, 0.04, 0.05, 0.02, dt_s);
   EXPECT_DOUBLE_EQ(next.reference, 0.02 + Path::lead);
   EXPECT_TRUE(next.waits);

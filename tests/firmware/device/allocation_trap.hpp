@@ -12,7 +12,8 @@ class AllocationTrap {
   AllocationTrap& operator=(const AllocationTrap&) = delete;
   ~AllocationTrap();
 
-  /// By this one, or after its end by the last one of this thread.
+  /// Number of allocations that this thread's present trap has counted; without one, those of its
+  /// last trap.
   static int caught();
   static bool armed();
 };

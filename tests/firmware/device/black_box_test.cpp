@@ -39,7 +39,7 @@ TEST(BlackBox, TakesTheCycleOfTheFirstCause) {
   EXPECT_EQ(box->frame.inputs.sample.voltage_V, rig.inputs.sample.voltage_V);
   EXPECT_EQ(box->frame.command.setpoint, rig.command.setpoint);
   EXPECT_EQ(box->frame.output.latched, rig.out.latched);
-  // Frozen, ring and all, until the fault is cleared.
+  // The whole box, with its ring, is frozen until the fault is cleared.
   const std::uint64_t time_us = rig.out.time_us;
   for (int i = 0; i < 100; ++i) {
     step(rig, *box);
@@ -65,7 +65,7 @@ TEST(BlackBox, KeepsTheLastFiveSeconds) {
   rig.tamper_inputs = [](Readings& in) { in.emergency_stop = true; };
   step(rig, *box);
   ASSERT_EQ(box->count, 500U);
-  // The last line is the fault's own.
+  // The last line is that of the fault.
   EXPECT_EQ(box->at(499).time_ms, rig.out.time_us / 1000);
   EXPECT_EQ(box->at(499).state, DeviceState::fault);
   EXPECT_EQ(box->at(499).drive_current_A, 0);

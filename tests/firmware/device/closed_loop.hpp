@@ -55,7 +55,7 @@ class ClosedLoop {
     run(seconds, mode, setpoint, [](const Result&) {}, dt_s);
   }
 
-  /// As if they had been sent by a user.
+  /// Takes new settings, as if a user had sent them.
   void adopt(const Settings<S>& settings) {
     prepared_ = prepare(settings);
     Controller<S>::adopt(control);
@@ -71,7 +71,8 @@ class ClosedLoop {
   }
   const Prepared<S>& prepared() const { return prepared_; }
 
-  /// A load that gains so much stress over a contraction of 1.
+  /// Sets a spring as the load; `stiffness_Pa` is the stress that it would gain over a contraction
+  /// of 1.
   void against_spring(double stiffness_Pa) {
     load_Pa = [=, from_Pa = wire.stress_Pa(), longest = wire.strain()](double strain) {
       return from_Pa + stiffness_Pa * (longest - strain);
@@ -82,7 +83,8 @@ class ClosedLoop {
   typename Controller<S>::State control{};
   GainScale<S> scale{};
   double time_s = 0;
-  /// The controller sees the wire as it is, not as it is estimated. With a double only.
+  /// The controller gets the wire's true strain and temperature instead of the estimates. Only for
+  /// S = double.
   bool ideal_sensor = false;
   /// What the wire carries, by its strain.
   std::function<double(double)> load_Pa = [same = wire.stress_Pa()](double) { return same; };

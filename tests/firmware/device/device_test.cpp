@@ -8,7 +8,7 @@
 
 namespace smaservo {
 
-// On the boards it runs in single precision: that must compile without a warning as well.
+// On boards the device runs in single precision, which must compile without a warning as well.
 template struct Device<float>;
 
 }  // namespace smaservo
@@ -39,7 +39,8 @@ TEST(Device, FloatFollowsDouble) {
   const double longest = exact.strain();
   const double stroke = p.settings.wire.nominal_stroke;
   double in_motion = 0, at_rest = 0;
-  // Timers of a float may end a step earlier: both arm before they move.
+  // Timers in float may end a step earlier than in double, so both devices are armed before the
+  // wires move.
   for (int i = 0; i < 4000; ++i) {
     constexpr double contraction[] = {0, 0.01, 0.03, 0.02, 0.005};
     const double setpoint = longest - contraction[i / 800];

@@ -49,7 +49,8 @@ class RandomUse {
     idle_steps_ = 0;
   }
 
-  /// It cannot be armed, for long: some faults last until it is switched off and on.
+  /// Whether the device could not be armed for long. Some faults last until it is switched off and
+  /// on.
   bool idle() const { return 1500 < idle_steps_; }
 
   double uniform() { return static_cast<double>(random_() >> 11U) * 0x1p-53; }
@@ -62,12 +63,12 @@ class RandomUse {
 
  private:
   enum class Trouble : std::uint8_t {
-    // between the drive and the wire
+    // troubles between the drive and the wire
     open,
     less_current,
     more_current,
     lasting_current,
-    // in what is read, or said
+    // troubles of readings and commands
     voltage,
     current,
     load,
@@ -86,7 +87,7 @@ class RandomUse {
     supply,
     driver_heat,
     ambient_sensor,
-    // of the surroundings: they stay
+    // changes of the surroundings, which stay
     stress,
     ambient,
     count
@@ -103,7 +104,7 @@ class RandomUse {
   void choose_command(const Output<S>& last) {
     command.fresh = true;
     command.clear_faults = last.first_cause != Fault::none && chance(0.02);
-    // A falling edge now and then; what is off comes back soon.
+    // The command to arm falls now and then, and rises again soon.
     command.arm = command.arm ? !chance(is_heated(last.state) ? 0.0003 : 0.02) : chance(0.05);
     if (chance(0.004)) {
       command.mode = static_cast<Mode>(below(mode_count));
@@ -113,7 +114,7 @@ class RandomUse {
       command.setpoint = setpoint(command.mode);
     }
   }
-  /// Mostly where a user would go, at times beyond every limit.
+  /// A set-point that is mostly sensible, at times beyond every limit.
   S setpoint(Mode mode) {
     const double wide = chance(0.1) ? 3 : 1;
     switch (mode) {

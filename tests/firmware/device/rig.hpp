@@ -76,7 +76,7 @@ class LumpedRigWire : public RigWire {
   Model::State state_{};
 };
 
-/// Cold clamps, conduction, temperatures that scatter along it.
+/// A wire with cold clamps, conduction along it, and transition temperatures that scatter along it.
 class DistributedRigWire : public RigWire {
  public:
   static constexpr std::size_t segments = 12;
@@ -202,7 +202,7 @@ class Rig {
   double draught = 1;
   double supply_V = 24;
   double flowing_A = 0;  ///< through the wire
-  double hottest_K = 0;  ///< that it has ever been
+  double hottest_K = 0;  ///< highest temperature so far
   int steps = 0;
   // Where faults come in.
   /// Gives the current that flows for a current that is commanded.
@@ -239,7 +239,7 @@ class Rig {
   double stalled_s_ = 0;
 };
 
-/// A wire as its settings say, but for its noise.
+/// A rig whose wire is as its settings say, except for noise.
 inline Rig plain_rig(const Settings<double>& settings = test_settings(), double load_Pa = 150e6) {
   return {settings, std::make_unique<LumpedRigWire>(settings.wire, Unlike{}, load_Pa), load_Pa};
 }

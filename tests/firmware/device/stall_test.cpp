@@ -1,4 +1,5 @@
-// A loop that stands still: the fault that says so, and what the device believes of the wire then.
+// A loop that stands still: the fault loop_stalled, and what the device assumes of the wire
+// afterwards.
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -22,7 +23,8 @@ Rig running(Mode mode, double setpoint) {
   return rig;
 }
 
-// Whatever the output did meanwhile; a one-shot that has cut it off is no open wire.
+// Only loop_stalled is reported, whatever the output did meanwhile: if the one-shot has cut the
+// current, this is not taken for an open wire.
 TEST(Stall, LongerThanTheLeaseIsAFaultThatSaysSo) {
   for (const double time_s : {0.003, 0.009, 0.02, 0.3, 8.0}) {
     for (const bool cut : {false, true}) {
@@ -51,8 +53,8 @@ TEST(Stall, WithinTheLeaseIsNone) {
   EXPECT_EQ(rig.out.state, DeviceState::running);
 }
 
-// The worst: the last command persisted. So whoever clears the fault does not heat a wire that is
-// hotter than the device believes.
+// The device assumes the worst, that the last command persisted. So the wire is never hotter than
+// the device believes when the fault is cleared.
 TEST(Stall, TheWireIsAsHotAsThePersistingPowerMakesIt) {
   for (const double power_W : {0.05, 0.15, 0.3, 0.6}) {
     for (const double time_s : {0.004, 0.02, 0.1, 0.5, 2.0, 8.0, 60.0}) {
@@ -65,7 +67,7 @@ TEST(Stall, TheWireIsAsHotAsThePersistingPowerMakesIt) {
       rig.stall(time_s);
       rig.step();
       const double heat_K = rig.state.monitor.wire.heat.temperature_K;
-      // The heat knows only the heating branch.
+      // The temperature by heat has a wider tolerance, as it uses only the heating branch.
       EXPECT_GE(rig.out.estimate.temperature_K, rig.wire->hottest_K() - 1)
           << power_W << " W, " << time_s << " s, from " << before_K << " K";
       EXPECT_GE(heat_K, rig.wire->hottest_K() - 3)
@@ -75,7 +77,7 @@ TEST(Stall, TheWireIsAsHotAsThePersistingPowerMakesIt) {
   }
 }
 
-// Power that would melt it, for as long as it takes until somebody looks.
+// A power that would melt the wire, in stalls of up to 30 years.
 TEST(Stall, NothingIsLostInTheLongestOne) {
   for (const double time_s : {1.0, 1000.0, 1e9}) {
     Rig rig = running(Mode::strain, 0.03);
@@ -109,7 +111,7 @@ TEST(Stall, ThePersistingCurrentCountsAsDuty) {
   EXPECT_GT(rig.state.controller.duty, before + 0.1);
 }
 
-// A wire without current stays without: the next enable works, and is not refused.
+// A stall without current only blocks arming for a while; then the device can be armed again.
 TEST(Stall, WithoutHeatItIsForgotten) {
   Rig rig = plain_rig();
   rig.run(0.3);
@@ -124,8 +126,8 @@ TEST(Stall, WithoutHeatItIsForgotten) {
   EXPECT_EQ(rig.out.state, DeviceState::running);
 }
 
-// The command to arm that stood all the time does not heat again; a new one does, and the estimate
-// finds its way back.
+// After the fault has been cleared, a command to arm that has stood all the time does not heat; a
+// new one does, and the estimate becomes good again.
 TEST(Stall, IsClearedLikeAnyFault) {
   for (const bool cut : {false, true}) {
     Rig rig = running(Mode::strain, 0.02);

@@ -9,7 +9,7 @@
 
 namespace smaservo {
 
-/// For a preset wire, on a bench that reads cleanly; generous limits.
+/// Settings for a preset wire on a bench with little noise, with generous limits.
 template <class S = double>
 Settings<S> test_settings(const Wire<double>& wire = files::load_wire("smartflex-76um").wire) {
   Settings<S> s{};
@@ -103,7 +103,7 @@ class TestBench {
     in.driver_K = nan;
     return in;
   }
-  /// This current for so long, from now on.
+  /// Lets this current flow for dt_s.
   void advance(double current_A, double dt_s) {
     current_A_ = current_A;
     Model::advance(params_, state_,

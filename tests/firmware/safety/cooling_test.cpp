@@ -66,8 +66,8 @@ Rig holding_rig(double share_of_stroke, double load_Pa) {
   return rig;
 }
 
-/// What the guard costs a strain that is held: after the one test at the beginning nothing, also
-/// less than 12 K below the limit.
+/// While a strain is held, the guard makes one test at the beginning and none later, even less than
+/// 12 K below the limit.
 TEST(CoolingGuard, CostsNoRippleWhereTheSetPointIsReached) {
   for (const double load_Pa : {100e6, 150e6}) {
     Rig rig = holding_rig(0.75, load_Pa);
@@ -88,8 +88,8 @@ TEST(CoolingGuard, CostsNoRippleWhereTheSetPointIsReached) {
   }
 }
 
-/// The loop answers the loss with less power; by the file's cooling the wire would then be colder,
-/// and far below its limit, where it is not tested now and then.
+/// When cooling is lost, the loop gives less power. By the file's cooling the wire would then be
+/// colder and far below its limit, where there are no regular tests.
 TEST(CoolingGuard, FindsCoolingThatIsLostWhileAStrainIsHeld) {
   Settings<double> settings = pressed_settings();
   settings.limits.temperature_K = 413.15;

@@ -105,7 +105,8 @@ constexpr std::array<Broken, 10> promises{heats_with_f0_or_f1,   heats_outside_a
                                           runs_unchecked,        leaves_the_fault_too_early,
                                           jumps_into_running,    jumps_into_stopping};
 
-/// Counts: an assertion for each of two million cases would be the whole time.
+/// The test counts broken promises, because assertions for each of two million cases would take
+/// most of its time.
 TEST(Failsafe, HoldsItsPromisesInEveryCombination) {
   std::array<int, promises.size()> broken{};
   int cases = 0;
@@ -122,7 +123,7 @@ TEST(Failsafe, HoldsItsPromisesInEveryCombination) {
   }
 }
 
-/// What it does, beside what it must not do.
+/// The way through all states, as it should go.
 TEST(Failsafe, WayThroughAllStates) {
   FailsafeInput in{};
   in.state = DeviceState::starting;
@@ -168,13 +169,13 @@ TEST(Failsafe, LatchingInEveryCombination) {
           const FaultSet latched = some_faults(before);
           const FaultSet after = latch(latched, active, state, clear);
           const bool may_clear = clear && !is_heated(state);
-          // Nothing goes without the command, nor while its condition is there.
+          // A latched fault goes neither without the command nor while its condition lasts.
           ASSERT_TRUE((latched - after).empty() || may_clear);
           ASSERT_TRUE(((latched & active) - after).empty());
           if (may_clear) {
             ASSERT_TRUE((after - active).empty());
           }
-          // Only what trips is ever latched, and while heated all of it.
+          // Only faults that trip are latched, and all of these while the wire is heated.
           ASSERT_TRUE((after - tripping_faults).empty());
           if (is_heated(state)) {
             ASSERT_TRUE(((active & tripping_faults) - after).empty());

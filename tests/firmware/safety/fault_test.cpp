@@ -29,7 +29,8 @@ class Provoked : public ::testing::TestWithParam<Fault> {
     return {Fault::none, {}};
   }
 
-  /// Holds a strain, then is asked for less with all power; with that, the cause begins.
+  /// Lets the device hold a strain, then commands a smaller one, and lets the fault's cause begin
+  /// at that instant.
   void cause_while_running() {
     rig_->run(0.1);
     const double top = rig_->wire->strain();
@@ -44,7 +45,7 @@ class Provoked : public ::testing::TestWithParam<Fault> {
   double limit_s() const {
     return provoker_.within_s + deglitch_s(GetParam(), rig_->settings) + 0.002;
   }
-  /// Steps until the set has it; how long that took.
+  /// Steps until the set contains the fault; returns the time that this took.
   double time_until(const FaultSet& set) {
     const int start = rig_->steps;
     const double longest_s = limit_s();
@@ -76,7 +77,7 @@ TEST_P(TrippingFault, EndsTheHeatInTime) {
       << row.name << ", first " << fault_name(rig_->out.first_cause);
   EXPECT_GE(took_s, deglitch_s(GetParam(), rig_->settings) - 1e-9) << row.name;
   EXPECT_EQ(rig_->out.drive_current_A, 0);
-  // And it stays off, whatever else happens and is commanded.
+  // The device stays off, whatever is commanded.
   rig_->command.setpoint = 0.01;
   for (int i = 0; i < 300; ++i) {
     rig_->command.arm = i % 100 < 50;
@@ -127,8 +128,9 @@ TEST(Faults, EachHasOneProvoker) {
   }
 }
 
-/// Bits of 2202h, and the number in an EMCY: a fault that is not the last of these has been
-/// inserted or moved, and clients of other releases would name it wrongly.
+/// The numbers of the faults are the bits of 2202h, and are sent in an EMCY. If this test fails
+/// though no fault was added at the end, one has been inserted or moved, and clients of other
+/// releases would give it a wrong name.
 TEST(Faults, KeepTheirNumbers) {
   std::string names;
   for (const FaultRow& row : fault_rows) {

@@ -17,8 +17,9 @@ Settings<double> hot_settings() {
   return settings;
 }
 
-/// Held at its temperature limit by all the power that it gets, 40 K beyond its last martensite.
-/// No tests of the cooling: each of them starts HotResistance anew.
+/// Gives the wire all the power that the limits allow, so that it is at its temperature limit, 40 K
+/// beyond the end of the transformation. Tests of the cooling are prevented, because each of them
+/// starts HotResistance anew.
 void hold_at_limit(Rig& rig) {
   rig.tamper_command = [&rig](Command<double>&) { rig.state.monitor.wire.cooling.confirm(); };
   rig.run(0.1);

@@ -66,7 +66,7 @@ TEST_P(HealthyWire, RaisesNoFalseAlarm) {
     scenario.step(i * Rig::dt_s);
     seen = seen | scenario.rig->out.active;
   }
-  // A limiter may act at the end of the stroke; it is no alarm.
+  // A fault that only limits the current may occur at the end of the stroke, and is no false alarm.
   for_each_fault(seen - limiting_faults,
                  [](Fault fault) { ADD_FAILURE() << "false alarm: " << fault_name(fault); });
   EXPECT_EQ(scenario.rig->out.state, DeviceState::running);

@@ -19,11 +19,11 @@ struct Provoker {
 
 using Readings = Inputs<double>;
 
-/// The readings are changed from now on, all the same way.
+/// A cause that changes the readings in the same way from now on.
 inline std::function<void(Rig&)> reading(std::function<void(Readings&)> change) {
   return [change](Rig& rig) { rig.tamper_inputs = change; };
 }
-/// What flows is no longer what is given.
+/// A cause that makes another current flow than the one given.
 inline std::function<void(Rig&)> driving(std::function<double(double)> flowing) {
   return [flowing](Rig& rig) { rig.tamper_drive = flowing; };
 }
@@ -35,7 +35,7 @@ inline double while_given(double given_A, double flowing_A) {
   return given_A > 0 ? flowing_A : 0;
 }
 
-/// As much as the limits allow, whatever the wire does.
+/// Commands this power, which the device gives up to its limits, whatever the wire does.
 inline void give_power(Rig& rig, double power_W) {
   rig.command.mode = Mode::power;
   rig.command.setpoint = power_W;
@@ -68,7 +68,7 @@ inline std::vector<Provoker> drive_provokers() {
       {Fault::driver_warm, reading([](Readings& in) { in.driver_K = 352; })},
       {Fault::driver_hot, reading([](Readings& in) { in.driver_K = 360; })},
       {Fault::kelvin_mismatch,
-       // A crimp of 40 ohm: the chopper's voltage does not reach the wire.
+       // A crimp of 40 ohm takes most of the chopper's voltage.
        [](Rig& rig) {
          give_power(rig, rig.out.wanted_power_W);
          rig.tamper_drive = [&rig](double A) {
@@ -91,7 +91,7 @@ inline std::vector<Provoker> circuit_provokers() {
       {Fault::wire_short, reading([](Readings& in) { in.sample.voltage_V *= 0.3; })},
       {Fault::sense_lead_open, reading([](Readings& in) { in.sample.voltage_V = 1e-4; })},
       {Fault::resistance_jump, reading([](Readings& in) { in.sample.voltage_V *= 0.88; })},
-      // The sense leads are on a resistor like the cold wire.
+      // The sense leads are on a resistor of 24 ohm, like the cold wire, and not on the wire.
       {Fault::no_response,
        [](Rig& rig) {
          give_power(rig, all_W);
@@ -107,8 +107,8 @@ inline std::vector<Provoker> circuit_provokers() {
   };
 }
 
-/// All power, and once there is nothing but austenite, and the cooling has been tested, its
-/// resistance rises at once.
+/// Gives all power. After 0.9 s, when the wire is wholly austenite and the cooling has been tested,
+/// the resistance rises at once by this factor.
 inline std::function<void(Rig&)> resistance_rises(double factor) {
   return [factor](Rig& rig) {
     give_power(rig, all_W);
@@ -137,7 +137,7 @@ inline std::vector<Provoker> heat_provokers() {
   return {
       {Fault::over_temperature, contract, [](Settings<double>& s) { s.trips.temperature_K = 385; },
        0.1},
-      // The observer takes the wire for colder than its heat says.
+      // The observer's temperature is lower than the one by heat.
       {Fault::heat_limit,
        [](Rig& rig) {
          rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 25; };
@@ -150,7 +150,7 @@ inline std::vector<Provoker> heat_provokers() {
        },
        0.1},
       {Fault::overheat_onset, resistance_rises(1.008), allow_hotter, 0.95},
-      // And the driver stays at the current that it was given.
+      // The resistance rises, and the driver does not lower its current any more.
       {Fault::overheat_signature,
        [](Rig& rig) {
          resistance_rises(1.013)(rig);
@@ -160,7 +160,7 @@ inline std::vector<Provoker> heat_provokers() {
          };
        },
        allow_hotter, 0.95},
-      // The first time that it could be too hot its power is cut, and it cools too slowly.
+      // The wire is cooled too little; the guard's first test shows this.
       {Fault::cooling_weak,
        [](Rig& rig) {
          rig.draught = 0.4;
@@ -196,7 +196,7 @@ inline void slip(Rig& rig, int times) {
   };
 }
 
-/// Full cycles of 2 s.
+/// Commands full cycles of 2 s.
 inline void go_to_and_fro(Rig& rig) {
   const int start = rig.steps;
   const double top = rig.wire->strain() + 0.012;
@@ -239,11 +239,11 @@ inline std::vector<Provoker> estimate_provokers() {
     return [change](Rig& rig) { rig.tamper_estimate = change; };
   };
   return {
-      // No phase has so little.
+      // The resistance falls below that of any phase.
       {Fault::model_divergence,
        [](Rig& rig) {
          give_current(rig, rig.out.drive_current_A);
-         // Slowly enough to be no jump.
+         // The fall is too slow for resistance_jump.
          rig.tamper_inputs = [&rig, start = rig.steps](Readings& in) {
            in.sample.voltage_V *= std::max(0.7, 1 - 0.004 * (rig.steps - start));
          };
@@ -255,7 +255,7 @@ inline std::vector<Provoker> estimate_provokers() {
        0.1},
       {Fault::estimate_invalid, estimate([](Estimate<double>& e) { e.strain = not_a_number; })},
       {Fault::estimate_unsure, estimate([](Estimate<double>& e) { e.health = Health::searching; })},
-      // A limit holds back, and the reference goes on with 0.35 1/s.
+      // A current limit holds the wire back while the reference goes on at 0.35 1/s.
       {Fault::following_error, [](Rig& rig) { rig.prepared.settings.limits.current_A = 0.05; },
        [](Settings<double>& s) { s.trips.following_s = 0.3; }, 0.04},
       {Fault::power_balance,
@@ -305,7 +305,7 @@ inline std::vector<Provoker> provokers() {
   return all;
 }
 
-/// Those that are looked for while no current is given.
+/// Whether the fault is looked for while no current is given.
 inline bool comes_while_off(Fault fault) {
   return fault_row(fault).severity == FaultClass::B || fault == Fault::current_while_off ||
          fault == Fault::cooling_timeout;

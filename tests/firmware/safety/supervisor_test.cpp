@@ -91,7 +91,8 @@ TEST(Supervisor, AllReasonsThatBlockAreShownAtOnce) {
        {Fault::supply_low, Fault::store_corrupt, Fault::ambient_range, Fault::driver_hot}) {
     EXPECT_TRUE(rig.out.blocks.has(fault)) << fault_name(fault);
   }
-  // A supply that is off while nothing is heated needs no clearing.
+  // A supply that is off while the wire is not heated latches no fault, so nothing has to be
+  // cleared.
   EXPECT_TRUE(rig.out.latched.empty());
 }
 
@@ -117,13 +118,13 @@ TEST(Supervisor, LatchesUntilClearedAndGone) {
   EXPECT_EQ(rig.out.state, DeviceState::fault);
   EXPECT_EQ(rig.out.first_cause, Fault::supply_low);
   EXPECT_NEAR(1e-6 * static_cast<double>(rig.out.first_cause_us), fault_at_s + 0.006, 0.0011);
-  clear(rig);  // it is still there
+  clear(rig);  // the cause is still present
   EXPECT_EQ(rig.out.state, DeviceState::fault);
   rig.supply_V = 24;
-  rig.run(0.1);  // gone, but not cleared
+  rig.run(0.1);  // the cause has gone, but the fault is not cleared
   EXPECT_EQ(rig.out.state, DeviceState::fault);
   EXPECT_TRUE(rig.out.active.empty());
-  clear(rig);  // both; still armed, but that edge is long past
+  clear(rig);  // cleared at last; the command to arm has no new edge
   EXPECT_EQ(rig.out.state, DeviceState::ready);
   EXPECT_EQ(rig.out.first_cause, Fault::none);
   rig.run(0.3);
@@ -195,7 +196,7 @@ TEST(SafeState, HoldsTheStrainForItsTimeOnly) {
   }
   ASSERT_EQ(rig.out.state, DeviceState::stopping);
   const double held = rig.wire->strain();
-  rig.command.setpoint = 0.035;  // does not count any more
+  rig.command.setpoint = 0.035;  // a set-point that does not count any more
   for (int i = 0; i < 480; ++i) {
     EXPECT_GT(rig.step().drive_current_A, 0);
     EXPECT_NEAR(rig.wire->strain(), held, 0.001);
@@ -247,7 +248,7 @@ TEST(SafeState, NothingIsHeldByAnEstimateThatIsNone) {
   EXPECT_TRUE(std::isfinite(rig.out.estimate.strain));
 }
 
-/// The same readings repeated as new ones, with a sequence that goes on.
+/// The same readings come again and again, though with new sequence numbers.
 TEST(Supervisor, FindsReadingsThatDoNotFollowTheCurrent) {
   Rig rig = running_rig();
   const Readings old = rig.inputs;

@@ -54,7 +54,7 @@ TEST(DeviceNames, EveryLimitReasonHasOne) {
   EXPECT_EQ(limit_reason_names(3), "min_current+current");
 }
 
-/// One name means one quantity: a column of the log that is called like a signal has its value.
+/// A column of the log that has the name of a signal has that signal's value.
 TEST(Signals, HaveTheirValuesInLogs) {
   Cycle cycle{};
   Output<double>& out = cycle.output;

@@ -136,7 +136,7 @@ TEST(SettingsFile, AWireIsNeeded) {
               HasSubstr("wire.r2a needs all of start, finish, curvature and turning"));
 }
 
-/// All that a wire file may say; but nothing follows from what is replaced.
+/// [wire] may have every key of a wire file; a number that it replaces changes no other one.
 TEST(SettingsFile, TheWireIsSaidAsInAWireFile) {
   const Wire<double> preset = files::load_wire("smartflex-76um").wire;
   const Wire<double> wire = parse(std::string(with_wire) +
@@ -167,7 +167,7 @@ TEST(SettingsFile, OldKeysSayWhatTheyAreCalledNow) {
             "--set: observer.ambient_sd_K = 5: is now called observer.start_ambient_sd_K");
   EXPECT_EQ(error_of(std::string(with_wire), {{"measuring.load_gain", "1"}}),
             "--set: measuring.load_gain = 1: is now called measurement.load_gain");
-  // The device has limits of its own.
+  // The table [limits] is the device's, and does not have the keys of a wire's limits.
   EXPECT_THAT(error_in("limits", "load_N = 2"), HasSubstr("unknown key; [limits] has: "));
 }
 

@@ -105,8 +105,8 @@ TEST(TextTable, WhatStandsWhereThereIsNothing) {
   EXPECT_EQ(table.markdown(), "| a | b | c |\n|---|--:|--:|\n| x | never | never |\n");
 }
 
-/// A mark that is a star keeps the digits of the others in place; of a text on the left there is
-/// none.
+/// If a cell of a right-aligned column has a star, the other cells get a space there, so that
+/// digits stay below each other. Left-aligned cells have no star.
 TEST(TextTable, StarsStandBehindTheirColumn) {
   text::TextTable table({{"a"}, {"b", "{}"}, {"c", "{}"}});
   table.add({{"x", true}, 1, 2});

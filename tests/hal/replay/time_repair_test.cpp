@@ -76,7 +76,8 @@ TEST(TimeRepair, EachBadTimeCostsItsRowAndNoOther) {
     const std::vector<double> good = times;
     std::set<std::size_t> bad;
     for (std::size_t i = 1 + random() % 4; i + 3 < times.size(); i += 4 + random() % 12) {
-      // As far ahead as a flipped bit of the time, or behind; within the trace or beyond it.
+      // Errors ahead (up to a flipped bit of the time) or behind, within the trace's times or
+      // beyond them.
       const double off[] = {3e6, 1, -1, -50, -99.9};
       times[i] += off[random() % std::size(off)];
       bad.insert(i);

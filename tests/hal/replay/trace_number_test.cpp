@@ -20,14 +20,14 @@ int between(Random& random, int low, int high) {
 std::string digits(Random& random, int count) {
   std::string text;
   for (int i = 0; i < count; ++i) {
-    // Zeros and nines more often than chance would have it: they carry.
+    // Zeros and nines are more frequent than by chance, because nines carry when they are rounded.
     const int kind = between(random, 0, 9);
     text += static_cast<char>('0' + (kind == 0 ? 0 : kind == 1 ? 9 : between(random, 0, 9)));
   }
   return text;
 }
 
-/// What strtod, and a conversion without factor, make of it; -0 becomes 0.
+/// The value by strtod, after a conversion of factor 1, which makes 0 of -0.
 double expected(const std::string& text) {
   return std::strtod(text.c_str(), nullptr) + 0.0;
 }

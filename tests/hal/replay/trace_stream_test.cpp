@@ -42,14 +42,14 @@ class PiecewiseInput {
     close(ends[0]);
     writer_ = std::thread([out = ends[1], write] {
       write([out](std::string_view piece) {
-        // A reader that gave up is no error of the writer's.
+        // It is no error of the writer if the reader has given up.
         static_cast<void>(send(out, piece.data(), piece.size(), MSG_NOSIGNAL));
       });
       close(out);
     });
   }
   ~PiecewiseInput() {
-    // The only reading end goes first: a writer that waits is set free.
+    // The only reading end is closed first, which frees a writer that waits.
     dup2(saved_, STDIN_FILENO);
     close(saved_);
     writer_.join();
@@ -271,8 +271,8 @@ TEST(TraceStream, DamagedTracesNeverCrash) {
       continue;
     }
     ASSERT_EQ(strict.error.empty(), forgiving.contents.skipped == 0 && !forgiving.clock_fell);
-    // Both read the same up to the first bad row, which may be the one before the line that a
-    // strict reader refuses: the first that comes after all others.
+    // Both read the same up to the first bad row. A strict reader refuses the row after a time that
+    // was too late, so the bad row may be one before the line that it refuses.
     const std::size_t read = strict.contents.texts.size();
     const std::size_t same = strict.error.empty() || read == 0 ? read : read - 1;
     ASSERT_LE(same, forgiving.contents.texts.size());

@@ -227,7 +227,7 @@ TEST(TraceRows, EmptyLinesAreNotRows) {
 }
 
 TEST(TraceRows, ACutOffLastLineIsNoRow) {
-  // A digit may be missing: nobody can know that 1 was not meant to be 17.
+  // A digit may be missing: the 1 may be the beginning of a 17.
   const std::string cut = "time_s,note\n0,a\n1,b";
   EXPECT_THAT(refusal(cut), AllOf(StartsWith("line 3, column 2 (note): "), HasSubstr("cut off")));
   const TraceContents t = read_trace(cut, lenient());

@@ -41,7 +41,7 @@ inline TraceContents read_trace(std::string_view text, const hal::TraceOptions& 
   return read_all(reader);
 }
 
-/// What is said about a trace that is refused, without the file's name; nothing when it is read.
+/// The message that refuses a trace, without the file's name; empty if the trace is read.
 inline std::string refusal(std::string_view text, const hal::TraceOptions& options = {}) {
   const TemporaryFolder folder;
   const std::string path = folder.write("trace.csv", text);

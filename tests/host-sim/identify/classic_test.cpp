@@ -30,7 +30,7 @@ double arctan(double u) {
   return std::atan2(1, u) / pi;
 }
 
-/// From 290 K to 420 K and back, 600 rows.
+/// A bath run from 290 K to 420 K and back, with 600 rows.
 identify::Run bath(const Truth& truth, const Fraction& fraction) {
   identify::Run run{"bath", identify::RunKind::bath, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   for (int i = 0; i < 600; ++i) {
@@ -88,7 +88,7 @@ TEST(Classics, EachFindsItsOwnCurveAndFitsItBest) {
   }
 }
 
-/// By bisection on the curve's parameter, from de Casteljau's construction.
+/// The value of the curve, found by bisection on its parameter with de Casteljau's construction.
 double bezier_by_bisection(const identify::BezierShape<double>& shape, double t) {
   const auto point = [](double s, double a, double b, double c, double d) {
     double p[] = {a, b, c, d};
@@ -124,7 +124,8 @@ TEST(Bezier, IsWhatBisectionFinds) {
   for (int i = 0; i < 20000; ++i) {
     const identify::BezierShape<double> shape = random_bezier(random);
     const double t = std::uniform_real_distribution<double>(0, 1)(random);
-    // Where the curve is steep, its parameter is known as well as the square root of rounding.
+    // Where the curve is steep, rounding makes its parameter uncertain by the square root of the
+    // rounding error.
     EXPECT_NEAR(identify::bezier_fraction(shape, t), bezier_by_bisection(shape, t), 1e-9) << t;
   }
 }
@@ -233,7 +234,8 @@ TEST_F(MeasuredData, ClassicsOfFlexinol) {
         identify::read_run(file(wire.file), {{0.1, 150e-6}, {}, {}, {}});
     const auto fits = identify::fit_classics(run);
     ASSERT_EQ(fits.size(), 3U);
-    // A least-squares fit has one answer: 1 % is the rounding of these figures.
+    // A least-squares fit has a single solution. The tolerance of 1 % covers only the rounding of
+    // the figures in `wires`.
     EXPECT_NEAR(100 * fits[0].rms, wire.cosine, 0.01 * wire.cosine);
     EXPECT_NEAR(100 * fits[1].rms, wire.tanh, 0.01 * wire.tanh);
     EXPECT_NEAR(100 * fits[2].rms, wire.arctan, 0.01 * wire.arctan);

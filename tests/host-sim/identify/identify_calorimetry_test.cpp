@@ -11,7 +11,8 @@
 namespace smaservo::test {
 namespace {
 
-/// The preset, but for what calorimetry sees best and baths do not see at all.
+/// The preset with another M2A, other heats, which only calorimetry sees, and another strain of
+/// martensite, which only baths see.
 Wire<double> truth() {
   Wire<double> wire = files::load_wire("smartflex-76um").wire;
   wire.kinetics.m2a.start_K[0] += 4;
@@ -46,7 +47,8 @@ TEST(Calorimetry, AndBathsAreExplainedTogether) {
     }
   }
   EXPECT_LT(fit.runs.front().power.rms, 0.02);
-  // Only the calorimetry knows the heats; without its rate, how they belong together.
+  // Only the calorimetry determines the heats, and only their ratio, as its heating rate is not
+  // known.
   const auto in_kelvins = [](const HeatParams<double>& heat) {
     return heat.latent_m2a_J_kg / heat.specific_heat_J_kgK;
   };

@@ -136,7 +136,7 @@ TEST(Identify, WritesTheWireThatWasFitted) {
   const files::Entries expected = files::describe_wire(fit.wire);
   ASSERT_EQ(read.size(), expected.size());
   for (const auto& [slot, entry] : expected) {
-    // But for rounding.
+    // The numbers are equal except for rounding.
     EXPECT_NEAR(read.at(slot).number, entry.number, 1e-12 * std::abs(entry.number))
         << entry.field->path;
   }

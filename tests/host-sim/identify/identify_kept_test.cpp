@@ -1,5 +1,6 @@
-// What a fit says to have kept has the value that it had, to the last bit, and no transition falls
-// with stress, whatever the runs are: random wires, of which random thin runs are known.
+// Parameters that a fit reports as kept have the values from before the fit, to the last bit, and
+// no transition temperature falls with stress, whatever the runs are. The wires are random; the
+// runs of them are random and tell little.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +30,8 @@ Wire<double> another(const Wire<double>& type, std::mt19937_64& random) {
   });
 }
 
-/// One load, one heating, a narrow bath, a calorimeter alone, two loads that hardly differ.
+/// Runs that tell little: one load, one heating, a narrow bath, a calorimeter alone, or two loads
+/// that hardly differ.
 std::vector<identify::Run> thin_runs(const Wire<double>& wire, std::mt19937_64& random) {
   const double stress_Pa =
       wire.limits.stress_Pa * std::uniform_real_distribution<double>(0.05, 1)(random);
@@ -151,7 +153,8 @@ Wire<double> whose_a2r_stays(const Wire<double>& type, std::mt19937_64& random) 
       });
 }
 
-/// The standard deviation of the difference of two runs' strains; where zero is, is not known.
+/// The standard deviation of the difference of two runs' strains. A constant offset does not count,
+/// as the zero of strain is not known.
 double differ(const identify::Run& a, const identify::Run& b) {
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < a.strain.size(); ++i) {
@@ -163,8 +166,8 @@ double differ(const identify::Run& a, const identify::Run& b) {
   return std::sqrt(std::max(0.0, squares / n - sum * sum / n / n));
 }
 
-/// That a fall is forbidden costs nothing elsewhere, and the wire that is returned has the
-/// structure that was found: it moves as the runs do.
+/// Forbidding a fall with stress makes nothing else less accurate: the wire that is returned has
+/// the structure that was found, and moves as the runs do.
 TEST(IdentifyKept, ATransitionThatStaysIsFound) {
   const Wire<double> from = files::load_wire("smartflex-76um").wire;
   std::mt19937_64 random(14);

@@ -73,7 +73,8 @@ TEST_F(IdentifyFlexinol, PredictsTheStressBetween) {
   EXPECT_GT(rms, 0.005);
 }
 
-// 41 settled states up and down in 4 folds, each left out of a fit to the others.
+// The 41 settled states of one heating and cooling are divided into 4 folds. Each fold is predicted
+// by a fit to the others.
 
 constexpr std::size_t folds = 4;
 constexpr std::size_t hottest_row = 20;
@@ -99,7 +100,7 @@ double stroke(const smaservo::identify::Run& run) {
 
 using Rows = std::vector<std::size_t>;
 
-/// 1, R, R², ... of these rows.
+/// A matrix with the powers 1, R, R², ... for each of these rows; R is relative to 2.9 ohm.
 Eigen::MatrixXd powers(const smaservo::identify::Run& run, const Rows& rows, int degree) {
   Eigen::MatrixXd m(static_cast<Eigen::Index>(rows.size()), degree + 1);
   for (Eigen::Index k = 0; k < m.rows(); ++k) {
@@ -111,7 +112,8 @@ Eigen::MatrixXd powers(const smaservo::identify::Run& run, const Rows& rows, int
   return m;
 }
 
-/// Of a polynomial from resistance to strain, fitted to these rows without each fold in turn.
+/// Sets the errors of a polynomial from resistance to strain. It predicts each fold of these rows
+/// after a fit to the other folds.
 void polynomial_errors(const smaservo::identify::Run& run, const Rows& rows, int degree,
                        Errors& errors) {
   for (std::size_t fold = 0; fold < folds; ++fold) {
@@ -152,11 +154,12 @@ ResistanceErrors resistance_errors(const smaservo::identify::Run& run) {
 
 struct ModelErrors {
   Errors alone;            ///< errors of the model driven by the power only
-  Errors with_resistance;  ///< the temperature may be off; the resistance says how far
+  Errors with_resistance;  ///< errors after the resistance has corrected the temperature
 };
 
-/// The strain where prediction and resistance contradict each other least: the air may be off from
-/// the fit's by 1 K, the resistance by what the fit leaves of it.
+/// Predicts the rows of one fold. With the resistance, it chooses the air temperature at which
+/// prediction and resistance contradict each other least: the air's standard deviation around the
+/// fit's is 1 K, that of the resistance is what remains after the fit.
 void predict_left_out(const smaservo::identify::Run& run, const identify::FitResult& fit,
                       std::size_t fold, ModelErrors& errors) {
   const identify::FittedRun& fitted = fit.runs.front();
@@ -200,7 +203,7 @@ void predict_left_out(const smaservo::identify::Run& run, const identify::FitRes
   }
 }
 
-/// What a fit does not see of the rows that are left out.
+/// The columns that a fit does not see in the rows that are left out.
 enum class Hidden : unsigned char { strain, strain_and_resistance };
 
 ModelErrors model_errors(const smaservo::identify::Run& run, const Wire<double>& from,
@@ -209,7 +212,7 @@ ModelErrors model_errors(const smaservo::identify::Run& run, const Wire<double>&
   errors.with_resistance = errors.alone;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     smaservo::identify::Run known = run;
-    // Nothing is known of the first state, which has no current.
+    // The strain of the first state, which has no current, is hidden from every fit.
     known.strain[0] = std::nan("");
     for (std::size_t i = fold; i < run.strain.size(); i += folds) {
       known.strain[i] = std::nan("");
@@ -225,7 +228,8 @@ ModelErrors model_errors(const smaservo::identify::Run& run, const Wire<double>&
 class IdentifyStaircase : public MeasuredData {};
 
 TEST_F(IdentifyStaircase, PredictsStatesThatItHasNotSeen) {
-  // 8.3 ohm/m and 4 % of the length are 3.46 ohm and 16.9 mm: 0.38 mm, 417 mm. The load is a guess.
+  // Diameter and length follow from the measured 3.46 ohm and 16.9 mm: at 0.38 mm (8.3 ohm/m) the
+  // length is 417 mm, and the stroke 4 % of it. The load is a guess.
   const Wire<double> from =
       files::load_wire("flexinol-lt-0.38mm", {{"wire.length_mm", "417"}}).wire;
   const smaservo::identify::Run run =
@@ -233,12 +237,13 @@ TEST_F(IdentifyStaircase, PredictsStatesThatItHasNotSeen) {
   ASSERT_EQ(run.kind, identify::RunKind::settled);
   ASSERT_EQ(run.strain.size(), 41U);
   EXPECT_NEAR(stroke(run), 16.9 / 417, 1e-4);
-  // Polynomials have seen nothing of the rows left out; neither has this fit.
+  // This fit sees neither strain nor resistance of the rows left out, like the polynomials.
   const ModelErrors unseen = model_errors(run, from, Hidden::strain_and_resistance);
   EXPECT_LT(mean(unseen.with_resistance), 0.015);
   EXPECT_GT(mean(unseen.with_resistance), 0.005) << "less than between neighbouring states";
   EXPECT_LT(mean(unseen.alone), 0.06);
-  // Resistances can be measured without knowing the strain.
+  // This fit sees the resistance of the rows left out, since it can be measured without knowing the
+  // strain.
   const ModelErrors measured = model_errors(run, from, Hidden::strain);
   EXPECT_LT(mean(measured.with_resistance), 0.015);
   EXPECT_LT(mean(measured.alone), 0.025);

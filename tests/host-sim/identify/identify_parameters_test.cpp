@@ -29,7 +29,7 @@ TEST(FitParameters, WithoutDeviationTheWireIsWhatItWas) {
       SCOPED_TRACE(fmt::format("{} {}", name, field->path));
       const std::vector<double> numbers = files::wire_numbers(*field, from);
       const std::vector<double> other = files::wire_numbers(*field, after);
-      // A coefficient counts by what it does at 500 MPa.
+      // Each coefficient is compared by its contribution at 500 MPa.
       double scale = 1;
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         EXPECT_NEAR(scale * numbers[i], scale * other[i],

@@ -19,7 +19,7 @@ const Wire<double>& wire() {
   return one;
 }
 
-/// Heated and cooled by growing and shrinking amounts.
+/// A power that heats and cools the wire by varying amounts.
 double power_W(double time_s) {
   const double wave = std::sin(2 * std::numbers::pi * time_s / 2.5);
   return 0.45 * (0.5 + 0.5 * wave) * (0.6 + 0.4 * std::sin(time_s));
@@ -109,7 +109,8 @@ TEST(Prediction, DerivativesAreThoseOfFiniteDifferences) {
       difference += std::pow(slope - jets[i].resistance_ohm.v[0], 2);
       size += slope * slope;
     }
-    // Where a path turns by a threshold, a difference jumps: a few comparisons may be far off.
+    // Where a threshold makes the path reverse, the difference quotient jumps, so a few comparisons
+    // may be far off.
     EXPECT_LE(std::sqrt(difference), 0.05 * std::sqrt(size) + 1e-6) << parameters[k].key;
   }
 }

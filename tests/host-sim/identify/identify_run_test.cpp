@@ -21,7 +21,7 @@ using ::testing::StartsWith;
 using Columns = std::vector<RecordedColumn>;
 using Values = std::vector<double>;
 
-/// What is said of a run that is refused, without the file's name; nothing when it is taken.
+/// The message that refuses a run, without the file's name; empty if the run is accepted.
 std::string refusal(const Columns& columns,
                     const identify::RunOptions& options = of_recorded_wire()) {
   const TemporaryFolder folder;
@@ -60,7 +60,8 @@ TEST(RunKinds, AMeasuringCurrentMakesNoHeating) {
   for (std::size_t i = 0; i < 200; ++i) {
     ASSERT_NEAR(bath.resistance_ohm[i], r.ohm[i], 1e-12);
   }
-  // 22 ohm on 100 mm: 21 mA bring 0.1 W/m.
+  // A measuring current may heat the wire with 0.1 W/m, here with 21 mA (22 ohm, 100 mm); 25 mA are
+  // too much.
   columns[2].values.back() = 25;
   columns[3].values.back() *= 5;
   EXPECT_THAT(refusal(columns), HasSubstr("fit a joule run"));
@@ -192,7 +193,7 @@ TEST(RunChecks, ContradictoryUnits) {
   EXPECT_THAT(refusal({warm, strain, {"resistance_ohm", r.ohm}}, thick), HasSubstr("300 um"));
 }
 
-/// A sensor's range that ends short of the motion.
+/// The range of a sensor ends before the motion does.
 TEST(ClippedColumns, AreRefused) {
   const Recording r;
   const RecordedColumn warm{"temperature_degC", r.temperature_degC};
@@ -265,7 +266,8 @@ TEST(UnclippedColumns, WiresAtRestThermostatsAndSources) {
   sampled.trace.period_s = 0.1;
   EXPECT_EQ(refusal(rest, sampled), "");
   EXPECT_EQ(refusal(hold), "");
-  // A voltage source in three steps: the current is the wire's answer.
+  // A voltage that has only three levels comes from a source, not from a clipped converter; the
+  // current follows the wire's resistance.
   Columns source{{"voltage_V", {}}, {"current_A", {}}, {"strain_ref", r.strain}};
   for (std::size_t i = 0; i < 200; ++i) {
     source[0].values.push_back(i < 40 ? 1 : i < 150 ? 5 : 0.5);

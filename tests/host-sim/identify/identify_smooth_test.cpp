@@ -1,6 +1,6 @@
-// Wires that follow a curve of tanh, whose tails fall faster than those of ihyp: the preset's
-// curvature is ten times theirs. A narrow prior keeps the fit from them, what it misses looks like
-// few independent rows, and with these the prior weighs still more.
+// Wires that follow a tanh, whose tails fall faster than those of the preset's curve: the preset's
+// curvature is ten times theirs. With a narrow prior of the curvature the fit would miss them. Its
+// residuals would then look like few independent rows, and so give the prior still more weight.
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +22,8 @@ struct Branch {
   double fraction(double T) const { return 1 / (1 + std::exp(2 * (T - centre_K) / width_K)); }
 };
 
-/// In water, whose range of temperatures often leaves the cycle open at one end: the cooling branch
-/// begins and ends where the heating branch does.
+/// A run in a water bath, whose range of temperatures is often too small for a whole cycle. The
+/// cooling branch is scaled to begin and end where the heating branch does.
 identify::Run water_bath(const Branch& heating, const Branch& cooling, double stroke,
                          std::mt19937_64& random) {
   constexpr double cold_K = 301, hot_K = 352, step_K = 0.5;

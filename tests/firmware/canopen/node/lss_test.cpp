@@ -98,7 +98,7 @@ TEST(Lss, AnIdCountsAfterAResetOfTheCommunication) {
   EXPECT_EQ(rig.node_id(), 1) << "it was not stored";
 }
 
-// "Not stored" was the answer: then it is not stored with the next save either.
+// A node-id for which LSS has answered "not stored" is not stored with the next save either.
 TEST(Lss, WhatCouldNotBeStoredIsNotStoredLater) {
   ServoRig rig;
   rig.storage_works = false;
@@ -115,7 +115,7 @@ TEST(Lss, WhatCouldNotBeStoredIsNotStoredLater) {
   EXPECT_EQ(rig.node_id(), 1);
 }
 
-// The master takes the next answer for that to its last request.
+// There must be no second answer: the master would take it for the answer to its next request.
 TEST(Lss, TwoStoresAreAnsweredOnce) {
   ServoRig rig;
   rig.answers = false;

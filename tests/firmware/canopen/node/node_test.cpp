@@ -137,7 +137,7 @@ TEST(Heartbeat, TheStateAfterALossIsThatOf1029h) {
     EXPECT_EQ(rig.servo.node().state(), Nmt::operational);
     rig.run(2);
     EXPECT_EQ(rig.servo.node().state(), state) << int{behaviour};
-    // Its return changes nothing but the error register.
+    // When the watched node returns, only the error register changes, not the state.
     rig.send(0x710, {5});
     rig.run(2);
     EXPECT_EQ(rig.servo.node().state(), state) << int{behaviour};
@@ -269,7 +269,8 @@ TEST(Emergency, TheListHoldsEightAndTheInhibitTimeIsKept) {
   EXPECT_EQ(rest.back(), frame(emergency, Bytes(8))) << "the end is told, whatever is left out";
 }
 
-/// A list that is full of both kinds: what is severe stays in its order, as far as there is room.
+/// The list of errors is full of mild and severe ones: the severe ones stay in their order, as far
+/// as there is room.
 TEST(Emergency, WhatIsMildPushesNothingSevereOut) {
   std::mt19937 random(7);
   ServoRig rig;
@@ -300,7 +301,7 @@ TEST(Emergency, WhatIsMildPushesNothingSevereOut) {
   EXPECT_EQ(severe.size(), 8U);
 }
 
-/// Nobody commands: with 6007h = 2 the axis goes to Switch on disabled, which is no fault.
+/// If nobody commands and 6007h is 2, the axis goes to Switch on disabled, which is no fault.
 TEST(Emergency, ThatOfASilentSourceEndsWhenItCommandsAgain) {
   ServoRig rig;
   rig.set({0x6007, 0}, 2, 2);
@@ -320,7 +321,7 @@ TEST(Emergency, ThatOfASilentSourceEndsWhenItCommandsAgain) {
   EXPECT_EQ(rig.get({0x1001, 0}), 0U);
 }
 
-/// Whoever is no longer watched is no longer missed.
+/// A node that is no longer watched is no longer reported as lost.
 TEST(Emergency, EndsWithTheWatch) {
   ServoRig rig;
   rig.set({0x1029, 1}, 1, 1);

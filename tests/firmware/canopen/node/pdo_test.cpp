@@ -118,7 +118,7 @@ TEST(Pdo, WhatIsSentIsWhatTheSyncHasFound) {
     rig.nmt(1);
     rig.send(0x301, {static_cast<std::uint8_t>(type + 7), 0, 0, 0, 0, 0, 0, 0});
     rig.sent.clear();
-    // All three have come before the node's answer can leave.
+    // The SYNC and the second RPDO have both come before the node's answer can leave.
     rig.servo.receive(frame(0x80, {}), rig.now_us);
     rig.servo.receive(frame(0x301, {99, 0, 0, 0, 0, 0, 0, 0}), rig.now_us);
     rig.step();
@@ -174,7 +174,7 @@ TEST(Pdo, LengthsAndDeadlinesAreEmergencies) {
   EXPECT_EQ(late[1].data[2], 0x11) << "the source is still lost";
 }
 
-// Without heartbeats to say so.
+// Without heartbeats, the partner's RPDO alone ends the error.
 TEST(Pdo, APartnerThatSpeaksAgainEndsTheError) {
   ServoRig rig;
   rig.set({0x1400, 5}, 20, 2);
@@ -260,7 +260,7 @@ TEST(Pdo, DummiesAreForReceiving) {
   }
 }
 
-/// Live values in REAL32 change in each step.
+/// Live values in REAL32 change in each step, so only the inhibit time limits their rate.
 TEST(Pdo, LiveValuesComeEvery20MillisecondsByDefault) {
   ServoRig rig;
   rig.set({0x1802, 1}, 0x4000'0381, 4);
@@ -283,8 +283,8 @@ TEST(Pdo, LiveValuesComeEvery20MillisecondsByDefault) {
   }
 }
 
-/// The load that 2211h tells is never less than what is sent, and for a PDO that changes all the
-/// time it is that.
+/// The load that 2211h gives is never less than that of the frames sent, and equal to it for a PDO
+/// whose values always change.
 TEST(Pdo, TheLoadOfTheMappingIsTold) {
   ServoRig rig;
   rig.step();

@@ -215,7 +215,7 @@ TEST(Sdo, AnAbandonedBlockDownloadIsGivenUpUnderPolling) {
   }
 }
 
-/// The second request of whoever polls ends the block, and is answered.
+/// The second request of another client ends the abandoned block, and is answered.
 TEST(Sdo, AnAbandonedBlockDownloadEndsWithTheNextTransfer) {
   const Bytes read = ServoRig::named(0x40, {0x1000, 0});
   const Bytes write{0x2B, 0x17, 0x10, 0, 0x10, 0x27};
@@ -239,8 +239,8 @@ TEST(Sdo, AnAbandonedBlockDownloadEndsWithTheNextTransfer) {
   }
 }
 
-/// Whatever the data are, also those of requests, a client that sends its block to the end is not
-/// interrupted, though segments are lost, the first among them, come twice, and come slowly.
+/// A client that sends its block to the end is not interrupted, even if the data look like
+/// requests, and if segments are lost (also the first), come twice, or come slowly.
 TEST(Sdo, ABlockOfRequestsIsABlock) {
   std::mt19937 random(2);
   for (int i = 0; i < 20; ++i) {
@@ -260,7 +260,7 @@ TEST(Sdo, ABlockOfRequestsIsABlock) {
   }
 }
 
-/// A bus of 10 kbit/s that loses the second segment of a block: 126 more take 1.6 s.
+/// A bus of 10 kbit/s loses the second segment of a block; those that follow take 1.6 s.
 TEST(Sdo, ASlowBlockWithALostSegmentIsNotGivenUp) {
   ServoRig rig;
   rig.ask({0xC2, 0x00, 0x21, 1, 4});

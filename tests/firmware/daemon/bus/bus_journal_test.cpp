@@ -17,7 +17,7 @@ using canopen::Source;
 
 constexpr Key gain{0x2100, 1};
 
-/// What it says, once it has ended, of the last of `count` changes, these here.
+/// The texts of a journal that has ended, after `count` changes of which it was given only these.
 std::vector<std::string> said(const std::vector<LoggedChange>& changes, std::size_t count) {
   std::vector<std::string> texts;
   {
@@ -61,7 +61,8 @@ TEST(BusJournal, SaysOldNewAndSource) {
   EXPECT_EQ(said(changes, changes.size()), expected);
 }
 
-// Nothing goes by in silence, and nothing fills a disk.
+// Changes that are not listed are counted, so that none is lost in silence and a log cannot fill
+// the disk.
 TEST(BusJournal, CountsWhatItDoesNotSay) {
   const LoggedChange change{0, gain, Source::sdo, 0, 1, Abort::none};
   std::vector<std::string> texts = said(std::vector<LoggedChange>(100, change), 100);

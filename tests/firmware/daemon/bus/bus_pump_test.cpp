@@ -87,7 +87,8 @@ struct Rig {
   }
 };
 
-// Settings that need a wire without heat: its end goes before them, its beginning after them.
+// Some settings need a wire without current: the loop hears of the end of heating before them, and
+// of its next beginning after them.
 TEST(BusPump, SaysTheEndOfTheHeatBeforeNewSettings) {
   Rig rig;
   bool armed = false;
@@ -129,7 +130,8 @@ TEST(BusPump, CarriesBothWays) {
   EXPECT_TRUE(heard.external.has(Fault::duplicate_node));
 }
 
-// In one round or in several: what counts is what the loop has not seen before a newer one came.
+// The set-points of a cycle are all that have come since the loop last listened, in one round or in
+// several.
 TEST(BusPump, CountsTheSetpointsOfEachCycle) {
   Rig rig;
   EXPECT_EQ(rig.source.listen(0).setpoints, 0U);
@@ -193,7 +195,7 @@ TEST(BusPump, WhatAFullQueueDoesNotTakeComesLaterInItsOrder) {
   EXPECT_EQ(rig.pump.dropped(), 0U);
 }
 
-// Between four frames that it sends it listens.
+// A round sends at most four frames, so that the pump reads the port in between.
 TEST(BusPump, MuchToSendIsSentInSeveralRounds) {
   Rig rig;
   for (std::uint32_t i = 0; i < 10; ++i) {

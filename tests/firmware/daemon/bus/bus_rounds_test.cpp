@@ -84,7 +84,7 @@ struct Rig;
 struct Link {
   explicit Link(Rig& rig_) : rig(&rig_) {}
   void send(const hal::CanFrame& frame) const;
-  /// Within ten seconds of the test's clock.
+  /// Waits for a frame for up to ten seconds of the test's clock.
   std::optional<hal::CanFrame> wait(std::uint32_t id) const;
   Rig* rig;
 };
@@ -97,7 +97,7 @@ daemon::BusSetup setup_with(Change change) {
   return setup;
 }
 
-/// A node beside a loop that the test is.
+/// A node, and the links to a loop, whose part the test plays.
 struct Rig {
   Rig() : Rig([](daemon::BusSetup&) {}) {}
   explicit Rig(const TemporaryFolder& folder)
@@ -118,7 +118,7 @@ struct Rig {
       round();
     }
   }
-  /// As the loop takes them, without stepping.
+  /// Takes the new sets of parameters as the loop does, but makes no step.
   int take_sets() {
     int taken = 0;
     daemon::ParameterSet* set = nullptr;
@@ -181,7 +181,8 @@ TEST(BusRounds, TellsTheNodeOfLoopAndBoard) {
       << "announced by the first segment";
 }
 
-// More changes than the loop takes are refused; what was promised comes when there is room.
+// A change for which the loop has no room is refused. One that was accepted reaches the loop as
+// soon as there is room.
 TEST(BusRounds, RefusesWhatTheLoopHasNoRoomFor) {
   Rig rig;
   float said = 5;
@@ -195,7 +196,7 @@ TEST(BusRounds, RefusesWhatTheLoopHasNoRoomFor) {
   EXPECT_EQ(as_real(rig.client.get(gain)), said) << "the old value stays";
   EXPECT_EQ(rig.client.set(tuning, 1, 1), Abort::transfer);
   EXPECT_EQ(rig.take_sets(), 8);
-  // The ninth had been promised: it comes by itself.
+  // The ninth change had been accepted, and now reaches the loop by itself.
   const auto promised = static_cast<double>(said);
   EXPECT_NE(rig.desk.settings().strain.proportional, promised);
   rig.round();
@@ -203,7 +204,8 @@ TEST(BusRounds, RefusesWhatTheLoopHasNoRoomFor) {
   EXPECT_EQ(rig.client.set(gain, as_bits(6.F)), Abort::none);
 }
 
-// SIGHUP has read other settings: a write over the bus does not take them back.
+// After SIGHUP has read other settings, a write over the bus changes these, and does not bring back
+// the earlier ones.
 TEST(BusRounds, GoesOnFromSettingsThatOthersGive) {
   Rig rig;
   EXPECT_EQ(rig.client.set(tuning, 1, 1), Abort::none);
@@ -220,7 +222,7 @@ TEST(BusRounds, GoesOnFromSettingsThatOthersGive) {
   EXPECT_EQ(rig.desk.settings().limits.power_W, 0.75);
 }
 
-// Of the board file, each of them; neither one by one nor as a set.
+// No write exceeds any of the board file's ceilings, neither a single write nor a set.
 TEST(BusRounds, NoWriteRaisesACeilingOfTheBoard) {
   const Settings<double> s = test_settings();
   const canopen::Ceilings at = canopen::ceilings_at(s);
@@ -267,7 +269,7 @@ TEST(BusRounds, AResetOfTheNodeEndsTheLoop) {
   EXPECT_TRUE(rig.port.out.empty()) << "the boot-up is said by the next one";
 }
 
-/// What the next start takes.
+/// The current limit that the next start would load.
 float stored_current_A(const std::string& folder) {
   hal::FileStore store(folder);
   const Loaded<double> loaded = load_settings<double>(store);
@@ -275,8 +277,8 @@ float stored_current_A(const std::string& folder) {
                                            : static_cast<float>(loaded.settings.limits.current_A);
 }
 
-// A reset of the communication comes while a save is under way, after each number of rounds, and
-// the disk goes on for as many: its result answers no later save.
+// The communication is reset 0 to 3 rounds after a save has begun, and the disk finishes 1 to 4
+// rounds later. The result of that save must not answer the next one.
 TEST(BusRounds, ASaveAfterAResetIsItsOwn) {
   const TemporaryFolder folder;
   Rig rig(folder);
@@ -303,8 +305,8 @@ TEST(BusRounds, ASaveAfterAResetIsItsOwn) {
   }
 }
 
-// The disk stands still for 8 s: the save is answered when it is durable, not before, and the node
-// lives meanwhile.
+// While the disk stands still for 8 s, the node goes on. The save is answered only when it is
+// durable.
 TEST(BusRounds, ADiskThatStandsStillHoldsUpItsSaveOnly) {
   const TemporaryFolder folder;
   Rig rig(folder);
@@ -324,8 +326,8 @@ TEST(BusRounds, ADiskThatStandsStillHoldsUpItsSaveOnly) {
   EXPECT_EQ(stored_current_A(folder.path().string()), 0.125F);
 }
 
-// The bus is lost when nothing has come for longer than the board file says, to the round, and
-// until something comes.
+// The bus is lost, to the round, when nothing has been received for longer than the board file
+// says, until something is received again.
 TEST(BusRounds, ASilentBusIsLostAfterItsTime) {
   Rig rig([](auto& setup) { setup.lost_after_s = 0.5; });
   rig.client.get(gain);
@@ -349,7 +351,8 @@ TEST(BusRounds, ASilentBusIsLostAfterItsTime) {
   }
 }
 
-// The rounds stop: the loop ends the heat after its lease, by its own clock.
+// If the bus's thread makes no more rounds, the loop sees a lost bus 0.1 s later by its own clock,
+// and thus ends the heat.
 TEST(BusRounds, AThreadThatStandsStillIsALostBus) {
   Rig rig;
   const double s = 1e-6 * static_cast<double>(rig.now_us);
@@ -363,7 +366,7 @@ TEST(BusRounds, AThreadThatStandsStillIsALostBus) {
   EXPECT_FALSE(source.listen(s + 8.001).external.has(Fault::bus_lost));
 }
 
-// What a trial puts in force reaches the loop, and so does its end.
+// The settings of a trial reach the loop, and so do the former ones when it ends.
 TEST(BusRounds, ATrialRevertsInTheLoopAsWell) {
   Rig rig;
   const double before = rig.desk.settings().strain.proportional;
@@ -391,8 +394,8 @@ TEST(BusRounds, WhatTheStoreHasLostIsInTheLog) {
   EXPECT_EQ(rig.journal.count, 1U);
 }
 
-// What the bus has stored is damaged: a fault until somebody stores it anew. LSS is nobody who has
-// looked at it.
+// If the stored image of the CANopen node is damaged, there is a fault until a client stores it
+// anew by 1010h. A store by LSS does not count, since nobody has looked at the settings then.
 void damaged_settings_of_the_bus(const std::string& content) {
   const TemporaryFolder folder;
   const std::string image = folder.write("communication", content);
@@ -420,7 +423,7 @@ TEST(BusRounds, DamagedSettingsOfTheBusAreAFault) {
   damaged_settings_of_the_bus("");
 }
 
-// LSS has no say in the interface's bit rate, and says so.
+// LSS cannot change the interface's bit rate, and its answer says so.
 TEST(BusRounds, AnotherBitRateIsNotSupported) {
   Rig rig;
   rig.client.send(0x7E5, 8, {0x04, 1});

@@ -115,12 +115,13 @@ TEST(Histogram, QuantilesAreThoseOfTheSortedTimes) {
   EXPECT_NEAR(histogram.mean_ns(), sum / 20'000, 1e-6 * sum);
 }
 
-/// Sleeps wake up as late as the test says; what happens in between takes as long as it says.
+/// A clock in which a sleep ends as late as the test says; between sleeps, time passes only where
+/// the test adds it.
 struct FakeClock {
   struct Time {
     std::int64_t now_ns = 1'000'000'007;
     std::int64_t late_ns = 0;
-    std::int64_t suspended_ns = 0;  ///< in all, not in now_ns
+    std::int64_t suspended_ns = 0;  ///< sum of all suspensions, which now_ns does not contain
   };
   Time* time;
   hal::BootLead boot_lead() const { return {time->suspended_ns, time->suspended_ns}; }
@@ -140,7 +141,8 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
   std::uint64_t missed = 0;
   std::int64_t before_ns = first_ns;
   for (int i = 0; i < 5000; ++i) {
-    // Work of up to four periods, now and then; late by up to a tenth of one.
+    // The work takes up to a period, in each seventh cycle up to four; the sleep ends up to a tenth
+    // of a period late.
     const std::int64_t work_ns = static_cast<std::int64_t>(random() % (i % 7 == 0 ? 4 * ms : ms));
     time.now_ns += work_ns;
     time.late_ns = static_cast<std::int64_t>(random() % (ms / 10));
@@ -148,7 +150,7 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
     ++cycles;
     missed += woke.missed;
     EXPECT_EQ(woke.late_ns, time.late_ns);
-    // On the grid of the period, and never two cycles in one of its meshes.
+    // Cycles are due at whole periods, at most one in each.
     const std::int64_t at_ns = time.now_ns - woke.late_ns;
     EXPECT_EQ((at_ns - first_ns) % ms, 0);
     EXPECT_GE(at_ns, before_ns);
@@ -158,7 +160,7 @@ TEST(Pace, CountsWhatItMissesAndNeverCatchesUp) {
   EXPECT_GT(missed, 100U);
 }
 
-/// All that a loop needs.
+/// The parts that a loop needs.
 struct Bench {
   explicit Bench(const bench::ClosedLoopScenario& scenario)
       : simulation(scenario),
@@ -256,7 +258,7 @@ TEST(Loop, WhateverFailsTheHeatGoesOff) {
 }
 
 TEST(Loop, ADeadDriveLosesItsLease) {
-  // The board itself ends the heat: no command arrives any more.
+  // No command arrives at the board any more, so the board itself ends the heat.
   FaultSet latched;
   bool counted = false;
   EXPECT_EQ(current_after([](hal::BoardFaults& f) { f.drive_dead = true; }, latched, counted), 0);
@@ -300,7 +302,8 @@ TEST(Loop, RefusesMoreChangesThanItHasRoomFor) {
   EXPECT_EQ(taken, 8);
 }
 
-// Whoever gave them believed that the wire was off: the loop knows better.
+// The parameters were given in the belief that the wire was off; the loop sees that it is heated
+// and refuses them.
 TEST(Loop, ParametersOfTheWireDoNotChangeWhileItIsHeated) {
   Bench bench(bench::standard_closed_loop(test_settings()));
   daemon::Ring<daemon::CycleRecord> ring(64);
@@ -326,7 +329,7 @@ TEST(Loop, ParametersOfTheWireDoNotChangeWhileItIsHeated) {
   const std::vector<std::string> refused = bench.desk.take_refused();
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_NE(refused[0].find("wire.length_m="), std::string::npos) << refused[0];
-  // What may change at any time comes into force, also with heat.
+  // A parameter that may change at any time comes into force, also while the wire is heated.
   settings = before;
   settings.limits.current_A *= 0.9;
   ASSERT_TRUE(bench.desk.change(stored_settings<double>(settings), 2U));
@@ -335,7 +338,7 @@ TEST(Loop, ParametersOfTheWireDoNotChangeWhileItIsHeated) {
   EXPECT_EQ(record.set, 3U);
 }
 
-/// Asks for heat from a cycle on.
+/// A source that commands to arm while `arm` is set.
 class ArmingSource : public daemon::CommandSource {
  public:
   bool arm = false;
@@ -345,7 +348,7 @@ class ArmingSource : public daemon::CommandSource {
 };
 
 // Three sets of parameters of the wire were given while it was off: all are in force before it is
-// armed. A wire that was asked to be heated all the time gets no new edge by that.
+// armed. If the command to arm has stood all the time, the delay makes no new edge of it.
 TEST(Loop, ArmsAfterWhatWasPromisedWithoutCurrent) {
   Bench bench(bench::standard_closed_loop(test_settings()));
   ArmingSource source;
@@ -386,7 +389,7 @@ TEST(Loop, ArmsAfterWhatWasPromisedWithoutCurrent) {
   }
 }
 
-/// A master that sends so many set-points before each cycle.
+/// A master that sends the given number of set-points before each cycle.
 class BusyPartner : public daemon::CommandSource {
  public:
   std::deque<std::uint32_t> setpoints;
@@ -476,8 +479,8 @@ class RealTimeBoard {
   void kick() {}
   std::int64_t now_ns() const { return time_.now_ns; }
 
-  std::int64_t blocks_ns = 0;  ///< so long the next read() takes
-  std::int64_t old_ns = 0;     ///< so old is the next frame
+  std::int64_t blocks_ns = 0;  ///< duration of the next read()
+  std::int64_t old_ns = 0;     ///< age of the next frame
   double commanded_A = 0;
   int offs = 0;
 
@@ -486,7 +489,7 @@ class RealTimeBoard {
   FakeClock::Time& time_;
 };
 
-/// A wire that is heated, then something happens; a cycle more.
+/// Heats a wire, lets something happen, and runs one more cycle.
 struct Stalled {
   explicit Stalled(const std::function<void(FakeClock::Time&, RealTimeBoard&)>& happens) {
     daemon::LoopLinks links;
@@ -568,8 +571,8 @@ TEST(Loop, WithinTheLeaseIsNoStall) {
   EXPECT_TRUE(is_heated(late.end.output.state));
 }
 
-// A wire whose time stands still with its loop: what a PC's scheduler does is no fault of the
-// device, a stopped program is.
+// A simulated wire's time stands still with its loop, so the scheduling delays of a PC are no
+// stall, but a program that was stopped for a second is.
 TEST(Loop, ASimulatedWireIsStalledAfterASecond) {
   for (const std::int64_t gone_ms : {30, 900, 1500, 8000}) {
     Bench bench(bench::standard_closed_loop(test_settings()));

@@ -48,7 +48,7 @@ double area_m2(double diameter_m) {
   return std::numbers::pi / 4 * diameter_m * diameter_m;
 }
 
-/// As it comes from the spool: at 25 °C and without load.
+/// Resistance of a wire as it comes from the spool: at 25 °C and without load.
 double cold_ohm_per_m(const Wire<double>& wire) {
   using Model = Plant<ThreePhase<double>>;
   const Model::Params model = plant_params(wire);
@@ -152,7 +152,8 @@ TEST(Presets, FlexinolHasTheMakersResistanceForceAndCurrent) {
       EXPECT_NEAR(w.limits.current_A, 1e-3 * size.current_mA, 1e-12);
       EXPECT_NEAR(w.limits.stress_Pa, 9.80665e-3 * size.pull_g / area_m2(d_m), 1);
       EXPECT_THAT(w.limits.stress_Pa, AllOf(Ge(160e6), Le(200e6)));
-      // The measured traces fall by 13 to 18 % on heating; the maker's resistivities would rise.
+      // The resistance of measured wires falls by 13 to 18 % on heating; with the maker's
+      // resistivities it would rise.
       EXPECT_LT(w.material.austenite.resistivity_ohm_m, w.material.martensite.resistivity_ohm_m);
     }
   }
@@ -183,7 +184,8 @@ TEST(Presets, SmartFlexHasTheMakersForceAtAbout600MPa) {
   }
 }
 
-// I² ρ/A = h π d (T - T_air), with Churchill and Chu's h. Between the phases ρ differs by 15 %.
+// The holding current follows from I² ρ/A = h π d (T - T_air), with Churchill and Chu's h and
+// martensite's ρ; the other phases' ρ differs by 15 %.
 TEST(Presets, SmartFlexCurrentHoldsSeventyDegrees) {
   for (const SmartFlexSize& size : smartflex) {
     const Wire<double> w = load_wire("smartflex-" + std::to_string(size.diameter_um) + "um").wire;
@@ -212,12 +214,12 @@ TEST(Presets, DefaultWireHonoursPaper000) {
   EXPECT_THAT(w.material.martensite.strain, AllOf(Ge(0.040), Le(0.045)));
   EXPECT_EQ(w.nominal_stroke, 0.04);
   EXPECT_NEAR(w.geometry.diameter_m, 76e-6, 1e-15);
-  // A closed cycle: 20 in, 6 and 14 out.
+  // The latent heats of a closed cycle add up to zero: M2A takes 20 kJ/kg, A2R gives 6 and R2M 14.
   EXPECT_EQ(w.heat.latent_m2a_J_kg, 20e3);
   EXPECT_EQ(w.heat.latent_r2a_J_kg, 6e3);
 }
 
-// ρ c d/(4 h) at 80 °C in air of 25 °C.
+// The time constant is ρ c d/(4 h), with the density ρ, at 80 °C in air of 25 °C.
 TEST(Presets, ThermalTimeConstantsAreThePublishedOnes) {
   struct {
     const char* name;

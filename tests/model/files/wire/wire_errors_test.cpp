@@ -223,7 +223,8 @@ TEST(WireErrors, TransformationsThatRunBackwards) {
               names({"my.toml", "wire.m2a", "finish must be at least 1 K above start"}));
   EXPECT_THAT(refusal(own_wire("wire.a2r.finish_degC_by_MPa = [61.5]")),
               names({"my.toml", "wire.a2r", "below start", "0.5 K"}));
-  // In order at zero stress, not under the load that the wire may carry.
+  // This transition is valid at zero stress, but not at the greatest stress that the wire may
+  // carry.
   EXPECT_THAT(refusal(own_wire("wire.m2a.finish_degC_by_MPa = [77.5, 0.1]")),
               names({"my.toml", "wire.m2a", "above start", "MPa"}));
   EXPECT_THAT(refusal(own_wire("wire.m2a.curvature_by_MPa = [4, -0.01]")),
@@ -272,7 +273,7 @@ TEST(WireErrors, NamesAndSourcesMustBeStrings) {
   EXPECT_THAT(refusal(own_wire("sources = 3")), names({"my.toml:2", "sources = 3"}));
 }
 
-// Only a preset is asked for by its size: sizes of another file could never be reached.
+// Only presets can be chosen by size, so sizes in another file would never be used.
 TEST(WireErrors, SizesOfAnOwnFileAreNotPassedOverInSilence) {
   EXPECT_THAT(refusal(own_wire("sizes.thin.wire.diameter_um = 20")), names({"my.toml", "sizes"}));
 }

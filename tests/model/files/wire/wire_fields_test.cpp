@@ -62,7 +62,7 @@ std::string meaning_of(const Field& field) {
   return fmt::format("{}; {}", field.meaning, standard);
 }
 
-/// A coefficient by itself is in the list of its polynomial.
+/// Whether the field is a single coefficient of a polynomial; the polynomial is a field of its own.
 bool is_coefficient(const Field& field) {
   return field.type == FieldType::number && std::ranges::any_of(wire_fields(), [&](const Field& f) {
            return f.type == FieldType::polynomial && f.slot <= field.slot &&

@@ -38,7 +38,8 @@ std::vector<double> all_numbers(const Wire<double>& w) {
   return n;
 }
 
-/// Ranges of wire_fields() and of the curves between zero stress and the greatest one.
+/// Whether the fields are in their ranges (wire_fields()), and the curves at all stresses from zero
+/// to the greatest one.
 testing::AssertionResult in_range(const Wire<double>& wire) {
   for (const Field* field : written_fields(wire)) {
     const std::vector<double> numbers = wire_numbers(*field, wire);
@@ -51,7 +52,7 @@ testing::AssertionResult in_range(const Wire<double>& wire) {
       continue;
     }
     const double value = numbers.front();
-    // Resistivities may have been scaled.
+    // Resistivities may have been scaled, which rounds them.
     const bool scaled = field->path.find(".resistivity") != std::string::npos;
     const double margin = scaled ? 1e-12 * std::abs(value) : 0;
     if (!(value >= field->min - margin && value <= field->max + margin)) {
@@ -113,7 +114,7 @@ TEST(WireFile, WritesWhatItReadsBackToTheSameBits) {
 
 TEST(WireFile, WritesNumbersAsPeopleGiveThem) {
   const std::string text = to_toml(load_wire(std::string(default_wire)));
-  // 76 um and 0.1 1/GPa are no short numbers of SI; 0.1 m is one.
+  // In SI, 76 um and 0.1 1/GPa would not be short numbers; 0.1 m is one.
   EXPECT_THAT(text, testing::HasSubstr("\ndiameter_um = 76\n"));
   EXPECT_THAT(text, testing::HasSubstr("\nresistivity_stress_1_GPa = 0.1\n"));
   EXPECT_THAT(text, testing::HasSubstr("\nlength_m = 0.1\n"));
@@ -212,7 +213,8 @@ TEST(WireFile, ResistanceOfTheColdWireScalesAllResistivities) {
   const Wire<double> before = load_wire(std::string(default_wire)).wire;
   const Wire<double> after =
       parse_wire(own_wire("wire.resistance_ohm_per_m = 240"), "my.toml").wire;
-  // The same share for all, so the ratios of the phases stay; the presets' tests have the value.
+  // All resistivities are scaled by the same factor, so the ratios of the phases stay. The presets'
+  // tests check the factor.
   const double scale =
       after.material.martensite.resistivity_ohm_m / before.material.martensite.resistivity_ohm_m;
   EXPECT_GT(scale, 0.9);
@@ -269,7 +271,7 @@ TEST(Overrides, BadOnesAreRefused) {
   EXPECT_THAT(refused("a b", "3"), names({"--set"}));
 }
 
-// They name and build a file; as settings they would be passed over in silence.
+// These keys belong to the file itself; as overrides they would have no effect.
 TEST(Overrides, KeysThatAreNoNumbersAreRefused) {
   for (const char* key : {"name", "based_on", "sizes", "sources"}) {
     EXPECT_THAT(refusal(own_wire(""), {{key, "smartflex-100um"}}), names({"--set", key}));
@@ -300,7 +302,7 @@ TEST(WireFile, AMutatedFileLoadsInRangeOrIsRefused) {
   for (const Preset& preset : presets()) {
     text = preset.family == "smartflex" ? std::string(preset.text) : text;
   }
-  // A family without its sizes is a wire without diameter, load and current.
+  // Without its sizes, the family's text lacks diameter, load and current; `size` gives them.
   text.resize(text.find("[sizes."));
   const std::vector<Override> size{
       {"wire.diameter_um", "76"}, {"wire.limits.load_N", "2.7"}, {"wire.limits.current_mA", "92"}};
@@ -318,7 +320,8 @@ TEST(WireFile, AMutatedFileLoadsInRangeOrIsRefused) {
       EXPECT_THAT(error.what(), testing::HasSubstr("smartflex.toml")) << "case " << i;
     }
   }
-  // Text, comments and digits bear a change; syntax does not. Both kinds must be there.
+  // A change in a text, comment or digit often leaves a valid file, one in the syntax does not.
+  // Both must have occurred.
   EXPECT_GE(loaded, 300);
   EXPECT_GE(refused, 300);
 }
