@@ -64,6 +64,10 @@ check_rules() {
     ':!firmware/mcu' ':!host-sim/examples' ':!model/files/message.cpp' ':!model/files/output_file.cpp'
   rule '^ *# *define +[[:alnum:]_]+ +\(?[-+]?[0-9]' 'a number as a macro' '*.cpp' '*.hpp'
   rule '\btypedef\b' 'a typedef; using says the same' '*.cpp' '*.hpp'
+  if ! our_files '*.md' | xargs -0 -r "$root/toolchain/lib/links.py"; then
+    say '^ a link that leads nowhere: no such file of the project, or no such heading in it'
+    broken=1
+  fi
   return "$broken"
 }
 
