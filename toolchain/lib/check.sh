@@ -74,7 +74,7 @@ check_rules() {
 # Seconds, all of it; says which have failed.
 check_all_texts() {
   local check failed=''
-  for check in format scripts shell rules rooms; do
+  for check in format scripts shell rules rooms figures; do
     "check_$check" >&2 || failed+=" $check"
   done
   [[ -z $failed ]] || {

@@ -4,7 +4,8 @@
 Part of `toolchain/dev check`. It looks at links to files and folders of the project, `[text](path)` and
 `[text](path#heading)`, also of pictures. A path has to be a file that git knows or would add, or a folder of such
 files, in the same letters; so what is only in build/ does not count, nor what another clone has beside it. A heading
-is written as GitHub makes it: small letters, blanks as hyphens, no other signs. Blocks of code between ``` marks are left out.
+is written as GitHub makes it: small letters, blanks as hyphens, no other signs. Blocks of code between ``` marks are
+left out.
 """
 
 from functools import cache
