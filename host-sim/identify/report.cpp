@@ -17,6 +17,7 @@ namespace smaservo::identify {
 namespace {
 
 constexpr std::size_t shown_correlations = 5;
+constexpr std::size_t widest_line = 78;  ///< 80 columns less the indent of a list
 
 std::size_t rows_of(const FittedRun& run) {
   return std::max({run.strain.count, run.resistance.count, run.power.count});
@@ -51,8 +52,9 @@ std::string circuit(const FitResult& fit) {
       fit.circuit.lead_ohm, fit.circuit.load_gain, fit.circuit.lead_ohm, 1 / fit.circuit.load_gain);
 }
 
-/// One line for each group that has such parameters: for undetermined ones "wire.m2a: bend,
-/// turning"; for determined ones the values before and after the fit.
+/// Lines for each group that has such parameters: for undetermined ones "wire.m2a: bend, turning";
+/// for determined ones the values before and after the fit. A group that does not fit into one line
+/// goes on in indented ones. Lines are measured in bytes: one with "±" ends a little earlier.
 std::vector<std::string> parameters_text(const FitResult& fit, bool determined) {
   std::vector<std::string> lines;
   std::string open;
@@ -67,8 +69,11 @@ std::vector<std::string> parameters_text(const FitResult& fit, bool determined) 
     if (group != open) {
       lines.push_back(group + ": " + text);
       open = group;
-    } else {
+    } else if (lines.back().size() + text.size() + 3 <= widest_line) {  // ", " and a comma behind
       lines.back() += ", " + text;
+    } else {
+      lines.back() += ',';
+      lines.push_back("  " + text);
     }
   }
   return lines;

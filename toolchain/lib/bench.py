@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the speed of a release that is built, and prints it as Markdown: `toolchain/dev bench [identify]`.
+"""Measures the speed of a release that is built, and prints it as Markdown: `toolchain/dev bench [tables | identify]`.
 
 Times come from Google Benchmark, instructions from callgrind. What they print is in build/bench.
 """
@@ -198,7 +198,9 @@ def main(what):
     print(f'Time, and instructions per step by callgrind. {model_name()}, {compiler}:\n')
     steps_table(figures, counts)
     print_steps(figures)
-    print_worst()
+    if what != 'tables':
+        print_worst()
 
 
-main(*sys.argv[1:] or [''])
+if __name__ == '__main__':
+    main(*sys.argv[1:] or [''])

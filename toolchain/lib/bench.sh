@@ -4,9 +4,9 @@
 run_bench() {
   local -a programs=(model_bench count_steps replay_bench closed_loop_bench worst_steps)
   case ${1:-} in
-    '') ;;
+    '' | tables) ;;
     identify) programs=(identify_bench) ;;
-    *) die "bench: unknown: $1 (identify, or nothing)" ;;
+    *) die "bench: unknown: $1 (tables, identify, or nothing)" ;;
   esac
   run_setup
   build release "${programs[@]}"

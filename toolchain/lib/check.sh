@@ -64,13 +64,17 @@ check_rules() {
     ':!firmware/mcu' ':!host-sim/examples' ':!model/files/message.cpp' ':!model/files/output_file.cpp'
   rule '^ *# *define +[[:alnum:]_]+ +\(?[-+]?[0-9]' 'a number as a macro' '*.cpp' '*.hpp'
   rule '\btypedef\b' 'a typedef; using says the same' '*.cpp' '*.hpp'
+  if ! our_files '*.md' | xargs -0 -r "$root/toolchain/lib/links.py"; then
+    say '^ a link that leads nowhere: no such file of the project, or no such heading in it'
+    broken=1
+  fi
   return "$broken"
 }
 
 # Seconds, all of it; says which have failed.
 check_all_texts() {
   local check failed=''
-  for check in format scripts shell rules rooms; do
+  for check in format scripts shell rules rooms figures; do
     "check_$check" >&2 || failed+=" $check"
   done
   [[ -z $failed ]] || {

@@ -70,7 +70,7 @@ PARTS = {
         [build('release'), ctest('live', live=True, beside=ctest('still')),
          Step('replay', [str(ROOT / 'toolchain/dev'), 'replay'])]),
     'downloads': Part('packages of npm for the tests', [Step('downloads', dev('fetch_for_test'))]),
-    'texts': Part('formatting, shellcheck, Biome, house rules, rooms', [Step('texts', dev('check_all_texts'))]),
+    'texts': Part('formatting, shellcheck, Biome, house rules, rooms, figures', [Step('texts', dev('check_all_texts'))]),
     'fetch': Part(
         'kernels, libraries of other architectures and clients for the parts below',
         [Step('fetch', dev('fetch_for_parts'))]),

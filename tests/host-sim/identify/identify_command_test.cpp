@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
@@ -206,6 +207,12 @@ TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
   const Finished text = program.run(identify({"bath.csv"}));
   EXPECT_THAT(text.out, HasSubstr("not determined by these runs, kept from smartflex-76um:"));
   EXPECT_THAT(text.out, HasSubstr("wire.austenite: resistivity_ratio"));
+  const std::size_t lists = text.out.find("determined by these runs:");
+  ASSERT_NE(lists, std::string::npos);
+  std::istringstream lines(text.out.substr(lists));
+  for (std::string line; std::getline(lines, line) && !line.starts_with("strongly");) {
+    EXPECT_LE(line.size(), 80U) << line;
+  }
 }
 
 /// The wire file of two runs.

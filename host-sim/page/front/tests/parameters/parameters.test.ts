@@ -161,7 +161,7 @@ describe('values', () => {
     }
     const differences: [string, number][] = [
       ['limits.hot_spot_K', 0],
-      ['observer.ambient_sd_K', 0.1],
+      ['observer.start_ambient_sd_K', 0.1],
       ['profile.overheat_K', 0],
       ['temperature.dead_band_K', 0],
     ];

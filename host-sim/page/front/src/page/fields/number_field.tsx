@@ -1,5 +1,6 @@
 // A number that is typed, with its unit.
 
+import type { Signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 
 interface NumberFieldProps {
@@ -35,5 +36,21 @@ export function NumberField({ title, unit, value, testid, set }: NumberFieldProp
         }}
       />
     </label>
+  );
+}
+
+/** One whose number is that of a signal. */
+export function SignalField({
+  number,
+  ...rest
+}: Pick<NumberFieldProps, 'title' | 'unit' | 'testid'> & { number: Signal<number> }) {
+  return (
+    <NumberField
+      {...rest}
+      value={number.value}
+      set={(value) => {
+        number.value = value;
+      }}
+    />
   );
 }

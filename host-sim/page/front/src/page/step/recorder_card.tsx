@@ -11,7 +11,7 @@ import type { Recording } from '../../protocol/bridge';
 import { sayError, sentence } from '../../session/notices';
 import { isNumber, isString, isStrings, saved } from '../../session/saved';
 import { bridge, call, description, link, node, readOnly, state } from '../../session/session';
-import { NumberField } from '../fields/number_field';
+import { SignalField } from '../fields/number_field';
 import { column } from './runs';
 import { SaveButtons } from './save_buttons';
 
@@ -85,15 +85,7 @@ export function RecorderCard() {
         ))}
       </div>
       <div class="bar wrap ends">
-        <NumberField
-          title="Duration"
-          unit="s"
-          value={seconds.value}
-          testid="record-seconds"
-          set={(value) => {
-            seconds.value = value;
-          }}
-        />
+        <SignalField title="Duration" unit="s" number={seconds} testid="record-seconds" />
         <label class="field narrow">
           <span>Trigger</span>
           <select
@@ -123,24 +115,8 @@ export function RecorderCard() {
                 <option value="<">below</option>
               </select>
             </label>
-            <NumberField
-              title="Level"
-              unit={triggerUnit().unit}
-              value={triggerValue.value}
-              testid="trigger-value"
-              set={(value) => {
-                triggerValue.value = value;
-              }}
-            />
-            <NumberField
-              title="Before it"
-              unit="s"
-              value={before.value}
-              testid="record-before"
-              set={(value) => {
-                before.value = value;
-              }}
-            />
+            <SignalField title="Level" unit={triggerUnit().unit} number={triggerValue} testid="trigger-value" />
+            <SignalField title="Before it" unit="s" number={before} testid="record-before" />
           </>
         )}
         <button

@@ -11,7 +11,7 @@ import type { Recording, StepFigures, Value } from '../../protocol/bridge';
 import { say, sayError } from '../../session/notices';
 import { isNumber, saved } from '../../session/saved';
 import { bridge, call, mayWrite, node, state } from '../../session/session';
-import { NumberField } from '../fields/number_field';
+import { SignalField } from '../fields/number_field';
 import { FavouritesCard } from '../live/favourites_card';
 import { RecorderCard } from './recorder_card';
 import { addRun, overlay, removeRun, type Run, runs, showRun, tellingGains } from './runs';
@@ -77,24 +77,8 @@ function Form() {
         the test, and heated.
       </p>
       <div class="bar wrap ends">
-        <NumberField
-          title="Amplitude"
-          unit="µm"
-          value={amplitude.value}
-          testid="step-amplitude"
-          set={(value) => {
-            amplitude.value = value;
-          }}
-        />
-        <NumberField
-          title="Time of each step"
-          unit="s"
-          value={seconds.value}
-          testid="step-seconds"
-          set={(value) => {
-            seconds.value = value;
-          }}
-        />
+        <SignalField title="Amplitude" unit="µm" number={amplitude} testid="step-amplitude" />
+        <SignalField title="Time of each step" unit="s" number={seconds} testid="step-seconds" />
         <button
           type="submit"
           class="big primary"
