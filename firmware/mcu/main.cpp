@@ -21,7 +21,7 @@ class Loop {
   Loop(const Settings<float>& settings, std::uint32_t period_us, FaultSet found)
       : board_(period_us),
         period_us_(period_us),
-        staging_(settings),
+        settings_(settings),
         servo_({}, staging_),
         found_(found) {}
 
@@ -50,8 +50,8 @@ class Loop {
       can_.send(frame);
     }
     answer(servo_.request());
-    if (adopted_ != staging_.changes()) {
-      adopted_ = staging_.changes();
+    if (adopted_ != settings_.changes()) {
+      adopted_ = settings_.changes();
       adopt(prepared_, staging_.active(), device_);
     }
   }
@@ -92,12 +92,13 @@ class Loop {
   cortex_m::PipeBoard board_;
   cortex_m::PipeCan can_;
   std::uint32_t period_us_;
-  Staging<float> staging_;
+  OwnSettings<float> settings_;
+  Staging<float> staging_{settings_};
   canopen::Servo<float> servo_;
   Prepared<float> prepared_ = prepare(staging_.active());
   Device<float>::State device_ = Device<float>::start();
   FaultSet found_;             ///< faults found at the start; storing settings acknowledges them
-  std::uint32_t adopted_ = 0;  ///< the staging_.changes() of the settings in force
+  std::uint32_t adopted_ = 0;  ///< number of the settings in force
 };
 
 std::optional<Loop> loop;

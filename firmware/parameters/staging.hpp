@@ -6,14 +6,14 @@
 //   stage, stage, try_for(30 s), commit  in force at once, stored when committed
 //   stage, try_for(30 s), no commit      after 30 s as before
 //
-// With a single thread, Staging owns the settings in force; other users compare changes() with the
-// number that they have followed. With several threads another object owns them (ParameterDesk of
-// the daemon): it hands settings in by replace() and takes active() out.
+// Another object owns the settings in force (settings_owner.hpp): OwnSettings in a program with one
+// thread, ParameterDesk in the daemon.
 //
 // apply() and try_for() are not for the loop: they cost some ten microseconds on a PC. tick() is
 // for the loop.
 
 #include "firmware/parameters/parameter_check.hpp"
+#include "firmware/parameters/settings_owner.hpp"
 
 namespace smaservo {
 
@@ -47,15 +47,15 @@ struct Applied {
 template <class S>
 class Staging {
  public:
-  /// `settings` must have passed check(); they are in force from the start.
-  explicit Staging(const Settings<S>& settings)
-      : active_(settings), configured_(settings), staged_(settings) {}
+  /// The owner must outlive the Staging; its settings must have passed check().
+  explicit Staging(SettingsOwner<S>& owner)
+      : owner_(owner), configured_(owner.settings()), staged_(owner.settings()) {}
 
-  /// The settings in force. They change only in apply(), try_for(), revert(), tick() and replace(),
-  /// and always as a whole.
-  const Settings<S>& active() const { return active_; }
-  /// Counts the sets that have come into force.
-  std::uint32_t changes() const { return changes_; }
+  /// The settings in force. Staging puts others in force only in apply(), try_for(), revert(),
+  /// tick(), replace() and restart(), and always as a whole.
+  const Settings<S>& active() const { return owner_.settings(); }
+  /// Whether the owner can take a change.
+  bool has_room() const { return owner_.has_room(); }
   /// The settings to store: without those on trial, but with those that wait for the next start.
   const Settings<S>& configured() const { return configured_; }
   /// The settings in force with the staged changes, as a reader of parameters expects to see them.
@@ -85,7 +85,7 @@ class Staging {
       case Fit::inside:
         break;
     }
-    if (enabled && row.change == Change::without_current && row.get(active_) != value) {
+    if (enabled && row.change == Change::without_current && row.get(active()) != value) {
       return StageResult::while_enabled;
     }
     row.set(staged_, value);
@@ -93,7 +93,7 @@ class Staging {
   }
 
   /// Drops the staged changes.
-  void discard() { staged_ = on_trial() ? with_reset_values(active_) : configured_; }
+  void discard() { staged_ = on_trial() ? with_reset_values(active()) : configured_; }
 
   /// Puts the staged set in force, completely or not at all.
   Applied apply(bool enabled) {
@@ -133,7 +133,7 @@ class Staging {
     if (!on_trial()) {
       return {ApplyProblem::no_trial};
     }
-    configured_ = with_reset_values(active_);
+    configured_ = with_reset_values(active());
     trial_s_ = S(0);
     return {};
   }
@@ -150,9 +150,18 @@ class Staging {
   /// contradict these settings.
   void replace(const Settings<S>& settings) {
     const Settings<S> waiting = with_after_reset(settings, configured_);
-    active_ = settings;
     configured_ = check(waiting).ok() ? waiting : settings;
-    revert();
+    staged_ = configured_;
+    trial_s_ = S(0);
+    owner_.put(settings);
+  }
+
+  /// As after switching on with these settings, which must have passed check(): nothing is staged,
+  /// on trial or waiting.
+  void restart(const Settings<S>& settings) {
+    configured_ = staged_ = settings;
+    trial_s_ = S(0);
+    owner_.put(settings);
   }
 
   /// To be called once per step. True if a trial has just ended, so that active() has changed.
@@ -169,14 +178,11 @@ class Staging {
   }
 
  private:
-  void put_in_force(const Settings<S>& settings) {
-    active_ = with_boot_values(settings);
-    ++changes_;
-  }
+  void put_in_force(const Settings<S>& settings) { owner_.put(with_boot_values(settings)); }
   Applied may_apply(bool enabled) const {
     for (std::size_t i = 0; enabled && i < parameter_count; ++i) {
       const ParameterRow<S>& row = parameter_rows<S>[i];
-      if (row.change == Change::without_current && row.get(staged_) != row.get(active_)) {
+      if (row.change == Change::without_current && row.get(staged_) != row.get(active())) {
         return {ApplyProblem::while_enabled, i};
       }
     }
@@ -200,15 +206,15 @@ class Staging {
     return settings;
   }
   Settings<S> with_boot_values(const Settings<S>& settings) const {
-    return with_after_reset(settings, active_);
+    return with_after_reset(settings, active());
   }
   Settings<S> with_reset_values(const Settings<S>& settings) const {
     return with_after_reset(settings, configured_);
   }
 
-  Settings<S> active_, configured_, staged_;
+  SettingsOwner<S>& owner_;
+  Settings<S> configured_, staged_;
   S trial_s_ = S(0);  ///< time left of the trial
-  std::uint32_t changes_ = 0;
 };
 
 }  // namespace smaservo

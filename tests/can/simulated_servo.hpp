@@ -15,7 +15,7 @@ class SimulatedServo {
 
   SimulatedServo(const Settings<double>& settings, canopen::ServoConfig config)
       : memory_(40'000),
-        staging_(settings),
+        settings_(settings),
         servo_(filled(config), staging_),
         rig_(settings,
              std::make_unique<LumpedRigWire>(settings.wire, Unlike{.loss = 1.05}, load_Pa),
@@ -41,8 +41,8 @@ class SimulatedServo {
   void step() {
     now_us_ += step_us;
     servo_.advance(now_us_);
-    if (staging_.changes() != changes_) {
-      changes_ = staging_.changes();
+    if (settings_.changes() != changes_) {
+      changes_ = settings_.changes();
       adopt(rig_.prepared, staging_.active(), rig_.state);
     }
     rig_.command = servo_.command();
@@ -92,7 +92,8 @@ class SimulatedServo {
   }
 
   std::vector<float> memory_;
-  Staging<double> staging_;
+  OwnSettings<double> settings_;
+  Staging<double> staging_{settings_};
   canopen::Servo<double> servo_;
   Rig rig_;
   std::vector<std::uint8_t> image_;

@@ -61,6 +61,8 @@ class ParameterAccess {
   /// To be called once per step; returns whether a trial has just ended.
   virtual bool tick(float dt_s) = 0;
 
+  /// Whether a change can be taken now.
+  virtual bool has_room() const = 0;
   virtual TuningState state() const = 0;
   virtual float remaining_s() const = 0;
   /// The parameter whose last write was refused, and the one that it contradicts; key 0: none.

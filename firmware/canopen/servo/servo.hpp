@@ -5,11 +5,11 @@
 //   servo.start(image, now);
 //   forever: receive() each frame; advance(); send the frames of take(); answer request();
 //            step the device with command() and external(); publish() its result;
-//            when staging.changes() has counted, adopt() staging.active() between two steps
+//            when the owner of the settings has others, adopt() them between two steps
 //
 // Requests (Node::request()): store and restore are answered by finish() with the request's number
 // when the result is durable; a reset is answered by start() with the stored image, after the heat
-// is off. Before a start() for reset_node the main program may put other settings into the Staging.
+// is off. Before a start() for reset_node the main program may restart() the Staging with others.
 // The wire is heated only while command().arm is set.
 
 #include <cmath>
@@ -68,17 +68,13 @@ class Servo final : private detail::OwnTuning<S>, private ServoCore {
   using ServoCore::set_bus;
   /// To be called with EMCY code 8140h when the port reports bus off; 6007h says what follows.
   using ServoCore::connection_lost;
-  using ServoCore::hold_settings;
   using ServoCore::set_timing;
 
   const Settings<S>& settings() const { return staging_.active(); }
-  std::uint32_t settings_changes() const { return staging_.changes(); }
   /// To be called when the settings have been changed other than over the bus; they must have
   /// passed check(). Ends a tuning transaction; each parameter that changes is logged like a write.
   void replace_settings(const Settings<S>& settings, Source source);
   using ServoCore::note_change;
-  /// Whether hold_settings() is in force.
-  using ServoCore::holds_settings;
 
   Request request() const { return node().request(); }
   std::uint32_t request_number() const { return node().request_number(); }
@@ -115,7 +111,7 @@ Command<S> Servo<S>::command() const {
 
 template <class S>
 void Servo<S>::replace_settings(const Settings<S>& settings, Source source) {
-  revert_tuning(Source::device);
+  log_revert(Source::device);
   const Settings<S> before = staging_.configured();
   this->tuning.replace(settings);
   for (const ParameterRow<S>& row : parameter_rows<S>) {

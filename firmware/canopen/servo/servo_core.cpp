@@ -198,7 +198,7 @@ Abort ServoCore::write_parameter(const Entry& entry, std::uint32_t value, Source
   Abort result = Abort::none;
   if (!may_write(parameters_.level(row))) {
     result = Abort::local;
-  } else if (held_) {
+  } else if (!parameters_.has_room()) {
     result = Abort::transfer;
   } else if (entry.type == Type::real && ceiling_of(config_.ceilings, entry.key) < as_real(value)) {
     result = Abort::too_high;
@@ -217,7 +217,7 @@ Abort ServoCore::write_parameter(const Entry& entry, std::uint32_t value, Source
 }
 
 Abort ServoCore::tune(TuningCommand command) {
-  if (held_) {
+  if (!parameters_.has_room()) {
     return Abort::transfer;
   }
   const Abort result = parameters_.tune(command, objects_.trial_s, axis_.may_heat());
@@ -230,12 +230,16 @@ Abort ServoCore::tune(TuningCommand command) {
   return result;
 }
 
-void ServoCore::revert_tuning(Source source) {
+void ServoCore::log_revert(Source source) {
   if (parameters_.state() != TuningState::none) {
     log(tuning_key, objects_.tuning_state, static_cast<std::uint32_t>(TuningCommand::revert),
         source, Abort::none);
-    parameters_.tune(TuningCommand::revert, 0, axis_.may_heat());
   }
+}
+
+void ServoCore::revert_tuning(Source source) {
+  log_revert(source);
+  parameters_.tune(TuningCommand::revert, 0, axis_.may_heat());
   show_tuning();
 }
 

@@ -68,10 +68,6 @@ class ServoCore : public Application {
   void set_bus(std::uint32_t dropped, std::uint32_t off, std::uint32_t queue_full) {
     objects_.bus = {dropped, off, queue_full};
   }
-  /// While held, the loop cannot take further settings: writes of parameters, and commands that
-  /// would change the settings in force, are refused.
-  void hold_settings(bool held) { held_ = held; }
-  bool holds_settings() const { return held_; }
   /// Logs a change of a parameter that did not come over the bus.
   void note_change(Key key, std::uint32_t before, std::uint32_t value, Source source);
 
@@ -106,6 +102,8 @@ class ServoCore : public Application {
  protected:
   ~ServoCore() = default;
   void revert_tuning(Source source);
+  /// Logs that a tuning transaction ends, if there is one.
+  void log_revert(Source source);
 
  private:
   Abort write_object(const Entry& entry, std::uint32_t value, Source source);
@@ -137,10 +135,9 @@ class ServoCore : public Application {
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
   std::uint32_t setpoints_ = 0;
-  std::uint8_t errors_ = 0;  ///< bits of 1001h caused by the device's faults
-  bool missed_ = false;      ///< the loss of the command source has been reported
-  bool silent_ = false;      ///< its loss was reported, and it has not come back
-  bool held_ = false;
+  std::uint8_t errors_ = 0;   ///< bits of 1001h caused by the device's faults
+  bool missed_ = false;       ///< the loss of the command source has been reported
+  bool silent_ = false;       ///< its loss was reported, and it has not come back
   bool load_changes_ = true;  ///< an object that pdo_load depends on has been written
 };
 

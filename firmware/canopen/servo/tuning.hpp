@@ -21,6 +21,7 @@ class Tuning final : public ParameterAccess {
   Abort tune(TuningCommand command, float trial_s, bool enabled) override;
   bool tick(float dt_s) override;
 
+  bool has_room() const override { return staging_.has_room(); }
   TuningState state() const override {
     return staging_.on_trial() ? TuningState::on_trial
            : open_             ? TuningState::open
@@ -46,7 +47,6 @@ class Tuning final : public ParameterAccess {
  private:
   static Abort abort_of(StageResult result);
   Abort done(const Applied& applied);
-  Abort apply(bool enabled) { return done(staging_.apply(enabled)); }
 
   Staging<S>& staging_;
   Key refused_{}, refused_other_{};
@@ -110,18 +110,15 @@ Abort Tuning<S>::done(const Applied& applied) {
 
 template <class S>
 Abort Tuning<S>::write(std::uint16_t row, std::uint32_t value, bool enabled) {
-  const ParameterRow<S>& parameter = parameter_rows<S>[row];
-  const Value before = parameter.get(staging_.staged());
-  const Abort staged = abort_of(staging_.stage(parameter.key, {value}, enabled));
+  const Abort staged = abort_of(staging_.stage(parameter_rows<S>[row].key, {value}, enabled));
   if (staged != Abort::none || state() != TuningState::none) {
     return staged;
   }
-  const Abort applied = apply(enabled);
-  if (applied != Abort::none) {
-    staging_.stage(parameter.key, before, false);
+  const Applied applied = staging_.apply(enabled);
+  if (!applied.ok()) {
     staging_.discard();
   }
-  return applied;
+  return done(applied);
 }
 
 template <class S>
@@ -147,7 +144,7 @@ Abort Tuning<S>::tune(TuningCommand command, float trial_s, bool enabled) {
       const Abort result = tried ? done(staging_.try_for(S(trial_s))) : Abort::none;
       const Abort kept = result != Abort::none ? result
                          : tried               ? done(staging_.commit())
-                                               : apply(enabled);
+                                               : done(staging_.apply(enabled));
       open_ = open_ && kept != Abort::none;
       return kept;
     }

@@ -23,7 +23,7 @@ Replaying::Replaying(const std::string& trace, const Settings<double>& settings,
 
 Heard<double> Replaying::listen(double time_s) {
   text::split_fields(board_.row().text, fields_);
-  Settings<double> settings = desk_.settings();
+  Settings<double> settings = desk_.copy();
   if (log_.change(fields_, time_s, settings)) {
     desk_.change(settings);
   }

@@ -71,17 +71,16 @@ inline Heard<double> BusCommandSource::listen(double time_s) {
 }
 
 /// round() is one round of the bus's thread. It gives the node the received frames, the reports of
-/// the loop's cycles and the time, and sends the node's frames. After the node has put other
-/// settings in force, each round calls `changed()` until that returns true, which means that the
-/// loop will get them; until then the node refuses further changes.
+/// the loop's cycles and the time, and sends the node's frames. `give_settings()` gives the loop
+/// the settings that the node has put in force meanwhile, if there are any.
 template <hal::CanPort Port, class Node>
 class BusPump {
  public:
   BusPump(Port& port, Node& node, BusCommandSource& source)
       : port_(port), node_(node), source_(source) {}
 
-  template <class Changed>
-  void round(std::uint64_t now_us, FaultSet port_faults, Changed changed) {
+  template <class Give>
+  void round(std::uint64_t now_us, FaultSet port_faults, Give give_settings) {
     hal::CanFrame frame;
     for (int i = 0; i < max_frames && port_.receive(frame); ++i) {
       node_.receive(frame, now_us);
@@ -93,17 +92,12 @@ class BusPump {
     }
     node_.advance(now_us);
     const NodeSays says{node_.command(), node_.external() | port_faults, node_.setpoints()};
-    // A command that ends the heat goes before new settings, which may need that; a command to heat
-    // goes after them.
+    // A command that ends the heat goes before new settings, which may need a wire without current;
+    // a command to heat goes after them.
     if (!says.command.arm) {
       source_.say(says);
     }
-    const std::uint32_t changes = node_.settings_changes();
-    if (changes_ != changes) {
-      const bool taken = changed();
-      changes_ = taken ? changes : changes_;
-      node_.hold_settings(!taken);
-    }
+    give_settings();
     source_.say(says);
     send(now_us);
   }
@@ -157,7 +151,6 @@ class BusPump {
   bool waits_ = false;  ///< next_ waits for room in the queue
   bool has_more_ = false;
   std::uint64_t since_us_ = 0;
-  std::uint32_t changes_ = 0;
   std::uint64_t frames_ = 0, dropped_ = 0, queue_full_ = 0;
 };
 

@@ -32,7 +32,7 @@ class BusRounds {
         files_(setup.folder),
         recorder_(recorder_values),
         eds_(text::eds_text()),
-        staging_(desk.settings()),
+        staging_(desk),
         servo_(config_of(setup_, recorder_, eds_), staging_),
         source_(lease_s),
         pump_(port, servo_, source_),
@@ -59,7 +59,7 @@ class BusRounds {
                    static_cast<std::uint32_t>(port_.statistics().bus_offs),
                    static_cast<std::uint32_t>(pump_.queue_full()));
     settings_.before_round(requests_.is_busy());
-    pump_.round(now_us, faults(now_us), [&] { return settings_.give_to_desk(); });
+    pump_.round(now_us, faults(now_us), [&] { settings_.give(); });
     tell_changes();
     carry_out(requests_.round([this] { return staging_.configured(); },
                               [this](const StoreResult& result) { stored(result); }),

@@ -19,6 +19,7 @@ class SettingsLink {
 
   /// To be called before each round of the bus. A file has to wait while a store is in progress.
   void before_round(bool is_storing) {
+    desk_.tidy();
     follow_desk();
     if (!is_storing) {
       take_reload();
@@ -26,28 +27,24 @@ class SettingsLink {
   }
   /// To be called after a store: whether the store has the settings, or has been emptied.
   void note_stored(bool has_settings) { stored_ = has_settings; }
-  /// For BusPump: gives the settings that the node has put in force to the loop. False if it must
-  /// be called again in the next round.
-  bool give_to_desk() {
-    const std::optional<std::uint32_t> number = desk_.change(staging_.active(), followed_);
-    followed_ = number.value_or(followed_);
-    return number.has_value();
-  }
+  /// For BusPump: gives the loop the settings that the node has put in force.
+  void give() { followed_ = desk_.give(); }
 
  private:
-  /// Gives the node the settings in force if the loop has refused those of the node.
+  /// Tells the node of settings that it has not put in force itself, as when the loop has refused
+  /// those of the node.
   void follow_desk() {
     const std::uint32_t changes = desk_.changes();
     if (followed_ != changes) {
       followed_ = changes;
-      servo_.replace_settings(desk_.settings(), canopen::Source::device);
+      servo_.replace_settings(desk_.copy(), canopen::Source::device);
     }
   }
 
   /// Treats a settings file like a write over the bus: it comes after earlier writes, waits while
   /// the loop has no room, and is logged with old and new values.
   void take_reload() {
-    if (servo_.holds_settings()) {
+    if (!desk_.has_room()) {
       return;
     }
     const std::optional<Reload> reload = desk_.reloads().take();

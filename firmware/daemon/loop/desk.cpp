@@ -14,26 +14,43 @@ ParameterDesk::~ParameterDesk() {
   }
 }
 
-std::optional<std::uint32_t> ParameterDesk::change(const Settings<double>& settings,
-                                                   std::optional<std::uint32_t> from) {
+void ParameterDesk::put(const Settings<double>& settings) {
   const std::scoped_lock lock(mutex_);
-  delete_old();
-  if (must_go_back_ || (from && *from != last_.load())) {
-    return std::nullopt;
+  settings_ = settings;
+  waits_ = true;
+}
+
+std::uint32_t ParameterDesk::give() {
+  const std::scoped_lock lock(mutex_);
+  return give_locked();
+}
+
+std::uint32_t ParameterDesk::give_locked() {
+  if (!waits_ || !has_room()) {
+    return last_;
   }
-  std::string text = text::changes_text(settings_, settings);
+  waits_ = false;
+  std::string text = text::changes_text(in_line_.back().settings, settings_);
   if (text.empty()) {
     return last_;
   }
-  if (in_line_.size() > max_under_way) {
-    return std::nullopt;
-  }
-  ParameterSetPtr set = make_parameter_set(settings, ++last_);
+  ParameterSetPtr set = make_parameter_set(settings_, ++last_);
   texts_.emplace(last_, std::move(text));
-  settings_ = settings;
-  in_line_.push_back({last_, settings});
+  in_line_.push_back({last_, settings_});
   links_.new_sets.push(set.release());
   return last_;
+}
+
+bool ParameterDesk::change(const Settings<double>& settings, std::optional<std::uint32_t> from) {
+  const std::scoped_lock lock(mutex_);
+  delete_old();
+  if (!has_room() || (from && *from != last_.load())) {
+    return false;
+  }
+  settings_ = settings;
+  waits_ = true;
+  give_locked();
+  return true;
 }
 
 void ParameterDesk::tidy() {
@@ -52,7 +69,7 @@ void ParameterDesk::delete_old() {
     }
   }
   if (must_go_back_ && in_line_.size() == 1) {
-    must_go_back_ = false;
+    must_go_back_ = waits_ = false;
     settings_ = in_line_.front().settings;
     ++last_;
   }
@@ -70,7 +87,7 @@ std::vector<std::string> ParameterDesk::take_refused() {
   return std::exchange(refused_, {});
 }
 
-Settings<double> ParameterDesk::settings() const {
+Settings<double> ParameterDesk::copy() const {
   const std::scoped_lock lock(mutex_);
   return settings_;
 }

@@ -179,7 +179,9 @@ void Service::answer(int signal, const Reloader& reloader, ServiceManager& manag
 }
 
 void Service::look() {
-  desk_.tidy();
+  if (!desk_.reloads().bus_serves()) {
+    desk_.tidy();
+  }
   for (const std::string& sentence : desk_.reloads().take_said()) {
     status_.warn(sentence);
   }

@@ -93,7 +93,8 @@ class Owner {
 
   RandomUse<S> use_;
   std::mt19937 random_;
-  Staging<S> staging_{settings_that_hold()};
+  OwnSettings<S> settings_{settings_that_hold()};
+  Staging<S> staging_{settings_};
   std::unique_ptr<Prepared<S>> prepared_ =
       std::make_unique<Prepared<S>>(prepare(staging_.active()));
   std::unique_ptr<Prepared<S>> next_ = std::make_unique<Prepared<S>>(*prepared_);

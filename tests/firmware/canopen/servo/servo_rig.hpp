@@ -107,8 +107,12 @@ class ServoRig {
   static constexpr const char* eds = "[FileInfo]\nEDSVersion=4.0\n";
 
   explicit ServoRig(const ServoConfig& with = {},
-                    const Settings<double>& set = reference_settings())
-      : staging(set), memory(4096), servo(filled(with, memory), staging) {
+                    const Settings<double>& set = reference_settings(),
+                    SettingsOwner<double>* owner = nullptr)
+      : own(set),
+        staging(owner != nullptr ? *owner : own),
+        memory(4096),
+        servo(filled(with, memory), staging) {
     device.length_m = set.wire.geometry.length_m;
     device.zero_strain = set.axis.zero_strain;
     servo.start({}, now_us);
@@ -244,6 +248,7 @@ class ServoRig {
   /// As the main answers a reset.
   void restart() { servo.start(image, now_us); }
 
+  OwnSettings<double> own;  ///< unless the test has another owner
   Staging<double> staging;
   std::vector<float> memory;
   Servo<double> servo;

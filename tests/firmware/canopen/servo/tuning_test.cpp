@@ -20,10 +20,10 @@ Abort tune(ServoRig& rig, std::uint8_t what) {
 TEST(Tuning, AGainIsInForceAtOnce) {
   ServoRig rig;
   rig.enable();
-  const std::uint32_t before = rig.servo.settings_changes();
+  const std::uint32_t before = rig.own.changes();
   EXPECT_EQ(rig.set_real(gain, 12.5F), Abort::none);
   EXPECT_EQ(rig.staging.active().strain.proportional, 12.5);
-  EXPECT_EQ(rig.servo.settings_changes(), before + 1);
+  EXPECT_EQ(rig.own.changes(), before + 1);
   EXPECT_EQ(rig.get_real(gain), 12.5F);
 }
 
@@ -31,7 +31,7 @@ TEST(Tuning, ABadValueLeavesTheOldOneAndIsLogged) {
   ServoRig rig;
   rig.set_real(gain, 3);
   const float inf = std::numeric_limits<float>::infinity();
-  const std::uint32_t before = rig.servo.settings_changes();
+  const std::uint32_t before = rig.own.changes();
   EXPECT_EQ(rig.set_real(gain, std::numeric_limits<float>::quiet_NaN()), Abort::value);
   EXPECT_EQ(rig.set_real(gain, inf), Abort::value);
   EXPECT_EQ(rig.set_real(gain, -inf), Abort::value);
@@ -39,7 +39,7 @@ TEST(Tuning, ABadValueLeavesTheOldOneAndIsLogged) {
   EXPECT_EQ(rig.set_real(gain, -1), Abort::too_low);
   EXPECT_EQ(rig.set({0x2022, 1}, 3, 1), Abort::too_high) << "no such choice";
   EXPECT_EQ(rig.get_real(gain), 3.F);
-  EXPECT_EQ(rig.servo.settings_changes(), before);
+  EXPECT_EQ(rig.own.changes(), before);
   EXPECT_EQ(rig.get({0x2220, 1}), 7U);
   const Bytes log = rig.upload({0x2220, 2}).data;
   ASSERT_EQ(log.size(), 7U * ChangeLog::bytes);

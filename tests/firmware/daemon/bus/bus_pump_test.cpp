@@ -37,9 +37,7 @@ struct FakeNode {
   double setpoint = 0;
   std::uint32_t setpoints_ = 0;
   std::uint64_t now_us = 0;
-  std::uint32_t changes = 0;
   int published = 0;
-  bool held = false;
   bool arms = true;
   double published_A = 0;
 
@@ -68,8 +66,6 @@ struct FakeNode {
     ++published;
     published_A = output.drive_current_A;
   }
-  std::uint32_t settings_changes() const { return changes; }
-  void hold_settings(bool held_) { held = held_; }
 };
 
 struct Rig {
@@ -77,13 +73,8 @@ struct Rig {
   FakeNode node;
   daemon::BusCommandSource source{0.1};
   daemon::BusPump<FakePort, FakeNode> pump{port, node, source};
-  int changed = 0;
-  bool room = true;
   void round(std::uint64_t now_us, FaultSet faults = {}) {
-    pump.round(now_us, faults, [&] {
-      ++changed;
-      return room;
-    });
+    pump.round(now_us, faults, [] {});
   }
 };
 
@@ -95,17 +86,14 @@ TEST(BusPump, SaysTheEndOfTheHeatBeforeNewSettings) {
   const auto round = [&](std::uint64_t now_us) {
     rig.pump.round(now_us, {}, [&] {
       armed = rig.source.listen(1e-6 * static_cast<double>(now_us)).command.arm;
-      return true;
     });
   };
   round(1000);
   EXPECT_TRUE(rig.source.listen(1e-3).command.arm);
   rig.node.arms = false;
-  ++rig.node.changes;
   round(2000);
   EXPECT_FALSE(armed) << "as the loop hears it when the settings come";
   rig.node.arms = true;
-  ++rig.node.changes;
   round(3000);
   EXPECT_FALSE(armed);
   EXPECT_TRUE(rig.source.listen(3e-3).command.arm);
@@ -224,31 +212,6 @@ TEST(BusPump, ADeadBusDropsOldFramesAndOneThatIsDownAll) {
   rig.round(21'000);
   EXPECT_EQ(rig.pump.dropped(), 3U);
   EXPECT_TRUE(rig.node.answers.empty());
-}
-
-TEST(BusPump, TellsOfNewSettingsOncePerChange) {
-  Rig rig;
-  rig.round(0);
-  rig.node.changes = 3;
-  rig.round(1);
-  rig.round(2);
-  EXPECT_EQ(rig.changed, 1);
-}
-
-TEST(BusPump, ANewSettingIsOfferedUntilItIsTaken) {
-  Rig rig;
-  rig.node.changes = 1;
-  rig.room = false;
-  rig.round(0);
-  EXPECT_TRUE(rig.node.held);
-  rig.round(1);
-  EXPECT_EQ(rig.changed, 2);
-  EXPECT_TRUE(rig.node.held) << "no further ones meanwhile";
-  rig.room = true;
-  rig.round(2);
-  rig.round(3);
-  EXPECT_EQ(rig.changed, 3);
-  EXPECT_FALSE(rig.node.held);
 }
 
 }  // namespace

@@ -181,8 +181,7 @@ TEST(BusRounds, TellsTheNodeOfLoopAndBoard) {
       << "announced by the first segment";
 }
 
-// A change for which the loop has no room is refused. One that was accepted reaches the loop as
-// soon as there is room.
+// More changes than the loop has room for are refused; it gets each that was accepted.
 TEST(BusRounds, RefusesWhatTheLoopHasNoRoomFor) {
   Rig rig;
   float said = 5;
@@ -196,12 +195,33 @@ TEST(BusRounds, RefusesWhatTheLoopHasNoRoomFor) {
   EXPECT_EQ(as_real(rig.client.get(gain)), said) << "the old value stays";
   EXPECT_EQ(rig.client.set(tuning, 1, 1), Abort::transfer);
   EXPECT_EQ(rig.take_sets(), 8);
-  // The ninth change had been accepted, and now reaches the loop by itself.
-  const auto promised = static_cast<double>(said);
-  EXPECT_NE(rig.desk.settings().strain.proportional, promised);
+  EXPECT_EQ(rig.desk.settings().strain.proportional, static_cast<double>(said));
   rig.round();
-  EXPECT_EQ(rig.desk.settings().strain.proportional, promised);
-  EXPECT_EQ(rig.client.set(gain, as_bits(6.F)), Abort::none);
+  EXPECT_EQ(rig.take_sets(), 0);
+  EXPECT_EQ(rig.client.set(gain, as_bits(7.F)), Abort::none);
+  EXPECT_EQ(rig.take_sets(), 1);
+}
+
+// A trial ends by itself, even while the loop has no room: the loop gets the earlier settings when
+// there is room again.
+TEST(BusRounds, TheEndOfATrialWaitsForRoom) {
+  Rig rig;
+  const double before = rig.desk.settings().strain.proportional;
+  for (int i = 0; i < 7; ++i) {
+    ASSERT_EQ(rig.client.set({0x2100, 2}, as_bits(2.F + 0.125F * static_cast<float>(i))),
+              Abort::none);
+  }
+  ASSERT_EQ(rig.client.set({0x2102, 3}, as_bits(0.5F)), Abort::none);
+  ASSERT_EQ(rig.client.set(tuning, 1, 1), Abort::none);
+  ASSERT_EQ(rig.client.set(gain, as_bits(5.F)), Abort::none);
+  ASSERT_EQ(rig.client.set(tuning, 2, 1), Abort::none);
+  rig.run(1000);
+  EXPECT_EQ(rig.desk.settings().strain.proportional, before) << "the trial is over";
+  EXPECT_EQ(rig.client.set(gain, as_bits(6.F)), Abort::transfer);
+  EXPECT_EQ(rig.take_sets(), 8) << "the last of them is the trial";
+  rig.round();
+  EXPECT_EQ(rig.take_sets(), 1) << "the settings from before the trial";
+  EXPECT_EQ(rig.desk.settings().strain.proportional, before);
 }
 
 // After SIGHUP has read other settings, a write over the bus changes these, and does not bring back

@@ -3,6 +3,7 @@
 // runs a small model of what was promised to whom.
 
 #include <gtest/gtest.h>
+#include <map>
 #include <random>
 
 #include "firmware/daemon/bus/request_desk.hpp"
@@ -101,26 +102,33 @@ std::uint8_t node_id_in(const daemon::Image& image) {
 
 /// From one start of the node to the next: what a daemon makes anew.
 struct Run {
-  explicit Run(canopen::ServoRig& rig)
-      : desk(rig.staging.active(), links),
-        device(desk.first()),
-        settings(rig.servo, rig.staging, desk, links),
-        changes(rig.servo.settings_changes()) {
+  explicit Run(const Settings<double>& from)
+      : desk(from, links), device(desk.first()), given{{0, from}} {
     desk.reloads().set_bus(true);
   }
+  void connect(canopen::ServoRig& rig) { settings.emplace(rig.servo, rig.staging, desk, links); }
   daemon::LoopLinks links;
   daemon::ParameterDesk desk;
   daemon::PreparedDevice device;
-  daemon::SettingsLink settings;
-  std::uint32_t changes;
+  std::optional<daemon::SettingsLink> settings;
+  std::map<std::uint32_t, Settings<double>> given;  ///< to the loop, by number
+  std::uint32_t adopted = 0;                        ///< number of those that the loop has
+};
+
+/// The desk of the present run, for the node, which outlives the runs of this test.
+struct DeskOfTheRun final : SettingsOwner<double> {
+  const Settings<double>& settings() const override { return run->desk.settings(); }
+  bool has_room() const override { return run->desk.has_room(); }
+  void put(const Settings<double>& settings) override { run->desk.put(settings); }
+  std::unique_ptr<Run> run = std::make_unique<Run>(reference_settings());
 };
 
 class World {
  public:
   /// With refusals the loop is heated now and then, and takes back what needs a wire without
   /// current. With that goes what was promised beside it: then the log has to say so.
-  World(unsigned seed, bool refusals)
-      : random_(seed), refusals_(refusals), run_(std::make_unique<Run>(rig_)) {
+  World(unsigned seed, bool refusals) : random_(seed), refusals_(refusals) {
+    run_->connect(rig_);
     rig_.answers = false;
     rig_.steps_device = false;
     model_.limit_A = logged_A_ = default_A_ = limit_in(rig_.staging.active());
@@ -183,7 +191,8 @@ class World {
     }
     EXPECT_FALSE(awaits_) << "a request without an answer";
     EXPECT_FALSE(lss_awaits_) << "an LSS store without an answer";
-    EXPECT_TRUE(same_settings(rig_.staging.active(), run_->desk.settings())) << "node and loop";
+    EXPECT_TRUE(same_settings(rig_.staging.active(), run_->given.at(run_->adopted)))
+        << "node and loop";
     EXPECT_EQ(limit_in(rig_.staging.configured()), limit_in(rig_.staging.active()));
     EXPECT_EQ(limit_in(rig_.staging.active()), logged_A_) << "as the log says";
     if (!refusals_) {
@@ -317,7 +326,10 @@ class World {
     daemon::ParameterSet* set = nullptr;
     if (run_->links.new_sets.pop(set)) {
       // What may change at any time is never refused.
-      run_->links.old_sets.push(run_->device.adopt(set, may_be_heated && random_() % 2 == 0));
+      daemon::ParameterSet* const asked = set;
+      set = run_->device.adopt(set, may_be_heated && random_() % 2 == 0);
+      run_->adopted = set == asked ? run_->adopted : daemon::number_of(*asked);
+      run_->links.old_sets.push(set);
     }
   }
   /// What the log says of the limit.
@@ -383,13 +395,13 @@ class World {
     const Request r = result.request;
     const bool stores = r == store_all || r == store_application;
     if (result.problem.empty() && (stores || r == restore_all || r == restore_application)) {
-      run_->settings.note_stored(stores);
+      run_->settings->note_stored(stores);
     }
   }
 
   /// A round of the bus's thread.
   void step() {
-    run_->settings.before_round(requests_.is_busy());
+    run_->settings->before_round(requests_.is_busy());
     for (const std::string& said : run_->desk.reloads().take_said()) {
       if (said.find("were stored meanwhile") != std::string::npos) {
         EXPECT_TRUE(disk_.settings);
@@ -400,12 +412,8 @@ class World {
       }
     }
     rig_.step();
-    const std::uint32_t changes = rig_.servo.settings_changes();
-    if (run_->changes != changes) {
-      const bool taken = run_->settings.give_to_desk();
-      run_->changes = taken ? changes : run_->changes;
-      rig_.servo.hold_settings(!taken);
-    }
+    run_->settings->give();
+    run_->given.emplace(run_->desk.changes(), run_->desk.settings());
     read_log();
     refused_ += static_cast<int>(run_->desk.take_refused().size());
     const Request reset = requests_.round([&] { return rig_.staging.configured(); },
@@ -414,9 +422,9 @@ class World {
     hear();
     if (reset == Request::reset_node) {
       const Settings<double> settings = disk_.settings.value_or(reference_settings());
-      rig_.staging = Staging<double>(settings);
-      rig_.servo.hold_settings(false);
-      run_ = std::make_unique<Run>(rig_);
+      run_ = std::make_unique<Run>(settings);
+      rig_.staging.restart(settings);
+      run_->connect(rig_);
       model_.limit_A = logged_A_ = limit_in(settings);
     }
     if (reset != Request::none) {
@@ -430,8 +438,9 @@ class World {
 
   std::mt19937 random_;
   bool refusals_;
-  canopen::ServoRig rig_;
-  std::unique_ptr<Run> run_;
+  DeskOfTheRun owner_;
+  std::unique_ptr<Run>& run_ = owner_.run;
+  canopen::ServoRig rig_{{}, reference_settings(), &owner_};
   Disk disk_;
   SlowStore store_{disk_};
   daemon::RequestDesk<canopen::Servo<double>, SlowStore> requests_{rig_.servo, store_};

@@ -57,7 +57,7 @@ TEST(CanopenReference, TheDataSheetAvoidsWhatReadersStumbleOver) {
 /// its access is refused where it should be, a PDO takes it where it may.
 TEST(CanopenReference, TheNodeIsAsTheDataSheetSays) {
   canopen::ServoRig rig;
-  rig.staging = Staging<double>(default_settings<double>());
+  rig.staging.restart(default_settings<double>());
   rig.restart();
   const Eds eds =
       parse_eds(text::eds_text(text::RealDefaults::decimal), "smaservo.eds", canopen::ServoRig::id);
