@@ -55,6 +55,7 @@ int run_host_sim(int argc, char** argv) {
   smaservo::identify::add_identify_command(app);
   smaservo::page::add_page_command(app);
   smaservo::replay::add_replay_command(app);
+  smaservo::replay::add_replay_device_command(app);
   smaservo::simulate::add_simulate_command(app);
   smaservo::tune::add_tune_command(app);
   smaservo::describe::add_wires_command(app);

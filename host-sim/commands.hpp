@@ -50,6 +50,7 @@ void add_calibrate_plan_command(CLI::App& app);
 
 namespace smaservo::replay {
 void add_replay_command(CLI::App& app);
+void add_replay_device_command(CLI::App& app);
 }  // namespace smaservo::replay
 
 namespace smaservo::simulate {

@@ -151,7 +151,7 @@ class ReplayFile {
       }
     }
     file_ = std::make_unique<text::DeviceTraceFile>(
-        path, hal::mcap::Origin{"host-sim replay --device", source}, std::move(columns), further);
+        path, hal::mcap::Origin{"host-sim replay-device", source}, std::move(columns), further);
   }
 
   void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
