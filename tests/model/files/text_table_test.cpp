@@ -1,4 +1,4 @@
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -10,12 +10,12 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-text::TextTable wires() {
-  text::TextTable table({{"wire", "", "name"},
-                         {"Ø", "{:.0f} µm", "diameter_m", 1e6},
-                         {"rows", "{}", "rows"},
-                         {.key = "known"},
-                         {"remark"}});
+files::TextTable wires() {
+  files::TextTable table({{"wire", "", "name"},
+                          {"Ø", "{:.0f} µm", "diameter_m", 1e6},
+                          {"rows", "{}", "rows"},
+                          {.key = "known"},
+                          {"remark"}});
   table.add({"thin", 25e-6, 7, true, "at 20 °C"});
   table.add({"a thick one", 381e-6, {1200U, true}, false, {"Δ", true}});
   table.add({"unknown", nan});
@@ -59,27 +59,27 @@ TEST(TextTable, AsJson) {
 }
 
 TEST(TextTable, NumbersOfEveryType) {
-  text::TextTable table(
+  files::TextTable table(
       {{"", "{:.1f}", "a"}, {"", "", "b"}, {"c", "{:.1f}", "c"}, {"d", "{}", "d"}});
   table.add({1.25F, -3, std::uint64_t{1} << 63U, std::numeric_limits<double>::infinity()});
   EXPECT_EQ(table.json().dump(), R"([{"a":1.25,"b":-3,"c":9223372036854775808,"d":null}])");
   EXPECT_EQ(table.text(),
             "                  c    d\n"
             "9223372036854775808  inf\n");
-  text::TextTable truth({{"a"}, {"b"}});
+  files::TextTable truth({{"a"}, {"b"}});
   truth.add({true, false});
   EXPECT_EQ(truth.text(), "a    b\nyes  no\n");
 }
 
 /// A real number without a format has as many digits as it needs.
 TEST(TextTable, NumbersWithoutAFormat) {
-  text::TextTable table({{"a"}});
+  files::TextTable table({{"a"}});
   table.add({0.1});
   EXPECT_EQ(table.text(), "a\n0.1\n");
 }
 
 TEST(TextTable, WithoutRows) {
-  const text::TextTable table({{"wire", "", "name"}, {"rows", "{}"}});
+  const files::TextTable table({{"wire", "", "name"}, {"rows", "{}"}});
   EXPECT_TRUE(table.empty());
   EXPECT_EQ(table.text(), "wire  rows\n");
   EXPECT_EQ(table.markdown(), "| wire | rows |\n|---|--:|\n");
@@ -90,7 +90,7 @@ TEST(TextTable, WithoutRows) {
 }
 
 TEST(TextTable, WithoutHeadings) {
-  text::TextTable table({{""}, {"", "{:.1f}"}});
+  files::TextTable table({{""}, {"", "{:.1f}"}});
   table.add({"one", 1});
   table.add({"eleven", 11.25});
   EXPECT_EQ(table.text(), "one        1\neleven  11.2\n");
@@ -100,7 +100,7 @@ TEST(TextTable, WithoutHeadings) {
 }
 
 TEST(TextTable, WhatStandsWhereThereIsNothing) {
-  text::TextTable table({{"a"}, {"b", "{:.1f}"}, {"c", "{}"}}, "never");
+  files::TextTable table({{"a"}, {"b", "{:.1f}"}, {"c", "{}"}}, "never");
   table.add({"x", nan, {}});
   EXPECT_EQ(table.markdown(), "| a | b | c |\n|---|--:|--:|\n| x | never | never |\n");
 }
@@ -108,7 +108,7 @@ TEST(TextTable, WhatStandsWhereThereIsNothing) {
 /// A mark that is a star keeps the digits of the others in place; of a text on the left there is
 /// none.
 TEST(TextTable, StarsStandBehindTheirColumn) {
-  text::TextTable table({{"a"}, {"b", "{}"}, {"c", "{}"}});
+  files::TextTable table({{"a"}, {"b", "{}"}, {"c", "{}"}});
   table.add({{"x", true}, 1, 2});
   EXPECT_EQ(table.text(), "a  b  c\nx  1  2\n");
   table.add({"y", {10, true}, 3});
@@ -116,7 +116,7 @@ TEST(TextTable, StarsStandBehindTheirColumn) {
 }
 
 TEST(TextTable, EveryFormatEscapesItsOwn) {
-  text::TextTable table({{"a|b"}, {"<c>\x1B", "", "c\""}});
+  files::TextTable table({{"a|b"}, {"<c>\x1B", "", "c\""}});
   table.add({"x|y & z", "<b>\"\n\x1B[2J\xFF|"});
   EXPECT_EQ(table.text(), "a|b      <c>\\x1B\nx|y & z  <b>\"\\x0A\\x1B[2J\\xFF|\n");
   EXPECT_EQ(table.markdown(),
@@ -124,18 +124,18 @@ TEST(TextTable, EveryFormatEscapesItsOwn) {
   EXPECT_EQ(table.html(),
             "<table>\n<thead><tr><th>a|b</th><th>&lt;c&gt;\\x1B</th></tr>\n</thead>\n"
             "<tr><td>x|y &amp; z</td><td>&lt;b&gt;&quot;\\x0A\\x1B[2J\\xFF|</td></tr>\n</table>\n");
-  EXPECT_EQ(nlohmann::json::parse(text::json_text(table.json()))[0]["c\""],
+  EXPECT_EQ(nlohmann::json::parse(files::json_text(table.json()))[0]["c\""],
             "<b>\"\n\x1B[2J\xEF\xBF\xBD|");
 }
 
-text::TextTable broad(std::size_t columns) {
-  std::vector<text::TextTable::Column> all{{"which"}};
-  text::TextTable::Row row{"µ°±Δ"};
+files::TextTable broad(std::size_t columns) {
+  std::vector<files::TextTable::Column> all{{"which"}};
+  files::TextTable::Row row{"µ°±Δ"};
   for (std::size_t i = 0; i < columns; ++i) {
     all.push_back({"greatest µ by far", "{:.2f}"});
     row.emplace_back(1000.5);
   }
-  text::TextTable table(std::move(all));
+  files::TextTable table(std::move(all));
   table.add(std::move(row));
   return table;
 }

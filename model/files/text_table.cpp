@@ -1,4 +1,4 @@
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -9,7 +9,7 @@
 
 #include "model/files/message.hpp"
 
-namespace smaservo::text {
+namespace smaservo::files {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -280,4 +280,4 @@ std::string json_text(const Json& json, int indent) {
          "\n";
 }
 
-}  // namespace smaservo::text
+}  // namespace smaservo::files

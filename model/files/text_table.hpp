@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-namespace smaservo::text {
+namespace smaservo::files {
 
 class TextTable {
  public:
@@ -81,4 +81,4 @@ std::string escaped(std::string_view text);
 /// terminal: bytes that are not UTF-8 are replaced, control characters are written as \u001b.
 std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
 
-}  // namespace smaservo::text
+}  // namespace smaservo::files

@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "model/kinetics.hpp"
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo {
 

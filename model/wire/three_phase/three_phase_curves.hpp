@@ -3,7 +3,7 @@
 // temperature and a stress. Source: paper 000, 'Stress dependence of the material parameters';
 // three_phase.hpp steps along them.
 
-#include "model/three_phase/surface.hpp"
+#include "model/wire/three_phase/surface.hpp"
 
 namespace smaservo {
 

@@ -4,7 +4,7 @@
 #include "firmware/bench/scenario/scenario.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
-namespace smaservo::fits {
+namespace smaservo::figures {
 
 /// The run that identifies a wire at one stress: cycles from cold to each of `curves` temperatures
 /// and back, with a full cycle before and after. The temperatures are chosen for the wire's M2A so
@@ -15,4 +15,4 @@ bench::BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, 
 /// The run measured in the bath of the scenario.
 identify::Run bath_run(const bench::Scenario& scenario);
 
-}  // namespace smaservo::fits
+}  // namespace smaservo::figures

@@ -1,4 +1,4 @@
-#include "model/three_phase/three_phase_row.hpp"
+#include "model/wire/three_phase/three_phase_row.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

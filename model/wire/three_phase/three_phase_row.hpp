@@ -2,8 +2,8 @@
 // Three-phase models side by side, each to the bit as if it were stepped alone. One curve alone has
 // to wait for its divisions and square roots; here the processor computes eight at once.
 
-#include "model/three_phase/row.hpp"
-#include "model/three_phase/three_phase.hpp"
+#include "model/wire/three_phase/row.hpp"
+#include "model/wire/three_phase/three_phase.hpp"
 
 namespace smaservo {
 

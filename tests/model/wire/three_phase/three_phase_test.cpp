@@ -1,4 +1,4 @@
-#include "model/three_phase/three_phase.hpp"
+#include "model/wire/three_phase/three_phase.hpp"
 
 #include <algorithm>
 #include <ceres/jet.h>

@@ -1,4 +1,4 @@
-#include "firmware/text/reference/object_list.hpp"
+#include "firmware/text/canopen/object_list.hpp"
 
 #include <map>
 

@@ -20,8 +20,8 @@
 #include <cmath>
 
 #include "model/scalar/order.hpp"
-#include "model/three_phase/three_phase_curves.hpp"
-#include "model/three_phase/turning_points.hpp"
+#include "model/wire/three_phase/three_phase_curves.hpp"
+#include "model/wire/three_phase/turning_points.hpp"
 
 namespace smaservo {
 

@@ -1,12 +1,12 @@
-#include "firmware/text/reference/canopen_reference.hpp"
+#include "firmware/text/canopen/canopen_reference.hpp"
 
 #include <fmt/format.h>
 
 #include "firmware/canopen/node/communication.hpp"
 #include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/servo/servo_core.hpp"
-#include "firmware/text/reference/object_list.hpp"
-#include "firmware/text/text_table.hpp"
+#include "firmware/text/canopen/object_list.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -314,7 +314,7 @@ std::string pdo_text(const Object& object) {
 }
 
 std::string table_text(const ListedIndex& listed) {
-  TextTable table(
+  files::TextTable table(
       {{"Object"}, {"Name"}, {"Type"}, {"Access"}, {"Level"}, {"PDO"}, {"Default"}, {"Meaning"}});
   for (const ListedObject& object : listed.objects) {
     const Object& o = object.object;

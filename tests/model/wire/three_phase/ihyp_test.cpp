@@ -1,4 +1,4 @@
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 #include <algorithm>
 #include <ceres/jet.h>

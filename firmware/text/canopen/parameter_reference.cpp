@@ -1,12 +1,12 @@
-#include "firmware/text/reference/parameter_reference.hpp"
+#include "firmware/text/canopen/parameter_reference.hpp"
 
 #include <fmt/format.h>
 
 #include "firmware/parameters/parameter_check.hpp"
 #include "firmware/parameters/schemas.hpp"
-#include "firmware/text/reference/object_list.hpp"
+#include "firmware/text/canopen/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -47,7 +47,7 @@ std::string_view group_of(const Row& row) {
 }
 
 std::string group_text(std::string_view group) {
-  TextTable table(
+  files::TextTable table(
       {{"Key"}, {"Path"}, {"Type"}, {"Range"}, {"Default"}, {"Change"}, {"Level"}, {"Meaning"}});
   for (const Row& row : parameters<double>) {
     if (group_of(row) == group) {
@@ -62,7 +62,7 @@ std::string group_text(std::string_view group) {
 }
 
 std::string rules_text() {
-  TextTable table({{"Rule"}, {"Why"}});
+  files::TextTable table({{"Rule"}, {"Why"}});
   for (const Rule& rule : parameter_rules) {
     table.add({rule_text(rule), rule.meaning});
   }

@@ -1,10 +1,10 @@
-#include "host-sim/papers/fits/reversal_curves.hpp"
+#include "host-sim/papers/figures/003/reversal_curves.hpp"
 
 #include <algorithm>
 
 #include "host-sim/simulate/simulate.hpp"
 
-namespace smaservo::fits {
+namespace smaservo::figures {
 
 bench::BathScenario reversal_curves(const Wire<double>& wire, double stress_Pa, int curves) {
   const Isobar<double> m2a = isobar(wire.kinetics.m2a, stress_Pa);
@@ -36,4 +36,4 @@ identify::Run bath_run(const bench::Scenario& scenario) {
   return run;
 }
 
-}  // namespace smaservo::fits
+}  // namespace smaservo::figures

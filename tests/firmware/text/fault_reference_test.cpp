@@ -1,4 +1,4 @@
-#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "firmware/text/reference/canopen_reference.hpp"
+#include "firmware/text/canopen/canopen_reference.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -7,8 +7,8 @@
 #include <set>
 #include <sstream>
 
-#include "firmware/text/reference/object_list.hpp"
-#include "firmware/text/reference/parameter_reference.hpp"
+#include "firmware/text/canopen/object_list.hpp"
+#include "firmware/text/canopen/parameter_reference.hpp"
 #include "tests/can/eds_node/eds_file.hpp"
 #include "tests/firmware/canopen/servo/servo_rig.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "firmware/safety/faults/table.hpp"
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -93,12 +93,12 @@ std::optional<unsigned> code(std::string_view text) {
 }  // namespace
 
 std::string fault_reference() {
-  TextTable classes({{"class"}, {"what follows"}});
+  files::TextTable classes({{"class"}, {"what follows"}});
   for (std::size_t i = 0; i < fault_class_count; ++i) {
     const auto severity = static_cast<FaultClass>(i);
     classes.add({class_name(severity), reaction(severity)});
   }
-  TextTable faults({{"fault"}, {"code"}, {"class"}, {"time"}, {"what it is"}});
+  files::TextTable faults({{"fault"}, {"code"}, {"class"}, {"time"}, {"what it is"}});
   for (const FaultRow& row : fault_rows) {
     faults.add({fmt::format("[{0}](#{0})", row.name), fmt::format("{:04X}h", row.code),
                 class_name(row.severity), deglitch(row), row.text});
