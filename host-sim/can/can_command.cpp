@@ -1,3 +1,5 @@
+#include "host-sim/can/can_command.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
@@ -15,7 +17,6 @@
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"
 #include "host-sim/can/watch.hpp"
-#include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"

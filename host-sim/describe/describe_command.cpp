@@ -1,3 +1,5 @@
+#include "host-sim/describe/describe_command.hpp"
+
 #include <array>
 #include <fmt/format.h>
 #include <memory>
@@ -6,7 +8,6 @@
 #include "firmware/text/canopen/parameter_reference.hpp"
 #include "firmware/text/fault_reference.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 

@@ -1,3 +1,5 @@
+#include "host-sim/plan/plan_command.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -7,7 +9,7 @@
 #include <thread>
 
 #include "firmware/bench/progress.hpp"
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "host-sim/plan/plan.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/error.hpp"

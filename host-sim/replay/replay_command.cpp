@@ -1,9 +1,10 @@
+#include "host-sim/replay/replay_command.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 
 #include "firmware/text/settings_file.hpp"
-#include "host-sim/commands.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/replay.hpp"
 #include "host-sim/replay/report.hpp"

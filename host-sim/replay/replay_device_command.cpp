@@ -3,7 +3,7 @@
 
 #include "firmware/bench/device_replay.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "host-sim/commands.hpp"
+#include "host-sim/replay/replay_command.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 

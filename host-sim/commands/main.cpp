@@ -1,12 +1,12 @@
 #include <exception>
 
-#include "host-sim/run.hpp"
+#include "host-sim/commands/commands.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
 int main(int argc, char** argv) {
   try {
-    return smaservo::run_host_sim(argc, argv);
+    return smaservo::commands::run_host_sim(argc, argv);
   } catch (const smaservo::files::NoResult& failure) {
     smaservo::files::complain("host-sim", failure.what());
     return 3;
